@@ -1,4 +1,4 @@
-"""The brake equipment as a controller knows it: the pressure for a torque, and data as parameters of a formula."""
+"""The brake equipment as a controller uses it: the pressure for a torque, and brake data as parameters of a formula."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -8,19 +8,20 @@ from railgrip.vehicle.brake import Brake, pressure_of
 
 
 def by_name(groups: Sequence[Brake]) -> dict[str, float]:
-    """Return the data of all groups by the names of a formula's parameters, `load[1]` the first group's."""
+    """Return the data of all groups by the names of a formula's parameters, such as `load[1]` of the first group."""
     return {f"{name}[{g}]": value for g, group in enumerate(groups, 1) for name, value in asdict(group).items()}
 
 
 _PAD_FRICTION = 0.1, 0.6
-"""What pads may have, with a margin: UIC 541-3 has 0.35 to 0.45 by ±20 % between lots; wet ones lose up to 30 %."""
+"""Limits of pad friction, with a margin: UIC 541-3 has 0.35 to 0.45, ±20 % between lots; wet pads lose up to 30 %."""
 
 
 def pressure_for(torque: Expression, pad_friction: Expression, brake: Mapping[str, Expression]) -> Expression:
     """Return the brake cylinder pressure [Pa] at which a group's units give `torque` [N·m]; within 0 … pressure_max.
 
-    An estimate of pad friction that no pad has, as after a sensor has lied, is taken for the nearest that one may have:
-    below zero it would leave the brake off for good, because without pressure nothing depends on the pads.
+    An impossible estimate of pad friction, as after wrong readings, is limited to the possible range. A negative one
+    would leave the brake off for good: without pressure no reading depends on the pads, so the estimate would not
+    recover.
 
     Source: Schwarz, Lüdicke, Heckmann (2019), eq. (3), solved for p_c.
     """

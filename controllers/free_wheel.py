@@ -1,65 +1,66 @@
-"""Speed over ground from a wheel that rolls, while the radar is silent."""
+"""Speed over ground from a rolling wheel, while the radar provides no reading."""
 
 from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from functools import cache
-from types import MappingProxyType
+from typing import Annotated
 
 from railgrip.controllers.brake import by_name
+from railgrip.controllers.parameters import Parameters
 from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled, choose, either, every
 from railgrip.vehicle.brake import BRAKE, Brake
+from railgrip.vehicle.signals import REFERENCE_INPUTS
 
-PARAMETERS = MappingProxyType(
-    {
-        "period": ("s", "between two samples"),
-        "silence": ("s", "without a reading of the speed, after which wheels stand in for it"),
-        "release": ("s", "for which a brake must have been off"),
-        "filter_time": ("s", "time constant of the filter that differentiates wheel speeds"),
-        "spin_up": ("m/s2", "acceleration at the rim above which a released wheel still slides"),
-        "interval": ("s", "between two speeds from wheels: their error is that of a radius, and does not average out"),
-        "test_after": ("s", "without any speed, after which a group is released to see how fast its wheels roll"),
-        "test_most": ("s", "longest such release"),
-    }
-)
-VALUES = MappingProxyType(
-    {
-        "silence": 1.0, "release": 0.5, "filter_time": 0.3, "spin_up": 0.3, "interval": 0.1,
-        "test_after": 5.0, "test_most": 7.0,
-    }
-)  # fmt: skip
-"""A wheelset of 120 kg·m² under 7 t is turned at 0.3 m/s² by an adhesion of 0.004, less than leaves leave; an axle may
-be vented for 5 to 10 s before it has to brake again."""
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FreeWheelParameters(Parameters):
+    """Parameters of `FreeWheel`.
+
+    An adhesion of 0.004, lower than on leaves, accelerates the rim of a wheelset of 120 kg·m² under 7 t at 0.3 m/s². An
+    axle may be vented for 5 to 10 s before it has to brake again.
+    """
+
+    period: Annotated[float, "s", "between two samples"]
+    silence: Annotated[float, "s", "time without a reading of the speed, after which a wheel speed replaces it"] = 1.0
+    release: Annotated[float, "s", "time for which a brake must have been off"] = 0.5
+    filter_time: Annotated[float, "s", "time constant of the filter that differentiates wheel speeds"] = 0.3
+    spin_up: Annotated[float, "m/s2", "acceleration at the rim above which a released wheel still slides"] = 0.3
+    interval: Annotated[
+        float, "s", "between two speeds from wheels: their error is that of a radius, and does not average out"
+    ] = 0.1
+    test_after: Annotated[float, "s", "time without any speed, after which a group is released to measure it"] = 5.0
+    test_most: Annotated[float, "s", "longest such release"] = 7.0
+
 
 _ANY_SPEED = 1e6  # m/s
 _DATA = ("wheel_radius", "piston_area", "spring_force")
 
 
 class FreeWheel(Sampled):
-    """What takes the place of a reading of the speed that does not come, and the releases that it takes.
+    """Replaces missing readings of the speed by a rolling wheel's speed, and requests test releases.
 
-    Its outputs are the speed [m/s] for the filter, NaN while none is known, and 1 for each group that is to be
+    Its outputs are the speed [m/s] for the filter, NaN while it is unknown, and for each group 1 while it is to be
     released.
     """
 
     def __init__(self, groups: Sequence[Brake], period: float) -> None:
-        """Watch the wheels of `groups`, every `period` [s]."""
-        super().__init__(free_wheel(len(groups)), {"period": period, **VALUES, **by_name(groups)})
+        """Start for `groups`, called every `period` [s]."""
+        super().__init__(free_wheel(len(groups)), asdict(FreeWheelParameters(period=period)) | by_name(groups))
 
 
 @cache
 def free_wheel(groups: int) -> Formula:
     """Return the formula of `FreeWheel` for a number of groups.
 
-    A wheel rolls whose brake has been off for `release` and whose speed does not rise by more than `spin_up`; of more
-    the fastest, and none that is slower than a wheel that is braked: its sensor would be dead. Where no law releases
-    one for `test_after`, one group after the other is, from the rear. Test releases for a reference speed are the
-    practice of protection without radar (Pugi et al., Railway Engineering Science 31 (2023) 108).
+    A wheel rolls if its brake has been off for `release` and its speed rises by no more than `spin_up`. The fastest
+    rolling wheel is used, unless a braked wheel is faster, because then its sensor must be dead. If the law has not
+    released a group for `test_after`, one group after the other is released, from the rear. Test releases for a
+    reference speed are common practice without radar (Pugi et al., Railway Engineering Science 31 (2023) 108).
     """
     draft = FormulaBuilder()
-    speed = draft.input("speed", "m/s", "reading of the train speed; NaN while there is none")
     numbers = range(1, groups + 1)
-    wheels = [draft.input(f"wheelset_speed[{g}]", "rad/s", "newest reading") for g in numbers]
-    pressures = [draft.input(f"pressure[{g}]", "Pa", "newest reading of the brake cylinder pressure") for g in numbers]
-    t = {name: draft.parameter(name, unit, text) for name, (unit, text) in PARAMETERS.items()}
+    (speed,), wheels, pressures = draft.vector(REFERENCE_INPUTS, groups)
+    t = FreeWheelParameters.declare(draft)
     period = t["period"]
     silent = draft.state("silent", "s", "since the last reading of the speed")
     present = _is_known(speed)
@@ -88,7 +89,7 @@ def free_wheel(groups: int) -> Formula:
     draft.keep(waited, choose(due, 0.0, waiting))
     draft.output("speed", "m/s", "speed for the filter", choose(present, speed, choose(due, free, float("nan"))))
 
-    # A test ends with a speed, or in vain; the next one is another group's.
+    # A test ends with a speed or after `test_most` without one; the next test releases another group.
     unknown = draft.state("unknown", "s", "since a speed was known, or a test was in vain")
     turn = draft.state("turn", "1", "groups between the last one and the next to be released")
     duration = choose(either(present, available), 0.0, unknown + period)
@@ -99,10 +100,9 @@ def free_wheel(groups: int) -> Formula:
     draft.keep(turn, choose(over, choose(turn + 1.0 < groups, turn + 1.0, 0.0), turn))
     for g in numbers:
         release = choose(every(testing, turn == groups - g), 1.0, 0.0)
-        draft.output(f"release[{g}]", "1", "1 while the group is to be released", release)
+        draft.output(f"test_release[{g}]", "1", "1 while the group is to be released", release)
     return draft.formula("FreeWheel", "Speed over ground from a wheel that rolls")
 
 
 def _is_known(reading: Expression) -> Expression:
-    """Return whether a reading [m/s] is a number."""
     return reading > -_ANY_SPEED

@@ -2,31 +2,35 @@
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from functools import cache
+from itertools import groupby
 from math import isfinite
+from operator import itemgetter
 from pathlib import Path
-from typing import Any, ClassVar, Literal, get_type_hints
+from typing import ClassVar
 
 from railgrip.controllers import tuned
 from railgrip.controllers.brake import by_name
 from railgrip.controllers.observation import Observation
+from railgrip.controllers.parameters import Parameters
 from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled
 from railgrip.vehicle.brake import BRAKE, Brake
+from railgrip.vehicle.signals import OBSERVED, Signal
 
 NOT_SEEN = float("nan")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tuning:
-    """Parameters of a law: finite numbers that are not negative, each with its unit and meaning in its type.
+class Tuning(Parameters):
+    """Parameters of a law: finite numbers that are not negative; the type of each states its unit and meaning.
 
-    A parameter that is not searched has its value as default here; the others are in the law's sets.
+    Parameters that are not searched have a default; the values of the others are in the law's sets.
 
     Attributes:
-        LAW: Name of the law in a sentence.
-        POSITIVE: Names of those that must not be zero, either.
-        FIXED: Names of those that the scenario sets by other tables.
+        LAW: Name of the law in messages.
+        POSITIVE: Names of the parameters that must not be zero.
+        FIXED: Names of the parameters that other tables of the scenario set.
     """
 
     LAW: ClassVar[str] = ""
@@ -34,23 +38,16 @@ class Tuning:
     FIXED: ClassVar[frozenset[str]] = frozenset({"period"})
 
     def __post_init__(self) -> None:
-        """Refuse what would run and mean nothing.
+        """Check the parameters.
 
         Raises:
-            ValueError: A value is negative or not a finite number, or zero where it must not be.
+            ValueError: A value is negative or not finite, or zero where it must be positive.
         """
         for name, (unit, *_) in self.meanings().items():
             value = getattr(self, name)
             if not (isfinite(value) and value >= 0.0) or (name in self.POSITIVE and value == 0.0):
                 kind = "positive" if name in self.POSITIVE else "not negative"
                 raise ValueError(f"{self.LAW}: {name} must be finite and {kind}, got {value} {unit}.")
-
-    @classmethod
-    @cache
-    def meanings(cls) -> Mapping[str, tuple[Any, ...]]:
-        """Return the unit, the meaning and, if there is one, the largest value of each parameter, by name."""
-        types = get_type_hints(cls, include_extras=True)
-        return {field.name: types[field.name].__metadata__ for field in fields(cls)}
 
     @classmethod
     def units(cls) -> dict[str, str]:
@@ -64,25 +61,27 @@ NO_PARAMETERS = Tuning()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GroupObservation:
-    """What a law sees of one group, as symbols; see `railgrip.controllers.observation.Observation`.
+    """Symbols of a group's observation; `railgrip.controllers.observation.Observation` has their values.
+
+    The signals of `railgrip.vehicle.signals.OBSERVED` are attributes by their names.
 
     Attributes:
-        index: Of the group as FMI counts, 1 the leading one.
-        brake: The group's data by name.
-        train: Observations of every group, this one among them, lead to trail; complete once the demands are formed.
+        index: Number of the group as in FMI, 1 for the leading one.
+        signals: Signals of the group and of the train, by name.
+        brake: The group's brake data by name.
+        train: Observations of all groups, leading group first; complete when the demands are formed.
     """
 
     index: int
-    speed: Expression
-    acceleration: Expression
-    slip: Expression
-    adhesion: Expression
-    pad_friction: Expression
-    wheelset_speed: Expression
-    driver_demand: Expression
-    pressure: Expression
+    signals: Mapping[str, Expression]
     brake: Mapping[str, Expression]
     train: Sequence["GroupObservation"]
+
+    def __getattr__(self, name: str) -> Expression:
+        """Return a signal."""
+        if name not in self.signals:
+            raise AttributeError(f"An observation has no '{name}'; it has {', '.join(self.signals)}.")
+        return self.signals[name]
 
     def label(self, name: str) -> str:
         """Return the name of this group's element of an array."""
@@ -93,130 +92,95 @@ Demand = Callable[[FormulaBuilder, GroupObservation], Expression]
 """Returns the demanded pressure [Pa] of one group, keeping its states in the draft."""
 
 
-OF_GROUPS = (
-    ("slip", "1", "slip 1 - r*omega/v of the group"),
-    ("adhesion", "1", "estimated adhesion of the group, positive in braking"),
-    ("pad_friction", "1", "estimated friction of the group's brake pads"),
-    ("wheelset_speed", "rad/s", "rotational speed of the group's wheelsets"),
-    ("driver_demand", "Pa", "brake cylinder pressure that the driver asks for"),
-    ("pressure", "Pa", "measured brake cylinder pressure"),
-)
-"""Inputs of a law that each group has, in their order behind speed and acceleration: name, unit and meaning."""
-
-
-def law(name: str, description: str, groups: int, demand_with: Callable[[FormulaBuilder], Demand]) -> Formula:
-    """Return the formula of a law that treats every group by itself.
+def law(
+    name: str,
+    description: str,
+    groups: int,
+    demand_with: Callable[[FormulaBuilder], Demand],
+    observed: Sequence[Signal] = OBSERVED,
+) -> Formula:
+    """Return the formula of a law that forms the demand of one group at a time.
 
     Args:
-        name: Of the law.
+        name: Name of the law.
         description: One line.
         groups: Number of groups.
-        demand_with: Declares the parameters and states that all groups share in the draft, and returns the demand of
-            one group.
+        demand_with: Function that declares in the draft the parameters and states that all groups share, and returns
+            a function for the demand of one group.
+        observed: Signals of the observation, the inputs of the law.
     """
     draft = FormulaBuilder()
-    numbers = range(1, groups + 1)
-    speed = draft.input("speed", "m/s", "speed of the train")
-    acceleration = draft.input("acceleration", "m/s2", "acceleration of the train, negative in braking")
-    of_groups = {name: [draft.input(f"{name}[{g}]", unit, text) for g in numbers] for name, unit, text in OF_GROUPS}
+    inputs = dict(zip((signal.name for signal in observed), draft.vector(observed, groups), strict=True))
     demand = demand_with(draft)
     train: list[GroupObservation] = []
-    for g in numbers:
-        brake = {name: draft.parameter(f"{name}[{g}]", unit, text) for name, (unit, text) in BRAKE.items()}
-        signals = {name: symbols[g - 1] for name, symbols in of_groups.items()}
-        train.append(
-            GroupObservation(index=g, speed=speed, acceleration=acceleration, brake=brake, train=train, **signals)
-        )
+    for g in range(groups):
+        brake = {name: draft.parameter(f"{name}[{g + 1}]", unit, text) for name, (unit, text) in BRAKE.items()}
+        signals = {name: symbols[min(g, len(symbols) - 1)] for name, symbols in inputs.items()}
+        train.append(GroupObservation(index=g + 1, signals=signals, brake=brake, train=train))
     demands = [demand(draft, group) for group in train]
-    for g, demanded in zip(numbers, demands, strict=True):
+    for g, demanded in enumerate(demands, start=1):
         draft.output(f"demand[{g}]", "Pa", "demanded brake cylinder pressure", demanded)
     return draft.formula(name, description)
 
 
 class Law(Sampled):
-    """A control law at work on some groups.
+    """A control law with its parameters and states.
 
     Attributes:
-        needs: Estimates it cannot do without, of "adhesion" and "pad_friction".
+        needs: Estimates that it requires: "adhesion", "pad_friction".
     """
 
     needs: tuple[str, ...] = ()
 
     def __init__(self, formula: Formula, groups: Sequence[Brake], parameters: Mapping[str, float]) -> None:
-        """Control `groups`; `parameters` are those that are not of a group, by name."""
+        """Control `groups`; `parameters` has the values by name, except for the brake data of the groups."""
         super().__init__(formula, by_name(groups) | {name: float(value) for name, value in parameters.items()})
-        self._count = len(groups)
+        elements = enumerate(quantity.name.partition("[")[0] for quantity in formula.inputs)
+        numbers = {name: [i for i, _ in of_name] for name, of_name in groupby(elements, key=itemgetter(1))}
+        self._places = tuple((name, slice(places[0], places[-1] + 1)) for name, places in numbers.items())
 
-    def decide(self, observation: Observation) -> tuple[float, ...]:
+    def decide(self, observation: Observation, demand: Sequence[float] | None = None) -> tuple[float, ...]:
         """Return the demanded pressure of each group [Pa].
 
         Raises:
             ValueError: The observation lacks an estimate that the law needs.
         """
-        _, speed, acceleration, wheels, slip, _, adhesion, pad_friction, pressure, driver_demand = observation
-        if adhesion is None or pad_friction is None:
-            missing = [name for name in self.needs if getattr(observation, name) is None]
-            if missing:
-                raise ValueError(f"{self.formula.name}: needs an estimator of {missing[0]}; no component provides it.")
-        inputs = self.inputs
-        inputs[0], inputs[1] = speed, acceleration
-        rows = inputs[2:].reshape(len(OF_GROUPS), self._count)  # a view, in the order of `OF_GROUPS`
-        rows[0], rows[3], rows[4], rows[5] = slip, wheels, driver_demand, pressure
-        rows[1] = NOT_SEEN if adhesion is None else adhesion
-        rows[2] = NOT_SEEN if pad_friction is None else pad_friction
+        missing = [name for name in self.needs if getattr(observation, name) is None]
+        if missing:
+            raise ValueError(f"{self.formula.name}: needs an estimator of {missing[0]}; no component provides it.")
+        for name, place in self._places:
+            values = demand if name == "demand" else getattr(observation, name)
+            self.inputs[place] = NOT_SEEN if values is None else values
         return self.evaluate()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TypeTestEntry:
-    """How a law takes part in the type test.
-
-    Attributes:
-        description: One line.
-        role: A baseline is what an entrant has to beat.
-        slip: Whether it is given an estimator or readings alone.
-        tuning: Name of its set.
-        since: First version of the type test with it; results of earlier versions do not change.
-        hand_trials: Number of sets of parameters that were tried by hand; None where it was not counted.
-    """
-
-    description: str
-    role: Literal["baseline", "entrant"]
-    slip: tuned.SlipSource
-    tuning: str = tuned.SEARCHED
-    since: int = 1
-    hand_trials: int | None = None
-
-
 Ranges = Mapping[tuple[str, tuned.SlipSource], Mapping[str, tuple[float, float]]]
-"""Kind of actuation and how the law knows the slip → where each parameter is searched, on a logarithmic scale."""
+"""(Kind of actuation, source of the slip) → range of each searched parameter, on a logarithmic scale."""
 
 
 FULL_PRESSURE = frozenset({"pressure_max", "wheel_radius"})
-"""What a law uses of a brake that knows only all of it and none; the radius, for slip, is that of every law."""
+"""Brake data of a law that demands only zero or full pressure, or shares of it; every law needs the radius for slip."""
 
 
 class GroupLaw(Law):
-    """A control law of this project for single groups: all that is said of it, in one module of the folder `laws`.
+    """A built-in control law, declared in one module of the folder `laws`.
 
     Attributes:
         description: One line.
         tuning: Type of its parameters.
-        ranges: Where `railgrip maintain tune-control` searches.
-        entries: In the type test, by the name there.
-        brake_data: What it uses of the data of a `Brake`; of a train from outside no more has to be given.
+        ranges: Ranges in which `railgrip maintain tune-control` searches.
+        brake_data: Fields of `Brake` that it uses; a foreign train has to provide only these.
         valve_band: Half width of the band in which valves hold under this law [Pa]; None for that of `ValveLogic`.
     """
 
     description: ClassVar[str]
     tuning: ClassVar[type[Tuning]] = Tuning
     ranges: ClassVar[Ranges] = {}
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {}
     brake_data: ClassVar[frozenset[str]] = frozenset(BRAKE)
     valve_band: ClassVar[float | None] = None
 
     def __init__(self, groups: Sequence[Brake], tuning: Tuning = NO_PARAMETERS) -> None:
-        """Control `groups` with one `tuning`."""
+        """Control all `groups` with the same `tuning`."""
         super().__init__(self.formula_for(len(groups)), groups, asdict(tuning))
 
     @staticmethod
@@ -230,8 +194,7 @@ class GroupLaw(Law):
         """Return the formula for a number of groups."""
 
         def demand_with(draft: FormulaBuilder) -> Demand:
-            symbols = {name: draft.parameter(name, *meaning) for name, meaning in cls.tuning.meanings().items()}
-            return cls.demand_with(draft, symbols)
+            return cls.demand_with(draft, cls.tuning.declare(draft))
 
         return law(cls.__name__, cls.description, groups, demand_with)
 
@@ -240,13 +203,13 @@ class GroupLaw(Law):
         """Return the parameters of one of the law's sets; without a file they are those of its type.
 
         Args:
-            actuation: Kind of it.
-            slip: How the law knows the slip.
-            name: Of the set.
-            others: Values in place of those of the set; names that are not parameters of this law are ignored.
+            actuation: Kind of actuation, "ideal" or "pneumatic".
+            slip: Whether the slip is read or estimated.
+            name: Name of the set.
+            others: Values that replace those of the set; names that are not parameters of this law are ignored.
 
         Raises:
-            ValueError: The set is not for this actuation, or a value means nothing.
+            ValueError: The set is not for this actuation, or a value is invalid.
         """
         module = Path(inspect.getfile(cls))
         file = module.with_name(tuned.file_of(module.stem, name))

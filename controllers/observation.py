@@ -1,4 +1,4 @@
-"""What a controller is shown at one instant."""
+"""Input of a controller at one instant."""
 
 from typing import NamedTuple
 
@@ -9,25 +9,25 @@ Vector = NDArray[np.float64]
 
 
 class Observation(NamedTuple):
-    """The train as sensors and estimator show it to the controller.
+    """Readings and estimates of the train at one instant.
 
-    A group is the wheelsets that turn together; every array has one entry per group, leading group first. A quantity
-    that no sensor has read yet is NaN, one that no component provides is None.
+    A group is a set of wheelsets that rotate together. Arrays have shape (groups,), leading group first. A quantity
+    that no sensor has read yet is NaN; one that no component provides is None.
 
     Attributes:
-        time: Since braking began [s].
-        speed: Of the train [m/s]; estimated where an estimator provides it, else read.
-        acceleration: Of the train, read, negative in braking [m/s²].
-        wheelset_speed: Rotational speed of the wheelsets, as `speed` estimated or read [rad/s]; NaN where an estimate
-            is lost, its deviation more than 1 m/s at the rim.
+        time: Time since braking began [s].
+        speed: Speed of the train [m/s]; estimated if an estimator provides it, else read.
+        acceleration: Acceleration of the train, read, negative in braking [m/s²].
+        wheelset_speed: Rotational speed of the wheelsets [rad/s], estimated or read like `speed`; NaN if the standard
+            deviation of the estimate exceeds 1 m/s at the rim.
         slip: 1 − rω/v, 0 rolling, 1 locked [1].
         slip_is_estimated: Whether the slip comes from an estimator; else it follows from the speeds read and the
             nominal radii.
         adhesion: Estimated F_x/F_z of each group, positive in braking [1]; None without an estimator of it.
         pad_friction: Estimated friction of pads on disc [1]; None without an estimator of it.
-        pressure: Read brake cylinder pressure [Pa].
-        driver_demand: Brake cylinder pressure that the driver asks for [Pa]. A controller can only lower it: the
-            lower one of its demand and this is sent.
+        pressure: Brake cylinder pressure, read [Pa].
+        driver_demand: Brake cylinder pressure that the driver demands [Pa]. A controller can only lower it: the lower
+            of its own demand and this one is sent.
     """
 
     time: float

@@ -1,15 +1,18 @@
-"""A sampled function with memory: the form of every law here, as a CasADi graph.
+"""A sampled function with states: the form of every law here, as a CasADi graph.
 
-Written once, it runs in Python, in C in the loop, and as an FMU in other tools, with the same results.
+It is written once and runs in Python, in C in the loop, and as an FMU in other tools, with the same results.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
+
+from railgrip.vehicle.formation import Formation
+from railgrip.vehicle.signals import Signal, names_of
 
 Vector = NDArray[np.float64]
 Expression = Any
@@ -21,12 +24,12 @@ class Quantity:
     """One number at the interface of a sampled function.
 
     Attributes:
-        name: As FMI writes it, `slip[1]` an element of an array.
-        unit: SI, "1" for ratios.
+        name: Name as in FMI; `slip[1]` is an element of an array.
+        unit: SI unit, "1" for ratios.
         description: One line.
-        start: Of a state: before the first call.
-        visible: Of a state: whether traces record it, because it explains the outputs.
-        minimum, maximum: Of a parameter or output: limits of its validity; None without a limit.
+        start: For a state, its value before the first call.
+        visible: For a state, whether traces record it because it explains the outputs.
+        minimum, maximum: For a parameter or output, limits of its validity; None without a limit.
     """
 
     name: str
@@ -43,7 +46,7 @@ class Formula:
     """A sampled function.
 
     Attributes:
-        name: Of the law.
+        name: Name of the law.
         description: One line.
         states, inputs, parameters, outputs: In the order of the vectors of `step`.
         step: (state, input, parameter) → (state, output), dense columns.
@@ -59,7 +62,7 @@ class Formula:
 
 
 class FormulaBuilder:
-    """A formula while it is written: symbols are created by name, results are assigned to names.
+    """A formula under construction: symbols are created by name, and results are assigned to names.
 
     draft = Draft()
     slip = draft.input("slip[1]", "1", "slip")
@@ -79,22 +82,30 @@ class FormulaBuilder:
         """Return the symbol of a new input."""
         return self._symbol("input", Quantity(name=name, unit=unit, description=description))
 
+    def vector(self, signals: Iterable[Signal], groups: int) -> list[list[Expression]]:
+        """Return the symbols of new inputs, one for the train or for each group, for each signal."""
+        formation = Formation((1,) * groups)
+        return [
+            [self.input(name, signal.unit, signal.meaning) for name in names_of(signal, formation)]
+            for signal in signals
+        ]
+
     def parameter(self, name: str, unit: str, description: str, maximum: float | None = None) -> Expression:
-        """Return the symbol of a new parameter; none is negative."""
+        """Return the symbol of a new parameter, which is not negative."""
         quantity = Quantity(name=name, unit=unit, description=description, minimum=0.0, maximum=maximum)
         return self._symbol("parameter", quantity)
 
     def state(self, name: str, unit: str, description: str, start: float = 0.0) -> Expression:
-        """Return the symbol of a new state, its value before the call."""
+        """Return the symbol of a new state, which has its value before the call."""
         return self._symbol("state", Quantity(name=name, unit=unit, description=description, start=start))
 
     def show(self, name: str, unit: str, description: str, value: Expression) -> None:
-        """Keep a value only to be shown."""
+        """Add a value that traces record and the formula itself does not use."""
         symbol = Quantity(name=name, unit=unit, description=description, visible=True)
         self.keep(self._symbol("state", symbol), value)
 
     def keep(self, state: Expression, value: Expression) -> None:
-        """Say what a state is after the call."""
+        """Set the value of a state after the call."""
         self._following[state.name()] = value
 
     def output(
@@ -106,7 +117,7 @@ class FormulaBuilder:
         self._outputs[1].append(value)
 
     def formula(self, name: str, description: str) -> Formula:
-        """Return the formula that was drafted."""
+        """Return the complete formula."""
         arguments = [ca.vertcat(*self._symbols[kind][1]) for kind in ("state", "input", "parameter")]
         following = [self._following[quantity.name] for quantity in self._symbols["state"][0]]
         results = [ca.densify(ca.vertcat(*each)) for each in (following, self._outputs[1])]
@@ -129,7 +140,7 @@ class FormulaBuilder:
 
 
 def choose(condition: Expression, this: Expression, otherwise: Expression) -> Expression:
-    """Return `this` where the condition holds, else `otherwise`; the other one may be infinite or not a number."""
+    """Return `this` if the condition holds, else `otherwise`; the value that is not chosen may be infinite or NaN."""
     return ca.if_else(condition, this, otherwise)
 
 
@@ -155,23 +166,23 @@ def either(*conditions: Expression) -> Expression:
 
 
 class Sampled:
-    """A formula with its parameters, and the memory from call to call.
+    """A formula with its parameters, which keeps the states from call to call.
 
     Attributes:
-        formula: What is computed.
+        formula: The formula.
         parameters: Shape (number of parameters,); may be written between calls.
         state: Shape (number of states,).
         inputs: Inputs of the next call, shape (number of inputs,).
     """
 
     def __init__(self, formula: Formula, parameters: Mapping[str, float]) -> None:
-        """Begin at the start values of the states; `parameters` by name, all of them."""
+        """Start at the start values of the states; `parameters` maps the name of every parameter to its value."""
         self.formula = formula
         self.parameters = np.array([parameters[quantity.name] for quantity in formula.parameters])
         self.state = np.array([quantity.start for quantity in formula.states])
         self.inputs, self._result = np.zeros(len(formula.inputs)), np.zeros(len(formula.outputs))
         self._following = np.zeros(self.state.size)
-        # Arguments and results stay where they are: a call through CasADi's conversions would cost ten times as much.
+        # The buffers of arguments and results are fixed: a call with CasADi's conversions would take ten times as long.
         buffer, self._evaluate = formula.step.buffer()
         self._buffer: Any = buffer
         for place, values in enumerate((self.state, self.inputs, self.parameters)):
@@ -183,7 +194,7 @@ class Sampled:
 
     @property
     def visible(self) -> tuple[tuple[int, Quantity], ...]:
-        """Places in `state` of the visible states, and the states; elements of an array are adjacent."""
+        """Index in `state` and description of each visible state; elements of an array are adjacent."""
         visible = [(i, quantity) for i, quantity in enumerate(self.formula.states) if quantity.visible]
         names = [quantity.name.partition("[")[0] for _, quantity in visible]
         return tuple(
@@ -192,7 +203,7 @@ class Sampled:
 
     @property
     def step(self) -> ca.Function:
-        """The formula's (state, input, parameter) → (state, output)."""
+        """Function (state, input, parameter) → (state, output) of the formula."""
         return self.formula.step
 
     def call(self, inputs: Sequence[float]) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""What is decided for a train as a whole, over the demands of a law for its groups: shared valves, redistribution."""
+"""Decisions for the whole train on top of a law's demands for its groups: shared valves and redistribution."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
@@ -12,27 +12,30 @@ from railgrip.controllers.brake import pressure_for
 from railgrip.controllers.law import Law
 from railgrip.controllers.sampled import Expression, Formula, Quantity, choose
 from railgrip.vehicle.brake import Brake
+from railgrip.vehicle.signals import TRAIN_INPUTS
 
 Choice = Literal["lowest", "mean"]
-"""How groups that share a valve agree: the lowest demand, for the group that slips most; or the mean."""
+"""Demand of groups that share a valve: the lowest, that of the group with the largest slip; or the mean."""
 
 PAD_FRICTION = 0.35
-"""Of pads whose friction is not estimated."""
+"""Friction assumed for pads whose friction is not estimated."""
 
 T_REDISTRIBUTION = 0.3
-"""Time constant [s] of the demand on other groups: longer than a pulse of a slip controller."""
+"""Time constant [s] of the demand on other groups, longer than a pulse of a slip controller."""
 
 
 def pass_through(groups: Sequence[Brake]) -> Law:
-    """Return a law that demands of each group the pressure that it is shown as read."""
-    formula = laws.law("PassThrough", "Demands what it reads", len(groups), lambda _: lambda _, group: group.pressure)
+    """Return a law whose input `demand` is also its output."""
+    formula = laws.law(
+        "PassThrough", "Demands its input", len(groups), lambda _: lambda _, group: group.demand, TRAIN_INPUTS
+    )
     return Law(formula, groups, {})
 
 
 def with_shared_valves(law: Law, groups: Sequence[Brake], groups_per_valve: Sequence[int], choice: Choice) -> Law:
-    """Return a law that demands one pressure, as a share of their highest, of all groups of a valve.
+    """Return a law that demands the same share of the highest pressure from all groups of a valve.
 
-    Shares, because cylinders of a valve may differ in their highest pressures: the valve fills all or vents all.
+    The valve fills or vents all of its cylinders at once, and their highest pressures may differ.
     """
     demands, following, symbols = _open_formula(law.formula)
     parameters = {quantity.name: symbol for quantity, symbol in _pair_quantities(law.formula.parameters, symbols[2])}
@@ -44,18 +47,18 @@ def with_shared_valves(law: Law, groups: Sequence[Brake], groups_per_valve: Sequ
         for share in shares[1:]:
             agreed = agreed + share if choice == "mean" else choose(agreed < share, agreed, share)
         agreed = agreed / count if choice == "mean" else agreed
-        # A valve of one group: its demand to the last bit.
+        # With one group per valve the demand must not change by rounding.
         shared += [agreed * most for most in full] if count > 1 else [demands[end - 1]]
     return _law(law, groups, replace(law.formula, step=_step(symbols, following, shared)))
 
 
 def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adhesion_max: float) -> Law:
-    """Return a law that asks of groups with adhesion left what others cannot give of the driver's demand.
+    """Return a law that compensates, on groups with spare adhesion, for force that other groups cannot transmit.
 
-    A group gives the lower of what the driver asks of it and what its law allows. The force that is missing, filtered
-    with `T_REDISTRIBUTION`, is demanded from the groups whose laws allow more than the driver demands, each by the same
+    A group provides the lower of the driver's demand and its law's. The missing force, filtered with
+    `T_REDISTRIBUTION`, is demanded from the groups whose laws allow more than the driver demands, each by the same
     share of its reserve, up to its highest pressure and to `adhesion_max` of its load. With full brake there is no
-    reserve. The demands already respect the driver's limit.
+    reserve. The results already respect the driver's limit.
     """
     demands, following, symbols = _open_formula(law.formula)
     inputs, parameters = (
@@ -92,7 +95,6 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
 
 
 def _open_formula(formula: Formula) -> tuple[list[Expression], Expression, tuple[Expression, Expression, Expression]]:
-    """Return demands, states after the call, and the symbols that both are of: states, inputs, parameters."""
     sizes = (len(formula.states), len(formula.inputs), len(formula.parameters))
     symbols = tuple(ca.SX.sym(name, size) for name, size in zip("xup", sizes, strict=True))
     following, demands = formula.step(*symbols)

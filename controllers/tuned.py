@@ -1,8 +1,8 @@
 """Sets of parameters of the control laws: TOML files next to each law, with values from a search or a paper.
 
-A file has a table for each kind of actuation and each way to know the slip, such as `[pneumatic.estimated]`; or values
-alone, which hold for all of them. What is in no set is physics, or a limit that somebody else set, and a default of the
-law's parameters.
+A file has a table for each kind of actuation and source of the slip, such as `[pneumatic.estimated]`, or only values,
+which apply to all of them. Parameters that are in no set follow from physics or from a regulation; their values are the
+defaults of the law's parameters.
 """
 
 import tomllib
@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Literal
 
 SlipSource = Literal["read", "estimated"]
-"""How a law knows the slip: from readings alone, or from an estimator."""
+"""Source of a law's slip: readings alone, or an estimator."""
 
 SEARCHED = "searched"
 """Name of the set that `railgrip maintain tune-control` writes on the training rails."""
 
 TYPE_TEST = "type_test"
-"""Name of that from the training cases of the type test, of laws whose other set the tables of the papers hang on."""
+"""Name of the set from the training cases of the type test, for laws whose other set belongs to the papers' tables."""
 
 
 def file_of(kind: str, name: str) -> str:
@@ -29,7 +29,7 @@ def values(file: Path, name: str, actuation: str, slip: SlipSource) -> Mapping[s
     """Return the values of the set `name` in a file.
 
     Raises:
-        ValueError: It has no values for this actuation; only `SEARCHED` may be taken from another actuation.
+        ValueError: It has no values for this actuation; only `SEARCHED` may be used for another actuation.
     """
     sets = tomllib.loads(file.read_text(encoding="utf-8"))
     if not any(isinstance(entry, dict) for entry in sets.values()):

@@ -1,28 +1,30 @@
-"""From demanded pressures to fill, hold and dump valves."""
+"""Commands for fill, hold and dump valves from demanded pressures."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from typing import Annotated, get_type_hints
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.controllers.parameters import Parameters
 from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled, choose
+from railgrip.vehicle.signals import VALVE_INPUTS
 
 FILL, HOLD, DUMP = 1.0, 0.0, -1.0
 
 BAND = 6e3
-"""Half width [Pa] of the band in which valves hold: the shortest pulse, 20 ms, fills or vents some 15 kPa at mid
-pressure, and a band narrower than half of that would be jumped over. On the training rails 3 to 12 kPa move the mean
-distance of adhesion-based control by 0.2 %."""
+"""Half width [Pa] of the band in which valves hold: the shortest pulse, 20 ms, fills or vents some 15 kPa at medium
+pressure, so that it would skip a band narrower than half of that. On the training rails a half width of 3 to 12 kPa
+changes the mean distance of adhesion-based control by 0.2 %."""
 
 PULSE_MIN = 20e-3
-"""Shortest time [s] a valve stays as it is: valves with 20-40 ms of minimum pulse are in service."""
+"""Shortest time [s] between two switchings of a valve: valves in service have minimum pulses of 20-40 ms."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ValveModel:
+class ValveModel(Parameters):
     """Data of valves and brake cylinders that the valve logic assumes, each with its unit and meaning.
 
     Filling is towards the supply pressure, venting towards zero gauge pressure; the band is around the demand.
@@ -33,23 +35,28 @@ class ValveModel:
     fill_time: Annotated[float, "s", "time constant of filling"]
     vent_time: Annotated[float, "s", "time constant of venting"]
     band: Annotated[float, "Pa", "half width of the band in which the valves hold"]
-    pulse_min: Annotated[float, "s", "shortest time a valve stays as it is"]
+    pulse_min: Annotated[float, "s", "shortest time between two switchings"]
 
 
 class ValveLogic(Sampled):
     """Three-state tracking of demanded pressures with a predictor over the dead time.
 
-    The pressure that matters for a command is the one when it takes effect, not the measured one: commands on their
-    way are run through the valve model first (Smith, 1957). A demand of zero or of full pressure is passed on at
-    once as dump or fill, so that two-level controllers work as they do with binary valves.
+    A command acts on the pressure at the end of the dead time, not on the measured one. That pressure is predicted by
+    a valve model with the commands that are still to take effect (Smith, 1957). A demand of zero or of full pressure
+    is passed on at once as dump or fill, so that two-level controllers work as with binary valves.
     """
 
     def __init__(self, supplies: Sequence[float], model: ValveModel) -> None:
-        """Serve groups whose highest pressures, those behind their fill valves, are `supplies` [Pa]."""
+        """Create the valves of all groups.
+
+        Args:
+            supplies: Pressure behind the fill valve of each group, the highest that its cylinders reach [Pa].
+            model: Dead times and time constants of the valves.
+        """
         delay = max(round(model.dead_time / model.period), 0)
         values = {f"supply[{g}]": supply for g, supply in enumerate(supplies, 1)}
         super().__init__(valve_logic(len(supplies), delay), values | asdict(model))
-        # A valve may act at once: it has been as it is for long.
+        # A valve may switch at the first command.
         self.state[[quantity.name.startswith("age") for quantity in self.formula.states]] = model.pulse_min
 
     def command(self, demands: Sequence[float], measured: Sequence[float] | NDArray[np.float64]) -> tuple[float, ...]:
@@ -63,11 +70,9 @@ class ValveLogic(Sampled):
 def valve_logic(groups: int, delay: int) -> Formula:
     """Return the formula for a number of groups and a dead time in periods."""
     draft, numbers = FormulaBuilder(), range(1, groups + 1)
-    demands = [draft.input(f"demand[{g}]", "Pa", "demanded brake cylinder pressure") for g in numbers]
-    pressures = [draft.input(f"pressure[{g}]", "Pa", "measured brake cylinder pressure") for g in numbers]
-    data = {name: hint.__metadata__ for name, hint in get_type_hints(ValveModel, include_extras=True).items()}
+    demands, pressures = draft.vector(VALVE_INPUTS, groups)
     period, fill_time, vent_time, band, pulse_min = (
-        draft.parameter(name, *datum) for name, datum in data.items() if name != "dead_time"
+        draft.parameter(name, *meaning) for name, meaning in ValveModel.meanings().items() if name != "dead_time"
     )
     commands: list[Expression] = []
     for g, demand, pressure in zip(numbers, demands, pressures, strict=True):
@@ -82,6 +87,7 @@ def valve_logic(groups: int, delay: int) -> Formula:
         tracking = choose(pressure < demand - band, FILL, choose(pressure > demand + band, DUMP, HOLD))
         choice = choose(demand <= 0.0, DUMP, choose(demand >= supply, FILL, tracking))
         older = age + period
+        # Ages are sums of periods: the tolerance keeps rounding from adding a period to the shortest pulse.
         changed = choose(older >= pulse_min - 1e-9, choice, command)
         draft.keep(age, choose(changed == command, older, 0.0))
         draft.keep(command, changed)

@@ -304,21 +304,20 @@ SIGNALS = {
 }
 
 
+def signal_section(title: str, group: Iterable[signals.Signal]) -> str:
+    rows = ([f"`{signal.name}`", signal.extent, signal.unit, signal.meaning] for signal in group)
+    return f"## {title}\n\n" + markdown_table(("signal", "one value per", "unit", "meaning"), rows)
+
+
 def signals_page() -> None:
-    sections = [
-        f"## {title}\n\n"
-        + markdown_table(
-            ("signal", "one value per", "unit", "meaning"),
-            ([f"`{signal.name}`", signal.extent, signal.unit, signal.meaning] for signal in group),
-        )
-        for title, group in SIGNALS.items()
-    ]
     write(
         "signals",
         "Signals",
         "Variables of a trace: `stop.trace` in Python, `trace.nc` on disk. Plant outputs are the simulated truth, "
-        "readings come from the sensors, and estimates from the estimator.",
-        *sections,
+        "readings come from the sensors, and estimates from the estimator. The last table has the inputs of a control "
+        "law: attributes of `rg.Observation`, and inputs of a controller FMU.",
+        *(signal_section(title, group) for title, group in SIGNALS.items()),
+        signal_section("Observation of a controller", signals.OBSERVED),
     )
 
 

@@ -1,4 +1,4 @@
-"""A belief: mean and covariance."""
+"""A Gaussian estimate: mean and covariance."""
 
 from dataclasses import dataclass
 
@@ -10,34 +10,30 @@ from railgrip.base.errors import EstimatorError
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 Array = NDArray[np.float64]
-"""Of any shape; which one, its docstring says."""
+"""An array of any shape, which the docstring states."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GaussianEstimate:
-    """A Gaussian belief about the vehicle at one instant.
+    """Gaussian estimate of the vehicle's state at one instant.
 
     Attributes:
         mean: Shape (n,); order and units are those of the prediction's `states`.
-        covariance: Of `mean`, shape (n, n), symmetric positive definite.
+        covariance: Covariance of the error of `mean`, shape (n, n), symmetric positive definite.
 
     Raises:
-        EstimatorError: The shapes do not belong together.
+        EstimatorError: The shapes do not match.
     """
 
     mean: Vector
     covariance: Matrix
 
     def __post_init__(self) -> None:
-        """Refuse shapes that do not belong together.
-
-        Definiteness costs a factorisation, so it is checked where a belief enters from outside (`start`), not
-        here.
-        """
         n = len(self.mean)
+        # Definiteness costs a factorisation, so it is checked only where an estimate enters from outside (`start`).
         if self.covariance.shape != (n, n):
             raise EstimatorError(
-                f"Estimate: a mean of {n} states wants a covariance of shape ({n}, {n}), "
+                f"Estimate: a mean of {n} states requires a covariance of shape ({n}, {n}), "
                 f"got {self.covariance.shape}; give both in the order of the prediction's states."
             )
 
@@ -47,16 +43,16 @@ class GaussianEstimate:
         return np.sqrt(np.diagonal(self.covariance))
 
 
-# Descriptors of the slots write past the frozen __setattr__ and past __post_init__: 0.3 µs instead of 0.8 µs, which a
-# filter step of 2 µs notices.
+# Descriptors of the slots bypass the frozen __setattr__ and __post_init__: 0.3 µs instead of 0.8 µs, a relevant part of
+# a filter step of 2 µs.
 _write_mean = GaussianEstimate.__dict__["mean"].__set__
 _write_covariance = GaussianEstimate.__dict__["covariance"].__set__
 
 
 def seal(mean: Vector, covariance: Matrix) -> GaussianEstimate:
-    """Return an estimate of arrays that fit each other by construction and can no longer be written.
+    """Return an estimate from arrays whose shapes match by construction, and make the arrays read-only.
 
-    For filters: a belief is a value, and does not change once it is kept.
+    For filters: an estimate is a value that callers may keep, so it must not change later.
     """
     mean.setflags(write=False)
     covariance.setflags(write=False)

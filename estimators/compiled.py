@@ -19,25 +19,25 @@ from railgrip.fmus.native.toolchain import shared_library
 DIVERGED = {
     1: "Filter: the predicted mean is not finite.",
     2: "Filter: the covariance of the readings is not positive definite.",
-    3: "Filter: the readings threw the mean to a value that is not finite.",
+    3: "Filter: the correction by the readings made the mean infinite or NaN.",
 }
-"""What the failures of `step.h` mean, mostly in the words of `ekf`."""
+"""Failure codes of `step.h` and their messages, mostly as in `ekf`."""
 
 MODEL_FAILED = 4
-"""The failure of `step.h` that the prediction itself explains."""
+"""Failure code of `step.h` whose message comes from the prediction."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FilterRecord:
-    """FilterRecord of a filter over many steps.
+    """Results of a filter over many steps.
 
     Attributes:
-        mean: After every step, shape (k, n).
-        variance: Of each state, shape (k, n).
-        expectation: Readings, before they were seen, shape (k, m).
+        mean: Mean after every step, shape (k, n).
+        variance: Variance of each state, shape (k, n).
+        expectation: Predicted readings, shape (k, m).
         squared_innovation: Normalised innovation squared, shape (k,).
-        degrees: How many readings were used, its degrees, shape (k,).
-        covariance: Shape (k, n, n); empty unless requested.
+        degrees: Number of readings that were used, the degrees of freedom of the above, shape (k,).
+        covariance: Covariance after every step, shape (k, n, n); empty unless requested.
     """
 
     mean: Matrix
@@ -49,7 +49,7 @@ class FilterRecord:
 
 
 class StepInC:
-    """A filter whose step is C that works on one block of memory, which a subclass lays out and keeps.
+    """A filter whose step is C code that works on one block of memory; subclasses allocate it and define its layout.
 
     Attributes:
         sources: File name to text; `plain.c` has the step `int step_plain(double *block)` for any machine.
@@ -61,7 +61,7 @@ class StepInC:
     _nis: Vector
 
     def load(self, sources: Mapping[str, str]) -> ctypes.CDLL:
-        """Return the library with `int step(double *block)`, compiled or found compiled."""
+        """Return the library with `int step(double *block)`, compiled now or taken from the cache."""
         self.sources = sources
         library = ctypes.CDLL(str(shared_library(sources, "filter", flags=("-O3",))))
         self._step = library.step
@@ -71,23 +71,23 @@ class StepInC:
 
     @property
     def squared_innovation(self) -> float:
-        """Normalised innovation squared of the last step, of `used.sum()` degrees."""
+        """Normalised innovation squared of the last step, with `selection.sum()` degrees of freedom."""
         return float(self._nis[0])
 
     @property
     def entry(self) -> tuple[int, int, int]:
         """Addresses for a caller in C: `int step(double *block)`, its block, and the squared innovation.
 
-        They and the arrays of this filter are valid as long as it lives.
+        They and the arrays of this filter are valid during its lifetime.
         """
         step = ctypes.cast(self._step, ctypes.c_void_p).value or 0
         return step, self._block.ctypes.data, self._nis.ctypes.data
 
     def advance(self) -> None:
-        """Move the belief on by one period, from the arrays `inputs` and `readings`.
+        """Advance the estimate by one period, with the arrays `inputs` and `readings`.
 
         Raises:
-            FilterDiverged: As `ExtendedKalmanFilter.step`; the estimate is unchanged.
+            FilterDiverged: As for `ExtendedKalmanFilter.step`; the estimate is unchanged.
         """
         outcome = self._step(self._address)
         if outcome:
@@ -99,26 +99,26 @@ class StepInC:
 
 
 class CompiledFilter(StepInC):
-    """The filter of `ExtendedKalmanFilter`, with its arguments, in C: equal but for rounding, much faster.
+    """`ExtendedKalmanFilter` in C, with the same arguments: equal except for rounding, and much faster.
 
-    `step` works on values as the other filter does. A loop that minds microseconds writes into `inputs` and
-    `readings`, calls `advance` and reads `mean` and `covariance`: nothing is allocated or copied. What is written into
-    `mean` and `covariance` from outside counts for `advance`, not for `step`; use `hold`.
+    `step` maps values to values like that of the other filter. A fast loop instead writes into `inputs` and `readings`,
+    calls `advance` and reads `mean` and `covariance`, without allocation or copy. To set the estimate from outside, use
+    `hold`: `step` ignores values that are written into `mean` and `covariance`.
 
     Args:
         prediction: The model; its parameters may be changed in `parameters` without compiling again.
         process_noise, …: See `FilterDesign.of`.
 
     Attributes:
-        mean: Shape (n,), the belief after the last step; a view of the filter's memory, as are all of these.
+        mean: Estimate after the last step, shape (n,). This and the following arrays are views of the filter's memory.
         covariance: Shape (n, n).
         inputs: Inputs of the next step, shape (nu,).
         readings: Readings of the next step, shape (m,).
-        parameters: Of the model, in its order.
-        selection: 1 for every reading that the last step used, 0 for one missing or left out, shape (m,).
+        parameters: Parameters of the model, in its order.
+        selection: 1 for every reading that the last step used, 0 for missing readings and outliers, shape (m,).
 
     Raises:
-        EstimatorError: The parts do not fit each other.
+        EstimatorError: The arguments do not match each other.
         railgrip.base.errors.CompilerMissing: There is no C compiler on this machine.
     """
 
@@ -132,14 +132,14 @@ class CompiledFilter(StepInC):
         outlier_limit: ArrayLike | None = None,
         order: Order = ORDER,
     ) -> None:
-        """Check the parts, generate the step, compile it or find it compiled, and fill its memory."""
+        """Check the arguments, generate and compile the step, and initialise its memory."""
         self.design = design = FilterDesign.of(
             prediction, process_noise, reading_noise, period, gate, outlier_limit, order
         )
         code = generate(prediction.in_c(), design.gated_states, design.gating_inputs, design.order)
         self._prediction = prediction
         n, m = len(design.states), len(design.outputs)
-        # From the allocator of numpy and never replaced: C keeps working on this very memory.
+        # Never replaced: the C code keeps a pointer to this memory.
         self._block = block = np.zeros(max(place.stop for place in code.layout.values()))
 
         def part(name: str) -> Vector:
@@ -163,7 +163,7 @@ class CompiledFilter(StepInC):
         self._run = self.load(code.sources).run
         self._run.argtypes = [ctypes.c_void_p, *[ctypes.c_int] * 2, *[ctypes.c_void_p] * 10]
         self._run.restype = ctypes.c_int
-        # The estimate that is also in `mean` and `covariance`, so that a step from it need not copy it there.
+        # The estimate that `mean` and `covariance` already contain, so that a step from it need not copy it.
         self._last: GaussianEstimate | None = None
 
     def failure(self, outcome: int) -> str:
@@ -171,32 +171,32 @@ class CompiledFilter(StepInC):
         return self._prediction.failure() if outcome == MODEL_FAILED else super().failure(outcome)
 
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> GaussianEstimate:
-        """Return and hold the belief before the first step; see `ExtendedKalmanFilter.start`."""
+        """Set and return the estimate before the first step; see `ExtendedKalmanFilter.start`."""
         first = self.design.start(mean, covariance)
         self.hold(first)
         self._last = first
         return first
 
     def hold(self, belief: GaussianEstimate) -> None:
-        """Make `belief` the one that `advance` goes on from."""
+        """Set the estimate from which `advance` continues."""
         self.mean[:] = belief.mean
         self.covariance[:] = belief.covariance
         self._last = None
 
     def advance(self) -> None:
-        """Move the belief in `mean` and `covariance` on by one period; see `StepInC.advance`."""
+        """Advance the estimate in `mean` and `covariance` by one period; see `StepInC.advance`."""
         self._last = None
         super().advance()
 
     def retune(self, process_noise: ArrayLike, reading_noise: ArrayLike | None = None) -> None:
-        """Take other noises from the next step on, without compiling again.
+        """Replace the noises from the next step on, without compiling again.
 
         Args:
-            process_noise: As the filter was made with.
-            reading_noise: Likewise; None leaves it.
+            process_noise: See `FilterDesign.of`.
+            reading_noise: See `FilterDesign.of`; None keeps the present one.
 
         Raises:
-            EstimatorError: They do not fit the model.
+            EstimatorError: They do not match the model.
         """
         self.design = design = self.design.with_noises(process_noise, reading_noise)
         self._process_noise[:] = design.process_noise
@@ -212,33 +212,33 @@ class CompiledFilter(StepInC):
         integrals: Mapping[str, str] = MappingProxyType({}),
         with_covariance: bool = False,
     ) -> FilterRecord:
-        """Return the beliefs over many steps from `prior`, in one call to C.
+        """Return the estimates over many steps from `prior`, in one call to C.
 
-        Other threads run meanwhile; a filter must not be used by two at once.
+        The call releases the interpreter lock; two threads must not use the same filter at once.
 
         Args:
-            prior: Belief before the first of them.
+            prior: Estimate before the first step.
             inputs: Inputs of every step, shape (k, nu).
             readings: Readings of every step, shape (k, m).
             every: Steps from one row of the results to the next.
-            integrals: Input → state that it is the integral of (forward Euler), from the value in `inputs` of this
-                filter on; its column of the argument is not used.
+            integrals: Input → state whose integral it is (forward Euler), starting from its value in the attribute
+                `inputs`; the input's column in the argument is not used.
             with_covariance: Whether the covariances are kept.
 
         Raises:
             EstimatorError: Wrong shapes or names.
-            FilterDiverged: As `step`, saying after how many steps.
+            FilterDiverged: As for `step`; `after` is the number of successful steps.
         """
         input_rows, reading_rows = (np.ascontiguousarray(rows, dtype=np.float64) for rows in (inputs, readings))
         count, n, m = len(input_rows), self.mean.size, self.readings.size
         if input_rows.shape != (count, self.inputs.size) or reading_rows.shape != (count, m):
             raise EstimatorError(
-                f"follow: wants k rows of {self.inputs.size} inputs and {m} readings, "
+                f"follow: requires k rows of {self.inputs.size} inputs and {m} readings, "
                 f"got shapes {np.shape(inputs)} and {np.shape(readings)}."
             )
         sources = self._integrated_states(integrals)
         if every < 1:
-            raise EstimatorError(f"follow: every is {every}, wanted is 1 or more.")
+            raise EstimatorError(f"follow: every must be 1 or more, got {every}.")
         self.hold(prior)
         rows = count // every
         estimates = FilterRecord(
@@ -262,7 +262,7 @@ class CompiledFilter(StepInC):
         return estimates
 
     def _integrated_states(self, integrals: Mapping[str, str]) -> list[int]:
-        """Return for each input the place of the state that it is the integral of, else -1."""
+        """Return for each input the index of the state whose integral it is, or -1."""
         states, inputs = list(self.design.states), self.design.inputs
         unknown = sorted((integrals.keys() - {*inputs}) | ({*integrals.values()} - {*states}))
         if unknown:

@@ -1,4 +1,4 @@
-"""From a belief about friction to the condition of the rail: one of a few named levels, or undecided."""
+"""Condition of the rail from an estimate of friction: one of a few named levels, or undecided."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,23 +11,22 @@ from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import Vector
 
 UNDECIDED = -1
-"""Label while no condition has been probable enough for long enough yet."""
+"""Label before any condition has been probable enough for long enough."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConditionDetector:
-    """Names the condition that a Gaussian belief about friction makes probable, and keeps the name until another is.
+    """Detects the probable condition from a Gaussian estimate of friction, with hysteresis in time.
 
-    Each condition owns the friction between the midpoints to its neighbours. A condition is announced when its
-    probability has been `confidence` or more for `hold` seconds without interruption, and remains until another one
-    is announced.
+    A condition covers the friction between the midpoints to its neighbours. It is announced when its probability has
+    been `confidence` or more for `hold` seconds without interruption, and remains until another one is announced.
 
     Attributes:
         levels: Friction of each condition.
         confidence: Required probability, between one half and one.
-        hold: Seconds for which it must last.
-        model_deviation: Standard deviation added to that of the belief, for errors of the model that no filter
-            knows of.
+        hold: Time for which it must last [s].
+        model_deviation: Standard deviation added to that of the estimate, for model errors that its covariance does
+            not include.
 
     Raises:
         EstimatorError: Fewer than two levels, equal ones, or an invalid confidence or time.
@@ -40,7 +39,7 @@ class ConditionDetector:
 
     def __post_init__(self) -> None:
         if len(set(self.levels.values())) != len(self.levels) or len(self.levels) < 2:
-            raise EstimatorError(f"ConditionDetector: wants two different levels or more, got {dict(self.levels)}.")
+            raise EstimatorError(f"ConditionDetector: requires two different levels or more, got {dict(self.levels)}.")
         if not (0.5 <= self.confidence < 1.0 and self.hold >= 0.0 and self.model_deviation >= 0.0):
             raise EstimatorError(
                 "ConditionDetector: confidence is in [0.5, 1), hold and model_deviation are not negative; "
@@ -60,12 +59,12 @@ class ConditionDetector:
         return shares
 
     def labels(self, mean: Vector, deviation: Vector, period: float) -> NDArray[np.intp]:
-        """Return the condition announced at each sample, shape (k,): its number in `levels`, or `UNDECIDED`.
+        """Return the condition announced at each sample, shape (k,): its index in `levels`, or `UNDECIDED`.
 
         Args:
             mean: Estimated friction, shape (k,); NaN without an estimate.
-            deviation: Its standard deviation, shape (k,).
-            period: Between samples [s].
+            deviation: Standard deviation of the estimate, shape (k,).
+            period: Time between samples [s].
         """
         shares = self.probabilities(mean, deviation)
         best = np.argmax(np.where(np.isnan(shares), -1.0, shares), axis=1)
@@ -85,9 +84,9 @@ class ConditionDetector:
 
 
 def confusion(truth: NDArray[np.intp], labels: NDArray[np.intp], levels: int) -> NDArray[np.int64]:
-    """Return how many samples of each true condition were given each label, shape (levels, levels + 1).
+    """Return the number of samples of each true condition by label, shape (levels, levels + 1).
 
-    The last column counts the undecided.
+    The last column counts undecided samples.
     """
     counts = np.zeros((levels, levels + 1), dtype=np.int64)
     np.add.at(counts, (truth, np.where(labels == UNDECIDED, levels, labels)), 1)

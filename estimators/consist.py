@@ -1,4 +1,4 @@
-"""A prediction of any train, made of parts that share its speed and acceleration only."""
+"""A prediction of any train, composed of parts that share only its speed and acceleration."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,15 +13,15 @@ from railgrip.fmus.native import Model
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Part:
-    """Wheelsets that nothing but the speed and the acceleration of the train couples to others: a bogie or a group.
+    """Wheelsets that are coupled to others only by the speed and acceleration of the train: a bogie or a group.
 
     Attributes:
-        model: Its equations: inputs end with `acceleration`, in which they are linear; the only output is its braking
-            force.
-        parameters: Of the model, in its order.
-        states: Names in the whole train, in the model's order.
-        inputs: Likewise, without the acceleration.
-        readings: Which readings show which of its states, by their names in the whole train.
+        model: Equations of the part. Its last input is `acceleration`, in which the equations are linear; its only
+            output is the braking force.
+        parameters: Parameters of the model, in its order.
+        states: Names of the states in the whole train, in the model's order.
+        inputs: Names of the inputs in the whole train, without the acceleration.
+        readings: Pairs of a reading and the state that it measures, by their names in the whole train.
     """
 
     model: Model
@@ -35,12 +35,12 @@ class Part:
 class Consist:
     """Parts and the body that they brake.
 
-    States are v, then those of each part; readings speed, those of each part, acceleration.
+    States are v, then those of each part. Readings are the speed, then those of each part, then the acceleration.
 
     Attributes:
-        body: Model of one state v with inputs force and track_force and the output acceleration.
-        body_parameters: In its order.
-        parts: Leading one first.
+        body: Model with one state v, inputs force and track_force, and the output acceleration.
+        body_parameters: Parameters of the body, in its order.
+        parts: Parts, leading one first.
     """
 
     body: Model
@@ -59,7 +59,7 @@ class Consist:
 
     @property
     def readings(self) -> tuple[tuple[str, str | None], ...]:
-        """Name of each reading and of the state that it shows, None for the acceleration."""
+        """Name of each reading and of the state that it measures, None for the acceleration."""
         return (("speed", "v"), *(pair for part in self.parts for pair in part.readings), ("acceleration", None))
 
     @property
@@ -69,18 +69,18 @@ class Consist:
 
     @property
     def parameters(self) -> Vector:
-        """Those of the body, then those of each part, shape (np,)."""
+        """Parameters of the body, then those of each part, shape (np,)."""
         return np.concatenate([self.body_parameters, *(part.parameters for part in self.parts)])
 
 
 def part_equations(model: Model, kind: int) -> dict[str, ca.Function]:
     """Return the equations of a part for the decentralised filter, as functions of (x, u, p) whose names end in `kind`.
 
-    `slope`: ẋ without acceleration, and the braking force; `linear`: the same, and the derivatives: of ẋ and of the
-    force by the acceleration and x; `force`: the braking force and its derivative by x.
+    `slope` returns ẋ at zero acceleration and the braking force; `linear` returns the same, and the derivatives of ẋ by
+    the acceleration, of the force by x and of ẋ by x; `force` returns the braking force and its derivative by x.
 
     Raises:
-        EstimatorError: They are not linear in the acceleration, or the force depends on it.
+        EstimatorError: The equations are not linear in the acceleration, or the force depends on it.
     """
     t = 0.0
     x, u, p = (ca.SX.sym(s, len(v)) for s, v in (("x", model.states), ("u", model.inputs), ("p", model.parameters)))
@@ -94,7 +94,7 @@ def part_equations(model: Model, kind: int) -> dict[str, ca.Function]:
         "linear": [slope, force, push, pull, ca.jacobian(slope, x).T],
         "force": [force, pull],
     }
-    # Dense, for the tables of C; transposed, because CasADi counts down columns.
+    # Dense, as the C code expects; transposed, because CasADi stores matrices by columns.
     return {
         name: ca.Function(f"{name}_{kind}", [x, u, p], [ca.densify(value) for value in values])
         for name, values in each.items()

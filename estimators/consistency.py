@@ -1,9 +1,9 @@
 """Consistency of a filter: innovations over their claimed standard deviation.
 
-Two questions to innovations, the same for every filter of this project. `nis_ratio` says how consistent a filter is: a
-figure. `loss_step` returns when its estimate became meaningless: innovations ten times as large as claimed, for the
-majority of a hundred steps, are not a matter of tuning. A lost estimate may still be finite (a maximum friction of
-1e42).
+Two measures of the innovations, the same for every filter of this project. `nis_ratio` quantifies how consistent a
+filter is. `loss_step` is the step at which the estimate became meaningless: innovations ten times as large as claimed
+in the majority of a hundred steps are not a matter of tuning. A lost estimate may still be finite (such as a maximum
+friction of 1e42).
 """
 
 import math
@@ -16,27 +16,27 @@ from railgrip.base.errors import EstimatorError
 
 
 def _chi_square(probability: float, degrees: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return quantiles of the chi-square, shape (k,), as scipy.stats does, which takes a second to load."""
+    # scipy.stats has these quantiles, but takes a second to import.
     different, place = np.unique(degrees, return_inverse=True)  # many steps use the same few numbers of readings
     return (2.0 * gammaincinv(different / 2.0, probability))[place]
 
 
 WINDOW = 100
-"""Steps over which `loss_step` judges: one odd reading, or the first steps of a start, must not decide."""
+"""Number of steps that `loss_step` considers: a single outlier, or the first steps, must not decide."""
 
 FAR = 10.0
-"""How many times its claimed deviation an innovation may have before the claim means nothing."""
+"""Ratio of an innovation to its claimed standard deviation beyond which the claim is meaningless."""
 
 
 def nis_ratio(nis: ArrayLike, degrees: ArrayLike) -> float | None:
     """Return the median of NIS over the median of its chi-square: 1 for a consistent filter, None without readings.
 
-    Above 1 the filter is surer than its readings allow, below 1 less sure. The median, because a few outliers would
-    decide a mean.
+    Above 1 the filter is overconfident, below 1 it is too cautious. Medians are used because a few outliers would
+    dominate a mean.
 
     Args:
-        nis: Of each step, shape (k,).
-        degrees: Readings that each step used, shape (k,); steps of none are left out.
+        nis: Normalised innovation squared of each step, shape (k,).
+        degrees: Number of readings that each step used, shape (k,); steps without readings are ignored.
     """
     values, counts = np.asarray(nis, dtype=np.float64), np.asarray(degrees, dtype=np.float64)
     read = counts > 0
@@ -44,16 +44,17 @@ def nis_ratio(nis: ArrayLike, degrees: ArrayLike) -> float | None:
 
 
 def loss_step(nis: ArrayLike, degrees: ArrayLike, readings: ArrayLike | None = None) -> int | None:
-    """Return the step at which a filter's belief is known to be meaningless, None while it is not.
+    """Return the step at which a filter's estimate is known to be meaningless, or None.
 
-    A step speaks against the filter if its NIS is beyond the 99.9 % bound of its chi-square even with deviations `FAR`
-    times as large, is NaN, or if the filter rejected the majority of the readings as outliers. A filter is lost at the
-    end of the first `WINDOW` steps (of all steps if there are fewer) of which the majority speaks against it.
+    A step counts against the filter if its NIS exceeds the 99.9 % bound of its chi-square even with standard deviations
+    `FAR` times as large, if its NIS is NaN, or if the filter rejected the majority of the readings as outliers. A
+    filter is lost at the end of the first window of `WINDOW` steps (or of all steps, if there are fewer) in which the
+    majority of steps counts against it.
 
     Args:
-        nis: Of each step, shape (k,).
-        degrees: Readings that each step used, shape (k,).
-        readings: That there were, shape (k,); as many as were used when None.
+        nis: Normalised innovation squared of each step, shape (k,).
+        degrees: Number of readings that each step used, shape (k,).
+        readings: Number of readings that were available, shape (k,); None if all were used.
     """
     values, counts = np.asarray(nis, dtype=np.float64), np.asarray(degrees, dtype=np.float64)
     there = counts if readings is None else np.asarray(readings, dtype=np.float64)
@@ -69,21 +70,21 @@ def loss_step(nis: ArrayLike, degrees: ArrayLike, readings: ArrayLike | None = N
 
 
 def delay(time: NDArray[np.float64], truth: ArrayLike, estimate: ArrayLike, step_at: float, tolerance: float) -> float:
-    """Return how long after a step of the truth the estimate is within `tolerance` of it, for good.
+    """Return the settling time of an estimate after a step of the true value.
 
     Args:
-        time: Instants in s, increasing, shape (k,).
-        truth: The quantity that steps, shape (k,).
-        estimate: What the filter says, shape (k,), same unit.
-        step_at: Instant of the step in s; the record should end before the truth steps again.
-        tolerance: Error that counts as arrived, in the unit of the quantity.
+        time: Instants, increasing [s], shape (k,).
+        truth: True value of the quantity, shape (k,).
+        estimate: Estimate, shape (k,), in the same unit.
+        step_at: Instant of the step [s]; the record should end before the next step.
+        tolerance: Largest error that counts as settled, in the unit of the quantity.
 
     Returns:
-        Seconds from `step_at` to the first instant from which on the error stays within `tolerance`; infinity
-        if it does not within the record.
+        Time from `step_at` to the first instant after which the error remains within `tolerance` [s]; infinity if it
+        does not within the record.
 
     Raises:
-        EstimatorError: The record holds nothing after the step.
+        EstimatorError: The record has no samples after the step.
     """
     after = time >= step_at
     if not np.any(after):

@@ -1,4 +1,4 @@
-"""A Kalman filter with a cost linear in the parts of a train: one for each bogie or group, and their shared states."""
+"""A Kalman filter whose cost is linear in the number of parts of a train (bogies or groups)."""
 
 from functools import lru_cache
 from importlib.resources import files
@@ -14,42 +14,43 @@ from railgrip.estimators.compiled import StepInC
 from railgrip.estimators.consist import Consist, part_equations
 from railgrip.estimators.design import FilterDesign, Gate, index
 from railgrip.estimators.generated import LANES, places, table
-from railgrip.estimators.model_in_c import in_c
 from railgrip.fmus.native import Model
+from railgrip.fmus.native.functions import in_c
 
 RANK = 9
-"""Common unknowns that are kept: on the two-part train enough for the central filter's deviations, within 0.1 %."""
+"""Number of common unknowns: on the two-part train, deviations are within 0.1 % of those of the central filter."""
 
 _SOURCES = ("dispatch.c", "plain.c", "wide.c")
 
 
 class DecentralisedFilter(StepInC):
-    """An extended Kalman filter whose covariance is D + U C Uᵀ, D block diagonal by parts, U of `RANK` columns.
+    """An extended Kalman filter whose covariance is D + U C Uᵀ, D block diagonal by parts, U with `RANK` columns.
 
-    Parts meet in the acceleration of the train only, a sum over all of them: by it each moves the speed and the others'
-    frames, and its reading depends on the sum. In terms of x = ξ + U η, with ξ independent between parts and few
-    unknowns η that all share, a reading in a part changes its own block, its own rows of U and the small C; the
-    acceleration adds columns to U. A step adds three, and the smallest are removed again: in units of D, the
-    directions are orthogonal and each has one eigenvalue λ > −1. Removed directions with positive λ are added to D;
-    those with negative λ, knowledge about a sum, are dropped: the covariance is never smaller than that of the full
-    filter, and with as many columns as there are directions it is the same. Cost: linear in parts, cubic in `RANK`.
+    Parts are coupled only by the acceleration of the train, which is a sum over all of them: through it each part
+    affects the speed and the frames of the others, and its reading depends on all parts. The error is x = ξ + U η, with
+    ξ independent between parts and a few common unknowns η. A reading of a part changes the part's block of D, its rows
+    of U, and the small matrix C; the acceleration adds columns to U. A step adds three columns, and then the three of
+    least effect are removed: in units of D the directions are orthogonal, each with one eigenvalue λ > −1. Removed
+    directions with positive λ are added to D, and those with negative λ (information about a sum) are dropped, so that
+    the covariance is never smaller than that of the full filter. With as many columns as there are directions both are
+    equal. The cost is linear in the number of parts and cubic in `RANK`.
 
-    A frozen state is a consider state as with `ExtendedKalmanFilter`, but for what frozen states of different parts
-    share: its mean and covariance within its part stay, its derivative has to be zero anyway.
+    A frozen state is a consider state as in `ExtendedKalmanFilter`, except for the covariance between frozen states of
+    different parts: its mean and its covariance within its part are kept. Its derivative must be zero anyway.
 
     Args:
         consist: The train.
         process_noise, …: See `FilterDesign.of`; noises are independent, shapes (n,) and (m,).
 
     Attributes:
-        mean: Shape (n,), the belief after the last step; a view of the filter's memory, as are all of these.
-        covariance: Shape (n, n): its diagonal, the variances. `joint` gives the whole.
+        mean: Estimate after the last step, shape (n,). This and the following arrays are views of the filter's memory.
+        covariance: Variances on the diagonal of a matrix, shape (n, n); `joint` returns the full covariance.
         inputs: Inputs of the next step, shape (nu,).
         readings: Readings of the next step, shape (m,).
         selection: 1 for every reading that the last step used, shape (m,).
 
     Raises:
-        EstimatorError: The arguments do not fit each other.
+        EstimatorError: The arguments do not match each other.
         railgrip.base.errors.CompilerMissing: There is no C compiler on this machine.
 
     Sources: Friedland, Treatment of Bias in Recursive Filtering, IEEE Trans. Automatic Control 14 (1969), for the
@@ -65,12 +66,12 @@ class DecentralisedFilter(StepInC):
         period: float,
         gate: Gate | None = None,
     ) -> None:
-        """Check the parts, generate the step, compile it or find it compiled, and fill its memory."""
+        """Check the arguments, generate and compile the step, and initialise its memory."""
         self.consist = consist
         self.design = design = FilterDesign.of(consist, process_noise, reading_noise, period, gate, None, 4)
         for what, matrix in (("process_noise", design.process_noise), ("reading_noise", design.reading_noise)):
             if np.count_nonzero(matrix - np.diag(np.diag(matrix))):
-                raise EstimatorError(f"DecentralisedFilter: {what} is independent for each state or reading.")
+                raise EstimatorError(f"DecentralisedFilter: {what} must be independent for each state or reading.")
         tables = _tables(consist, design)
         first, width, n, m = tables["PART_STATE"], _width(consist), len(design.states), len(design.outputs)
         sizes = {
@@ -104,7 +105,7 @@ class DecentralisedFilter(StepInC):
         self.load(dict(sources))
 
     def start(self, mean: ArrayLike, variances: ArrayLike) -> None:
-        """Hold the belief before the first step: mean (n,) and variances (n,) of independent states.
+        """Set the estimate before the first step: mean (n,) and variances (n,) of independent states.
 
         Raises:
             EstimatorError: Wrong shapes, or no variances.
@@ -130,7 +131,6 @@ def _width(consist: Consist) -> int:
 
 
 def _tables(consist: Consist, design: FilterDesign) -> dict[str, list[int]]:
-    """Return the places of the states of each part; part 0 is the body with its one state."""
     models = list(dict.fromkeys(part.model for part in consist.parts))
     starts = np.cumsum([0, 1, *(len(part.states) for part in consist.parts)]).tolist()
     state_of = [-1 if state is None else design.states.index(state) for _, state in consist.readings]
@@ -158,7 +158,6 @@ def _sources(
     numbers: tuple[tuple[str, int], ...],
     tables: tuple[tuple[str, tuple[int, ...]], ...],
 ) -> tuple[tuple[str, str], ...]:
-    """Return the C sources: the fixed files of `kernel`, and shape.h with sizes, tables and the equations."""
     kinds = [part_equations(model, kind) for kind, model in enumerate(models)]
     v, u, p = ca.SX.sym("v"), ca.SX.sym("u", 2), ca.SX.sym("p", len(body.parameters))
     acceleration = body.output(0.0, v, u, p)

@@ -1,4 +1,4 @@
-"""What a filter is made of, checked once, and states that are held still while nothing can be learned about them."""
+"""Data of a filter, checked once, and gates that freeze states while they are unobservable."""
 
 import math
 from dataclasses import dataclass, replace
@@ -17,22 +17,21 @@ from railgrip.estimators.prediction import FilterVariables
 class Gate:
     """Freezes a state while the input that makes it observable is small.
 
-    The case it exists for: with the pads released no torque depends on pad friction. Its variance
-    would grow without bound, and the first reading after re-application would throw the mean anywhere.
+    With the pads released, for example, no torque depends on pad friction. Its variance would grow without bound, and
+    the first reading after the next application could change the mean arbitrarily.
 
-    While frozen, a state is a *consider state* of a Schmidt–Kalman filter: its derivative, process noise and
-    gain are zero, so that neither its mean nor its variance moves. Its cross covariances with the other
-    states stay alive: they follow the transition of the other states and their gains, and the other states'
-    variances keep counting the uncertainty they inherit from it. When the gate opens, estimation goes on from
-    a consistent joint covariance.
+    While frozen, a state is a *consider state* of a Schmidt–Kalman filter: its derivative, process noise and gain are
+    zero, so that neither its mean nor its variance changes. Its cross covariances with the other states are still
+    updated by the transition and the gains of these states, whose variances continue to include the uncertainty caused
+    by it. When the gate opens, estimation continues from a consistent joint covariance.
 
     Attributes:
         states: Names of the states to freeze.
-        inputs: Names of the held inputs that decide, one for each of `states`.
+        inputs: Names of the inputs that decide, one for each of `states`.
         threshold: A state is frozen while its input is below this value, in the unit of the input.
 
     Raises:
-        EstimatorError: `states` and `inputs` do not pair up, or a state is named twice.
+        EstimatorError: `states` and `inputs` differ in number, or a state is named twice.
 
     Source: Schmidt, Application of State-Space Methods to Navigation Problems (1966).
     """
@@ -44,11 +43,11 @@ class Gate:
     def __post_init__(self) -> None:
         if len(self.states) != len(self.inputs):
             raise EstimatorError(
-                f"Gate: {len(self.states)} states want as many inputs, got {len(self.inputs)}; "
+                f"Gate: {len(self.states)} states require as many inputs, got {len(self.inputs)}; "
                 "name for each state the input that opens it."
             )
         if len(set(self.states)) != len(self.states):
-            raise EstimatorError(f"Gate: each state is named once, got {', '.join(self.states)}.")
+            raise EstimatorError(f"Gate: each state must be named once, got {', '.join(self.states)}.")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,10 +63,10 @@ class FilterDesign:
         period: Seconds between two steps.
         gated_states: Index of every state that a gate may freeze.
         gating_inputs: Index of the input that decides, one for each of `gated_states`.
-        gate_threshold: Frozen below this value, in the unit of the gating inputs.
-        order: Of the discretisation.
-        outlier_limit: A reading that deviates from the expected one by more standard deviations is left out, shape
-            (m,); infinity to use every reading.
+        gate_threshold: States are frozen below this value, in the unit of the gating inputs.
+        order: Order of the discretisation.
+        outlier_limit: Largest innovation of a reading that is used, in its standard deviations, shape (m,); infinity
+            uses every reading.
     """
 
     states: tuple[str, ...]
@@ -93,7 +92,7 @@ class FilterDesign:
         outlier_limit: ArrayLike | None,
         order: Order,
     ) -> Self:
-        """Check the parts of a filter against each other.
+        """Return the design after checking its parts against each other.
 
         Args:
             prediction: Names of states, inputs and readings.
@@ -101,13 +100,13 @@ class FilterDesign:
                 noises, or (n, n). Positive semidefinite.
             reading_noise: Covariance of the readings: shape (m,) of variances, or (m, m). Positive definite.
             period: Seconds, positive.
-            gate: What to freeze and when, or None.
-            outlier_limit: Standard deviations of its innovation beyond which a reading is left out, one for all or
+            gate: States to freeze and the inputs that decide, or None.
+            outlier_limit: Largest innovation of a reading that is used, in its standard deviations: one value for all,
                 shape (m,), or None to use every reading.
             order: 1 for forward Euler, 4 for RK4; see `discretisation`.
 
         Raises:
-            EstimatorError: One of them does not fit; the message says which.
+            EstimatorError: An argument is invalid; the message names it.
         """
         states, inputs, outputs = prediction.states, prediction.inputs, prediction.outputs
         for kind, names in (("state", states), ("input", inputs), ("output", outputs)):
@@ -116,17 +115,17 @@ class FilterDesign:
         if not states or not outputs:
             raise EstimatorError("Filter: a prediction needs at least one state and one output.")
         if not (math.isfinite(period) and period > 0.0):
-            raise EstimatorError(f"Filter: period is a positive number of seconds, got {period}.")
+            raise EstimatorError(f"Filter: period must be a positive number of seconds, got {period}.")
         if order not in get_args(Order):
-            raise EstimatorError(f"Filter: order of the discretisation is 1 (forward Euler) or 4 (RK4), got {order}.")
+            raise EstimatorError(f"Filter: order must be 1 (forward Euler) or 4 (RK4), got {order}.")
         limits = np.full(len(outputs), math.inf)
         try:
             limits[:] = math.inf if outlier_limit is None else outlier_limit
         except ValueError as error:
-            raise EstimatorError(f"Filter: outlier_limit wants shape ({len(outputs)},), {error}.") from error
+            raise EstimatorError(f"Filter: outlier_limit must have shape ({len(outputs)},): {error}.") from error
         if not np.all(limits > 0.0):
             raise EstimatorError(
-                "Filter: outlier_limit is a positive number of standard deviations, "
+                "Filter: outlier_limit must be a positive number of standard deviations, "
                 f"got {outlier_limit}; None uses every reading."
             )
         reading = _reading_covariance(reading_noise, outputs)
@@ -145,10 +144,10 @@ class FilterDesign:
         )
 
     def with_noises(self, process_noise: ArrayLike, reading_noise: ArrayLike | None) -> Self:
-        """Return the same filter with another process noise, and another one of the readings unless None; see `of`.
+        """Return the same filter with other noises, see `of`; None keeps the reading noise.
 
         Raises:
-            EstimatorError: They do not fit.
+            EstimatorError: A noise does not match the states or readings.
         """
         reading = self.reading_noise if reading_noise is None else _reading_covariance(reading_noise, self.outputs)
         return replace(
@@ -156,19 +155,19 @@ class FilterDesign:
         )
 
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> GaussianEstimate:
-        """Return the belief before the first step.
+        """Return the estimate before the first step.
 
         Args:
             mean: Shape (n,).
             covariance: Shape (n,) of variances, or (n, n); positive definite.
 
         Raises:
-            EstimatorError: Wrong shape, a value that is not finite, or no covariance.
+            EstimatorError: Wrong shape, a value that is not finite, or a matrix that is not a covariance.
         """
         first = np.array(mean, dtype=np.float64)
         if first.shape != (len(self.states),):
             raise EstimatorError(
-                f"start: mean wants {len(self.states)} states ({', '.join(self.states)}), got shape {first.shape}."
+                f"start: mean requires {len(self.states)} states ({', '.join(self.states)}), got shape {first.shape}."
             )
         infinite = [name for name, value in zip(self.states, first, strict=True) if not math.isfinite(value)]
         if infinite:
@@ -179,39 +178,38 @@ class FilterDesign:
         return seal(first, matrix)
 
     def check(self, inputs: Vector, readings: Vector) -> None:
-        """Refuse inputs or readings of the wrong length."""
+        """Raise `EstimatorError` for inputs or readings of the wrong length."""
         if inputs.shape != (len(self.inputs),):
             raise EstimatorError(
-                f"step: inputs wants {len(self.inputs)} inputs ({', '.join(self.inputs)}), got shape {inputs.shape}."
+                f"step: inputs requires {len(self.inputs)} inputs ({', '.join(self.inputs)}), got shape {inputs.shape}."
             )
         if readings.shape != (len(self.outputs),):
             raise EstimatorError(
-                f"step: readings wants {len(self.outputs)} readings ({', '.join(self.outputs)}), "
-                f"got shape {readings.shape}; write NaN for a reading that is not there."
+                f"step: readings requires {len(self.outputs)} readings ({', '.join(self.outputs)}), "
+                f"got shape {readings.shape}; write NaN for a missing reading."
             )
 
 
 def _reading_covariance(reading_noise: ArrayLike, outputs: tuple[str, ...]) -> Matrix:
-    """Return the covariance of the readings, shape (m, m)."""
     reading = noise_matrix("reading_noise", reading_noise, outputs)
     if not positive_definite(reading):
         raise EstimatorError(
             "Filter: reading_noise is not positive definite; give every reading a variance above zero, "
-            "a small floor for a perfect sensor."
+            "a small one for a perfect sensor."
         )
     return reading
 
 
 def _process_noise(density: ArrayLike, states: tuple[str, ...], period: float) -> Matrix:
-    """Return the process noise that one period adds."""
     matrix = noise_matrix("process_noise", density, states)
+    # Semidefinite, because a state may have no noise; the margin is what rounding does to a zero eigenvalue.
     if np.min(np.linalg.eigvalsh(matrix)) < -1e-12 * np.max(np.abs(matrix), initial=0.0):
-        raise EstimatorError("Filter: process_noise has a negative eigenvalue; no noise has that covariance.")
+        raise EstimatorError("Filter: process_noise has a negative eigenvalue, so it is not a covariance.")
     return matrix * period
 
 
 def noise_matrix(what: str, values: ArrayLike, names: tuple[str, ...]) -> Matrix:
-    """Return `values` as an exactly symmetric matrix over `names`; one axis means independent entries.
+    """Return `values` as an exactly symmetric matrix; a vector contains the variances of independent entries.
 
     Raises:
         EstimatorError: Wrong shape, not finite, or not symmetric; the message names `what`.
@@ -220,20 +218,20 @@ def noise_matrix(what: str, values: ArrayLike, names: tuple[str, ...]) -> Matrix
     n = len(names)
     if matrix.shape not in ((n,), (n, n)):
         raise EstimatorError(
-            f"Filter: {what} wants shape ({n},) or ({n}, {n}) for {', '.join(names)}; got {matrix.shape}."
+            f"Filter: {what} must have shape ({n},) or ({n}, {n}) for {', '.join(names)}; got {matrix.shape}."
         )
     if not np.all(np.isfinite(matrix)):
-        raise EstimatorError(f"Filter: {what} holds a value that is not a finite number.")
+        raise EstimatorError(f"Filter: {what} contains a value that is not a finite number.")
     if matrix.ndim == 1:
         return np.diag(matrix)
-    # Far above what rounding leaves of a product such as F P Fᵀ, far below any entry a person would write.
+    # Far above the rounding error of a product such as F P Fᵀ, far below any asymmetry that a person would write.
     if not np.allclose(matrix, matrix.T, rtol=1e-9, atol=1e-12 * np.max(np.abs(matrix), initial=0.0)):
         raise EstimatorError(f"Filter: {what} is not symmetric.")
     return 0.5 * (matrix + matrix.T)
 
 
 def positive_definite(matrix: Matrix) -> bool:
-    """Tell whether a symmetric matrix has a Cholesky factor."""
+    """Return whether a symmetric matrix has a Cholesky factor."""
     try:
         np.linalg.cholesky(matrix)
     except np.linalg.LinAlgError:
@@ -245,7 +243,7 @@ def index(who: str, kind: str, name: str, names: tuple[str, ...]) -> int:
     """Return the index of `name` in `names`.
 
     Raises:
-        EstimatorError: It does not; the message lists those that do.
+        EstimatorError: There is none; the message lists `names`.
     """
     try:
         return names.index(name)

@@ -1,6 +1,6 @@
-"""From a differential equation to one period of a filter.
+"""Discretisation of the prediction over one period of a filter.
 
-Both filters share these choices, at order p = 4 unless a filter requests order 1:
+Both filters use the following, at order p = 4 unless a filter requests order 1:
 
 Mean
     Classical Runge–Kutta of order 4 (RK4), or forward Euler, one step per period with the inputs held.
@@ -9,14 +9,15 @@ Transition matrix
     is linear in x, so mean and covariance of the linear case follow the same map, and
     ‖Φ − exp(TA)‖ ≤ ‖TA‖ᵖ⁺¹/(p+1)!·exp(‖TA‖) in any operator norm (the Taylor remainder).
 Process noise
-    A density q in (unit of the state)²/s; what one period adds is q·T, all at its end. Halving the period
-    keeps the meaning of the numbers: a random walk spreads by q·t whatever the period.
+    A density q in (unit of the state)²/s; one period adds q·T, all at its end. The density does not depend on the
+    period: the variance of a random walk grows by q·t for any period.
 
 Why order 4: the fastest modes of the train predictions are 6–10 Hz (bounce and pitch on the primary suspension,
-|λ| ≈ 60 1/s), so |λT| ≈ 0.06 at 1 ms. A step of the explicit midpoint rule loses |λT|³/6 ≈ 4e-5 of such a mode, one of
-RK4 |λT|⁵/120 ≈ 6e-9. Measured on `TrainPrediction` over 0.5 s from 2 mm of deflection: 6e-4 of the states' typical size
-by midpoint, 8e-8 by RK4; and Φ is off by 4e-9, by 3e-5 with two terms. The price is two evaluations of f of 0.1 µs and
-two sparse products. Order 1 is for filters that were published with it: Φ = I + TA and a mean to match.
+|λ| ≈ 60 1/s), so |λT| ≈ 0.06 at 1 ms. The relative error of such a mode per step is |λT|³/6 ≈ 4e-5 for the explicit
+midpoint rule and |λT|⁵/120 ≈ 6e-9 for RK4. Errors of `TrainPrediction` over 0.5 s from a deflection of 2 mm, relative
+to the states' typical size: 6e-4 for the midpoint rule and 8e-8 for RK4; the error of Φ is 4e-9, or 3e-5 with two
+terms. The price is two evaluations of f of 0.1 µs and two sparse products. Order 1 is for filters that were published
+with it: Φ = I + TA and a mean to match.
 """
 
 from collections.abc import Callable
@@ -49,6 +50,7 @@ def transition(jacobian: Matrix, period: float, order: Order = ORDER) -> Matrix:
     identity = np.eye(len(jacobian))
     exponent = period * jacobian
     phi = identity + exponent / order
+    # Horner's scheme adds the smallest terms first, and needs one product per order.
     for k in range(order - 1, 0, -1):  # Horner, at order 4: I + TA/1 (I + TA/2 (I + TA/3 (I + TA/4)))
         phi = identity + exponent @ phi / k
     return phi

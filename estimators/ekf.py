@@ -13,7 +13,7 @@ from railgrip.estimators.discretisation import ORDER, Order, advance, transition
 from railgrip.estimators.prediction import Prediction
 
 (POSV,) = get_lapack_funcs(("posv",), dtype=np.float64)
-"""LAPACK's solver for positive definite systems: factor, solution, and 0 if there was a factor."""
+"""LAPACK's solver for positive definite systems; returns factor, solution, and 0 if the matrix is positive definite."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,11 +21,11 @@ class Innovation:
     """Innovation of the r readings that are used.
 
     Attributes:
-        rows: Which readings are used, shape (r,): those that are there and no outliers.
+        rows: Indices of the readings that are used, neither missing nor outliers, shape (r,).
         residual: Reading minus expected reading, shape (r,).
         jacobian: d(reading)/d(state) at the predicted mean, shape (r, n).
-        noise: Covariance of the readings themselves, shape (r, r).
-        covariance: Of `residual`, shape (r, r).
+        noise: Covariance of the reading noise, shape (r, r).
+        covariance: Covariance of `residual`, shape (r, r).
     """
 
     rows: NDArray[np.intp]
@@ -36,19 +36,19 @@ class Innovation:
 
     @property
     def nis(self) -> float:
-        """Normalised innovation squared (NIS) νᵀS⁻¹ν: chi-square of r degrees for a consistent filter."""
+        """Normalised innovation squared (NIS) νᵀS⁻¹ν: chi-square of r degrees of freedom for a consistent filter."""
         return float(self.residual @ np.linalg.solve(self.covariance, self.residual)) if self.rows.size else 0.0
 
 
 class ExtendedKalmanFilter:
-    """Extended Kalman filter over any prediction, in Joseph form; see `discretisation` for its period.
+    """Extended Kalman filter for any prediction, in Joseph form; see `discretisation` for the prediction step.
 
     Args:
         prediction: The model, n states and m outputs.
         process_noise, …: See `FilterDesign.of`.
 
     Raises:
-        EstimatorError: The parts do not fit each other.
+        EstimatorError: The arguments do not match each other.
 
     Source: Särkkä, Bayesian Filtering and Smoothing (2013), §5.2; Schmidt gain for gated states, see `Gate`.
     """
@@ -63,22 +63,22 @@ class ExtendedKalmanFilter:
         outlier_limit: ArrayLike | None = None,
         order: Order = ORDER,
     ) -> None:
-        """Check the parts against each other."""
+        """Check the arguments against each other."""
         self.prediction = prediction
         self.design = FilterDesign.of(prediction, process_noise, reading_noise, period, gate, outlier_limit, order)
 
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> GaussianEstimate:
-        """Return the belief before the first step: mean (n,), covariance (n,) of variances or (n, n)."""
+        """Return the estimate before the first step from a mean (n,) and variances (n,) or a covariance (n, n)."""
         return self.design.start(mean, covariance)
 
     def step(self, prior: GaussianEstimate, inputs: Vector, readings: Vector) -> GaussianEstimate:
         """Predict over one period, then condition on the readings at its end.
 
         Args:
-            prior: Belief at the start of the period.
+            prior: Estimate at the start of the period.
             inputs: Inputs during the period, shape (nu,).
-            readings: Readings at its end, shape (m,); NaN where a sensor had nothing new. Outputs that depend on
-                inputs are expected under those of the period, just before the instant of the reading.
+            readings: Readings at the end of the period, shape (m,); NaN where a sensor has no new reading. Outputs that
+                depend on inputs are predicted with those of the period, just before the instant of the reading.
 
         Raises:
             EstimatorError: `inputs` or `readings` has the wrong shape.
@@ -90,7 +90,9 @@ class ExtendedKalmanFilter:
         return self.condition(forecast, inputs, self.innovation(forecast, inputs, readings))
 
     def predict(self, prior: GaussianEstimate, inputs: Vector) -> GaussianEstimate:
-        """Return the belief one period later, before anything is seen."""
+        """Return the estimate one period later, before the readings."""
+        # Zero derivative, transition and noise for frozen states: consider states, see `Gate`. The rows of A are zero,
+        # but not its columns, so that the other states' covariances with them are updated.
         free = self._free(inputs)
         slope = self.prediction.derivative
         mean = advance(lambda x: slope(x, inputs) * free, prior.mean, self.design.period, self.design.order)
@@ -102,7 +104,9 @@ class ExtendedKalmanFilter:
             )
         jacobian = self.prediction.derivative_jacobian(prior.mean, inputs) * free[:, np.newaxis]
         phi = transition(jacobian, self.design.period, self.design.order)
+        # Φ is linearised at the prior mean, where RK4 starts: both describe the same map if f is linear.
         covariance = phi @ prior.covariance @ phi.T + self.design.process_noise * np.outer(free, free)
+        # Rounding makes the product slightly asymmetric, and the asymmetry would grow from step to step.
         return seal(mean, 0.5 * (covariance + covariance.T))
 
     def innovation(self, forecast: GaussianEstimate, inputs: Vector, readings: Vector) -> Innovation:
@@ -110,7 +114,8 @@ class ExtendedKalmanFilter:
         residual = readings - self.prediction.output(forecast.mean, inputs)
         jacobian = self.prediction.output_jacobian(forecast.mean, inputs)
         noise = self.design.reading_noise
-        covariance = jacobian @ forecast.covariance @ jacobian.T + noise
+        covariance = jacobian @ forecast.covariance @ jacobian.T + noise  # S = H P Hᵀ + R
+        # Each reading is tested by its own variance, before the update: one outlier must not reject the others.
         outside = residual**2 > self.design.outlier_limit**2 * np.diagonal(covariance)
         unused = np.isnan(readings) | outside
         rows = np.flatnonzero(~unused)
@@ -125,25 +130,26 @@ class ExtendedKalmanFilter:
         return Innovation(rows=rows, residual=residual, jacobian=jacobian, noise=noise, covariance=covariance)
 
     def condition(self, forecast: GaussianEstimate, inputs: Vector, innovation: Innovation) -> GaussianEstimate:
-        """Return the belief after the readings of `innovation`."""
+        """Return the estimate after the readings of `innovation`."""
         if innovation.rows.size == 0:
             return forecast
         P, H = forecast.covariance, innovation.jacobian
-        # Straight from LAPACK: scipy's checked wrapper takes longer than the rest of this function.
+        # K = P Hᵀ S⁻¹ from S Kᵀ = H P, without an inverse. LAPACK is called directly, because scipy's checks take
+        # longer than the rest of this function.
         _, solution, info = POSV(innovation.covariance, H @ P)
         if info != 0:
             raise FilterDiverged("Filter: the covariance of the readings is not positive definite.")
         gain = solution.T * self._free(inputs)[:, np.newaxis]
         joseph = np.eye(len(P)) - gain @ H
-        # Joseph form: holds for the gated gain too, and rounding cannot make it indefinite, as (I − KH)P can.
+        # Joseph form: it is valid for the gated gain too, which is not optimal, and rounding cannot make it indefinite,
+        # as it can (I − KH)P.
         covariance = joseph @ P @ joseph.T + gain @ innovation.noise @ gain.T
         mean = forecast.mean + gain @ innovation.residual
         if not np.all(np.isfinite(mean)):
-            raise FilterDiverged("Filter: the readings threw the mean to a value that is not finite.")
+            raise FilterDiverged("Filter: the correction by the readings made the mean infinite or NaN.")
         return seal(mean, 0.5 * (covariance + covariance.T))
 
     def _free(self, inputs: Vector) -> Vector:
-        """Return 1 for every state that may move and 0 for one that its gate freezes, shape (n,)."""
         free = np.ones(len(self.design.states))
         for state, deciding in zip(self.design.gated_states, self.design.gating_inputs, strict=True):
             if inputs[deciding] < self.design.gate_threshold:
@@ -152,15 +158,15 @@ class ExtendedKalmanFilter:
 
 
 class NumpyFilter:
-    """Holds the belief of a filter and moves it on, as `railgrip.estimators.compiled.CompiledFilter` does by itself.
+    """Keeps and advances the estimate of a filter, with the interface of `railgrip.estimators.compiled.CompiledFilter`.
 
     Attributes:
         mean: Shape (n,).
         covariance: Shape (n, n).
-        inputs: Inputs of the next step, shape (nu,), zero at first.
-        readings: Readings of the next step, shape (m,), NaN at first.
-        selection: 1 for every reading that the last step used, shape (m,), 0 at first.
-        squared_innovation: Normalised innovation squared of the last step, 0 at first.
+        inputs: Inputs of the next step, shape (nu,), initially zero.
+        readings: Readings of the next step, shape (m,), initially NaN.
+        selection: 1 for every reading that the last step used, shape (m,), initially 0.
+        squared_innovation: Normalised innovation squared of the last step, initially 0.
     """
 
     def __init__(self, filter_: ExtendedKalmanFilter, first: GaussianEstimate) -> None:
@@ -173,10 +179,10 @@ class NumpyFilter:
         self.squared_innovation = 0.0
 
     def advance(self) -> None:
-        """Move the belief on by one period, from the arrays `inputs` and `readings`.
+        """Advance the estimate by one period, with the arrays `inputs` and `readings`.
 
         Raises:
-            FilterDiverged: As the steps of the filter; the estimate is unchanged.
+            FilterDiverged: As for the step of the filter; the estimate is unchanged.
         """
         forecast = self._filter.predict(self._belief, self.inputs)
         innovation = self._filter.innovation(forecast, self.inputs, self.readings)

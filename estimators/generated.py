@@ -1,7 +1,7 @@
-"""The C of a filter for one model: the fixed files in `kernel`, and shape.h with everything that depends on it.
+"""C code of a filter for one model: the fixed files in `kernel`, and shape.h with everything that depends on the model.
 
-Generated whole by CasADi, as scalar code of 70 000 operations, the step for 25 states and 12 readings takes two to four
-times as long as the rows of `kernel/step.h`, although both leave out the zeros of the Jacobians.
+If CasADi generated the whole step for 25 states and 12 readings, as scalar code of 70 000 operations, it would take two
+to four times as long as the vectorised rows of `kernel/step.h`, although both skip the zeros of the Jacobians.
 """
 
 from collections.abc import Iterable, Mapping
@@ -21,14 +21,14 @@ LANES = 4
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Code:
-    """C sources of a filter and the memory they work on.
+    """C sources of a filter and the layout of its memory.
 
-    Their function `int step(double *block)` advances the belief in `block` by one period and returns 0, or the failure
-    as `step.h` numbers it.
+    The function `int step(double *block)` advances the estimate in `block` by one period and returns 0, or a failure
+    code of `step.h`.
 
     Attributes:
         sources: File name → text; every `.c` file is compiled.
-        layout: Part of the block → its offset: MEAN, COVARIANCE, INPUT, READING, PARAMETERS, SPREAD,
+        layout: Part of the block → its slice: MEAN, COVARIANCE, INPUT, READING, PARAMETERS, SPREAD,
             READING_NOISE, PERIOD, THRESHOLD, LIMIT_SQUARED are read, MEAN, COVARIANCE, SQUARED, USED, EXPECTED written.
         width: Length of a row of COVARIANCE and SPREAD; numbers beyond the n-th are zero.
     """
@@ -40,7 +40,7 @@ class Code:
 
 @lru_cache(maxsize=16)
 def generate(model: ModelInC, gated_states: tuple[int, ...], gating_inputs: tuple[int, ...], order: Order) -> Code:
-    """Return the C of a filter over a model; numbers are in the block, only shapes in the text.
+    """Return the C code of a filter for a model; it depends on shapes only, because all values are in the block.
 
     Args:
         model: The prediction.
@@ -65,7 +65,7 @@ def generate(model: ModelInC, gated_states: tuple[int, ...], gating_inputs: tupl
     tables = {"GATE_STATE": gated_states, "GATE_INPUT": gating_inputs}
     patterns = {"A": model.derivative_pattern, "H": model.output_pattern, "PHI": transition}
     for name, pattern in patterns.items():
-        # One more than needed, since C knows no empty arrays.
+        # One more than needed, because C has no empty arrays.
         numbers[f"{name}_COUNT"] = 1 + sum(map(len, pattern))
         tables[f"{name}_ROW"] = np.cumsum([0, *map(len, pattern)]).tolist()
         tables[f"{name}_COLUMN"] = tuple(column for row in pattern for column in row)
@@ -83,23 +83,23 @@ def generate(model: ModelInC, gated_states: tuple[int, ...], gating_inputs: tupl
 
 
 def places(sizes: Mapping[str, int]) -> dict[str, slice]:
-    """Return where parts of these sizes lie, one after the other in their order."""
+    """Return the slices of parts of these sizes, which are stored one after the other."""
     ends = np.cumsum(list(sizes.values())).tolist()
     return {name: slice(end - size, end) for (name, size), end in zip(sizes.items(), ends, strict=True)}
 
 
 def table(name: str, values: Iterable[int]) -> str:
-    """Return a constant C array of one or more elements, because C has no empty arrays."""
+    """Return a constant C array; without values it has one zero, because C has no empty arrays."""
     return f"static const int {name}[] = {{{', '.join(map(str, values)) or '0'}}};"
 
 
 def _transition_pattern(slopes: Pattern, order: int) -> Pattern:
-    """Return where Φ may differ from zero, from the pattern of A."""
     n = len(slopes)
     pattern: NDArray[np.bool_] = np.zeros((n, n), dtype=bool)
     for row, columns in enumerate(slopes):
         pattern[row, list(columns)] = True
     reach = np.eye(n, dtype=bool)
+    # Entry (i, j) of Aᵏ differs from zero only if a path of k steps leads from i to j.
     for _ in range(order):
         reach |= pattern @ reach
     return tuple(tuple(np.flatnonzero(row).tolist()) for row in reach)

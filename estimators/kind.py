@@ -1,4 +1,4 @@
-"""Interface of the kinds of filters, and the data that they are given."""
+"""Interface of the kinds of filters, and the data that they get."""
 
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
@@ -13,15 +13,15 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FilterContext:
-    """What a filter is made for.
+    """Data from which a filter is created; see `railgrip.estimators.design.FilterDesign.of`.
 
     Attributes:
-        prediction: Its model, in the form that `FilterKind.prediction` asks for.
-        process_noise, reading_noise: Of the prediction's states and outputs.
-        period: Of a step [s].
-        gate: Which states change only while which inputs are large.
-        outlier_limit: From how many standard deviations on each reading is left out; None to use every one.
-        mean, covariance: Of the first belief.
+        prediction: The model, in the form that `FilterKind.prediction` declares.
+        process_noise, reading_noise: Noises of the prediction's states and outputs.
+        period: Period of a step [s].
+        gate: States that are frozen while an input is small.
+        outlier_limit: Largest innovation of each reading that is used, in standard deviations; None uses every reading.
+        mean, covariance: Estimate before the first step.
     """
 
     prediction: Any
@@ -35,15 +35,15 @@ class FilterContext:
 
 
 class FilterKind:
-    """A kind of filter, in a module of `railgrip.estimators.filters` whose name is the kind in a scenario.
+    """A kind of filter, in a module of `railgrip.estimators.filters` that is named like the kind in a scenario.
 
     Attributes:
-        prediction: Form of its model: equations in CasADi, an FMU, or parts of a train that are coupled.
+        prediction: Form of its model: equations in CasADi, an FMU, or coupled parts of a train.
     """
 
     prediction: ClassVar[Literal["equations", "fmu", "parts"]] = "equations"
 
     @classmethod
     def start(cls, task: FilterContext) -> Any:
-        """Return the filter with its first belief, a `railgrip.simulate.loop.parts.Filter`."""
+        """Return the filter with its first estimate, a `railgrip.simulate.loop.parts.Filter`."""
         raise NotImplementedError

@@ -1,35 +1,36 @@
-"""The model of a filter as C: what `kernel/step.h` asks of it, and the C of CasADi functions."""
+"""The model of a filter as C, which `kernel/step.h` calls."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import casadi as ca
 
+from railgrip.fmus.native.functions import in_c
+
 Pattern = tuple[tuple[int, ...], ...]
-"""Columns of a sparse matrix that may differ from zero, ascending, for each row."""
+"""For each row of a sparse matrix the columns that may differ from zero, ascending."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelInC:
-    """A prediction of n states and m outputs as C, for a filter of one shape.
+    """A prediction of n states and m outputs as C code.
 
-    The text defines three functions of the states `x` and of the filter's memory, with the inputs at
+    The text defines three functions of the states `x` and the filter's memory, in which the inputs are at
     `block + INPUT` and the prediction's parameters at `block + PARAMETERS`:
 
         static int slope(const double *block, const double *x, double *f);
         static int slope_and_jacobian(const double *block, const double *x, double *f, double *A);
         static int expected(const double *block, const double *x, double *h, double *H);
 
-    They write dx/dt, the outputs, and the entries of their Jacobians by rows, and return 0, or else something other.
+    They write dx/dt, the outputs, and the entries of their Jacobians by rows, and return 0 on success.
 
     Attributes:
-        derivative_pattern: Of ∂f/∂x, n rows.
-        output_pattern: Of ∂h/∂x, m rows.
-        inputs: How many.
-        parameters: How many.
+        derivative_pattern: Pattern of ∂f/∂x, n rows.
+        output_pattern: Pattern of ∂h/∂x, m rows.
+        inputs: Number of inputs.
+        parameters: Number of parameters.
         sizes: Macros that the text uses.
-        text: The C.
+        text: The C code.
     """
 
     derivative_pattern: Pattern
@@ -42,50 +43,32 @@ class ModelInC:
 
 def pattern_of(jacobian: ca.SX) -> Pattern:
     """Return the pattern of a sparse CasADi matrix."""
-    transposed = jacobian.sparsity().T  # CasADi counts down columns
+    transposed = jacobian.sparsity().T  # CasADi stores matrices by columns
     starts, columns = transposed.colind(), transposed.row()
     return tuple(tuple(columns[start:end]) for start, end in pairwise(starts))
 
 
-def in_c(functions: Sequence[ca.Function]) -> tuple[dict[str, int], str]:
-    """Return the sizes of the arrays that CasADi functions in C want to work in, large enough for each, and the C."""
-    generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
-    for function in functions:
-        generator.add(function)
-    sizes = {
-        "ARGUMENTS": max(function.sz_arg() for function in functions),
-        "RESULTS": max(function.sz_res() for function in functions),
-        # One more than needed, since C knows no empty arrays.
-        "WHOLE": 1 + max(function.sz_iw() for function in functions),
-        "WORK": 1 + max(function.sz_w() for function in functions),
-    }
-    return sizes, generator.dump()
-
-
 _CALLS = """
-static int call(int (*function)(const double **, double **, casadi_int *, double *, int), const double *block,
-                const double *x, double *value, double *jacobian)
+static int evaluate(Function *function, const double *block, const double *x, double *value, double *jacobian)
 {
     const double *arguments[ARGUMENTS] = {x, block + INPUT, block + PARAMETERS};
     double *results[RESULTS] = {value, jacobian};
-    casadi_int whole[WHOLE];
-    double work[WORK];
-    return function(arguments, results, whole, work, 0);
+    return call(function, arguments, results);
 }
 
 static int slope(const double *block, const double *x, double *f)
 {
-    return call(casadi_slope, block, x, f, 0);
+    return evaluate(casadi_slope, block, x, f, 0);
 }
 
 static int slope_and_jacobian(const double *block, const double *x, double *f, double *A)
 {
-    return call(casadi_slope_and_jacobian, block, x, f, A);
+    return evaluate(casadi_slope_and_jacobian, block, x, f, A);
 }
 
 static int expected(const double *block, const double *x, double *h, double *H)
 {
-    return call(casadi_expected, block, x, h, H);
+    return evaluate(casadi_expected, block, x, h, H);
 }
 """
 
@@ -93,7 +76,7 @@ static int expected(const double *block, const double *x, double *h, double *H)
 def model_in_c(
     x: ca.SX, u: ca.SX, p: ca.SX, derivative: ca.SX, output: ca.SX, derivative_jacobian: ca.SX, output_jacobian: ca.SX
 ) -> ModelInC:
-    """Return f, h and their sparse Jacobians, expressions of x, u and p, as C."""
+    """Return f, h and their sparse Jacobians, expressions in x, u and p, as C code."""
     # Jacobians transposed, because CasADi stores columns and step.h reads rows.
     functions = [
         ca.Function("casadi_slope", [x, u, p], [derivative]),

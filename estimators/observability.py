@@ -1,9 +1,9 @@
-"""What can be known at all: symbolic at a point, and numeric along a trajectory.
+"""Observability: symbolic at a point, and numeric along a trajectory.
 
 Two questions are answered. *Can* the states be determined from the readings and their time derivatives
-(`observability`), as Schwarz and Keck (2020, eq. 16) ask? And *how well*, from noisy readings over a window
-of a real trajectory (`along`)? The first is a property of the model at a point; the second depends on
-sensors, excitation and time.
+(`observability`), as in Schwarz and Keck (2020, eq. 16)? And *how accurately*, from noisy readings over a window of a
+real trajectory (`along`)? The first is a property of the model at a point; the second depends on sensors, excitation
+and time.
 """
 
 import math
@@ -20,12 +20,12 @@ from railgrip.estimators.discretisation import transition
 from railgrip.estimators.prediction import CasadiPrediction, Prediction
 
 ROUNDING = 1e-11
-"""Singular values below this share of the largest count as zero. Entries are exact derivatives in double
-precision; some Lie derivatives lose some three digits of sixteen, scaling of the columns a few more."""
+"""Singular values below this share of the largest count as zero. Entries are exact derivatives in double precision;
+some Lie derivatives lose about three of sixteen digits by rounding, and the scaling of columns a few more."""
 
 
 LARGEST_ORDER = 6
-"""Maximum order of derivatives; expressions of larger models grow fast."""
+"""Largest order of derivatives: the size of the expressions grows fast with it."""
 
 
 def readings_and_rates(prediction: CasadiPrediction, order: int, x: Vector, u: Vector) -> tuple[Vector, Matrix]:
@@ -51,10 +51,10 @@ class Observability:
 
     Attributes:
         states: Names of the states.
-        order: Highest derivative that was needed, or the last that brought nothing new.
+        order: Highest derivative that was needed, or the last one that did not raise the rank.
         rank: Number of independent combinations of states that are determined.
-        null_space: Directions that are not, shape (n − rank, n), unit vectors in units of `scale`.
-        undetermined: Names of the states that take part in a hidden direction, by more than ten tolerances.
+        null_space: Undetermined directions, shape (n − rank, n), unit vectors in units of `scale`.
+        undetermined: Names of the states with a share in an undetermined direction of more than ten tolerances.
     """
 
     states: tuple[str, ...]
@@ -76,33 +76,33 @@ def observability(
     scale: ArrayLike,
     tolerance: float = ROUNDING,
 ) -> Observability:
-    """Return the states that [y, ẏ, …] determines at a point, with derivatives as long as they raise the rank.
+    """Return which states [y, ẏ, …] determines at a point.
 
-    Derivatives are added until every state is determined, or until one more adds no rank: at a regular point
-    no later one will either.
+    Derivatives are added until every state is determined, or until one more does not raise the rank: at a regular point
+    later ones do not raise it either.
 
     Args:
         prediction: The model.
         x: The point, shape (n,).
-        u: Inputs held there, shape (nu,).
-        scale: Typical size of each state, shape (n,), positive: makes columns comparable.
-        tolerance: Share of the largest singular value below which one counts as zero. The default is for
-            states that are determined in principle; a smoothed model, whose released pads still rub, needs more.
+        u: Constant inputs there, shape (nu,).
+        scale: Typical size of each state, positive, shape (n,), which makes columns comparable.
+        tolerance: Share of the largest singular value below which one counts as zero. The default is for states that
+            are determined in principle; a smoothed model, whose released pads still rub, requires a larger one.
 
     Raises:
-        EstimatorError: A size is not positive, or shapes do not fit the model.
+        EstimatorError: A size is not positive, or shapes do not match the model.
     """
     n = len(prediction.states)
     size = _sizes(scale, prediction.states)
     if np.shape(x) != (n,) or np.shape(u) != (len(prediction.inputs),):
         raise EstimatorError(
-            f"observability: wants {n} states and {len(prediction.inputs)} inputs, "
+            f"observability: requires {n} states and {len(prediction.inputs)} inputs, "
             f"got shapes {np.shape(x)} and {np.shape(u)}."
         )
     rank, order, directions = 0, 0, np.eye(n)
     for order in range(LARGEST_ORDER + 1):
         jacobian = readings_and_rates(prediction, order, x, u)[1] * size
-        # Readings and their derivatives have different units, so that only the direction of a row counts.
+        # Readings and their derivatives have different units, so only the direction of a row is meaningful.
         lengths = np.linalg.norm(jacobian, axis=1, keepdims=True)
         rows = jacobian[lengths[:, 0] > 0.0] / lengths[lengths > 0.0][:, np.newaxis]
         _, values, directions = np.linalg.svd(rows) if rows.size else (None, np.zeros(0), np.eye(n))
@@ -113,7 +113,7 @@ def observability(
         rank = count
     null_space = directions[rank:]
     part = np.linalg.norm(null_space, axis=0) if null_space.size else np.zeros(n)
-    # Where values up to `tolerance` count as zero, directions are known to about as much.
+    # If values up to `tolerance` count as zero, directions are accurate to about the same share.
     least = max(1e-6, 10.0 * tolerance)
     names = tuple(name for name, share in zip(prediction.states, part, strict=True) if share > least)
     return Observability(
@@ -128,11 +128,11 @@ def observability(
 def gramian(prediction: Prediction, x: Matrix, u: Matrix, period: float, reading_noise: ArrayLike) -> Matrix:
     """Return the discrete observability Gramian Σ Φᵀ(k,0) Hᵀ R⁻¹ H Φ(k,0) along a trajectory, shape (n, n).
 
-    It is the inverse of the covariance to which the state at the first sample is known from all readings, if
-    the model is exact: the Fisher information.
+    It is the Fisher information: the inverse of the covariance of the state at the first sample given all readings, if
+    the model is exact.
 
     Args:
-        prediction: The model; linearised at the samples, between them as in `discretisation`.
+        prediction: The model, linearised at the samples; transitions are those of `discretisation`.
         x: States at K samples, shape (K, n).
         u: Inputs held from each sample to the next, shape (K, nu).
         period: Seconds between samples.
@@ -163,10 +163,12 @@ def along(
 ) -> tuple[NDArray[np.intp], Vector, Matrix]:
     """Return the accuracy with which noisy readings over windows of a trajectory determine the state at their start.
 
-    First sample of each window, shape (k,); smallest singular value of its scaled Gramian, shape (k,): the square of
-    (size of the state over its uncertainty) in the worst direction, below 1 if the uncertainty exceeds the typical
-    size; and the standard deviation to which each state is known from the window alone, shape (k, n), in its
-    unit, infinity where the readings say nothing about it.
+    Returns:
+        Index of the first sample of each window, shape (k,).
+        Smallest singular value of its scaled Gramian, shape (k,): the square of (size of the state over its
+        uncertainty) in the worst direction, below 1 if the uncertainty exceeds the typical size.
+        Standard deviation of each state given the window alone, shape (k, n), in the unit of the state; infinity for a
+        state on which the readings have no information.
 
     Args:
         prediction: The model.
@@ -179,11 +181,11 @@ def along(
         stride: Samples from the start of one window to the next.
 
     Raises:
-        EstimatorError: A window longer than the trajectory, or a size that is not positive.
+        EstimatorError: A window is longer than the trajectory, or a size is not positive.
     """
     if not 1 <= window <= len(x) or stride < 1:
         raise EstimatorError(
-            f"observability: window wants 1 to {len(x)} samples and stride at least 1, got {window} and {stride}."
+            f"observability: window must be 1 to {len(x)} samples and stride at least 1, got {window} and {stride}."
         )
     size = _sizes(scale, prediction.states)
     starts = np.arange(0, len(x) - window + 1, stride)
@@ -200,7 +202,7 @@ def along(
 def _deviation(values: Vector, directions: Matrix) -> Vector:
     """Return √diag(G⁻¹) from the eigenvalues and -vectors of G; infinity for states in its null space."""
     n = values.size
-    # What rounding leaves of a zero eigenvalue of a sum of squares.
+    # Upper bound of the rounding error of a zero eigenvalue of a sum of squares.
     null = values <= n * np.finfo(np.float64).eps * values[-1]
     variance = np.sum(directions[:, ~null] ** 2 / values[~null], axis=1)
     blind = np.linalg.norm(directions[:, null], axis=1) > 1e-6
@@ -211,6 +213,6 @@ def _sizes(scale: ArrayLike, states: tuple[str, ...]) -> Vector:
     size = np.asarray(scale, dtype=np.float64)
     if size.shape != (len(states),) or not np.all(size > 0.0):
         raise EstimatorError(
-            f"observability: scale wants a positive size for each of {', '.join(states)}, got {size.tolist()}."
+            f"observability: scale requires a positive size for each of {', '.join(states)}, got {size.tolist()}."
         )
     return size

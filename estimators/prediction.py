@@ -1,4 +1,4 @@
-"""The model inside a filter: its interface, and an implementation by CasADi functions."""
+"""The model of a filter: its interface, and an implementation with CasADi functions."""
 
 from collections.abc import Mapping
 from functools import cached_property, lru_cache
@@ -14,7 +14,7 @@ from railgrip.fmus.native import Model
 
 
 class FilterVariables(Protocol):
-    """What a filter is about: n states, nu inputs, m outputs."""
+    """Names of the n states, nu inputs and m outputs of a model."""
 
     @property
     def states(self) -> tuple[str, ...]:
@@ -34,10 +34,10 @@ class FilterVariables(Protocol):
 
 @runtime_checkable
 class Prediction(FilterVariables, Protocol):
-    """A smooth model ẋ = f(x, u), y = h(x, u) that does not change with time.
+    """A smooth, time-invariant model ẋ = f(x, u), y = h(x, u).
 
-    Outputs may depend on inputs: an accelerometer shows what the brakes do at once. Every call returns an
-    array that the caller may keep.
+    Outputs may depend on inputs: an accelerometer responds to the brakes at once. Every call returns a new array that
+    the caller may keep.
     """
 
     def derivative(self, x: Vector, u: Vector) -> Vector:
@@ -59,20 +59,20 @@ class Prediction(FilterVariables, Protocol):
 
 @runtime_checkable
 class PredictionInC(Prediction, Protocol):
-    """A prediction that a filter in C evaluates, too.
+    """A prediction that a filter in C can evaluate, too.
 
     Attributes:
-        parameters: What its C finds at `block + PARAMETERS`.
+        parameters: Values that its C code reads at `block + PARAMETERS`.
     """
 
     parameters: Vector
 
     def in_c(self) -> ModelInC:
-        """Return the C."""
+        """Return the C code."""
         ...
 
     def failure(self) -> str:
-        """Return, in a sentence, why its C did not return 0."""
+        """Return a sentence on why its C code did not return 0."""
         ...
 
 
@@ -83,11 +83,11 @@ class Equations:
         x: Symbols of the states, shape (n, 1); `u` and `p` likewise.
         derivative: f, shape (n, 1).
         output: h, shape (m, 1).
-        derivative_jacobian: ∂f/∂x with structural zeros left out.
-        output_jacobian: ∂h/∂x likewise.
+        derivative_jacobian: ∂f/∂x, sparse, shape (n, n).
+        output_jacobian: ∂h/∂x, sparse, shape (m, n).
 
     Raises:
-        EstimatorError: The model changes with time, or its functions do not fit its variables.
+        EstimatorError: The model depends on time, or its functions do not match its variables.
     """
 
     def __init__(self, model: Model) -> None:
@@ -110,15 +110,15 @@ class Equations:
         self.output = ca.densify(model.output(*symbols))
         if ca.depends_on(ca.vertcat(self.derivative, self.output), t):
             raise EstimatorError(
-                "Prediction: the model depends on time; a prediction is a function of state and input only, "
-                "make what changes with time an input."
+                "Prediction: the model depends on time; a prediction is a function of states and inputs only: "
+                "declare the time-dependent quantity as an input."
             )
         self.derivative_jacobian = ca.jacobian(self.derivative, self.x)
         self.output_jacobian = ca.jacobian(self.output, self.x)
 
     @cached_property
     def in_c(self) -> ModelInC:
-        """The functions and their Jacobians as C."""
+        """The functions and their Jacobians as C code."""
         return model_in_c(
             self.x, self.u, self.p, self.derivative, self.output, self.derivative_jacobian, self.output_jacobian
         )
@@ -126,29 +126,27 @@ class Equations:
 
 @lru_cache(maxsize=16)
 def equations_of(model: Model) -> Equations:
-    """Return the equations of a model, differentiated once: a process stops the same train hundreds of times."""
+    """Return the equations of a model, cached, because a process simulates the same train hundreds of times."""
     return Equations(model)
 
 
 class _BufferedFunction:
-    """An expression as a fast numeric function: arguments in and results out through fixed buffers.
+    """An expression as a fast numeric function with fixed buffers for arguments and result.
 
     CasADi reads and writes the buffers through their addresses; the attributes keep them alive.
     """
 
     def __init__(self, of: Equations, expression: ca.SX, parameters: Vector) -> None:
-        """Fix the buffers; later changes of `parameters` are seen."""
         self._function = ca.Function("evaluate", [of.x, of.u, of.p], [ca.densify(expression)])
         self._x, self._u, self._parameters = np.zeros(of.x.numel()), np.zeros(of.u.numel()), parameters
-        self._result = np.zeros(expression.shape, order="F")  # CasADi counts down columns
+        self._result = np.zeros(expression.shape, order="F")  # CasADi stores matrices by columns
         self._buffer, self._run = self._function.buffer()
         for place, array in enumerate((self._x, self._u, self._parameters)):
-            # The stub describes the C++ overload, with a size; Python's takes a memoryview.
+            # CasADi's stub describes the C++ overload, with a size; the Python one takes a memoryview.
             self._buffer.set_arg(place, array.data)  # pyright: ignore[reportCallIssue]
         self._buffer.set_res(0, self._result.T.data)  # pyright: ignore[reportCallIssue]
 
     def __call__(self, x: Vector, u: Vector) -> Matrix:
-        """Return the value in a new array with the shape of the expression."""
         self._x[:] = x
         self._u[:] = u
         self._run()
@@ -156,18 +154,18 @@ class _BufferedFunction:
 
 
 class CasadiPrediction:
-    """A prediction from the CasADi functions of a model, its Jacobians exact and sparse inside.
+    """A prediction from the CasADi functions of a model, with exact Jacobians.
 
     Args:
-        model: States, inputs, parameters, outputs and the two functions.
-        parameters: A value for every parameter of the model, by name, in its SI unit.
+        model: The model.
+        parameters: Value of every parameter of the model by name, in its SI unit.
 
     Raises:
         EstimatorError: A parameter is missing or unknown, or the model is not a prediction (see `Equations`).
     """
 
     def __init__(self, model: Model, parameters: Mapping[str, float]) -> None:
-        """Match parameters by name and make the evaluators."""
+        """Match parameters by name and create the numeric functions."""
         self.states = tuple(variable.name for variable in model.states)
         self.inputs = tuple(variable.name for variable in model.inputs)
         self.outputs = tuple(variable.name for variable in model.outputs)
@@ -189,11 +187,11 @@ class CasadiPrediction:
         self._output_jacobian = _BufferedFunction(of, of.output_jacobian, self.parameters)
 
     def in_c(self) -> ModelInC:
-        """Return the same functions as C."""
+        """Return the same functions as C code."""
         return self.equations.in_c
 
     def failure(self) -> str:
-        """Return why its C did not return 0, which CasADi's functions always do."""
+        """Return a sentence for a failed evaluation, which CasADi's functions never report."""
         return "Filter: the prediction cannot be evaluated."
 
     def derivative(self, x: Vector, u: Vector) -> Vector:

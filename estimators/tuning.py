@@ -1,4 +1,4 @@
-"""Named noises for the prediction models of the train, which `noises.toml` gives with their reasons."""
+"""Named sets of noises for the prediction models of the train; `noises.toml` has them with their reasons."""
 
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -14,13 +14,13 @@ from railgrip.estimators.design import Gate
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NoiseSet:
-    """Everything that a filter over a prediction assumes about noise: standard deviations by name, without index.
+    """Noises that a filter assumes: standard deviations by variable, without index.
 
     Attributes:
-        name: For reports.
-        process: Of the states, in their unit per √s.
-        readings: Of the outputs, in their unit.
-        start: Of the states at the start, in their unit.
+        name: Name in reports.
+        process: Process noise of the states, in their unit per √s.
+        readings: Noise of the readings, in their unit.
+        start: Standard deviation of the states at the start, in their unit.
     """
 
     name: str
@@ -41,7 +41,6 @@ class NoiseSet:
         return self._squares("start", self.start, states)
 
     def _squares(self, what: str, deviations: Mapping[str, float], names: Sequence[str]) -> Vector:
-        """Return the variance of each name; elements of an array have that of the array."""
         missing = sorted({name.partition("[")[0] for name in names} - deviations.keys())
         if missing:
             raise EstimatorError(
@@ -63,15 +62,15 @@ def _noise_sets() -> dict[str, NoiseSet]:
 
 
 NOISE_SETS = _noise_sets()
-"""The sets by the names that scenario files use."""
+"""Sets of noises by their names in scenario files."""
 
 
 def pad_gate(threshold: float, groups: int) -> Gate:
-    """Return the gate that holds the pad friction of a group still while its pads are released.
+    """Return the gate that freezes the pad friction of each group while its pads are released.
 
     Args:
-        threshold: Cylinder pressure [Pa] below which they count as released; where both pads press with 1 to 2 kN of
-            the 56 kN at full brake, their torque is within the errors of the other torques.
+        threshold: Cylinder pressure below which pads count as released [Pa]. Where both pads press with 1 to 2 kN, of
+            56 kN at full brake, their torque is within the errors of the other torques.
         groups: Number of brake groups.
     """
     return Gate(

@@ -1,1 +1,1 @@
-"""A Modelica class (or a CasADi function) goes in, a checked FMU comes out."""
+"""Compilers from Modelica classes or CasADi functions to checked FMUs."""

@@ -1,4 +1,4 @@
-"""From recipe to FMU, doing only what has to be done again."""
+"""FMUs from recipes, built only if they are out of date."""
 
 import json
 import os
@@ -26,7 +26,7 @@ OUTPUT = Path("build") / "fmus"
 """Where `railgrip build` leaves copies, below the current folder; railgrip does not load FMUs from there."""
 
 KIND = "fmus"
-"""Their shelf in the user's cache."""
+"""Folder of FMUs in the user's cache."""
 
 Compiler = Literal["auto", "openmodelica", "native"]
 Action = Literal["built", "unchanged", "current"]
@@ -38,8 +38,8 @@ class Artifact:
     """An FMU that is up to date.
 
     Attributes:
-        action: built; unchanged, when Modelica files moved but the model did not; current, when nothing did.
-        interface: The FMU as lock.toml records it; empty when OpenModelica built it.
+        action: "built"; "unchanged" if Modelica files changed but the model did not; "current" if nothing changed.
+        interface: Entry of the FMU in lock.toml; empty if OpenModelica built it.
     """
 
     name: str
@@ -50,7 +50,7 @@ class Artifact:
 
 
 def fmu(name: str, compiler: Compiler = "auto") -> Path:
-    """Return the FMU of a recipe in the user's cache, built if it is not there.
+    """Return the FMU of a recipe in the user's cache, built if it is missing or out of date.
 
     Raises:
         InputError: No such recipe, or the class does not compile.
@@ -65,7 +65,7 @@ def build_one(
 ) -> Artifact:  # fmt: skip
     """Bring the FMU of one recipe up to date, from the library of its class unless another is given.
 
-    Only the user's cache is ever taken for up to date; `directory` gets a copy.
+    Only FMUs in the user's cache count as up to date; `directory` gets a copy.
     """
     recipe = (read_recipes() if book is None else book)[name]
     return _up_to_date(
@@ -84,7 +84,7 @@ def build_class(
         class_name: Full name, such as `MyLib.MyTrain`.
         library: A library's folder or its `package.mo`, or a single `.mo` file. It may use RailBraking.
         interface: cs for a plant, me for a prediction.
-        compiler: As for recipes.
+        compiler: See `choose`.
 
     Raises:
         InputError: The library or class does not exist, or does not compile.
@@ -134,13 +134,13 @@ def translate(recipe: Recipe, library: Path | None = None) -> tuple["Source", di
 def build(
     names: Iterable[str] = (), compiler: Compiler = "auto", directory: Path | None = OUTPUT
 ) -> Iterator[Artifact]:
-    """Bring FMUs up to date, all of them when none is named, and yield each when it is; `directory` gets copies.
+    """Bring FMUs up to date, all of them if none is named, and yield each when it is; `directory` gets copies.
 
-    Modelica is translated here, one class after the other in the order of recipes.toml; meanwhile `JOBS` C compilers
-    compile translated classes. So the library is read once and CasADi loaded once.
+    Modelica is translated in this thread, one class after the other in the order of recipes.toml, so that the library
+    is read once; meanwhile `JOBS` C compilers compile translated classes.
 
     Raises:
-        RailgripError: The first one that could not be built; those begun before it still finish.
+        RailgripError: The first FMU that could not be built; builds that are already running are completed.
     """
     book = read_recipes()
     selection = list(names) or list(book.recipes)
@@ -174,7 +174,7 @@ def build(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _BuildOrder:
-    """What is to be built, with what and where to."""
+    """An FMU to build: its recipe, library and compiler, and the folder for a copy."""
 
     name: str
     recipe: Recipe
@@ -194,7 +194,6 @@ _Translation = tuple["Source", dict[str, Any]]
 
 
 def _current(order: _BuildOrder, inputs: str) -> Artifact | None:
-    """Return the FMU when it was made from these very inputs before."""
     file = cache.find(KIND, inputs, f"{order.name}.json")
     if file is None:
         return None
@@ -222,15 +221,13 @@ def translate_here(class_name: str, library: Path, recipe: dict[str, Any]) -> tu
 
 
 def _compile(order: _BuildOrder, inputs: str, translation: _Translation | None) -> Artifact:
-    """Compile the translation unless that was done before, and store a stamp under the digest of all inputs.
-
-    The stamp says under which digest of C code and XML the FMU is kept: the C compiler runs only when that moves.
-    """
+    # The stamp of all inputs names the digest of C code and XML under which the FMU is kept, so that the C compiler
+    # runs only when that digest changes.
     action, file = "built", f"{order.name}.fmu"
     if translation is None:
         kept_under, interface = inputs, dict[str, Any]()
         with scratch("build") as folder:
-            # The message names this file, so it must outlast the build: next to the copy, or in the cache.
+            # A message names this file, so it must remain after the build: next to the copy, or in the cache.
             log = (order.directory or cache.folder() / KIND / inputs / "log") / f"{order.name}.log"
             content = openmodelica.export(order.recipe, order.library, folder / file, log).read_bytes()
         entry = cache.keep(KIND, kept_under, file, content)
@@ -250,18 +247,17 @@ def _compile(order: _BuildOrder, inputs: str, translation: _Translation | None) 
 
 
 def _copy(entry: Path, directory: Path) -> Path:
-    """Return a copy of a kept FMU in a folder, written only where it is not there already."""
     path, content = directory / entry.name, entry.read_bytes()
     if not path.is_file() or path.read_bytes() != content:
         directory.mkdir(parents=True, exist_ok=True)
-        half = path.with_suffix(f".{os.getpid()}.part")  # two processes may copy it at once
+        half = path.with_suffix(f".{os.getpid()}.part")  # two processes may copy it at the same time
         half.write_bytes(content)
         half.replace(path)
     return path
 
 
 def choose(compiler: Compiler) -> Literal["openmodelica", "native"]:
-    """Return the compiler to use: OpenModelica when it is on the PATH, unless one is requested.
+    """Return the compiler to use; for "auto" OpenModelica if it is on the PATH, else the built-in one.
 
     Raises:
         CompilerMissing: OpenModelica was requested and is not on the PATH.
@@ -280,7 +276,6 @@ def choose(compiler: Compiler) -> Literal["openmodelica", "native"]:
 
 
 def _inputs_digest(recipe: Recipe, compiler: str, library: str) -> str:
-    """Return a digest over everything that is read: `library` is that of the Modelica files."""
     native = compiler == "native"
     tool = compiler_digest() + toolchain_digest() if native else openmodelica.version_line()
     return digest([recipe.model_dump_json(), compiler, tool, library])

@@ -1,4 +1,4 @@
-"""lock.toml: what the FMUs look like from outside, so that a change of the models is seen in review."""
+"""lock.toml: the interfaces and digests of all FMUs, so that a change of the models is visible in review."""
 
 import json
 import tomllib
@@ -77,7 +77,7 @@ def _toml(value: object) -> str:
 def differences(name: str, lock: Mapping[str, Entry], entry: Entry) -> list[str]:
     """Return the differences from the lock file.
 
-    The digest is compared only under the tool versions it was made with: another CasADi may write other C.
+    The digest is compared only under the same tool versions: another version of CasADi may write other C code.
     """
     if name not in lock:
         return ["is not in lock.toml"]

@@ -14,11 +14,11 @@ from railgrip.fmus.native.library import LIBRARY
 from railgrip.fmus.recipe import Recipe
 
 TOLERANCE = 1e-8
-"""Of CVODE in a co-simulation FMU. omc takes it from the class, not from the importer of the FMU, and an absolute error
-is this times a nominal value that is mostly one, while a deflection is a millimetre and the twist of an axle 1e-5."""
+"""Tolerance of CVODE in a co-simulation FMU, which omc reads from the class, not from the importer of the FMU. The
+absolute error is this times a nominal value, mostly one, while a deflection is 1e-3 and the twist of an axle 1e-5."""
 
 _LINES = 12
-"""Most lines of a build log that go into a message."""
+"""Maximum number of lines of a build log in a message."""
 _UNSET = re.compile(
     r"Parameter \S+\.\S+ has (?:no value\b.*\busing available start|neither value nor start) value", re.DOTALL
 )
@@ -28,24 +28,24 @@ _TELLING = re.compile(r"\berror\b|undefined reference|not found|no such file|can
 def script(recipe: Recipe, library: Path, *, derivatives: bool) -> str:
     """Return the omc script that exports a recipe's FMU into the working folder.
 
-    Co-simulation comes together with model exchange. With `fmuType="cs"` alone, omc 1.22 to 1.27 adds the
-    derivative of every output as an equation (introduceOutputRealDerivatives in SimCodeMain.mo); index reduction
-    then makes states of outputs and takes inputs for constant, and trajectories are wrong (OpenModelica issues 9782
+    Co-simulation is exported together with model exchange. With `fmuType="cs"` alone, omc 1.22 to 1.27 adds the
+    derivative of every output as an equation (introduceOutputRealDerivatives in SimCodeMain.mo); index reduction then
+    turns outputs into states and treats inputs as constant, so that trajectories are wrong (OpenModelica issues 9782
     and 9785).
 
-    In co-simulation, state events are acted upon where a communication step ends, not where they happen.
+    In co-simulation, state events take effect at the end of a communication step, not when they occur.
 
-    Every command prints its value. Errors come out of `getErrorString()`, because a failing command itself
-    only answers false or "".
+    Every command prints its value. Errors are read with `getErrorString()`, because a failing command itself only
+    returns false or "".
 
     Args:
-        recipe: What to export.
+        recipe: Recipe of the FMU.
         library: Folder of the Modelica library, or its only file.
-        derivatives: Ask for directional derivatives.
+        derivatives: Whether directional derivatives are requested.
     """
     packages = [library / "package.mo" if library.is_dir() else library]
     if library != LIBRARY:
-        packages.insert(0, LIBRARY / "package.mo")  # which any library may use
+        packages.insert(0, LIBRARY / "package.mo")  # any library may use RailBraking
     prefix = recipe.class_name.replace(".", "_")
     kind, options, also = "me", [], []
     if "cs" in recipe.interfaces:
@@ -53,7 +53,7 @@ def script(recipe: Recipe, library: Path, *, derivatives: bool) -> str:
         options = ["--fmiFlags=s:cvode"]  # without it, explicit Euler
         also = [f"addClassAnnotation({recipe.class_name}, annotate=experiment(Tolerance={TOLERANCE}));"]
     if derivatives:
-        options = [*options, "-d=-disableDirectionalDerivatives"]  # the switching off is on unless switched off
+        options = [*options, "-d=-disableDirectionalDerivatives"]  # omc disables them by default
     lines = [
         *(f'setCommandLineOptions("{option}");' for option in options),
         "getErrorString();",
@@ -69,24 +69,23 @@ def script(recipe: Recipe, library: Path, *, derivatives: bool) -> str:
 
 
 def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None) -> Path:
-    """Let omc build the FMU of a recipe.
+    """Build the FMU of a recipe with omc, and return its path.
 
-    omc packs the FMU last, so that an existing one is complete; messages of omc next to it become a warning.
-    A parameter of a component without a value fails the build: omc would use its start value, as if a modifier were
-    lost.
-    Directional derivatives are requested where a filter uses them: with model exchange alone. omc trips over them in
-    some functions over arrays (1.28 still does), so it gets a second chance without.
+    omc packs the FMU last, so an existing FMU is complete; messages of omc in addition to it become a warning. A
+    parameter of a component without a value fails the build, because omc would use its start value, as if a modifier
+    were lost. Directional derivatives are requested if a filter may use them, that is for model exchange. omc (up to
+    1.28) fails on them for some functions with array arguments, so the build is repeated without them.
 
     Args:
-        recipe: What to export.
+        recipe: Recipe of the FMU.
         library: Folder of the Modelica library, or its only file.
-        path: Of the FMU.
+        path: Path of the FMU.
         log: File for long messages of omc; next to the FMU unless given.
 
     Raises:
-        CompilerMissing: There is no omc on the PATH.
-        BuildFailed: omc hands over no FMU, or one whose parameters have no value; the message carries its words, a
-            long log of the C compiler cut short.
+        CompilerMissing: omc is not on the PATH.
+        BuildFailed: omc built no FMU, or one with parameters without a value; the message quotes omc, with a long log
+            of the C compiler shortened.
     """
     log = log or path.with_suffix(".log")
     messages: list[str] = []
@@ -110,10 +109,7 @@ def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None) -
 
 
 def _excerpt(text: str, log: Path) -> str:
-    """Return the lines of a build log that speak of errors, or else its last ones; a long one is kept whole in `log`.
-
-    When the C compiler fails, omc hands over all that make and the compiler printed as one message.
-    """
+    # When the C compiler fails, omc passes on all that make and the compiler printed as one message.
     lines = text.splitlines()
     if len(lines) <= _LINES:
         return text
@@ -124,7 +120,6 @@ def _excerpt(text: str, log: Path) -> str:
 
 
 def _run(text: str, recipe: Recipe, folder: Path) -> tuple[Path | None, str]:
-    """Return the FMU that omc made from a script, if any, and its complaints."""
     (folder / "export.mos").write_text(text, encoding="utf-8")
     process = subprocess.run(
         [_omc(), "export.mos"],
@@ -138,7 +133,7 @@ def _run(text: str, recipe: Recipe, folder: Path) -> tuple[Path | None, str]:
     fmu = folder / f"{recipe.class_name.replace('.', '_')}.fmu"
     open_parameters = "\n".join(unset(process.stdout))
     if open_parameters:
-        raise BuildFailed(f"OpenModelica takes start values of {recipe.class_name} for values:\n{open_parameters}")
+        raise BuildFailed(f"OpenModelica uses start values of {recipe.class_name} as values:\n{open_parameters}")
     problems = "\n".join(errors(process.stdout))
     if process.returncode == 0 and fmu.exists():
         return fmu, problems
@@ -146,21 +141,18 @@ def _run(text: str, recipe: Recipe, folder: Path) -> tuple[Path | None, str]:
 
 
 def errors(output: str) -> list[str]:
-    """Return the error messages in what omc printed; an error of omc itself is an `Internal error`."""
+    """Return the error messages in the output of omc; an error of omc itself is an `Internal error`."""
     return [text for kind, text in _messages(output) if kind in ("Error", "Internal error")]
 
 
 def unset(output: str) -> list[str]:
-    """Return the warnings about parameters of components that have no value; others are set when the FMU runs."""
+    """Return the warnings about component parameters without a value; the importer sets the other parameters."""
     return [text for kind, text in _messages(output) if kind == "Warning" and _UNSET.search(text)]
 
 
 def _messages(output: str) -> list[tuple[str, str]]:
-    """Return kind and text of each message.
-
-    One reads `[file:line:column-line:column:writable] Error: text`, or `Error: text` without a place, and ends where
-    the next one begins.
-    """
+    # A message is `[file:line:column-line:column:writable] Error: text`, or `Error: text` without a place, and ends
+    # where the next one begins.
     starts = re.compile(r'^"?(?:\[[^\]\n]*\] )?(Internal error|Error|Warning|Notification): ', re.MULTILINE)
     matches = list(starts.finditer(output))
     ends = [m.start() for m in matches[1:]] + [len(output)]
@@ -172,7 +164,7 @@ def version_line() -> str:
     """Return the output of `omc --version`.
 
     Raises:
-        CompilerMissing: There is no omc on the PATH.
+        CompilerMissing: omc is not on the PATH.
     """
     process = subprocess.run(
         [_omc(), "--version"],

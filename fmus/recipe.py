@@ -1,4 +1,4 @@
-"""What to make: recipes.toml as checked values."""
+"""Recipes of FMUs: recipes.toml as validated values."""
 
 import tomllib
 from collections.abc import Mapping
@@ -16,15 +16,15 @@ RECIPES = Path(__file__).with_name("recipes.toml")
 
 
 class Recipe(BaseModel):
-    """How one FMU is made.
+    """Recipe of one FMU.
 
     Attributes:
         class_name: Modelica class, `class` in the file.
-        interfaces: me, cs or both.
-        solver: Of co-simulation, in the built-in compiler.
+        interfaces: "me", "cs" or both.
+        solver: Solver of co-simulation, in the built-in compiler.
         tolerance: Relative error of an internal step.
-        step: Communication step the FMU suggests, s.
-        curve: The class has `curve`, which a rail with several creep curves binds to inputs.
+        step: Communication step that the FMU suggests [s].
+        curve: Whether the class has the parameter `curve`, which becomes an input on a rail with several creep curves.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -60,7 +60,7 @@ class Cookbook:
         """Return a recipe.
 
         Raises:
-            InputError: There is no recipe of that name.
+            InputError: The file has no recipe with that name.
         """
         if name not in self.recipes:
             hint = did_you_mean(name, self.recipes, quote="", before="; ") or f"; it has {', '.join(self.recipes)}."
@@ -72,7 +72,7 @@ def read_recipes(file: Path = RECIPES) -> Cookbook:
     """Return the recipes of a file.
 
     Raises:
-        InputError: The file is missing, is not TOML, or holds an unknown key or impossible value.
+        InputError: The file is missing, is not TOML, or has an unknown key or an invalid value.
     """
     try:
         tables = tomllib.loads(file.read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""The way in: listens to signals before anything that takes time is loaded."""
+"""Entry point: handles signals before slow modules are imported."""
 
 import io
 import os
@@ -25,11 +25,8 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _open_standard_streams() -> None:
-    """Open the null device in the place of standard streams that are closed.
-
-    Otherwise the next file that is opened, a result perhaps, would be one of them, and whatever an FMU prints would be
-    written into it.
-    """
+    # Otherwise the next file that is opened, perhaps a result, gets the number of a standard stream, and whatever an
+    # FMU prints is written into it.
     for number, name, mode in ((0, "stdin", "r"), (1, "stdout", "w"), (2, "stderr", "w")):
         try:
             os.fstat(number)
@@ -40,7 +37,7 @@ def _open_standard_streams() -> None:
 
 
 def _write_unicode() -> None:
-    """Set the encoding of output to files and pipes: on Windows the default has neither μ nor ≥."""
+    # On Windows the default encoding of files and pipes has neither μ nor ≥.
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(encoding=None if stream.isatty() else "utf-8", errors="replace")

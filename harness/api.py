@@ -91,11 +91,15 @@ class Scenario(schema.Scenario):
         """Return a scenario by its name, such as "trapezoid", from a TOML file, or from its tables.
 
         Args:
-            source: Name, path, or tables, whose files are relative to the current folder.
-            changes: Key → value that overrides the scenario's, as {"start.speed": "100 km/h"}.
+            source: Name, path, or tables; files named in tables are relative to the current folder.
+            changes: Key → value that overrides the scenario's, such as {"start.speed": "100 km/h"}.
 
         Raises:
-            ScenarioError: The file is missing or not a scenario; one sentence with the key per problem.
+            ScenarioError: The file is missing or not a scenario; the message has a sentence for each problem, with its
+                key.
+
+        Example:
+            >>> Scenario.load("trapezoid", {"start.speed": "100 km/h", "controller.kind": "adhesion_based"})
         """
         if isinstance(source, Mapping):
             table = _plain(source, "scenario")
@@ -106,14 +110,18 @@ class Scenario(schema.Scenario):
         return cls._of(tables.overlay(tables.origin, nest(_changes(changes))))
 
     def changed(self, changes: Mapping[str, Any]) -> Self:
-        """Return the scenario with other values; see `load`."""
+        """Return the scenario with other values: key → value, as for `load`."""
         table = merge(self.resolved(), nest(_changes(changes)))
         return self._of(Tables.of(table, self._directory, self.name))
 
     def with_plant(self, plant: str | Path | Mapping[str, Any]) -> Self:
-        """Return the scenario with another plant: a recipe, an .fmu, or keys of [vehicle].
+        """Return the scenario with another plant.
 
-        Paths are relative to the current folder.
+        Args:
+            plant: Name of a recipe, path of an .fmu, or keys of [vehicle]. Paths are relative to the current folder.
+
+        Raises:
+            ScenarioError: The plant does not exist, or a key is invalid.
         """
         keys = _plain(plant, "plant") if isinstance(plant, Mapping) else {"plant": str(_path(plant, "plant"))}
         for key, value in keys.items():
@@ -148,17 +156,27 @@ def run(
 ) -> "Stop":
     """Run a scenario and return its stop: `.outcome`, `.metrics`, `.trace` (xarray), `.to_pandas()`, `.write(folder)`.
 
+    A stop that ends badly, for example without standstill, is a result: see `.outcome`.
+
     Args:
         scenario: Scenario to run.
         controller: Replaces the scenario's: a name such as "slip_two_state", keys of [controller], or an object or
-            class with the methods of `Controller`; likewise estimator and sensors.
+            class with the methods of `Controller`.
+        estimator: Replaces the scenario's: a name, keys of [estimator], or an object or class with the methods of
+            `Estimator`.
+        sensors: Replaces the scenario's: a name, keys of [sensors], or an object or class with the methods of
+            `Sensors`.
         plant: Replaces the scenario's: a recipe, an .fmu, keys of [vehicle] such as {"model": "MyLib.MyTrain",
             "library": "MyLib/package.mo"}, or an object or class with the methods of `Plant`.
         import_from: Folders of modules that the scenario names as module:Class.
 
     Raises:
         ScenarioError: The scenario requires something that its parts cannot do.
-        FmuError: An FMU does not fit.
+        FmuError: An FMU cannot be used in this scenario.
+
+    Example:
+        >>> stop = run("trapezoid", controller="slip_two_state")
+        >>> stop.metrics.distance  # [m]
     """
     from railgrip.campaign.one_stop import add_versions
     from railgrip.simulate.run import run_stop
@@ -175,7 +193,17 @@ def open(
     *,
     import_from: Iterable[str | Path] = (),
 ) -> "Bench":
-    """Return a bench on which the caller acts as the controller: `reset()`, `step(pressures)`, `ended`, `stop`."""
+    """Return a bench on which the caller acts as the controller: `reset()`, `step(pressures)`, `ended`, `stop`.
+
+    Arguments and errors are those of `run`.
+
+    Example:
+        >>> with open("trapezoid") as bench:
+        ...     observation = bench.reset()
+        ...     while not bench.ended:
+        ...         observation = bench.step(observation.driver_demand)
+        >>> bench.stop.metrics.distance  # [m]
+    """
     from railgrip.simulate.by_hand import Bench
 
     changed, objects = _with_parts(scenario, estimator=estimator, sensors=sensors, plant=plant)
@@ -197,12 +225,15 @@ def sweep(
 
     Args:
         scenario: Scenario whose values are replaced.
-        axes: Key → values, as {"start.speed": ["80 km/h", "120 km/h"], "seed": range(10)}; "controller.parameters.X" is
-            the argument X of a class given as `controller`, and likewise for estimator, sensors and vehicle.
-        controller: As for `run`; each stop gets a copy of an object, or a new object of a class; likewise estimator,
-            sensors and plant.
-        workers: Number of processes. Objects whose class cannot be imported, as in a script or notebook, run in this
-            process.
+        axes: Key → values, such as {"start.speed": ["80 km/h", "120 km/h"], "seed": range(10)}.
+            "controller.parameters.X" is the argument X of a class given as `controller`, and likewise for estimator,
+            sensors and vehicle.
+        controller: As for `run`; each stop gets a copy of an object, or a new object of a class.
+        estimator: Likewise.
+        sensors: Likewise.
+        plant: Likewise.
+        workers: Number of processes. Objects whose class cannot be imported, such as those of a script or notebook, run
+            in this process.
         import_from: As for `run`.
 
     Raises:
@@ -225,10 +256,11 @@ def compare(a: "Stop | str | Path", b: "Stop | str | Path", *more: "Stop | str |
 
     Args:
         a: A stop, or the folder of a run, of a stop in a campaign, or of a campaign.
-        b: Result to compare with it; more may follow.
+        b: Result to compare with `a`.
+        more: Further results.
 
     Raises:
-        RecordError: A folder has no result, or there are both stops and campaigns.
+        RecordError: A folder has no result, or the arguments are both stops and campaigns.
     """
     from railgrip.report.comparison import compare as compared
 
@@ -236,7 +268,7 @@ def compare(a: "Stop | str | Path", b: "Stop | str | Path", *more: "Stop | str |
 
 
 def load(folder: str | Path) -> "Stop | Sweep":
-    """Return the results in a folder, as `run` and `sweep` do: the stop of a run, or the stops of a campaign.
+    """Return the results in a folder in the form of `run` and `sweep`: the stop of a run, or the stops of a campaign.
 
     Both have `.to_pandas()`. The axes of a campaign correspond to those of a sweep.
 
@@ -262,12 +294,12 @@ def estimate(
     Args:
         recording: A trace, such as `stop.trace`, or a file: trace.nc of a stop, or csv, parquet, mat or mf4 that [data]
             of the model's file describes.
-        model: An estimation file with model, noises and start; or the name of one in the library, such as "wagon".
+        model: Estimation file with model, noises and start, or the name of one in the library, such as "wagon".
         changes: As for `Scenario.load`.
 
     Raises:
         ScenarioError: The file is not an estimation.
-        EstimationError: The recording does not fit it, or its signals contradict each other more than on any vehicle.
+        EstimationError: The recording lacks signals that the model requires, or its signals contradict each other.
     """
     from railgrip.estimation.check import require_consistent
     from railgrip.estimation.sources import complete_trace, recording_of_estimation
@@ -280,7 +312,7 @@ def estimate(
         return as_estimates(estimate_of(specification, recording_file))
     if not _is_over_time(recording):
         raise EstimationError(
-            f"recording is {short(recording)}; wanted is a trace over time, such as stop.trace, or the path of a file"
+            f"recording is {short(recording)}; expected is a trace over time, such as stop.trace, or the path of a file"
         )
     require_consistent(specification)
     return as_estimates(estimate_of(specification, complete_trace(specification, recording)))
@@ -314,7 +346,6 @@ def inspect(
 
 
 def _with_parts(scenario: ScenarioLike, *, plant: Any, **parts: Any) -> tuple[Scenario, dict[str, Any]]:
-    """Return a scenario with those parts that are names or keys, and a dict of those that are objects or classes."""
     given_scenario = scenario if isinstance(scenario, schema.Scenario) else Scenario.load(scenario)
     resolved = given_scenario if isinstance(given_scenario, Scenario) else Scenario.load(given_scenario.resolved())
     if isinstance(plant, _WRITTEN):
@@ -335,16 +366,6 @@ _BESIDE = frozenset({("controller", "redistribute"), ("controller", "shared_valv
 
 
 def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = None, /, **parts: Any) -> "CustomParts":
-    """Return the objects of a caller as custom parts, with new objects of classes.
-
-    Args:
-        folders: Folders of modules that a scenario names.
-        parameters: Parameters of the classes, by table.
-        parts: Objects or classes by argument, which replace those of the scenario.
-
-    Raises:
-        ScenarioError: A class does not accept its parameters, an object has some, or a folder does not exist.
-    """
     from railgrip.simulate.importing import instance_of
     from railgrip.simulate.parts import CustomParts
 
@@ -357,17 +378,17 @@ def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = No
         elif arguments:
             raise ScenarioError(
                 f"'{table}.parameters.{next(iter(arguments))}' is a parameter of a class, but {name} is an object "
-                f"already made; hand over the class {type(part).__name__} itself"
+                f"already; pass the class {type(part).__name__} instead"
             )
         objects[name] = part
     return CustomParts(**objects, folders=_folders(folders))
 
 
 def _folders(folders: Any) -> tuple[Path, ...]:
-    """Return folders to import from as absolute paths, for processes with another current folder."""
+    # Other processes may have another current folder.
     several = [folders] if isinstance(folders, str | Path) else folders
     if not isinstance(several, Iterable):
-        raise ScenarioError(f"import_from is {short(folders)}; wanted are paths of folders")
+        raise ScenarioError(f"import_from is {short(folders)}; expected are paths of folders")
     entries = call_user_code(lambda: list(several), _unreadable("import_from"))
     paths = [Path.cwd() / _path(entry, "import_from") for entry in entries]
     for path in paths:
@@ -377,11 +398,6 @@ def _folders(folders: Any) -> tuple[Path, ...]:
 
 
 def _split(values: Mapping[str, Any], handed_over: Collection[str]) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-    """Split values into those of the scenario, by key, and parameters of the caller's classes, by table.
-
-    Raises:
-        ScenarioError: A key has no effect, because the caller's object replaces its table.
-    """
     rest: dict[str, Any] = {}
     parameters: dict[str, dict[str, Any]] = {}
     tables = {_TABLES[name]: name for name in handed_over}
@@ -393,31 +409,30 @@ def _split(values: Mapping[str, Any], handed_over: Collection[str]) -> tuple[dic
             parameters.setdefault(table, {})[path[1]] = value
         else:
             raise ScenarioError(
-                f"'{key}' changes nothing: {tables[table]}= stands in place of [{table}]; sweep "
-                f"'{table}.parameters.NAME', an argument of its class, or leave one of the two out"
+                f"'{key}' has no effect: {tables[table]}= replaces [{table}]; sweep "
+                f"'{table}.parameters.NAME', an argument of its class, or omit one of the two"
             )
     return rest, parameters
 
 
 def _copy(name: str, part: Any) -> Any:
-    """Return a copy of an object; a class is returned unchanged."""
     return call_user_code(
         lambda: copy.deepcopy(part),
         lambda problem: ScenarioError(
-            f"{name}: each stop of a sweep has a copy of an object, and there is none: {problem}; hand over its class"
+            f"{name}: each stop of a sweep needs its own copy of the object: {problem}; pass its class"
         ),
     )
 
 
 def _axes(axes: Any) -> list[tuple[str, Any]]:
     if not isinstance(axes, Mapping):
-        raise ScenarioError(f'axes are {short(axes)}; wanted is key → values, as {{"start.speed": ["80 km/h"]}}')
+        raise ScenarioError(f'axes are {short(axes)}; expected is key → values, as {{"start.speed": ["80 km/h"]}}')
     return list(call_user_code(axes.items, _unreadable("axes")))
 
 
 def _choices(key: Any, choices: Any) -> list[Any]:
     if not isinstance(choices, Iterable) or isinstance(choices, str | bytes | Mapping):
-        raise ScenarioError(f"sweep: the axis {short(key)} is {short(choices)}; wanted are its values, in a list")
+        raise ScenarioError(f"sweep: the axis {short(key)} is {short(choices)}; expected is a list of values")
     return [_plain(value, "axes") for value in call_user_code(lambda: list(choices), _unreadable("axes"))]
 
 
@@ -429,7 +444,7 @@ def _is_over_time(recording: Any) -> bool:
 
 def _path(value: Any, name: str) -> Path:
     if not isinstance(value, str | Path):
-        raise ScenarioError(f"{name} is {short(value)}; wanted is a name or a path")
+        raise ScenarioError(f"{name} is {short(value)}; expected is a name or a path")
     return Path(value)
 
 
@@ -437,7 +452,7 @@ def _changes(changes: Any) -> dict[str, Any]:
     if changes is None:
         return {}
     if not isinstance(changes, Mapping):
-        raise ScenarioError(f'changes are {short(changes)}; wanted is key → value, as {{"start.speed": "100 km/h"}}')
+        raise ScenarioError(f'changes are {short(changes)}; expected is key → value, as {{"start.speed": "100 km/h"}}')
     return _plain(changes, "changes")
 
 
@@ -446,11 +461,6 @@ def _unreadable(name: str) -> Callable[[str], ScenarioError]:
 
 
 def _plain(value: Any, name: str) -> Any:
-    """Convert a value to the form of files, from NumPy, paths, tuples and mappings.
-
-    Raises:
-        ScenarioError: The value is nested endlessly, or raises an exception; the message begins with `name`.
-    """
     return call_user_code(lambda: _as_in_files(value), _unreadable(name))
 
 

@@ -73,9 +73,7 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
     Raises:
         ContractBroken: The law violates one of these requirements.
     """
-    limits_of = cache(
-        DemandLimits
-    )  # shared by both runs: demands that have been in Pa are not checked for their unit again
+    limits_of = cache(DemandLimits)  # common to both runs: the unit of demands is checked once
 
     def rows(law: Controller, formation: Formation) -> Iterator[Row]:
         controller = CustomController(law, formation)
@@ -100,7 +98,7 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
 def check_estimator(factory: Callable[[], Estimator]) -> None:
     """Check an estimator.
 
-    It names its estimates and returns them, finite, for any number of groups, while there are readings; standard
+    It names its estimates and returns finite values for any number of groups while there are readings; standard
     deviations are not negative; it does not change the readings, and repeats its estimates after `start`.
 
     Raises:
@@ -126,8 +124,8 @@ def check_estimator(factory: Callable[[], Estimator]) -> None:
 def check_sensors(factory: Callable[[], Sensors]) -> None:
     """Check a sensor model.
 
-    It reads a train of any number of groups, reads a train at some time as finite numbers, cannot change the truth, and
-    reads the same again after `start` with the same random numbers.
+    It reads a train with any number of groups, returns finite readings at some time, does not change the true values,
+    and repeats its readings after `start` with the same random numbers.
 
     Raises:
         ContractBroken: The sensors violate one of these requirements.
@@ -153,7 +151,7 @@ def check_sensors(factory: Callable[[], Sensors]) -> None:
 def check_plant(factory: Callable[[], Plant], formation: Formation | None = None) -> None:
     """Check a plant.
 
-    In a short run it starts at the speed that it is given, coasts, and brakes on a good rail; distance, speed and
+    In a short run it starts at the given speed, coasts, and brakes on a good rail; distance, speed and
     acceleration are integrals of each other, wheels roll without braking, cylinders fill, and its slip and adhesion
     are physically possible. On a poor rail it does not exceed friction. It repeats its outputs after `start`.
 
@@ -204,7 +202,6 @@ def observations(formation: Formation, *, estimated: bool) -> Iterator[Observati
 
 
 def _rolling(formation: Formation, *, estimated: bool) -> Observation:
-    """Return an observation of a train whose groups all roll, with half of full brake."""
     groups, speed = formation.groups, 25.0
     slip, half = np.full(groups, 0.01), 0.5 * formation.pressure_max
     estimates = (np.full(groups, 0.08), np.full(groups, 0.35)) if estimated else (None, None)
@@ -213,14 +210,7 @@ def _rolling(formation: Formation, *, estimated: bool) -> Observation:
 
 
 def _blame_inputs(factory: Callable[[], Controller], formation: Formation, shown: Sequence[Observation]) -> str:
-    """Return a sentence on the inputs for which a law fails: it passes if they are replaced by those of a rolling
-    train.
-
-    Args:
-        factory: Class or function that returns a new law.
-        formation: Formation of the vehicle.
-        shown: Its inputs, up to those on which it failed.
-    """
+    # The law passes if the inputs at fault are replaced by those of a rolling train.
     *before, failed = shown
     rolling = _rolling(formation, estimated=True)
 
@@ -252,7 +242,6 @@ def _format_value(value: float | NDArray[np.float64] | None) -> str:
 
 
 def _braking(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
-    """Yield a braking train whose groups roll, slide and lock one after the other."""
     groups = formation.groups
     for k in range(1, 302):
         time = k * _PERIOD
@@ -267,7 +256,6 @@ def _braking(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
 
 
 def _lock(*arrays: NDArray[np.float64]) -> None:
-    """Make arrays of an observation read-only, as the loop does."""
     for values in arrays:
         values.flags.writeable = False
 
@@ -295,7 +283,7 @@ def _require_repeatable(
     """Raise an error if an object fails in a run, or if its second run on a vehicle differs from the first.
 
     Raises:
-        ContractBroken: The object does, or the factory raises an exception.
+        ContractBroken: The object fails, its runs differ, or the factory raises an exception.
     """
     for vehicle in formations() if vehicles is None else vehicles:
         part = call_user_code(factory, lambda problem: ContractBroken(f"{short(factory)} makes no object: {problem}"))

@@ -18,15 +18,15 @@ def drive(driver, sample, truth):
 def show(faults, sample, reading, layout=LAYOUT):
     """Return what broken sensors show of a reading of a vehicle."""
     values, library = np.array(reading, dtype=np.float64), kernel(layout)
-    library.functions.show_faults(faults.struct.pointer, sample, library.doubles(values))
+    library.functions.change_reading(faults.struct.pointer, sample, library.doubles(values))
     return values
 
 
 def transmit(faults, sample, truth, commands):
     """Return the commands that arrive at the plant."""
-    sent, arriving = np.array(commands, dtype=np.float64), np.empty(LAYOUT.formation.groups)
-    vectors = (KERNEL.doubles(vector) for vector in (truth, sent, arriving))
-    KERNEL.functions.pass_faults(faults.struct.pointer, sample, *vectors)
+    arriving = np.array(commands, dtype=np.float64)
+    vectors = (KERNEL.doubles(vector) for vector in (truth, arriving))
+    KERNEL.functions.change_command(faults.struct.pointer, sample, *vectors)
     return arriving
 
 

@@ -1,5 +1,6 @@
 """Traces and stops with known answers, for every test that needs a result without running a plant."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -95,12 +96,17 @@ def stop_of(scenario, deceleration=1.0, outcome=Outcome.STANDSTILL, reason="the 
     trace = uniform_stop(scenario.start.speed, deceleration, period, scenario.estimator.kind != "none")
     trace["mu0"].values[:] = profile_of(scenario, TWO_PART_TRAIN).table(trace["time"].values, trace["distance"].values)
     trace = with_bound(trace, parabola, BRAKES, scenario.limits.alpha_max)
-    return Stop(
-        scenario=scenario,
+    return Stop.of(
+        scenario,
+        trace,
         outcome=outcome,
         reason=reason,
-        trace=trace,
         metrics=measure(trace, outcome=outcome, alpha_max=scenario.limits.alpha_max, actuation=scenario.actuation.kind),
         versions={"railgrip": "0"},
         fmus={"Plant.fmu": "0" * 64},
     )
+
+
+def of_scenario(stop, scenario):
+    """The stop as if it were that of another scenario."""
+    return replace(stop, parsed=scenario, inputs=scenario.resolved(), digest=scenario.digest())

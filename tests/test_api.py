@@ -309,7 +309,7 @@ def test_changes_of_an_estimation_keep_their_type():
         rg.estimate(xarray.Dataset(), "wagon", {"source.seed": True})
     with pytest.raises(ScenarioError, match=r"\[start\] must be a table, got 'none'"):
         rg.estimate(xarray.Dataset(), "wagon", {"start": "none"})
-    with pytest.raises(rg.RailgripError, match="wanted is a trace over time"):
+    with pytest.raises(rg.RailgripError, match="expected is a trace over time"):
         rg.estimate(xarray.Dataset(), "wagon", {"source": {"scenario": "wagon", "seed": np.int64(3)}})
 
 

@@ -41,8 +41,8 @@ def test_a_group_has_a_wheelset(counts):
         Formation(counts)
 
 
-def test_wheelsets_of_a_group_stand_side_by_side():
-    with pytest.raises(ValueError, match="side by side"):
+def test_wheelsets_of_a_group_are_adjacent():
+    with pytest.raises(ValueError, match="must be adjacent"):
         formation_of([1, 2, 1])
 
 

@@ -128,10 +128,10 @@ def test_an_unknown_parameter_and_one_of_an_object_are_refused_before_anything_r
     assert swept.results[0].outcome == "horizon"
     with pytest.raises(ScenarioError, match=f"{kind.__name__} cannot be made with parameters .*bogus"):
         rg.sweep(whole, {f"{table}.parameters.bogus": [1]}, **{name: kind})
-    with pytest.raises(ScenarioError, match=f"{name} is an object already made; hand over the class {kind.__name__}"):
+    with pytest.raises(ScenarioError, match=f"{name} is an object already; pass the class {kind.__name__}"):
         rg.sweep(whole, {f"{table}.parameters.{parameter}": [1.0]}, **{name: kind()})
     for key in (table, f"{table}.kind", f"{table}.parameters"):
-        with pytest.raises(ScenarioError, match=rf"'{key}' changes nothing: {name}= stands in place of \[{table}\]"):
+        with pytest.raises(ScenarioError, match=rf"'{key}' has no effect: {name}= replaces \[{table}\]"):
             rg.sweep(whole, {key: [1]}, **{name: kind})
 
 
@@ -142,7 +142,7 @@ def test_what_holds_beside_a_class_is_swept_as_before(scenario):
 def test_an_object_that_cannot_be_copied_is_refused(scenario):
     held = Hold()
     held.file = (n for n in ())
-    with pytest.raises(ScenarioError, match=r"controller: each stop of a sweep has a copy .* hand over its class"):
+    with pytest.raises(ScenarioError, match=r"controller: each stop of a sweep needs its own copy .* pass its class"):
         rg.sweep(scenario, {"seed": [1, 2]}, controller=held)
 
 

@@ -1,9 +1,9 @@
 """Adhesion-based control (ABC): seek the peak of adhesion by the sliding-mode law of Schwarz, Posielek, Goetjes (2021).
 
 The law as printed is in `railgrip.controllers.laws.adhesion_literal`. Here it is sliding mode with equivalent control:
-the estimated adhesion gives the pressure that would keep the slip where it is (the equivalent control, from the torque
-balance of the wheelset); the sign of ṡ·α̇ only says whether to go a little above or below it. The paper allows L to
-depend on the states to compensate f_s.
+the estimated adhesion gives the pressure that would keep the slip constant (the equivalent control, from the torque
+balance of the wheelset), and the sign of ṡ·α̇ decides only whether to demand slightly more or less. The paper allows
+this: L may depend on the states to compensate f_s (end of §3.2).
 """
 
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from railgrip.controllers.brake import pressure_for
-from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges, TypeTestEntry
+from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges
 from railgrip.controllers.laws.adhesion_literal import Derivatives, SwitchingTuning, is_rolling
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every
 
@@ -20,15 +20,16 @@ from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, eit
 class PeakSeekingTuning(SwitchingTuning):
     """Parameters of peak seeking; one set serves every scenario.
 
-    A `margin` of zero is the peak itself; a small positive one keeps a rise of adhesion along the track from being
-    taken for an effect of the slip. The guard keeps an estimate with an error of 0.003 from passing `adhesion_max`.
+    With a `margin` of zero the law seeks the peak itself; with a small positive one a rise of adhesion along the track
+    is not mistaken for an effect of the slip. The guard keeps the true adhesion below `adhesion_max` if the estimate
+    has an error of 0.003.
     """
 
     margin: Annotated[float, "1", "elasticity of adhesion over slip at which the peak counts as reached"]
     rise: Annotated[float, "1", "share of the equivalent torque added while seeking upwards"]
-    fall: Annotated[float, "1", "share of it taken away while seeking downwards"]
+    fall: Annotated[float, "1", "share of the equivalent torque subtracted while seeking downwards"]
     slip_rate_max: Annotated[float, "1/s", "largest relative slip rate that a torque may cause"]
-    slip_rate_min: Annotated[float, "1/s", "relative slip rate below which slip is led upwards"]
+    slip_rate_min: Annotated[float, "1/s", "relative slip rate below which slip is increased"]
     dwell: Annotated[float, "s", "shortest time between two changes of direction"]
     slip_vent: Annotated[float, "1", "slip above which the brake is released"]
     adhesion_guard: Annotated[float, "1", "distance below adhesion_max at which the torque is capped"] = 0.003
@@ -45,25 +46,25 @@ class AdhesionBased(GroupLaw):
         T_eq = α̂ F_z r − J (1−s) v̇/r                     torque at which ṡ = 0
         p = p(T_eq + L·sgn σ),  L = rise or fall · T_eq, limited to J·slip_rate_max·s·v/r
 
-    The relative rates make the law independent of the scale of the adhesion curve: peaks lie anywhere between 0.5 %
-    and 40 % slip. Dropped from eq. (12) are ∂α/∂v·v̇ and ∂α/∂μ0·μ̇0; a rising μ0 would drive the slip up without end,
-    which `margin` (and at the last `slip_vent`) prevents.
+    The relative rates make the law independent of the scale of the adhesion curve, whose peak may be anywhere between
+    0.5 % and 40 % slip. Eq. (12) neglects ∂α/∂v·v̇, and does not have ∂α/∂μ0·μ̇0 because the paper's α does not depend
+    on time: a rising μ0 would increase the slip without end, which `margin`, and finally `slip_vent`, prevents.
 
     Start: a wheel with slip below slip_small + creep_small/v or adhesion below `adhesion_small` is rolling. It is
-    braked as far as `adhesion_max` allows; it is the torque for this adhesion that is capped, with the estimated pad
-    friction. The bound must lie above the error of the slip at every speed. Below that error nothing can be sought: the
-    wheel does not slide, ṡ·α̇ is noise, and T_eq holds whatever pressure there is. A speed that is too high by δ looks
-    like a slip of δ/v: with an accelerometer off by 0.12 m/s² the filter's is by 0.05 m/s, 0.2 % at 80 km/h and 1 % at
-    18 km/h. A bound in slip alone that suits one of them takes the wheel for sliding at the other, and blocks.
-    Standstill: below `speed_min` the slip is no longer known well enough to seek, and the brake is applied as at the
-    start.
+    braked as far as `adhesion_max` allows: the torque for this adhesion, by the estimated pad friction, is the cap.
+    The bound must exceed the error of the slip at every speed. Below that error there is nothing to seek: the wheel
+    does not slide, ṡ·α̇ is noise, and T_eq keeps the present pressure. A speed that is too high by δ looks like a slip
+    of δ/v: an accelerometer with an error of 0.12 m/s² causes an error of 0.05 m/s in the filter's speed, 0.2 % of slip
+    at 80 km/h and 1 % at 18 km/h. A bound in slip alone that suits one of these speeds mistakes a rolling wheel for a
+    sliding one at the other, and the law stays at a low pressure. Standstill: below `speed_min` the slip is not known
+    well enough to seek, and the brake is applied as at the start.
     """
 
     description = "Adhesion-based wheel-slide protection, peak seeking"
     needs = ("adhesion", "pad_friction")
     tuning = PeakSeekingTuning
-    # Times and rates go from quicker than the actuation to slower than the rail. From what slip on there is a peak to
-    # seek depends on the smallest slip that sensors resolve; ideal sensors resolve any.
+    # Times and rates range from faster than the actuation to slower than changes of the rail. `slip_small` and
+    # `creep_small` depend on the smallest slip that the sensors resolve; ideal sensors resolve any, so they are fixed.
     ranges: ClassVar[Ranges] = {
         ("ideal", "estimated"): {
             "filter_time": (3e-3, 50e-3),
@@ -90,11 +91,6 @@ class AdhesionBased(GroupLaw):
             "adhesion_small": (5e-3, 3e-2),
         },
     }
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "adhesion_based": TypeTestEntry(
-            description="adhesion-based control", role="entrant", slip="estimated", tuning="type_test"
-        )
-    }
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
@@ -107,28 +103,35 @@ class AdhesionBased(GroupLaw):
             adhesion, adhesion_rate = filters.follow(draft, group.label("seen_adhesion"), group.adhesion)
             upwards = draft.state(group.label("upwards"), "1", "1 while it seeks upwards", start=1.0)
             wait = draft.state(group.label("wait"), "s", "until the direction may change again")
+            # The vent uses the unfiltered slip: the filter would delay it.
             seeking, creeping = group.speed >= tuning["speed_min"], group.speed < tuning["speed_min"]
             venting = every(group.slip > tuning["slip_vent"], seeking)
             rolling = either(is_rolling(tuning, group.speed, slip, adhesion), creeping)
 
-            # The direction, from the relative rates.
+            # Direction: sign of the switching function (10), σ = ṡ·α̇, in relative rates. For ṡ ≠ 0 it is the sign of
+            # ∂α/∂s, eq. (13). For ṡ ≈ 0 it is noise, so the slip is increased until the response of α is measurable.
             s_rate, a_rate = slip_rate / slip, adhesion_rate / adhesion
             still = every(-tuning["slip_rate_min"] < s_rate, s_rate < tuning["slip_rate_min"])
             rising = either(still, s_rate * (a_rate - tuning["margin"] * s_rate) > 0.0)
+            # Right after a reversal σ is still the response to the previous direction: a direction lasts for `dwell`.
             rest = wait - tuning["period"]
             turned = choose(rest > 0.0, upwards, rising)
             waits = choose(turned != upwards, tuning["dwell"], rest)
 
+            # Equivalent control: ṡ = 0 in eq. (3), with J ω̇ = F_x r − T and ω̇ = (1 − s) v̇/r at constant slip.
             unit_torque = brake["load"] * radius  # torque per adhesion
             inertial = -inertia * (1.0 - group.slip) * group.acceleration / radius
             limit = (tuning["adhesion_max"] - tuning["adhesion_guard"]) * unit_torque + inertial
             balance = adhesion * unit_torque + inertial
+            # L·sgn σ of eq. (11), with L proportional to T_eq. An additional torque ΔT changes the slip at the rate
+            # ΔT r/(J v), which is limited to slip_rate_max·s: at low speed the slip would otherwise leap over the peak.
             reached = choose(turned, tuning["rise"], tuning["fall"]) * balance
             reach = inertia * tuning["slip_rate_max"] * slip * group.speed / radius
             extra = choose(reached > reach, reach, reached)
             goal = choose(turned, balance + extra, balance - extra)
             torque = choose(rolling, limit, choose(goal < limit, goal, limit))
 
+            # A vented group was beyond the peak, so it continues downwards; one that rolled starts upwards.
             draft.keep(upwards, choose(venting, 0.0, choose(rolling, 1.0, turned)))
             draft.keep(wait, choose(either(venting, rolling), wait, waits))
             return choose(venting, 0.0, pressure_for(torque, group.pad_friction, brake))

@@ -1,32 +1,33 @@
 """Adhesion-based control as Schwarz, Posielek and Goetjes (2021) print it: u = L·sgn(ṡ·α̇), eq. (10)-(11).
 
-If slip and adhesion move the same way the wheel is below the peak and may be braked harder, otherwise it is beyond the
-peak and must be relieved. With s = 1 − rω/v a higher pressure raises the slip, so g_s in ṡ = f_s + g_s·u is positive
-(the paper's text has it negative; its proof needs the positive sign). Here u = +L is full pressure, u = −L is none.
+If slip and adhesion change in the same direction, the wheel is below the peak of adhesion and may be braked harder;
+otherwise it is beyond the peak and its brake must be released. With s = 1 − rω/v a higher pressure raises the slip, so
+g_s in ṡ = f_s + g_s·u, eq. (3), is positive. The paper calls it negative, but V̇ < 0 in eq. (15) requires the positive
+sign, because ∂²α/∂s² < 0. Here u = +L is full pressure and u = −L is zero pressure.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SwitchingTuning(Tuning):
-    """Parameters of the switching law, of what it filters and where it acts.
+    """Parameters of the switching law: its filters, and the range in which it acts.
 
-    Ideal sensors tell any slip from none, and a `slip_small` of 0.3 % lies below all published peaks. Below 0.5 m/s
-    slip is the ratio of two small numbers. `adhesion_max` is 0.15 in the TSI, 0.13 for short fixed formations.
+    Ideal sensors resolve any slip, and a `slip_small` of 0.3 % is below all published peaks. Below 0.5 m/s slip is the
+    ratio of two small numbers. `adhesion_max` is 0.15 in the TSI, 0.13 for short fixed formations.
     """
 
     period: Annotated[float, "s", "between two decisions"]
     filter_time: Annotated[float, "s", "time constant of the filters that differentiate slip and adhesion"]
     slip_small: Annotated[float, "1", "slip below which the wheel counts as rolling, at high speed"] = 0.003
-    creep_small: Annotated[float, "m/s", "creep speed that adds to it: errors of the train speed that are no scale"] = (
-        0.0
-    )
+    creep_small: Annotated[
+        float, "m/s", "creep speed that adds to it: errors of the train speed that are not of its scale"
+    ] = 0.0
     adhesion_small: Annotated[float, "1", "estimated adhesion below which there is no peak to seek"]
     adhesion_max: Annotated[float, "1", "highest adhesion that may be used"]
     speed_min: Annotated[float, "m/s", "train speed below which the brake is simply applied"] = 0.5
@@ -37,17 +38,17 @@ class SwitchingTuning(Tuning):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LiteralTuning(SwitchingTuning):
-    """Parameters of the law as printed. All but `hold` are those that it shares with peak seeking."""
+    """Parameters of the law as printed. It shares all but `hold` with peak seeking."""
 
     hold: Annotated[float, "1", "1: keep the last pressure while ṡ·α̇ = 0; 0: half pressure, as sgn(0) = 0 gives"] = 1.0
 
 
 class LiteralAdhesionBased(GroupLaw):
-    """The law as printed, eq. (11): full pressure while ṡ·α̇ > 0, none while it is negative.
+    """The law as printed, eq. (11): full pressure while ṡ·α̇ > 0, zero pressure while it is negative.
 
-    Three guards are additions. Each can be switched off: a rolling wheel is braked fully (`slip_small`, `creep_small`
-    and `adhesion_small` of zero switch this off), below `speed_min` the brake is applied, and while ṡ·α̇ = 0 the last
-    pressure is held (`hold`).
+    Three guards are added, each of which can be switched off. A rolling wheel is braked fully, unless `slip_small`,
+    `creep_small` and `adhesion_small` are zero. Below `speed_min` the brake is applied. While ṡ·α̇ = 0 the last pressure
+    is held, unless `hold` is zero.
 
     Source: Schwarz, Posielek, Goetjes (2021), §3.2, with the limit α ≤ adhesion_max of the same section.
     """
@@ -70,28 +71,27 @@ class LiteralAdhesionBased(GroupLaw):
             "adhesion_small": (5e-3, 3e-2),
         },
     }
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "adhesion_literal": TypeTestEntry(
-            description="adhesion-based control, the law as printed", role="entrant", slip="estimated"
-        )
-    }
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return what is done for one group."""
+        """Return the demand of one group."""
         filters = Derivatives(draft, tuning)
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             full, controlling = group.brake["pressure_max"], group.speed >= tuning["speed_min"]
+            # ṡ and α̇, "the estimated time derivatives of adhesion and slip" of §3.2. The paper takes them as exact;
+            # estimates are noisy, so both pass the same filter, which keeps them in phase with each other.
             _, slip_rate = filters.follow(draft, group.label("seen_slip"), group.slip)
             _, adhesion_rate = filters.follow(draft, group.label("seen_adhesion"), group.adhesion)
             applied = draft.state(
                 group.label("applied"), "1", "1 when the brake was applied, 0 when released", start=1.0
             )
-            switch = slip_rate * adhesion_rate
+            switch = slip_rate * adhesion_rate  # eq. (10)
             rolling = is_rolling(tuning, group.speed, group.slip, group.adhesion)
+            # Eq. (11), u = L·sgn(ṡ·α̇), mapped from −L … L to 0 … 1 of full pressure: sgn(0) = 0 is half pressure.
             kept = choose(tuning["hold"] > 0.0, applied, 0.5)
             seeking = choose(either(rolling, switch > 0.0), 1.0, choose(switch < 0.0, 0.0, kept))
+            # Limit α ≤ α_max, end of §3.2: the cylinder is vented (§4, effect ii) as long as the estimate exceeds it.
             decided = choose(group.adhesion > tuning["adhesion_max"], 0.0, seeking)
             draft.keep(applied, choose(controlling, decided, applied))
             return choose(controlling, decided * full, full)
@@ -102,16 +102,15 @@ class LiteralAdhesionBased(GroupLaw):
 def is_rolling(
     tuning: Mapping[str, Expression], speed: Expression, slip: Expression, adhesion: Expression
 ) -> Expression:
-    """Return whether there is no peak to seek: slip no larger than its error, or adhesion too small."""
+    """Return whether the wheel rolls, so that no peak can be sought: slip within its error, or adhesion too small."""
     slip_small = tuning["slip_small"] + tuning["creep_small"] / speed
     return either(slip < slip_small, adhesion < tuning["adhesion_small"])
 
 
 class Derivatives:
-    """First-order filters and their rates: the filtered derivatives of sampled signals."""
+    """First-order low-pass filters that also return the derivative of the filtered signal."""
 
     def __init__(self, draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> None:
-        """Keep the states of the filters in a draft."""
         self._started = draft.state("started", "1", "1 once there is a sample before this one")
         self._share = tuning["period"] / (tuning["filter_time"] + tuning["period"])
         self._period = tuning["period"]

@@ -1,10 +1,10 @@
-"""Control to a set slip: the pressure follows from the distance to it, and from how long that has lasted."""
+"""PI control of the slip to a set value."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, within
 
 
@@ -14,18 +14,18 @@ class ConstantSlipTuning(Tuning):
 
     period: Annotated[float, "s", "between two decisions"]
     slip: Annotated[float, "1", "set slip"]
-    gain: Annotated[float, "1", "share of the full pressure for a slip off by the set one"]
-    integral_time: Annotated[float, "s", "after which the integral has done as much as the gain"]
+    gain: Annotated[float, "1", "share of the full pressure for an error as large as the set slip"]
+    integral_time: Annotated[float, "s", "after which the integral term equals the proportional one"]
     speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"] = 0.5
 
     LAW: ClassVar[str] = "ConstantSlip"
     POSITIVE: ClassVar[frozenset[str]] = frozenset({"period", "slip", "integral_time"})
 
     def __post_init__(self) -> None:
-        """Refuse what would run and mean nothing.
+        """Check the parameters.
 
         Raises:
-            ValueError: See `Tuning`; or the slip is that of a locked wheel or more.
+            ValueError: See `Tuning`; or the set slip is 1 or more, that of a locked wheel.
         """
         Tuning.__post_init__(self)
         if self.slip >= 1.0:
@@ -35,12 +35,12 @@ class ConstantSlipTuning(Tuning):
 class ConstantSlip(GroupLaw):
     """PI control of the slip of each group.
 
-    With e = 1 − s/s_set, p = p_max (gain·e + i) within 0 … p_max, di/dt = gain·e/integral_time and i within 0 … 1, from
-    full pressure on.
+    With e = 1 − s/s_set, p = p_max (gain·e + i) within 0 … p_max, di/dt = gain·e/integral_time and i within 0 … 1; i
+    starts at 1, full pressure.
 
     Source: the control to a desired slip of Park, Kim, Choi and Yamazaki, Modeling and control of adhesion force in
     railway rolling stocks, IEEE Control Systems 28(5) (2008) 44, here with PI in place of an adaptive sliding mode. The
-    error relative to the set slip and the bounds of the integral are ours.
+    error relative to the set slip and the bounds of the integral are this project's.
     """
 
     description = "Wheel-slide protection to a set slip"
@@ -48,9 +48,6 @@ class ConstantSlip(GroupLaw):
     tuning = ConstantSlipTuning
     ranges: ClassVar[Ranges] = {
         ("pneumatic", "read"): {"slip": (5e-3, 0.2), "gain": (0.05, 1.0), "integral_time": (0.1, 2.0)}
-    }
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "constant_slip": TypeTestEntry(description="PI control to a set slip, as read", role="baseline", slip="read")
     }
 
     @staticmethod
@@ -66,10 +63,11 @@ class ConstantSlip(GroupLaw):
 def slip_control(
     draft: FormulaBuilder, group: GroupObservation, tuning: Mapping[str, Expression], slip: Expression
 ) -> Expression:
-    """Return the demanded pressure [Pa] of PI control to a slip, with those parameters of `ConstantSlipTuning`."""
+    """Return the pressure [Pa] that PI control to `slip` demands, with the parameters of `ConstantSlipTuning`."""
     full, controlling = group.brake["pressure_max"], group.speed >= tuning["speed_min"]
     integral = draft.state(group.label("integral"), "1", "share of the full pressure", start=1.0)
     push = tuning["gain"] * (1.0 - group.slip / slip)
+    # The bounds prevent windup while the slip stays below the set slip although the pressure is full.
     following = within(integral + push * tuning["period"] / tuning["integral_time"], 0.0, 1.0)
     draft.keep(integral, choose(controlling, following, integral))
     return choose(controlling, full * within(push + following, 0.0, 1.0), full)

@@ -1,4 +1,4 @@
-"""Extremum seeking of the literature: the set slip is wiggled, and goes where adhesion answers in step."""
+"""Extremum seeking as in the literature: the set slip is dithered and moves in the direction of higher adhesion."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.laws.constant_slip import slip_control
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, within
 from railgrip.vehicle.brake import Brake
@@ -16,19 +16,19 @@ from railgrip.vehicle.brake import Brake
 class ExtremumSeekingTuning(Tuning):
     """Parameters of extremum seeking.
 
-    Peaks lie between `slip_least` and `slip_most`; wheels that hardly brake say nothing about the rail.
+    The peak is sought between `slip_least` and `slip_most`; wheels that hardly brake carry no information on the rail.
     """
 
     period: Annotated[float, "s", "between two decisions"]
-    slip_start: Annotated[float, "1", "set slip to begin with"]
-    slip_least: Annotated[float, "1", "least set slip"] = 0.005
+    slip_start: Annotated[float, "1", "set slip at the start"]
+    slip_least: Annotated[float, "1", "smallest set slip"] = 0.005
     slip_most: Annotated[float, "1", "largest set slip"] = 0.3
     dither: Annotated[float, "1", "amplitude of the dither over the set slip"]
     frequency: Annotated[float, "Hz", "of the dither"]
     washout_time: Annotated[float, "s", "time constant of the high-pass over the adhesion"]
     climb: Annotated[float, "1/s", "relative rate of the set slip for an elasticity of 1"]
-    gain: Annotated[float, "1", "share of the full pressure for a slip off by the set one"]
-    integral_time: Annotated[float, "s", "after which the integral has done as much as the gain"]
+    gain: Annotated[float, "1", "share of the full pressure for an error as large as the set slip"]
+    integral_time: Annotated[float, "s", "after which the integral term equals the proportional one"]
     adhesion_small: Annotated[float, "1", "estimated adhesion below which there is no gradient to follow"] = 0.01
     speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"] = 0.5
 
@@ -38,15 +38,15 @@ class ExtremumSeekingTuning(Tuning):
     )
 
     def __post_init__(self) -> None:
-        """Refuse what would run and mean nothing.
+        """Check the parameters.
 
         Raises:
-            ValueError: See `Tuning`; or slips are not in order, or the dither is faster than half the decisions.
+            ValueError: See `Tuning`; or slips are not in order, or the dither is too fast for the period.
         """
         Tuning.__post_init__(self)
         if not self.slip_least <= self.slip_start <= self.slip_most < 1.0:
             raise ValueError(
-                "ExtremumSeeking: wanted is slip_least <= slip_start <= slip_most < 1, got "
+                "ExtremumSeeking: slips must have slip_least <= slip_start <= slip_most < 1, got "
                 f"{self.slip_least}, {self.slip_start} and {self.slip_most}."
             )
         if self.dither >= 1.0:
@@ -59,17 +59,17 @@ class ExtremumSeekingTuning(Tuning):
 
 
 class ExtremumSeeking(GroupLaw):
-    """Perturb and observe with a sinusoidal dither, washout and demodulation; slip is held by PI control inside.
+    """Perturb and observe with a sinusoidal dither, washout and demodulation; an inner PI loop controls the slip.
 
     Per group, with estimated adhesion α:
 
-        s_set = ŝ (1 + dither·sin ωt)                    what slip control is given
-        η̇ = (α − η)/washout_time                         what the dither does not change
-        ŝ̇/ŝ = climb · 2/dither · (α − η)/η · sin ωt      the mean of the right side is the elasticity d ln α/d ln s
+        s_set = ŝ (1 + dither·sin ωt)                    set slip of the inner loop
+        η̇ = (α − η)/washout_time                         slow part of the adhesion
+        ŝ̇/ŝ = climb · 2/dither · (α − η)/η · sin ωt      the mean of the right side is climb · d ln α/d ln s
 
     Source: Krstić and Wang, Stability of extremum seeking feedback for general nonlinear dynamic systems, Automatica 36
     (2000) 595; for brakes Ariyur and Krstić, Real-Time Optimization by Extremum-Seeking Control (2003), ch. 7. Relative
-    rates in place of absolute ones are ours: peaks lie anywhere between 0.5 % and 40 % slip.
+    rates in place of absolute ones are this project's, because peaks are anywhere between 0.5 % and 40 % slip.
     """
 
     description = "Wheel-slide protection by extremum seeking"
@@ -87,14 +87,9 @@ class ExtremumSeeking(GroupLaw):
             "integral_time": (0.1, 2.0),
         }
     }
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "extremum_seeking": TypeTestEntry(
-            description="extremum seeking with a dither", role="baseline", slip="estimated"
-        )
-    }
 
     def __init__(self, groups: Sequence[Brake], tuning: ExtremumSeekingTuning) -> None:
-        """Control `groups` with one `tuning`, from its first set slip on."""
+        """Control `groups` with one `tuning`; the set slip starts at its `slip_start`."""
         super().__init__(groups, tuning)
         starts = [quantity.name.startswith("set_slip") for quantity in self.formula.states]
         self.state[starts] = tuning.slip_start
@@ -109,11 +104,13 @@ class ExtremumSeeking(GroupLaw):
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             slip = draft.state(group.label("set_slip"), "1", "set slip without the dither")
-            steady = draft.state(group.label("steady"), "1", "adhesion that the dither does not change")
+            steady = draft.state(group.label("steady"), "1", "slow part of the adhesion")
             started = draft.state(group.label("started"), "1", "1 once there is an adhesion worth following")
             ready = group.adhesion >= tuning["adhesion_small"]
             share = tuning["period"] / (tuning["washout_time"] + tuning["period"])
+            # Washout: without it the level of α, which the dither does not change, would dominate the product below.
             follows = choose(started, steady + share * (group.adhesion - steady), group.adhesion)
+            # Demodulation: the mean of sin² is 1/2, hence the factor 2/dither.
             answer = (group.adhesion - follows) / follows * wave * 2.0 / tuning["dither"]
             # A step of the rail is not a response to the dither: one wave must not double the slip.
             rate = within(tuning["climb"] * answer, -tuning["frequency"], tuning["frequency"])

@@ -1,9 +1,8 @@
 """No wheel-slide protection."""
 
 from collections.abc import Mapping
-from typing import ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, TypeTestEntry
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw
 from railgrip.controllers.sampled import Expression, FormulaBuilder
 
 
@@ -12,9 +11,6 @@ class FullBrake(GroupLaw):
 
     description = "Full brake pressure, no wheel-slide protection"
     brake_data = FULL_PRESSURE
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "full_brake": TypeTestEntry(description="no wheel-slide protection", role="baseline", slip="read")
-    }
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:

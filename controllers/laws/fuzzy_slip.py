@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Final
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.laws.adhesion_literal import Derivatives
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, within
 
@@ -73,15 +73,6 @@ class FuzzySlip(GroupLaw):
             "fill_rate": (0.1, 3.0),
             "vent_rate": (0.3, 5.0),
         }
-    }
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "fuzzy_slip": TypeTestEntry(
-            description="fuzzy rules on slip and deceleration, slip as read",
-            role="baseline",
-            slip="read",
-            since=2,
-            hand_trials=1,
-        )
     }
 
     @staticmethod

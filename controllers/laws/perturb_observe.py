@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.laws.constant_slip import slip_control
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, every, within
 from railgrip.vehicle.brake import Brake
@@ -78,11 +78,6 @@ class PerturbObserve(GroupLaw):
             "gain": (0.05, 1.0),
             "integral_time": (0.1, 2.0),
         }
-    }
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "perturb_observe": TypeTestEntry(
-            description="perturb and observe", role="baseline", slip="estimated", since=2, hand_trials=1
-        )
     }
 
     def __init__(self, groups: Sequence[Brake], tuning: PerturbObserveTuning) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.laws.constant_slip import slip_control
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, every, within
 from railgrip.vehicle.brake import Brake
@@ -85,15 +85,6 @@ class RecursiveSlope(GroupLaw):
             "gain": (0.05, 1.0),
             "integral_time": (0.1, 2.0),
         }
-    }
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "recursive_slope": TypeTestEntry(
-            description="adhesion tracking, slope from recursive least squares",
-            role="baseline",
-            slip="estimated",
-            since=2,
-            hand_trials=1,
-        )
     }
 
     def __init__(self, groups: Sequence[Brake], tuning: RecursiveSlopeTuning) -> None:

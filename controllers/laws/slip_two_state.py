@@ -1,11 +1,11 @@
-"""Slip-based two-level control (SBC): the state of the art that adhesion-based control is measured against."""
+"""Slip-based two-level control (SBC): the reference that the paper compares adhesion-based control with."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 from typing import Annotated, ClassVar, Final
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose
 
 _SEARCHED: Final = {"low": (8e-3, 0.3), "high_over_low": (1.1, 10.0)}
@@ -26,7 +26,7 @@ class SlipLevels(Tuning):
     FIXED: ClassVar[frozenset[str]] = frozenset({"hold"})
 
     def __post_init__(self) -> None:
-        """Refuse levels that cannot switch.
+        """Check the parameters.
 
         Raises:
             ValueError: See `Tuning`; or not 0 < low < high < 1.
@@ -40,7 +40,7 @@ class SlipLevels(Tuning):
 
 
 class SlipTwoState(GroupLaw):
-    """Apply below the low level, release above the high one; between the levels the last action goes on.
+    """Apply below the low level, release above the high one; between the levels the last action continues.
 
     Source: Schwarz, Posielek, Goetjes (2021), §4: s_low = 10 %, s_high = 15 %. Before the first reading of the speed
     (NaN) the slip is unknown, and the brake is applied.
@@ -50,17 +50,6 @@ class SlipTwoState(GroupLaw):
     brake_data = FULL_PRESSURE
     tuning = SlipLevels
     ranges: ClassVar[Ranges] = dict.fromkeys(product(("ideal", "pneumatic"), ("read", "estimated")), _SEARCHED)
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "slip_two_state": TypeTestEntry(
-            description="two-state slip control, 10 and 15 %", role="baseline", slip="read", tuning="paper"
-        ),
-        "slip_two_state_searched": TypeTestEntry(
-            description="two-state slip control, searched levels, slip as read",
-            role="baseline",
-            slip="read",
-            tuning="type_test",
-        ),
-    }
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:

@@ -1,35 +1,39 @@
-"""A law after published descriptions of common practice, with a reference speed from wheel speeds alone.
+"""A law based on published descriptions of common practice: its reference speed comes from wheel speeds alone.
 
-It does not use the speed over ground; the criteria are slip and deceleration of a wheel.
+It does not use the speed over ground; its criteria are slip and deceleration of a wheel.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WheelReferenceTuning(Tuning):
-    """Parameters of a law after published descriptions of common practice.
+    """Parameters of the law.
 
-    An axle may be vented for 5 to 10 s before it has to brake again, and the last kilometres per hour are left to the
-    brake.
+    An axle may be vented for 5 to 10 s before it has to brake again, and protection is off in the last kilometres per
+    hour.
     """
 
     period: Annotated[float, "s", "between two decisions"]
     filter_time: Annotated[float, "s", "time constant of the filter that differentiates wheel speeds"] = 0.03
     slip_low: Annotated[float, "1", "slip against the reference above which pressure is held"]
     slip_high: Annotated[float, "1", "slip against the reference above which it is vented"]
-    deceleration: Annotated[float, "m/s2", "of a wheel above which it is vented as well"]
-    deceleration_max: Annotated[float, "m/s2", "largest that a train is thought to have: the reference falls no faster"]
-    rise: Annotated[float, "1/s", "rate at which pressure comes back after a slide, over the full pressure"]
-    test_after: Annotated[float, "s", "of sliding after which the last group is released, to see how fast the train is"]
-    test_time: Annotated[float, "s", "that a test release lasts"] = 0.6
-    vent_max: Annotated[float, "s", "longest venting of a group, after which it is braked whatever its wheels do"] = 7.0
-    apply_time: Annotated[float, "s", "that this lasts"] = 1.0
+    deceleration: Annotated[float, "m/s2", "deceleration of a wheel above which it is vented as well"]
+    deceleration_max: Annotated[
+        float, "m/s2", "largest deceleration assumed for the train: the reference falls no faster"
+    ]
+    rise: Annotated[float, "1/s", "rate at which pressure rises after a slide, as a share of the full pressure"]
+    test_after: Annotated[
+        float, "s", "duration of a slide after which the last group is released to measure the train speed"
+    ]
+    test_time: Annotated[float, "s", "duration of a test release"] = 0.6
+    vent_max: Annotated[float, "s", "longest venting of a group, after which it is braked regardless of its slip"] = 7.0
+    apply_time: Annotated[float, "s", "duration of this braking"] = 1.0
     speed_min: Annotated[float, "m/s", "reference speed below which protection is off"] = 1.4
 
     LAW: ClassVar[str] = "WheelReference"
@@ -38,7 +42,7 @@ class WheelReferenceTuning(Tuning):
     )
 
     def __post_init__(self) -> None:
-        """Refuse what would run and mean nothing.
+        """Check the parameters.
 
         Raises:
             ValueError: See `Tuning`; or slips are not in order.
@@ -46,24 +50,25 @@ class WheelReferenceTuning(Tuning):
         Tuning.__post_init__(self)
         if not self.slip_low < self.slip_high < 1.0:
             raise ValueError(
-                f"WheelReference: wanted is slip_low < slip_high < 1, got {self.slip_low} and {self.slip_high}."
+                f"WheelReference: slips must have slip_low < slip_high < 1, got {self.slip_low} and {self.slip_high}."
             )
 
 
 class WheelReference(GroupLaw):
     """Vent, hold and fill by slip and deceleration of each group against a reference speed from the wheels alone.
 
-    The reference is the fastest wheel, and falls no faster than `deceleration_max`. Where every wheel slides, it
-    follows them all the same; so after `test_after` of sliding the last group is released for `test_time`, and rolls.
-    A group is vented above `slip_high`, or above `slip_low` while it decelerates by more than `deceleration`; held
-    above `slip_low`, or while it decelerates so below it; else filled, after a slide at the rate `rise`. A watchdog
-    ends venting after `vent_max`. Below `speed_min` the brake is applied.
+    The reference is the speed of the fastest wheel, but falls no faster than `deceleration_max`. If every wheel slides,
+    the reference falls with them; therefore the last group is released for `test_time` after a slide of `test_after`,
+    so that its wheels roll. A group is vented above `slip_high`, or above `slip_low` while it decelerates by more than
+    `deceleration`. It is held above `slip_low`, or below it while it decelerates by more than that. Otherwise it is
+    filled, after a slide at the rate `rise`. A watchdog ends venting after `vent_max`. Below `speed_min` the brake is
+    applied.
 
-    Neither radar nor accelerometer nor estimator is looked at: only wheel speeds and cylinder pressures.
+    The law uses wheel speeds and cylinder pressures only: no radar, accelerometer or estimator.
 
-    Sources of the parts, as known of protection in service: wheel speeds as the only sensors and dump and refill
-    valves, Pugi et al., Railway Engineering Science 31 (2023) 108, and Kim, Lee, Lee and Kang, IFAC 2014; a limit on
-    venting, EN 15595. No maker publishes a table of criteria; this one is ours.
+    Sources, as far as systems in service are published: wheel speeds as the only sensors and dump and refill valves,
+    Pugi et al., Railway Engineering Science 31 (2023) 108, and Kim, Lee, Lee and Kang, IFAC 2014; a limit on venting,
+    EN 15595. No manufacturer publishes a table of criteria; this one is this project's.
     """
 
     description = "Wheel-slide protection from wheel speeds alone"
@@ -79,13 +84,6 @@ class WheelReference(GroupLaw):
             "test_after": (2.0, 15.0),
         }
     }
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "wheel_reference": TypeTestEntry(
-            description="law of ours after published descriptions: reference from wheel speeds alone",
-            role="baseline",
-            slip="read",
-        )
-    }
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
@@ -94,7 +92,7 @@ class WheelReference(GroupLaw):
         before = draft.state("reference", "m/s", "reference speed")
         started = draft.state("started", "1", "1 once there is a sample before this one")
         sliding = draft.state("sliding", "s", "since the last test release, while a group slides")
-        idle = draft.state("idle", "s", "since a group slid last")
+        idle = draft.state("idle", "s", "since the last slide of a group")
         draft.keep(started, 1.0)
         testing = sliding >= tuning["test_after"]
         references: list[Expression] = []
@@ -108,8 +106,10 @@ class WheelReference(GroupLaw):
             (reference,) = references
             full, rolling = group.brake["pressure_max"], _rolling(group)
             filtered = draft.state(group.label("rolling"), "m/s", "filtered rolling speed")
-            vented = draft.state(group.label("vented"), "s", "of venting, and of braking after too long a one")
-            target = draft.state(group.label("target"), "1", "pressure that is let in, over the full one", start=1.0)
+            vented = draft.state(
+                group.label("vented"), "s", "time of venting, and of the braking that follows one that lasted too long"
+            )
+            target = draft.state(group.label("target"), "1", "demanded pressure over the full one", start=1.0)
 
             step = period / (tuning["filter_time"] + period) * (rolling - filtered)
             draft.keep(filtered, choose(started, filtered + step, rolling))
@@ -129,7 +129,7 @@ class WheelReference(GroupLaw):
             venting = every(protecting, either(vents, released), vented < tuning["vent_max"])
             draft.keep(vented, _watchdog(vented, venting, tuning))
 
-            # After a slide pressure climbs from where the slide left it.
+            # After a slide the pressure rises from its value at the end of the slide, not from zero.
             holding = every(holds, vented < tuning["vent_max"])
             climbed = target + tuning["rise"] * period
             let_in = choose(either(venting, holding), group.pressure / full, choose(climbed < 1.0, climbed, 1.0))
@@ -148,7 +148,7 @@ class WheelReference(GroupLaw):
 
 
 def _reference(train: Sequence[GroupObservation], started: Expression, least: Expression) -> Expression:
-    """Return the speed of the fastest group, not below `least` after the start."""
+    # Before the first sample there is no last reference to fall from.
     fastest = _rolling(train[0])
     for group in train[1:]:
         fastest = choose(_rolling(group) > fastest, _rolling(group), fastest)
@@ -156,7 +156,7 @@ def _reference(train: Sequence[GroupObservation], started: Expression, least: Ex
 
 
 def _watchdog(vented: Expression, venting: Expression, tuning: Mapping[str, Expression]) -> Expression:
-    """Return the time of venting, which counts on while it brakes, and begins anew when that has lasted."""
+    # The count continues while the group is braked, and restarts at zero after `apply_time`.
     longer = vented + tuning["period"]
     over = vented >= tuning["vent_max"] + tuning["apply_time"]
     return choose(vented >= tuning["vent_max"], choose(over, 0.0, longer), choose(venting, longer, 0.0))

@@ -1,1 +1,1 @@
-"""Kinds of filters that a scenario may name: one module for each, found by its name."""
+"""Kinds of filters in a scenario: one module for each, with the name of the kind."""

@@ -1,4 +1,4 @@
-"""The filter as C, with the prediction's equations inside: the fastest form."""
+"""The filter in C, compiled together with the equations of its prediction: the fastest form."""
 
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.kind import FilterContext, FilterKind
@@ -9,7 +9,7 @@ class Compiled(FilterKind):
 
     @classmethod
     def start(cls, task: FilterContext) -> CompiledFilter:
-        """Return the filter with its first belief."""
+        """Return the filter with its first estimate."""
         filter_ = CompiledFilter(
             task.prediction, task.process_noise, task.reading_noise, task.period, task.gate, task.outlier_limit
         )

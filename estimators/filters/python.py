@@ -9,7 +9,7 @@ class Python(FilterKind):
 
     @classmethod
     def start(cls, task: FilterContext) -> NumpyFilter:
-        """Return the filter with its first belief."""
+        """Return the filter with its first estimate."""
         filter_ = ExtendedKalmanFilter(
             task.prediction, task.process_noise, task.reading_noise, task.period, task.gate, task.outlier_limit
         )

@@ -1,5 +1,6 @@
-/* A filter's model in a library that is loaded already, such as one that evaluates an FMU: `block + PARAMETERS` holds the
-   addresses of its two functions and of their argument. The inputs are set once a step, with the first of its points. */
+/* A filter's model in a library that is already loaded, such as one that evaluates an FMU: `block + PARAMETERS` has the
+   addresses of its two functions and of their argument. The inputs are constant over a step, so they are passed only with
+   its first evaluation. */
 #include <string.h>
 
 typedef int Evaluate(void *argument, const double *x, const double *u, double *value, double *entries);

@@ -1,9 +1,9 @@
 /* One step of the decentralised Kalman filter of decentralised.py: cost linear in the parts of a train.
 
    shape.h is generated next to this file: sizes, tables, the layout of `block`, and by CasADi the equations of each kind
-   of part and of the body. Rows of `spread` (D of a part) have WIDTH numbers, rows of `shared` (U) LENGTH; unused
-   ones are zero. All sums run in the order written, so that two widths of vectors give the same bits; those of
-   whole rows, nearly all the work, are kept in registers by `combine`. */
+   of part and of the body. Rows of `spread` (D of a part) have WIDTH numbers, rows of `shared` (U) have LENGTH; unused
+   ones are zero. All sums run in the order written, so that both widths of vectors give the same bits. Sums of whole
+   rows, which take nearly all of the time, are kept in registers by `combine`. */
 
 #include <math.h>
 #include <string.h>
@@ -24,9 +24,9 @@ typedef double mode[LENGTH];
 enum { LONGEST = WIDTH > LENGTH ? WIDTH : LENGTH };
 
 typedef struct {
-    row spread[PARTS][WIDTH];        /* D: covariance of each part alone */
-    mode shared[N];                  /* U: how the common unknowns move each state */
-    mode common[LENGTH];             /* C: covariance of the common unknowns, may be negative */
+    row spread[PARTS][WIDTH]; /* D: covariance of each part alone */
+    mode shared[N];           /* U: effect of the common unknowns on each state */
+    mode common[LENGTH];      /* C: covariance of the common unknowns, may be indefinite */
     double mean[N], push[N], pull[N], jacobian[PARTS][WIDTH * WIDTH];
 } Belief;
 
@@ -57,15 +57,7 @@ static inline void divided(int length, double *quotient, const double *values, d
 
 static const double ZERO[LONGEST];
 
-static int call(int (*function)(const double **, double **, casadi_int *, double *, int), const double **arguments,
-                double **results)
-{
-    casadi_int whole[WHOLE];
-    double work[WORK];
-    return function(arguments, results, whole, work, 0);
-}
-
-/* Inputs of a part: its pressures, and no acceleration, for the equations are linear in that. */
+/* Inputs of a part: its pressures, and zero acceleration, in which the equations are linear. */
 static void inputs_of(int part, const double *block, double *inputs)
 {
     const int count = PART_INPUT[part + 1] - PART_INPUT[part];
@@ -75,7 +67,8 @@ static void inputs_of(int part, const double *block, double *inputs)
 }
 
 /* Acceleration of the train, and its derivatives by speed and by force. */
-static void body_at(const double *block, double v, double force, double *acceleration, double *by_speed, double *by_force)
+static void body_at(const double *block, double v, double force, double *acceleration, double *by_speed,
+                    double *by_force)
 {
     const double inputs[2] = {force, block[INPUT + TRACK_FORCE]};
     const double *arguments[ARGUMENTS] = {&v, inputs, block + PARAMETERS};
@@ -133,7 +126,7 @@ static void advance(double *block, Belief *b)
         b->mean[i] = x[i] + period / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
 }
 
-/* How many of n numbers to take into a sum: none when all are zero. */
+/* Number of terms of a sum: n, or 0 if all of them are zero. */
 static inline int needed(int n, const double *factor)
 {
     for (int j = 0; j < n; j++)
@@ -190,7 +183,7 @@ static double dot(int count, const double *a, const double *b)
     return total;
 }
 
-/* C z, and z' C z as result. */
+/* C z; returns z' C z. */
 static double through(const mode *common, const double *z, double *product)
 {
     combine(LENGTH, product, ZERO, COLUMNS, z, common[0]);
@@ -206,7 +199,7 @@ static void learn(mode *common, const double *k, double by)
         combine(LENGTH, common[i], common[i], 1, factor + i, k);
 }
 
-/* D c by parts, and what c sees of the common unknowns; c' D c as result. */
+/* D c by parts, and U' c, the effect of the common unknowns on a reading c' x; returns c' D c. */
 static double seen_by(const Belief *b, const double *c, double *product, double *z)
 {
     double total = 0.0;
@@ -263,7 +256,7 @@ static void predict(double *block, Belief *b, const double *free)
         }
 }
 
-/* Condition on the readings; the mean moves by `shift`. */
+/* Condition on the readings; `shift` is the correction of the mean. */
 static int condition(double *block, Belief *b, double *shift)
 {
     double eta[LENGTH] = {0}, pull[N], own[N];
@@ -305,7 +298,8 @@ static int condition(double *block, Belief *b, double *shift)
         for (int p = 1; p < PARTS; p++) {
             double inputs[WIDTH + 1], part;
             inputs_of(p, block, inputs);
-            const double *arguments[ARGUMENTS] = {b->mean + PART_STATE[p], inputs, block + PARAMETERS + PART_PARAMETER[p]};
+            const double *arguments[ARGUMENTS] = {b->mean + PART_STATE[p], inputs,
+                                                  block + PARAMETERS + PART_PARAMETER[p]};
             double *results[RESULTS] = {&part, pull + PART_STATE[p]};
             call(FORCE[KIND[p]], arguments, results);
             force += part;
@@ -348,8 +342,8 @@ static void frozen(const Belief *b, const double *free, row *known)
     }
 }
 
-/* Undo what the readings changed in frozen states: consider states of Schmidt's filter, but for what frozen
-   states of different parts share. */
+/* Undo the changes of frozen states by the readings: they are consider states of Schmidt's filter, except for the
+   covariance between frozen states of different parts. */
 static void restore(Belief *b, const double *free, const row *before, double *shift)
 {
     row after[GATES + 1];
@@ -405,8 +399,8 @@ static void eigen(mode *matrix, mode *vector)
 
 /* Write D + U C U' back with RANK common unknowns: those that matter most, seen in units of D.
 
-   Removed directions with positive eigenvalues are added to D; those with negative ones, shared knowledge, are dropped. Both
-   leave the covariance at least as large as it was. */
+   Removed directions with positive eigenvalues are added to D; those with negative ones, shared knowledge, are dropped.
+   Both leave the covariance at least as large as it was. */
 static int compress(double *block, Belief *b)
 {
     mode gram[LENGTH] = {{0}}, root[LENGTH] = {{0}}, inner[LENGTH] = {{0}}, vector[LENGTH], weight[LENGTH] = {{0}};

@@ -9,12 +9,13 @@
 
 int dispatch(double *block);
 
-/* Advance `block` by `count` periods with row k of `inputs` and `readings`. An input with a state in `integral_of`, else -1, is the
-   integral of that state instead, advanced before the step, so that the expected readings are those at its end. Every
-   `every`-th step leaves a row in the results; covariances only where there is room for them. Returns the number of steps
-   that succeeded; what stopped it, if anything did, is in `outcome`. */
-EXPORT int run(double *block, int count, int every, const int *integral_of, const double *inputs, const double *readings, double *mean,
-               double *variance, double *covariance, double *expected, double *squared, double *used, int *outcome)
+/* Advance `block` by `count` periods with row k of `inputs` and `readings`. If `integral_of` has the index of a state for an
+   input, not -1, the input is the integral of that state, advanced before the step so that the expected readings are those
+   at its end. Every `every`-th step writes a row of the results; `covariance` may be null. Returns the number of steps
+   that succeeded; `outcome` has the failure of the next one, or 0. */
+EXPORT int run(double *block, int count, int every, const int *integral_of, const double *inputs,
+               const double *readings, double *mean, double *variance, double *covariance, double *expected,
+               double *squared, double *used, int *outcome)
 {
     *outcome = 0;
     for (int k = 0; k < count; k++) {

@@ -101,7 +101,8 @@ static int all_finite(const double *x, int count)
     return 1;
 }
 
-/* Mean one period later by RK4, or by forward Euler at ORDER 1, and A = df/dx by rows; a frozen state has derivative zero. */
+/* Mean one period later by RK4, or by forward Euler at ORDER 1, and A = df/dx by rows; a frozen state has derivative
+   zero. */
 static int advance(const double *block, const double *free, double *mean, double *jacobian)
 {
     const double *x = block + MEAN;
@@ -248,7 +249,7 @@ static int condition(double *block, const double *free, const double *mean, cons
         }
     if (!factorise(r, S))
         return READINGS_NOT_DEFINITE;
-    for (int a = 0; a < r; a++) {         /* R without its zeros: most often only its diagonal is left */
+    for (int a = 0; a < r; a++) { /* R without its zeros: most often only its diagonal is left */
         related[a] = 0;
         for (int b = 0; b < r; b++)
             if (noise[used[a] * M + used[b]] != 0.0) {
@@ -286,8 +287,9 @@ static int condition(double *block, const double *free, const double *mean, cons
         return MEAN_NOT_FINITE;
 
     /* Joseph form in two products: L = (I - K H) P, then L (I - K H)' + K R K' = L - (L H' - K R) K'. Rounding of the
-       first is scaled down by I - K H in the second, as in the form written out, at a third of the cost. All by columns,
-       for what H and R take together are then rows: row j of `turned` is column j of L, `excess` those of -(L H' - K R). */
+       first is scaled down by I - K H in the second, as in the form written out, at a third of the cost. All by
+       columns, for what H and R take together are then rows: row j of `turned` is column j of L, `excess` those of -(L
+       H' - K R). */
     row *covariance = (row *)(block + COVARIANCE);
     for (int j = 0; j < N; j++) {
         for (int a = 0; a < r; a++)

@@ -5,8 +5,8 @@ motions of wheelsets below saturation depend on it, and a second stage maps it t
 estimate friction directly.
 
 The interval is conformal: each training run is estimated by the networks not trained on it, and the half-width, in
-units of the networks' disagreement, is the quantile of those errors. Its coverage holds for runs like those of the
-training; on others it is measured only.
+units of the networks' disagreement, is the quantile of these errors. The coverage is guaranteed for runs like those of
+the training only; on others it must be measured.
 """
 
 from dataclasses import dataclass, replace
@@ -20,9 +20,9 @@ from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.network import Network, train
 
 MIN_DEVIATION: Final = 0.03
-"""Friction added to the disagreement: even when networks agree, friction varies at one slope."""
+"""Friction added to the disagreement: even if the networks agree, friction varies at the same slope."""
 QUANTILE: Final = 1.6449
-"""Standard deviations from the middle of a Gaussian to either end of its 90 % interval."""
+"""Standard deviations from the mean of a Gaussian to either end of its 90 % interval."""
 SLOPE_CENTRE: Final = 0.3
 SLOPE_HALF: Final = 0.5
 """Slopes from 0 to 0.8, clean contacts to the softest films, are scaled to about [−1, 1] for the second stage."""
@@ -39,13 +39,13 @@ class FrictionEstimates:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ensemble:
-    """Networks after one standardisation.
+    """Networks with a common standardisation of their inputs.
 
     Attributes:
-        centre, spread: Of the features in training, shape (features,).
-        networks: From features to slope, or to friction without a second stage.
-        second: From slope to friction, averaged. Empty for none.
-        half_width: Of the interval, in units of √(disagreement² + LEAST_SPREAD²).
+        centre, spread: Mean and standard deviation of the features in training, shape (features,).
+        networks: Networks from features to slope, or to friction without a second stage.
+        second: Networks from slope to friction, whose mean is used; empty without a second stage.
+        half_width: Half width of the interval, in units of √(disagreement² + LEAST_SPREAD²).
     """
 
     centre: Array
@@ -55,7 +55,7 @@ class Ensemble:
     half_width: float
 
     def standardise(self, features: Array) -> Array:
-        """Return standardised features, clipped to ±4 standard deviations, the range of the training data."""
+        """Return standardised features, clipped to ±4 standard deviations, about the range of the training data."""
         return np.clip((features - self.centre) / self.spread, -4, 4) / 2
 
     def friction_of(self, first: Array) -> Array:
@@ -86,7 +86,7 @@ def fit(
         features: Shape (n, features).
         friction: Labels, shape (n,).
         run: Number of the run of each sample, shape (n,): samples of one run are never split.
-        slope: Of the creep curve, shape (n,), where it is known; adds the second stage.
+        slope: Slope of the creep curve, shape (n,), if it is known; adds the second stage.
 
     Raises:
         EstimatorError: There are too few runs or networks for an interval.
@@ -128,4 +128,4 @@ def fit(
 
 
 FEWEST_OPINIONS: Final = 3
-"""Networks not trained on a run that are needed to judge their disagreement about it."""
+"""Number of networks not trained on a run that are required to measure their disagreement on it."""

@@ -55,8 +55,8 @@ def train(
         x: Inputs, scaled to about [−1, 1], shape (n, inputs).
         y: Friction, shape (n,).
         bias: Place of the output bias.
-        decay: Weight of the squared weights relative to the mean squared error; 0 fits the data alone.
-        steps: Largest number of steps of Levenberg-Marquardt.
+        decay: Weight of the squared weights relative to the mean squared error; 0 without regularisation.
+        steps: Largest number of Levenberg-Marquardt steps.
     """
     inputs = x.shape[1]
     start = np.concatenate(
@@ -86,8 +86,8 @@ def levenberg_marquardt(
 ) -> Array:
     """Return parameters that minimise the sum of squared residuals, after `steps` steps or fewer.
 
-    Normal equations: a few dozen parameters and thousands of residuals, for which MINPACK's factorisation of the whole
-    Jacobian takes ten times as long and finds the same minimum.
+    It solves the normal equations: for a few dozen parameters and thousands of residuals, MINPACK's factorisation of
+    the whole Jacobian takes ten times as long and finds the same minimum.
 
     Source of the damping schedule: Hagan and Menhaj, IEEE Transactions on Neural Networks 5 (1994) 989.
     """

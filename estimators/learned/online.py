@@ -1,7 +1,7 @@
-"""Trained estimators sample by sample, each as one CasADi function (state, input) → (state, output).
+"""Trained estimators for one sample at a time, each a CasADi function (state, input) → (state, output).
 
-They have the filters, scaling and networks of the offline estimators in the same order of operations; results differ by
-rounding alone. The function goes into an FMU unchanged (`railgrip.fmus.native.discrete`).
+They apply the filters, scaling and networks of the offline estimators in the same order of operations, so that results
+differ by rounding only. The function is compiled into an FMU unchanged (`railgrip.fmus.native.discrete`).
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -27,10 +27,10 @@ def variable(*, name: str, unit: str, start: float, description: str) -> Variabl
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Online:
-    """An estimator sample by sample.
+    """An estimator that is called for each sample.
 
     Attributes:
-        rate: Samples a second.
+        rate: Sampling rate [Hz].
         step: (state, input) → (state, output).
     """
 
@@ -50,7 +50,7 @@ class Online:
 
 @dataclass(slots=True)
 class _Memory:
-    """States of a step function: name → symbol before the step, and name → value after it."""
+    """States of a step function: symbols before the step and values after it, by name."""
 
     before: dict[str, SX] = field(default_factory=dict[str, SX])
     after: dict[str, SX] = field(default_factory=dict[str, SX])
@@ -61,7 +61,7 @@ class _Memory:
         return self.before[name]
 
     def hold(self, name: str, value: SX, new: SX) -> SX:
-        """Return `value` while `new` is true, else the last value returned; both in a state."""
+        """Return `value` while `new` is true, else the last value returned, which a state keeps."""
         previous = self.state(name)
         self.after[name] = ca.if_else(new, value, previous)
         return self.after[name]
@@ -90,8 +90,10 @@ def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: 
     """Return the paper's estimator: a new friction after every block, held in between.
 
     Args:
-        chain: Must start at the first sample; the mean of the first second is not causal.
-        networks: Their mean is the estimate; the paper uses one.
+        chain: Filters; they must start at the first sample, because the mean of the first second is not causal.
+        scale: Scaling of the block means.
+        networks: Networks whose mean is the estimate; the paper uses one.
+        combination: Key of `preprocessing.COMBINATIONS`.
     """
     if chain.start != "first sample":
         raise ValueError("online, the high-pass can start at the first sample only.")
@@ -104,6 +106,7 @@ def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: 
     means: list[SX] = []
     for k, channel in enumerate(motions(boxes, combination), start=1):
         relative = channel - memory.hold(f"zero[{k}]", channel, first)
+        # High-pass of first order in transposed direct form II, as in `Chain.filter`.
         z = memory.state(f"high_pass[{k}]")
         high = gain * relative + z
         memory.after[f"high_pass[{k}]"] = -gain * relative + chain.remembers * high
@@ -124,7 +127,7 @@ def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: 
 def general(slow: AntiAlias, spectral: Spectral, ensemble: Ensemble) -> Online:
     """Return the estimator for all speeds: friction with its 90 % interval at the slow rate, held in between.
 
-    Further inputs: `speed` [m/s] and `direction`, +1 when wheelset 1 leads, −1 when wheelset 4 does.
+    Inputs are the accelerations, `speed` [m/s], and `direction`, +1 if wheelset 1 leads and −1 if wheelset 4 leads.
     """
     memory = _Memory()
     sample = SX.sym("entry", len(BOXES) + 2)
@@ -135,6 +138,7 @@ def general(slow: AntiAlias, spectral: Spectral, ensemble: Ensemble) -> Online:
     weight = ca.if_else(ticks >= spectral.settling_samples, spectral.weight(speed, ca), 0)
     features = _features(memory, spectral, lateral, yaw, weight, tick)
     features.append(ca.log(ca.fmax(ca.fabs(speed), SLOWEST)))
+    # The means start after the settling time of the filters; the first estimate follows after as long again.
     ready = ca.logic_and(tick, ticks >= 2 * spectral.settling_samples)
     values = {**_interval(ensemble, features), _KNOWN: SX(1)}
     return memory.online(
@@ -166,14 +170,12 @@ def _boxes() -> tuple[Variable, ...]:
 
 
 def _first(memory: _Memory) -> SX:
-    """Return whether this is the first sample."""
     later = memory.state("begun")
     memory.after["begun"] = SX(1)
     return later < 0.5
 
 
 def _slow_signals(memory: _Memory, slow: AntiAlias, boxes: SX, ahead: SX) -> tuple[SX, list[SX], list[SX]]:
-    """Return whether a slow sample is due, and lateral and yaw acceleration, the leading wheelset first."""
     first = _first(memory)
     raw = [boxes[8 + k] for k in range(4)] + [boxes[4 + k] - boxes[k] for k in range(4)]
     signals: list[SX] = []
@@ -183,13 +185,13 @@ def _slow_signals(memory: _Memory, slow: AntiAlias, boxes: SX, ahead: SX) -> tup
     counted = memory.state("count")
     tick = counted + 1 >= slow.keep
     memory.after["count"] = ca.if_else(tick, 0, counted + 1)
+    # Backwards, the car is turned by half a turn: see `preprocessing.lateral_and_yaw`.
     lateral = [ca.if_else(ahead, signals[k], -signals[3 - k]) for k in range(4)]
     yaw = [ca.if_else(ahead, signals[4 + k], signals[7 - k]) for k in range(4)]
     return tick, lateral, yaw
 
 
 def _features(memory: _Memory, spectral: Spectral, lateral: list[SX], yaw: list[SX], weight: SX, tick: SX) -> list[SX]:
-    """Return the spectral features; means advance when `tick` is true."""
     total = memory.state("total")
     weight_sum = total + weight * (1 - total)
     memory.after["total"] = ca.if_else(tick, weight_sum, total)
@@ -212,7 +214,6 @@ def _features(memory: _Memory, spectral: Spectral, lateral: list[SX], yaw: list[
 
 
 def _interval(ensemble: Ensemble, features: list[SX]) -> dict[Variable, SX]:
-    """Return friction and the ends of its interval."""
     x = [
         ca.fmin(ca.fmax((f - c) / s, -4), 4) / 2
         for f, c, s in zip(features, ensemble.centre, ensemble.spread, strict=True)
@@ -225,7 +226,7 @@ def _interval(ensemble: Ensemble, features: list[SX]) -> dict[Variable, SX]:
 
 
 def _sections(memory: _Memory, name: str, sections: Array, value: SX) -> SX:
-    """Return the output of second-order sections, transposed direct form II as in SciPy."""
+    # Transposed direct form II, as scipy.signal.sosfilt computes it.
     for k, (b0, b1, b2, _, a1, a2) in enumerate(sections, start=1):
         names = [f"{name}_section{k}_{i}" for i in (1, 2)]
         z0, z1 = map(memory.state, names)
@@ -238,7 +239,6 @@ def _sections(memory: _Memory, name: str, sections: Array, value: SX) -> SX:
 def _band(
     memory: _Memory, name: str, matrices: tuple[Array, Array, Array, Array], value: SX, tick: SX
 ) -> tuple[SX, SX]:
-    """Return both outputs of a band filter that advances when `tick` is true."""
     a, b, c, d = matrices
     names = [f"band_{name}_{i}" for i in (1, 2)]
     old = [memory.state(state_name) for state_name in names]
@@ -250,7 +250,6 @@ def _band(
 
 
 def _friction(ensemble: Ensemble, first: SX) -> SX:
-    """Return the friction for an output of the first stage."""
     if not ensemble.second:
         return first
     inner = (first - SLOPE_CENTRE) / SLOPE_HALF

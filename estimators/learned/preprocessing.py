@@ -1,8 +1,8 @@
-"""Data processing in front of the estimators: motions of the wheelsets, filters, block means, scaling to [−1, 1].
+"""Preprocessing for the estimators: motions of the wheelsets, filters, block means, scaling to [−1, 1].
 
-Source: Abduraxman et al. (2024), section "Data processing". Choices that it leaves open: both filters run forwards
-only, in double precision; the high-pass is of first order and starts with its state at the first sample; the low-pass
-is a Butterworth of second order that starts at rest; an incomplete block at the end is dropped.
+Source: Abduraxman et al. (2024), section "Data processing". The paper does not specify the following, which is chosen
+here: both filters run forwards only, in double precision; the high-pass is of first order and starts at the first
+sample; the low-pass is a second-order Butterworth filter and starts at rest; an incomplete last block is dropped.
 """
 
 from collections.abc import Mapping
@@ -26,7 +26,7 @@ COMBINATIONS: Final[Mapping[str, tuple[Motion, ...]]] = {
     "lateral": ("lateral",),
     "yaw": ("yaw",),
 }
-"""The eight combinations of Abduraxman et al. (2024), each over all wheelsets; they chose `longitudinal`."""
+"""The eight combinations of Abduraxman et al. (2024), each for all wheelsets; the paper selects `longitudinal`."""
 
 
 BOXES: Final = tuple(f"{side}[{k}]" for side in ("left", "right", "lateral") for k in range(1, 5))
@@ -34,13 +34,14 @@ BOXES: Final = tuple(f"{side}[{k}]" for side in ("left", "right", "lateral") for
 
 
 def motions(boxes: Any, combination: str) -> list[Any]:
-    """Return the 4 to 12 channels of a combination [m/s²]: motion by motion, wheelset by wheelset.
+    """Return the 4 to 12 channels of a combination [m/s²], ordered by motion and then by wheelset.
 
-    Longitudinal is the mean of both axle boxes; yaw is right minus left, which is the yaw acceleration times the
-    distance of the boxes.
+    Longitudinal is the mean of both axle boxes; yaw is right minus left, the yaw acceleration times the distance
+    between the boxes.
 
     Args:
-        boxes: In the order of `BOXES` along the first axis [m/s²]: an array of shape (12, n), or a CasADi vector.
+        boxes: Accelerations in the order of `BOXES` along the first axis [m/s²]: an array of shape (12, n), or a CasADi
+            vector.
         combination: Key of `COMBINATIONS`.
     """
     left, right, lateral = boxes[:4], boxes[4:8], boxes[8:]
@@ -59,8 +60,8 @@ class AntiAlias:
     """A causal low-pass with decimation.
 
     Attributes:
-        rate: Samples a second of the input.
-        keep: Input samples for each sample of the output.
+        rate: Sampling rate of the input [Hz].
+        keep: Number of input samples for each output sample.
     """
 
     rate: int
@@ -68,12 +69,12 @@ class AntiAlias:
 
     @property
     def slow_rate(self) -> float:
-        """Samples a second of the output."""
+        """Sampling rate of the output [Hz]."""
         return self.rate / self.keep
 
     @property
     def sections(self) -> Array:
-        """Butterworth of fourth order at 0.3 of the slow rate, as second-order sections."""
+        """Fourth-order Butterworth filter at 0.3 of the slow rate, as second-order sections."""
         return np.asarray(butter(4, 0.3 * self.slow_rate, fs=self.rate, output="sos"), dtype=np.float64)
 
     def __call__(self, raw: Array) -> Array:
@@ -88,10 +89,12 @@ class AntiAlias:
 def lateral_and_yaw(slow: AntiAlias, boxes: Array, *, backwards: bool) -> tuple[Array, Array]:
     """Return slow lateral and yaw acceleration [m/s²], each of shape (n // keep, 4), with the leading wheelset first.
 
-    When wheelset 4 leads, the car is turned by half a turn: left and right are exchanged, and the sign of yaw remains.
+    If wheelset 4 leads, the car is turned by half a turn: left and right are exchanged, and the sign of yaw remains.
 
     Args:
-        boxes: In the order of `BOXES`, in axes of the car [m/s²], shape (n, 12).
+        slow: Low-pass with decimation.
+        boxes: Accelerations in the order of `BOXES`, in axes of the car [m/s²], shape (n, 12).
+        backwards: Whether wheelset 4 leads.
     """
     motion = slow(np.hstack([boxes[:, 8:], boxes[:, 4:8] - boxes[:, :4]]))
     lateral, yaw = motion[:, :4], motion[:, 4:]
@@ -101,20 +104,20 @@ def lateral_and_yaw(slow: AntiAlias, boxes: Array, *, backwards: bool) -> tuple[
 Start = Literal["first sample", "first second"]
 
 BLOCKS: Final = {60: 50, 40: 100, 26: 150, 16: 200}
-"""Samples of a block, by speed in mph."""
+"""Number of samples in a block by speed [mph]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Chain:
-    """The filters in front of a network.
+    """Filters before a network.
 
     Attributes:
-        rate: Samples a second of the input.
-        block: Samples averaged into one of the output.
-        high_pass, low_pass: Corner frequencies, Hz.
-        order: Of the low-pass.
+        rate: Sampling rate of the input [Hz].
+        block: Number of input samples averaged into one output sample.
+        high_pass, low_pass: Corner frequencies [Hz].
+        order: Order of the low-pass.
         start: Zero of the high-pass: the first sample, vibration included, or the mean of the first second. The latter
-            is not causal within that second; it shows the effect of the former on a network.
+            is not causal within that second; it serves to measure the effect of the former on a network.
     """
 
     rate: int
@@ -126,7 +129,7 @@ class Chain:
 
     @property
     def remembers(self) -> float:
-        """Share of its value that the high-pass keeps from sample to sample (bilinear transform)."""
+        """Pole of the high-pass (bilinear transform)."""
         return (1 - self._warped) / (1 + self._warped)
 
     @property

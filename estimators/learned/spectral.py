@@ -19,11 +19,11 @@ from railgrip.estimators.belief import Array
 Pair = tuple[Any, Any]
 
 PRODUCTS: Final = 10
-"""Means kept per band and bogie."""
+"""Number of means per band and bogie."""
 SLOWEST: Final = 1.0
-"""m/s, below which the logarithm of speed no longer falls."""
+"""Speed below which the feature log(speed) is constant [m/s]."""
 TINY: Final = 1e-12
-"""m²/s⁴, added to powers so that a silent channel has a logarithm."""
+"""Added to powers, so that the logarithm of a silent channel is finite [m²/s⁴]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,12 +31,12 @@ class Spectral:
     """The filters behind the features.
 
     Attributes:
-        rate: Samples a second of the input.
-        centres: Of the bands, Hz.
-        quality: Of the band filters.
-        metres: Distance over which products are averaged, m.
-        settling: Time at the start that is not averaged, s, while the step to the first sample decays in the filters:
-            to a thousandth in the slowest band after 3 s.
+        rate: Sampling rate of the input [Hz].
+        centres: Centre frequencies of the bands [Hz].
+        quality: Quality factor of the band filters.
+        metres: Distance over which products are averaged [m].
+        settling: Time at the start that is not averaged [s], while the step to the first sample decays in the filters:
+            in the slowest band to a thousandth after 3 s.
     """
 
     rate: float
@@ -46,7 +46,7 @@ class Spectral:
     settling: float = 3.0
 
     def band(self, centre: float) -> tuple[Array, Array, Array, Array]:
-        """Return A, B, C, D of a band filter at `rate`; outputs: the band, and its integral times ω."""
+        """Return A, B, C, D of a band filter at `rate`; its outputs are the band and its integral times ω."""
         w = 2 * np.pi * centre
         a = np.array([[0.0, 1.0], [-(w**2), -w / self.quality]])
         b = np.array([[0.0], [1.0]])
@@ -55,12 +55,12 @@ class Spectral:
         return result[0], result[1], result[2], result[3]
 
     def weight(self, speed: Any, library: Any) -> Any:
-        """Return the weight of a new sample at a speed, m/s; `library` is `numpy` or `casadi`."""
+        """Return the weight of a new sample at a speed [m/s]; `library` is `numpy` or `casadi`."""
         return 1 - library.exp(-library.fabs(speed) / (self.metres * self.rate))
 
     @property
     def settling_samples(self) -> int:
-        """Samples at the start that are not averaged."""
+        """Number of samples at the start that are not averaged."""
         return round(self.settling * self.rate)
 
     @property
@@ -75,8 +75,9 @@ class Spectral:
         """Return running means of products, shape (n, bands, 2 bogies, 10).
 
         Args:
-            lateral, yaw: At `rate`, in axes that point forwards, wheelset 1 leading, m/s², shape (n, 4).
-            speed: m/s, shape (n,).
+            lateral, yaw: Accelerations at `rate`, in axes that point forwards, leading wheelset first [m/s²], shape
+                (n, 4).
+            speed: Speed of the vehicle [m/s], shape (n,).
         """
         weight = np.where(np.arange(len(lateral)) < self.settling_samples, 0.0, self.weight(speed, np))
         result = np.empty((len(lateral), len(self.centres), 2, PRODUCTS))
@@ -89,8 +90,8 @@ class Spectral:
                     (turn[0][:, lead], turn[1][:, lead]), (turn[0][:, trail], turn[1][:, trail]),
                 )  # fmt: skip
                 result[:, k, bogie] = np.stack(means, axis=-1)
-        # A mean over metres, not seconds: its weights change with the speed, which no filter of SciPy's can. Divided
-        # by the sum of the weights so far, the start counts for no more than it is worth.
+        # A mean over metres, not seconds: its weights change with the speed, so SciPy's filters cannot compute it. It
+        # is divided by the sum of the weights so far, so that the zero at the start does not bias it.
         mean, total = np.zeros(result.shape[1:]), 0.0
         for k, w in enumerate(weight):
             total += w * (1 - total)
@@ -105,10 +106,9 @@ class Spectral:
         return np.stack([*result, np.log(np.maximum(np.abs(speed), SLOWEST))], axis=-1)
 
     def _band_and_integral(self, centre: float, signal: Array) -> Array:
-        """Return the band and its integral, shape (2, *signal.shape)."""
         a, b, c, d = self.band(centre)
         denominator = np.poly(a)
-        # The transfer function of each output, so that one vectorised filter does the work.
+        # The transfer function of each output, for one vectorised filter instead of a loop over samples.
         numerators = [np.poly(a - b @ c[row : row + 1]) + (d[row, 0] - 1) * denominator for row in range(2)]
         return np.stack([np.asarray(lfilter(numerator, denominator, signal, axis=0)) for numerator in numerators])
 
@@ -133,7 +133,7 @@ def ratios(means: list[Any], library: Any) -> list[Any]:
     """Return the features of one band from the mean products of both bogies together.
 
     Args:
-        means: As `products` orders them.
+        means: Means in the order of `products`.
         library: `numpy` or `casadi`, for log and sqrt.
     """
     turn_lead, turn_trail, swing_lead, swing_trail = (m + TINY for m in means[:4])

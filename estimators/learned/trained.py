@@ -1,4 +1,4 @@
-"""Trained estimators as values: over a whole run at once, sample by sample, as a file and as an FMU."""
+"""Trained estimators: applied to a whole run or to single samples, stored as a file, and exported as an FMU."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -21,7 +21,7 @@ from railgrip.fmus.native.discrete import Discrete, sources
 from railgrip.fmus.native.package import Source
 
 FORMAT: Final = 1
-"""Format of the files; raised whenever an older reader would misread a newer file."""
+"""Version of the file format, raised whenever an older reader would misread a newer file."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,7 +31,7 @@ class RunEstimates:
     Attributes:
         sample: Index of the last sample of each estimate.
         friction: Estimate.
-        lower, upper: Ends of its 90 % interval; NaN for an estimator without interval.
+        lower, upper: Ends of the 90 % interval; NaN for an estimator without interval.
     """
 
     sample: NDArray[np.intp]
@@ -55,16 +55,17 @@ class PaperEstimator:
 
     @property
     def rate(self) -> int:
-        """Samples a second of the accelerations."""
+        """Sampling rate of the accelerations [Hz]."""
         return self.chain.rate
 
     def offline(self, boxes: Array, speed: Array, *, backwards: bool) -> RunEstimates:
         """Return the estimates of a whole run; neither speed nor direction is used.
 
         Args:
-            boxes: Accelerations in the order of `preprocessing.BOXES`, at `rate`, m/s², shape (n, 12), in axes of the
-                car.
-            speed: m/s, shape (n,).
+            boxes: Accelerations in the order of `preprocessing.BOXES`, at `rate`, in axes of the car [m/s²], shape
+                (n, 12).
+            speed: Speed of the vehicle [m/s], shape (n,).
+            backwards: Whether wheelset 4 leads.
         """
         blocks = self.chain.process(np.stack(motions(boxes.T, self.inputs), axis=-1))
         friction = np.mean([network(self.scale(blocks)) for network in self.networks], axis=0)
@@ -74,7 +75,7 @@ class PaperEstimator:
         )
 
     def online(self) -> Online:
-        """Return the same estimator sample by sample."""
+        """Return the same estimator for single samples."""
         return paper(self.chain, self.scale, self.networks, self.inputs)
 
 
@@ -194,7 +195,7 @@ def as_fmu(online: Online) -> Source:
     return sources(
         Discrete(
             name=online.name,
-            # The rate is in the description because a longer step holds the inputs.
+            # The description states the rate, because with a longer step the inputs would be held over several samples.
             description=f"Friction between wheel and rail from accelerations of the axle boxes, {online.rate} a second",
             period=1 / online.rate,
             states=states,

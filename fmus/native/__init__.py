@@ -1,4 +1,4 @@
-"""The built-in compiler: rumoca's checked DAE → CasADi → C → FMI 2.0, no OpenModelica needed.
+"""The built-in compiler: rumoca's checked DAE → CasADi → C → FMI 2.0, without OpenModelica.
 
 dae (front end) → expressions, variables, conditions → index, structure → system (explicit equations) → model
 (CasADi functions) or code, description, package (the FMU).

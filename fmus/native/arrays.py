@@ -22,7 +22,7 @@ def array(values: Iterable[Any], shape: tuple[int, ...] = ()) -> Array:
     every = list(values)
     out = np.empty(len(every), dtype=object)
     for i, value in enumerate(every):
-        out[i] = value  # by a whole number numpy stores it as it is, without asking whether it is an array itself
+        out[i] = value  # with an integer index numpy stores the object itself, without a check for arrays
     return out.reshape(shape)
 
 
@@ -48,7 +48,7 @@ def integer(value: SX) -> int:
 
 
 def choose(condition: SX, yes: SX, no: SX) -> SX:
-    """Return if-then-else; decided at once when the condition is a number."""
+    """Return if-then-else; if the condition is a number, the chosen branch alone."""
     if is_number(condition):
         return yes if float(condition) else no
     return ca.if_else(condition, yes, no)
@@ -113,8 +113,6 @@ ELEMENTWISE: dict[str, Callable[..., Array]] = {name: each(getattr(ca, name)) fo
 
 
 def _fold(pair: Callable[[SX, SX], SX], neutral: float) -> Callable[..., Array]:
-    """Return a function of two scalars, or of all elements of an array; over no element it is `neutral`."""
-
     def fold(*arguments: Array) -> Array:
         if len(arguments) == 2:
             return each(pair, 2)(*arguments)
@@ -146,7 +144,6 @@ def _cross(a: Array, b: Array) -> Array:
 
 
 def _matrix_cat(axis: int) -> Callable[..., Array]:
-    """Return [a, b] (axis 1) or [a; b] (axis 0): concatenation of operands promoted to matrices."""
     return lambda *parts: np.concatenate([p.reshape(p.shape + (1,) * (2 - p.ndim)) for p in parts], axis)
 
 

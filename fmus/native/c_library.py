@@ -1,4 +1,4 @@
-"""A shared library of our C with the structs of its headers, each written there and nowhere else."""
+"""A shared library of C code, with the structs that its headers declare as Python objects."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from railgrip.fmus.native.toolchain import shared_library
 
 WORD: Final = 8
-"""Bytes of a pointer, and of every number in a struct."""
+"""Size of a pointer, and of every number in a struct [bytes]."""
 
 _FORMATS: Final = {"double": "f8", "long long": "i8", "int": "i4"}
 
@@ -22,7 +22,7 @@ def kernel_library(package: str, name: str) -> "CLibrary":
     """Return the library of NAME.c and NAME.h in the folder `kernel` of a package, loaded once.
 
     Raises:
-        railgrip.base.errors.CompilerMissing: There is no C compiler.
+        railgrip.base.errors.CompilerMissing: No C compiler was found.
     """
     source, header = f"{name}.c", f"{name}.h"
     kernel = files(package) / "kernel"
@@ -31,11 +31,11 @@ def kernel_library(package: str, name: str) -> "CLibrary":
 
 
 class CLibrary:
-    """C sources, compiled or found compiled, with the functions, structs and enums that their headers declare.
+    """A library compiled from C sources, with the functions, structs and enums that their headers declare.
 
     Attributes:
-        path: Of the shared library.
-        functions: Those declared, and their enums.
+        path: Path of the shared library.
+        functions: The declared functions and enums.
     """
 
     def __init__(
@@ -47,32 +47,35 @@ class CLibrary:
         *,
         flags: Sequence[str] = (),
     ) -> None:
-        """Compile `sources`, file name to text, as for `shared_library`.
+        """Compile C sources, or load the library from the cache; see `shared_library`.
 
         Args:
-            headers: Headers with the declarations that Python uses, in the order of their dependence.
-            constants: Lines `#define NAME integer` that they use for sizes.
+            sources: File name → text.
+            name: Name of the library.
+            headers: Names of headers with the declarations that Python uses, in the order of their dependence.
+            constants: Lines `#define NAME integer` that the headers use for sizes.
+            flags: Further flags of the C compiler.
 
         Raises:
-            railgrip.base.errors.CompilerMissing: There is no C compiler.
+            railgrip.base.errors.CompilerMissing: No C compiler was found.
         """
         self.path = shared_library(sources, name, flags=flags)
         self._ffi: Any = FFI()
-        # cffi reads declarations and sizes, and knows no other preprocessor.
+        # cffi parses declarations, and no preprocessor lines except those in `constants`.
         lines = [line for header in headers for line in sources[header].splitlines() if not line.startswith("#")]
         self._ffi.cdef(constants + "\n".join(lines))
         self.functions: Any = self._ffi.dlopen(str(self.path))
 
     def doubles(self, array: NDArray[np.float64]) -> Any:
-        """Return the address of a contiguous array that outlives the call."""
+        """Return the address of a contiguous array, which the caller must keep alive during the call."""
         return self._ffi.cast("double *", array.ctypes.data)
 
     def struct(self, name: str, **fields: Any) -> "Struct":
-        """Return a struct of a type of the headers; `fields` are as for `Struct.set`, others are zero."""
+        """Return a struct of a type in the headers; `fields` are as for `Struct.set`, all others are zero."""
         return Struct(self._ffi, name, fields)
 
     def records(self, name: str, count: int) -> NDArray[np.void]:
-        """Return an array of zeroed structs of a type of the headers; pointers in it are addresses."""
+        """Return an array of `count` zeroed structs of a type in the headers; pointers in them are addresses."""
         fields = self._ffi.typeof(name).fields
         dtype = np.dtype(
             {
@@ -86,10 +89,10 @@ class CLibrary:
 
 
 class Struct:
-    """A struct in C; what its fields point to lives as long as it does.
+    """A struct in C, which keeps the objects alive that its fields point to.
 
     Attributes:
-        pointer: To it, for functions of the library; its fields are read as `pointer.name`.
+        pointer: Pointer to the struct for functions of the library; its fields are read as `pointer.name`.
     """
 
     def __init__(self, ffi: Any, name: str, fields: Mapping[str, Any]) -> None:
@@ -101,14 +104,14 @@ class Struct:
 
     @property
     def address(self) -> int:
-        """Of the struct."""
+        """Address of the struct."""
         return int(self._ffi.cast("uintptr_t", self.pointer))
 
     def set(self, **fields: Any) -> None:
         """Set fields.
 
-        A pointer takes a contiguous array of its type, a Struct, an address, or None; a nested array or struct takes an
-        array, a Struct or a list of these, which are copied; any other member takes a number.
+        The value of a pointer is a contiguous array of its type, a Struct, an address, or None. The value of a nested
+        array or struct is an array, a Struct or a list of these, which are copied. Any other field is a number.
         """
         for name, value in fields.items():
             self._fields[name] = value
@@ -118,18 +121,22 @@ class Struct:
         """Return a field that is an array of doubles, sharing its memory."""
         return np.frombuffer(self._ffi.buffer(getattr(self.pointer, name)), dtype=np.float64)
 
+    def target(self, name: str) -> Any:
+        """Return the array or Struct that a pointer was set to."""
+        return self._fields[name]
+
     def copy_with(self, *names: str, **changes: Any) -> "Struct":
-        """Return a struct of the same type with the same in these fields, or in all, but for changes."""
+        """Return a struct of the same type with the same values in these fields, or in all, and with `changes`."""
         fields = {name: value for name, value in self._fields.items() if name in names or not names}
         return Struct(self._ffi, self._name, fields | changes)
 
     @property
     def content(self) -> bytes:
-        """Its bytes."""
+        """Bytes of the struct."""
         return bytes(self._ffi.buffer(self.pointer))
 
     def targets(self) -> Iterator["Struct | NDArray[Any]"]:
-        """Yield structs and arrays that it points to, and those that structs within it point to."""
+        """Yield the structs and arrays that the struct, or a struct nested in it, points to."""
         for name, value in self._fields.items():
             within = self._types[name].kind not in ("pointer", "function")
             for entry in value if isinstance(value, list) else [value]:
@@ -139,7 +146,7 @@ class Struct:
                     yield entry
 
     def pointers(self) -> dict[int, str]:
-        """Return the words that are pointers, to functions too, and the field `Type.field` that each is."""
+        """Return the index of each word that is a pointer, also to a function → its field, `Type.field`."""
         return dict(self._pointers(self._ffi.typeof(self._name), 0))
 
     def _pointers(self, kind: Any, begin: int) -> Iterator[tuple[int, str]]:

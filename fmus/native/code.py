@@ -19,18 +19,18 @@ from railgrip.fmus.native.variables import Scalar, vector
 RUNTIME = Path(__file__).parent / "runtime"
 SHARED = ("layout.h", "instance.c", "evaluate.c", "events.c", "fmi2.c")
 PARTS = {"me": ("modelexchange.c",), "cs": ("rosenbrock.c", "advance.c", "cosimulation.c", "status.c")}
-"""What each interface needs besides `SHARED`."""
+"""Further files of each interface besides `SHARED`."""
 
 RARE = frozenset({"f_locals", "f_parameters", "f_start", "f_start_loop", "f_directional"})
-"""Functions that no step of an importer calls. An estimator takes directional derivatives along the states of a Model
-Exchange FMU at every sample; these come from f_state_jacobian and f_output_jacobian, all others from f_directional."""
+"""Functions that no step calls. An estimator requests directional derivatives along the states of a Model Exchange FMU
+at every sample, but these use f_state_jacobian and f_output_jacobian; only others use f_directional."""
 
 SOLVERS = {"rodas3": 3, "rodas4": 4}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ValueLayout:
-    """Where the values of an FMU lie: a value reference is a place in one array of doubles.
+    """Places of the values of an FMU: a value reference is an index in one array of doubles.
 
     Attributes:
         outputs: Algebraic variables declared `output`; `locals` the other ones.
@@ -55,7 +55,7 @@ class ValueLayout:
 
 
 def layout_of(system: System) -> ValueLayout:
-    """Return where the variables of a system lie."""
+    """Return the places of the variables of a system."""
     v = system.variables
     return ValueLayout(
         states=system.states,
@@ -84,7 +84,7 @@ def jacobian(system: System) -> SX:
 
 
 def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
-    """Return the functions the runtime calls, as `runtime/layout.h` lists them."""
+    """Return the functions that the runtime calls, as listed in `runtime/layout.h`."""
     v = system.variables
     here = [system.time, system.x, system.u, system.p, system.d, system.relation, system.guesses]
     at_start = [system.time, system.u, system.p, system.d, system.relation, system.start_guesses]
@@ -131,10 +131,11 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
 
 
 def loud_discretes(system: System) -> list[int]:
-    """Return the places of the discretes whose change at an event calls for another pass over its equations.
+    """Return the places of the discretes whose change at an event requires another pass over the event equations.
 
-    The others keep their value while no clock ticks, and are then read by nothing but themselves: a second pass, in
-    which nothing ticks, would repeat the first. That takes that nothing else is clocked; a loop solved anew would move.
+    The others keep their value while no clock ticks, and only their own equations read them then: a second pass, in
+    which no clock ticks, would repeat the first. This holds only if nothing else is clocked and if there are no loops,
+    which another Newton step would change.
     """
     every, before = list(range(system.d.numel())), system.previous
     if not system.clocks or system.loops.guesses:
@@ -161,9 +162,10 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
     """Return the C files of an FMU, its GUID empty: `model.c`, which includes the others.
 
     Args:
-        interfaces: Of "me" and "cs".
-        solver: rodas3 or rodas4, the default of the parameter `_solver`.
-        tolerance: Relative error of an internal step, the default of `_tolerance`.
+        system: The system.
+        interfaces: "me", "cs" or both.
+        solver: "rodas3" or "rodas4", the default of the parameter `_solver`.
+        tolerance: Relative error of an internal step, the default of the parameter `_tolerance`.
     """
     layout = layout_of(system)
     states = jacobian(system).sparsity().get_triplet()
@@ -214,7 +216,6 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
 
 
 def _sizes(system: System, layout: ValueLayout) -> dict[str, int]:
-    """Return the sizes that depend on the system alone, not on interfaces and solver."""
     return {
         "NX": len(layout.states),
         "NU": len(layout.inputs),
@@ -236,7 +237,6 @@ def _sizes(system: System, layout: ValueLayout) -> dict[str, int]:
 
 
 def _value_tables(system: System, layout: ValueLayout) -> list[str]:
-    """Return the tables of start and nominal values, and of clocks."""
     by_name = {s.name: s for scalars in system.variables.of_id.values() for s in scalars}
     guesses, start_guesses = ([by_name.get(k) for k in q.guesses] for q in (system.loops, system.start_loops))
     groups = {"x": layout.states, "u": layout.inputs, "p": layout.parameters, "d": layout.discretes}
@@ -259,7 +259,6 @@ def _value_tables(system: System, layout: ValueLayout) -> list[str]:
 
 
 def _text_tables(system: System, layout: ValueLayout) -> list[str]:
-    """Return the tables of names, and of assertions with the pieces of their messages: null for a value."""
     assertions = system.assertions
     return [
         table("char", "assertion_fatal", [int(a.fatal) for a in assertions]),
@@ -272,12 +271,12 @@ def _text_tables(system: System, layout: ValueLayout) -> list[str]:
 
 
 def nominal(s: Scalar) -> float:
-    """Return the size of a variable that counts as ordinary, 1 when the model does not say."""
+    """Return the nominal value of a variable, 1 if the model does not declare it."""
     return abs(s.bound("nominal") or 1.0)
 
 
 def _model_functions(system: System, interfaces: Sequence[str]) -> str:
-    # With clocks the event equations are evaluated at each tick.
+    # Rare functions are interpreted, which compiles faster. With clocks the event equations are evaluated at each tick.
     rare = RARE if system.clocks else RARE | {"f_event"}
     texts = [tape(f) if f.name() in rare and fits(f) else straight(f) for f in functions(system, interfaces)]
     return "\n".join(["#include <math.h>", *interpreter(), *texts])

@@ -10,16 +10,16 @@ from railgrip.base.errors import InputError
 from railgrip.base.files import read_bytes
 
 _MOST = 3
-"""Places worth reading."""
+"""Maximum number of places in a message."""
 
 
 def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
     """Return `file.mo:line: text of the line` for an error of the front end, as far as it can be found.
 
     Args:
-        message: The front end's words.
-        path: The file that was read: `package.mo` stands for all files of its library.
-        class_name: The class that was wanted.
+        message: Message of the front end.
+        path: The file that was read; `package.mo` represents all files of its library.
+        class_name: Name of the class to translate.
     """
     texts = _texts(path)
     syntax = [place for name, text in texts.items() for place in _syntax(name, text)]
@@ -33,7 +33,6 @@ def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
 
 
 def _texts(path: Path) -> dict[str, str]:
-    """Return the text of each file of a library by its short name; see `places`."""
     return {short(file, path): read_bytes(file).decode(errors="replace") for file in _files(path)}
 
 
@@ -53,13 +52,13 @@ _ADVICE = (
 def nested_arrays(message: str, path: Path, class_name: str) -> tuple[str, ...]:
     """Return a sentence for each reference through two arrays of components on which rumoca 0.10 fails.
 
-    It translates `wheels[i].contact[1].slip` with numbers as indices and in array comprehensions, and fails in for
-    equations and slices; its message speaks of semantic owners and names neither file nor line.
+    rumoca translates `wheels[i].contact[1].slip` with numbers as indices and in array comprehensions, but fails on it
+    in for equations and slices; its message mentions semantic owners and has neither file nor line.
 
     Args:
-        message: The front end's words.
+        message: Message of the front end.
         path: See `places`.
-        class_name: The class that was wanted.
+        class_name: Name of the class to translate.
     """
     if "typed semantic owner" not in message and "member slice" not in message:
         return ()
@@ -78,7 +77,6 @@ def nested_arrays(message: str, path: Path, class_name: str) -> tuple[str, ...]:
 
 
 def _silent_use(path: Path, texts: dict[str, str]) -> Iterator[str]:
-    """Yield what a library must say before classes of RailBraking are found for it."""
     class_text = texts[short(path, path)]
     foreign = path.name == "package.mo" and path.parent.name != "RailBraking"
     if foreign and "RailBraking" not in class_text and any("RailBraking." in text for text in texts.values()):
@@ -86,7 +84,6 @@ def _silent_use(path: Path, texts: dict[str, str]) -> Iterator[str]:
 
 
 def _syntax(name: str, text: str) -> Iterator[str]:
-    """Yield the first syntax error of a file; those behind it mostly follow from it."""
     for problem in rumoca.validate_source(text):
         if problem.rule == "syntax-error":
             what = re.search(r"× (.+)", problem.message)
@@ -96,7 +93,6 @@ def _syntax(name: str, text: str) -> Iterator[str]:
 
 
 def _uses(words: Iterable[str], texts: dict[str, str]) -> Iterator[str]:
-    """Yield where names are written that nothing declares."""
     for word in dict.fromkeys(words):
         pattern = re.compile(rf"(?<![\w.]){re.escape(word)}(?!\w)")
         for name, text in texts.items():
@@ -106,15 +102,15 @@ def _uses(words: Iterable[str], texts: dict[str, str]) -> Iterator[str]:
 
 
 _NESTING = 200
-"""Most brackets inside each other; rumoca's parser overflows its stack at a few thousand."""
+"""Maximum depth of brackets; rumoca's parser overflows its stack at a few thousand."""
 _TOKENS = re.compile(r"""//[^\n]*|/\*.*?\*/|"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[(\[{]|[)\]}]""", re.DOTALL)
 
 
 def require_readable(path: Path) -> None:
-    """Refuse Modelica that the front end cannot read without a crash.
+    """Raise an error for Modelica on which the front end would crash.
 
     Args:
-        path: The file that is read: `package.mo` stands for all files of its library.
+        path: The file to read; `package.mo` represents all files of its library.
 
     Raises:
         InputError: A file is not in UTF-8, or has brackets nested too deeply.
@@ -125,19 +121,19 @@ def require_readable(path: Path) -> None:
             text = content.decode()
         except UnicodeDecodeError as error:
             line = content.count(b"\n", 0, error.start) + 1
-            raise InputError(f"{file}:{line}: this is no text in UTF-8; save the file as UTF-8.") from error
+            raise InputError(f"{file}:{line}: the text is not UTF-8; save the file as UTF-8.") from error
         depth = 0
         for token in _TOKENS.finditer(text):
             depth += 1 if token[0] in "([{" else -1 if token[0] in ")]}" else 0
             if depth > _NESTING:
                 line = text.count("\n", 0, token.start()) + 1
-                raise InputError(f"{file}:{line}: more than {_NESTING} brackets inside each other; name parts of it.")
+                raise InputError(f"{file}:{line}: more than {_NESTING} nested brackets; declare parts as variables.")
 
 
 def short(file: Path, path: Path) -> str:
-    """Return a file's path from the folder that holds the library of `path`, so that it is the same on every machine.
+    """Return a file's path relative to the folder of the library of `path`, so that it is the same on every machine.
 
-    What lies elsewhere keeps its whole path.
+    The path of a file elsewhere is returned unchanged.
     """
     base = path.parents[2] if path.name == "package.mo" and len(path.parents) > 2 else path.parent
     return file.relative_to(base).as_posix() if file.is_relative_to(base) else file.as_posix()

@@ -1,4 +1,4 @@
-"""Relations, conditions and time events of a class: what the event iteration remembers."""
+"""Relations, conditions and time events of a class, whose values the event iteration keeps."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -15,16 +15,16 @@ SIGN = {"less": -1, "less_equal": -1, "greater": 1, "greater_equal": 1}
 
 @dataclass(slots=True)
 class Relations:
-    """Relations whose truth is kept between events.
+    """Relations whose truth values are constant between events.
 
     Attributes:
-        memory: One symbol per distinct relation.
-        live: Its truth now.
-        indicator: Crosses zero where it changes; positive where it holds.
-        crossings: Places of those whose zeros must be searched for; the others change at known `instants`.
-        slot: Relation id of the DAE to place in `memory`.
-        alone: Relation id to expression id of those only used by assertions, which are never remembered.
-        instants: When relations of time with parameters change, as expressions of the parameters.
+        memory: Symbol of each distinct relation, with the value since the last event.
+        live: Expression of its present value.
+        indicator: Expression that crosses zero where the relation changes, and is positive where it holds.
+        crossings: Places of the relations whose zeros must be searched for; the others change at known `instants`.
+        slot: Relation id of the DAE → place in `memory`.
+        alone: Relation id → expression id of relations that only assertions use, which are never kept.
+        instants: Times at which relations between time and parameters change, as expressions of the parameters.
     """
 
     memory: list[SX] = field(default_factory=list)
@@ -42,8 +42,10 @@ def find_relations(
     """Collect the relations of a class and make `evaluate` use their memory.
 
     Args:
-        settle: Puts numbers for constants.
-        parameters: Symbols an instant may depend on.
+        dae: The class.
+        evaluate: Builder of expressions, which uses the symbols in `memory` afterwards.
+        settle: Replaces constants by their numbers.
+        parameters: Symbols on which an instant may depend.
     """
     conditions = dae.systems["conditions"]
     assertion_only = _assertion_only_relations(dae)
@@ -83,7 +85,6 @@ def find_relations(
 
 
 def _instant(difference: SX, time: SX, parameters: SX) -> SX | None:
-    """Return when lhs − rhs is zero, if it is linear in time and holds nothing else but parameters."""
     if not ca.depends_on(difference, time):
         return None
     slope = ca.jacobian(difference, time)
@@ -102,11 +103,6 @@ def _add(instants: list[SX], instant: SX) -> None:
 def _instants(
     dae: Dae, evaluate: ExpressionBuilder, settle: Callable[[list[SX]], list[SX]], parameters: SX
 ) -> list[SX]:
-    """Return when relations between time and parameters change.
-
-    rumoca reports such instants as numbers, computed with the parameters' defaults; here they are found again
-    from the relation itself, so that they move when a parameter is set.
-    """
     out: list[SX] = []
     for event in dae.systems["events"]["time_events"]:
         span = event["provenance"]["span"]
@@ -130,7 +126,6 @@ def _instants(
 
 
 def _assertion_only_relations(dae: Dae) -> set[int]:
-    """Return relations that feed nothing but assertions."""
     conditions = dae.systems["conditions"]["conditions"]
     elsewhere: set[int] = set()
     in_assertions: set[int] = set()
@@ -157,11 +152,11 @@ def _assertion_only_relations(dae: Dae) -> set[int]:
 
 @dataclass(slots=True)
 class EventConditions:
-    """EventConditions of `when` clauses and assertions as expressions.
+    """Conditions of `when` clauses and assertions as expressions.
 
     Attributes:
-        ticks: One symbol per periodic clock, and last the one that is 1 during initialisation.
-        edge_conditions: EventConditions whose last value is kept to see an edge.
+        ticks: One symbol for each periodic clock, and a last one that is 1 during initialisation.
+        edge_conditions: Ids of conditions whose last value is kept in order to detect an edge.
         last: Symbols of their last values.
     """
 
@@ -210,5 +205,5 @@ class EventConditions:
         return ca.logic_and(self.level(i), ca.logic_not(self.last[self.edge_conditions.index(i)]))
 
     def active(self, activation: Node) -> SX:
-        """Return whether an equation with this activation is in force now."""
+        """Return whether an equation with this activation is active now."""
         return SX(1) if activation["kind"] == "always" else self.edge(activation["trigger"])

@@ -1,8 +1,8 @@
 """Translation of a user's classes in a separate process, with limits of time and memory.
 
-rumoca crashes where expressions are nested deeper than its stack, and a few characters of Modelica declare more
-variables than any machine can hold. Such a class ends in a sentence. Classes of this project are translated in the
-caller's process.
+rumoca crashes if expressions are nested deeper than its stack allows, and a few characters of Modelica can declare more
+variables than any memory has room for. In a separate process such a class results in an error message. Classes of this
+project are translated in the caller's process.
 """
 
 import json
@@ -27,10 +27,10 @@ _ADVICE: Final = "make it smaller, or build it with OpenModelica (--compiler ope
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TranslationLimits:
-    """What one translation may take.
+    """Limits of one translation.
 
     Attributes:
-        seconds: Time; the largest train of this project's tests takes ten.
+        seconds: Time [s]; the largest train of this project's tests takes ten.
         memory_mib: Address space [MiB].
     """
 
@@ -56,7 +56,7 @@ def call(task: str, class_name: str, library: Path, **arguments: Any) -> Any:
         "library": str(library),
         "limits": [LIMITS.seconds, LIMITS.memory_mib],
     }
-    # The current folder decides nothing: not even `python script.py` imports from it here.
+    # Nothing is imported from the current folder, not even if the caller is `python script.py`.
     path = [folder for folder in sys.path if Path(folder).is_absolute() and Path(folder) != Path.cwd()]
     start = f"import sys; sys.path[:] = {path!r}; from {__name__} import main; main()"
     try:
@@ -67,7 +67,7 @@ def call(task: str, class_name: str, library: Path, **arguments: Any) -> Any:
             capture_output=True,
             check=False,
             timeout=LIMITS.seconds,
-            start_new_session=True,  # Ctrl-C comes to this process, which then ends the other
+            start_new_session=True,  # Ctrl-C interrupts only this process, which then ends the other
         )
     except subprocess.TimeoutExpired:
         raise _beyond(class_name, f"takes more than {LIMITS.seconds} s to translate") from None
@@ -85,10 +85,9 @@ def _beyond(class_name: str, what: str) -> TranslationError:
 
 
 def _process_failure(class_name: str, code: int, words: str) -> TranslationError:
-    """Return the sentence for a process that ended without an answer."""
     if code in _AT_A_LIMIT:
         return _beyond(class_name, f"takes more than {LIMITS.seconds} s to translate, or too much memory")
-    if "memory" in words:  # Rust aborts, C++ throws bad_alloc: both say so
+    if "memory" in words:  # Rust aborts, C++ throws bad_alloc: both messages contain it
         return _beyond(class_name, f"takes more than {LIMITS.memory_mib} MiB to translate")
     end = signal.Signals(-code).name if code < 0 else f"exit code {code}"
     return _beyond(
@@ -97,7 +96,7 @@ def _process_failure(class_name: str, code: int, words: str) -> TranslationError
 
 
 def main() -> None:
-    """Answer the request on standard input on standard output; whatever else is printed goes to standard error."""
+    """Answer the request on standard input on standard output; all other output goes to standard error."""
     request = json.load(sys.stdin)
     answers = os.dup(1)
     os.dup2(2, 1)
@@ -138,7 +137,7 @@ def _limit(seconds: int, memory_mib: int) -> None:
         return
     import resource
 
-    # Beside the time that the caller waits, so that this process ends also where its caller is gone.
+    # In addition to the caller's timeout, so that this process ends even if its caller has ended.
     for what, limit in (
         (resource.RLIMIT_CPU, seconds),
         (resource.RLIMIT_AS, memory_mib << 20),
@@ -146,5 +145,5 @@ def _limit(seconds: int, memory_mib: int) -> None:
     ):
         _, most = resource.getrlimit(what)
         value = limit if most == resource.RLIM_INFINITY else min(limit, most)
-        with suppress(ValueError, OSError):  # macOS limits no address space
+        with suppress(ValueError, OSError):  # macOS cannot limit the address space
             resource.setrlimit(what, (value, value))

@@ -28,10 +28,10 @@ def strings(name: str, values: Sequence[str | None]) -> str:
 
 
 def in_parts(name: str, parameters: str, parts: Iterable[Sequence[str]]) -> list[str]:
-    """Return lines of C functions, one of each part, and of the table NAME_parts of them all.
+    """Return lines of C functions, one for each part, and of the table NAME_parts with all of them.
 
-    Called through a table, because a compiler that sees a function called only once puts it into the caller, and then
-    has before it the length that was to be avoided.
+    They are called through a table, because compilers inline a function that is called only once, and the caller would
+    then have the length that the division avoids.
     """
     lines: list[str] = []
     body: list[str] = []
@@ -50,5 +50,5 @@ _PLAIN = frozenset(string.ascii_letters + string.digits + string.punctuation + "
 def string_literal(text: str) -> str:
     """Return a C string literal of a text in UTF-8; NUL, which would end the string, becomes U+FFFD."""
     octets = text.replace("\0", "\ufffd").encode(errors="replace")
-    # Three digits always: a digit that follows in the text is not read as part of the escape.
+    # Always three digits, so that a digit that follows in the text is not read as part of the escape.
     return '"' + "".join(c if (c := chr(octet)) in _PLAIN else f"\\{octet:03o}" for octet in octets) + '"'

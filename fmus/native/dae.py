@@ -1,4 +1,4 @@
-"""The front end: rumoca reads Modelica and hands over the checked, flat DAE with operands resolved."""
+"""The front end: rumoca reads Modelica and returns the checked, flat DAE with resolved operands."""
 
 import json
 import os
@@ -27,10 +27,10 @@ _CACHE_OF_RUMOCA = "XDG_CACHE_HOME"
 SCHEMA = ("rumoca.checked-dae-template", 6)
 
 Node = dict[str, Any]
-"""A piece of the DAE as rumoca spells it; field names are its own."""
+"""A node of the DAE as rumoca writes it, with its field names."""
 
 Binding = Mapping[tuple[int, int], int]
-"""Values of loop variables: (domain, ordinal of the binder) to value."""
+"""Values of loop variables: (domain, ordinal of the binder) → value."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Dae:
     Attributes:
         class_name: Full Modelica name.
         content: rumoca's checked DAE template, schema `SCHEMA`.
-        protected: Names of the variables that are declared protected, or lie in a component that is.
+        protected: Names of the variables that are protected, or are in a protected component.
         sources: Source id to (file name, text); spans are byte offsets into the text.
     """
 
@@ -102,7 +102,7 @@ class Dae:
         return " ".join(text[span["start"] : span["end"]].decode(errors="replace").split())
 
     def refuse(self, construct: str, provenance: Node | None) -> TranslationError:
-        """Return the error for a construct that is not translated."""
+        """Return the error for an unsupported construct."""
         return TranslationError(f"{self.where(provenance)}: {self.class_name}: {construct}")
 
     @cached_property
@@ -120,20 +120,20 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
 
     Args:
         class_name: Full name, such as `RailBraking.Plants.TwoPartTrain`.
-        modelica_path: A `.mo` file, or a library's folder with its `package.mo`; RailBraking when absent. It may use
-            classes of RailBraking; a library says so with `annotation(uses(RailBraking))` in its `package.mo`.
-        complete: Every parameter must have a value.
+        modelica_path: A `.mo` file, or a library's folder with its `package.mo`; RailBraking by default. It may use
+            classes of RailBraking; a library declares that with `annotation(uses(RailBraking))` in its `package.mo`.
+        complete: Whether every parameter must have a value.
 
     Raises:
-        InputError: The file or class is missing, or Modelica has an error; carries rumoca's words.
-        TranslationError: rumoca reads a form otherwise than the language or fails on it, or a parameter has no value.
+        InputError: The file or class is missing, or the Modelica code has an error; the message quotes rumoca.
+        TranslationError: rumoca misinterprets a construct or fails on it, or a parameter has no value.
     """
     path = LIBRARY if modelica_path is None else Path(modelica_path)
     if path.is_dir():
         path = path / "package.mo"
     if not path.is_file():
         raise InputError(f"{class_name}: there is no Modelica file {path}.")
-    # Not the name of a folder: for an existing one rumoca also reads the other files next to it.
+    # Not the name of an existing folder, because rumoca would read the other files in it.
     alias = f"single-file/{path.name}"
     if path.parent != LIBRARY:
         require_readable(path)
@@ -147,7 +147,7 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
             flat = _part(model.to_json("flat", pretty=False), "variables")
             files = _part(model.to_json("dae", pretty=False), "source_map")["files"]
     except (rumoca.RumocaError, RuntimeError) as error:
-        # `codegen` raises RuntimeError and names its own template first.
+        # `codegen` raises RuntimeError, and its message begins with the name of the template.
         message = str(error).replace(alias, str(path)).rpartition("_dae.json': ")[2]
         if nested := nested_arrays(message, path, class_name):
             raise TranslationError("\n".join(nested)) from error
@@ -175,12 +175,8 @@ _environment = threading.Lock()
 
 @contextmanager
 def _without_cache_of_rumoca() -> Generator[None]:
-    """Keep rumoca from reading and writing a cache of its own.
-
-    rumoca does not check the files of its cache, and a damaged one aborts this process. The cache saves less than a
-    tenth of the time of a translation, whose result railgrip keeps in a cache with digests. Only rumoca sees the
-    variable: `os.environ`, and with it Python and the processes that are given it, stays as it is.
-    """
+    # A damaged file in rumoca's cache aborts this process, and the cache saves less than a tenth of the time of a
+    # translation. With putenv only rumoca sees the change: Python and the processes that it starts use os.environ.
     with _environment:
         os.putenv(_CACHE_OF_RUMOCA, os.devnull)
         try:
@@ -193,31 +189,27 @@ def _without_cache_of_rumoca() -> Generator[None]:
 
 
 def _content(template: str) -> Node:
-    """Return the content of the rendered template, whose texts are written with Modelica's escapes."""
     try:
-        return json.loads(template, strict=False)  # a text may hold a tabulator or any other control character
+        return json.loads(template, strict=False)  # a text may contain a tab or any other control character
     except json.JSONDecodeError:
-        # JSON lacks these four; the others that rumoca writes are the same.
+        # JSON lacks these four of Modelica's escapes; the others are the same.
         others = {"a": r"\u0007", "v": r"\u000b", "?": "?", "'": "'"}
         return json.loads(re.sub(r"\\(.)", lambda m: others.get(m[1], m[0]), template), strict=False)
 
 
 def _part(text: str, key: str) -> Node:
-    """Return the first object of that name in JSON; what comes behind it, most of the text, is not read."""
+    # The text after the first object of that name, most of it, is not parsed.
     name = f'"{key}":'
     return json.JSONDecoder().raw_decode(text, text.index(name) + len(name))[0]
 
 
 _last = threading.local()
-"""The last session of each thread, which it may not leave."""
+"""The last session of each thread; sessions must not be shared between threads."""
 
 
 def _session(library: Path) -> rumoca.Session:
-    """Return a session that knows a library as it is on disk now.
-
-    Reading a library takes longer than flattening most of its classes, and a session does not look at a file twice.
-    Other files next to the library are not read.
-    """
+    # Reading a library takes longer than flattening most of its classes, so a session is used again. A session does not
+    # read a changed file again, so the digest decides.
     state = (library, sources_digest(library))
     if getattr(_last, "state", None) != state:
         _last.state, _last.session = state, rumoca.Session(roots=[str(LIBRARY)])

@@ -31,7 +31,7 @@ _SOLVER_BOUNDS = {"min": "3", "max": "4"}
 
 @dataclass(slots=True)
 class Writer:
-    """Collects ScalarVariables, time first, and remembers their place, which ModelStructure refers to."""
+    """Collects ScalarVariables, time first, and their indices for ModelStructure."""
 
     rows: list[str] = field(default_factory=list)
     index: dict[int, int] = field(default_factory=dict)
@@ -71,7 +71,7 @@ class Writer:
         self, s: Scalar, reference: int, variability: str, *, causality: str = "", initial: str | None = "calculated",
         start: float | None = None, attributes: dict[str, str] | None = None,
     ) -> None:  # fmt: skip
-        """Add a variable of the class, an output or local one unless another causality is given."""
+        """Add a variable of the class; unless a causality is given, it is an output or local."""
         self.add(
             s.name,
             reference,
@@ -90,7 +90,7 @@ _ESCAPES = {'"': "&quot;", "\t": "&#9;", "\n": "&#10;", "\r": "&#13;"}
 
 
 def attributes_text(values: dict[str, str]) -> str:
-    """Return XML attributes with a blank before each; a character that XML cannot hold becomes U+FFFD."""
+    """Return XML attributes with a space before each; a character that XML does not allow becomes U+FFFD."""
     texts = {key: escape(_NOT_IN_XML.sub("\ufffd", value), _ESCAPES) for key, value in values.items()}
     return "".join(f' {key}="{text}"' for key, text in texts.items())
 
@@ -106,7 +106,6 @@ def _type(s: Scalar) -> str:
 
 
 def _attributes(s: Scalar) -> dict[str, str]:
-    """Return unit and bounds of a variable as XML attributes."""
     type_ = _type(s)
     out: dict[str, str] = {}
     if type_ == "Real" and s.attributes.get("unit"):
@@ -132,8 +131,12 @@ def write(
     """Return modelDescription.xml, its GUID empty.
 
     Args:
-        interfaces: Of "me" and "cs".
-        step: Communication step to suggest, s.
+        system: The system.
+        identifier: Name of the library.
+        interfaces: "me", "cs" or both.
+        solver: See `code.c_sources`.
+        tolerance: See `code.c_sources`.
+        step: Suggested communication step [s].
     """
     layout = layout_of(system)
     w = Writer()
@@ -182,13 +185,13 @@ def document(
         head: Attributes of the document.
         interfaces: Attributes of CoSimulation and ModelExchange, as far as they are offered.
         units: Modelica unit strings in use.
-        categories: Of the log, with their descriptions.
+        categories: Log categories with their descriptions.
         experiment: Further attributes of the default experiment.
         rows: Lines of `Writer`.
-        structure: Lines of each part of ModelStructure; a part without a line is left out.
-        files: C files to compile, of those in `sources`; listed where there are any.
+        structure: Lines of each part of ModelStructure; parts without a line are omitted.
+        files: C files in `sources` that must be compiled; they are listed if there are any.
     """
-    # No generationDateAndTime: the same sources give the same bytes.
+    # Without generationDateAndTime, so that the same sources give the same bytes.
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
@@ -225,10 +228,7 @@ def _interface(kind: str, flags: dict[str, str], files: Sequence[str]) -> list[s
 
 def _variables(w: Writer, system: System, layout: ValueLayout, solver: str, tolerance: float) -> None:
     def public(group: str, members: list[Scalar]) -> Iterator[tuple[int, Scalar, int]]:
-        """Yield place, variable and value reference of all visible variables: as in OpenModelica, those not protected.
-
-        States are shown whatever they are, for FMI lists them.
-        """
+        # Protected variables are hidden, as in OpenModelica's FMUs; states are listed anyway, because FMI requires it.
         return ((i, s, first(group) + i) for i, s in enumerate(members) if not s.protected)
 
     first = layout.reference
@@ -282,7 +282,6 @@ def _variables(w: Writer, system: System, layout: ValueLayout, solver: str, tole
 
 
 def _per_second(unit: str) -> str:
-    """Return the Modelica unit string of a derivative in time."""
     if unit == "1":
         return "1/s"
     numerator, slash, denominator = unit.partition("/")
@@ -300,7 +299,6 @@ def _units(layout: ValueLayout) -> set[str]:
 
 
 def _unit_definitions(names: Iterable[str]) -> list[str]:
-    """Return the lines of UnitDefinitions for Modelica unit strings; unknown units get their name alone."""
     out = ["  <UnitDefinitions>"]
     for name in sorted(names):
         try:

@@ -1,4 +1,4 @@
-"""What a result was made from, as one number: texts, the built-in compiler, the packages it rests on."""
+"""Digests over everything that a result depends on: texts, the built-in compiler, the packages that it uses."""
 
 import hashlib
 from collections.abc import Iterable
@@ -10,7 +10,7 @@ from railgrip.base import units
 
 
 def digest(parts: Iterable[str]) -> str:
-    """Return the SHA-256 of texts and of where each ends."""
+    """Return the SHA-256 of texts, each followed by a zero byte."""
     out = hashlib.sha256()
     for part in parts:
         out.update(part.encode() + b"\0")
@@ -19,7 +19,7 @@ def digest(parts: Iterable[str]) -> str:
 
 @lru_cache(maxsize=1)
 def compiler_digest() -> str:
-    """Return a digest over the built-in compiler itself and the packages it rests on."""
+    """Return a digest over the source of the built-in compiler and the versions of packages that it uses."""
     here = Path(__file__).parent
     files = sorted(file for file in here.rglob("*") if file.suffix in (".py", ".c", ".h", ".toml", ".jinja"))
     files += [Path(units.__file__), units.DEFINITIONS]

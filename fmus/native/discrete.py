@@ -1,8 +1,8 @@
-"""A CasADi function (state, input) → (state, output), or C of our own, as a discrete-time co-simulation FMU.
+"""A CasADi function (state, input) → (state, output), or a step in C, as a discrete-time co-simulation FMU.
 
-What an estimator or controller written in CasADi needs to be dropped into another tool: the same C code generator, the
-same packager and compiler as for Modelica classes, another small runtime (`runtime/discrete.c`). One communication step
-of one period calls the function once: outputs at its end come from the inputs set at its beginning.
+It exports an estimator or controller written in CasADi to other tools, with the same C code generator, packager and
+compiler as for Modelica classes, and a small runtime (`runtime/discrete.c`). A communication step of one period calls
+the function once: outputs at its end follow from the inputs set at its beginning.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,12 +24,12 @@ PARTS = ("discrete.c", "instance.c", "status.c")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WrittenStep:
-    """A step in C, which keeps its own memory.
+    """A step in C, with its own memory.
 
     Attributes:
-        text: Defines MEMORY, `lay` and `sample`; see `runtime/discrete.c`.
-        files: That it includes, file name to text.
-        units: Those of the files that are compiled on their own.
+        text: C code that defines MEMORY, `lay` and `sample`; see `runtime/discrete.c`.
+        files: Files that it includes, file name → text.
+        units: Names of the files that are compiled separately.
     """
 
     text: str
@@ -42,16 +42,15 @@ class Discrete:
     """A discrete-time system.
 
     Attributes:
-        name: Shown as model name; a C identifier is made from it.
+        name: Model name, from which the C identifier is derived.
         description: One line.
-        period: Between calls, s.
-        states, inputs, parameters, outputs: In the order of the function's vectors; outputs hold their start values
-            until the first call. Parameters are set before the first step.
-        step: (state, input, parameter) → (state, output), dense columns; without parameters the third may be
-            missing.
-        waits: Number of the first inputs of which one must not be zero: with the step in which it is, the first period
-            begins.
-        hidden: Names of parameters that are not shown.
+        period: Time between calls [s].
+        states, inputs, parameters, outputs: Variables in the order of the function's vectors. Outputs have their start
+            values until the first call. Parameters are set before the first step.
+        step: (state, input, parameter) → (state, output), dense columns; without parameters the third argument may be
+            omitted.
+        waits: Number of leading inputs of which one must be nonzero for the first period to begin; 0 begins at once.
+        hidden: Names of parameters that are not listed in modelDescription.xml.
     """
 
     name: str
@@ -66,9 +65,13 @@ class Discrete:
     hidden: frozenset[str] = field(default=frozenset())
 
     def __post_init__(self) -> None:
-        """Validate the period and the functions."""
+        """Check the period and the functions.
+
+        Raises:
+            InputError: The period is not positive, names are not unique, or the step has other sizes.
+        """
         if not self.period > 0:
-            raise InputError(f"{self.name}: the period is a positive time, got {self.period} s.")
+            raise InputError(f"{self.name}: the period must be a positive time, got {self.period} s.")
         names = [v.name for v in (*self.states, *self.inputs, *self.parameters, *self.outputs)]
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
@@ -97,8 +100,8 @@ def sources(system: Discrete) -> Source:
 
 
 def straight_step(name: str, step: ca.Function, sizes: Sequence[int]) -> str:
-    """Return C of a step (state, input, parameter) → (state, output), whose last argument may be missing."""
-    # Expanded to scalar operations and inputs that are all there: then no argument is a null pointer.
+    """Return C code of a step (state, input, parameter) → (state, output), whose last argument may be omitted."""
+    # Expanded to scalar operations, and with all three inputs, so that no argument is a null pointer.
     every = [ca.SX.sym(argument, size) for argument, size in zip("xup", sizes, strict=True)]
     arguments = every[: step.n_in()]
     following, output = step.expand().call(arguments) if arguments else ([], [])

@@ -1,8 +1,8 @@
 """Sparse elimination fixed when the FMU is built: (I·c − J) = LU without pivoting.
 
-The pivots of I·c − J of a Rosenbrock method are its diagonal; the order in which they are taken is chosen once, for
-least fill-in, and both factoring and solving are written out. A tiny pivot is reported, and the caller pivots densely.
-Source: Sandu et al., Atmospheric Environment 31 (1997) 3459 (the approach of KPP).
+The pivots of I·c − J in a Rosenbrock method are its diagonal elements. Their order is chosen once, for minimum fill-in,
+and factorisation and solution are generated as straight-line code. A tiny pivot is reported, and the caller then uses
+dense elimination with pivoting. Source: Sandu et al., Atmospheric Environment 31 (1997) 3459 (the approach of KPP).
 """
 
 from collections.abc import Sequence
@@ -12,13 +12,13 @@ from itertools import product
 from railgrip.fmus.native.ctext import in_parts
 
 MAX_ENTRIES, MAX_PRODUCTS = 10_000, 10_000
-"""Entries of LU, and products that factoring takes, above which they compile too long; then elimination is dense."""
+"""Entries of LU, and products of the factorisation, above which compiling takes too long; elimination is dense then."""
 
 LONGEST = 100
-"""Lines of one part; a line may hold many entries."""
+"""Lines of one part; a line may have many entries."""
 
 SMALLEST_PIVOT = 1e-7
-"""In units of c: below it the diagonal has cancelled, and half the digits may be lost."""
+"""Smallest pivot in units of c: below it the diagonal has cancelled, and half of the digits may be lost."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,8 +26,8 @@ class Elimination:
     """The elimination of one sparsity pattern.
 
     Attributes:
-        code: C of `int sparse_factor(jacobian, c, a)`, 1 when a pivot is tiny, and `sparse_solve(a, b)`.
-        entries: Length of `a`; 0 when elimination is dense.
+        code: C code of `int sparse_factor(jacobian, c, a)`, which returns 1 for a tiny pivot, and `sparse_solve(a, b)`.
+        entries: Length of `a`; 0 if elimination is dense.
     """
 
     code: str
@@ -37,7 +37,7 @@ class Elimination:
 def eliminate(n: int, pattern: list[tuple[int, int]]) -> Elimination:
     """Return the elimination for the nonzeros of J, given as (row, column) in the order of its values.
 
-    Pivot by pivot, `a` has the inverse of the pivot, the row of U on its right and the column of L below it.
+    For each pivot, `a` has the inverse of the pivot, the row of U to its right and the column of L below it.
     """
     order, rows = _order(n, pattern)
     position = {v: k for k, v in enumerate(order)}
@@ -90,7 +90,6 @@ def _parts(lines: Sequence[str]) -> list[Sequence[str]]:
 
 
 def _order(n: int, pattern: list[tuple[int, int]]) -> tuple[list[int], list[set[int]]]:
-    """Return the pivots by Markowitz' rule, and the columns of each row with the fill-in they make."""
     rows: list[set[int]] = [{i} for i in range(n)]
     columns: list[set[int]] = [{i} for i in range(n)]
     for i, j in pattern:
@@ -99,6 +98,7 @@ def _order(n: int, pattern: list[tuple[int, int]]) -> tuple[list[int], list[set[
     rest = set(range(n))
     order: list[int] = []
     while rest:
+        # Markowitz: the product bounds the number of new nonzeros; the number breaks ties, for reproducible code.
         k = min(rest, key=lambda v: ((len(rows[v] & rest) - 1) * (len(columns[v] & rest) - 1), v))
         rest.remove(k)
         order.append(k)

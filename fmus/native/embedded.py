@@ -1,6 +1,7 @@
 """A discrete-time system as a static library with a header, for real-time targets, and a program that times it.
 
-The library holds the C of the FMU without FMI (`runtime/embedded.c`): a state is the caller's, nothing is allocated.
+The library has the C code of the FMU without FMI (`runtime/embedded.c`): the caller owns the state, and nothing is
+allocated.
 """
 
 import re
@@ -55,10 +56,10 @@ int {name}_step({name}_State *state, const {name}_Inputs *inputs, {name}_Outputs
 
 
 def sources_of_library(system: Discrete) -> dict[str, str]:
-    """Return the C of a system without FMI, file name to text: header, `NAME.c`, further files and `worst_case.c`.
+    """Return the C code of a system without FMI, file name → text: header, `NAME.c`, further files and `worst_case.c`.
 
     Raises:
-        InputError: It is no C of our own with its own memory.
+        InputError: The step is not a `WrittenStep`.
     """
     if not isinstance(system.step, WrittenStep):
         raise InputError(f"{system.name}: only a part whose memory is in C can be a library.")
@@ -75,7 +76,7 @@ def sources_of_library(system: Discrete) -> dict[str, str]:
         memory=words[1],
         structs="\n\n".join(_struct(f"{name}_{kind}", variables) for kind, variables in structs.items()),
     )
-    # Whatever the files of the loop call their functions, the library shall not clash with a program's.
+    # Prefixed, so that functions of the loop cannot clash with functions of the program.
     headers = "\n".join(text for file, text in step.files.items() if file.endswith(".h"))
     functions = sorted({*_FUNCTION.findall(headers), "step_plain"})
     prefix = "".join(f"#define {function} {name}_{function}\n" for function in functions)
@@ -96,7 +97,6 @@ def sources_of_library(system: Discrete) -> dict[str, str]:
 
 
 def _struct(name: str, variables: Sequence[Variable]) -> str:
-    """Return the C of a struct of doubles, `x[1]` and those after it as one array."""
     return "\n".join(["typedef struct {", *_fields(variables), f"}} {name};"])
 
 

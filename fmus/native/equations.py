@@ -1,4 +1,4 @@
-"""A Modelica class as CasADi functions, for callers that need its equations without an FMU."""
+"""The equations of a Modelica class as CasADi functions, without an FMU."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from railgrip.fmus.native.model import Model
 
 
 def lower(class_name: str, modelica_path: Path | None = None) -> Model:
-    """Return the explicit ODE of a Modelica class, from the user's cache once it was lowered.
+    """Return the explicit ODE of a Modelica class, from the user's cache if it has been lowered before.
 
     Args:
         class_name: Full name, such as `RailBraking.Predictions.TrainPrediction`.
@@ -23,19 +23,19 @@ def lower(class_name: str, modelica_path: Path | None = None) -> Model:
     require_class_name(class_name)
     library = LIBRARY if modelica_path is None else Path(modelica_path)
     if not library.exists():
-        lower_here(class_name, library)  # which says so
+        lower_here(class_name, library)  # raises the error
     key, name = digest([class_name, sources_digest(library), compiler_digest()]), f"{class_name}.json"
     file = cache.find("models", key, name)
     if file is None:
         text = lower_here(class_name, library) if is_trusted(library) else confined.call("lower", class_name, library)
         file = cache.keep("models", key, name, text.encode())
-    # Also the first time the file is read, so that every process computes with the same functions.
+    # The file is read even if it has just been written, so that every process computes with the same functions.
     return Model.from_bytes(file.read_bytes())
 
 
 def lower_here(class_name: str, library: Path) -> str:
     """Return the text of `Model.to_bytes` for a class, translated in this process; errors are those of `lower`."""
-    # If the result is cached, imports of rumoca and scipy's graphs are avoided, a quarter of a second.
+    # Imported here: with a cached result the imports of rumoca and scipy's graphs, a quarter of a second, are avoided.
     from railgrip.fmus.native.dae import read
     from railgrip.fmus.native.lowering import model_of
     from railgrip.fmus.native.system import explicit

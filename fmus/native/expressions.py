@@ -21,7 +21,7 @@ from railgrip.fmus.native.arrays import (
 )
 from railgrip.fmus.native.dae import Binding, Dae, Node
 
-# A discrete or continuous variable has one store of symbols, whichever way an expression refers to it.
+# A variable has one store of symbols, however an expression refers to it.
 STORE = {
     "discrete_real": "discrete",
     "discrete_value": "discrete",
@@ -32,7 +32,7 @@ STORE = {
 }
 
 Site = tuple[int, tuple[tuple[tuple[int, int], int], ...]]
-"""One scalar occurrence of an expression: its id and the loop variables in force."""
+"""One scalar occurrence of an expression: its id and the values of loop variables."""
 
 
 def site(expression: int, binding: Binding) -> Site:
@@ -42,10 +42,10 @@ def site(expression: int, binding: Binding) -> Site:
 
 @dataclass
 class Frame:
-    """What an expression may refer to besides model variables.
+    """Scope of an expression besides model variables.
 
     Attributes:
-        binding: Loop variables in force.
+        binding: Values of loop variables.
         function: The function being evaluated, if any, with its arguments and definitions.
         memo: Values already computed in this frame, by expression or call.
     """
@@ -65,20 +65,20 @@ class ExpressionBuilder:
     """Turns expression ids into arrays of CasADi expressions.
 
     Attributes:
-        symbols: (store, variable id) to the variable's symbols.
-        relations: Occurrences of relations that are remembered between events, with their memory symbol.
-        conditions: DAE condition id to its expression, filled by the event part.
+        symbols: (store, variable id) → symbols of the variable.
+        relations: Occurrences of relations that are constant between events → their memory symbols.
+        conditions: DAE condition id → its expression; set after the conditions are known.
     """
 
     def __init__(self, dae: Dae, symbols: Mapping[tuple[str, int], Array], time: SX) -> None:
-        """Start with no relation remembered: every relation is live."""
+        """Start without memory symbols: every relation has its present value."""
         self.dae, self.symbols, self.time = dae, symbols, time
         self.relations: dict[Site, SX] = {}
         self.conditions: Any = None
         self._top = Frame()
 
     def remember(self, relations: dict[Site, SX]) -> None:
-        """From now on replace these occurrences of relations by their memory symbols."""
+        """Replace these occurrences of relations by their memory symbols from now on."""
         self.relations = relations
         self._top = Frame()
 
@@ -91,7 +91,8 @@ class ExpressionBuilder:
         return self._compute(expression, Frame(binding))
 
     def _value(self, expression: int, frame: Frame) -> Array:
-        # What needs no loop variable is one value for all points, unless relations in it have a memory for each.
+        # An expression without loop variables has the same value at all points, unless its relations have a memory for
+        # each point.
         if frame.function is None and not self.relations and self.dae.expressions[expression]["binder_domain"] is None:
             frame = self._top
         if expression not in frame.memo:
@@ -168,7 +169,6 @@ class ExpressionBuilder:
         return np.stack(values).astype(object).reshape(self.dae.extents(operation["domain"]) + values[0].shape)
 
     def _subscripts(self, base: Array, operation: Node, node: Node, frame: Frame) -> tuple[Any, ...] | SX:
-        """Return a numpy index; or, for one subscript of a vector known only at run time, its expression."""
         places: list[Any] = []
         for subscript in operation["subscripts"]:
             if subscript["kind"] == "whole":
@@ -187,7 +187,7 @@ class ExpressionBuilder:
         places = self._subscripts(base, operation, node, frame)
         if isinstance(places, tuple):
             return as_array(base[places])
-        out = base[0]  # selection; beyond the bounds the nearest element, as no C code could raise here
+        out = base[0]  # selection; beyond the bounds the nearest element, because the C code cannot raise an error here
         for j in range(1, len(base)):
             out = choose(places >= j + 0.5, base[j], out)
         return array([out])
@@ -231,7 +231,6 @@ class ExpressionBuilder:
     _function_fold_output = _function_value
 
     def _definition(self, number: int, frame: Frame) -> Array:
-        """Return the value of a definition of the function in `frame`; its loops are unrolled."""
         if number in frame.definitions:
             return frame.definitions[number]
         function = frame.function

@@ -1,4 +1,4 @@
-"""FMUs by FMI 3.0: the same C under other function names, and another modelDescription.xml."""
+"""FMUs for FMI 3.0: the same C code with other function names, and another modelDescription.xml."""
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Sequence
@@ -14,13 +14,13 @@ _FLAGS = {
     "canSerializeFMUstate": "canSerializeFMUState", "providesDirectionalDerivative": "providesDirectionalDerivatives",
     "canHandleVariableCommunicationStepSize": "canHandleVariableCommunicationStepSize",
 }  # fmt: skip
-"""Of CoSimulation, and what FMI 3.0 calls them."""
+"""Attributes of CoSimulation and their names in FMI 3.0."""
 
 _UNKNOWNS = {"Outputs": "Output", "Derivatives": "ContinuousStateDerivative", "InitialUnknowns": "InitialUnknown"}
 
 
 def as_fmi_3(source: Source) -> Source:
-    """Return a co-simulation FMU by FMI 2.0 as one by FMI 3.0; names and value references stay."""
+    """Return a co-simulation FMU for FMI 2.0 as one for FMI 3.0; names and value references are unchanged."""
     files = source.files | {
         "fmi3.c": (RUNTIME / "fmi3.c").read_text(encoding="utf-8"),
         "model.c": source.files["model.c"] + '#include "fmi3.c"\n',
@@ -41,7 +41,7 @@ def _convert_description(root: ET.Element) -> str:
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
-            # For `Source.of` to fill in.
+            # `Source.of` fills in the token.
             f'<fmiModelDescription instantiationToken=""{attributes_text(head)}>',
             f"  <CoSimulation{attributes_text(flags)}/>",
             *(

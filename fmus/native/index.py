@@ -1,8 +1,8 @@
 """Structural index reduction: Pantelides' algorithm, then static selection of dummy derivatives.
 
 Sources: Pantelides, SIAM J. Sci. Stat. Comput. 9 (1988) 213; Mattsson and Söderlind, SIAM J. Sci. Comput. 14
-(1993) 677. The states to keep are found as a full matching of least cost, where demoting a state costs what
-its `stateSelect` and `fixed` attributes say.
+(1993) 677. The states to keep follow from a full matching of minimum cost, in which the cost of demoting a state
+depends on its attributes `stateSelect` and `fixed`.
 """
 
 from collections.abc import Sequence, Set
@@ -20,7 +20,7 @@ RELUCTANCE = {"Never": 0.01, "Avoid": 0.1, "Default": 1.0, "Prefer": 10.0, "Alwa
 """Cost of demoting a state, by its stateSelect."""
 
 DEEPEST = 8
-"""Differentiations of one equation after which a model counts as singular; mechanics needs three."""
+"""Number of differentiations of one equation after which a model counts as singular; mechanics requires three."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,9 +28,9 @@ class IndexOne:
     """An index-1 system.
 
     Attributes:
-        unknowns: To be solved for, as many as `equations`.
-        states: (state, its derivative), states that were kept or made.
-        former_states: Names of former states.
+        unknowns: Unknowns to solve for, as many as `equations`.
+        states: Pairs of a state and its derivative; a state may be the derivative of a former one.
+        former_states: Names of states that became algebraic unknowns.
     """
 
     equations: list[Equation]
@@ -52,7 +52,14 @@ def reduce_index(
     """Differentiate equations until the highest derivatives and the algebraic unknowns can be solved for.
 
     Args:
-        states: With `derivatives`, one for one, and `cost`, what demoting each costs.
+        equations: Equations of the model.
+        time: Symbol of time.
+        inputs: Symbols of the inputs.
+        states: States.
+        derivatives: Derivatives of `states`.
+        algebraics: Algebraic unknowns.
+        cost: Cost of demoting each state.
+        owner: Class name for error messages.
 
     Raises:
         TranslationError: The system is singular, or an equation with an input would have to be differentiated.
@@ -83,11 +90,11 @@ def reduce_index(
 
 @dataclass(slots=True, kw_only=True)
 class _Pantelides:
-    """A system on its way to index one: equations and symbols by their places, and which are matched.
+    """A system during index reduction: equations and symbols, referred to by their places, and their matching.
 
     Attributes:
-        equations: Those of the model, then derivatives of some.
-        symbols: Those of the model, then derivatives of some.
+        equations: Equations of the model, then derivatives of some.
+        symbols: Symbols of the model, then derivatives of some.
         derivative_of: Place of a symbol → place of its derivative.
         contains: Places of the symbols in each equation.
         derivative_of_equation: Place of an equation → place of its derivative.
@@ -108,7 +115,7 @@ class _Pantelides:
         self.contains = self._incidence([e.residual for e in self.equations])
 
     def assign(self, first: int) -> None:
-        """Give an equation, differentiated as often as it takes, a symbol that it determines."""
+        """Match an equation, differentiated as often as necessary, with a symbol that it determines."""
         e = first
         for _ in range(DEEPEST):
             seen_equations, seen_variables = set[int](), set[int]()
@@ -117,6 +124,8 @@ class _Pantelides:
             where = self.equations[e].where
             if not seen_variables and not any(v in self.derivative_of for v in self.contains[e]):
                 raise TranslationError(f"{where}: {self.owner}: this equation has no unknown left to determine.")
+            # Pantelides: the equations of a failed search are a minimal structurally singular subset; differentiate
+            # them.
             for v in sorted(seen_variables):
                 self.derivative_of[v] = len(self.symbols)
                 self.symbols.append(SX.sym(f"der({self.symbols[v].name()})"))
@@ -126,14 +135,13 @@ class _Pantelides:
                 self.match[self.derivative_of[v]] = self.derivative_of_equation[self.match[v]]
             e = self.derivative_of_equation[e]
         where = self.equations[first].where
-        raise TranslationError(f"{where}: {self.owner}: singular: differentiating this equation leads nowhere.")
+        raise TranslationError(f"{where}: {self.owner}: singular: differentiating this equation does not help.")
 
     def _highest(self, equation: int) -> list[int]:
-        """Return the places of the symbols in an equation that are not states, in order."""
         return sorted(v for v in self.contains[equation] if v not in self.derivative_of)
 
     def _augment(self, root: int, seen_equations: set[int], seen_variables: set[int]) -> bool:
-        """Find an augmenting path, depth first, without the recursion that large models would exhaust."""
+        # Depth first with an explicit stack: recursion would exceed Python's limit on large models.
         stack = [(root, iter(self._highest(root)))]
         path: list[tuple[int, int]] = []
         seen_equations.add(root)
@@ -177,7 +185,6 @@ class _Pantelides:
         self.contains.extend(self._incidence([self.equations[-1].residual]))
 
     def _incidence(self, residuals: Sequence[SX]) -> list[set[int]]:
-        """Return the places of the symbols in each residual."""
         found = [set[int]() for _ in residuals]
         pattern = ca.jacobian_sparsity(ca.vertcat(*residuals), ca.vertcat(*self.symbols))
         for i, j in zip(*pattern.get_triplet(), strict=True):
@@ -188,16 +195,8 @@ class _Pantelides:
 def _select_unknowns(
     contains: Sequence[set[int]], symbols: Sequence[SX], price: Sequence[float], differentiated: Set[int], owner: str
 ) -> set[int]:
-    """Return the places of the symbols to solve for: all without a derivative, of the others the cheapest.
-
-    Args:
-        contains: Places of the symbols in each equation.
-        price: Of solving for each symbol.
-        differentiated: Places of the symbols whose derivative is a symbol, too.
-
-    Raises:
-        TranslationError: No such choice solves every equation.
-    """
+    # The unknowns of a matching are solved for; the cheapest matching therefore demotes the cheapest states. Every
+    # symbol without a derivative must be among them.
     rows, columns = zip(*[(e, v) for e, symbols_of in enumerate(contains) for v in symbols_of], strict=True)
     weight = csr_matrix(([price[v] for v in columns], (rows, columns)), shape=(len(contains), len(symbols)))
     try:

@@ -1,7 +1,7 @@
-"""Forms of Modelica that rumoca takes in another sense than the language, or that the language forbids.
+"""Constructs that rumoca interprets differently from the Modelica language, or that the language forbids.
 
-Sections are those of chapter 7 of the Modelica Language Specification, version 3.6. Rules that rumoca 0.10 enforces
-itself are not repeated here; tests/fmus/test_strict_modelica.py shows which rules those are.
+Section numbers are those of the Modelica Language Specification, version 3.6. Rules that rumoca 0.10 enforces itself
+are not repeated here; tests/fmus/test_strict_modelica.py lists them.
 """
 
 import json
@@ -18,10 +18,10 @@ from railgrip.base.errors import TranslationError
 DECLARATIONS = Path(__file__).parent / "declarations"
 
 Node = dict[str, Any]
-"""A piece of the syntax tree as rumoca spells it; field names are its own."""
+"""A node of the syntax tree as rumoca writes it, with its field names."""
 
 Sources = Mapping[int, tuple[str, bytes]]
-"""Source id to (file name, text); places are byte offsets into the text."""
+"""Source id → (file name, text); places are byte offsets into the text."""
 
 _SIMPLE = ("Real", "Integer", "Boolean", "String")
 _ATTRIBUTES = frozenset(  # section 4.9
@@ -31,15 +31,15 @@ _LISTED = 3
 
 
 def require_strict(model: Any, class_name: str, sources: Sources) -> None:
-    """Refuse a class that is made of forms which Modelica compilers do not read in one way.
+    """Raise an error for constructs that Modelica compilers interpret differently.
 
     Args:
         model: rumoca's model of the class.
-        class_name: Its full name.
-        sources: Where its text is.
+        class_name: Full name of the class.
+        sources: Source texts.
 
     Raises:
-        TranslationError: There is one; the message lists each with file and line.
+        TranslationError: The class has such constructs; the message lists them with file and line.
     """
     text: str = model.codegen(str(DECLARATIONS)).files[0].content
     text = re.sub(r"\bnone\b", "null", text)
@@ -47,21 +47,21 @@ def require_strict(model: Any, class_name: str, sources: Sources) -> None:
     try:
         tree = json.loads(text)
     except json.JSONDecodeError as error:
-        # rumoca writes quoted names as they are, so that one with a quotation mark ends its own text.
+        # rumoca does not escape quoted names, so a quotation mark in a name ends the string.
         raise TranslationError(f"{class_name}: a quoted name with a quotation mark in it is not translated.") from error
-    _refuse(f"{class_name} is not Modelica as the language has it", _Checker(tree, sources).findings())
+    _refuse(f"{class_name} does not conform to the Modelica language", _Checker(tree, sources).findings())
 
 
 def require_values(class_name: str, variables: Mapping[str, Node], sources: Sources) -> None:
-    """Refuse parameters of components without a value, for which a start value would be taken (section 8.6).
+    """Raise an error for component parameters without a value, whose start value would be used (section 8.6).
 
-    Nothing else reveals a lost modifier; so OpenModelica's warning fails a build as well. Parameters of the
+    This is the only sign of a lost modifier; therefore OpenModelica's warning fails a build as well. Parameters of the
     class itself are set by the importer of the FMU.
 
     Args:
         class_name: Full name of the class.
-        variables: Of the flat class, by name.
-        sources: Where its text is.
+        variables: Variables of the flat class by name.
+        sources: Source texts.
 
     Raises:
         TranslationError: A parameter without a value is not an array of size zero.
@@ -75,7 +75,7 @@ def require_values(class_name: str, variables: Mapping[str, Node], sources: Sour
         and all(variable["fixed"] or ())
         and 0 not in variable["dims"]
     )
-    _refuse(f"{class_name} leaves parameters open", unset)
+    _refuse(f"{class_name} has parameters without a value", unset)
 
 
 def _refuse(what: str, findings: Iterable[str]) -> None:
@@ -90,9 +90,9 @@ class _Modifier:
     """One argument of a modification.
 
     Attributes:
-        value: Expression it binds, or None.
+        value: Expression of its value, or None.
         type: Name of the new type of a redeclaration, else ''.
-        node: Where it is written.
+        node: Node with its place in the source.
     """
 
     name: str
@@ -103,7 +103,7 @@ class _Modifier:
     node: Node
 
     def leaves(self, before: str = "") -> Iterator[str]:
-        """Yield the paths of all that it gives a value to or redeclares."""
+        """Yield the paths of all elements that it assigns a value or redeclares."""
         path = f"{before}{self.name}"
         if self.value is not None or self.type:
             yield path
@@ -131,13 +131,13 @@ class _Element:
     """A component or class in a class, own or inherited.
 
     Attributes:
-        owner: Class it is declared in.
-        type: Its type, the class itself for a class; None when it is of a simple type or unknown.
-        simple: It is a scalar or array of a simple type.
+        owner: Class in which it is declared.
+        type: Type of a component, or the class itself; None for simple and unknown types.
+        simple: Whether it is a scalar or array of a simple type.
         rank: Number of array dimensions.
-        modifiers: On its declaration.
-        clause: Of an explicit constraining clause: name to expression; None without one.
-        redeclared: By an extends clause.
+        modifiers: Modifiers of its declaration.
+        clause: Modifiers of an explicit constraining clause, name → expression; None without one.
+        redeclared: Whether an extends clause redeclares it.
     """
 
     owner: _Class
@@ -202,7 +202,7 @@ class _Checker:
             if base is None:
                 continue
             if base.definition["is_replaceable"] and not class_.definition["is_redeclare"]:
-                yield self._locate(clause, f"{base.name} is replaceable and can be no base class (7.1.4)")
+                yield self._locate(clause, f"{base.name} is replaceable and cannot be a base class (7.1.4)")
             yield from self._modifiers(class_, _extends_modifiers(clause), base, rank=0, outside=False, depth=0)
             inherited |= self.elements(base)
         for name in class_.components.keys() & inherited.keys():
@@ -289,14 +289,6 @@ class _Checker:
     def _modifiers(
         self, scope: _Class, modifiers: Sequence[_Modifier], target: _Class, *, rank: int, outside: bool, depth: int
     ) -> Iterator[str]:
-        """Yield errors in modifiers of the elements of a class.
-
-        Args:
-            scope: Class they are written in.
-            rank: Dimensions of the arrays of the modified class that a modifier without `each` is spread over.
-            outside: Whether they modify a component, whose protected elements cannot be modified.
-            depth: Modifiers around these.
-        """
         yield from self._duplicates(modifiers)
         elements = self.elements(target)
         for modifier in modifiers:
@@ -354,7 +346,7 @@ class _Checker:
             yield from self._unread(modifier.node, name, new, modifier.inner)
 
     def _unread(self, node: Node, name: str, used: _Class, modifiers: Sequence[_Modifier]) -> Iterator[str]:
-        """Yield elements of a used class whose constraining clause rumoca reads only where they are redeclared."""
+        # rumoca reads a constraining clause only where the class is redeclared.
         redeclared = {m.name for m in modifiers if m.type}
         for part, element in self.elements(used).items():
             if element.unread_clause and part not in redeclared:
@@ -369,7 +361,7 @@ class _Checker:
         yield from self._duplicates(modifiers)
         for modifier in modifiers:
             if modifier.name not in _ATTRIBUTES:
-                yield self._locate(modifier.node, f"'{modifier.name}' is no attribute of {name} (4.9)")
+                yield self._locate(modifier.node, f"'{modifier.name}' is not an attribute of {name} (4.9)")
             yield from self._rank(scope, modifier, 0 if modifier.each else rank)
 
     def _rank(self, scope: _Class, modifier: _Modifier, wanted: int) -> Iterator[str]:
@@ -378,7 +370,7 @@ class _Checker:
             what = ("a scalar", "a vector", "a matrix")[min(found, 2)]
             hint = "; write `each`" if found < wanted and not modifier.each else ""
             yield self._locate(
-                modifier.node, f"'{modifier.name}' is given {what} where {wanted} dimensions are wanted (7.2.5){hint}"
+                modifier.node, f"'{modifier.name}' is given {what} where {wanted} dimensions are required (7.2.5){hint}"
             )
 
     def _duplicates(self, modifiers: Sequence[_Modifier]) -> Iterator[str]:
@@ -462,7 +454,6 @@ class _Checker:
         )
 
     def _simple(self, class_: _Class | None) -> tuple[bool, int]:
-        """Return whether a class is a simple type, and its array dimensions."""
         if class_ is None:
             return False, 0
         if class_.definition["enum_literals"]:
@@ -500,7 +491,7 @@ class _Checker:
         return type_
 
     def rank(self, value: Node, scope: _Class) -> int | None:
-        """Return the number of dimensions of an expression, None where that takes more than its look."""
+        """Return the number of dimensions of an expression, None if its form alone does not determine it."""
         ((kind, node),) = value.items()
         match kind:
             case "Terminal" | "Literal":
@@ -530,7 +521,7 @@ class _Checker:
         return rank
 
     def _says_replaceable(self, modifier: _Modifier) -> bool:
-        """Return whether a redeclaration in an extends clause says `replaceable`, which rumoca's tree leaves out."""
+        # rumoca's tree omits `replaceable` in a redeclaration of an extends clause.
         span = modifier.node["span"]
         text = self.sources[span["source"]][1][: span["start"]].decode(errors="replace")
         return (
@@ -538,7 +529,7 @@ class _Checker:
         )
 
     def _declaration(self, modifiers: Node) -> str:
-        """Return a short class definition from its name on; rumoca's tree leaves out what its constraint modifies."""
+        # rumoca's tree omits the modifiers of the constraining clause.
         place = modifiers["location"]
         _, text = self.sources.get(place["source"], ("", b""))
         return text[place["start"] :].partition(b";")[0].decode(errors="replace")
@@ -571,7 +562,6 @@ def _extends_modifiers(clause: Node) -> tuple[_Modifier, ...]:
 
 
 def _modifiers(arguments: Sequence[Node], each: Sequence[bool], redeclare: Sequence[bool]) -> tuple[_Modifier, ...]:
-    """Return modifiers; flags may be missing if they are all false."""
     found: list[_Modifier] = []
     for i, argument in enumerate(arguments):
         modifier = _modifier(argument, i < len(each) and each[i], i < len(redeclare) and redeclare[i])
@@ -620,7 +610,6 @@ def _shape(node: Node) -> Any:
 
 
 def _plain(tree: Any) -> Any:
-    """Return a tree without places and counts of tokens, to compare source texts."""
     if isinstance(tree, dict):
         skipped = ("span", "location", "token_number", "def_id")
         return {key: _plain(value) for key, value in tree.items() if key not in skipped}

@@ -9,26 +9,26 @@ from railgrip.base import cache
 from railgrip.base.errors import InputError
 from railgrip.base.files import LARGEST_TABLE, read_bytes
 
-# Resolved: rumoca takes a library that it meets by two paths for two libraries.
+# Resolved, because rumoca treats a library that it finds by two paths as two libraries.
 MODELICA = (Path(__file__).parents[2] / "modelica").resolve()
 LIBRARY = MODELICA / "RailBraking"
 
 
 def require_class_name(name: str) -> None:
-    """Refuse a class name that is not made of plain identifiers: it becomes part of file names and of omc's script.
+    """Raise an error for a class name with quoted identifiers: it becomes part of file names and of omc's script.
 
     Raises:
         InputError: It has a quoted identifier or characters other than letters, digits and underscores.
     """
     if not re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", name, flags=re.ASCII):
         raise InputError(
-            f"{name!r} is no name of a Modelica class: it is letters, digits and underscores, with dots between "
+            f"{name!r} is not the name of a Modelica class: it has letters, digits and underscores, with dots between "
             "packages, such as MyLib.MyTrain."
         )
 
 
 def is_trusted(library: Path) -> bool:
-    """Return whether this project wrote a library: its own, or one that it generated into the user's cache."""
+    """Return whether a library is from this project: built-in, or generated into the user's cache."""
     return any(library.is_relative_to(folder) for folder in (MODELICA, cache.folder() / "modelica"))
 
 
@@ -55,6 +55,6 @@ def library_of(file: Path) -> Path:
 
 
 def sources_digest(library: Path) -> str:
-    """Return a digest over all that a class of a library may be made of: the library itself, and RailBraking."""
+    """Return a digest over everything that a class of a library may use: the library itself, and RailBraking."""
     digest = library_digest(library)
     return digest if library == LIBRARY else hashlib.sha256(f"{digest} {library_digest(LIBRARY)}".encode()).hexdigest()

@@ -1,4 +1,4 @@
-"""From a flat class to CasADi functions in states, inputs and free parameters alone."""
+"""CasADi functions of states, inputs and free parameters from a flat class."""
 
 from collections.abc import Sequence
 

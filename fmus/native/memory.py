@@ -1,4 +1,4 @@
-"""The memory of C structs as C source: their values and the arrays behind their pointers, for a standalone program."""
+"""C structs, and the arrays that their pointers refer to, as C source for a standalone program."""
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from railgrip.fmus.native.c_library import WORD, Struct
 
 _LONGEST_GAP = 4
-"""Zeros between two runs of words that are written as one."""
+"""Maximum number of zeros between two runs of words that are written as one."""
 
 _POINTING = """
 typedef char pointers_have_8_bytes[sizeof(void *) == 8 ? 1 : -1];
@@ -26,7 +26,7 @@ static void point(unsigned long long *memory)
 
 @dataclass(frozen=True, slots=True)
 class _Region:
-    """A struct, or an array behind a pointer: its address in this process, its words, and the pointers among them."""
+    """A struct, or an array that a pointer refers to: its address in this process, its words, and the pointers."""
 
     address: int
     words: NDArray[np.uint64]
@@ -34,19 +34,18 @@ class _Region:
 
 
 def in_c(root: Struct, headers: Iterable[str]) -> str:
-    """Return C of a copy of a struct and of all that it points to, in words of 8 bytes that begin with it.
+    """Return C code that copies a struct, and everything that it points to, into words of 8 bytes.
 
-    It defines MEMORY, how many words there are, and
+    It defines MEMORY, the number of words, and
 
-        static void lay(unsigned long long *memory);      their present values, without pointers
-        static void point(unsigned long long *memory);    pointers, valid until the words are moved
+        static void lay(unsigned long long *memory);      writes their present values, without pointers
+        static void point(unsigned long long *memory);    writes pointers, valid until the words are moved
 
-    Arrays that are reached only through pointers to constants are tables that all copies share. Pointers to functions
-    are null.
+    Arrays that only pointers to constants refer to are tables that all copies share. Pointers to functions are null.
 
     Args:
-        root: The struct; arrays that it points to hold numbers.
-        headers: Text of those that declare its type and the types in it.
+        root: The struct; arrays that it points to contain numbers.
+        headers: Texts of the headers that declare its type and the types of its fields.
     """
     regions = [*_regions(root, set())]
     constants = _constants(headers)
@@ -75,7 +74,6 @@ def in_c(root: Struct, headers: Iterable[str]) -> str:
 
 
 def _regions(struct: Struct, known: set[int]) -> Iterator[_Region]:
-    """Yield a struct and all memory that it points to, each once."""
     if struct.address in known:
         return
     known.add(struct.address)
@@ -96,7 +94,6 @@ def _words(content: bytes) -> NDArray[np.uint64]:
 
 
 def _constants(headers: Iterable[str]) -> set[str]:
-    """Return the fields `Type.field` that point to constants, which the declarations that cffi has read forget."""
     fields = set[str]()
     for text in headers:
         bare = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
@@ -111,7 +108,7 @@ def _constants(headers: Iterable[str]) -> set[str]:
 
 
 def _write_words(words: NDArray[np.uint64]) -> list[str]:
-    """Return C that writes words, of which long runs are zero."""
+    # Long runs of zeros are omitted, because `lay` clears the memory first.
     used = np.flatnonzero(words)
     runs = np.split(used, np.flatnonzero(np.diff(used) > _LONGEST_GAP) + 1)
     spans = [(int(run[0]), int(run[-1]) + 1) for run in runs if run.size]

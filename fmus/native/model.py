@@ -1,4 +1,4 @@
-"""The explicit ODE of a Modelica class as CasADi functions: what lowering gives and the user's cache keeps."""
+"""The explicit ODE of a Modelica class as CasADi functions: the result of lowering, stored in the user's cache."""
 
 import json
 from dataclasses import asdict, dataclass
@@ -17,9 +17,9 @@ class Variable:
 
     Attributes:
         name: Modelica name, such as `slip[2]`.
-        unit: Modelica unit string, empty when none is declared.
+        unit: Modelica unit string, empty if none is declared.
         start: Start or default value, with every parameter at its default.
-        nominal: 1.0 when none is declared.
+        nominal: Nominal value, 1.0 if none is declared.
     """
 
     name: str
@@ -36,7 +36,7 @@ class Model:
     """An explicit ordinary differential equation without events.
 
     Attributes:
-        parameters: Those that may be set; values of dependent ones are worked into the functions.
+        parameters: Parameters that may be set; dependent ones are substituted in the functions.
         derivative: (t, x, u, p) → dx/dt, shapes (), (nx,), (nu,), (np,) → (nx,).
         output: (t, x, u, p) → y, the variables declared `output`, in order, shape (ny,).
         initial: (p) → x at the start, shape (nx,).
@@ -62,7 +62,7 @@ class Model:
         return cls(**fields)
 
     def to_bytes(self) -> bytes:
-        """Return the model as JSON, its functions as CasADi writes them."""
+        """Return the model as JSON, with its functions as serialised by CasADi."""
         content = {
             "class_name": self.class_name,
             **{group: [asdict(v) for v in getattr(self, group)] for group in GROUPS},

@@ -1,4 +1,4 @@
-"""What CasADi's scalar operations are in C."""
+"""CasADi's scalar operations in C."""
 
 from functools import cache
 
@@ -35,7 +35,7 @@ IN_C = {
     **{f"OP_{name.upper()}": f"{name}(x)" for name in _OF_ONE},
     **{f"OP_{name.upper()}": f"{name}(x, y)" for name in _OF_TWO},
 }
-"""Name of an operation to its value; x and y are the operands."""
+"""Name of an operation → C expression of its value; x and y are the operands."""
 
 
 @cache

@@ -21,10 +21,10 @@ _fmpy = find_spec("fmpy")
 assert _fmpy is not None
 assert _fmpy.origin is not None
 HEADERS = Path(_fmpy.origin).parent / "c-code"
-"""Header files of FMI 2.0 and 3.0, which FMPy carries; importing it would take a fifth of a second."""
+"""Header files of FMI 2.0 and 3.0, which FMPy contains; importing FMPy would take a fifth of a second."""
 
 EPOCH = (1980, 1, 1, 0, 0, 0)
-"""Date of every file in the zip, the earliest it can hold."""
+"""Date of every file in the archive, the earliest that the format allows."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,10 +33,10 @@ class Source:
 
     Attributes:
         identifier: Name of the library inside, a C identifier.
-        files: C file name to text.
+        files: C file name → text.
         xml: modelDescription.xml.
-        units: Those of the files that are compiled.
-        is_fmi_3: Whether it is an FMU by FMI 3; else by FMI 2.
+        units: Names of the files that are compiled.
+        is_fmi_3: Whether it is an FMU for FMI 3, else for FMI 2.
     """
 
     identifier: str
@@ -47,7 +47,7 @@ class Source:
 
     @classmethod
     def of(cls, identifier: str, files: dict[str, str], xml: str, units: tuple[str, ...] = ("model.c",)) -> "Source":
-        """Return sources with the GUID that all of them decide, in `model.c` and in the XML, whatever they had."""
+        """Return the sources with a GUID that is a digest over all of them, in `model.c` and in the XML."""
         model = re.sub(r'#define MODEL_GUID ".*"', '#define MODEL_GUID ""', files["model.c"])
         files = files | {"model.c": model}
         xml = re.sub(r'(guid|instantiationToken)="[^"]*"', r'\1=""', xml, count=1)
@@ -86,10 +86,11 @@ def sources(
     """Return the C code and modelDescription.xml of a system.
 
     Args:
-        interfaces: Of "me" and "cs".
-        solver: rodas3 or rodas4, for co-simulation.
+        system: The system.
+        interfaces: "me", "cs" or both.
+        solver: "rodas3" or "rodas4", for co-simulation.
         tolerance: Relative error of an internal step.
-        step: Communication step to suggest, s.
+        step: Suggested communication step [s].
     """
     identifier = c_identifier(system.class_name)
     xml = description.write(
@@ -107,7 +108,7 @@ def c_identifier(name: str) -> str:
 def pack(source: Source, path: Path, *, flags: tuple[str, ...] = FMU_FLAGS, platforms: Sequence[str] = ()) -> Path:
     """Write an FMU to a file; arguments and errors are those of `archive_bytes`."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    half = path.with_suffix(f".{os.getpid()}.part")  # two processes may build it at once
+    half = path.with_suffix(f".{os.getpid()}.part")  # two processes may build it at the same time
     try:
         half.write_bytes(archive_bytes(source, flags=flags, platforms=platforms))
         half.replace(path)
@@ -120,12 +121,13 @@ def archive_bytes(source: Source, *, flags: tuple[str, ...] = FMU_FLAGS, platfor
     """Return the content of an FMU; the same sources give the same bytes.
 
     Args:
-        source: What is inside.
-        flags: For the C compiler.
-        platforms: Of `toolchain.TARGETS`; none for this one.
+        source: Sources of the FMU.
+        flags: Flags of the C compiler.
+        platforms: Keys of `toolchain.TARGETS`; empty for this platform.
 
     Raises:
-        CompilerMissing, BuildFailed: From the C compiler.
+        CompilerMissing: No C compiler was found.
+        BuildFailed: The C compiler failed.
     """
 
     def library(target: Platform | None) -> bytes:

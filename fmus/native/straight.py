@@ -1,7 +1,8 @@
 """CasADi functions as straight-line C.
 
-CasADi writes C too, but each function in one piece, for which compilers need more than twice the time for twice the
-length; and it allows any argument or result to be NULL. Ours never are, and testing costs more than using.
+CasADi's own generator writes each function in one piece, and the time of C compilers grows faster than the length of a
+function. It also allows any argument or result to be NULL; here none is, and the tests would take longer than the
+operations.
 """
 
 import re
@@ -15,18 +16,18 @@ from railgrip.fmus.native.ctext import in_parts, number
 from railgrip.fmus.native.operations import IN_C, operation_names
 
 LONGEST = 150
-"""Operations of one part."""
+"""Maximum number of operations in one part."""
 
 PARAMETERS = "const double **restrict arg, double **restrict res, double *restrict w"
 
 
 @dataclass(slots=True, eq=False)
 class _Value:
-    """A number on its way through a function.
+    """An intermediate value of a function.
 
     Attributes:
-        text: What it is called in C.
-        storage: Where a part that has not named it finds it; the same as `text` for a constant, which needs no name.
+        text: Its name in C.
+        storage: Expression from which another part reads it; for a constant the same as `text`.
         parts: Parts that use it.
     """
 
@@ -45,10 +46,10 @@ class _Step:
 
 
 def straight(function: ca.Function) -> str:
-    """Return C of an expanded (SX) function NAME: `static void NAME(const double **arg, double **res)`.
+    """Return C code of an expanded (SX) function NAME: `static void NAME(const double **arg, double **res)`.
 
-    The operations are CasADi's, in its order. A value that several parts need is kept in `w`, where CasADi's own
-    virtual machine would have it, so that places are used again as soon as they are free.
+    The operations are CasADi's, in its order. A value that several parts use is stored in `w` at the place of CasADi's
+    virtual machine, which reuses places as soon as they are free.
     """
     steps = list(_steps(function))
     parts = [_part(steps[k : k + LONGEST]) for k in range(0, len(steps), LONGEST)]

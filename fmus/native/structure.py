@@ -1,4 +1,4 @@
-"""Equations to assignments: block triangular ordering, elimination inside blocks, loops left to Newton."""
+"""Assignments from equations: block triangular ordering, elimination within blocks, Newton's method for loops."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from railgrip.base.errors import TranslationError
 from railgrip.fmus.native.arrays import SX, is_number
 
 LARGEST_LOOP = 24
-"""Unknowns of one nonlinear loop after elimination; solving Newton's matrix symbolically is cubic in code."""
+"""Maximum number of unknowns of a nonlinear loop after elimination: the code of Newton's step grows cubically."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,16 +26,16 @@ class Equation:
 
 @dataclass(slots=True)
 class Loops:
-    """Unknowns of nonlinear loops, solved at run time by Newton's method from their last value.
+    """Unknowns of nonlinear loops, solved at run time by Newton's method from their last values.
 
-    Every appearance of such an unknown in other expressions is one symbolic Newton step from `guesses`: at a
-    converged guess its value is the solution and, the residual being zero there, its derivative is that of
-    the implicit function, so Jacobians need nothing special.
+    In other expressions such an unknown is replaced by one symbolic Newton step from `guesses`. At a converged guess
+    this is the solution, and because the residual is zero there, its derivative is that of the implicit function, so
+    that Jacobians need no special treatment.
 
     Attributes:
-        guesses: Name of the unknown to the symbol that holds its last value.
-        updates: Name to the next Newton iterate.
-        residuals: Name to the residual at `guesses` of the equation matched with it.
+        guesses: Name of an unknown → symbol of its last value.
+        updates: Name → next Newton iterate.
+        residuals: Name → residual at `guesses` of the equation matched with it.
         blocks: Names of the unknowns of each loop.
     """
 
@@ -45,18 +45,20 @@ class Loops:
     blocks: list[tuple[str, ...]] = field(default_factory=list)
 
     def guess(self, unknown: SX) -> SX:
-        """Return the symbol that holds the last value of `unknown`."""
+        """Return the symbol of the last value of `unknown`."""
         return self.guesses.setdefault(unknown.name(), SX.sym(f"guess({unknown.name()})"))
 
 
 def solve(
     equations: Sequence[Equation], unknowns: Sequence[SX], targets: Sequence[SX], loops: Loops, owner: str
 ) -> list[SX]:
-    """Return `targets` with the unknowns eliminated; equations they do not rest on are left alone.
+    """Return `targets` with the unknowns eliminated; only equations that they depend on are solved.
 
     Args:
-        equations: As many as `unknowns`.
-        loops: Receives the nonlinear loops that are left.
+        equations: Equations, as many as `unknowns`.
+        unknowns: Unknowns to eliminate.
+        targets: Expressions of the unknowns.
+        loops: Receives the remaining nonlinear loops.
         owner: Class name for error messages.
 
     Raises:
@@ -69,6 +71,7 @@ def solve(
         return list(targets)
     residuals, columns = ca.vertcat(*[e.residual for e in equations]), ca.vertcat(*unknowns)
     row, column = (np.array(k, dtype=int) for k in ca.jacobian_sparsity(residuals, columns).get_triplet())
+    # Block lower triangular form: a matching, then strongly connected components in the order of their dependence.
     match = _matching(row, column, equations, unknowns, owner)
     target_columns = ca.jacobian_sparsity(ca.vertcat(*targets), columns).get_triplet()[1] if targets else []
     dependencies = _dependencies(row, column, match, target_columns)
@@ -98,7 +101,7 @@ def solve(
         )
     )
     for (unknown, _), residual in zip(newton, ca.vertsplit(out[-1]) if newton else [], strict=True):
-        # A second system with the same loop (that of the events) has the same guess; the first one keeps it.
+        # The event system has the same loops with the same guesses; the update of the first system is kept.
         loops.updates.setdefault(unknown.name(), solution[unknown.name()])
         loops.residuals.setdefault(unknown.name(), residual)
     return list(out[: len(targets)])
@@ -107,11 +110,6 @@ def solve(
 def _matching(
     row: np.ndarray, column: np.ndarray, equations: Sequence[Equation], unknowns: Sequence[SX], owner: str
 ) -> np.ndarray:
-    """Return the unknown that each equation is solved for, of the unknowns `column` in the equations `row`.
-
-    Raises:
-        TranslationError: The system is structurally singular.
-    """
     n = len(unknowns)
     pattern = csr_matrix((np.ones(len(row)), (row, column)), shape=(n, n))
     match = np.asarray(maximum_bipartite_matching(pattern, perm_type="column"))
@@ -128,7 +126,7 @@ def _matching(
 
 
 def _dependencies(row: np.ndarray, column: np.ndarray, match: np.ndarray, target_columns: Sequence[int]) -> set[int]:
-    """Return the rows that the values of the columns `target_columns` rest on: blocks as wholes."""
+    # A block is solved as a whole, so a value that depends on one of its rows depends on all of them.
     owner = {j: i for i, j in enumerate(match.tolist())}
     uses: dict[int, list[int]] = {}
     for i, j in zip(row.tolist(), column.tolist(), strict=True):
@@ -144,7 +142,6 @@ def _dependencies(row: np.ndarray, column: np.ndarray, match: np.ndarray, target
 
 
 def _blocks(row: np.ndarray, column: np.ndarray, match: np.ndarray) -> list[list[int]]:
-    """Return the rows of each strongly connected block, in an order in which they can be solved."""
     n = len(match)
     owner = np.empty(n, dtype=int)
     owner[match] = np.arange(n)
@@ -163,7 +160,9 @@ def _blocks(row: np.ndarray, column: np.ndarray, match: np.ndarray) -> list[list
 def _eliminate(
     block: list[tuple[Equation, SX]],
 ) -> tuple[list[tuple[SX, SX]], list[tuple[Equation, SX]]]:
-    """Solve equations of a block that are linear in some unknown with a number as its coefficient.
+    """Solve equations of a block that are linear in an unknown with a constant number as its coefficient.
+
+    Only numbers are pivots: a pivot that is an expression may become zero at run time.
 
     Returns:
         (unknown, expression) in the order of elimination, each in terms of later ones; and the remaining equations.
@@ -194,7 +193,7 @@ def _eliminate(
         ]
         if not pivots:
             break
-        _, i, j = min(pivots)  # least fill-in (Markowitz)
+        _, i, j = min(pivots)  # minimum fill-in (Markowitz)
         unknown, equation = unknowns.pop(j), equations.pop(i)
         expression = -ca.substitute(equation.residual, unknown, SX(0)) / jacobian[i, j]
         assignments.append((unknown, expression))
@@ -207,10 +206,7 @@ def _eliminate(
 
 
 def _explicit(residual: SX, unknown: SX) -> SX | None:
-    """Return the expression for an unknown if the residual is a difference with the unknown alone on one side.
-
-    Most equations are such, and this is a tenth of the work of finding the slope, with the same result.
-    """
+    # Most equations have this form, and the match takes a tenth of the time of finding the slope, with the same result.
     if residual.is_op(ca.OP_SUB):
         sides = residual.dep(0), residual.dep(1)
         for side, other in (sides, sides[::-1]):
@@ -220,7 +216,6 @@ def _explicit(residual: SX, unknown: SX) -> SX | None:
 
 
 def _core(core: list[tuple[Equation, SX]], loops: Loops, owner: str) -> tuple[SX, list[tuple[SX, SX]]]:
-    """Return the values of coupled unknowns, and (unknown, residual at the guess) when Newton is needed."""
     unknowns = ca.vertcat(*[u for _, u in core])
     residuals = ca.vertcat(*[e.residual for e, _ in core])
     matrix = ca.jacobian(residuals, unknowns)
@@ -234,5 +229,6 @@ def _core(core: list[tuple[Equation, SX]], loops: Loops, owner: str) -> tuple[SX
     loops.blocks.append(tuple(u.name() for _, u in core))
     guess = ca.vertcat(*[loops.guess(u) for _, u in core])
     at, value = ca.substitute([matrix, residuals], [unknowns], [guess])
+    # One Newton step, solved symbolically; the runtime iterates it.
     step = value / at if len(core) == 1 else ca.solve(at, value)
     return ca.densify(guess - step), [(u, value[i]) for i, (_, u) in enumerate(core)]

@@ -15,7 +15,7 @@ from railgrip.fmus.native.structure import Equation, Loops, solve
 from railgrip.fmus.native.variables import ModelVariables, Scalar, declare, settle, vector
 
 Message = tuple[str | SX, ...]
-"""Text of an assertion, with the expressions whose values it contains."""
+"""Text of an assertion, with expressions for the values that it contains."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,7 +23,7 @@ class Assertion:
     """A condition that must hold while the model runs.
 
     Attributes:
-        holds: Non-zero when all is well.
+        holds: Expression that is nonzero if the condition holds.
         fatal: False for AssertionLevel.warning.
     """
 
@@ -35,23 +35,27 @@ class Assertion:
 
 @dataclass(slots=True, kw_only=True)
 class System:
-    """A class made explicit. Every expression is in `time`, the symbols below, and nothing else.
+    """A class in explicit form. All expressions are functions of `time` and the symbols below.
 
     Attributes:
-        states, inputs, algebraics, discretes, free, dependent: Its scalar variables.
-        derivative: Of `states`, one per state.
+        variables: Scalar variables of the class.
+        states: States, shape (nx,).
+        algebraics: Algebraic variables.
+        derivative: Derivatives of `states`.
         algebraic: Values of `algebraics`.
-        dependent_values: Of `dependent`, in `free` only.
-        relation: Memory of relations between events.
-        indicators: Zero where a relation changes; `indicator_relation` says which.
-        instants: Times at which something changes, in parameters.
-        clocks: (phase, period) of sample clocks, s; `ticks` has a symbol for each and one for initialisation.
+        start: Initial values of `states`.
+        calculated: Whether each initial value depends on parameters or initial equations.
+        relation: Values of relations since the last event.
+        indicators: Expressions that are zero where a relation changes.
+        indicator_relation: Place of the relation of each indicator.
+        instants: Times of events, as expressions of parameters.
+        clocks: (phase, period) of sample clocks [s]; `ticks` has a symbol for each and one for initialisation.
         previous: Values of discretes before the event.
-        event_discretes, event_states, event_conditions: After one pass of the event iteration.
+        event_discretes, event_states, event_relations, event_conditions: Values after one pass of the event iteration.
         last_conditions: Values of `event_conditions` in the previous pass.
-        loops: Nonlinear loops of the running model; `start_loops` those of the initial equations.
-        start: Initial values of `states`; `calculated` where they depend on more than a number.
-        blocks: Nonlinear loops by the names of their unknowns.
+        loops: Nonlinear loops of the running model.
+        start_loops: Nonlinear loops of the initial equations.
+        assertions: Assertions of the class.
     """
 
     class_name: str
@@ -111,7 +115,7 @@ class System:
 
 
 def column(expressions: Sequence[SX]) -> SX:
-    """Return a dense column, also of nothing."""
+    """Return a dense column, which may be empty."""
     return ca.densify(ca.vertcat(*expressions)) if expressions else SX(0, 1)
 
 
@@ -119,7 +123,7 @@ def explicit(dae: Dae) -> System:
     """Return a flat class in explicit form.
 
     Raises:
-        TranslationError: It contains something that is not translated; names construct, file and line.
+        TranslationError: It has an unsupported construct; the message names it with file and line.
     """
     _refuse_unsupported(dae)
     time = SX.sym("time")
@@ -127,7 +131,7 @@ def explicit(dae: Dae) -> System:
     evaluate = ExpressionBuilder(dae, symbols, time)
     v = settle(dae, of_id, symbols, evaluate)
     if not (v.states or v.algebraics or v.discretes):
-        raise TranslationError(f"{dae.class_name} has no variables that change: there is nothing to simulate.")
+        raise TranslationError(f"{dae.class_name} has no variables that change, so it cannot be simulated.")
     parameters = ca.vertcat(vector(v.free), vector(v.dependent))
     relations = find_relations(dae, evaluate, v.with_numbers, parameters)
     clocks = _clocks(dae, v)
@@ -135,6 +139,7 @@ def explicit(dae: Dae) -> System:
     conditions = EventConditions(dae=dae, evaluate=evaluate, relations=relations, ticks=ticks)
     evaluate.conditions = conditions.level
 
+    # Demoting a state with a fixed start costs twice as much, because its initial condition would be lost.
     index_one = reduce_index(
         _with_numbers(v, _equations(dae, evaluate, "continuous")), time, vector(v.inputs),
         [s.symbol for s in v.states], v.derivatives, [s.symbol for s in v.algebraics],
@@ -186,15 +191,7 @@ def _at_events(
     index_one: IndexOne,
     loops: Loops,
 ) -> tuple[list[SX], list[Assertion]]:
-    """Return discretes, states, relations and conditions after a pass of the event iteration, and what must hold.
-
-    Args:
-        loops: Keeps those of the running model.
-
-    Raises:
-        TranslationError: A nonlinear loop goes through discrete variables.
-    """
-    # The same loops are met again in the event system and the assertions; `loops` counts them once.
+    # The event system and the assertions have the same loops again; `loops` must list each once.
     blocks, running = list(loops.blocks), set(loops.guesses)
     event_equations, event_states = _event_equations(dae, evaluate, v, conditions, states)
     assertions = _assertions(dae, evaluate, conditions)
@@ -248,7 +245,6 @@ def _with_numbers(v: ModelVariables, equations: list[Equation]) -> list[Equation
 
 
 def _equations(dae: Dae, evaluate: ExpressionBuilder, system: str) -> list[Equation]:
-    """Return the scalar equations of the continuous or initialization system."""
     out: list[Equation] = []
     for owner in dae.systems[system]["owners"]:
         values: list[Array] = []
@@ -287,7 +283,6 @@ def _clocks(dae: Dae, v: ModelVariables) -> list[tuple[float, float]]:
 def _split_states(
     v: ModelVariables, pairs: list[tuple[SX, SX]], former_states: frozenset[str]
 ) -> tuple[list[Scalar], list[Scalar]]:
-    """Return states and algebraics after index reduction."""
     by_name = {s.name: s for s in v.states}
     states: list[Scalar] = []
     for symbol, _ in pairs:
@@ -315,7 +310,7 @@ def _start(
     index_one: IndexOne,
     loops: Loops,
 ) -> tuple[SX, list[bool]]:
-    """Return initial values of the states; `initial equation`s are solved together with the model's."""
+    # Initial equations may determine any variable, so they are solved together with the equations of the model.
     starts = v.with_numbers([s.binding for s in states])
     calculated = [not is_number(SX(value)) for value in starts]
     initial = _with_numbers(v, _equations(dae, evaluate, "initialization"))
@@ -351,7 +346,6 @@ def _start(
 def _event_equations(
     dae: Dae, evaluate: ExpressionBuilder, v: ModelVariables, conditions: EventConditions, states: list[Scalar]
 ) -> tuple[list[Equation], list[SX]]:
-    """Return the equations of the discrete variables, and the states after reinit."""
     slot = {s.name: i for i, s in enumerate(v.discretes)}
     branches: dict[int, list[tuple[SX, SX, str]]] = {}
     for residual in dae.systems["discrete_real"]["residuals"]:
@@ -400,7 +394,7 @@ def _assertions(dae: Dae, evaluate: ExpressionBuilder, conditions: EventConditio
         operation = action["operation"]
         if operation["kind"] not in ("assert", "warning"):
             continue
-        # The guard says when there is something to say; a warning's own condition says when all is well.
+        # The guard is true if the assertion is violated; a warning's own condition is true if it holds.
         holds = ca.logic_not(conditions.level(action["guard"]))
         if operation["kind"] == "warning":
             holds = ca.logic_or(holds, evaluate(operation["condition"]).item())

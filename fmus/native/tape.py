@@ -1,4 +1,4 @@
-"""CasADi functions as tables for the interpreter in `runtime/tape.c`."""
+"""CasADi functions as tables for the interpreter in `runtime/tape.c`, which compile faster than code."""
 
 import casadi as ca
 
@@ -6,18 +6,18 @@ from railgrip.fmus.native.ctext import table
 from railgrip.fmus.native.operations import IN_C, operation_names
 
 LARGEST = 65535
-"""Of a place in work, arguments, results and constants; `Operation` holds unsigned shorts."""
+"""Largest index of work, arguments, results and constants; `Operation` has unsigned shorts."""
 
 
 def fits(function: ca.Function) -> bool:
-    """Return whether the places of a function can be written down; a larger one must be compiled."""
+    """Return whether a function is small enough for the interpreter; a larger one must be compiled."""
     sizes = [function.nnz_in(i) for i in range(function.n_in())]
     sizes += [function.nnz_out(i) for i in range(function.n_out())]
     return max([function.sz_w(), function.n_instructions(), *sizes]) <= LARGEST
 
 
 def interpreter() -> list[str]:
-    """Return lines of C that `tape`'s functions need before them."""
+    """Return lines of C that must precede the functions of `tape`."""
     return [
         "#define OPERATIONS(_) " + " ".join(f"_({name}, {value})" for name, value in IN_C.items()),
         '#include "tape.c"',
@@ -25,7 +25,7 @@ def interpreter() -> list[str]:
 
 
 def tape(function: ca.Function) -> str:
-    """Return C that plays an expanded (SX) function, with the signature of `straight`."""
+    """Return C code that interprets an expanded (SX) function, with the signature of `straight`."""
     name, constants = function.name(), dict[str, int]()
     rows: list[str] = []
     for k in range(function.n_instructions()):

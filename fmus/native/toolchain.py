@@ -1,4 +1,4 @@
-"""C sources to a shared library: the system's compiler, else the one inside the `ziglang` wheel."""
+"""Shared libraries from C sources, with the system's compiler or else that of the `ziglang` wheel."""
 
 import hashlib
 import importlib.util
@@ -18,26 +18,26 @@ from railgrip.base.errors import BuildFailed, CompilerMissing
 from railgrip.base.files import scratch
 from railgrip.base.programs import environment_of_programs, find_program
 
-# -ffp-contract=off and no -ffast-math: the same sources give the same bits on every x86-64 machine. gnu99 is C99
-# without trigraphs, by which `??/` would be a backslash, also inside a string literal.
+# With -ffp-contract=off and without -ffast-math, results are equal to the bit on every x86-64 machine. gnu99 is C99
+# without trigraphs, in which `??/` would be a backslash, even inside a string literal.
 FLAGS = ("-std=gnu99", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
 FMU_FLAGS = ("-O1",)
-"""For FMUs: more takes twice as long over the long straight-line functions and gains nothing measurable at run time."""
+"""Flags for FMUs: -O2 takes twice as long to compile the long functions, without a measurable gain at run time."""
 
 LONGEST = 900.0
-"""Most time that a C compiler may take [s]."""
+"""Time limit of a C compiler [s]."""
 
 SUFFIX = {"Windows": ".dll", "Darwin": ".dylib"}.get(platform.system(), ".so")
 
 
 @dataclass(frozen=True, slots=True)
 class Platform:
-    """A platform that shared libraries can be compiled for, wherever that is done.
+    """A platform for which shared libraries can be compiled on any machine.
 
     Attributes:
-        zig: Its name for the compiler in `ziglang`.
-        suffix: Of a shared library.
-        folder: Of it among the binaries of an FMU by FMI 2; by FMI 3 it is that of `TARGETS`.
+        zig: Name of the platform for the compiler in `ziglang`.
+        suffix: Suffix of a shared library.
+        folder: Folder of its binaries in an FMU for FMI 2; for FMI 3 it is the key in `TARGETS`.
     """
 
     zig: str
@@ -46,7 +46,7 @@ class Platform:
 
 
 TARGETS = {
-    # As old a C library as Python's own wheels for Linux want.
+    # The oldest C library that Python's wheels for Linux (manylinux) require.
     "x86_64-linux": Platform("x86_64-linux-gnu.2.17", ".so", "linux64"),
     "x86_64-windows": Platform("x86_64-windows-gnu", ".dll", "win64"),
     "x86_64-darwin": Platform("x86_64-macos", ".dylib", "darwin64"),
@@ -75,10 +75,10 @@ class Compiler:
 def compiler() -> Compiler:
     """Return the compiler named by CC, else cc, gcc or clang on the PATH, else `python -m ziglang cc`.
 
-    On Windows only the first and the last: programs called gcc or clang have different headers there.
+    On Windows only CC and ziglang are used, because programs named gcc or clang have different headers there.
 
     Raises:
-        CompilerMissing: None was found.
+        CompilerMissing: No compiler was found.
     """
     usual = () if SUFFIX == ".dll" else ("cc", "gcc", "clang")
     for name in filter(None, (os.environ.get("CC"), *usual)):
@@ -198,11 +198,6 @@ def _suits(suffix: str, option: str) -> bool:
 
 
 def _run(command: Sequence[str], folder: Path, name: str) -> tuple[int, str]:
-    """Return exit code and messages of a compiler that runs in a folder.
-
-    Raises:
-        BuildFailed: It takes longer than `LONGEST`.
-    """
     # In a new session, so that child processes of the compiler end with it.
     with subprocess.Popen(
         command,

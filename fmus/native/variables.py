@@ -1,4 +1,4 @@
-"""The scalar variables of a flat class: symbols, start values, and which parameters may be set."""
+"""The scalar variables of a flat class: symbols, start values, and the parameters that may be set."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,13 +17,13 @@ KINDS = ("parameter", "constant", "input", "state", "algebraic", "discrete")
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Scalar:
-    """One scalar variable on its way through the compiler.
+    """One scalar variable during translation.
 
     Attributes:
         kind: parameter, constant, input, state, algebraic or discrete.
         type: real, integer, boolean or enumeration.
         start: Value before initialisation, with every parameter at its default.
-        expression: Symbolic binding (parameters) or start (others), when there is one.
+        expression: Symbolic binding (parameters) or start (others), or None.
         fixed: Whether the start value is an initial condition.
         protected: Whether it is hidden from users of the class.
     """
@@ -43,11 +43,11 @@ class Scalar:
 
     @property
     def binding(self) -> SX:
-        """Symbolic binding or start; a number where nothing symbolic is declared."""
+        """Symbolic binding or start, a number if none is declared."""
         return SX(self.start) if self.expression is None else self.expression
 
     def bound(self, name: str) -> float | None:
-        """Return the attribute minimum, maximum or nominal where it is a number."""
+        """Return the attribute minimum, maximum or nominal if it is a number, else None."""
         values = self.attributes.get(f"{name}_values")
         if not values or values[min(self.position, len(values) - 1)] is None:
             return None
@@ -61,8 +61,8 @@ class ModelVariables:
     Attributes:
         free: Parameters that may be set.
         dependent: Parameters computed from `free` by `dependent_values`.
-        constants: Symbols and values of constants and structural parameters, whose value is compiled in: everything
-            that is not Real, and final numbers.
+        constants: Symbols and values of constants and structural parameters, whose value is compiled in: all
+            parameters that are not Real, and final numbers.
     """
 
     of_id: dict[int, list[Scalar]]
@@ -91,10 +91,10 @@ def vector(scalars: Sequence[Scalar]) -> SX:
 
 
 def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Array]]:
-    """Return scalars by variable id, and the symbols expressions refer to.
+    """Return scalars by variable id, and the symbols that expressions refer to.
 
     Raises:
-        TranslationError: A String, an unknown type or role.
+        TranslationError: A variable is a String, or has an unknown type or role.
     """
     of_id: dict[int, list[Scalar]] = {}
     symbols: dict[tuple[str, int], Array] = {}
@@ -145,7 +145,7 @@ def settle(
     every = [s for scalars in of_id.values() for s in scalars]
     by_kind = {kind: [s for s in every if s.kind == kind] for kind in KINDS}
 
-    # Numbers first: constants, then parameters that shape the equations or are final.
+    # Constants and structural parameters come first, because the bindings of all others may depend on them.
     numeric = by_kind["constant"] + [p for p in by_kind["parameter"] if _is_structural(p)]
     values = _numbers(dae, numeric)
     constants = vector(numeric), ca.vertcat(*values) if values else SX(0, 1)
@@ -178,11 +178,8 @@ def settle(
 
 
 def _is_structural(p: Scalar) -> bool:
-    """Return whether a parameter's value is compiled in.
-
-    Integers, Booleans and enumerations may have decided sizes, conditional components or if-equations in the
-    front end, which does not say so; a final number cannot be set by anyone.
-    """
+    # Integers, Booleans and enumerations may have decided sizes, conditional components or if-equations in the front
+    # end, which does not report it. A final number cannot be set.
     return p.type != "real" or (not p.attributes["tunable"] and p.expression is not None and is_number(p.expression))
 
 
@@ -201,7 +198,6 @@ def _start(v: Node, scalars: list[Scalar], evaluate: ExpressionBuilder) -> None:
 
 
 def _numbers(dae: Dae, scalars: list[Scalar]) -> list[SX]:
-    """Return the values of constants and structural parameters, which may refer to each other."""
     values = [s.binding for s in scalars]
     names, out = vector(scalars), ca.vertcat(*values) if values else SX(0, 1)
     for _ in range(len(scalars) + 1):
@@ -219,7 +215,6 @@ def _numbers(dae: Dae, scalars: list[Scalar]) -> list[SX]:
 
 
 def _in_order(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
-    """Return dependent parameters in the order of their dependence, with bindings in free parameters only."""
     if not dependent:  # CasADi cannot infer the type of an empty list
         return [], []
     before: dict[int, set[int]] = {i: set() for i in range(len(dependent))}
@@ -232,7 +227,6 @@ def _in_order(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
 
 
 def _default_values(every: list[Scalar], v: ModelVariables) -> None:
-    """Put numbers into `start` where a start or binding depends on parameters."""
     symbols = ca.vertcat(v.constants[0], vector(v.free), vector(v.dependent))
     free = ca.vertcat(*[SX(p.start) for p in v.free])
     dependent = ca.vertcat(*v.dependent_values)

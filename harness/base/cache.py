@@ -25,7 +25,7 @@ VARIABLE = "RAILGRIP_CACHE"
 LARGEST = 4_000_000_000
 """Maximum size of the cache in bytes; a study of axle boxes uses some hundred million."""
 _IN_USE = 86400.0
-"""Time since its last use in which a file is kept [s]: a process may be about to load it."""
+"""Minimum time since its last use after which a file may be removed [s]: a process may be about to load it."""
 _OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
@@ -112,13 +112,12 @@ def prune(root: Path) -> None:
 
 @once
 def _prune_once(root: Path) -> None:
-    """Prune once per process: pruning reads the status of every file."""
+    # Once per process, because pruning reads the status of every file.
     with suppress(OSError):  # another process may prune at the same time
         prune(root)
 
 
 def _down_to(place: Path) -> tuple[Path, ...]:
-    """Return the folders from that of the cache down to `place`, a folder kind/key/digest in it."""
     return (*reversed(place.parents[:3]), place)
 
 

@@ -32,7 +32,7 @@ class ScenarioError(InputError):
 class EstimationError(ScenarioError):
     """A recording or an estimation cannot be evaluated.
 
-    A signal is missing, a grid is uneven, or a unit does not fit.
+    A signal is missing, a grid is uneven, or a unit has the wrong dimension.
     """
 
 
@@ -65,7 +65,7 @@ class BuildFailed(RailgripError):
 
 
 class WriteFailed(RailgripError):
-    """A result could not be written; there are no partial files, and previous files are unchanged."""
+    """A result could not be written; no partial files remain, and previous files are unchanged."""
 
 
 class ContractBroken(RailgripError, AssertionError):

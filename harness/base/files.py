@@ -217,9 +217,9 @@ def lock_folder(folder: Path) -> Generator[bool]:
 
 @cache
 def _remove_stale(temporary: Path) -> None:
-    """Remove temporary folders of processes that were killed; once per process."""
     if os.name != "posix":
         return  # without locks it is unknown whether a folder is in use
+    # A process that was killed leaves its folders behind; the lock of a running one is held.
     for folder in temporary.glob(f"{_PREFIX}*"):
         with suppress(OSError):
             mark = (folder / _MARK).lstat()

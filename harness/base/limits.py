@@ -12,31 +12,29 @@ Count = Annotated[StrictInt, Field(gt=0)]
 class FmuLimits(BaseModel, frozen=True, extra="forbid", allow_inf_nan=False):
     """Limits for foreign FMUs; those from memory on apply only in a separate process.
 
-    In memory modelDescription.xml takes thirty times its size. Linux does not enforce the number of processes for root.
+    In memory modelDescription.xml takes thirty times its file size. Linux does not limit the processes of root.
     A plant whose calls take as long as `patience` would need hours for a stop.
     """
 
-    files: Count = Field(default=10_000, description="most entries of the archive")
-    unpacked_mib: Count = Field(default=2048, description="most that they unpack to, together [MiB]")
-    member_mib: Count = Field(default=1024, description="most that one of them unpacks to [MiB]")
-    ratio: Count = Field(
-        default=200, description="most times that the archive grows when it is unpacked to more than 16 MiB"
-    )
+    files: Count = Field(default=10_000, description="maximum number of entries of the archive")
+    unpacked_mib: Count = Field(default=2048, description="maximum unpacked size of all entries [MiB]")
+    member_mib: Count = Field(default=1024, description="maximum unpacked size of one entry [MiB]")
+    ratio: Count = Field(default=200, description="maximum ratio of unpacked to packed size beyond 16 MiB")
     description_mib: Count = Field(default=32, description="largest modelDescription.xml [MiB]")
     variables: Count = Field(default=100_000, description="most variables")
-    memory_mib: Count = Field(default=1024, description="most address space of its process [MiB]")
-    processes: Count = Field(default=256, description="most processes and threads it may add to those of its user")
-    open_files: Count = Field(default=256, description="most files open at once")
-    messages: Count = Field(default=1_000_000, description="most messages it may log in all")
+    memory_mib: Count = Field(default=1024, description="maximum address space of its process [MiB]")
+    processes: Count = Field(default=256, description="maximum number of additional processes and threads")
+    open_files: Count = Field(default=256, description="maximum number of open files")
+    messages: Count = Field(default=1_000_000, description="maximum number of log messages")
     output_mib: Count = Field(
         default=64,
         description="maximum output to standard output and error of a run and its trial runs, and size of files [MiB]",
     )
-    patience: float = Field(default=10.0, gt=0.0, description="real time one call may last, starting included [s]")
+    patience: float = Field(default=10.0, gt=0.0, description="maximum real time of one call, including the start [s]")
     budget: float = Field(
         default=3600.0,
         gt=0.0,
-        description="real time of all calls of a run together, trial runs included [s]",
+        description="maximum real time of all calls of a run, including trial runs [s]",
     )
 
 

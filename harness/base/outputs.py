@@ -107,7 +107,6 @@ def _record(directory: Path, names: Iterable[str]) -> None:
 
 
 def _read_record(directory: Path) -> frozenset[str] | None:
-    """Return the names in the record of a folder; None without a valid record."""
     try:
         names = read_json(directory, RECORD).get(_KEY)
     except (FileNotFoundError, RecordError):

@@ -99,12 +99,6 @@ def _refuse_constant(name: str) -> NoReturn:
 
 
 def _require_plain(value: Any, levels: int) -> None:
-    """Check that a value can be written again: numbers are finite, strings can be encoded in UTF-8.
-
-    Raises:
-        ValueError: A number or a string is not.
-        RecursionError: There are more than `levels` levels.
-    """
     match value:
         case dict() | list() if not levels:
             raise RecursionError

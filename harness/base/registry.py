@@ -84,7 +84,7 @@ ANALYSES: Final[Mapping[str, str]] = MappingProxyType(
 
 _WITHOUT_MODULE: Final[Mapping[str, dict[str, str]]] = MappingProxyType(
     {
-        "controllers": {**ANALYSES, "fmu": "A controller of your own as a co-simulation FMU, named by `file`."},
+        "controllers": {**ANALYSES, "fmu": "A user's controller as a co-simulation FMU, named by `file`."},
         "estimators": {"none": "No estimator: the controller sees readings only."},
     }
 )
@@ -132,7 +132,7 @@ def summary(package: str, name: str) -> str:
 
 
 def _description(path: Path) -> str:
-    """Return the description of a TOML file, one sentence: its key `description` or `source`, or its first comment."""
+    # The description is the key `description` or `source`, or else the first comment.
     text = path.read_text(encoding="utf-8")
     table = tomllib.loads(text)
     words = table.get("description") or table.get("source") or text.partition("\n")[0].lstrip("# ")
@@ -191,7 +191,6 @@ def _files(folders: tuple[str, ...]) -> dict[str, Path]:
 
 
 def _classes(module: str, base: type[_Part]) -> list[type[_Part]]:
-    """Return the public classes with this base that a module defines: those without a leading underscore."""
     members = vars(import_module(module)).items()
     classes = [kind for name, kind in members if isinstance(kind, type) and not name.startswith("_")]
     return [kind for kind in classes if issubclass(kind, base) and kind.__module__ == module]

@@ -276,7 +276,7 @@ def _registry() -> Any:
 
 @cache
 def _symbol(symbol: str) -> tuple[float, Mapping[str, int]] | None:
-    """Return factor and root-unit exponents of one symbol; None if it is not in use, such as a kilo-hour."""
+    # Only prefixed units in use are accepted, so no kilo-hour.
     prefix, name = _reading(symbol)
     # Names may be in the plural; symbols may not, or "kPas" would be a pressure.
     plural = symbol.endswith("s") and symbol != f"{prefix}{name}s" and _reading(symbol[:-1]) == (prefix, name)
@@ -287,7 +287,6 @@ def _symbol(symbol: str) -> tuple[float, Mapping[str, int]] | None:
 
 
 def _reading(symbol: str) -> tuple[str, str]:
-    """Return the names of prefix and unit of a symbol; empty if unknown."""
     readings = _registry().parse_unit_name(symbol)
     return (readings[0][0], readings[0][1]) if readings else ("", "")
 

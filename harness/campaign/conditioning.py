@@ -11,6 +11,7 @@ from pathlib import Path
 from railgrip.base import registry
 from railgrip.campaign.work import Work
 from railgrip.fmus.build import choose, fmu
+from railgrip.report.stop import Stop, read_stop
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import ConditioningFile, RepeatedDistances
 from railgrip.scenario.file import NamedFile
@@ -18,7 +19,6 @@ from railgrip.scenario.schema import Scenario
 from railgrip.scenario.sensors import SampledSensors
 from railgrip.scenario.vehicle import Nudge, RecipePlant
 from railgrip.simulate.run import braking_distance
-from railgrip.trace.stop import StopRecord, read_stop
 
 _OTHER = "native"
 
@@ -86,9 +86,9 @@ def conditioning_of(
     stops: dict[str, RepeatedDistances] = {}
     for stop in campaign.stops:
         repeated = repeats[stop.name]
-        records = [read_stop(directory / perturbed.name) for perturbed in repeated.perturbed]
-        distances = [_distance(record) for record in records]
-        figures = [record.metrics.beside_distance() for record in records]
+        perturbed = [read_stop(directory / one.name) for one in repeated.perturbed]
+        distances = [_distance(one) for one in perturbed]
+        figures = [one.metrics.beside_distance() for one in perturbed]
         stops[stop.name] = RepeatedDistances(
             digest=stop.scenario.digest(),
             distances=tuple(sorted(distances, key=lambda distance: (distance is None, distance))),
@@ -177,11 +177,10 @@ def _with_vehicle(stop: PlannedStop, suffix: str, **vehicle: object) -> PlannedS
 
 
 def _repeat(stop: PlannedStop, suffix: str, **tables: object) -> PlannedStop:
-    """Return a stop with other tables of its scenario; its trace is not kept."""
     scenario = stop.scenario.model_copy(update=tables)
     return replace(stop, name=f"{stop.name}-{suffix}", scenario=scenario, keep_trace=False)
 
 
-def _distance(record: StopRecord) -> float | None:
+def _distance(stop: Stop) -> float | None:
     # Rounded to the millimetre: the change by one communication step in the last metre per second.
-    return None if record.braking_distance is None else round(record.braking_distance, 3)
+    return None if stop.braking_distance is None else round(stop.braking_distance, 3)

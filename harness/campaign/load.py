@@ -1,5 +1,6 @@
 """Load results from folders as the values that `railgrip.run` and `railgrip.sweep` return, and write them as tables."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -8,11 +9,8 @@ from railgrip.base.files import replacing
 from railgrip.campaign.sweep import Result, Sweep
 from railgrip.report.console import remark
 from railgrip.report.results import read_results
-from railgrip.report.stop import Stop
+from railgrip.report.stop import CAMPAIGN_FILE, STOP_FILE, Stop, others_like, read_stop
 from railgrip.report.table import names
-from railgrip.scenario.load import Tables
-from railgrip.scenario.schema import Scenario
-from railgrip.trace.stop import CAMPAIGN_FILE, STOP_FILE, others_like, read_stop
 
 if TYPE_CHECKING:
     import pandas
@@ -39,22 +37,13 @@ def load_results(folder: Path) -> Stop | Sweep:
 
 
 def _stop(folder: Path) -> Stop:
-    record = read_stop(folder)
-    if record.trace_digest is None:
+    stop = read_stop(folder)
+    if stop.trace_digest is None:
         raise RecordError(
             f"{folder}: the samples of this stop were not kept; load its campaign for the metrics, or run the stop "
             "again with `railgrip run`"
         )
-    return Stop(
-        scenario=Tables.of(record.scenario, folder, str(folder)).value(Scenario),
-        outcome=record.outcome,
-        reason=record.reason,
-        trace=record.trace(),
-        metrics=record.metrics,
-        versions=record.versions,
-        fmus=record.fmus,
-        classes=record.classes,
-    )
+    return replace(stop, parsed=stop.scenario, samples=stop.trace)
 
 
 def _campaign(folder: Path) -> Sweep:
@@ -65,7 +54,7 @@ def _campaign(folder: Path) -> Sweep:
     # Stops without draws have no variant of that axis.
     chosen = tuple(tuple(stop.variants.get(axis, "") for axis in keys) for stop in results.stops)
     axes = {axis: tuple(dict.fromkeys(column)) for axis, column in zip(keys, zip(*chosen, strict=True), strict=True)}
-    found = tuple(Result(stop.record.outcome.value, stop.record.reason, stop.record.metrics) for stop in results.stops)
+    found = tuple(Result(stop.outcome.value, stop.reason, stop.metrics) for stop in results.stops)
     return Sweep(axes, found, chosen)
 
 

@@ -8,9 +8,8 @@ from typing import Protocol
 from railgrip.base.errors import ScenarioError
 from railgrip.base.outputs import make_folder
 from railgrip.campaign.sources import input_versions
-from railgrip.report.stop import Stop
+from railgrip.report.stop import FILES, Stop, require_place, write_stop
 from railgrip.scenario.schema import Scenario
-from railgrip.trace.stop import FILES, require_place, write_stop
 
 RUNS = Path("build/runs")
 """Parent folder of the folders of runs."""

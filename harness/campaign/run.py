@@ -16,21 +16,21 @@ from railgrip.fmus.build import choose
 from railgrip.fmus.recipe import read_recipes
 from railgrip.report.console import remark
 from railgrip.report.results import OURS, fmu_tools, require_campaign
+from railgrip.report.stop import (
+    CAMPAIGN_FILE,
+    FILES,
+    PAGE_FILES,
+    STOP_FILE,
+    Stop,
+    discard_stop,
+    read_stop,
+    require_place,
+)
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.kinds import Custom
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.vehicle import PythonClass
-from railgrip.trace.stop import (
-    CAMPAIGN_FILE,
-    FILES,
-    PAGE_FILES,
-    STOP_FILE,
-    StopRecord,
-    discard_stop,
-    read_stop,
-    require_place,
-)
 
 State = Literal["found", "done", "unexpected", "refused", "failed"]
 
@@ -101,8 +101,8 @@ def run_campaigns(
     for number, planned in enumerate(campaigns):
         for stop in planned.campaign.stops:
             folder = planned.directory / stop.name
-            if not fresh and (record := find_result(stop, folder)) is not None:
-                reports[number][stop.name] = report = _report(stop, "found", record.outcome, record.reason)
+            if not fresh and (found := find_result(stop, folder)) is not None:
+                reports[number][stop.name] = report = _report(stop, "found", found.outcome, found.reason)
                 notify(report)
             else:
                 waiting.append(_StopOrder(number, stop, folder))
@@ -180,7 +180,6 @@ def _report(stop: PlannedStop, state: Literal["found", "done"], outcome: Outcome
 
 
 def _perform_far(order: _StopOrder, runner: Runner) -> tuple[Report, Mapping[str, bytes]]:
-    """Run one stop on another machine; return the report and its files."""
     with scratch("far") as folder:
         report, _ = _perform(replace(order, folder=folder / order.stop.name), runner)
         files = {path.name: path.read_bytes() for path in (folder / order.stop.name).glob("*")}
@@ -207,7 +206,7 @@ def _failure_report(order: _StopOrder, problem: RailgripError) -> Report:
     )
 
 
-def find_result(stop: PlannedStop, directory: Path) -> StopRecord | None:
+def find_result(stop: PlannedStop, directory: Path) -> Stop | None:
     """Return the result of this stop in a folder, if the present program, packages and compilers would reproduce it.
 
     A message names a file of such a result that has changed since.
@@ -219,18 +218,18 @@ def find_result(stop: PlannedStop, directory: Path) -> StopRecord | None:
     if isinstance(scenario.vehicle.source, PythonClass) or any(isinstance(table, Custom) for table in parts):
         return None  # the imports of a user's class are unknown
     try:
-        record = read_stop(directory)
-        if record.digest != scenario.digest() or not input_versions().items() <= record.versions.items():
+        found = read_stop(directory)
+        if found.digest != scenario.digest() or not input_versions().items() <= found.versions.items():
             return None
         if stop.keep_trace:
-            if record.trace_digest is None:  # the samples could not be stored, or were not requested
+            if found.trace_digest is None:  # the samples could not be stored, or were not requested
                 return None
-            record.require_unchanged_trace()
+            found.require_unchanged_trace()
     except RecordError as problem:
         remark(f"{stop.name}: is run again, for {problem}")
         return None
-    compilers = [tool for name, tool in fmu_tools(record.versions).items() if Path(name).stem in read_recipes().recipes]
-    return record if all(tool.startswith(OURS) == (choose("auto") == "native") for tool in compilers) else None
+    compilers = [tool for name, tool in fmu_tools(found.versions).items() if Path(name).stem in read_recipes().recipes]
+    return found if all(tool.startswith(OURS) == (choose("auto") == "native") for tool in compilers) else None
 
 
 def write_description(campaign: Campaign, directory: Path) -> None:

@@ -232,7 +232,6 @@ def _failure_result(problem: RailgripError) -> Result:
 
 
 def _hashable(value: Any) -> Any:
-    """Return a value as an index of a table: tables and lists as JSON."""
     return json.dumps(value, ensure_ascii=False, default=str) if isinstance(value, list | tuple | Mapping) else value
 
 

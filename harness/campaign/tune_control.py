@@ -212,7 +212,6 @@ def _evolve(
 
 
 def _effort(parameters: int, sets: int, budget: int | None) -> tuple[int, int]:
-    """Return population and generations of a search after the first; arguments are those of `search`."""
     # Sobol points come in powers of two; a population of twice the number of parameters is small, but sufficient.
     population = 1 << max(3, math.ceil(math.log2(2 * parameters)))
     if budget is not None and budget < 2 * population:
@@ -240,7 +239,6 @@ def text_of(law: str, results: Mapping[tuple[str, SlipSource], Optimum], command
 
 
 def _under(law: str, slip: str, scenario: Scenario) -> Scenario:
-    """Return a scenario with another law, which uses the slip as read or as estimated by the scenario's estimator."""
     change: dict[str, Any] = {"controller": {"kind": law}} | ({"estimator": {"kind": "none"}} if slip == "read" else {})
     return Scenario.model_validate(merge(scenario.resolved(), change))
 

@@ -47,7 +47,6 @@ class Work:
     def __init__(
         self, bar: Progress, stack: ExitStack, study: str, folder: Path, count: int, scheduler: str | None, fresh: bool
     ) -> None:
-        """Start without processes; the pool starts with the first case, and ends with `stack`."""
         self.folder, self.count, self.scheduler, self.fresh, self.run_count = folder, count, scheduler, fresh, 0
         self._bar, self._stack, self._study = bar, stack, study
         self._total = 0
@@ -181,7 +180,6 @@ def _text(value: object) -> str:
 
 
 def _plain(value: Any) -> object:
-    """Return a value for JSON that identifies it."""
     match value:
         case Scenario():
             return value.digest()

@@ -97,7 +97,7 @@ def cluster(address: str) -> Generator[tuple[Executor, Callable[[], None]]]:
     try:
         from distributed import Client
     except ImportError as problem:
-        raise InputError("--scheduler wants Dask: pip install 'railgrip[cluster]'") from problem
+        raise InputError("--scheduler needs Dask: pip install 'railgrip[cluster]'") from problem
     try:
         client = Client(address, timeout=_ANSWER, set_as_default=False)
     except (OSError, ValueError) as problem:
@@ -112,8 +112,8 @@ def cluster(address: str) -> Generator[tuple[Executor, Callable[[], None]]]:
             threads = [worker["nthreads"] for worker in client.scheduler_info(-1)["workers"].values()]
             if any(count > 1 for count in threads):
                 raise InputError(
-                    f"--scheduler {address}: a worker has {max(threads)} threads, and CasADi and FMUs want one: start "
-                    "workers with `dask worker --nthreads 1`"
+                    f"--scheduler {address}: a worker has {max(threads)} threads, but CasADi and FMUs need one: "
+                    "start workers with `dask worker --nthreads 1`"
                 )
             missing = time.monotonic() - last_answer
             if threads:

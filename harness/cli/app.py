@@ -3,6 +3,7 @@
 The module of a command is imported when the command is called: `--help` and shell completion import none of them.
 """
 
+import json
 import logging
 import re
 from collections.abc import Mapping
@@ -17,6 +18,7 @@ from typer.core import TyperGroup
 from railgrip import __version__
 from railgrip.base import registry
 from railgrip.base.errors import InputError
+from railgrip.base.files import finite
 from railgrip.base.names import did_you_mean, nearest
 from railgrip.base.registry import Shelf, shelf
 from railgrip.report.console import complain, say, show_messages
@@ -61,8 +63,6 @@ def command_of(name: str, target: Any) -> Any:
 
 
 def _global_options() -> list[Any]:
-    """Return the options of `program` for a command: they act when they are parsed, and are not passed to it."""
-
     def options(
         version: Annotated[
             bool, typer.Option("--version", callback=_show_version, is_eager=True, expose_value=False, hidden=True)
@@ -175,16 +175,16 @@ class _Main(Commands):
             "run": Command("runs:run", "Run one scenario and print its figures."),
             "campaign": Command("campaigns:campaign", "Run the stops of campaigns and write tables and a report."),
             "report": Command("campaigns:report", "Make the page of the results in a folder."),
-            "compare": Command("campaigns:compare", "Show in what results differ, and where along the track."),
+            "compare": Command("campaigns:compare", "Show how results differ, and where along the track."),
             "table": Command("campaigns:table", "Print or write the results in a folder as a table."),
             "study": Command("studies:studies", "Run a study and write its page; without a name, list them."),
         },
         "Files and parts": {
-            "list": Command("library:list_", "List what may be named: scenarios, controllers, trains and more."),
-            "new": Command("library:new", "Write a commented file to begin with, which runs at once."),
+            "list": Command("library:list_", "List the names of scenarios, controllers, trains and more."),
+            "new": Command("library:new", "Write a commented file to start from, which runs as it is."),
             "schema": Command("library:schema", "Print the JSON schema of a file, for editors and validators."),
             "train": Command("trains:trains", "Draw and check trains in files."),
-            "build": Command("fmus:build_command", "Bring FMUs up to date, or build the plant of your own class."),
+            "build": Command("fmus:build_command", "Update FMUs, or build a plant from your own class."),
             "map": Command("exchange:map_", "Print the tables of a scenario for the FMU of another tool."),
             "export": Command("exchange:export", "Make FMUs of a scenario for another tool: a part or the whole loop."),
         },
@@ -240,12 +240,24 @@ def complete(*kinds: Shelf) -> Any:
     return candidates
 
 
+def print_json(value: Any) -> None:
+    """Print a value of lists, dictionaries, strings and numbers as JSON; numbers that are not finite are null.
+
+    Errors are not results: their messages go to standard error, and standard output stays empty.
+    """
+    say(json.dumps(finite(value), indent=1, ensure_ascii=False, allow_nan=False))
+
+
+AsJson = Annotated[
+    bool,
+    typer.Option("--json", help="Print the result as JSON, in SI units, and nothing else on standard output."),
+]
 File = Annotated[
     Path,
     typer.Argument(
         metavar="SCENARIO",
         autocompletion=complete("scenarios"),
-        help="A scenario: a file (*.toml), or the name of one of ours, such as trapezoid.",
+        help="A scenario: a file (*.toml), or a name from railgrip list, such as trapezoid.",
     ),
 ]
 Campaigns = Annotated[
@@ -253,7 +265,7 @@ Campaigns = Annotated[
     typer.Argument(
         metavar="CAMPAIGN ...",
         autocompletion=complete("campaigns"),
-        help="Campaigns: files (*.toml), or names of ours, such as table1.",
+        help="Campaigns: files (*.toml), or names from railgrip list, such as table1.",
     ),
 ]
 Overrides = Annotated[
@@ -266,7 +278,7 @@ With = Annotated[
         "--with",
         metavar="EQUIPMENT",
         autocompletion=complete("equipment"),
-        help="Tables laid over the scenario: a file, or the name of one of ours, such as service; repeatable.",
+        help="Tables merged into the scenario: a file, or a name from railgrip list, such as service; repeatable.",
     ),
 ]
 ImportFrom = Annotated[
@@ -281,13 +293,13 @@ ImportFrom = Annotated[
     ),
 ]
 Scheduler = Annotated[
-    str | None, typer.Option(metavar="tcp://HOST:PORT", help="Dask cluster in place of processes here.")
+    str | None, typer.Option(metavar="tcp://HOST:PORT", help="Dask cluster to use instead of local processes.")
 ]
 Workers = Annotated[int, typer.Option(min=1, max=64, help="Number of processes.")]
 Formats = Annotated[
-    str, typer.Option("--format", metavar="png,svg,pdf", help="Of the figures beside the page, separated by commas.")
+    str, typer.Option("--format", metavar="png,svg,pdf", help="Formats of the figures, separated by commas.")
 ]
-Fresh = Annotated[bool, typer.Option(help="Run also what already has a result.")]
+Fresh = Annotated[bool, typer.Option(help="Run again what already has a result.")]
 
 
 def fail(*sentences: str) -> NoReturn:

@@ -45,11 +45,12 @@ def regress(
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = REGRESS,
     workers: Workers = 2,
     across_compilers: Annotated[
-        bool, typer.Option("--across-compilers", help="Campaigns alone, with FMUs of another compiler: within 0.5 %.")
+        bool,
+        typer.Option("--across-compilers", help="Compare campaigns only, with FMUs of another compiler, within 0.5 %."),
     ] = False,
     import_from: ImportFrom = None,
 ) -> None:
-    """Run what has a baseline and compare every number."""
+    """Run everything that has a baseline and compare every number."""
     problem = 0
     with shared_pool(workers):
         for path in _baseline_files(baselines):
@@ -59,7 +60,6 @@ def regress(
 
 
 def _regress_baseline(path: Path, out: Path, workers: int, across_compilers: bool, import_from: Sequence[Path]) -> int:
-    """Run the campaign or study of one baseline, print how its numbers changed, and return the exit code."""
     baseline = load_baseline(path)
     if across_compilers:
         if baseline.campaign is None:
@@ -73,7 +73,7 @@ def _regress_baseline(path: Path, out: Path, workers: int, across_compilers: boo
         return code
     what = "stops" if baseline.campaign is not None else "figures"
     complain(
-        f"{path.name}: {len(deviations)} of {len(comparisons)} {what} did not keep to their baseline: "
+        f"{path.name}: {len(deviations)} of {len(comparisons)} {what} deviate from their baseline: "
         f"{', '.join(deviations)}; if that is right, `railgrip maintain accept --reason '…'`"
     )
     return RUN_FAILED
@@ -84,12 +84,12 @@ def accept(
     baselines: Annotated[Path, typer.Option(help="Folder of baseline files.")] = BASELINES,
     out: Annotated[Path, typer.Option(help="Folder of the results of the last regress.")] = REGRESS,
 ) -> None:
-    """Move the baselines to the results of the last regress."""
+    """Update the baselines to the results of the last regress."""
     for path in _baseline_files(baselines):
         baseline, folder = load_baseline(path), out / path.stem
         findings = read_findings(folder) if baseline.campaign is None else findings_of(read_results(folder))
         after = accept_numbers(baseline, findings, reason)
-        # A number within its tolerance may still have become a range.
+        # A number within its tolerance may have been replaced by a range.
         changes = tuple(
             comparison
             for comparison in compare(baseline, findings)
@@ -104,7 +104,7 @@ def validation(
     docs: Annotated[Path, typer.Option(help="Folder of the pages.")] = Path("docs"),
 ) -> None:
     """Write the accepted distances into the documentation."""
-    # Only this command draws: the other ones start without matplotlib.
+    # Imported here, because only this command draws and needs matplotlib.
     from railgrip.report.style import save
     from railgrip.report.validation_figure import BASELINE, FILE, distances_figure
 
@@ -122,7 +122,7 @@ def validation(
 def _baseline_of_campaign(path: Path) -> Baseline:
     accepted = load_baseline(path)
     if accepted.campaign is None:
-        raise ScenarioError(f"{path}: is the baseline of a study; the table is that of a campaign")
+        raise ScenarioError(f"{path}: is the baseline of a study, but the table shows a campaign")
     return accepted
 
 
@@ -131,7 +131,7 @@ def conditioning(
     repeats: Annotated[int, typer.Option(min=2, max=1000, help="Of each stop.")] = 20,
     relative: Annotated[float, typer.Option(min=1e-15, max=1e-2, help="Largest change of a parameter.")] = 1e-7,
     lots: Annotated[
-        int, typer.Option(min=0, max=1000, help="Lots of sensors, for stops whose sensors have errors.")
+        int, typer.Option(min=0, max=1000, help="Number of sensor lots, for stops whose sensors have errors.")
     ] = 20,
     stops: Annotated[
         str, typer.Option(metavar="PATTERN", help="Only stops of such a name, as '*-slope_seeking'; others stay.")
@@ -144,7 +144,7 @@ def conditioning(
     """Repeat stops with other parameters and sensors."""
     loaded = load_campaign(file)
     if loaded.conditioning is None:
-        raise ScenarioError(f"{file.name}: has no key 'conditioning'; it names the file that is to be written")
+        raise ScenarioError(f"{file.name}: has no key 'conditioning'; it must name the file to write")
     selection = loaded.only(lambda stop: fnmatch(stop.name, stops))
     if not selection.stops:
         raise ScenarioError(f"--stops {stops}: {file.name} has no such stop; it has {loaded.stops[0].name} and others")
@@ -175,21 +175,24 @@ def conditioning(
 
 def discretisation(
     file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="Campaign that names its file of conditioning.")],
-    repeats: Annotated[int, typer.Option(min=1, max=1000, help="Of each stop whose distance rounding decides.")] = 5,
+    repeats: Annotated[
+        int, typer.Option(min=1, max=1000, help="Repeats of each stop whose distance depends on rounding.")
+    ] = 5,
     stops: Annotated[
         str, typer.Option(metavar="PATTERN", help="Only stops of such a name, as '*-slope_seeking'; others stay.")
     ] = "*",
     workers: Workers = 2,
     fresh: Fresh = False,
 ) -> None:
-    """Repeat stops with half and a quarter of the step.
+    """Repeat stops with smaller communication steps.
 
-    That is the communication step. The distances are added to the file of conditioning, whose repeats have the whole
-    step. `railgrip maintain validation` writes the table of the documentation from it.
+    The steps are half and a quarter of that of the scenario.
+    The distances are added to the file of conditioning, whose repeats have the whole step. `railgrip maintain
+    validation` writes the table of the documentation from it.
     """
     loaded = load_campaign(file)
     if loaded.conditioning is None:
-        raise ScenarioError(f"{file.name}: has no key 'conditioning'; it names the file of the repeats")
+        raise ScenarioError(f"{file.name}: has no key 'conditioning'; it must name the file of the repeats")
     selection, before = loaded.only(lambda stop: fnmatch(stop.name, stops)), read_conditioning(loaded.conditioning)
     with work("discretisation", workers=workers, fresh=fresh) as tasks:
         divided, without = with_divided_steps(selection, before, tasks, count=repeats)
@@ -211,7 +214,6 @@ def _previous_repeats(path: Path, relative: float) -> dict[str, RepeatedDistance
 def _numbers_of(
     baseline: Baseline, path: Path, out: Path, workers: int, import_from: Sequence[Path]
 ) -> tuple[int, Findings]:
-    """Run the campaign or study of a baseline; return the exit code and its numbers."""
     if baseline.campaign is not None:
         runs = [CampaignRun(baseline.selection(load_campaign(path.parent / baseline.campaign)), out)]
         code = run_campaigns(runs, workers=workers, fresh=False, import_from=import_from)
@@ -226,6 +228,6 @@ def _baseline_files(folder: Path) -> list[Path]:
     files = sorted(folder.glob("*.toml"))
     if not files:
         raise ScenarioError(
-            f"{folder}: there is no baseline file (*.toml) in it; run in the folder of the project or name --baselines"
+            f"{folder}: there is no baseline file (*.toml) in it; run in the folder of the project or give --baselines"
         )
     return files

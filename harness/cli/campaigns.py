@@ -10,8 +10,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.campaign.load import csv_of, load_results, write_table
 from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.work import work
-from railgrip.cli.app import Campaigns, Formats, Fresh, ImportFrom, Overrides, Scheduler, Workers
-from railgrip.cli.output import AsJson, print_json
+from railgrip.cli.app import AsJson, Campaigns, Formats, Fresh, ImportFrom, Overrides, Scheduler, Workers, print_json
 from railgrip.cli.runs import runner
 from railgrip.report.baseline import baseline_deviations
 from railgrip.report.comparison import compare as compared
@@ -23,9 +22,9 @@ from railgrip.report.marked import names_in, page_text, write_tables
 from railgrip.report.page import formats_of
 from railgrip.report.results import Results, by_compiler, read_results
 from railgrip.report.row import Row
+from railgrip.report.stop import require_no_result
 from railgrip.report.variants import ReferenceVariant, change_table, changes_against
 from railgrip.scenario.campaign import Panels, load_campaign
-from railgrip.trace.stop import require_no_result
 
 BASELINES = Path("tests/baselines")
 
@@ -33,7 +32,7 @@ Against = Annotated[
     str | None,
     typer.Option(
         metavar="VARIANT",
-        help="Compare the other variants of its axis with this one, in pairs of stops that differ in nothing else: a "
+        help="Compare the other variants of its axis with this one, in pairs of stops that are otherwise equal: a "
         "name, or AXIS=VARIANT.",
     ),
 ]
@@ -48,7 +47,9 @@ def campaign(
     ] = None,
     workers: Workers = 2,
     fresh: Fresh = False,
-    panels: Annotated[Panels | None, typer.Option(help="Which stops get a page, whatever the campaigns say.")] = None,
+    panels: Annotated[
+        Panels | None, typer.Option(help="Stops that get a page, instead of those named by the campaigns.")
+    ] = None,
     figure_formats: Formats = "png",
     import_from: ImportFrom = None,
     scheduler: Scheduler = None,
@@ -62,7 +63,9 @@ def campaign(
     campaigns = [load_campaign(file, overrides or []) for file in files]
     if against is not None:
         for loaded in campaigns:
-            ReferenceVariant.find(against, [stop.variants for stop in loaded.stops])  # refused before hours of stops
+            ReferenceVariant.find(
+                against, [stop.variants for stop in loaded.stops]
+            )  # refuse it before stops run for hours
     # Accepted distances apply to the campaign as its file defines it.
     baselines = [None if overrides else BASELINES / file.name for file in files]
     folder = out if out is not None and len(files) == 1 else None
@@ -101,16 +104,16 @@ def campaign(
 
 def report(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run or of a campaign.")],
-    panels: Annotated[Panels, typer.Option(help="Which stops of a campaign get a page.")] = "all",
+    panels: Annotated[Panels, typer.Option(help="Stops of a campaign that get a page.")] = "all",
     figure_formats: Formats = "png",
     against: Against = None,
     write: Annotated[
-        Path | None, typer.Option(help="Markdown page between whose marks the tables of a campaign are written.")
+        Path | None, typer.Option(help="Markdown page in which the tables of a campaign are written between its marks.")
     ] = None,
 ) -> None:
     """Make the page of the results in a folder.
 
-    Of a campaign also those of its stops.
+    For a campaign also the pages of its stops.
     """
     formats = formats_of(figure_formats)
     if write is not None:
@@ -134,7 +137,6 @@ def report(
 
 
 def _show_result(results: Results, rows: Sequence[Row], against: str | None) -> None:
-    """Print the table of pairs of variants, if one was named, and a summary."""
     reference = reference_of(results, against)
     changes = () if reference is None else changes_against(reference, results.stops, rows)
     if reference is not None:
@@ -153,7 +155,7 @@ def table(
 ) -> None:
     """Print or write the results in a folder as a table.
 
-    Of a run its samples over time, of a campaign a row for each stop with its metrics; in SI units.
+    For a run its samples over time, for a campaign one row of metrics per stop; in SI units.
     """
     frame = load_results(folder).to_pandas()
     if out is None:
@@ -169,12 +171,13 @@ def compare(
         typer.Argument(metavar="A B ...", help="Folders of runs, of stops in a campaign, or of campaigns."),
     ],
     out: Annotated[
-        Path | None, typer.Option(help="Folder for the page; build/compare/A-B, of their names, unless given.")
+        Path | None,
+        typer.Option(help="Folder for the page; build/compare/A-B, from the names of the results, unless given."),
     ] = None,
     as_json: AsJson = False,
     figure_formats: Formats = "png",
 ) -> None:
-    """Show in what results differ, and where along the track."""
+    """Show how results differ, and where along the track."""
     formats = formats_of(figure_formats)
     comparison = compared(*results)
     names = [path.resolve().name for path in results]
@@ -202,7 +205,7 @@ def run_campaigns(
 ) -> int:
     """Run campaigns with progress; return the exit code.
 
-    `on_complete` is called with the number of a complete campaign, and a function that displays progress.
+    `on_complete` is called with the number of each complete campaign and a function that displays progress.
     """
     with work(", ".join(run.campaign.name for run in runs), workers=workers, scheduler=scheduler, fresh=fresh) as job:
 

@@ -60,14 +60,13 @@ def doctor() -> None:
 
 
 def _findings_of(name: str, check: Callable[[], Iterator[CheckResult]]) -> list[CheckResult]:
-    """Return the findings of a check; an exception is reported as a problem."""
     try:
         return list(check())
     except RailgripError as problem:
         return [CheckResult(name, "fails", str(problem))]
     except Exception as problem:  # a compiled package that does not load may raise any exception
         words = f"{type(problem).__name__}: {problem}"
-        return [CheckResult(name, words, "install railgrip anew: python -m pip install --force-reinstall railgrip")]
+        return [CheckResult(name, words, "reinstall railgrip: python -m pip install --force-reinstall railgrip")]
 
 
 def _versions() -> Iterator[CheckResult]:
@@ -90,7 +89,7 @@ def _files_of_the_package() -> Iterator[CheckResult]:
     package_files = [file for file in files if file.parts[0] == "railgrip" and file.suffix != ".pyc"]
     missing = [str(file) for file in package_files if not Path(str(file.locate())).is_file()]
     if missing:
-        words = f"{len(missing)} of {len(package_files)} files are missing, {missing[0]} among them"
+        words = f"{len(missing)} of {len(package_files)} files are missing, such as {missing[0]}"
         yield CheckResult("files of the package", words, "python -m pip install --force-reinstall --no-deps railgrip")
     else:
         yield CheckResult(
@@ -109,7 +108,7 @@ def _compiler() -> Iterator[CheckResult]:
 
 def _openmodelica() -> Iterator[CheckResult]:
     omc = find_program("omc")
-    yield CheckResult("OpenModelica", omc or "not found; the built-in compiler makes the FMUs")
+    yield CheckResult("OpenModelica", omc or "not found; the built-in compiler builds the FMUs")
 
 
 def _fmus() -> Iterator[CheckResult]:

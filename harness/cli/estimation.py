@@ -13,9 +13,8 @@ import xarray
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_bytes, write_text
 from railgrip.base.outputs import adopt, claim, require_free
-from railgrip.cli.app import ImportFrom, Overrides, complete, fail
+from railgrip.cli.app import AsJson, ImportFrom, Overrides, complete, fail, print_json
 from railgrip.cli.library import write_schema
-from railgrip.cli.output import AsJson, print_json
 from railgrip.estimation.inspection import inspect_recording
 from railgrip.estimation.judge import Judgement, judge
 from railgrip.estimation.observable import observe, with_estimates_as_truth
@@ -42,12 +41,12 @@ File = Annotated[
     typer.Argument(
         metavar="ESTIMATION",
         autocompletion=complete("estimations"),
-        help="An estimation: a file (*.toml), or the name of one of ours, such as wagon.",
+        help="An estimation: a file (*.toml), or a name from railgrip list, such as wagon.",
     ),
 ]
 Out = Annotated[Path | None, typer.Option(help="Folder for the results; build/estimate/NAME unless given.")]
-Scenario = Annotated[str | None, typer.Option(help="Another scenario of the same source.")]
-Seed = Annotated[int | None, typer.Option(min=0, help="Of the source; the scenario's own unless given.")]
+Scenario = Annotated[str | None, typer.Option(help="Scenario to use instead of that of the estimation.")]
+Seed = Annotated[int | None, typer.Option(min=0, help="Seed of the scenario; its own unless given.")]
 Data = Annotated[
     Path | None,
     typer.Option(metavar="RUN", help="Trace of a stop (.nc), or csv, parquet, mat or mf4 file, read by [data]."),
@@ -170,7 +169,7 @@ def inspect(
             "--for",
             metavar="ESTIMATION",
             autocompletion=complete("estimations"),
-            help="Estimation that is to read it: a file or one of ours.",
+            help="Estimation that will read it: a file or a name from railgrip list.",
         ),
     ] = Path("field"),
     time: Annotated[str | None, typer.Option(metavar="COLUMN", help="Column of time; recognised unless given.")] = None,
@@ -187,7 +186,7 @@ def inspect(
     The proposal lists the data of the vehicle that the model needs.
     """
     if out is not None and out.exists():
-        raise InputError(f"{out} is already there; name another file.")
+        raise InputError(f"{out} exists; choose another file.")
     inspection = inspect_recording(run, estimation, time, decimal.value if decimal else None)
     if out is not None:
         write_text(out, f"#:schema ./estimation.schema.json\n{inspection.proposal}")
@@ -229,7 +228,7 @@ def inspect(
         say(inspection.proposal)
     else:
         _show_parameters(load_specification(out), inspection.parameters, is_users=True)
-        say(f"{out}; go on with: railgrip estimate {out} --data {run}")
+        say(f"{out}; continue with: railgrip estimate {out} --data {run}")
     if inspection.unrecognised:
         remark(f"Fill in what was not recognised: {', '.join(inspection.unrecognised)}.")
 
@@ -245,10 +244,7 @@ def _print_recording(recording: xarray.Dataset) -> None:
 
 
 def _show_parameters(specification: Specification, parameters: Sequence[ModelParameter], *, is_users: bool) -> None:
-    """Print the parameters of a model with their origin, elements of an array in one row.
-
-    Defaults are mentioned if the recording is of a user's vehicle.
-    """
+    # A default matters only if the recording is of the user's vehicle, not of a simulated stop.
     rows: dict[tuple[str, str], list[ModelParameter]] = {}
     for each in parameters:
         rows.setdefault((each.name.partition("[")[0], each.origin), []).append(each)
@@ -277,7 +273,6 @@ def _as_json(parameter: ModelParameter) -> dict[str, Any]:
 
 
 def _last_estimates(specification: Specification, estimates: xarray.Dataset) -> list[dict[str, Any]]:
-    """Return mean and standard deviation of each state at the last sample, with its unit."""
     units = units_of(specification.model.class_)
     mean, sd = (estimates[name].values[-1] for name in ("mean", "sd"))
     names = [str(state) for state in estimates["state"].values]
@@ -292,10 +287,9 @@ def _known_states(recording: xarray.Dataset, estimates: xarray.Dataset) -> list[
 
 
 def _print_errors(recording: xarray.Dataset, estimates: xarray.Dataset, judgements: Mapping[str, Judgement]) -> None:
-    """Print the consistency of the filter, and the errors of each state whose true values are known."""
     say(
-        f"{recording.attrs['name']}: median NIS is {estimates.attrs['nis_ratio']:.3g} of the expected one; above 1 the "
-        "filter is surer than its readings allow."
+        f"{recording.attrs['name']}: median NIS is {estimates.attrs['nis_ratio']:.3g} of the expected value; "
+        "above 1 the filter is overconfident."
     )
     if not judgements:
         return
@@ -321,7 +315,6 @@ def _print_errors(recording: xarray.Dataset, estimates: xarray.Dataset, judgemen
 
 
 def _write_windows(windows: xarray.Dataset, path: Path) -> None:
-    """Write smallest singular values and deviations as CSV, one row per window."""
     states = [str(state) for state in windows["state"].values]
     columns = ["time_s", "smallest", *(f"singular_{s}" for s in states), *(f"deviation_{s}" for s in states)]
     parts = (windows[name].values for name in ("time", "smallest", "singular", "deviation"))

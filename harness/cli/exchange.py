@@ -29,7 +29,7 @@ Part = Literal["onboard", "controller", "plant", "track", "sensors", "estimator"
 
 def _fmi(version: int) -> int:
     if version not in (2, 3):
-        raise typer.BadParameter(f"{version} is no version of FMI that is written; it is 2 or 3")
+        raise typer.BadParameter(f"FMI {version} is not supported; choose 2 or 3")
     return version
 
 
@@ -37,7 +37,7 @@ def export(
     file: File,
     equipment: With = None,
     overrides: Overrides = None,
-    out: Annotated[Path | None, typer.Option(help="The FMU; build/NAME-PART.fmu unless given.")] = None,
+    out: Annotated[Path | None, typer.Option(help="File for the FMU; build/NAME-PART.fmu unless given.")] = None,
     part: Annotated[
         Part,
         typer.Option(
@@ -55,11 +55,11 @@ def export(
     library: Annotated[
         bool,
         typer.Option(
-            "--library", help="In place of an FMU: a folder with static library, header and C of the onboard part."
+            "--library", help="Instead of an FMU, write a folder with static library, header and C of the onboard part."
         ),
     ] = False,
     ssp: Annotated[
-        Path | None, typer.Option(help="In place of an FMU: the whole loop as a system of FMUs, SSP 1.0.")
+        Path | None, typer.Option(help="Instead of one FMU, write the whole loop as a system of FMUs, SSP 1.0.")
     ] = None,
 ) -> None:
     """Make FMUs of a scenario for another tool: a part or the whole loop."""
@@ -96,11 +96,6 @@ def export(
 
 
 def _targets(names: Sequence[str]) -> tuple[str, ...]:
-    """Return platforms by name, without repetition.
-
-    Raises:
-        InputError: A platform is unknown.
-    """
     wanted = [each for name in names for each in name.split(",")]
     unknown = [name for name in wanted if name not in (*TARGETS, "all")]
     if unknown:
@@ -112,14 +107,14 @@ def _targets(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def map_(
-    file: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="A plant or a controller, by FMI 2.0 or 3.0.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="FMU of a plant or a controller, FMI 2.0 or 3.0.")],
     speed: Annotated[float, typer.Option(min=1, max=150, help="Speed at the start of the short run [m/s].")] = 20.0,
     per_group: Annotated[
         list[int] | None,
         typer.Option(
             "--wheelsets-of-group",
             min=1,
-            help="Wheelsets of each group, leading first; those that the FMU declares unless given.",
+            help="Number of wheelsets of each group, leading first; as declared by the FMU unless given.",
         ),
     ] = None,
     period: Annotated[float, typer.Option(min=1e-5, max=0.1, help="Communication period of the short run [s].")] = 1e-3,

@@ -22,20 +22,20 @@ from railgrip.report.table import ReportTable
 
 
 def build_command(
-    names: Annotated[list[str] | None, typer.Argument(help="FMUs by name, see --list; all if none is named.")] = None,
+    names: Annotated[list[str] | None, typer.Argument(help="Names of FMUs, see --list; all unless given.")] = None,
     compiler: Annotated[str, typer.Option(help="auto, openmodelica or native.")] = "auto",
     library: Annotated[
         Path | None,
-        typer.Option(help="Folder, package.mo or .mo file of a class of your own, named in place of FMUs."),
+        typer.Option(help="Folder, package.mo or .mo file of your own class, whose name replaces the names of FMUs."),
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="File for its FMU; CLASS.fmu when absent.")] = None,
-    listing: Annotated[bool, typer.Option("--list", help="Show the recipes and which FMUs are there.")] = False,
+    out: Annotated[Path | None, typer.Option(help="File for its FMU; CLASS.fmu unless given.")] = None,
+    listing: Annotated[bool, typer.Option("--list", help="List the recipes and the existing FMUs.")] = False,
     check: Annotated[
         bool, typer.Option("--check", help="Validate FMUs against the FMI standard and compare them with lock.toml.")
     ] = False,
     update: Annotated[bool, typer.Option("--update", help="With --check: write lock.toml.")] = False,
 ) -> None:
-    """Bring FMUs up to date, or build the plant of your own class.
+    """Update FMUs, or build a plant from your own class.
 
     Copies are left in build/fmus of the current folder.
     """
@@ -85,8 +85,8 @@ PAGE = Path("docs/foreign_fmus.md")
 
 
 def survey_command(
-    folder: Annotated[Path, typer.Argument(exists=True, file_okay=False, help="With FMUs, in any folders below it.")],
-    out: Annotated[Path, typer.Option(help="File for a line of each FMU.")] = Path("build/fmus.csv"),
+    folder: Annotated[Path, typer.Argument(exists=True, file_okay=False, help="Folder of FMUs, searched recursively.")],
+    out: Annotated[Path, typer.Option(help="File for one line per FMU.")] = Path("build/fmus.csv"),
     write: Annotated[bool, typer.Option("--write", help=f"Write the table into {PAGE}.")] = False,
 ) -> None:
     """Open and step the FMUs of a folder; write a table.
@@ -96,7 +96,7 @@ def survey_command(
     with progress("stepping"):
         rows = [*survey(folder)]
     if not rows:
-        raise InputError(f"{folder}: there is no file *.fmu in it or below it.")
+        raise InputError(f"{folder}: contains no file *.fmu, not even in subfolders.")
     out.parent.mkdir(parents=True, exist_ok=True)
     lines = ("file", "tool", "FMI", "reason", "sentence")
     ReportTable.of(lines, [(str(r.file), r.tool, r.interface, r.reason, r.sentence) for r in rows], left=5).write_csv(
@@ -109,7 +109,6 @@ def survey_command(
 
 
 def _survey_table(rows: Sequence[SurveyResult]) -> ReportTable:
-    """Return a table of the FMUs that step, by tool and interface, with the reasons of the others."""
     kinds = dict.fromkeys(sorted((row.tool.lower(), row.tool, row.interface) for row in rows))
     lines: list[tuple[str, str, int, int, str]] = []
     for _, tool, interface in kinds:
@@ -126,13 +125,12 @@ def _survey_table(rows: Sequence[SurveyResult]) -> ReportTable:
 
 
 def _check(names: list[str], compiler: Compiler, *, update: bool) -> None:
-    """Validate FMUs and compare them with lock.toml, or write it."""
     book = read_recipes()
     complaints: list[str] = []
     interfaces: dict[str, Entry] = {}
     for artifact in build(() if update else names, compiler):
         complaints += [f"{artifact.name}.fmu: {problem}" for problem in validation_problems(artifact.path)]
-        # The lock file has the built-in compiler's result, whichever compiler made the FMU.
+        # The lock file records the results of the built-in compiler, also where another one made the FMU.
         interfaces[artifact.name] = artifact.interface or translate(book[artifact.name])[1]
     if update:
         write_lock(book, interfaces)
@@ -144,4 +142,4 @@ def _check(names: list[str], compiler: Compiler, *, update: bool) -> None:
         ]
     if complaints:
         fail(*complaints)
-    say(f"{len(interfaces)} FMUs are valid" + ("" if update else " and as lock.toml says"))
+    say(f"{len(interfaces)} FMUs are valid" + ("" if update else " and match lock.toml"))

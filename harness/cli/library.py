@@ -10,7 +10,7 @@ import typer
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_text
 from railgrip.base.registry import SECTIONS, Kind, meanings
-from railgrip.cli.output import AsJson, print_json
+from railgrip.cli.app import AsJson, print_json
 from railgrip.estimation.spec import Specification
 from railgrip.report.console import remark, say, show_table
 from railgrip.report.table import ReportTable
@@ -21,10 +21,10 @@ FileKind = Literal["scenario", "train", "campaign", "estimation"]
 
 
 def list_(
-    kind: Annotated[Kind | None, typer.Argument(help="One kind; all without it.")] = None,
+    kind: Annotated[Kind | None, typer.Argument(help="Kind to list; all unless given.")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """List what may be named: scenarios, controllers, trains and more."""
+    """List the names of scenarios, controllers, trains and more."""
     kinds = (kind,) if kind else SECTIONS
     if as_json:
         print_json({kind_: meanings(kind_) for kind_ in kinds})
@@ -53,7 +53,6 @@ def text_of_schema(kind: FileKind) -> str:
 
 
 def _estimation_schema() -> dict[str, Any]:
-    """Return the schema of an estimation, whose [noise] may refer to another file."""
     schema = extending_schema(Specification, "estimation")
     file = {
         "type": "object",
@@ -63,7 +62,7 @@ def _estimation_schema() -> dict[str, Any]:
     }
     for table in (schema, schema["$defs"][Specification.__name__]):
         tables = [table["properties"]["noise"], file]
-        table["properties"]["noise"] = {"anyOf": tables, "description": "variances, or the file that has them"}
+        table["properties"]["noise"] = {"anyOf": tables, "description": "variances, or the file that contains them"}
     return schema
 
 
@@ -85,9 +84,9 @@ def new(
     ],
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write (.toml or .py); it must not exist yet.")],
 ) -> None:
-    """Write a commented file to begin with, which runs at once.
+    """Write a commented file to start from, which runs as it is.
 
-    Beside a TOML file comes its JSON schema, by which an editor with Even Better TOML or taplo completes and checks it.
+    With a TOML file comes its JSON schema, which editors with Even Better TOML or taplo use to complete and check it.
     """
     template = next(_TEMPLATES.glob(f"{kind}.*"))
     if file.suffix != template.suffix:
@@ -98,13 +97,13 @@ def new(
     if not re.fullmatch(wanted, file.stem):
         raise InputError(f"{file}: the name of a {kind} has {what}")
     if file.exists():
-        raise InputError(f"{file} is already there; name another file")
+        raise InputError(f"{file} exists; choose another file")
     name_of_class = "".join(part[:1].upper() + part[1:] for part in file.stem.split("_")) or "Own"
     text = template.read_text(encoding="utf-8").replace(kind.upper(), name_of_class).replace("NAME", file.stem)
     write_text(file, text)
     if kind in ("scenario", "train", "campaign"):
         write_schema(kind, file)
-    say(f"{file}; go on with: {_NEXT[kind].format(file=file)}")
+    say(f"{file}; continue with: {_NEXT[kind].format(file=file)}")
 
 
 def write_schema(kind: FileKind, file: Path) -> None:
@@ -112,4 +111,4 @@ def write_schema(kind: FileKind, file: Path) -> None:
     schema_file = file.with_name(f"{kind}.schema.json")
     if not schema_file.exists():
         write_text(schema_file, text_of_schema(kind) + "\n")
-        remark(f"{schema_file}, by which editors check what you write")
+        remark(f"{schema_file}, used by editors to check the file")

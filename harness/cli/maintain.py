@@ -10,11 +10,11 @@ from railgrip.cli.app import Command, Commands
 class _Maintain(Commands):
     sections: ClassVar = {
         "Baselines": {
-            "regress": Command("baselines:regress", "Run what has a baseline and compare every number."),
-            "accept": Command("baselines:accept", "Move the baselines to the results of the last regress."),
+            "regress": Command("baselines:regress", "Run everything that has a baseline and compare every number."),
+            "accept": Command("baselines:accept", "Update the baselines to the results of the last regress."),
             "validation": Command("baselines:validation", "Write the accepted distances into the documentation."),
             "conditioning": Command("baselines:conditioning", "Repeat stops with other parameters and sensors."),
-            "discretisation": Command("baselines:discretisation", "Repeat stops with half and a quarter of the step."),
+            "discretisation": Command("baselines:discretisation", "Repeat stops with smaller communication steps."),
         },
         "FMUs": {"fmus": Command("fmus:survey_command", "Open and step the FMUs of a folder; write a table.")},
         "Searches": {

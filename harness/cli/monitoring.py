@@ -52,7 +52,9 @@ def ride(
 
 
 def monitor(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of stops, in the order of their names.")],
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Folder of stops, which are read in the order of their names.")
+    ],
     column_map: Annotated[
         Path | None, typer.Option("--map", metavar="FILE.toml", help="Estimation whose [data] maps recorded files.")
     ] = None,

@@ -9,12 +9,11 @@ import typer
 
 from railgrip.campaign.one_stop import Runner, run_folder
 from railgrip.campaign.one_stop import run as run_scenario
-from railgrip.cli.app import RUN_FAILED, File, ImportFrom, Overrides, With, fail
-from railgrip.cli.output import AsJson, print_json
+from railgrip.cli.app import RUN_FAILED, AsJson, File, ImportFrom, Overrides, With, fail, print_json
 from railgrip.report.console import progress, remark, say
+from railgrip.report.stop import require_no_campaign
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
-from railgrip.trace.stop import require_no_campaign
 
 
 def run(

@@ -35,24 +35,24 @@ def calibrate() -> None:
         fit_levels(
             lambda fit: say(
                 f"{fit.scenario}, {fit.shape}: level {fit.level:.5f}, {fit.distance:.1f} m "
-                f"(wanted {TARGETS[fit.scenario]} m)"
+                f"(target {TARGETS[fit.scenario]} m)"
             )
         )
 
 
 def tune_control(
-    law: Annotated[list[str] | None, typer.Option(help="A law to search; all without it.")] = None,
+    law: Annotated[list[str] | None, typer.Option(help="A law to search; all unless given.")] = None,
     out: Annotated[Path, typer.Option(help="Folder of the files of parameters.")] = Path("controllers/laws"),
     budget: Annotated[
         int | None,
-        typer.Option(min=5, help="Sets of parameters to try for each law; 24 for each parameter without it."),
+        typer.Option(min=5, help="Sets of parameters to try for each law; 24 for each parameter unless given."),
     ] = None,
     cases: Annotated[
         int | None,
         typer.Option(
             min=1,
             max=1000,
-            help="So many short training cases of the type test in place of the rails, for its own set.",
+            help="Search on this number of short training cases of the type test instead of the rails.",
         ),
     ] = None,
     workers: Workers = 2,
@@ -100,7 +100,6 @@ def tune_control(
 
 
 def _others(path: Path, optima: Mapping[tuple[str, SlipSource], Optimum]) -> str:
-    """Return the tables in a file of parameters that were not searched."""
     sets = tomllib.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     lines: list[str] = []
     for actuation, slip in ((a, s) for a, of in sets.items() for s in of if (a, s) not in optima):
@@ -118,7 +117,7 @@ def tune(
     population: Annotated[int, typer.Option(min=8, help="Candidates of the differential evolution.")] = 48,
     generations: Annotated[int, typer.Option(min=1, help="Generations in all.")] = 60,
     stage: Annotated[int, typer.Option(min=1, help="Generations that are kept together.")] = 10,
-    seed: Annotated[int, typer.Option(min=0, help="Of everything that is drawn.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of all random numbers.")] = 1,
     workers: Annotated[int, typer.Option(min=1, max=64, help="Threads, or processes.")] = 2,
     import_from: ImportFrom = None,
 ) -> None:

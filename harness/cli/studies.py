@@ -60,7 +60,6 @@ def _conduct(
 
 
 def _command(name: str) -> Any:
-    """Return the command of a study: its own options before the common ones."""
     study = study_named(name)
 
     def command(**options: Any) -> None:
@@ -91,7 +90,7 @@ _COMMON: Final[Mapping[str, Any]] = {
     "overrides": Overrides,
     "import_from": ImportFrom,
     "quick": Annotated[
-        bool, typer.Option(help="A small form, which shows that the study runs; its results mean nothing.")
+        bool, typer.Option(help="Run a reduced study as a check that it runs; its results are meaningless.")
     ],
 }
-"""Options of many commands, by the name of the field."""
+"""Options shared by several studies, by the name of the field."""

@@ -6,8 +6,7 @@ from typing import Annotated
 import typer
 
 from railgrip.base.errors import InputError
-from railgrip.cli.app import complete
-from railgrip.cli.output import AsJson, print_json
+from railgrip.cli.app import AsJson, complete, print_json
 from railgrip.report.console import remark, say, show_table
 from railgrip.report.style import save
 from railgrip.rolling_stock.check import findings, stops_by_hand
@@ -34,7 +33,7 @@ TrainFile = Annotated[
     typer.Argument(
         metavar="TRAIN",
         autocompletion=complete("trains"),
-        help="A train: a file (*.toml), or the name of one of ours, such as emu387.",
+        help="A train: a file (*.toml), or a name from railgrip list, such as emu387.",
     ),
 ]
 

@@ -166,7 +166,6 @@ class _RecordingComparison:
         """r ω / v of each wheelset while no brake is applied."""
 
     def _signal(self, name: str) -> Vector | None:
-        """Return a signal in the unit of the model, interpolated over missing samples."""
         unit_of_name = self._units.get(name)
         values = samples(self._recording, [name], None if unit_of_name is None else [unit_of_name])[:, 0]
         known = np.isfinite(values)
@@ -183,7 +182,6 @@ class _RecordingComparison:
         return bool(where.sum() * self._period >= ENOUGH and where.sum() >= 10)
 
     def _brake_mask(self) -> Mask:
-        """Return a mask of the samples at which a brake is applied."""
         gate = self._specification.gate
         applied = np.zeros(self._time.size, dtype=np.bool_)
         for name, values in self._brakes.items():
@@ -194,7 +192,6 @@ class _RecordingComparison:
         return applied
 
     def _release_mask(self) -> Mask:
-        """Return a mask of the samples before which no brake has been applied for `SETTLING`."""
         count = round(SETTLING / self._period)
         kernel = np.zeros(2 * count + 1, dtype=np.bool_)
         kernel[count:] = True  # a true sample reaches to the samples after it
@@ -252,7 +249,7 @@ class _RecordingComparison:
         )
 
     def _slowing(self) -> Vector:
-        """Return the deceleration [m/s2]; zero for a recording too short to be differentiated."""
+        # Too few samples for a derivative: zero.
         if self._speed is None or self._time.size < 2 * self._smoothed:
             return np.zeros(self._time.size)
         return -np.asarray(savgol_filter(self._speed, self._smoothed, 2, deriv=1, delta=self._period), dtype=np.float64)
@@ -374,7 +371,6 @@ class _RecordingComparison:
         return values if len(values) == len(found) else None
 
     def _friction(self) -> Vector:
-        """Return the initial pad friction of each unit in the estimation, or else the usual one."""
         prediction = equations_for(self._specification)
         pads = [state for state in prediction.states if _base(state) == "mu_b"]
         mean = self._specification.start.mean
@@ -382,7 +378,7 @@ class _RecordingComparison:
         return by_name("[start] mean", {"mu_b": USUAL_FRICTION} | given, pads)
 
     def _model_forces(self, mass: float, weights: Vector, at: NDArray[np.intp]) -> tuple[Vector, Vector]:
-        """Return brake force and the other forces on the train, without adhesion, at some samples [N]."""
+        """Return brake force and the other forces on the train, without adhesion [N], at the samples `at`."""
         at = at[:: max(1, at.size // EVALUATED)]
         prediction = equations_for(self._specification)
         mean = self._specification.start.mean
@@ -417,7 +413,6 @@ class _RecordingComparison:
     # ---- words --------------------------------------------------------------------------------------------------
 
     def _describe(self, names: Sequence[str]) -> str:
-        """Return the name of a signal, or of all elements of an array, with their columns."""
         elements = [name for name in self._units if _base(name) == _base(names[0])]
         name = _base(names[0]) if len(names) == len(elements) else ", ".join(names)
         columns = [column for each in names if (column := self._column(each))]
@@ -468,7 +463,7 @@ def _alike(values: Mapping[str, float], difference: float = 0.08) -> list[tuple[
 
 
 def _line(x: Vector, y: Vector) -> tuple[float, float]:
-    """Return the values at both ends of a line through the medians of the first and the last third."""
+    # Medians, so that outliers do not tilt the line.
     third = max(x.size // 3, 1)
     at = [float(np.median(x[part])) for part in (slice(0, third), slice(-third, None))]
     medians = [float(np.median(y[part])) for part in (slice(0, third), slice(-third, None))]
@@ -477,10 +472,7 @@ def _line(x: Vector, y: Vector) -> tuple[float, float]:
 
 
 def _lead(speed: Vector, shift: Vector) -> float | None:
-    """Return the lead of a wheelset over the speed as a negative delay [s], or None if slip explains it.
-
-    Slip of a braked wheelset vanishes with the speed or is irregular; a lead is constant.
-    """
+    # The slip of a braked wheelset vanishes with the speed or is irregular; a lead is constant.
     if np.max(speed) < 3.0 * np.min(speed):
         return None
     order = np.argsort(speed)

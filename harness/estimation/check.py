@@ -47,7 +47,6 @@ def require_consistent(specification: Specification, scenario: str | None = None
 
 
 def _problems(name: str, check: Callable[[], object]) -> list[str]:
-    """Return the lines of an error message, each with the name of the estimation."""
     try:
         check()
     except InputError as problem:
@@ -106,7 +105,6 @@ def check_mass(specification: Specification) -> None:
 
 
 def _check_formation(specification: Specification, scenario: str | None, signals: list[str]) -> None:
-    """Compare groups and wheelsets of the model with those that a scenario declares without its FMU."""
     if scenario is None:
         return
     vehicle = load(Path(scenario)).vehicle

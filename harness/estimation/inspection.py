@@ -189,7 +189,6 @@ def _parameter_line(parameter: ModelParameter) -> str:
 
 
 def _read(path: Path, time: str | None, decimal: str | None) -> tuple[TimeColumn, dict[str, Series], list[str]]:
-    """Return the column of time, the columns of numbers, and the names of the others."""
     if path.suffix.lower() == ".mf4":
         return TimeColumn(column="time", unit="s"), read_mf4(path), []
     file = read_table(path, decimal=decimal)
@@ -214,7 +213,6 @@ def _is_numeric(values: Any) -> bool:
 
 
 def _clock(path: Path, file: Columns, time: str | None) -> TimeColumn:
-    """Return the column of time with its unit, None if the file does not state it."""
     frame = file.values
     if time is not None and time not in frame:
         raise EstimationError(
@@ -239,7 +237,6 @@ def _clock(path: Path, file: Columns, time: str | None) -> TimeColumn:
 
 
 def _rises(values: Any) -> bool:
-    """Return whether a column has only numbers, and they never decrease."""
     return bool((np.diff(np.asarray(pd.to_numeric(pd.Series(values), errors="coerce"), dtype=float)) >= 0.0).all())
 
 
@@ -255,7 +252,6 @@ def _clock_line(clock: TimeColumn, path: Path) -> str:
 
 
 def _findings(name: str, series: Series) -> Iterator[ColumnMatch]:
-    """Yield the description of a column, if it has two samples or more."""
     there = np.isfinite(series.values) & np.isfinite(series.time)
     time, values = series.time[there], series.values[there]
     steps = np.diff(time)
@@ -276,7 +272,6 @@ def _findings(name: str, series: Series) -> Iterator[ColumnMatch]:
 
 
 def _gap_lines(inputs: Sequence[ColumnMatch], period: float) -> Iterator[str]:
-    """Yield lines on gaps of inputs: short ones are bridged, and the part beyond a long one is cut off."""
     gaps = sorted(gap for finding in inputs for gap in finding.gaps)
     longest = max((length for _, length in gaps if length <= _BRIDGED), default=0.0)
     bridged = max(0.1, 5.0 * period, 1.01 * longest)
@@ -293,7 +288,6 @@ def _gap_lines(inputs: Sequence[ColumnMatch], period: float) -> Iterator[str]:
 def _with_unit(
     finding: ColumnMatch, recognised: Mapping[str, ColumnMatch], wanted: Mapping[str, _RequiredSignal]
 ) -> ColumnMatch:
-    """Return a column with its unit as the signal that it was recognised as."""
     target = next((wanted[signal][0] for signal, other in recognised.items() if other is finding), "")
     return replace(finding, unit=(_unit_of(finding, target) if target else "") or finding.unit)
 
@@ -302,7 +296,6 @@ def _with_unit(
 
 
 def _required_signals(specification: Specification) -> dict[str, _RequiredSignal]:
-    """Return the signals that an estimation may read, by name, with several accelerometers along the track."""
     units, inputs, outputs = signals_of(specification.model_copy(update={"data": None}))
     wanted: dict[str, _RequiredSignal] = {name: (units[name], name in inputs) for name in (*inputs, *outputs)}
     if specification.course is not None:
@@ -314,7 +307,6 @@ def _required_signals(specification: Specification) -> dict[str, _RequiredSignal
 
 
 def _recognise(findings: Sequence[ColumnMatch], wanted: Mapping[str, _RequiredSignal]) -> dict[str, ColumnMatch]:
-    """Return signal → column, matched by names, numbers in names and dimensions; each column is used once."""
     signals, stems = list(wanted), [_stem(finding.name) for finding in findings]
     from_zero = {stem for stem, number in stems if number == 0}
     places = [(stem, number if number is None else number + (stem in from_zero)) for stem, number in stems]
@@ -329,7 +321,6 @@ def _recognise(findings: Sequence[ColumnMatch], wanted: Mapping[str, _RequiredSi
 
 
 def _score(signal: str, target: str, stem: str, number: int | None, finding: ColumnMatch) -> float:
-    """Return the score of a column for a signal, 0 to 1; 0 for another dimension or another element of an array."""
     base, _, index = signal.partition("[")
     numbers = (int(index[:-1]),) if index else (None, 1)
     if number not in numbers or not _may_be(finding, target):
@@ -343,14 +334,12 @@ def _score(signal: str, target: str, stem: str, number: int | None, finding: Col
 
 
 def _stem(name: str) -> tuple[str, int | None]:
-    """Return the name of a column without its unit and number, and the number."""
     text = name_without_unit(name)
     numbers = re.findall(r"\d+", text)
     return bare_name(re.sub(r"\d+", "_", text)), int(numbers[-1]) if numbers else None
 
 
 def _may_be(finding: ColumnMatch, target: str) -> bool:
-    """Return whether the unit of a column is compatible with a signal."""
     if finding.unit is None:
         return True
     try:
@@ -361,7 +350,6 @@ def _may_be(finding: ColumnMatch, target: str) -> bool:
 
 
 def _unit_of(finding: ColumnMatch, target: str) -> str:
-    """Return the unit of a column in the notation of [data]; empty if the file does not give one."""
     with suppress(UnitError):
         if finding.unit is not None:
             stated = unit(finding.unit)
@@ -375,7 +363,6 @@ def _unit_of(finding: ColumnMatch, target: str) -> str:
 def _columns(
     wanted: Mapping[str, _RequiredSignal], recognised: Mapping[str, ColumnMatch]
 ) -> tuple[list[str], list[str]]:
-    """Return the lines of [data.columns], and the signals that the reader has to complete."""
     lines: list[str] = []
     unrecognised: list[str] = []
     for signal, (unit_of_signal, is_needed) in wanted.items():

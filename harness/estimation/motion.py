@@ -177,10 +177,6 @@ def motion_of(
 
 
 def _pass(period: float, speed: Array, acceleration: Array, along: Array, trust: SensorDeviations) -> Array:
-    """Return smoothed states, shape (k, 5).
-
-    Their covariance is not returned: the receiver's error is correlated, but the smoother assumes it to be white.
-    """
     T = period
     F = np.eye(5)
     F[0, 1] = F[1, 2] = T
@@ -198,6 +194,7 @@ def _pass(period: float, speed: Array, acceleration: Array, along: Array, trust:
     observation[:, 0, 1], observation[:, 0, 4] = 1.0, np.nan_to_num(speed)
     observation[:, 1, 2] = observation[:, 1, 3] = 1.0
     observation[:, 2, 0] = 1.0
+    # The covariance is not returned: the receiver's error is correlated, but the smoother assumes white noise.
     return smooth(
         transition=F,
         noise=Q,

@@ -73,7 +73,6 @@ def observe(specification: Specification, recording: xarray.Dataset) -> tuple[li
 
 
 def _instants(names: tuple[str, ...], inputs: Matrix, gates: list[int]) -> list[tuple[str, int, Vector]]:
-    """Return reason, sample and inputs of each point of `observe`."""
     deciding = gates or list(range(len(names)))
     most = int(np.argmax(np.min(inputs[:, deciding], axis=1))) if deciding else 0
     instants = [("inputs at their largest together", most, inputs[most])]

@@ -35,7 +35,7 @@ READ_STATES = {"v": "speed", "w": "wheelset_speed"}
 class Settings:
     """Settings of a filter besides its model.
 
-    A name without index stands for all elements of an array; a name with index (`w[2]`) takes precedence over it.
+    A name without index refers to all elements of an array; a name with index (`w[2]`) takes precedence over it.
 
     Attributes:
         process: Density of the noise of each state, (unit of the state)²/s.
@@ -108,7 +108,6 @@ def equations_of(
 
 @cache
 def _file_of(model: str) -> Path:
-    """Return the FMU of a class of RailBraking.Predictions, built if it is out of date."""
     name = model.rpartition(".")[2]
     entry = read_recipes().recipes.get(name)
     if entry is not None and entry.class_name in (model, f"RailBraking.Predictions.{model}"):
@@ -117,7 +116,6 @@ def _file_of(model: str) -> Path:
 
 
 def _showing(source: Model, model: str, outputs: Sequence[str]) -> Model:
-    """Return a model with a selection of its outputs, for fewer sensors."""
     names = [variable.name for variable in source.outputs]
     places = [i for output in outputs for i, name in enumerate(names) if output in (name, name.partition("[")[0])]
     missing = [output for output in outputs if not any(output in (n, n.partition("[")[0]) for n in names)]
@@ -231,7 +229,6 @@ def estimate(
     count, done = len(data.readings), len(beliefs.mean)
 
     def at_samples(start: Matrix | float, steps: Matrix) -> Matrix:
-        """Return the start and the result of each step; NaN after the filter diverged."""
         rows = np.full((1 + count, *steps.shape[1:]), np.nan)
         rows[0], rows[1 : 1 + done] = start, steps
         return rows
@@ -257,7 +254,6 @@ def estimate(
 
 
 def _follow(filter_: CompiledFilter, first: GaussianEstimate, data: FilterData) -> tuple[FilterRecord, str]:
-    """Return the estimates from `first` on, and the reason if the filter diverged after the last of them, else ''."""
     try:
         return filter_.follow(first, data.inputs, data.readings), ""
     except FilterDiverged as problem:
@@ -266,7 +262,6 @@ def _follow(filter_: CompiledFilter, first: GaussianEstimate, data: FilterData) 
 
 
 def _end(beliefs: FilterRecord, problem: str, readings: Matrix, time: Vector) -> str:
-    """Return why and when estimates became invalid, else ''; `readings` are those of the steps."""
     lost = loss_step(beliefs.squared_innovation, beliefs.degrees, np.isfinite(readings).sum(axis=1))
     if lost is not None:
         return (
@@ -308,11 +303,6 @@ def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Mat
 
 
 def _start(start: Mapping[str, float], states: Sequence[str], outputs: Sequence[str], readings: Matrix) -> Matrix:
-    """Return the mean at the first sample.
-
-    Raises:
-        EstimationError: A state has neither a start value nor a reading.
-    """
     first, problems = dict[str, float](), list[str]()
     for state, reading in start_by_reading(states, outputs).items():
         if state in start or state.partition("[")[0] in start:

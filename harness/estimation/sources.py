@@ -162,7 +162,6 @@ def recording_of_stop(
 
 
 def _elements(trace: xarray.Dataset, name: str, other: str) -> dict[str, tuple[Vector, str]]:
-    """Return the elements of a signal of a trace under another name, with their unit."""
     samples, unit = trace[name].values, str(trace[name].attrs["units"])
     if samples.ndim == 1:
         return {other: (samples, unit)}

@@ -243,7 +243,6 @@ def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] 
 
 
 def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
-    """Return the tables of a file, merged with those of the estimation that its `extends` names."""
     table = read_toml(path)
     require_kind(table, "estimation", path)
     noise = table.get("noise")

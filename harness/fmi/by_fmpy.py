@@ -147,7 +147,6 @@ class IntegratedModel(_FmpyPlant):
                 self._event(instance, time)
 
     def _integrate(self, instance: Instance, time: float, until: float) -> tuple[bool, float]:
-        """Return whether a state event ended the integration, and its time."""
         self._solver.failure = None
         try:
             is_event, _, time = self._solver.step(time, until)
@@ -158,7 +157,6 @@ class IntegratedModel(_FmpyPlant):
         return is_event, time
 
     def _event(self, instance: Instance, time: float, inputs: Vector | None = None) -> None:
-        """Run event mode, with inputs that have changed, and restart the solver."""
         with instance.calling(time, "at an event") as fmu:
             fmu.enterEventMode()
             if inputs is not None:
@@ -182,11 +180,6 @@ class _HeldInputs:
 
 
 def _solver(instance: Instance, period: float, begin: float) -> Any:
-    """Return FMPy's interface to CVODE for an FMU in continuous-time mode.
-
-    Raises:
-        FmuError: FMPy does not include CVODE for this platform.
-    """
     # FMPy includes CVODE for some platforms only, and loads it with this module.
     try:
         sundials: Any = import_module("fmpy.sundials")
@@ -207,7 +200,7 @@ def _solver(instance: Instance, period: float, begin: float) -> Any:
 
         def __init__(self, **arguments: Any) -> None:
             super().__init__(**arguments)
-            # SUNDIALS would print what is raised as an exception here.
+            # SUNDIALS would also print each error that is raised as an exception here.
             sundials.sundials_core.SUNContext_ClearErrHandlers(self.sunctx)
             sundials.SUNContext_PushErrHandler(self.sunctx, self.ehfun_, None)
 
@@ -221,7 +214,7 @@ def _solver(instance: Instance, period: float, begin: float) -> Any:
             return self._guarded(partial(super().g, time, states, indicators, data), time, call, indicators, self.nz)
 
         def _guarded(self, function: Callable[[], int], time: float, call: str, pointer: Any, size: int) -> int:
-            """Return CVODE's code for success, a recoverable error (the step is too long), or a fatal one."""
+            # CVODE's codes: 0 success, positive recoverable (the step is too long), negative fatal.
             try:
                 status = function()
             except FMICallException as error:
@@ -249,7 +242,7 @@ def _solver(instance: Instance, period: float, begin: float) -> Any:
             set_time=fmu.setTime,
             input=_HeldInputs(),
             startTime=begin,
-            # State events are searched for at least once in each period.
+            # Search for state events once or more often in each period.
             maxStep=period,
             relativeTolerance=TOLERANCE,
             maxNumSteps=_MAX_STEPS,
@@ -257,7 +250,6 @@ def _solver(instance: Instance, period: float, begin: float) -> Any:
 
 
 def _read_nominals(fmu: Any, pointer: Any, size: int) -> None:
-    """Write the nominal values of the states to a pointer; 1 for values that are not finite and positive."""
     fmu.getNominalsOfContinuousStates(pointer, size)
     values = np.ctypeslib.as_array(pointer, (size,))
     values[~(np.isfinite(values) & (values > 0))] = 1.0

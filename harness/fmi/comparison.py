@@ -128,7 +128,7 @@ def _pointer_and_size(references: NDArray[np.uint32]) -> tuple[ctypes.c_void_p, 
 
 
 def _only_real(description: Description, binding: Binding) -> tuple[Channel, Channel]:
-    """Return the single channel of each side; the other means support only Real variables without conversion."""
+    # The means of comparison support only Real variables without conversion, so there is one channel on each side.
     channels = (*binding.inputs.channels, *binding.outputs.channels)
     if [c.carrier for c in channels] != ["Real", "Real"] or any(np.any(c.gain != 1) for c in channels):
         raise FmuError(f"{description.file}: compared are FMUs with Real inputs and outputs in SI.")

@@ -22,24 +22,20 @@ Vector = NDArray[np.float64]
 
 _KERNEL: Final = ("railgrip.fmi", "set_step_get")
 
-_SET, _STEP, _GET = 1, 2, 4
-_FINE, _SETTING, _STEPPING, _GETTING, _NOT_FINITE = range(5)
-"""Return values of `cross` in `kernel/set_step_get.c`."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CInterface:
     """Interface of a plant's communication step for C.
 
     Attributes:
-        cross: Address of `int cross(void *plan, int what, double time)` in `kernel/set_step_get.c`.
+        step: Address of `int set_step_get(void *plan, double time)` in `kernel/set_step_get.c`.
         plan: Address of its first argument.
         inputs: Input vector of the step, shape (Layout.inputs,).
         outputs: Output vector of the step, with the outputs that the plant has.
         present: Positions of these outputs among all outputs.
     """
 
-    cross: int
+    step: int
     plan: int
     inputs: Vector
     outputs: Vector
@@ -47,25 +43,20 @@ class CInterface:
 
 
 @cache
-def _cross() -> Any:
+def _step() -> Any:
     """Return the library's function for calls from Python.
 
     It keeps the interpreter lock: releasing and acquiring it would cost as much as the rest of the call.
     """
-    cross = ctypes.PyDLL(str(kernel_library(*_KERNEL).path)).cross
-    cross.argtypes, cross.restype = [ctypes.c_void_p, ctypes.c_int, ctypes.c_double], ctypes.c_int
-    return cross
+    step = ctypes.PyDLL(str(kernel_library(*_KERNEL).path)).set_step_get
+    step.argtypes, step.restype = [ctypes.c_void_p, ctypes.c_double], ctypes.c_int
+    return step
 
 
 class CoSimulation(LoadedPlant):
     """A co-simulation FMU 2.0 in this process, stepped in C."""
 
     def _prepare(self, instance: Instance) -> None:
-        """Allocate the buffers; compile the step, once on a machine.
-
-        Raises:
-            railgrip.base.errors.CompilerMissing: No C compiler was found.
-        """
         sending, receiving = self._binding.inputs, self._binding.outputs
         self._inputs, self._outputs = np.zeros(sending.size), np.zeros(self._places.size)
         self._is_full = self._places.size == self._blank.size
@@ -82,10 +73,10 @@ class CoSimulation(LoadedPlant):
             n_senders=len(to), n_receivers=len(of), n_outputs=self._outputs.size, inputs=self._inputs,
             outputs=self._outputs, period=self._period, begin=self._begins,
         )  # fmt: skip
-        self._cross, self._address = _cross(), ctypes.c_void_p(self._struct.address)
+        self._functions = library.functions
+        self._step, self._address = _step(), ctypes.c_void_p(self._struct.address)
 
     def _fill(self, row: np.void, channel: Channel, exchange: int, positions: NDArray[np.intp]) -> None:
-        """Write a channel to its struct; its values are at `positions` in the vector."""
         is_integer = channel.carrier != "Real"
         buffer = np.zeros(len(channel.references), dtype=np.intc if is_integer else np.float64)
         places = np.ascontiguousarray(positions, dtype=np.longlong)
@@ -93,16 +84,16 @@ class CoSimulation(LoadedPlant):
         if np.any(channel.gain != 1.0) or np.any(channel.shift != 0.0):
             arrays |= {"gain": np.ascontiguousarray(channel.gain), "shift": np.ascontiguousarray(channel.shift)}
         self._keep += arrays.values()
-        row["exchange"], row["count"], row["whole"] = exchange, buffer.size, is_integer
+        row["transfer"], row["count"], row["whole"] = exchange, buffer.size, is_integer
         for name, array in arrays.items():
             row[name] = array.ctypes.data
 
     def _send(self, inputs: Vector) -> None:
         self._inputs[:] = inputs
-        self._require_fine(self._cross(self._address, _SET, 0.0))
+        self._require_fine(self._functions.exchange(self._struct.pointer, self._functions.SET, 0.0))
 
     def _receive(self) -> Vector:
-        self._require_fine(self._cross(self._address, _GET, 0.0))
+        self._require_fine(self._functions.exchange(self._struct.pointer, self._functions.GET, 0.0))
         return self._outputs
 
     def step(self, inputs: Vector) -> Vector:
@@ -115,7 +106,7 @@ class CoSimulation(LoadedPlant):
         if not self._ready:
             raise self._not_ready()
         self._inputs[:] = inputs
-        outcome = self._cross(self._address, _SET | _STEP | _GET, self.sample * self._period)
+        outcome = self._step(self._address, self.sample * self._period)
         if outcome:
             self.note_steps(0, outcome)
         self.sample += 1
@@ -133,7 +124,7 @@ class CoSimulation(LoadedPlant):
         rows, width = np.ascontiguousarray(inputs, dtype=np.float64), self._inputs.size
         if rows.ndim != 2 or rows.shape[1] != width or not np.all(np.isfinite(rows)):
             found = f"shape {rows.shape}" if rows.ndim != 2 or rows.shape[1] != width else "a value that is none"
-            raise FmuError(f"follow: wants rows of {width} finite inputs, got {found}.")
+            raise FmuError(f"follow: expects rows of {width} finite inputs, got {found}.")
         library, outputs, plan = (
             kernel_library(*_KERNEL),
             np.empty((len(rows), self._outputs.size)),
@@ -149,7 +140,7 @@ class CoSimulation(LoadedPlant):
         if not self._ready:
             raise self._not_ready()
         return CInterface(
-            cross=ctypes.cast(self._cross, ctypes.c_void_p).value or 0,
+            step=ctypes.cast(self._step, ctypes.c_void_p).value or 0,
             plan=self._struct.address,
             inputs=self._inputs,
             outputs=self._outputs,
@@ -157,26 +148,26 @@ class CoSimulation(LoadedPlant):
         )
 
     def note_steps(self, steps: int, outcome: int) -> None:
-        """Record steps taken through `c_interface`, and the last return value of `cross`, 0 for success.
+        """Record steps taken through `c_interface`, and the last return value of `set_step_get`, 0 for success.
 
         Raises:
             PlantFailed: The steps ended early.
         """
         self.sample += steps
-        self.sample += outcome in (_GETTING, _NOT_FINITE)  # the step itself succeeded
+        self.sample += outcome in (self._functions.GETTING, self._functions.NOT_FINITE)  # the step itself succeeded
         self._require_fine(outcome)
 
     def _require_fine(self, outcome: int) -> None:
         """Raise the failure that ended a communication step early, if there was one."""
-        if outcome == _FINE:
+        if outcome == self._functions.FINE:
             return
         instance, plan = self._open(), self._struct.pointer
         with self._remembering():
-            if outcome == _NOT_FINITE:
+            if outcome == self._functions.NOT_FINITE:
                 raise self._not_finite(instance, plan.at, float(self._outputs[plan.at]))
             call, doing = "fmi2DoStep", ""
-            if outcome != _STEPPING:
-                is_setting = outcome == _SETTING
+            if outcome != self._functions.STEPPING:
+                is_setting = outcome == self._functions.SETTING
                 side = self._binding.inputs if is_setting else self._binding.outputs
                 call = f"fmi2{'Set' if is_setting else 'Get'}{side.channels[plan.at].carrier}"
                 doing = "setting inputs" if is_setting else "reading outputs"

@@ -197,7 +197,6 @@ def describe(file: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
 
 
 def _version(path: Path, first: Outline) -> Version:
-    """Return the major version of FMI; raise `FmuError` for unsupported versions."""
     if first.version == "2.0":
         return 2
     if first.version and re.fullmatch(r"3\.0(\.\d+)?", first.version):
@@ -207,7 +206,7 @@ def _version(path: Path, first: Outline) -> Version:
 
 
 def _require_known_unknowns(path: Path, fmi: Version, first: Outline) -> None:
-    """Raise an error if ModelStructure references unknown variables; FMPy would use others, or crash."""
+    # FMPy would resolve an unknown reference to another variable, or crash.
     for number, line in first.indices:
         if fmi == 2 and not (number.isdecimal() and 1 <= int(number[:9]) <= first.variables):
             raise FmuError(
@@ -222,10 +221,7 @@ def _require_known_unknowns(path: Path, fmi: Version, first: Outline) -> None:
 
 
 def _read(path: Path, fmi: Version) -> tuple[str, ModelDescription]:
-    """Return the violations of the schema, as a clause, and the description by FMPy.
-
-    FMPy gets that file alone: from an archive it would read further XML, which has not been checked.
-    """
+    # FMPy gets the description alone: from an archive it would read further XML that has not been checked.
     with scratch("fmu") as folder, postpone_interrupts():
         file = str(copy_of_description(path, folder))
         try:
@@ -237,14 +233,8 @@ def _read(path: Path, fmi: Version) -> tuple[str, ModelDescription]:
 
 
 def _leniently(path: Path, fmi: Version, file: str, problems: list[str]) -> tuple[str, ModelDescription]:
-    """Return the violations of the schema, as a clause, and the description if it is unambiguous.
-
-    FMUs of other tools often run well in spite of a missing start value or an attribute that FMI does not define. A
-    violation that concerns a unit is reported when the variable is bound.
-
-    Raises:
-        FmuError: The description cannot be parsed, or two variables share a name.
-    """
+    # FMUs of other tools often run well in spite of a missing start value or an attribute that FMI does not define. A
+    # violation that concerns a unit is reported when the variable is bound.
     more = f" (and {len(problems) - 3} more)" if len(problems) > 3 else ""
     clause = f"{DESCRIPTION} is not valid FMI {fmi}.0: {'; '.join(p.rstrip('.') for p in problems[:3])}{more}"
     refusal = f"{path}: {clause}. Correct it or ask the tool that made the FMU."
@@ -261,7 +251,6 @@ def _leniently(path: Path, fmi: Version, file: str, problems: list[str]) -> tupl
 
 
 def _require_binary(description: Description, inside: frozenset[str]) -> None:
-    """Raise an error for an FMU without a shared library for this platform."""
     suffix = fmpy.sharedLibraryExtension
     for interface in (description.co_simulation, description.model_exchange):
         if interface is None:
@@ -331,7 +320,6 @@ def _description(
 
 
 def _require_steppable(path: Path, xml: Any) -> None:
-    """Raise an error for an FMU with clocks."""
     clocks = [entry.name for entry in xml.modelVariables if entry.type == "Clock"]
     if clocks:
         raise FmuError(
@@ -359,13 +347,10 @@ def _unit(path: Path, element: Any) -> Unit | None:
 
 
 def _with_angle(angle_unit: Unit) -> Unit:
-    """Return a unit with the radian that its name includes and its definition omits.
-
-    In FMI the radian is a base unit, in SI it is one: OpenModelica writes "rad/s" as one over the second. The name is
-    used if it differs from the definition in nothing else, so that a frequency does not become an angular velocity. A
-    name that counts revolutions or degrees is used likewise if the definition has the factor of the radian, or of the
-    count.
-    """
+    # The radian is a base unit in FMI, but dimensionless in SI: OpenModelica declares "rad/s" as one over the second.
+    # The name is used if it differs from the definition only in that, so that a frequency does not become an angular
+    # velocity. A name in revolutions or degrees is used if the definition has the factor of the radian or of that
+    # count.
     try:
         registry_unit = unit(angle_unit.name)
     except UnitError:
@@ -380,11 +365,6 @@ _REAL = re.compile(r"\s*([+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?INF)\s*", re
 
 
 def _value_of(path: Path, element: Any, attribute: str, text: str | None) -> float | None:
-    """Return a variable's start, min or max as a number, or None.
-
-    Raises:
-        FmuError: The text is not a value of the variable's type.
-    """
     kind = _KINDS.get(element.type, "Integer")
     if text is None or kind in ("String", "Binary"):
         return None
@@ -407,7 +387,6 @@ def _value_of(path: Path, element: Any, attribute: str, text: str | None) -> flo
 def _elements(
     path: Path, fmi: Version, element: Any, units: Mapping[str, Unit | None], relatives: frozenset[str]
 ) -> Iterator[Variable]:
-    """Yield a variable, or the elements of an array in the order of FMI 3.0."""
     is_text = element.type in ("String", "Binary")
     texts = [element.start] if element.start is None or is_text or not element.shape else element.start.split()
     first = _variable(path, fmi, element, units, relatives, texts)
@@ -476,11 +455,6 @@ def _variable(
 
 
 def _interface(path: Path, element: Any) -> Interface | None:
-    """Return an interface of an FMU, or None if it is not offered.
-
-    Raises:
-        FmuError: Its internal step is not a positive time.
-    """
     if element is None:
         return None
     text = getattr(element, "fixedInternalStepSize", None)

@@ -91,7 +91,7 @@ def draft_mapping(
 
 
 def sizes_of(description: Description, causality: Causality) -> tuple[int, ...]:
-    """Return the sizes of the arrays of an FMU, starting with the most frequent one."""
+    """Return the sizes of the arrays of an FMU in descending order of frequency."""
     sizes = [
         len(a.variables) for a in arrays_of(description) if not a.is_scalar and a.variables[0].causality == causality
     ]
@@ -149,7 +149,7 @@ def bare_name(name: str) -> str:
 
 
 def _score(signal: Signal, causality: Causality, array: Array) -> float:
-    """Return the similarity of the names, 0 to 1; 0 if size, causality or dimension differ."""
+    # 0 to 1; 0 if size, causality or dimension differ.
     first, count = array.variables[0], len(array.variables)
     fits = first.settable and first.causality != "input" if causality == "parameter" else first.causality == causality
     is_uniform = all(variable.causality == first.causality for variable in array.variables)

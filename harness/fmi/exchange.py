@@ -11,7 +11,7 @@ from contextlib import ExitStack
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import Any, Final, Literal, Self
 from weakref import finalize
 
@@ -33,20 +33,21 @@ _KERNEL: Final = ("railgrip.fmi", "model_exchange")
 # Cube root of the rounding error: truncation (h²) and cancellation (ε/h) of a central difference balance.
 _RELATIVE_STEP: Final = float(np.finfo(float).eps) ** (1 / 3)
 
-CALLS: Final = (
-    "", "fmi2SetContinuousStates", "fmi2SetReal", "fmi2GetDerivatives", "fmi2GetReal", "fmi2GetDirectionalDerivative",
-)  # fmt: skip
-"""The FMI call behind each of the first numbers that `model_exchange.c` returns."""
-
-_VALUE_NOT_FINITE, _ENTRY_NOT_FINITE = len(CALLS), len(CALLS) + 1
+_CALLS: Final = MappingProxyType(
+    {
+        "SETTING_STATES": "fmi2SetContinuousStates",
+        "SETTING_INPUTS": "fmi2SetReal",
+        "GETTING_DERIVATIVES": "fmi2GetDerivatives",
+        "GETTING_OUTPUTS": "fmi2GetReal",
+        "DIFFERENTIATING": "fmi2GetDirectionalDerivative",
+    }
+)
+"""The FMI call behind a return value of `model_exchange.c`, by its name in the header."""
 
 
 @cache
 def _functions() -> ctypes.PyDLL:
-    """Return the library's functions for calls from Python.
-
-    They keep the interpreter lock: releasing and acquiring it would cost as much as an evaluation.
-    """
+    # The interpreter lock is kept: releasing and acquiring it would cost as much as an evaluation.
     library = ctypes.PyDLL(str(kernel_library(*_KERNEL).path))
     for function in (library.derivative, library.output):
         function.argtypes, function.restype = [ctypes.c_void_p] * 5, ctypes.c_int
@@ -187,10 +188,7 @@ class FmuPrediction:
         return interface is not None and interface.directional_derivatives
 
     def _pattern(self, unknowns: Sequence[str]) -> Pattern:
-        """Return the states on which each unknown depends by the FMU's ModelStructure.
-
-        An unknown without declared dependencies depends on all states.
-        """
+        # By FMI, an unknown without declared dependencies depends on all states.
         known = self._description.dependencies
         return tuple(
             tuple(i for i, state in enumerate(self.states) if name not in known or state in known[name])
@@ -198,7 +196,6 @@ class FmuPrediction:
         )
 
     def _prepare(self, instance: Instance) -> None:
-        """Allocate the buffers and collect the addresses of an evaluation."""
         n = len(self.states)
         self._keep: list[Any] = [instance]
         _, inputs, outputs = self._references
@@ -227,7 +224,6 @@ class FmuPrediction:
         self.parameters[:] = np.array([*addresses, self._address], dtype=np.uint64).view(np.float64)
 
     def _jacobian(self, pattern: Pattern, unknowns: NDArray[np.uint32]) -> Struct:
-        """Return a Jacobian's column groups as a struct."""
         n, groups = len(self.states), column_groups(pattern, len(self.states))
         starts = np.cumsum([0, *map(len, pattern)])
         entries = [
@@ -251,7 +247,6 @@ class FmuPrediction:
         )  # fmt: skip
 
     def _read(self, instance: Instance, call: str) -> Vector:
-        """Call an FMI function that returns a value of each state, and return them, shape (n,)."""
         values = np.zeros(len(self.states))
         instance.call(call, values.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), values.size, time=0.0)
         return values[[self._description.states.index(name) for name in self.states]]
@@ -335,15 +330,16 @@ class FmuPrediction:
         return value
 
     def _require_fine(self, code: int) -> None:
-        """Raise the failure that ended an evaluation, if there was one."""
         if not code:
             return
         instance = self._open()
-        if code not in (_VALUE_NOT_FINITE, _ENTRY_NOT_FINITE):
-            instance.check(self._plan.status, CALLS[code], 0.0, "evaluating the prediction")
+        codes = kernel_library(*_KERNEL).functions
+        if code not in (codes.VALUE_NOT_FINITE, codes.ENTRY_NOT_FINITE):
+            call = next(call for name, call in _CALLS.items() if getattr(codes, name) == code)
+            instance.check(self._plan.status, call, 0.0, "evaluating the prediction")
         names = self.outputs if self._plan.is_output else self._derivatives
         pattern = self._output_pattern if self._plan.is_output else self._derivative_pattern
-        if code == _VALUE_NOT_FINITE:
+        if code == codes.VALUE_NOT_FINITE:
             variable = names[self._plan.at]
         else:
             row, column = [(row, column) for row, columns in enumerate(pattern) for column in columns][self._plan.at]
@@ -369,7 +365,7 @@ def _require_si(description: Description, variable: Variable) -> None:
     stated_unit = variable.unit
     if stated_unit is not None and (stated_unit.factor != 1.0 or stated_unit.offset != 0.0):
         raise FmuError(
-            f"{description.file}: '{variable.name}' of a prediction is in '{stated_unit.name}', SI is wanted; "
+            f"{description.file}: '{variable.name}' of a prediction is in '{stated_unit.name}', but must be in SI; "
             "correct the model."
         )
 

@@ -68,7 +68,6 @@ def limit_messages(most: int, end: Callable[[], object]) -> None:
 
 
 def _hear(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
-    """Store a message of an FMU in the log of the environment from its instantiation."""
     global _heard
     _heard += 1
     if _quota is not None and _heard > _quota[0]:
@@ -129,11 +128,8 @@ _SOLVER_LINES: Final = re.compile(rb"^LOG_SOLVER .*\n(?:\|.*\n)*", re.MULTILINE)
 
 @contextmanager
 def _without_solver_lines(description: Description) -> Generator[None]:
-    """Remove the solver messages of OpenModelica FMUs from standard output during initialisation.
-
-    Such an FMU prints a dozen lines with printf, whatever logging is set (fmu_read_flags.c of its FMI export), some
-    versions in fmi2Instantiate, some at initialisation. All other output is passed on.
-    """
+    # OpenModelica FMUs print a dozen lines with printf whatever logging is set (fmu_read_flags.c of its FMI export),
+    # some versions in fmi2Instantiate, some at initialisation. All other output is passed on.
     if "OpenModelica" not in description.generator:
         yield
         return
@@ -215,7 +211,6 @@ class Instance:
             instance.setDebugLogging(bool(categories), categories)
 
     def _hear(self, _: object, status: int, category: bytes, message: bytes) -> None:
-        """Store a message of an FMI 3.0 FMU."""
         _hear(self._environment, b"", status, category, message)
 
     def address(self, name: str) -> int:
@@ -273,7 +268,6 @@ class Instance:
         )
 
     def _discard(self, failure: Failure) -> Failure:
-        """Complete the failure of a discarded step: the last successful time, and whether the FMU requested the end."""
         termination, last_time = ctypes.c_int(0), ctypes.c_double(0.0)
         knows_end = self._library.fmi2GetBooleanStatus(self.component, _TERMINATED, ctypes.byref(termination))
         knows_time = self._library.fmi2GetRealStatus(self.component, _LAST_SUCCESSFUL_TIME, ctypes.byref(last_time))

@@ -116,7 +116,7 @@ class IsolatedCoSimulation(SteppedPlant):
         self._hurry = False
 
     def __enter__(self) -> Self:
-        """Unpack the FMU in this process, so that its files are removed even if the child crashes; start the child."""
+        # The FMU is unpacked in this process, so that its files are removed even if the child crashes.
         with ExitStack() as stack:
             folder = stack.enter_context(unpack(self._description))
             ours, theirs = socket.socketpair()
@@ -142,10 +142,7 @@ class IsolatedCoSimulation(SteppedPlant):
         return self
 
     def _how(self) -> str:
-        """Return limits and import path of the child as JSON.
-
-        The path has this program's folder after Python's, and never the current folder.
-        """
+        # The path has this program's folder after Python's, and never the current folder.
         path = [folder for folder in sys.path if Path(folder).is_absolute() and Path(folder) != Path.cwd()]
         output = max(self._limits.output_mib * MIB - self._account.printed, 0)
         how = {"path": [*path, str(Path(__file__).parents[2])], "limits": self._limits.model_dump(), "output": output}
@@ -178,7 +175,7 @@ class IsolatedCoSimulation(SteppedPlant):
             _sweep(self._token)
 
     def _report_bad_end(self, process: subprocess.Popen[bytes], life: socket.socket) -> None:
-        """Notify the user if the FMU could not be terminated and freed, which does not affect results."""
+        # Results are complete by then, so a bad end does not affect them.
         words = f"it did not return within {self._patience:g} s"
         if process.poll() is not None:
             report = self._report_on(life)
@@ -214,12 +211,6 @@ class IsolatedCoSimulation(SteppedPlant):
         return np.frombuffer(payload).copy()
 
     def _ask(self, request: Request, payload: bytes) -> bytes:
-        """Send one request to the child and return its answer.
-
-        Raises:
-            PlantFailed: The FMU failed, the child died, or it did not answer in time.
-            FmuError: The child found an error in the request.
-        """
         if self._failure is not None:
             raise self._failure
         line = self._line
@@ -273,7 +264,6 @@ class IsolatedCoSimulation(SteppedPlant):
         return self._how_it_ended(*report) if report else ("crash", "its process is gone, and the one that watched it")
 
     def _report_on(self, life: socket.socket) -> tuple[int, int] | None:
-        """Return wait status and maximum memory [KiB] of the FMU's process after its end; None without a report."""
         report = _report_on(life)
         if report is None:
             return None
@@ -300,7 +290,6 @@ class IsolatedCoSimulation(SteppedPlant):
 
 
 def _report_on(life: socket.socket) -> tuple[int, int, int] | None:
-    """Return the keeper's report after the end of the FMU's process, or None."""
     life.settimeout(_GOODBYE)
     report = b""
     with suppress(OSError):
@@ -313,7 +302,7 @@ def _limit(key: str, value: float, unit: str = "") -> str:
 
 
 def _sweep(token: str) -> None:
-    """Kill every process that an FMU left behind, identified by its environment; on Linux only."""
+    # Processes are identified by their environment, which only Linux reveals.
     mark = f"{_TOKEN}={token}".encode()
     for process in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):

@@ -117,7 +117,6 @@ def _limit(limits: dict[str, int]) -> None:
 
 
 def _tasks() -> int:
-    """Return the number of processes and threads of this user."""
     count = 0
     for process in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
@@ -151,7 +150,7 @@ def _supervise(server: int, life: int, wakeup: int, output: _Output) -> bool:
 
 
 def _end_the_rest() -> None:
-    """Kill the processes that left the session; on Linux they have been reparented to this one."""
+    # On Linux, processes that left the session have been reparented to this one.
     with suppress(ChildProcessError):
         while True:
             for child in _children():

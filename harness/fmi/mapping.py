@@ -77,7 +77,7 @@ class Channel:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SignalVector:
-    """All signals of one direction, laid out in one vector.
+    """All signals of one direction in one vector.
 
     The layout does not depend on the FMU: outputs that an FMU lacks are NaN, and inputs that it lacks are ignored.
 
@@ -238,7 +238,7 @@ def _side(
 
 
 def _spellings(signal: Signal) -> Iterator[tuple[str, ...]]:
-    """Yield the names that tools without arrays give to the elements of a signal: `demand_1` and `demand1`."""
+    # Tools without arrays write `demand_1` or `demand1`.
     if signal.size == 1:
         yield (signal.name,)
     if signal.size:
@@ -282,7 +282,6 @@ def _tie(
     *,
     into_fmu: bool,
 ) -> tuple[Variable, float, float]:
-    """Return the variable of one element, with gain and shift in the direction of travel."""
     variable = description.variable(target.variable, f"{where} {element}")
     file = description.file.name
     readable = causality == "output" and variable.causality in (
@@ -295,10 +294,10 @@ def _tie(
     if not (variable.causality == causality or readable or changeable):
         raise FmuError(
             f"{where} {element}: '{variable.name}' of {file} is {_article(variable.causality)}, "
-            f"{_article(causality)} is wanted; map '{signal.name}' to another variable."
+            f"but must be {_article(causality)}; map '{signal.name}' to another variable."
         )
     if variable.kind in ("String", "Binary"):
-        raise FmuError(f"{where} {element}: '{variable.name}' of {file} is a {variable.kind}, a number is wanted.")
+        raise FmuError(f"{where} {element}: '{variable.name}' of {file} is a {variable.kind}, not a number.")
     ours = unit(signal.unit)
     theirs = _unit_of(variable, target, ours, file, f"{where} {element}")
     try:
@@ -322,7 +321,6 @@ def _tie(
 
 
 def _unit_of(variable: Variable, target: _Target, ours: Unit, file: str, who: str) -> Unit:
-    """Return the unit of an FMU's variable: as defined, as named, or as stated in the mapping."""
     unit_of_variable = variable.unit
     if target.stated_unit is not None:
         try:
@@ -356,7 +354,6 @@ def _unit_of(variable: Variable, target: _Target, ours: Unit, file: str, who: st
 
 
 def _targets(signal: Signal, entries: Mapping[str, object], where: str) -> tuple[_Target, ...]:
-    """Return one target per element of a signal, from its entry or from its name."""
     who = f"{where} {signal.name}"
     entry = entries.get(signal.name)
     if entry is None:
@@ -387,7 +384,7 @@ def _target(item: object, index: int, signal: Signal, who: str, *, pattern: bool
         if fields:
             raise FmuError(f"{who} has no key '{next(iter(fields))}'; it has variable, scale and unit.")
     if not isinstance(name, str) or not name.strip("- "):
-        raise FmuError(f"{who}: the name of an FMU variable is wanted, got {name!r}.")
+        raise FmuError(f"{who}: expected is the name of an FMU variable, got {name!r}.")
     if isinstance(scale, bool) or not isinstance(scale, int | float) or not np.isfinite(scale) or scale == 0:
         raise FmuError(f"{who}: scale is a finite number other than 0, got {scale!r}.")
     if unit_entry is not None and not isinstance(unit_entry, str):
@@ -405,7 +402,7 @@ def _target(item: object, index: int, signal: Signal, who: str, *, pattern: bool
 
 
 def _all_missing(description: Description, missing: Sequence[str], causality: Causality, where: str) -> str:
-    """Return a sentence that lists all missing signals at once, so that one correction suffices."""
+    # All at once, so that one correction suffices.
     candidates = description.names(causality)
     lines = [f"'{name}'{_near(name, candidates, end='')}" for name in missing[:8]]
     rest = f", and {len(missing) - 8} more" if len(missing) > 8 else ""

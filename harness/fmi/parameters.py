@@ -86,7 +86,6 @@ def _elements(name: str, values: Sequence[object], at: tuple[int, ...]) -> Itera
 
 
 def _check(variable: Variable, value: object, file: str) -> Scalar:
-    """Return the value converted to the FMU's type."""
     who = f"parameters: '{variable.name}' of {file}"
     if variable.kind == "String":
         if not isinstance(value, str):

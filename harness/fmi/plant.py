@@ -173,7 +173,6 @@ class LoadedPlant(SteppedPlant, ABC):
         return self._failure or RuntimeError(f"a {type(self).__name__} is started before it is stepped, inside 'with'")
 
     def _spread(self, outputs: Vector) -> Vector:
-        """Return the vector of all signals, NaN for those that the FMU lacks."""
         if outputs.size == self._blank.size:
             return outputs.copy()
         everything = self._blank.copy()
@@ -181,13 +180,12 @@ class LoadedPlant(SteppedPlant, ABC):
         return everything
 
     def _not_finite(self, instance: Instance, place: int, value: float) -> PlantFailed:
-        """Return the failure for an output that is not finite; `place` counts the outputs that the FMU has."""
         name = self._binding.outputs.elements[self._places[place]]
         return PlantFailed(instance.failure("not_finite", "", self.time, variable=name, doing=f"{value}"))
 
     @contextmanager
     def _remembering(self) -> Generator[None]:
-        """Store a failure raised in the block: the plant is unusable and repeats it from then on."""
+        # A plant that has failed is unusable; it repeats its failure from then on.
         try:
             yield
         except PlantFailed as error:

@@ -94,7 +94,6 @@ def _reason(error: FmuError) -> str:
 
 
 def _step(description: Description, suggested: str) -> None:
-    """Step an FMU and read all of its outputs; raise `PlantFailed` if it fails."""
     outputs = [v for v in description.variables.values() if v.causality == "output" and v.kind in _NUMBERS]
     binding = Binding(inputs=side_of(()), outputs=side_of(outputs), unused=(), parameters={})
     try:
@@ -109,7 +108,6 @@ def _step(description: Description, suggested: str) -> None:
 
 
 def _tool(generator: str) -> str:
-    """Return the name of a tool without its version."""
     name = _AFTER_NAME.split(generator.strip(), maxsplit=1)[0].strip()
     if name.startswith(("OpenModelica", "OMCompiler")):
         return "OpenModelica"

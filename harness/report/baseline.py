@@ -257,11 +257,11 @@ def findings_of(results: Results) -> Findings:
                 name=result.name,
                 value=row.distance_m,
                 unit="m",
-                repeated=result.repeats_of_this_stop,
+                repeated=result.own_repeats,
                 adhesion_peak=row.adhesion_peak,
                 longest_lock=row.longest_lock_s,
                 valve_strokes=row.valve_strokes,
-                figures=result.record.metrics.beside_distance(),
+                figures=result.metrics.beside_distance(),
             )
             for result, row in zip(results.stops, rows_of(results), strict=True)
         ),
@@ -353,7 +353,7 @@ def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
         shown = {"adhesion_peak": finding.adhesion_peak, "longest_lock": finding.longest_lock}
         update: dict[str, object] = {key: None if value is None else round(value, 3) for key, value in shown.items()}
         update["valve_strokes"] = finding.valve_strokes
-        # Without repeats there is no tolerance for figures, so those accepted before are kept.
+        # The tolerance of figures comes from repeats; without repeats, keep the figures accepted before.
         if finding.repeated is not None and finding.repeated.figures:
             update["figures"] = _figures_beside(finding, finding.repeated)
         if finding.repeated is not None and finding.repeated.is_smooth and abs(finding.value - before.value) <= SMOOTH:
@@ -473,5 +473,4 @@ def _moved_figures(before: AcceptedValue | None, finding: Finding | None) -> tup
 
 
 def _magnitude(number: float) -> int:
-    """Return the power of ten of the leading digit."""
     return math.floor(math.log10(abs(number))) if number else 0

@@ -14,20 +14,19 @@ from railgrip.base.errors import RecordError
 from railgrip.base.units import cut, short
 from railgrip.report.page import Page
 from railgrip.report.results import Results, provenance, read_results
+from railgrip.report.stop import (
+    CAMPAIGN_FILE,
+    STOP_FILE,
+    Stop,
+    others_like,
+    read_stop,
+    require_no_result,
+)
 from railgrip.report.table import Form, ReportTable, percent, text
 from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace.loss import Loss, SectionLoss, course_of, loss
 from railgrip.trace.metrics import Metrics, meanings
-from railgrip.trace.stop import (
-    CAMPAIGN_FILE,
-    STOP_FILE,
-    Stop,
-    StopRecord,
-    others_like,
-    read_stop,
-    require_no_result,
-)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -51,26 +50,24 @@ class ComparisonSide:
     """
 
     name: str
-    record: StopRecord
+    stop: Stop
     trace: xarray.Dataset | None
 
     @classmethod
-    def of(cls, stop: Stop | StopRecord, name: str) -> Self:
-        """Return a stop, or the record of one, as a side; the trace of a record is read."""
-        record = stop if isinstance(stop, StopRecord) else stop.record()
-        trace = stop.trace if isinstance(stop, Stop) else stop.trace() if stop.has_trace else None
-        return cls(name=name, record=record, trace=trace)
+    def of(cls, stop: Stop, name: str) -> Self:
+        """Return a stop as a side; its trace is read if it was kept."""
+        return cls(name=name, stop=stop, trace=stop.trace if stop.has_trace else None)
 
     @property
     def question(self) -> dict[str, Any]:
         """All inputs of the stop by key: scenario, versions, FMUs and classes."""
-        return question_of(self.record) | {"scenario digest": self.record.digest}
+        return question_of(self.stop) | {"scenario digest": self.stop.digest}
 
     @property
     def headline(self) -> str:
         """Outcome and distance, for readers."""
-        metrics = self.record.metrics
-        return f"{self.record.outcome.value}, {metrics.distance_travelled:.2f} m in {metrics.duration:.2f} s"
+        metrics = self.stop.metrics
+        return f"{self.stop.outcome.value}, {metrics.distance_travelled:.2f} m in {metrics.duration:.2f} s"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -189,7 +186,7 @@ def compare(*results: Comparable) -> Comparison:
     """
     if not 2 <= len(results) <= len(ascii_uppercase):
         raise RecordError(
-            f"compare: two to {len(ascii_uppercase)} results are wanted, got {len(results)}; name their folders"
+            f"compare: expects two to {len(ascii_uppercase)} results, got {len(results)}; name their folders"
         )
     campaigns = [_is_campaign(result) for result in results]
     if any(campaigns) and not all(campaigns):
@@ -220,9 +217,9 @@ def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:
     return keys
 
 
-def question_of(record: StopRecord) -> dict[str, Any]:
+def question_of(stop: Stop) -> dict[str, Any]:
     """Return all inputs of a stop by key: scenario, versions, FMUs and classes."""
-    return flat(record.scenario) | flat({"versions": record.versions, "fmus": record.fmus, "classes": record.classes})
+    return flat(stop.inputs) | flat({"versions": stop.versions, "fmus": stop.fmus, "classes": stop.classes})
 
 
 def _is_campaign(result: Any) -> bool:
@@ -256,13 +253,13 @@ def _of_stops(sides: Sequence[ComparisonSide]) -> Comparison:
     without = [side.name for side in sides if side.trace is None]
     if sides[0].trace is not None:
         courses = {
-            letter: course_of(side.trace, stands=side.record.outcome is Outcome.STANDSTILL)
+            letter: course_of(side.trace, stands=side.stop.outcome is Outcome.STANDSTILL)
             for letter, side in zip(letters, sides, strict=True)
             if side.trace is not None
         }
         along = {letter: loss(courses["A"], courses[letter]) for letter in courses if letter != "A"}
-    records = [side.record for side in sides]
-    sentences = [_distance_sentence(letters[i], records[0], records[i]) for i in range(1, len(records))]
+    stops = [side.stop for side in sides]
+    sentences = [_distance_sentence(letters[i], stops[0], stops[i]) for i in range(1, len(stops))]
     sentences += [sentence for letter, lost in along.items() for sentence in _where(letter, lost)]
     if without:
         sentences.append(f"Where along the track is not known: no samples were kept of {', '.join(without)}.")
@@ -276,13 +273,13 @@ def _of_stops(sides: Sequence[ComparisonSide]) -> Comparison:
         sentences=sentences,
         provenance={
             f"{letter}, {key}": value
-            for letter, record in zip(letters, records, strict=True)
-            for key, value in provenance(record).items()
+            for letter, stop in zip(letters, stops, strict=True)
+            for key, value in provenance(stop).items()
         },
     )
 
 
-def _distance_sentence(letter: str, first: StopRecord, other: StopRecord) -> str:
+def _distance_sentence(letter: str, first: Stop, other: Stop) -> str:
     before, after = first.braking_distance, other.braking_distance
     if before is None or after is None:
         missing = ", ".join(
@@ -296,7 +293,6 @@ def _distance_sentence(letter: str, first: StopRecord, other: StopRecord) -> str
 
 
 def _where(letter: str, lost: Loss) -> list[str]:
-    """Return sentences on the sections with the largest differences; empty if the stops do not differ."""
     sections = sorted(lost.sections, key=lambda section: -abs(section.lost))
     sentences: list[str] = []
     if abs(lost.at_start) >= 0.005:
@@ -339,7 +335,6 @@ def _sections(letter: str, lost: Loss) -> ReportTable:
 
 
 def _question(questions: Sequence[Mapping[str, Any]]) -> ReportTable:
-    """Return the keys whose values differ, starting with those of the scenario."""
     letters = ascii_uppercase[: len(questions)]
     keys = dict.fromkeys(key for question in questions for key in question)
     rows = [
@@ -382,12 +377,11 @@ _Figures = Mapping[str, tuple[float, str]]
 
 
 def _answer(sides: Sequence[ComparisonSide], figures_of: Callable[[Metrics], _Figures], title: str) -> ReportTable:
-    """Return the figures that differ, with the differences to the first stop."""
     letters = ascii_uppercase[: len(sides)]
-    figures = [figures_of(side.record.figures) for side in sides]
+    figures = [figures_of(side.stop.figures) for side in sides]
     rows: list[dict[str, Any]] = []
-    if len({side.record.outcome for side in sides}) > 1:
-        rows.append(_row("outcome", [side.record.outcome.value for side in sides], "", letters))
+    if len({side.stop.outcome for side in sides}) > 1:
+        rows.append(_row("outcome", [side.stop.outcome.value for side in sides], "", letters))
     for name, unit in dict.fromkeys((name, unit) for figure in figures for name, (_, unit) in figure.items()):
         values = [figure.get(name, (math.nan, unit))[0] for figure in figures]
         if any(value != values[0] and not (math.isnan(value) and math.isnan(values[0])) for value in values):
@@ -443,7 +437,7 @@ def _means(metrics: Metrics) -> dict[str, tuple[float, str]]:
 
 def _of_campaigns(names: Sequence[str], results: Sequence[Results]) -> Comparison:
     letters = ascii_uppercase[: len(names)]
-    stops = [{stop.name: stop.record for stop in result.stops} for result in results]
+    stops = [{stop.name: stop for stop in result.stops} for result in results]
     common = [name for name in stops[0] if all(name in stop for stop in stops)]
     if not common:
         raise RecordError(f"compare: {' and '.join(names)} have no stop of the same name")
@@ -474,19 +468,19 @@ def _of_campaigns(names: Sequence[str], results: Sequence[Results]) -> Compariso
     )
 
 
-def _distances(common: Sequence[str], stops: Sequence[Mapping[str, StopRecord]]) -> ReportTable:
+def _distances(common: Sequence[str], stops: Sequence[Mapping[str, Stop]]) -> ReportTable:
     letters = ascii_uppercase[: len(stops)]
     rows: list[dict[str, Any]] = []
     for name in common:
-        records = [stop[name] for stop in stops]
-        first = records[0].braking_distance
+        compared = [stop[name] for stop in stops]
+        first = compared[0].braking_distance
         row: dict[str, Any] = {"stop": name}
         row |= {
-            f"{letter} [m]": record.outcome.value if record.braking_distance is None else record.braking_distance
-            for letter, record in zip(letters, records, strict=True)
+            f"{letter} [m]": stop.outcome.value if stop.braking_distance is None else stop.braking_distance
+            for letter, stop in zip(letters, compared, strict=True)
         }
-        for letter, record in zip(letters[1:], records[1:], strict=True):
-            other, difference, share = record.braking_distance, math.nan, math.nan
+        for letter, stop in zip(letters[1:], compared[1:], strict=True):
+            other, difference, share = stop.braking_distance, math.nan, math.nan
             if first is not None and other is not None:
                 difference, share = other - first, 100 * (other / first - 1)
             row |= {f"{letter} − A [m]": difference, f"{letter} − A [%]": share}
@@ -497,7 +491,7 @@ def _distances(common: Sequence[str], stops: Sequence[Mapping[str, StopRecord]])
     return ReportTable(rows, forms, ("stop",), "Braking distances")
 
 
-def _spread(letters: str, common: Sequence[str], stops: Sequence[Mapping[str, StopRecord]]) -> list[str]:
+def _spread(letters: str, common: Sequence[str], stops: Sequence[Mapping[str, Stop]]) -> list[str]:
     """Return a sentence for each further campaign on the differences of all distances."""
     sentences: list[str] = []
     for letter, stop in zip(letters[1:], stops[1:], strict=True):
@@ -519,12 +513,12 @@ def _spread(letters: str, common: Sequence[str], stops: Sequence[Mapping[str, St
     return sentences
 
 
-def _common_question(pairs: Sequence[Sequence[StopRecord]]) -> ReportTable:
+def _common_question(pairs: Sequence[Sequence[Stop]]) -> ReportTable:
     """Return the keys that differ in some of the stops, with their number, and the values that all of these share."""
     letters = ascii_uppercase[: len(pairs[0])]
     rows: dict[str, dict[str, Any]] = {}
-    for records in pairs:
-        for row in _question([question_of(record) for record in records]).rows:
+    for pair in pairs:
+        for row in _question([question_of(stop) for stop in pair]).rows:
             known = rows.setdefault(row["key"], dict(row) | {"stops": 0})
             known["stops"] += 1
             for letter in letters:

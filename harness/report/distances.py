@@ -15,9 +15,10 @@ from railgrip.report.distribution import distribution_table, distributions_of
 from railgrip.report.limits import SUBJECTS, limits_of
 from railgrip.report.page import write_page
 from railgrip.report.reference import controller_of, label, references, setting_of
-from railgrip.report.results import Result, Results, fmu_tools, from_elsewhere
+from railgrip.report.results import Results, fmu_tools, from_elsewhere
 from railgrip.report.row import Row
 from railgrip.report.statistics import finite
+from railgrip.report.stop import Stop
 from railgrip.report.table import Form, ReportTable, change, names, percent, share
 from railgrip.scenario.campaign import DRAW
 from railgrip.scenario.conditioning import RepeatedDistances
@@ -32,12 +33,10 @@ VALVES = "pneumatic"
 def rows_of(results: Results) -> tuple[Row, ...]:
     """Return the rows of a campaign, in its order."""
     constant = _hidden_axes(results.stops)
-    compared_with = references(
-        results.stops, lambda stop: stop.record.scenario, lambda stop: stop.record.braking_distance
-    )
+    compared_with = references(results.stops, lambda stop: stop.inputs, lambda stop: stop.braking_distance)
     limits = limits_of()
     return tuple(
-        _row(stop, published, tuned, constant, limits.find_violations(stop.record))
+        _row(stop, published, tuned, constant, limits.find_violations(stop))
         for stop, (published, tuned) in zip(results.stops, compared_with, strict=True)
     )
 
@@ -50,7 +49,7 @@ def write_table(results: Results, directory: Path, notes: Sequence[str] = ()) ->
         "rows": [asdict(row) for row in rows],
         "distributions": [asdict(distribution) for distribution in distributions_of(rows)],
         "missing": list(results.missing),
-        "fmus": {stop.name: fmu_tools(stop.record.versions) for stop in results.stops},
+        "fmus": {stop.name: fmu_tools(stop.versions) for stop in results.stops},
     }
     as_json, as_markdown = directory / f"{results.name}.json", directory / f"{results.name}.md"
     claim(directory, as_json.name, as_markdown.name)
@@ -155,15 +154,12 @@ _FORMS: Mapping[str, Form] = {
 }
 
 
-def _row(
-    result: Result, sbc: Result | None, tuned: Result | None, constant: Sequence[str], breaks: tuple[str, ...]
-) -> Row:
-    record = result.record
-    scenario, metrics, distance = record.scenario, record.figures, record.braking_distance
+def _row(stop: Stop, sbc: Stop | None, tuned: Stop | None, constant: Sequence[str], breaks: tuple[str, ...]) -> Row:
+    scenario, metrics, distance = stop.inputs, stop.figures, stop.braking_distance
     actuation, sensors, polach = setting_of(scenario)
     return Row(
         scenario=scenario["name"],
-        case=", ".join(f"{axis} {result.variants[axis]}" for axis in constant),
+        case=", ".join(f"{axis} {stop.variants[axis]}" for axis in constant),
         polach=polach,
         actuation=actuation,
         sensors=sensors,
@@ -171,19 +167,19 @@ def _row(
         controller_label=label(scenario),
         estimator=_estimator(scenario),
         friction=_friction(scenario["adhesion"]),
-        draw=int(result.variants[DRAW]) if DRAW in result.variants else None,
-        reference="published" if sbc is result else "best tuned" if tuned is result else None,
+        draw=int(stop.variants[DRAW]) if DRAW in stop.variants else None,
+        reference="published" if sbc is stop else "best tuned" if tuned is stop else None,
         distance_m=distance,
-        repeated=spread_text(result.conditioning, record.digest, distance),
-        duration_s=metrics.duration if record.outcome is Outcome.STANDSTILL else None,
-        reduction_vs_sbc=_reduction(distance, sbc, result),
-        reduction_vs_tuned=_reduction(distance, tuned, result),
+        repeated=spread_text(stop.conditioning, stop.digest, distance),
+        duration_s=metrics.duration if stop.outcome is Outcome.STANDSTILL else None,
+        reduction_vs_sbc=_reduction(distance, sbc, stop),
+        reduction_vs_tuned=_reduction(distance, tuned, stop),
         utilisation=finite(metrics.utilisation),
-        paper_distance_m=result.paper_distance,
+        paper_distance_m=stop.paper_distance,
         paper_reduction=None
-        if sbc is None or sbc is result or sbc.paper_distance is None or result.paper_distance is None
-        else 1 - result.paper_distance / sbc.paper_distance,
-        outcome=record.outcome.value,
+        if sbc is None or sbc is stop or sbc.paper_distance is None or stop.paper_distance is None
+        else 1 - stop.paper_distance / sbc.paper_distance,
+        outcome=stop.outcome.value,
         breaks=breaks,
         adhesion_peak=finite(max(metrics.adhesion_peak)),
         longest_lock_s=finite(max(metrics.longest_lock)),
@@ -191,7 +187,7 @@ def _row(
         air_l=finite(1000 * metrics.air_used),
         nis=metrics.nis_ratio,
         outside=max((*(metrics.adhesion_outside or ()), *(metrics.pad_friction_outside or ())), default=None),
-        stop=result.name,
+        stop=stop.name,
     )
 
 
@@ -215,11 +211,11 @@ def spread_text(conditioning: RepeatedDistances | None, digest: str, distance: f
     return f"{conditioning.median:.2f} m ({conditioning.lowest:.2f} – {conditioning.highest:.2f} m){others}{lots}"
 
 
-def _hidden_axes(stops: Sequence[Result]) -> tuple[str, ...]:
+def _hidden_axes(stops: Sequence[Stop]) -> tuple[str, ...]:
     """Return the axes along which stops differ although all columns are equal; draws have a separate column."""
-    alike: dict[tuple[str, ...], list[Result]] = {}
+    alike: dict[tuple[str, ...], list[Stop]] = {}
     for stop in stops:
-        scenario = stop.record.scenario
+        scenario = stop.inputs
         columns = (scenario["name"], *setting_of(scenario), label(scenario), _estimator(scenario))
         alike.setdefault(columns, []).append(stop)
     axes = dict.fromkeys(axis for stop in stops for axis in stop.variants if axis != DRAW)
@@ -229,7 +225,6 @@ def _hidden_axes(stops: Sequence[Result]) -> tuple[str, ...]:
 
 
 def _friction(adhesion: Mapping[str, Any]) -> str:
-    """Return the maximum friction of a constant rail, and of its patches."""
     if adhesion["kind"] != "constant":
         return ""
     patches = sorted({value for patch in adhesion.get("patch", ()) for value in patch["mu0"]})
@@ -242,7 +237,7 @@ def _estimator(scenario: Mapping[str, Any]) -> str:
     return estimator["kind"] if estimator["kind"] == "none" else f"{estimator['model']} ({estimator['kind']})"
 
 
-def _reduction(distance: float | None, reference: Result | None, own: Result) -> float | None:
+def _reduction(distance: float | None, reference: Stop | None, own: Stop) -> float | None:
     """Return 1 − distance over that of the reference; None if one is missing, and for the reference itself."""
-    before = reference.record.braking_distance if reference is not None and reference is not own else None
+    before = reference.braking_distance if reference is not None and reference is not own else None
     return None if distance is None or before is None else 1 - distance / before

@@ -120,7 +120,6 @@ def distribution_table(distributions: Sequence[Distribution]) -> ReportTable:
 
 
 def _question(distribution: Distribution) -> dict[str, str]:
-    """Return the conditions that distinguish a distribution from the others of a campaign."""
     return {
         "scenario": distribution.label,
         "actuation": distribution.actuation,

@@ -84,7 +84,7 @@ def estimates_figure(recording: xarray.Dataset, estimates: xarray.Dataset, input
     )
     last.axhline(1.0, color=palette.BLACK, lw=0.8, ls=":")
     last.set_ylim(1e-2, 1e2)
-    style.dress(last, x="time [s]", y="NIS a reading\n(1 wanted)")
+    style.dress(last, x="time [s]", y="NIS per reading\n(expected: 1)")
     truth = "; dashed: truth" if any(knows(recording, str(state)) for state in estimates["state"].values) else ""
     nis = f"; median NIS {estimates.attrs['nis_ratio']:.2g} of the expected one"
     names = [estimates.attrs[kind] for kind in ("estimation", "name") if estimates.attrs.get(kind)]

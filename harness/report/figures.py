@@ -3,23 +3,20 @@
 import json
 from collections.abc import Mapping, Sequence
 from itertools import cycle
-from math import ceil, isfinite
 from typing import Any
 
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
 
 from railgrip.report import palette, style
 from railgrip.report.cases_figure import MAX_CASES, cases_figure
 from railgrip.report.distribution import distributions_of, over_cases
 from railgrip.report.distribution_figure import distribution_figure
-from railgrip.report.reference import label
-from railgrip.report.results import Result
 from railgrip.report.row import Row, short_names
-from railgrip.trace.stop import StopRecord
+from railgrip.report.signals_figure import signals_figure
+from railgrip.report.stop import Stop
 
 _CONTROLLER_COLOURS = {
     "full_brake": palette.GREY,
@@ -38,16 +35,11 @@ _CONTROLLER_COLOURS = {
 
 _RAIL_COLOURS = (*palette.LINES, palette.GREY)
 
-_STOP_MARGINS = {"left": 0.055, "right": 0.875, "wspace": 0.06, "hspace": 0.1}
-
-_MAX_COLUMNS = 8
-"""Maximum number of groups side by side, so that panels stay readable; those of a longer train follow below."""
-
 _MAX_BARS = 9
 """Maximum number of scenarios side by side, so that a number fits on each bar."""
 
 
-def friction_figure(stops: Sequence[Result]) -> Figure:
+def friction_figure(stops: Sequence[Stop]) -> Figure:
     """Return a figure of the maximum friction over time, with a panel for each scenario.
 
     For a scenario with one rail every wheelset is drawn, with several rails the leading wheelset on each of them.
@@ -61,13 +53,13 @@ def friction_figure(stops: Sequence[Result]) -> Figure:
     panels = drawing.subplots(len(scenarios), 1, sharex=True, squeeze=False)[:, 0]
     for panel, rails in zip(panels, scenarios.values(), strict=True):
         for colour, (name, stop) in zip(cycle(_RAIL_COLOURS), rails.items(), strict=False):
-            trace = stop.record.trace()
+            trace = stop.trace
             mu0, time = trace["mu0"].values, trace["time"].values
             if len(rails) == 1:
                 draw_wheelsets(panel, time, mu0)
             else:
                 panel.plot(time, mu0[:, 0], color=colour, linewidth=1.2, label=name)
-        titles = {_title(stop) for stop in rails.values()}
+        titles = {stop.title for stop in rails.values()}
         style.dress(panel, y="maximum friction $\\mu_0$", title=", ".join(sorted(titles)))
         panel.set_ylim(bottom=0)
         panel.set_xlim(0, None)
@@ -87,15 +79,15 @@ def draw_wheelsets(panel: Axes, time: np.ndarray, mu0: np.ndarray) -> None:
         panel.plot(time, mu0[:, wheelsets[0]], color=colours[wheelsets[0]], linewidth=1.4, label=axles)
 
 
-def _rails(stops: Sequence[Result]) -> dict[str, dict[str, Result]]:
+def _rails(stops: Sequence[Stop]) -> dict[str, dict[str, Stop]]:
     """Return scenario → name of the rail → longest stop on it; rails are named by the variants that only they have."""
-    rails: dict[str, dict[str, list[Result]]] = {}
+    rails: dict[str, dict[str, list[Stop]]] = {}
     for stop in stops:
-        scenario = stop.record.scenario
+        scenario = stop.inputs
         rails.setdefault(scenario["name"], {}).setdefault(_rail(scenario["adhesion"]), []).append(stop)
     return {
         name: {
-            _variants(here, list(of_rail.values())): max(here, key=lambda stop: stop.record.metrics.duration)
+            _variants(here, list(of_rail.values())): max(here, key=lambda stop: stop.metrics.duration)
             for here in of_rail.values()
         }
         for name, of_rail in rails.items()
@@ -113,8 +105,7 @@ def _rail(adhesion: Mapping[str, Any]) -> str:
     return json.dumps([level, rest | {"patch": patches}], sort_keys=True)
 
 
-def _variants(here: Sequence[Result], rails: Sequence[Sequence[Result]]) -> str:
-    """Return the variants that distinguish the stops on a rail from those on all other rails."""
+def _variants(here: Sequence[Stop], rails: Sequence[Sequence[Stop]]) -> str:
     parts: list[str] = []
     for axis in here[0].variants:
         here_only = list(dict.fromkeys(stop.variants.get(axis, "") for stop in here))
@@ -122,18 +113,18 @@ def _variants(here: Sequence[Result], rails: Sequence[Sequence[Result]]) -> str:
         if others and others.isdisjoint(here_only):
             more = f" and {len(here_only) - 2} more" if len(here_only) > 3 else ""
             parts.append(", ".join(here_only[: 2 if more else 3]).replace("_", " ") + more)
-    return "; ".join(parts) or _title(here[0])
+    return "; ".join(parts) or here[0].title
 
 
-def adhesion_figure(sbc: Result, abc: Result) -> Figure:
+def adhesion_figure(sbc: Stop, abc: Stop) -> Figure:
     """Return a figure of the adhesion of the first wheelset: with SBC and ABC, estimated, and the maximum in both
     stops.
 
     Source of the layout: Schwarz, Posielek and Goetjes, Fig. 4.
     """
-    slide, seek = sbc.record.trace(), abc.record.trace()
+    slide, seek = sbc.trace, abc.trace
     drawing, panel = style.panels(10, 4.8)
-    draw_adhesion(panel, {"SBC, two-state": slide, "ABC": seek}, abc.record.scenario["limits"]["alpha_max"])
+    draw_adhesion(panel, {"SBC, two-state": slide, "ABC": seek}, abc.inputs["limits"]["alpha_max"])
     if "estimate_adhesion" in seek:
         panel.plot(
             seek["time"].values,
@@ -147,9 +138,9 @@ def adhesion_figure(sbc: Result, abc: Result) -> Figure:
         panel,
         x="time since the brake demand [s]",
         y="adhesion of wheelset 1",
-        title=f"{_title(abc)}, actuation {abc.record.scenario['actuation']['kind']}, "
-        f"sensors {abc.record.scenario['sensors']['kind']}: "
-        f"{_distance(sbc.record)} with SBC, {_distance(abc.record)} with ABC",
+        title=f"{abc.title}, actuation {abc.inputs['actuation']['kind']}, "
+        f"sensors {abc.inputs['sensors']['kind']}: "
+        f"{sbc.distance_text} with SBC, {abc.distance_text} with ABC",
     )
     panel.set_ylim(0, None)
     style.legend(panel, ncols=6, loc="upper center", bbox_to_anchor=(0.5, -0.12))
@@ -242,175 +233,6 @@ def _bar_colours(rows: Sequence[Row]) -> dict[str, str]:
     return colours
 
 
-def stop_figure(stop: Result) -> Figure:
-    """Return the figure of a stop whose samples are in a file; see `signals_figure`."""
-    return signals_figure(stop, stop.record.trace())
-
-
-def signals_figure(stop: Result, trace: xarray.Dataset) -> Figure:
-    """Return the figure of one stop: a column for each group, rows from speed to pressure.
-
-    A train of many groups continues below, in bands with the same axes.
-
-    The rows are speeds of train and wheelset; slip and the slip of maximum adhesion; adhesion with its estimate ±2σ and
-    the maximum; the same for the pad friction; cylinder pressure. Signals that a foreign plant does not output, and
-    that are not estimated, have no row.
-    """
-    metrics, time = stop.record.metrics, trace["time"].values
-    rows = {
-        quantity: draw
-        for quantity, draw in _ROWS.items()
-        if any(_has_values(trace, name) for name in _SIGNALS[quantity])
-    }
-    outside = {"adhesion": metrics.adhesion_outside, "pad friction": metrics.pad_friction_outside}
-    drawing, panels = _columns(trace.sizes["group"], len(rows))
-    for row, (quantity, draw) in zip(panels, rows.items(), strict=True):
-        for group, panel in enumerate(row):
-            draw(panel, time, trace, group)
-            shares = outside.get(quantity)
-            if shares is not None and isfinite(shares[group]):
-                panel.text(0.98, 0.96, f"{100 * shares[group]:.0f} % outside ±2σ", transform=panel.transAxes,
-                           ha="right", va="top", fontsize=8)  # fmt: skip
-            panel.grid(visible=True, color="#DDDDDD", linewidth=0.6)
-            panel.spines[["top", "right"]].set_visible(False)
-            if panel.get_subplotspec().is_first_col():
-                panel.set_ylabel(quantity)
-        if quantity in _FROM_ZERO:
-            # Setting the limits of a panel freezes them, so this comes after all lines.
-            top = max(panel.get_ylim()[1] for panel in row)
-            for panel in row:
-                panel.set_ylim(0, top)
-        style.legend(row[_wide(len(row)) - 1], loc="center left", bbox_to_anchor=(1.0, 0.5))
-    for group in range(trace.sizes["group"]):
-        panels[0, group].set_title(f"group {group + 1}", fontsize=10)
-        panels[-1, group].set_xlabel("time [s]")
-        panels[0, group].set_xlim(0, time[-1])
-    scenario = stop.record.scenario
-    utilisation_text = (
-        f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
-    )
-    consistency = "" if metrics.nis_ratio is None else f"; median NIS {metrics.nis_ratio:.2g} of the expected one"
-    drawing.suptitle(
-        f"{_title(stop)}: {label(scenario)}, actuation "
-        f"{scenario['actuation']['kind']}, sensors {scenario['sensors']['kind']}; {_distance(stop.record)} in "
-        f"{metrics.duration:.1f} s{utilisation_text}{consistency}",
-        x=0.01, y=1 - 0.22 / drawing.get_figheight(), ha="left", fontsize=11,
-    )  # fmt: skip
-    return drawing
-
-
-def _distance(record: StopRecord) -> str:
-    """Return the braking distance for readers; the distance travelled if the train did not stop."""
-    if record.braking_distance is None:
-        return f"no standstill: {record.metrics.distance_travelled:.1f} m travelled"
-    return f"{record.braking_distance:.1f} m"
-
-
-def _wide(groups: int) -> int:
-    return ceil(groups / ceil(groups / _MAX_COLUMNS))
-
-
-def _columns(groups: int, rows: int) -> tuple[Figure, np.ndarray]:
-    """Return a figure and its panels, shape (rows, groups), in as many bands as their width requires."""
-    bands = ceil(groups / _MAX_COLUMNS)
-    wide = _wide(groups)
-    above, below, between, block = 0.77, 0.5, 0.85, 0.03 + 1.94 * rows  # inches
-    height = above + bands * block + (bands - 1) * between + below
-    drawing = style.figure(14, height, _STOP_MARGINS)
-    parts: list[np.ndarray] = []
-    for band in range(bands):
-        top = above + band * (block + between)
-        grid = drawing.add_gridspec(
-            rows, wide, top=1 - top / height, bottom=1 - (top + block) / height, **_STOP_MARGINS
-        )
-        panels = grid.subplots(sharex=True, sharey="row", squeeze=False)
-        for spare in panels[:, groups - band * wide :].flat:
-            spare.remove()
-        parts.append(panels[:, : groups - band * wide])
-    return drawing, np.hstack(parts)
-
-
-def _title(stop: Result) -> str:
-    """Return the name of a scenario, for a random rail with its seed, since it is one draw of many."""
-    scenario = stop.record.scenario
-    name = scenario["name"].replace("_", " ")
-    return f"{name}, seed {scenario['seed']}" if scenario["adhesion"]["kind"] == "random" else name
-
-
-def _has_values(trace: xarray.Dataset, name: str) -> bool:
-    return name in trace and bool(np.isfinite(trace[name].values).any())
-
-
-def _draw_speed(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
-    train = style.KMH * trace["speed"].values
-    panel.plot(time, train, color=palette.BLACK, linewidth=1.4, label="train")
-    if _has_values(trace, "slip"):
-        wheelset = train * (1 - trace["slip"].values[:, group])
-        panel.plot(time, wheelset, color=palette.BLUE, linewidth=0.9, label="wheelset")
-
-
-def _draw_slip(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
-    panel.plot(time, 100 * trace["slip"].values[:, group], color=palette.BLUE, linewidth=0.9, label="slip")
-    if _has_values(trace, "peak_slip"):
-        best = 100 * trace["peak_slip"].values[:, group]
-        panel.plot(time, best, color=palette.BLACK, linewidth=1.2, label="of greatest adhesion")
-    # The optimum slip is 1 to 10 %, a locked wheel 100 %: only a logarithmic axis resolves both.
-    panel.set_yscale("log")
-    panel.set_ylim(0.1, 120)
-    panel.set_yticks([0.1, 1, 10, 100], ["0.1", "1", "10", "100"])
-    panel.yaxis.set_minor_locator(NullLocator())
-
-
-def _draw_adhesion(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
-    # A plant that does not output its brakes has no bound.
-    if _has_values(trace, "peak_adhesion"):
-        best = trace["peak_adhesion"].values[:, group]
-        panel.plot(time, best, color=palette.BLACK, linewidth=1.2, label="greatest possible")
-    _draw_truth_and_estimate(panel, time, trace, "group_adhesion", "estimate_adhesion", group)
-
-
-def _draw_friction(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
-    _draw_truth_and_estimate(panel, time, trace, "pad_friction", "estimate_pad_friction", group)
-    # The estimate before the first brake application may be very uncertain; it must not determine the scale.
-    panel.set_ylim(0.2, 0.6)
-
-
-def _draw_pressure(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
-    pressure = trace["cylinder_pressure"].values[:, group] / 1e5
-    panel.plot(time, pressure, color=palette.BLUE, linewidth=0.9, label="cylinder")
-
-
-def _draw_truth_and_estimate(
-    panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, truth: str, belief: str, group: int
-) -> None:
-    if _has_values(trace, truth):
-        panel.plot(time, trace[truth].values[:, group], color=palette.BLUE, linewidth=1.0, label="true")
-    if _has_values(trace, belief):
-        _draw_estimate(panel, time, trace, belief, group)
-
-
-_ROWS = {
-    "speed [km/h]": _draw_speed,
-    "slip [%]": _draw_slip,
-    "adhesion": _draw_adhesion,
-    "pad friction": _draw_friction,
-    "cylinder pressure [bar]": _draw_pressure,
-}
-
-_FROM_ZERO = {"adhesion", "cylinder pressure [bar]"}
-
-_SIGNALS = {
-    "speed [km/h]": ("speed",),
-    "slip [%]": ("slip",),
-    "adhesion": ("group_adhesion", "estimate_adhesion"),
-    "pad friction": ("pad_friction", "estimate_pad_friction"),
-    "cylinder pressure [bar]": ("cylinder_pressure",),
-}
-
-
-def _draw_estimate(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, name: str, group: int) -> None:
-    mean = trace[name].values[:, group]
-    if f"{name}_sd" in trace:
-        half_width = 2 * trace[f"{name}_sd"].values[:, group]
-        style.band(panel, time, mean - half_width, mean + half_width, palette.ORANGE, 0.3, label="±2σ")
-    panel.plot(time, mean, color=palette.VERMILION, linewidth=1.0, linestyle=(0, (2, 1.2)), label="estimated")
+def stop_figure(stop: Stop) -> Figure:
+    """Return the figure of a stop; see `signals_figure`."""
+    return signals_figure(stop.trace, stop.metrics, stop.heading)

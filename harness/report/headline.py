@@ -30,7 +30,6 @@ class _Contender:
 
     @property
     def violations(self) -> dict[str, int]:
-        """Clause → number of stops that break it."""
         clauses = [clause for row in self.stops for clause in row.breaks]
         return {clause: clauses.count(clause) for clause in dict.fromkeys(clauses)}
 
@@ -73,7 +72,6 @@ def headline(rows: Sequence[Row], reference: ReferenceVariant | None = None, cha
 
 
 def _controllers(rows: Sequence[Row]) -> list[_Contender]:
-    """Return the controllers with stops under the same conditions as the published slip-based control."""
     stops: dict[str, list[Row]] = {}
     for row in rows:
         if row.controller != "ideal_bound":
@@ -111,7 +109,6 @@ def _variants(changes: Sequence[Change]) -> list[_Contender]:
 
 
 def _breaks(candidate: _Contender) -> str:
-    """Return the clauses that a candidate breaks, with the number of its stops."""
     count = len(candidate.stops)
     return ", ".join(
         f"the limit on {SUBJECTS[clause]} in {broken} of {count} stops"

@@ -19,13 +19,13 @@ from railgrip.report.headline import headline
 from railgrip.report.limits import describe_clauses, limits_of
 from railgrip.report.page import FORMATS, Page
 from railgrip.report.reference import is_published
-from railgrip.report.results import Result, Results, from_elsewhere, provenance, read_results
+from railgrip.report.results import Results, from_elsewhere, provenance, read_results
 from railgrip.report.row import Row
+from railgrip.report.stop import CAMPAIGN_FILE, PAGE_FILES, STOP_FILE, Stop, others_like, read_stop
 from railgrip.report.stop_page import stop_page
 from railgrip.report.table import ReportTable, names
 from railgrip.report.variants import ReferenceVariant, change_table, changes_against
 from railgrip.scenario.campaign import DRAW, Panels
-from railgrip.trace.stop import CAMPAIGN_FILE, PAGE_FILES, STOP_FILE, others_like, read_stop
 
 _LEGEND: Mapping[str, Callable[[Row], object]] = {
     "Changes are against slip-based control (SBC) on the same rail: with the published thresholds, 10 and 15 % of "
@@ -77,13 +77,12 @@ def write_report(
     if (directory / STOP_FILE).exists():
         if against is not None:
             raise InputError(f"--against {against}: {directory} holds a stop; only a campaign has variants.")
-        record = read_stop(directory)
-        result = Result(name=record.scenario["name"], variants={}, record=record, paper_distance=None)
+        stop = read_stop(directory)
         notify("stop")
-        if record.has_trace:
+        if stop.has_trace:
             claim(directory, *(f"stop.{form}" for form in formats))
-            style.save_as(stop_figure(result), directory / PAGE_FILES[1], formats)
-        return stop_page(result).write(directory)
+            style.save_as(stop_figure(stop), directory / PAGE_FILES[1], formats)
+        return stop_page(stop).write(directory)
     like = others_like(directory) or "; name the folder of a run or campaign"
     raise RecordError(f"{directory}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}{like}")
 
@@ -106,14 +105,13 @@ def _with_stops(
     notes: Sequence[str],
     reference: ReferenceVariant | None,
 ) -> Page:
-    """Write the table of a campaign and the pages of its stops; return the page of the campaign."""
     notify("table")
     write_table(results, directory, notes)
     single = [stop for stop in results.stops if DRAW not in stop.variants]
     pairs = _pairs(single) if panels != "none" else []
     longest = {row["stop"] for row in worst_table(rows_of(results), {}).rows}
     with_panels = {"all": results.stops, "abc": [abc for _, abc in pairs], "none": ()}[panels]
-    chosen = [stop for stop in with_panels if stop.record.has_trace and stop.name not in longest]
+    chosen = [stop for stop in with_panels if stop.has_trace and stop.name not in longest]
     # The longest of all draws have a page even if their samples were not kept.
     chosen += [stop for stop in results.stops if stop.name in longest]
     pages = {stop.name: f"{stop.name}/index.html" for stop in chosen}
@@ -128,7 +126,7 @@ def campaign_page(
     *,
     notes: Sequence[str],
     pages: Mapping[str, str],
-    pairs: Sequence[tuple[Result, Result]],
+    pairs: Sequence[tuple[Stop, Stop]],
     notify: Notify,
     reference: ReferenceVariant | None = None,
 ) -> Page:
@@ -153,11 +151,7 @@ def campaign_page(
     single = [row for row in rows if row.draw is None]
     if any(row.distance_m is not None for row in single):
         drawings["distances"] = "Braking distances", lambda: distance_figure(single)
-    protected = [
-        stop
-        for stop in results.stops
-        if stop.record.has_trace and stop.record.scenario["controller"]["kind"] != "full_brake"
-    ]
+    protected = [stop for stop in results.stops if stop.has_trace and stop.inputs["controller"]["kind"] != "full_brake"]
     if protected:
         drawings["friction"] = "Maximum friction at the wheelsets", lambda: friction_figure(protected)
     for sbc, abc in pairs:
@@ -198,14 +192,13 @@ def _legend(rows: Sequence[Row]) -> list[str]:
     return sentences
 
 
-def _scenarios(stops: Sequence[Result]) -> ReportTable:
-    """Return names and kinds of the rails, and the seeds that they were drawn with."""
-    of_name: dict[str, list[Result]] = {}
+def _scenarios(stops: Sequence[Stop]) -> ReportTable:
+    of_name: dict[str, list[Stop]] = {}
     for stop in stops:
-        of_name.setdefault(stop.record.scenario["name"], []).append(stop)
+        of_name.setdefault(stop.inputs["name"], []).append(stop)
     rows = []
     for name, stops_of_name in of_name.items():
-        scenarios = [stop.record.scenario for stop in stops_of_name]
+        scenarios = [stop.inputs for stop in stops_of_name]
         seeds = sorted({scenario["seed"] for scenario in scenarios})
         speeds = sorted({scenario["start"]["speed"] for scenario in scenarios})
         rows.append(
@@ -222,18 +215,16 @@ def _scenarios(stops: Sequence[Result]) -> ReportTable:
 
 
 def _train(vehicle: Mapping[str, Any]) -> str:
-    """Return the source of a stop's plant, as its scenario names it."""
     return str(next((vehicle[key] for key in ("train", "model", "plant") if vehicle.get(key)), "unknown"))
 
 
 def _provenance(results: Results) -> dict[str, str]:
-    """Return versions that the stops were run with, a digest of scenarios and results, and the dates of the runs."""
     versions: dict[str, set[str]] = {}
     for stop in results.stops:
-        for name, version in stop.record.versions.items():
+        for name, version in stop.versions.items():
             versions.setdefault(name, set()).add(version)
-    digests = "".join(sorted(f"{stop.record.digest}{stop.record.trace_digest}" for stop in results.stops))
-    dates = sorted(filter(None, (provenance(stop.record)["result written"] for stop in results.stops)))
+    digests = "".join(sorted(f"{stop.digest}{stop.trace_digest}" for stop in results.stops))
+    dates = sorted(filter(None, (provenance(stop)["result written"] for stop in results.stops)))
     return {
         "digest of scenarios and traces (SHA-256)": hashlib.sha256(digests.encode()).hexdigest(),
         "results written": f"{dates[0]} to {dates[-1]}" if dates else "–",
@@ -241,9 +232,9 @@ def _provenance(results: Results) -> dict[str, str]:
     }
 
 
-def _pairs(stops: Sequence[Result]) -> list[tuple[Result, Result]]:
+def _pairs(stops: Sequence[Stop]) -> list[tuple[Stop, Stop]]:
     """Return the stops with ABC, each with the SBC stop that differs only in the controller."""
-    others = {_but_controller(stop): stop for stop in stops if is_published(stop.record.scenario["controller"])}
+    others = {_but_controller(stop): stop for stop in stops if is_published(stop.inputs["controller"])}
     return [
         (others[_but_controller(stop)], stop)
         for stop in stops
@@ -251,5 +242,5 @@ def _pairs(stops: Sequence[Result]) -> list[tuple[Result, Result]]:
     ]
 
 
-def _but_controller(stop: Result) -> tuple[tuple[str, str], ...]:
+def _but_controller(stop: Stop) -> tuple[tuple[str, str], ...]:
     return tuple((axis, variant) for axis, variant in stop.variants.items() if axis != "controller")

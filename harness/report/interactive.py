@@ -123,7 +123,6 @@ class _Plot:
             self.add_legend(legend, names)
 
     def add_legend(self, legend: Legend, names: dict[str, Plot]) -> None:
-        """Add a legend at its place; entries without a trace are drawn in the legend only."""
         number = 1 + sum(key.startswith("legend") for key in self.layout)
         key = f"legend{_index(number)}"
         box = legend.get_window_extent().transformed(cast(Figure, legend.get_figure(root=True)).transFigure.inverted())
@@ -178,7 +177,6 @@ def _note(text: str, x: float, y: float, across: str, along: str, size: float) -
 
 
 def _axis(axes: Axes, letter: str, domain: Sequence[float]) -> Plot:
-    """Return scale, limits, label and grid of an axis, with its ticks if the figure labels them."""
     axis = axes.xaxis if letter == "x" else axes.yaxis
     is_log = axis.get_scale() == "log"
     limits = axes.get_xlim() if letter == "x" else axes.get_ylim()
@@ -207,7 +205,6 @@ def _axis(axes: Axes, letter: str, domain: Sequence[float]) -> Plot:
 
 
 def _traces(axes: Axes) -> Iterator[Plot]:
-    """Yield the artists of a panel as traces, from the back to the front, each with its `label`."""
     bars = [container for container in axes.containers if isinstance(container, BarContainer)]
     in_bars = {id(patch) for container in bars for patch in container.patches}
     for image in axes.images:
@@ -258,7 +255,6 @@ def _style(line: Line2D) -> Plot:
 
 
 def _area(corners: Sequence[np.ndarray], face: Any, edge: Any, width: float) -> Plot:
-    """Return polygons of one colour, separated by gaps."""
     gap = np.full((1, 2), np.nan)
     points = np.vstack([part for corner in corners for part in (corner, gap)]) if corners else gap
     return {"type": "scatter", "mode": "lines", "fill": "toself", "x": array(points[:, 0]), "y": array(points[:, 1]),

@@ -8,17 +8,17 @@ import numpy as np
 from pydantic import Field
 
 from railgrip.report.statistics import finite
+from railgrip.report.stop import Stop
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.quantity import Number, UnitRange
 from railgrip.scenario.table import Table
-from railgrip.trace.stop import StopRecord
 
 _FILE: Final = Path(__file__).parent / "library" / "limits.toml"
 _AMBIENT: Final = 101325.0  # Pa
 
 
 class Clause(Table):
-    """One line of the verdict: a figure, what it must not pass, and the name it has in the standard."""
+    """One line of the verdict: a figure, its limit, and its name in the standard."""
 
     clause: str
     limit: Number | None = Field(default=None, description="in SI units; without one the figure is not judged")
@@ -28,7 +28,7 @@ class Clause(Table):
 
 
 class Supply(Table):
-    """Air for the brakes, where the plant has no reservoir of its own."""
+    """Air supply of the brakes for plants without a reservoir."""
 
     volume: Annotated[float, UnitRange("m3", above=0, at_most=100)]
     pressure: Annotated[float, UnitRange("Pa", above=0, at_most=2e6)] = Field(description="when the stop begins, gauge")
@@ -64,7 +64,7 @@ class AssessmentLimits(Table):
         """Return for each clause whether its value keeps the limit; None where the clause is not judged.
 
         Args:
-            values: Clause → value in SI units, None where there is none.
+            values: Clause → value in SI units, or None if it is missing.
             adhesion: At the first slide; without it, clauses that are quoted for a range of adhesion are not judged.
         """
         verdicts: dict[str, bool | None] = {}
@@ -79,11 +79,11 @@ class AssessmentLimits(Table):
                 verdicts[name] = value >= clause.limit if name in _MINIMA else value <= clause.limit
         return verdicts
 
-    def find_violations(self, record: StopRecord) -> tuple[str, ...]:
+    def find_violations(self, stop: Stop) -> tuple[str, ...]:
         """Return the clauses that a stop breaks by itself, without another stop to compare with."""
-        figures = record.figures
+        figures = stop.figures
         air = finite(figures.air_used)
-        verdicts: dict[str, bool | None] = {"stops": record.braking_distance is not None} | self.verdicts(
+        verdicts: dict[str, bool | None] = {"stops": stop.braking_distance is not None} | self.verdicts(
             {
                 "lock": finite(max(figures.longest_lock_fast)),
                 "locked_distance": finite(max(figures.locked_distance)),
@@ -102,7 +102,7 @@ SUBJECTS: Final = {
     "reservoir": "air in the reservoir",
     "utilisation": "use of the adhesion",
 }
-"""Clause → what it limits, for readers."""
+"""Clause → name of the limited quantity for readers."""
 
 _MINIMA: Final = ("reservoir", "utilisation")
 """Clauses whose limit is a minimum; the limits of the others are maxima."""

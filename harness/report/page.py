@@ -183,7 +183,6 @@ def commit() -> str:
 
 
 def _html_of(markdown: str) -> str:
-    """Return Markdown as HTML; an image of a figure becomes an element in which plotly.js draws it."""
     parser = MarkdownIt("commonmark", {"html": True}).enable("table")
 
     def plot(_: Any, tokens: Any, index: int, options: Any, environment: Any) -> str:

@@ -113,7 +113,6 @@ def references(
 
 
 def _is_tuned(controller: Mapping[str, Any]) -> bool:
-    """Return whether this is SBC with other thresholds than the published ones."""
     return controller["kind"] in _SLIP_BASED and (_is_searched(controller) or _thresholds(controller) != PUBLISHED)
 
 

@@ -3,7 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated
@@ -12,11 +12,11 @@ from pydantic import Field, FiniteFloat, ValidationError, field_validator
 
 from railgrip.base.errors import RecordError
 from railgrip.base.records import inside, read_json, words_of
+from railgrip.report.stop import CAMPAIGN_FILE, STOP_FILE, Stop, read_stop
+from railgrip.report.stored import Digest, Stored
 from railgrip.scenario.campaign import DRAW
 from railgrip.scenario.conditioning import RepeatedDistances
 from railgrip.scenario.table import Name, table_error
-from railgrip.trace.stop import CAMPAIGN_FILE, STOP_FILE, StopRecord, read_stop
-from railgrip.trace.stored import Digest, Stored
 
 
 class StoredPlan(Stored):
@@ -55,31 +55,6 @@ class StoredCampaign(Stored):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Result:
-    """One stop of a campaign.
-
-    Attributes:
-        name: Name of the stop.
-        variants: Axis → variant.
-        record: Content of stop.json.
-        paper_distance: Published distance of this stop [m], or None.
-        conditioning: Repeats with slightly changed parameters, or None.
-    """
-
-    name: str
-    variants: Mapping[str, str]
-    record: StopRecord
-    paper_distance: float | None
-    conditioning: RepeatedDistances | None = None
-
-    @property
-    def repeats_of_this_stop(self) -> RepeatedDistances | None:
-        """Repeats, unless they belong to another scenario or another distance."""
-        conditioning, record = self.conditioning, self.record
-        return conditioning if conditioning and conditioning.belongs(record.digest, record.braking_distance) else None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Results:
     """A campaign with the stops that have a result.
 
@@ -90,7 +65,7 @@ class Results:
 
     name: str
     description: str
-    stops: tuple[Result, ...]
+    stops: tuple[Stop, ...]
     missing: tuple[str, ...]
     permitted_distance: float | None = None
 
@@ -106,21 +81,21 @@ def read_results(directory: Path) -> Results:
         campaign = read_campaign(directory)
     except FileNotFoundError as problem:
         raise RecordError(f"{path}: there is no such file; `railgrip campaign FILE --out DIR` makes one") from problem
-    results: list[Result] = []
+    results: list[Stop] = []
     missing: list[str] = []
-    for stop in campaign.stops:
-        folder = inside(directory, stop.name)
-        record = read_stop(folder) if (folder / STOP_FILE).exists() else None
-        if record is None or record.digest != stop.scenario_digest:
-            missing.append(stop.name)
+    for planned in campaign.stops:
+        folder = inside(directory, planned.name)
+        stop = read_stop(folder) if (folder / STOP_FILE).exists() else None
+        if stop is None or stop.digest != planned.scenario_digest:
+            missing.append(planned.name)
             continue
         results.append(
-            Result(
-                name=stop.name,
-                variants=stop.variants,
-                record=record,
-                paper_distance=stop.paper_distance_m,
-                conditioning=stop.conditioning,
+            replace(
+                stop,
+                name=planned.name,
+                variants=planned.variants,
+                paper_distance=planned.paper_distance_m,
+                conditioning=planned.conditioning,
             )
         )
     return Results(
@@ -171,18 +146,18 @@ def fmu_tools(versions: Mapping[str, str]) -> dict[str, str]:
     return {name: tool for name, tool in versions.items() if name.endswith(".fmu")}
 
 
-def by_compiler(stops: Sequence[Result]) -> list[str]:
+def by_compiler(stops: Sequence[Stop]) -> list[str]:
     """Return a sentence for each tool, built-in or not, that made FMUs of these stops."""
     fmus: dict[str, set[str]] = {}
     for stop in stops:
-        for name, tool in fmu_tools(stop.record.versions).items():
+        for name, tool in fmu_tools(stop.versions).items():
             fmus.setdefault(tool or "an unnamed tool", set()).add(name)
     return [f"FMUs by {tool}: {', '.join(sorted(names))}." for tool, names in sorted(fmus.items())]
 
 
-def from_elsewhere(stops: Sequence[Result]) -> list[str]:
+def from_elsewhere(stops: Sequence[Stop]) -> list[str]:
     """Return a sentence for each FMU that the built-in compiler did not make."""
-    counts = Counter(pair for stop in stops for pair in fmu_tools(stop.record.versions).items())
+    counts = Counter(pair for stop in stops for pair in fmu_tools(stop.versions).items())
     return [
         f"{name} was made by {tool or 'an unnamed tool'} in {count} of {len(stops)} stops."
         for (name, tool), count in sorted(counts.items())
@@ -190,18 +165,18 @@ def from_elsewhere(stops: Sequence[Result]) -> list[str]:
     ]
 
 
-def provenance(record: StopRecord) -> dict[str, str]:
+def provenance(stop: Stop) -> dict[str, str]:
     """Return seed, digests, versions and FMUs of a result, and its date."""
-    path = record.directory / STOP_FILE
-    written = datetime.fromtimestamp(path.stat().st_mtime, UTC).strftime("%Y-%m-%d %H:%M UTC") if path.exists() else ""
+    written = ""
+    if stop.directory is not None and (path := stop.directory / STOP_FILE).exists():
+        written = datetime.fromtimestamp(path.stat().st_mtime, UTC).strftime("%Y-%m-%d %H:%M UTC")
     return {
-        "seed": str(record.scenario["seed"]),
-        "scenario digest": record.digest,
-        "trace digest (SHA-256)": record.trace_digest or "samples were not kept",
+        "seed": str(stop.inputs["seed"]),
+        "scenario digest": stop.digest,
+        "trace digest (SHA-256)": stop.trace_digest or "samples were not kept",
         "result written": written,
-        **{name: version for name, version in record.versions.items() if name not in record.fmus},
+        **{name: version for name, version in stop.versions.items() if name not in stop.fmus},
         **{
-            name: f"{record.versions.get(name) or 'unnamed tool'}, SHA-256 {digest}"
-            for name, digest in record.fmus.items()
+            name: f"{stop.versions.get(name) or 'unnamed tool'}, SHA-256 {digest}" for name, digest in stop.fmus.items()
         },
     }

@@ -119,7 +119,6 @@ def _panels(trace: xarray.Dataset) -> Iterator[_Panel]:
     first = [int(np.argmax(group == number)) for number in range(trace.sizes["group"])]
 
     def of_wheelset(name: str, factor: float = 1.0) -> list[_Line]:
-        """Return a line for each wheelset, also for signals with one value per group."""
         if not _has(trace, name):
             return []
         values = factor * trace[name].values
@@ -133,7 +132,6 @@ def _panels(trace: xarray.Dataset) -> Iterator[_Panel]:
         return [_Line(text, values[:, g], first[g], dash, shown) for g in range(values.shape[1])]
 
     def claimed(name: str) -> list[_Line]:
-        """Return an estimate with twice its standard deviation on either side."""
         if not _has(trace, f"{name}_sd"):
             return of_group(name, "estimated", "dot")
         mean, half_width = trace[name].values, 2 * trace[f"{name}_sd"].values
@@ -161,7 +159,6 @@ def _panels(trace: xarray.Dataset) -> Iterator[_Panel]:
 
 
 def _train(trace: xarray.Dataset, places: NDArray[np.intp]) -> dict[str, Any]:
-    """Return positions and colours of the axles, and time and distance, the axes of all lines."""
     group, wheelsets = formation_in(trace).group_of_wheelset, trace.sizes["wheelset"]
     signals: dict[str, Any] = {}
     for name, low, high, factor, unit in (("slip", 0.001, 1.0, 100, "%"), ("adhesion", 0.01, 0.2, 1, "")):

@@ -7,42 +7,40 @@ from typing import Any
 from railgrip.report.comparison import flat, unit_of, without_numbers
 from railgrip.report.page import Page
 from railgrip.report.reference import label
-from railgrip.report.results import Result, provenance
+from railgrip.report.results import provenance
 from railgrip.report.signals_plot import signals_plot
-from railgrip.report.stop import metrics_table, value_text
+from railgrip.report.stop import Stop, metrics_table, value_text
 from railgrip.report.table import ReportTable
 from railgrip.scenario.keys import meanings_of_keys
 from railgrip.scenario.outcome import Outcome
-from railgrip.trace.stop import StopRecord
 
 
-def stop_page(result: Result, *, back: str = "") -> Page:
+def stop_page(stop: Stop, *, back: str = "") -> Page:
     """Return the page of a stop; without samples it has no figure of the signals.
 
     Args:
-        result: The stop.
+        stop: The stop.
         back: Address of the page of its campaign.
 
     Raises:
         RecordError: The samples do not belong to the figures of the stop.
     """
-    record = result.record
-    scenario = record.scenario
+    scenario = stop.inputs
     return Page(
-        title=f"Stop {result.name}",
+        title=f"Stop {stop.name}",
         question=question(scenario),
-        answer=answer(record),
+        answer=answer(stop),
         template="report/stop.md.jinja",
         values={
             "back": back,
-            "doubts": record.metrics.doubts(),
-            "reason": record.reason,
+            "doubts": stop.metrics.doubts(),
+            "reason": stop.reason,
             "description": scenario.get("description", ""),
             "scenario": scenario_table(scenario),
-            "metrics": metrics_table(record.figures),
+            "metrics": metrics_table(stop.figures),
         },
-        plots={"signals": signals_plot(record.trace())} if record.has_trace else {},
-        provenance=provenance(record),
+        plots={"signals": signals_plot(stop.trace)} if stop.has_trace else {},
+        provenance=provenance(stop),
     )
 
 
@@ -56,14 +54,14 @@ def question(scenario: Mapping[str, Any]) -> str:
     )
 
 
-def answer(record: StopRecord) -> str:
+def answer(stop: Stop) -> str:
     """Return distance and duration, and the utilisation of the adhesion, in two sentences."""
-    metrics = record.metrics
+    metrics = stop.metrics
     way = f"{metrics.distance_travelled:.1f} m in {metrics.duration:.1f} s"
     first = (
         f"The train stops in {way}."
-        if record.outcome is Outcome.STANDSTILL
-        else f"The train does not come to a standstill: the stop ends with {record.outcome.value} after {way}."
+        if stop.outcome is Outcome.STANDSTILL
+        else f"The train does not come to a standstill: the stop ends with {stop.outcome.value} after {way}."
     )
     share = f"It uses {100 * metrics.utilisation:.1f} % of the possible adhesion, and its"
     second = (

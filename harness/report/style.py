@@ -26,7 +26,7 @@ def readable(unit: str) -> tuple[float, str]:
 def figure(width: float, height: float, margins: Mapping[str, float] | None = None) -> Figure:
     """Return an empty figure of a size in inches.
 
-    Its parts are laid out automatically, or within `margins`, shares of the figure as for `Figure.subplots_adjust`: the
+    Its parts are placed automatically, or within `margins`, shares of the figure as for `Figure.subplots_adjust`: the
     automatic layout of twenty panels takes longer than drawing them.
     """
     drawing = Figure(figsize=(width, height), layout=None if margins else "constrained")
@@ -92,7 +92,7 @@ def save(drawing: Figure, path: Path, description: str | None = None) -> Path:
 def save_as(drawing: Figure, path: Path, formats: Sequence[str]) -> None:
     """Write a figure in several formats, which replace the suffix of a path."""
     drawing.draw_without_rendering()
-    drawing.set_layout_engine("none")  # laid out once
+    drawing.set_layout_engine("none")  # the first drawing has placed all parts
     for suffix in formats:
         save(drawing, path.with_suffix(f".{suffix}"))
 

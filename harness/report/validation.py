@@ -149,7 +149,6 @@ def _require_lots(campaign: Campaign, cells: Sequence[Cell]) -> None:
 
 
 def _has_lots_of(stop: PlannedStop, repeated: RepeatedDistances | None, accepted: AcceptedValue | None) -> bool:
-    """Return whether there are repeats with other lots of sensors of a stop with its accepted distance."""
     return bool(repeated and repeated.lots and accepted and repeated.belongs(stop.scenario.digest(), accepted.value))
 
 
@@ -240,7 +239,6 @@ TABLES: Mapping[str, tuple[str, Callable[[Campaign, Baseline], dict[str, ReportT
 
 
 def _published_rows(lines: Collection[Mapping[str, Cell]], columns: Sequence[str]) -> list[dict[str, Any]]:
-    """Return the published distances, a row for each controller of the paper."""
     rows: list[dict[str, Any]] = []
     first: dict[str, float] = {}  # the paper's SBC
     for stops in lines:

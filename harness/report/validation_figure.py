@@ -120,7 +120,6 @@ def _draw(panel: Axes, cell: Cell, row: int, number: int, count: int, high: floa
 
 
 def _draw_published(panel: Axes, cells: Sequence[Cell]) -> None:
-    """Draw the published distances as vertical lines."""
     for cell in cells:
         if cell.paper is not None:
             panel.axvline(cell.paper, color=palette.BLACK, linestyle=(0, (4, 3)), linewidth=1.0, zorder=1)

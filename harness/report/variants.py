@@ -7,8 +7,8 @@ from typing import Any, Self
 from railgrip.base.errors import InputError
 from railgrip.report.distribution import PairedComparison, by_draw, compare_pairs, paired_texts
 from railgrip.report.limits import SUBJECTS
-from railgrip.report.results import Result
 from railgrip.report.row import Row
+from railgrip.report.stop import Stop
 from railgrip.report.table import ReportTable
 from railgrip.scenario.campaign import DRAW
 
@@ -71,7 +71,7 @@ class Change:
     stops: Sequence[Row]
 
 
-def changes_against(reference: ReferenceVariant, stops: Sequence[Result], rows: Sequence[Row]) -> tuple[Change, ...]:
+def changes_against(reference: ReferenceVariant, stops: Sequence[Stop], rows: Sequence[Row]) -> tuple[Change, ...]:
     """Compare all other variants of an axis with the reference, in the order of the campaign.
 
     Two stops are a pair if they differ only along this axis. Pairs are pooled over the draws or, without draws, over

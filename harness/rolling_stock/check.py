@@ -1,4 +1,4 @@
-"""What of a train does not fit together, in sentences."""
+"""Checks of a train for contradictions and unusual values."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,22 +10,22 @@ from railgrip.base.errors import InputError
 from railgrip.rolling_stock.schema import BogieInTrain, Train
 from railgrip.rolling_stock.stopping import HandCalculation, by_hand
 
-_SAME_MASS = 0.01  # between the mass of a car and its axle loads: rounding of data sheets
+_SAME_MASS = 0.01  # relative difference between car mass and axle loads, from rounding in data sheets
 _DESIGN_ADHESION = 0.15  # LOC&PAS TSI (EU 1302/2014), 4.2.4.6.1: maximum adhesion in design, 30 to 250 km/h
-_CLOSE = 0.10  # to a published stop
-_SENSED = 1e4  # Pa; below it cells hasten the front by 6 % or more, see Pneumatics.Accelerator
-_ROTATING = (0.01, 0.30)  # share of the mass; 5 % to 10 % for coaches, up to 25 % for locomotives (EN 14531-1)
-USUAL_SPEED = 120 / 3.6  # m/s, of a stop where the file names none
+_CLOSE = 0.10  # relative difference to a published distance
+_SENSED = 1e4  # Pa; with less, the finite cells speed up the front by 6 % or more, see Pneumatics.Accelerator
+_ROTATING = (0.01, 0.30)  # rotating over total mass; 5 % to 10 % for coaches, up to 25 % for locomotives (EN 14531-1)
+USUAL_SPEED = 120 / 3.6  # m/s, where the file has no reference stop
 
 
 @dataclass(frozen=True, slots=True)
 class TrainRemark:
-    """A sentence about a train.
+    """A finding of the check of a train.
 
     Attributes:
-        key: Of the file.
-        sentence: What was found there, and what to look at.
-        wrong: Whether no such train can be; else it is only unusual.
+        key: Key in the train file.
+        sentence: Finding, and where to look for its cause.
+        wrong: Whether it is a contradiction; otherwise it is an unusual value.
     """
 
     key: str
@@ -45,7 +45,7 @@ def findings(train: Train) -> list[TrainRemark]:
 
 
 def stops_by_hand(train: Train) -> dict[float, HandCalculation]:
-    """Return speed [m/s] → stop for the speeds of [[reference]], or for the usual one."""
+    """Return speed [m/s] → stop for the speeds of [[reference]], or for `USUAL_SPEED` without any."""
     return {speed: by_hand(train, speed) for speed in sorted({r.speed for r in train.reference} or {USUAL_SPEED})}
 
 
@@ -63,7 +63,8 @@ def _masses(train: Train) -> Iterator[TrainRemark]:
         if abs(mass - on_axles) > _SAME_MASS * mass:
             yield TrainRemark(
                 key,
-                f"{who} has {mass / 1e3:g} t, and {on_axles / 1e3:g} t stand on the axles; correct mass or axle_masses",
+                f"mass of {who} is {mass / 1e3:g} t, but the axles carry {on_axles / 1e3:g} t; "
+                "correct mass or axle_masses",
             )
     for kind, ours in _by_kind(train):
         for bogie in ours:
@@ -72,7 +73,7 @@ def _masses(train: Train) -> Iterator[TrainRemark]:
             if unsprung >= load:
                 yield TrainRemark(
                     f"[bogies.{kind}] frame_mass",
-                    f"frame and axles have {unsprung / 1e3:g} t, but only {load / 1e3:g} t stand on the bogie's axles",
+                    f"frame and axles have {unsprung / 1e3:g} t, but the bogie's axles carry only {load / 1e3:g} t",
                 )
                 break
     rotating = (
@@ -82,7 +83,7 @@ def _masses(train: Train) -> Iterator[TrainRemark]:
     if not _ROTATING[0] <= rotating <= _ROTATING[1]:
         yield TrainRemark(
             "[bogies] inertia",
-            f"what turns adds {100 * rotating:.1f} % to the mass; {100 * _ROTATING[0]:.0f} % to "
+            f"rotating parts add {100 * rotating:.1f} % to the mass; {100 * _ROTATING[0]:.0f} % to "
             f"{100 * _ROTATING[1]:.0f} % are usual",
             wrong=False,
         )
@@ -128,8 +129,8 @@ def _accelerators(train: Train) -> Iterator[TrainRemark]:
         if drop < _SENSED:
             yield TrainRemark(
                 f"[accelerators.{kind}] sensing_time",
-                f"times opening_rate is {drop / 1e5:g} bar: less than {_SENSED / 1e5:g} bar and the brake runs "
-                "through the pipe faster than sound here, for cells smear its front",
+                f"times opening_rate is {drop / 1e5:g} bar: below {_SENSED / 1e5:g} bar the computed brake front is "
+                "faster than sound, because the cells of the pipe smear it",
                 wrong=False,
             )
 
@@ -146,7 +147,7 @@ def _stops(train: Train) -> Iterator[TrainRemark]:
         if most > _DESIGN_ADHESION:
             yield TrainRemark(
                 f"[bogies.{kind}] brake",
-                f"needs an adhesion of {most:.3f} in an emergency stop; a main-line brake may count on "
+                f"needs an adhesion of {most:.3f} in an emergency stop; the design of a main-line brake may assume "
                 f"{_DESIGN_ADHESION:g} (LOC&PAS TSI 4.2.4.6.1)",
                 wrong=False,
             )
@@ -157,7 +158,8 @@ def _stops(train: Train) -> Iterator[TrainRemark]:
         if force > strength:
             yield TrainRemark(
                 f"[couplers.{car.coupler}] strength",
-                f"is {strength / 1e3:g} kN, behind {car.name} the brakes alone make {force / 1e3:.0f} kN",
+                f"is {strength / 1e3:g} kN, but braking alone loads the coupler behind {car.name} by "
+                f"{force / 1e3:.0f} kN",
             )
     slowest = min(stops)
     for kind in {car.distributor: None for car in train.cars if car.distributor}:

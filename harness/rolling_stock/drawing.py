@@ -1,4 +1,4 @@
-"""A train seen from the side, to scale: cars, bogies, axles, who shares a valve, brakes, sanders."""
+"""Side view of a train to scale, with brakes, shared brake valves, coupled axles and sanders."""
 
 from collections.abc import Iterator
 
@@ -10,9 +10,9 @@ from railgrip.report.palette import BLACK, BLUE, GREY, ORANGE, SKY, VERMILION
 from railgrip.report.style import figure
 from railgrip.rolling_stock.schema import Train
 
-_ROW = 110.0  # m of train in a row of the figure
+_ROW = 110.0  # m, length of train in a row of the figure
 _INCHES = 0.13  # for a metre
-_ROOF = 3.9  # m over the rail; no file says how high a car is
+_ROOF = 3.9  # m above the rail; train files do not have the height of a car
 _FLOOR = 1.0
 _BELOW = -3.4
 
@@ -36,8 +36,7 @@ def drawing(train: Train) -> Figure:
         fontsize=10,
     )
     train_figure.supxlabel(
-        "under the rail: axle and its load [t]; lines join axles that turn as one; brackets hold those that share a "
-        "brake valve;\n"
+        "under the rail: axle and its load [t]; lines join coupled axles; brackets join those with one brake valve;\n"
         "dots: brake units of an axle; bars on the rail: magnetic track brakes; triangles: sanders; in a car: its "
         "two-stage distributor and accelerator",
         fontsize=7,
@@ -47,7 +46,6 @@ def drawing(train: Train) -> Figure:
 
 
 def _rows(train: Train) -> Iterator[tuple[range, float, float]]:
-    """Yield cars, begin and end of each row [m]."""
     first, begin, front = 0, 0.0, 0.0
     for number, car in enumerate(train.cars):
         if front + car.length - begin > _ROW and number > first:

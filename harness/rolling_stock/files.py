@@ -8,14 +8,15 @@ from railgrip.scenario.file import locate
 from railgrip.scenario.load import read_toml, require_kind, validate_table
 
 NAMED = ("vt642", "emu387", "loco_coaches", "tram")
-"""Trains that come with this package."""
+"""Folder of the trains of this package."""
 
 
 def load_train(path: Path) -> Train:
     """Return the train of a TOML file, or of this package by its name.
 
     Raises:
-        ScenarioError: The file is missing, not TOML, or no train; each problem in one sentence with file and key.
+        ScenarioError: The file is missing, not TOML, or not a train; there is one sentence for each problem, with file
+            and key.
     """
     path = locate(path, "trains")
     table = read_toml(path)
@@ -24,9 +25,9 @@ def load_train(path: Path) -> Train:
 
 
 def train_of(table: dict[str, Any], origin: str) -> Train:
-    """Return the train that plain tables describe; `origin` is what sentences call their source.
+    """Return the train described by plain tables; `origin` is the name of their source in messages.
 
     Raises:
-        ScenarioError: They describe none.
+        ScenarioError: The tables do not describe a valid train.
     """
     return validate_table(Train, table, directory=Path(), origin=origin)

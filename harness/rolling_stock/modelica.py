@@ -1,4 +1,4 @@
-"""A train as a Modelica class that the harness takes for a plant: parts of RailBraking, joined."""
+"""A train as a Modelica class of a plant, made of components of RailBraking."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -16,12 +16,12 @@ Through ten coaches the front is within 0.5 % of its limit on finer grids, with 
 
 
 def class_name(train: Train, *, pneumatic: bool) -> str:
-    """Return the name of a train's class: its own as an identifier, no other train's."""
+    """Return the name of a train's class: an identifier from the name of the train, unique for each name."""
     return f"Train_{_identifier(train.name)}{'_pneumatic' if pneumatic else ''}"
 
 
 def class_text(train: Train, *, pneumatic: bool) -> str:
-    """Return the Modelica text of a train's class, whose cylinders valves fill, or which follow commands."""
+    """Return the Modelica text of a train's class, with brake valves or with commanded cylinder pressures."""
     # Cars that no coupler joins move as one body.
     body_of_car = list(accumulate((int(car.coupler is not None) for car in train.cars[:-1]), initial=0))
     bogies = train.bogies_in_train
@@ -50,7 +50,7 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         kinds=[{"id": kind, "pads": bogie.pads} for kind, bogie in kinds.items()],
         bodies=[
             {
-                # Of the parameters: who changes them changes the body.
+                # A sum of parameters: a change of m_wheelset changes the body, too.
                 "mass": f"sum(m_wheelset[{carriers.index(body) + 1}:{len(carriers) - carriers[::-1].index(body)}])",
                 "title": _text(
                     ", ".join(car.name for car, of in zip(train.cars, body_of_car, strict=True) if of == body)
@@ -72,7 +72,6 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
 
 
 def _parameters(train: Train, body_of_car: Sequence[int]) -> dict[str, Sequence[float]]:
-    """Return the parameters of PartialTrain."""
     axles, groups, bogies = train.axles, train.groups, train.bogies_in_train
     carriers = [body_of_car[axle.car] for axle in axles]
     bogie_of_group = [train.bogie_of(number) for number in range(len(groups))]
@@ -96,7 +95,6 @@ def _parameters(train: Train, body_of_car: Sequence[int]) -> dict[str, Sequence[
 
 
 def _bogie(train: Train, bogie: BogieInTrain, body_of_car: Sequence[int]) -> dict[str, Any]:
-    """Return the variables of the template for a bogie; groups and wheelsets are counted from 1."""
     groups = [number for number, members in enumerate(train.groups, start=1) if members[0] in bogie.axles]
     return {
         "title": bogie.kind,
@@ -110,7 +108,6 @@ def _bogie(train: Train, bogie: BogieInTrain, body_of_car: Sequence[int]) -> dic
 
 
 def _command(train: Train, body_of_car: Sequence[int]) -> dict[str, Any]:
-    """Return the variables of the template for the path of the brake command to the cars."""
     has_pipe = train.command is not None and train.command.kind == "brake_pipe"
     # Through the pipe each car has its own pressure; by wire all have the same.
     available = [max(_pressures(train, number)) for number in range(len(train.cars))] if has_pipe else [1.0]
@@ -149,19 +146,17 @@ def _branch_volumes(train: Train) -> list[float]:
 
 
 def _sharing(groups_per_valve: Sequence[int]) -> list[range]:
-    """Return for each group all groups of its valve, from 1 on."""
     last = list(accumulate(groups_per_valve))
     valves = zip(last, groups_per_valve, strict=True)
     return [range(end - count + 1, end + 1) for end, count in valves for _ in range(count)]
 
 
 def _pressures(train: Train, car: int) -> list[float]:
-    """Return the highest cylinder pressures in a car [Pa]."""
     return [train.bogies_in_train[axle.bogie].brake.pressure_max for axle in train.axles if axle.car == car]
 
 
 def _lowest(signal: str, groups: range) -> str:
-    """Return the minimum of the elements of a signal: a valve of several groups vents if one of them demands it."""
+    # A valve of several groups vents if one of them demands it.
     first, *others = (f"{signal}[{number}]" for number in groups)
     for other in others:
         first = f"noEvent(min({first}, {other}))"
@@ -177,13 +172,10 @@ def _array(values: Iterable[float]) -> str:
 
 
 def _identifier(name: str) -> str:
-    """Return a name as part of a Modelica identifier: different names stay different.
-
-    An underscore is doubled, and any other character but letters and digits of ASCII is its code between underscores.
-    """
+    # Different names must give different identifiers: an underscore is doubled, and any character other than letters
+    # and digits of ASCII becomes its code between underscores.
     return re.sub(r"[^A-Za-z0-9]", lambda found: "__" if found[0] == "_" else f"_{ord(found[0]):x}_", name)
 
 
 def _text(words: str) -> str:
-    """Return a text with the escapes of a Modelica string."""
     return words.replace("\\", "\\\\").replace('"', '\\"')

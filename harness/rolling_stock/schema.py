@@ -17,7 +17,7 @@ from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.sanders import Sander
 from railgrip.scenario.table import FASTEST, Length, Name, Table, table_error
 
-# Limits are an order of magnitude beyond any vehicle that the reasons name: outside of them a unit is wrong.
+# Limits are an order of magnitude beyond the vehicles named in the reasons: a value outside of them has a wrong unit.
 Positive = Annotated[float, UnitRange("1", above=0, at_most=1e3)]
 Ratio = Annotated[float, UnitRange("1", at_least=0.1, at_most=100, because="riggings multiply by 2 to 10")]
 Efficiency = Annotated[
@@ -36,7 +36,10 @@ CarLength = Annotated[float, UnitRange("m", at_least=2, at_most=100, because="ca
 Height = Annotated[float, UnitRange("m", at_least=0.01, at_most=5, because="no centre of a bogie is higher than 5 m")]
 CarMass = Annotated[float, UnitRange("kg", at_least=500, at_most=1e6, because="cars weigh 3 t to 250 t")]
 AxleMass = Annotated[
-    float, UnitRange("kg", at_least=100, at_most=1e5, because="axles carry 2 t to 45 t; EN 15528 has 25 t at most")
+    float,
+    UnitRange(
+        "kg", at_least=100, at_most=1e5, because="axles carry 2 t to 45 t; the highest axle load of EN 15528 is 25 t"
+    ),
 ]
 PartMass = Annotated[
     float,
@@ -44,26 +47,40 @@ PartMass = Annotated[
 ]
 Inertia = Annotated[
     float,
-    UnitRange("kg.m2", at_least=1, at_most=1e6, because="wheelsets have 20 to 2000 kg.m2, bogie frames 200 to 1e5"),
+    UnitRange(
+        "kg.m2",
+        at_least=1,
+        at_most=1e6,
+        because="wheelsets have inertias of 20 to 2000 kg.m2, bogie frames of 200 to 1e5 kg.m2",
+    ),
 ]
 FrontalArea = Annotated[
-    float, UnitRange("m2", at_least=0.5, at_most=100, because="European gauges (EN 15273) enclose some 12 m2")
+    float, UnitRange("m2", at_least=0.5, at_most=100, because="European gauges (EN 15273) enclose about 12 m2")
 ]
 PistonArea = Annotated[
     float,
     UnitRange("m2", at_least=1e-4, at_most=1, because="pistons have diameters of 30 mm (hydraulic) to 406 mm (16 in)"),
 ]
 Spring = Annotated[
-    float, UnitRange("N", at_least=1, at_most=1e5, or_zero=True, because="springs of cylinders have some kN")
+    float, UnitRange("N", at_least=1, at_most=1e5, or_zero=True, because="springs of cylinders have a few kN")
 ]
 PadForce = Annotated[float, UnitRange("N", at_least=100, at_most=1e7, because="pads are pressed by 5 kN to 100 kN")]
 Attraction = Annotated[
-    float, UnitRange("N", at_least=1e3, at_most=1e6, because="magnets of track brakes draw by some 40 kN to 100 kN")
+    float,
+    UnitRange(
+        "N",
+        at_least=1e3,
+        at_most=1e6,
+        because="magnets of track brakes have attractive forces of about 40 kN to 100 kN",
+    ),
 ]
 Strength = Annotated[
     float,
     UnitRange(
-        "N", at_least=1e4, at_most=1e8, because="couplers bear some 100 kN in trams and 1.5 MN in trains (EN 12663-1)"
+        "N",
+        at_least=1e4,
+        at_most=1e8,
+        because="couplers withstand about 100 kN in trams and 1.5 MN in trains (EN 12663-1)",
     ),
 ]
 Pressure = Annotated[
@@ -78,7 +95,7 @@ Stiffness = Annotated[
         "N/m",
         at_least=1e4,
         at_most=1e10,
-        because="an axle box has 1.2 MN/m in the Manchester benchmarks (Iwnicki, 1998), a coupler some 10 MN/m",
+        because="axle boxes have 1.2 MN/m in the Manchester benchmarks (Iwnicki, 1998), couplers about 10 MN/m",
     ),
 ]
 Damping = Annotated[
@@ -97,20 +114,20 @@ SharedBy = Literal["axle", "bogie", "car"]
 
 
 class SourcedTable(Table):
-    """A table of numbers that says whose they are."""
+    """A table of numbers with their origin."""
 
-    source: str = Field(default="", description="who published these numbers, and where")
+    source: str = Field(default="", description="publication of these numbers")
     estimated: StrictBool | tuple[str, ...] = Field(
-        default=False, description="true where the numbers are estimates of ours, or the keys of those that are"
+        default=False, description="true if all numbers are estimates, or the keys of those that are estimates"
     )
 
     @model_validator(mode="after")
     def _check_sources(self) -> Self:
         if not self.source and self.estimated is False:
-            raise table_error("does not say whose its numbers are: give source = '…', or estimated = true for your own")
+            raise table_error("has numbers without an origin: give source = '…', or estimated = true for your own")
         if isinstance(self.estimated, tuple):
             if not self.source:
-                raise table_error("names its estimated keys, but nobody for the others: give source = '…', too")
+                raise table_error("has estimated keys, but no source for the others: give source = '…', too")
             for key in self.estimated:
                 if key not in type(self).model_fields:
                     choice = ", ".join(
@@ -123,224 +140,236 @@ class SourcedTable(Table):
 class Resistance(SourcedTable):
     """Resistances of the train: air, bearings, rolling."""
 
-    drag_coefficient: Positive = Field(description="of the whole train, over its frontal area")
-    frontal_area: FrontalArea = Field(description="of the train")
+    drag_coefficient: Positive = Field(description="drag coefficient of the whole train, referred to its frontal area")
+    frontal_area: FrontalArea = Field(description="frontal area of the train")
     bearing_friction: Share = Field(description="friction coefficient of the axle bearings")
-    bearing_radius: Size = Field(description="at which that friction acts")
+    bearing_radius: Size = Field(description="radius at which the bearing friction acts")
     rolling_arm: Annotated[float, UnitRange("m", at_least=1e-6, at_most=0.01, or_zero=True)] = Field(
         description="lever arm of the rolling resistance"
     )
 
 
 class Pads(SourcedTable):
-    """How the friction of pads on discs follows speed, force and temperature: RailBraking.Friction.PadFriction."""
+    """Friction of pads on discs as a function of speed, force and temperature: RailBraking.Friction.PadFriction."""
 
-    speed_effect: Effect = Field(description="rise of friction from nominal speed to standstill, relative")
-    speed_nominal: TravelSpeed = Field(description="sliding speed at which it is nominal")
-    force_effect: Effect = Field(description="loss of friction from nominal force to twice of it, relative")
-    force_nominal: PadForce = Field(description="force of both pads at which it is nominal")
-    temperature_effect: Effect = Field(description="rise of friction over the temperature range, relative")
-    temperature_nominal: Temperature = Field(description="at which friction is nominal")
-    temperature_range: Temperature = Field(description="over which it changes by the temperature effect")
+    speed_effect: Effect = Field(description="relative increase in friction from the nominal speed to standstill")
+    speed_nominal: TravelSpeed = Field(description="sliding speed at which friction is nominal")
+    force_effect: Effect = Field(description="relative decrease in friction from the nominal force to twice that force")
+    force_nominal: PadForce = Field(description="force of both pads at which friction is nominal")
+    temperature_effect: Effect = Field(description="relative increase in friction over the temperature range")
+    temperature_nominal: Temperature = Field(description="temperature at which friction is nominal")
+    temperature_range: Temperature = Field(
+        description="temperature range over which friction changes by the temperature effect"
+    )
     settle_energy: Annotated[
         float, UnitRange("J", at_least=10, at_most=1e9, because="pads of trains settle over 50 to 200 kJ")
-    ] = Field(description="friction energy of one unit in which friction settles")
+    ] = Field(description="friction energy of one unit after which friction has settled")
 
 
 class BrakeUnit(SourcedTable):
     """A unit of the friction brake: cylinder, rigging, two pads and a disc."""
 
-    pads: Name = Field(description="of [pads]")
+    pads: Name = Field(description="name of the pads in [pads]")
     friction_radius: PadRadius = Field(description="mean radius of the pads on the disc")
-    piston_area: PistonArea = Field(description="of the cylinder")
-    rigging: Ratio = Field(description="force of both pads over force of the piston")
-    efficiency: Efficiency = Field(description="of the rigging")
-    spring_force: Spring = Field(description="of slack adjuster and return spring, at the piston")
+    piston_area: PistonArea = Field(description="area of the piston of the cylinder")
+    rigging: Ratio = Field(description="ratio of the force of both pads to the force of the piston")
+    efficiency: Efficiency = Field(description="efficiency of the rigging")
+    spring_force: Spring = Field(description="force of slack adjuster and return spring at the piston")
     pressure_max: Pressure = Field(description="highest cylinder pressure")
-    pad_friction: Share = Field(description="nominal")
+    pad_friction: Share = Field(description="nominal friction coefficient of the pads")
 
 
 class TrackBrake(SourcedTable):
     """The magnetic track brakes of a bogie: RailBraking.Components.MagneticTrackBrake."""
 
-    magnets: Annotated[StrictInt, Field(ge=1, le=8)] = Field(description="number of them at the bogie")
-    attraction: Attraction = Field(description="that draws one magnet to the rail")
-    friction_slow: Share = Field(description="at standstill")
-    friction_fast: Share = Field(description="at high speed")
-    friction_speed: TravelSpeed = Field(description="at which friction has fallen half way")
-    delay: Seconds = Field(description="until magnets are lowered")
-    time_constant: LagTime = Field(description="of the magnetic field")
+    magnets: Annotated[StrictInt, Field(ge=1, le=8)] = Field(description="number of magnets on the bogie")
+    attraction: Attraction = Field(description="force that attracts one magnet to the rail")
+    friction_slow: Share = Field(description="friction coefficient at standstill")
+    friction_fast: Share = Field(description="friction coefficient at high speed")
+    friction_speed: TravelSpeed = Field(description="speed at which friction is halfway between the two")
+    delay: Seconds = Field(description="time from the demand until the magnets are on the rail")
+    time_constant: LagTime = Field(description="time constant of the magnetic field")
 
 
 class Electropneumatic(SourcedTable):
     """An emergency brake commanded by wire: the same dead time and first-order build-up in the whole train."""
 
     kind: Literal["electropneumatic"]
-    delay: Seconds = Field(description="from the demand to the first pressure")
-    time_constant: LagTime = Field(description="of the build-up after it")
+    delay: Seconds = Field(description="time from the demand to the first pressure")
+    time_constant: LagTime = Field(description="time constant of the build-up after the delay")
 
 
 class BrakePipe(SourcedTable):
     """An emergency brake commanded through the brake pipe; a distributor in each car fills its cylinders."""
 
     kind: Literal["brake_pipe"]
-    diameter: Diameter = Field(description="inner one, of the pipe")
+    diameter: Diameter = Field(description="inner diameter of the pipe")
     branch_volume: Annotated[float, UnitRange("m3", at_least=1e-6, at_most=1, or_zero=True)] = Field(
-        description="of branch pipe and dirt collector of each car, before the distributor"
+        description="volume of branch pipe and dirt collector in each car, upstream of the distributor"
     )
     fill_time: Annotated[float, UnitRange("s", at_least=1e-6, at_most=60)] = Field(
-        description="of a distributor, from the first pressure to 95 % of the highest"
+        description="time from the first pressure to 95 % of the highest pressure, through a distributor"
     )
     reservoir: Annotated[float, UnitRange("m3", at_least=1e-4, at_most=10)] = Field(
-        description="auxiliary one of each car"
+        description="volume of the auxiliary reservoir of each car"
     )
 
 
 class Distributor(SourcedTable):
     """A distributor in position R with a high and a low stage: RailBraking.Pneumatics.TwoStageDistributor."""
 
-    low_share: Share = Field(description="cylinder pressure of the low stage over that of the high one")
-    speed_up: TravelSpeed = Field(description="at and above which the high stage comes in")
-    speed_down: TravelSpeed = Field(description="below which the low stage comes in")
-    stage_time: LagTime = Field(description="time constant with which one stage gives way to the other")
+    low_share: Share = Field(description="ratio of the cylinder pressures of the low and the high stage")
+    speed_up: TravelSpeed = Field(description="speed at and above which the distributor changes to the high stage")
+    speed_down: TravelSpeed = Field(description="speed below which the distributor changes to the low stage")
+    stage_time: LagTime = Field(description="time constant of the change between the stages")
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
         if self.speed_down >= self.speed_up:
             raise table_error(
                 f"has speed_down {3.6 * self.speed_down:g} km/h and speed_up {3.6 * self.speed_up:g} km/h; "
-                "speed_down lies below, or the stage changes at every look"
+                "speed_down must be lower than speed_up"
             )
         return self
 
 
-_READY = "from there on an accelerator is ready to open once more, and would open and close without end"
+_READY = "above it an accelerator would be ready to open again, and would open and close repeatedly"
 
 
 class Accelerator(SourcedTable):
-    """What vents the brake pipe at a car once pressure falls fast: RailBraking.Pneumatics.Accelerator."""
+    """Valve that vents the brake pipe at a car when its pressure falls fast: RailBraking.Pneumatics.Accelerator."""
 
     conductance: Annotated[float, UnitRange("m3/(s.Pa)", at_least=1e-11, at_most=1e-5)] = Field(
         description="sonic conductance of the vent; 1 cm2 has about 2e-7"
     )
     opening_rate: Annotated[float, UnitRange("Pa/s", at_least=1, at_most=1e7)] = Field(
-        description="fall of the pipe's pressure at which it opens"
+        description="rate of decrease of the pipe pressure at which it opens"
     )
     closing_pressure: Annotated[float, UnitRange("Pa", at_least=1, below=4.5e5, because=_READY)] = Field(
-        description="of the pipe, at which it closes again"
+        description="pipe pressure at which it closes again"
     )
-    sensing_time: LagTime = Field(description="over which the fall is sensed")
+    sensing_time: LagTime = Field(description="time over which the decrease is measured")
 
 
 Command = Annotated[Electropneumatic | BrakePipe, Field(discriminator="kind")]
 
 
 class Bogie(SourcedTable):
-    """A frame on axles, all of one wheel size and one kind of brake unit."""
+    """A bogie whose axles have the same wheels and brake units."""
 
     axles: tuple[Annotated[float, UnitRange("m", at_least=0, at_most=20)], ...] = Field(
-        min_length=2, max_length=8, description="positions behind the first one, which is 0, evenly apart"
+        min_length=2, max_length=8, description="equally spaced positions relative to the first axle, which is at 0"
     )
-    brake: Name = Field(description="of [brakes]")
+    brake: Name = Field(description="name of its brake units in [brakes]")
     units: tuple[Annotated[StrictInt, Field(ge=1, le=16)], ...] = Field(
-        min_length=1, description="number of brake units: one for all axles, or one for each"
+        min_length=1, description="number of brake units per axle: one value for all axles, or one for each"
     )
-    coupled: StrictBool = Field(description="whether shafts let all its axles turn as one")
-    valve: SharedBy = Field(description="who shares a brake valve: each axle has its own, or its bogie's or car's")
-    track_brake: Name | None = Field(default=None, description="of [track_brakes], in an emergency")
+    coupled: StrictBool = Field(description="whether shafts couple all its axles")
+    valve: SharedBy = Field(description="whether each axle, bogie or car has its own brake valve")
+    track_brake: Name | None = Field(
+        default=None, description="name of its track brakes in [track_brakes], used in an emergency"
+    )
     wheel_radius: WheelRadius = Field(description="rolling radius")
     inertia: tuple[Inertia, ...] = Field(
-        min_length=1, description="of an axle with wheels, discs and drive: one for all axles, or one for each"
+        min_length=1,
+        description="inertia of an axle with wheels, discs and drive: one value for all axles, or one for each",
     )
-    axle_mass: PartMass = Field(description="of a wheelset itself")
-    frame_mass: PartMass = Field(description="of the frame, without wheelsets")
-    frame_inertia: Inertia = Field(description="in pitch")
-    frame_height: Height = Field(description="of its centre of gravity above the rail")
-    rod_height: Height = Field(description="of the traction rod above the rail")
-    stiffness: Stiffness = Field(description="of the primary suspension of an axle")
-    damping: Damping = Field(description="of the primary suspension of an axle")
+    axle_mass: PartMass = Field(description="mass of one wheelset")
+    frame_mass: PartMass = Field(description="mass of the frame without wheelsets")
+    frame_inertia: Inertia = Field(description="pitch moment of inertia of the frame")
+    frame_height: Height = Field(description="height of its centre of gravity above the rail")
+    rod_height: Height = Field(description="height of the traction rod above the rail")
+    stiffness: Stiffness = Field(description="stiffness of the primary suspension of one axle")
+    damping: Damping = Field(description="damping of the primary suspension of one axle")
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
         if self.axles[0] != 0 or list(self.axles) != sorted(set(self.axles)):
-            raise table_error("has axles that are no rising positions from 0 on")
+            raise table_error("has axles whose positions do not start at 0 or do not increase")
         gap = self.wheelbase / (len(self.axles) - 1)
         if any(abs(at - i * gap) > 0.05 * gap for i, at in enumerate(self.axles)):
-            raise table_error("has axles that are not evenly apart; a bogie of RailBraking is")
+            raise table_error("has axles that are not equally spaced; RailBraking.Components.Bogie needs equal spacing")
         for key in ("units", "inertia"):
             count = len(getattr(self, key))
             if count not in (1, len(self.axles)):
-                raise table_error(f"has {len(self.axles)} axles and {count} {key}; give one for all, or one for each")
+                raise table_error(
+                    f"has {len(self.axles)} axles and {count} {key}; give one value for all, or one for each"
+                )
         return self
 
     @property
     def wheelbase(self) -> float:
-        """From the first axle to the last [m]."""
+        """Distance from the first axle to the last [m]."""
         return self.axles[-1]
 
     def each(self, values: Sequence[float]) -> list[float]:
-        """Return a value for each axle from a common value or one for each."""
+        """Return one value for each axle, from one common value or one value for each."""
         return list(values) * (len(self.axles) // len(values))
 
 
 class BogiePlacement(Table):
     """A bogie under a car."""
 
-    kind: Name = Field(description="of [bogies]")
-    at: Length = Field(description="from the front end of the car to the pivot, the middle of the bogie")
-    reversed: StrictBool = Field(default=False, description="whether its last axle of [bogies] leads")
-    shared: StrictBool = Field(default=False, description="whether it carries the next car, too (a Jacobs bogie)")
+    kind: Name = Field(description="name of the bogie in [bogies]")
+    at: Length = Field(description="distance from the front end of the car to the pivot in the middle of the bogie")
+    reversed: StrictBool = Field(default=False, description="whether the last axle in [bogies] leads")
+    shared: StrictBool = Field(default=False, description="whether it also carries the next car (a Jacobs bogie)")
 
 
 class Coupler(SourcedTable):
-    """What joins two cars: a spring and a damper behind some slack."""
+    """Connection of two cars: a spring and a damper with slack."""
 
-    stiffness: Stiffness = Field(description="of the spring")
-    damping: Damping = Field(description="of the damper")
+    stiffness: Stiffness = Field(description="stiffness of the spring")
+    damping: Damping = Field(description="damping of the damper")
     slack: Annotated[float, UnitRange("m", at_least=1e-5, at_most=1, or_zero=True)] = Field(
         description="play of the coupler"
     )
-    strength: Strength = Field(description="force in it that must not be passed")
+    strength: Strength = Field(description="maximum permissible force")
 
 
 class Car(SourcedTable):
     """A car: its mass in the stop, and its bogies."""
 
-    name: Name = Field(description="of the car, in figures and sentences")
-    length: CarLength = Field(description="over couplers")
-    mass: CarMass = Field(description="as it brakes, with bogies and load")
+    name: Name = Field(description="name of the car in figures and messages")
+    length: CarLength = Field(description="length over couplers")
+    mass: CarMass = Field(description="mass during the stop, with bogies and load")
     axle_masses: tuple[AxleMass, ...] = Field(
-        default=(), description="on each of the axles listed under it; shared alike among all where they are not given"
+        default=(), description="mass on each axle of its bogies; without them all axles carry equal masses"
     )
-    bogies: tuple[BogiePlacement, ...] = Field(default=(), max_length=16, description="under it, leading one first")
+    bogies: tuple[BogiePlacement, ...] = Field(
+        default=(), max_length=16, description="bogies under the car, the leading one first"
+    )
     coupler: Name | None = Field(
-        default=None, description="of [couplers], to the next car; without one they move as one body"
+        default=None, description="name in [couplers] of the coupler to the next car; without one both move as one body"
     )
     distributor: Name | None = Field(
-        default=None, description="of [distributors]; behind a brake pipe a car without one has a single stage"
+        default=None,
+        description="name of its distributor in [distributors]; without one a car with a brake pipe has a single stage",
     )
-    accelerator: Name | None = Field(default=None, description="of [accelerators], on its brake pipe")
+    accelerator: Name | None = Field(
+        default=None, description="name in [accelerators] of the accelerator on its brake pipe"
+    )
 
 
 class PublishedStop(Table):
-    """A dry stop on level track that somebody published."""
+    """A published stop on dry level track."""
 
-    speed: TravelSpeed = Field(description="at the start")
+    speed: TravelSpeed = Field(description="initial speed")
     distance: Annotated[float, UnitRange("m", at_least=1, at_most=1e4)] = Field(description="braking distance")
-    limit: StrictBool = Field(default=False, description="whether it is the longest that is allowed, not a measurement")
-    source: str = Field(description="who published it, and where")
+    limit: StrictBool = Field(default=False, description="whether the distance is an upper limit, not a measurement")
+    source: str = Field(description="publication of the stop")
 
 
 @dataclass(frozen=True, slots=True)
 class Axle:
-    """An axle where it runs in the train.
+    """An axle at its place in the train.
 
     Attributes:
-        position: Behind the front end of the train [m].
-        mass: That it carries on the rail, its own included [kg].
-        inertia: About itself [kg m2].
-        units: Of its brake.
-        bogie, car, group: Zero-based numbers; of a group all axles turn as one.
+        position: Distance from the front end of the train [m].
+        mass: Mass on the rail, its own included [kg].
+        inertia: Moment of inertia about its axis of rotation [kg m2].
+        units: Number of brake units.
+        bogie, car, group: Zero-based numbers; the axles of a group are coupled.
     """
 
     position: float
@@ -354,18 +383,18 @@ class Axle:
 
 @dataclass(frozen=True, slots=True)
 class BogieInTrain:
-    """A bogie where it runs in the train.
+    """A bogie at its place in the train.
 
     Attributes:
-        kind: Of [bogies].
-        data: Of that kind.
-        brake: One unit of its brakes.
-        pads: Of that unit.
-        track_brake: Of the bogie, if it has one.
-        position: Of its leading axle behind the front end of the train [m].
-        axles: Zero-based numbers.
-        cars: Zero-based numbers of the one or two that it carries.
-        reversed: Whether its last axle of [bogies] leads.
+        kind: Name in [bogies].
+        data: Data of that kind.
+        brake: One of its brake units.
+        pads: Pads of that unit.
+        track_brake: Track brakes of the bogie, if it has any.
+        position: Distance of its leading axle from the front end of the train [m].
+        axles: Zero-based numbers of its axles.
+        cars: Zero-based numbers of the one or two cars that it carries.
+        reversed: Whether the last axle in [bogies] leads.
     """
 
     kind: str
@@ -380,12 +409,13 @@ class BogieInTrain:
 
 
 class Train(Table):
-    """Everything that a train is made of, leading car first."""
+    """A train, the leading car first."""
 
-    name: Name = Field(description="of the train")
-    description: str = Field(default="", description="what it is, in a line")
+    name: Name = Field(description="name of the train")
+    description: str = Field(default="", description="description in one line")
     command: Command | None = Field(
-        default=None, description="of an emergency brake; without it pressure is there as soon as it is demanded"
+        default=None,
+        description="command of the emergency brake; without it the pressure follows the demand immediately",
     )
     resistance: Resistance
     pads: dict[Name, Pads] = Field(description="kinds of pads, by name")
@@ -395,9 +425,11 @@ class Train(Table):
     couplers: dict[Name, Coupler] = Field(default={}, description="kinds of couplers, by name")
     distributors: dict[Name, Distributor] = Field(default={}, description="kinds of distributors, by name")
     accelerators: dict[Name, Accelerator] = Field(default={}, description="kinds of accelerators, by name")
-    cars: tuple[Car, ...] = Field(min_length=1, max_length=64, description="leading one first")
-    sanders: tuple[Sander, ...] = Field(default=(), max_length=256, description="for scenarios with [adhesion.sand]")
-    reference: tuple[PublishedStop, ...] = Field(default=(), description="published stops of it")
+    cars: tuple[Car, ...] = Field(min_length=1, max_length=64, description="cars, the leading one first")
+    sanders: tuple[Sander, ...] = Field(
+        default=(), max_length=256, description="sanders, for scenarios with [adhesion.sand]"
+    )
+    reference: tuple[PublishedStop, ...] = Field(default=(), description="published stops of the train")
 
     @model_validator(mode="after")
     def _check_references(self) -> Self:
@@ -415,19 +447,21 @@ class Train(Table):
                 name = getattr(car, key)
                 _require_names(f"{key}s", [name] if name else [], table, f"{where} {key}")
                 if name and not isinstance(self.command, BrakePipe):
-                    raise table_error(f"{where} {key} works on a brake pipe: give [command] kind = 'brake_pipe', too")
+                    raise table_error(f"{where} {key} needs a brake pipe: give [command] kind = 'brake_pipe', too")
             count = sum(len(self.bogies[mount.kind].axles) for mount in car.bogies)
             if car.axle_masses and len(car.axle_masses) != count:
                 raise table_error(
                     f"{where} axle_masses has {len(car.axle_masses)} values, {car.name} has {count} axles"
                 )
             if not car.axle_masses and any(mount.shared for mount in car.bogies):
-                raise table_error(f"{where} has a shared bogie: give axle_masses, for its mass does not say them")
+                raise table_error(
+                    f"{where} has a shared bogie, so its mass does not determine the axle masses: give axle_masses"
+                )
             last = number == len(self.cars)
             if last and (car.coupler or any(mount.shared for mount in car.bogies)):
-                raise table_error(f"{where} is the last car: it shares no bogie and has no coupler to a next one")
+                raise table_error(f"{where} is the last car: it can have neither a shared bogie nor a coupler")
         if not self.axles:
-            raise table_error("[[cars]] have no bogies: a train runs on one axle at least")
+            raise table_error("[[cars]] have no bogies: a train needs at least one axle")
         beyond = next((i for i, sander in enumerate(self.sanders, start=1) if sander.wheelset > len(self.axles)), None)
         if beyond is not None:
             raise table_error(
@@ -437,13 +471,13 @@ class Train(Table):
         positions = [axle.position for axle in self.axles]
         if positions != sorted(set(positions)):
             raise table_error(
-                "[[cars]] bogies: the axles do not stand one behind the other; look at 'at' and the axles"
+                "[[cars]] bogies: the positions of the axles do not increase along the train; check 'at' and axles"
             )
         return self
 
     @property
     def track_brake_force(self) -> float:
-        """Greatest force of all track brakes [N]."""
+        """Maximum total force of all track brakes [N]."""
         brakes = [bogie.track_brake for bogie in self.bogies_in_train if bogie.track_brake is not None]
         return sum(brake.magnets * brake.attraction * max(brake.friction_slow, brake.friction_fast) for brake in brakes)
 
@@ -488,7 +522,7 @@ class Train(Table):
                 units, inertia = units[::-1], inertia[::-1]
             half = len(offsets) / 2
             for index, offset in enumerate(offsets):
-                # Of a bogie under two cars each has its share.
+                # Half of the axles of a shared bogie belong to each car.
                 car = bogie.cars[0] if len(bogie.cars) == 1 or index < half else bogie.cars[1]
                 axles.append(
                     Axle(
@@ -507,7 +541,7 @@ class Train(Table):
 
     @cached_property
     def groups(self) -> tuple[tuple[int, ...], ...]:
-        """Zero-based axles of each group that turns as one."""
+        """Zero-based axles of each group of coupled axles."""
         count = self.axles[-1].group + 1
         return tuple(tuple(i for i, axle in enumerate(self.axles) if axle.group == g) for g in range(count))
 
@@ -526,22 +560,22 @@ class Train(Table):
 
     @property
     def distributor_of_car(self) -> tuple[Distributor | None, ...]:
-        """Two-stage distributor of each car, None where it has a single stage."""
+        """Two-stage distributor of each car; None for a car with a single stage."""
         return tuple(self.distributors[car.distributor] if car.distributor else None for car in self.cars)
 
     @property
     def accelerator_of_car(self) -> tuple[Accelerator | None, ...]:
-        """Accelerator of the brake pipe of each car, None without one."""
+        """Accelerator of the brake pipe of each car; None for a car without one."""
         return tuple(self.accelerators[car.accelerator] if car.accelerator else None for car in self.cars)
 
     @property
     def mass(self) -> float:
-        """That all axles carry [kg]."""
+        """Mass on all axles [kg]."""
         return sum(axle.mass for axle in self.axles)
 
     @property
     def length(self) -> float:
-        """Over couplers [m]."""
+        """Length over couplers [m]."""
         return sum(car.length for car in self.cars)
 
     def _axle_masses(self, car: Car) -> Sequence[float]:
@@ -553,6 +587,6 @@ def _require_names(table: str, names: Sequence[str], choice: Mapping[str, Table]
     for name in names:
         if name not in choice:
             raise table_error(
-                f"{where} names '{name}', which is not in [{table}]; it has {', '.join(choice) or 'nothing'}"
+                f"{where} names '{name}', which is not in [{table}]; it has {', '.join(choice) or 'no entries'}"
                 + did_you_mean(name, choice, before="; ")
             )

@@ -1,6 +1,6 @@
-"""The stopping distance of a dry train, calculated as by hand: no slip, no suspension, no wheel-slide protection.
+"""The stopping distance of a dry train by hand calculation, without slip, suspension and wheel-slide protection.
 
-Source: EN 14531-1, stopping distance by steps of time from instantaneous forces; adhesion is not a part of it.
+Source: EN 14531-1, stopping distance by time steps from instantaneous forces; it does not consider adhesion.
 """
 
 from collections.abc import Sequence
@@ -21,26 +21,29 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 _STEP = 1e-2  # s
-_FILLED = 0.95  # of the highest pressure at the end of the filling time
-_SOUND = 290.0  # m/s, isothermal, of a small wave in a brake pipe without branches; UIC 540 requires 250 of a front
+_FILLED = 0.95  # share of the highest pressure at the end of the filling time
+_SOUND = (
+    290.0  # m/s, isothermal, of a small wave in a pipe without branches; UIC 540 requires 250 m/s of the brake front
+)
 _AIR_DENSITY = 1.2  # kg/m3, as in RailBraking.Data.Drag
 _LONGEST = 600.0  # s
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HandCalculation:
-    """What the calculation gives.
+    """Result of the hand calculation.
 
     Attributes:
-        distance: From the brake demand to standstill [m].
-        duration: Of it [s].
-        deceleration: Mean of fully developed braking [m/s2].
-        equivalent_time: Of the build-up [s]: so long no brake, then all of it, gives the same distance.
-        adhesion: Largest that each axle uses, shape (axles,); axles that turn as one share their brakes.
-        rotating_mass: Added by what turns [kg].
-        coupler_force: Largest in each joint of two cars, compression positive, shape (cars - 1,) [N].
-        car_force: What brakes each car in the middle of each step, shape (steps, cars) [N].
-        car_mass: With what turns, shape (cars,) [kg].
+        distance: Distance from the brake demand to standstill [m].
+        duration: Time from the brake demand to standstill [s].
+        deceleration: Mean deceleration with fully developed brakes [m/s2].
+        equivalent_time: Equivalent response time [s]: no brake force for this time and then the full force give the
+            same distance.
+        adhesion: Maximum adhesion used by each axle, shape (axles,); coupled axles share their brake forces.
+        rotating_mass: Equivalent mass of the rotating parts [kg].
+        coupler_force: Maximum force in each coupler, compression positive, shape (cars - 1,) [N].
+        car_force: Brake force on each car in the middle of each step, shape (steps, cars) [N].
+        car_mass: Mass of each car with its rotating parts, shape (cars,) [kg].
     """
 
     distance: float
@@ -58,8 +61,8 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
     """Return the emergency stop of a train on level dry track.
 
     Args:
-        train: What stops.
-        speed: At the brake demand [m/s].
+        train: The train.
+        speed: Speed at the brake demand [m/s].
 
     Raises:
         InputError: The train does not stop within ten minutes.
@@ -71,7 +74,7 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
     inert = float(mass.sum() + turning.sum())
     shares = _shares_of_load(train, mass)
     of_car = np.array([axle.car for axle in train.axles])
-    cars = (of_car == np.arange(len(train.cars))[:, None]).astype(float)  # row by row which axles are a car's
+    cars = (of_car == np.arange(len(train.cars))[:, None]).astype(float)  # a row per car, 1 for each of its axles
     magnetic = [(bogie.cars[0], bogie.track_brake) for bogie in train.bogies_in_train if bogie.track_brake is not None]
     magnetic_car = np.array([car for car, _ in magnetic], dtype=np.intp)
     build_up = _PressureBuildUp(train, speed)
@@ -81,7 +84,7 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
     history: list[Vector] = []
     car_mass = cars @ (mass + turning)
     while v > 0:
-        now = t + _STEP / 2  # forces of the middle of a step
+        now = t + _STEP / 2  # forces in the middle of a step
         braking = _brake_force(brakes, v, build_up.share(now, v)) + rolling
         magnets = np.array([_magnetic_force(brake, v, now) for _, brake in magnetic])
         drag = 0.5 * _AIR_DENSITY * train.resistance.drag_coefficient * train.resistance.frontal_area * v**2
@@ -122,7 +125,6 @@ def full_brake_force(train: Train) -> Vector:
 
 
 def _require_end(train: Train, speed: float, time: float) -> None:
-    """Refuse a train that still rolls so long [s] after it was braked at a speed [m/s]."""
     if time > _LONGEST:
         raise InputError(
             f"by hand calculation the brakes do not stop {train.name} from {3.6 * speed:g} km/h within "
@@ -131,7 +133,7 @@ def _require_end(train: Train, speed: float, time: float) -> None:
 
 
 def _shares_of_load(train: Train, mass: Vector) -> Matrix:
-    """Return row by row which axles turn as one, as shares of their load [1/N]."""
+    """Return a row per axle: the reciprocal of the load of its group for each axle of the group [1/N], otherwise 0."""
     shares = np.zeros((mass.size, mass.size))
     for members in train.groups:
         shares[np.ix_(members, members)] = 1.0 / (mass[list(members)].sum() * GRAVITY)
@@ -139,7 +141,6 @@ def _shares_of_load(train: Train, mass: Vector) -> Matrix:
 
 
 def _brakes_of(train: Train) -> tuple[dict[str, Vector], Vector]:
-    """Return data of the brakes, named as in [brakes] and [pads], and wheel radius [m] of each axle."""
     parts = [train.bogies_in_train[axle.bogie] for axle in train.axles]
     wheel = _each([part.data for part in parts], "wheel_radius")
     brakes = {name: _each([part.brake for part in parts], name) for name in ("friction_radius", *_BRAKE)}
@@ -150,7 +151,7 @@ def _brakes_of(train: Train) -> tuple[dict[str, Vector], Vector]:
 
 
 def chain_forces(train: Train, stop: HandCalculation) -> Vector:
-    """Return the largest force in each coupler of a chain of cars that swing, shape (couplers,) [N].
+    """Return the maximum force in each coupler of a chain of oscillating cars, shape (couplers,) [N].
 
     The cars are rigid masses on the springs, dampers and slacks of their couplers, under the forces of the calculation
     by hand. A step of force makes one spring overshoot its static force by 1 + exp(-π ζ/√(1 - ζ²)), up to twice;
@@ -181,7 +182,7 @@ def chain_forces(train: Train, stop: HandCalculation) -> Vector:
 
 
 def _front_speed(train: Train, command: BrakePipe) -> float:
-    """Return the speed of a small wave in the brake pipe, which branches slow down [m/s]."""
+    """Return the speed of a small wave in the brake pipe [m/s], which the branches slow down."""
     pipe = pi / 4 * command.diameter**2 * sum(car.length for car in train.cars)
     return _SOUND / sqrt(1 + command.branch_volume * len(train.cars) / pipe)
 
@@ -193,7 +194,6 @@ def _pad_force(brakes: dict[str, Vector], pressure: Vector) -> Vector:
 
 
 def _brake_force(brakes: dict[str, Vector], speed: float, share: Vector) -> Vector:
-    """Return the force at the rim [N] with a share of the highest pressure."""
     pad_force = _pad_force(brakes, share * brakes["pressure_max"])
     slower = 1 - speed * brakes["sliding"] / brakes["speed_nominal"]
     friction = brakes["pad_friction"] * (1 + brakes["speed_effect"] * slower)
@@ -202,10 +202,10 @@ def _brake_force(brakes: dict[str, Vector], speed: float, share: Vector) -> Vect
 
 
 class _PressureBuildUp:
-    """How far the brake command has come through to each axle.
+    """Build-up of the brake pressure at each axle.
 
     Attributes:
-        developed_at: When braking counts as fully developed [s after the demand].
+        developed_at: Time from the demand until braking counts as fully developed [s].
     """
 
     def __init__(self, train: Train, speed: float) -> None:
@@ -221,7 +221,7 @@ class _PressureBuildUp:
                 self.developed_at = float(self._delay.max()) + pipe.fill_time / _FILLED
 
     def share(self, time: float, speed: float) -> Vector:
-        """Return the share of the highest pressure at each axle in the next step, shape (axles,)."""
+        """Return the pressure at each axle in the next step as a share of the highest, shape (axles,)."""
         match self._command:
             case None:
                 return np.ones(self._delay.size)
@@ -236,7 +236,7 @@ class _Stages:
     """The relays of two-stage distributors through a stop, as RailBraking.Pneumatics.TwoStageDistributor."""
 
     def __init__(self, train: Train, speed: float) -> None:
-        """Take a train at the speed of its brake demand [m/s]: from between both speeds on it is in the low stage."""
+        # A demand at a speed between the two thresholds starts in the low stage.
         parts = [train.distributor_of_car[axle.car] for axle in train.axles]
         values = [(1.0, 0.0, 1.0) if d is None else (d.low_share, d.speed_down, d.stage_time) for d in parts]
         self._low, self._down, time = np.array(values).T
@@ -244,14 +244,14 @@ class _Stages:
         self._progress = -np.expm1(-_STEP / time)
 
     def share(self, speed: float) -> Vector:
-        """Return the share of the highest pressure that each axle may have in the next step, shape (axles,)."""
+        """Return the limit of the pressure at each axle in the next step as a share of the highest, shape (axles,)."""
         target = np.where(speed < self._down, self._low, self._share)
         self._share = self._share + self._progress * (target - self._share)
         return self._share
 
 
 def _magnetic_force(brake: TrackBrake, speed: float, time: float) -> float:
-    """Return the force of the track brakes of a bogie so long after the demand [N]."""
+    """Return the force of a bogie's track brakes [N], `time` [s] after the demand."""
     field = -expm1(-max(time - brake.delay, 0.0) / brake.time_constant)
     friction = brake.friction_fast + (brake.friction_slow - brake.friction_fast) / (1 + speed / brake.friction_speed)
     return brake.magnets * brake.attraction * friction * field
@@ -266,7 +266,7 @@ def _each(parts: Sequence[Table], name: str) -> Vector:
 
 
 def _rolling(train: Train, wheel: Vector) -> Vector:
-    """Return bearing and rolling resistance over load, the former as RailBraking.Components.bearingFriction."""
+    # Bearing resistance as in RailBraking.Components.bearingFriction.
     friction, radius = train.resistance.bearing_friction, train.resistance.bearing_radius
     bearing = 1 / np.sqrt(wheel**2 / (friction * radius) ** 2 * (1 + friction**2) - 1)
     return bearing + train.resistance.rolling_arm / wheel

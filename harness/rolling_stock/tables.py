@@ -1,4 +1,4 @@
-"""A train in words and columns."""
+"""Tables and sentences about a train."""
 
 from collections import Counter
 
@@ -9,7 +9,7 @@ from railgrip.vehicle.formation import axle_load
 
 
 def table_of_axles(train: Train) -> ReportTable:
-    """Return one row for each axle: place, load, coupled axles, and brake."""
+    """Return one row for each axle: position, load, coupled axles, and brake."""
     force = full_brake_force(train)
     valve_of_group = [valve for valve, count in enumerate(train.groups_per_valve) for _ in range(count)]
     rows = [
@@ -52,13 +52,13 @@ def table_of_distributors(train: Train) -> ReportTable:
 
 
 def sentence_of_equipment(train: Train) -> str:
-    """Return how many cars have which two-stage distributor and accelerator; empty for a train without any."""
+    """Return a sentence on the two-stage distributors and accelerators; empty for a train without any."""
     words: list[str] = []
     for kind, count in Counter(car.distributor for car in train.cars if car.distributor).items():
         stages = train.distributors[kind]
         words.append(
-            f"{kind} in {count} of {len(train.cars)} cars: {100 * stages.low_share:.0f} % of the pressure once slower "
-            f"than {3.6 * stages.speed_down:g} km/h, all of it from {3.6 * stages.speed_up:g} km/h on"
+            f"{kind} in {count} of {len(train.cars)} cars: {100 * stages.low_share:.0f} % of the pressure below "
+            f"{3.6 * stages.speed_down:g} km/h, the full pressure from {3.6 * stages.speed_up:g} km/h"
         )
     for kind, count in Counter(car.accelerator for car in train.cars if car.accelerator).items():
         vent = train.accelerators[kind]
@@ -70,7 +70,7 @@ def sentence_of_equipment(train: Train) -> str:
 
 
 def plain_stop(speed: float, stop: HandCalculation) -> dict[str, float]:
-    """Return a stop by hand calculation as plain values in SI units; `speed` is that at the brake demand [m/s]."""
+    """Return a stop by hand calculation as plain values in SI units; `speed` is the speed at the brake demand [m/s]."""
     return {
         "speed": speed,
         "distance": stop.distance,
@@ -83,9 +83,9 @@ def plain_stop(speed: float, stop: HandCalculation) -> dict[str, float]:
 
 
 def sentence_of_stop(train: Train, speed: float, stop: HandCalculation) -> str:
-    """Return how a train stops by hand calculation."""
+    """Return a sentence on the stop by hand calculation."""
     return (
-        f"{train.name}: {train.mass / 1e3:.1f} t, {100 * stop.rotating_mass / train.mass:.1f} % more by what turns; "
+        f"{train.name}: {train.mass / 1e3:.1f} t, {100 * stop.rotating_mass / train.mass:.1f} % rotating mass; "
         f"from {3.6 * speed:g} km/h {stop.distance:.1f} m in {stop.duration:.1f} s by hand (EN 14531-1), "
         f"{stop.deceleration:.2f} m/s² after {stop.equivalent_time:.2f} s, adhesion up to {stop.adhesion.max():.3f}"
     )

@@ -103,9 +103,9 @@ def profile_of(scenario: Scenario, formation: Formation) -> FrictionTable:
 
 
 def _grid(scenario: Scenario, formation: Formation) -> tuple[float, Array]:
-    """Return the step of a profile's grid, and the position of each wheelset on its axis at each grid point.
+    """Return the step of a profile's grid and, at each grid point, the position of each wheelset on its axis.
 
-    Positions have shape (n, wheelsets), over time (n, 1): all wheelsets have the same friction.
+    Positions have shape (n, wheelsets), or (n, 1) over time, when all wheelsets have the same friction.
     """
     adhesion = scenario.adhesion
     if not scenario.runs_over_distance:
@@ -126,7 +126,6 @@ def _grid(scenario: Scenario, formation: Formation) -> tuple[float, Array]:
 
 
 def _profile_friction(scenario: Scenario, places: Array, step: float, wheelsets: int) -> Array:
-    """Return the friction at places by the kind of profile, before patches, level and conditioning."""
     adhesion = scenario.adhesion
     match adhesion:
         case Constant(mu0=mu0) | Leaves(mu0=mu0):
@@ -157,7 +156,6 @@ def _profile_friction(scenario: Scenario, places: Array, step: float, wheelsets:
 def _curves(
     scenario: Scenario, patches: Sequence[Patch], places: Array, shape: tuple[int, ...]
 ) -> NDArray[np.uint8] | None:
-    """Return the index of the creep curve in [adhesion] `curves` at places; None if the rail has one curve."""
     adhesion = scenario.adhesion
     of_wheelset = adhesion.polach_of_wheelset or (adhesion.polach,)
     _check_count(scenario, "[adhesion] polach_of_wheelset", len(of_wheelset), shape[1])
@@ -216,11 +214,6 @@ def _check_count(scenario: Scenario, what: str, count: int, wheelsets: int) -> N
 
 
 def _require_resolved(scenario: Scenario) -> None:
-    """Raise an error for a rail that changes faster than the grid resolves.
-
-    Raises:
-        ScenarioError: A sine has fewer than two grid points per period, or noise fewer than ten per correlation length.
-    """
     match scenario.adhesion:
         case SineSweep() as shape:
             finest = 0.5 / max(shape.frequencies)
@@ -238,7 +231,7 @@ def _require_resolved(scenario: Scenario) -> None:
 
 
 def _trapezoid(shape: Trapezoid, places: Array) -> Array:
-    """Return periodic trapezoids that start high and stay high until the first fall."""
+    # Start high and stay high until the first fall, so that the stop begins on a good rail.
     fall, ramp, low = shape.extent("first_fall"), shape.extent("ramp"), shape.extent("low")
     into = np.where(places >= fall, (places - fall) % shape.extent("period"), np.inf)
     corners = np.array([0.0, ramp, ramp + low, 2 * ramp + low])
@@ -261,7 +254,7 @@ def _sine_sweep(shape: SineSweep, places: Array) -> Array:
 
 
 def _random(shape: Random, places: Array, seed: int) -> Array:
-    """Return clipped noise, exact at points a twentieth of the correlation apart."""
+    # The noise is exact at points a twentieth of the correlation length apart, and linear between them.
     correlation = shape.extent("correlation")
     points, noise = _noise(correlation, places, correlation / 20, seed)
     return np.interp(places, points, np.clip(shape.mean + shape.deviation * noise, shape.minimum, shape.maximum))
@@ -287,11 +280,9 @@ def _noise(correlation: float, places: Array, spacing: float, seed: int) -> tupl
 
 
 def _patches(scenario: Scenario, places: Array) -> Sequence[Patch]:
-    """Return the patches of a rail, each one covered by those after it: leaves first, then the given patches.
-
-    Leaves are drawn from the start of the first wheelset on, so that a longer train or horizon adds patches without
-    moving any, and backwards from there until no patch reaches the last wheelset.
-    """
+    # Later patches cover earlier ones: leaves first, then the given patches. Leaves are drawn from the start of the
+    # first wheelset on, so that a longer train or horizon adds patches without moving any, and backwards from there
+    # until no patch reaches the last wheelset.
     leaves = scenario.adhesion
     if not isinstance(leaves, Leaves):
         return leaves.patch
@@ -311,7 +302,6 @@ def _patches(scenario: Scenario, places: Array) -> Sequence[Patch]:
 
 
 def _draw_patches(leaves: Leaves, rng: np.random.Generator, reach: float) -> list[tuple[float, float, float]]:
-    """Return distance from the start [m], length [m] and friction of the patches up to a distance [m]."""
     patches: list[tuple[float, float, float]] = []
     place = rng.exponential(1 / leaves.count)
     while place < reach:
@@ -323,7 +313,6 @@ def _draw_patches(leaves: Leaves, rng: np.random.Generator, reach: float) -> lis
 
 
 def _rows(patch: Patch, places: Array) -> slice:
-    """Return the rows of places, (n, wheelsets), in which a wheelset may be inside a patch; places rise by row."""
     front, rear = places[0].argmax(), places[0].argmin()
     first = np.searchsorted(places[:, front], patch.begin)
     last = np.searchsorted(places[:, rear], patch.begin + patch.length, side="right")
@@ -331,7 +320,6 @@ def _rows(patch: Patch, places: Array) -> slice:
 
 
 def _inside(patch: Patch, places: Array) -> Array:
-    """Return 1 inside a patch, 0 outside, and a linear transition over its edges."""
     into = places - patch.begin
     inside = np.minimum(into, patch.length - into)
     return np.clip(inside / patch.edge, 0.0, 1.0) if patch.edge else (inside >= 0.0).astype(np.float64)

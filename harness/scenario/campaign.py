@@ -83,7 +83,8 @@ class CampaignFile(Table):
     name: Name = Field(description="of the campaign and of the folder of its results")
     description: str = Field(default="", description="what it is about, for its page")
     scenarios: Annotated[
-        tuple[str, ...], Field(min_length=1, description="files, from this one's folder, or names of ours")
+        tuple[str, ...],
+        Field(min_length=1, description="files relative to the folder of this file, or names of the package"),
     ]
     axes: dict[str, dict[str, dict[str, Any] | str]] = Field(
         default={},
@@ -224,7 +225,7 @@ def _variant_file(path: Path, axis: str, variant: str, name: str) -> dict[str, A
 
 
 def _require_countable(path: Path, campaign: CampaignFile) -> None:
-    """Check the number of combinations before any of them is built."""
+    # Before any combination is built: the number may exceed the memory.
     counts = {
         "scenarios": len(campaign.scenarios),
         **{axis: len(variants) for axis, variants in campaign.axes.items()},
@@ -258,7 +259,6 @@ class _Combination:
 def _combine(
     path: Path, campaign: CampaignFile, axes: Mapping[str, Mapping[str, Mapping[str, Any]]]
 ) -> list[_Combination]:
-    """Return the combinations that are not excluded, counted and named before the first scenario is validated."""
     combinations: list[_Combination] = []
     draws = campaign.draws
     for file in campaign.scenarios:
@@ -316,7 +316,7 @@ def _stops(
 
 
 def _draw_stops(stop: PlannedStop, draws: Draws) -> Iterator[PlannedStop]:
-    """Yield a stop with each of the seeds; only the seed changes, so the scenario is not validated again."""
+    # Only the seed changes, so the scenario is not validated again.
     for seed in draws.seeds():
         yield PlannedStop(
             name=f"{stop.name}-{seed}",
@@ -329,7 +329,6 @@ def _draw_stops(stop: PlannedStop, draws: Draws) -> Iterator[PlannedStop]:
 def _with_expected(
     path: Path, entries: Sequence[ExpectedOutcome], stops: tuple[PlannedStop, ...]
 ) -> tuple[PlannedStop, ...]:
-    """Return stops with the outcome of the first matching entry; raise an error for an entry without a match."""
     idle = next((entry for entry in entries if not any(_matches(entry.match, stop.variants) for stop in stops)), None)
     if idle is not None:
         raise ScenarioError(f"{path.name}: [[expected]] match {idle.match} is none of the stops; correct or remove it")
@@ -347,7 +346,6 @@ def _matches(entry: Mapping[str, str | tuple[str, ...]], variants: Mapping[str, 
 
 
 def _require_variants(path: Path, campaign: CampaignFile, axes: Mapping[str, Mapping[str, Any]]) -> None:
-    """Raise an error for a match with an unknown axis or variant, which could never match."""
     matches: dict[str, Sequence[Mapping[str, str | tuple[str, ...]]]] = {
         "exclude": campaign.exclude,
         "reference": [reference.match for reference in campaign.reference],

@@ -174,7 +174,6 @@ def read_columns(
 
 
 def _numbers(rows: Sequence[tuple[int, list[str]]], count: int) -> NDArray[np.float64]:
-    """Return the numbers of rows, each given with its line number, shape (rows, count)."""
     try:
         values = np.array([row for _, row in rows], dtype=np.float64)
         if (

@@ -40,7 +40,9 @@ class PhaseEnd(Table):
     @model_validator(mode="after")
     def _one(self) -> Self:
         if len(self.model_fields_set) != 1:
-            raise table_error(f"wants one of {', '.join(type(self).model_fields)}, got {len(self.model_fields_set)}")
+            raise table_error(
+                f"needs exactly one of {', '.join(type(self).model_fields)}, got {len(self.model_fields_set)}"
+            )
         return self
 
     @property
@@ -123,7 +125,7 @@ class Demand(Table):
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if bool(self.phases) == (self.file is not None):
-            raise table_error("wants phases, or the file of a profile; give one of them")
+            raise table_error("needs either phases or the file of a profile")
         for number, phase in enumerate(self.phases, start=1):
             if (phase.until is None) != (number == len(self.phases)):
                 wrong = "is the last one and lasts to the end, leave out" if phase.until else "has no"
@@ -161,12 +163,12 @@ _FAINTEST = 1e3
 
 @lru_cache(maxsize=1)
 def _read_profile(path: Path, digest: str) -> TabulatedQuantity:  # pyright: ignore[reportUnusedParameter]
-    """Return `Demand.profile` of a file; cached by its digest, since it is read for validation and for the stop."""
+    # Cached by digest, because the file is read for validation and for the stop.
     return read_columns(path, axes={"time": "s"}, name="pressure", si="Pa", span=(0.0, 1e8), example="kPa")
 
 
 EndOfPhase = Literal["end", "time", "duration", "distance", "speed_below", "speed_above"]
-"""Event that ends a phase, in the order of the enum in the loop's driver.h; the last phase has no end."""
+"""Event that ends a phase, named as in the enum of the loop's driver.h; the last phase has no end."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -245,7 +247,7 @@ def _convert_phases(demand: Demand, full: Sequence[float], where: str) -> Iterat
 
 
 def _from_points(times: NDArray[np.float64], pressures: NDArray[np.float64]) -> NDArray[np.void]:
-    """Return phases with linear pressures between points, shapes (n,) and (n, groups), and constant ones outside."""
+    # Pressures are linear between points and constant outside.
     none = (0.0,) * pressures.shape[1]
     constant = DemandedPhase(pressures=none, slopes=none)
     names = [field.name for field in fields(DemandedPhase)]
@@ -262,7 +264,6 @@ def _from_points(times: NDArray[np.float64], pressures: NDArray[np.float64]) -> 
 
 
 def _of_groups(entries: Sequence[float | Literal["full"]], full: Sequence[float], where: str) -> tuple[float, ...]:
-    """Return the pressure of each group, limited to its full brake."""
     _require_pressures(len(entries), max((entry for entry in entries if entry != "full"), default=0.0), full, where)
     pressures = [most if entry == "full" else float(entry) for entry, most in zip(cycle(entries), full, strict=False)]
     return tuple(map(min, pressures, full))

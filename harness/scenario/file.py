@@ -55,7 +55,6 @@ def locate(entry: str | Path, kind: Shelf, folder: Path = Path(), where: str = "
 
 
 def _relative(path: Path, folder: Path) -> str:
-    """Return a path relative to a folder, with the same text on all platforms."""
     try:
         return Path(os.path.relpath(path, folder)).as_posix()
     except ValueError:  # on another drive of Windows
@@ -113,7 +112,7 @@ class NamedFile:
         if isinstance(entry, NamedFile):
             return entry
         if not isinstance(entry, str) or not entry:
-            raise PydanticCustomError("file", "is {found}, but the path of a file is wanted", {"found": short(entry)})
+            raise PydanticCustomError("file", "is {found}; expected is the path of a file", {"found": short(entry)})
         context = cast("dict[str, Path] | None", info.context) or {}
         directory = context.get(DIRECTORY, Path())
         path = (entry.folder if isinstance(entry, OtherFileString) else directory) / entry

@@ -78,8 +78,6 @@ def campaign_schema() -> dict[str, Any]:
 
 
 def _any_key(tables: dict[str, Any]) -> dict[str, Any]:
-    """Return schemas of tables in which all keys are optional, including the one that selects their kind."""
-
     def relaxed(node: Any) -> Any:
         if isinstance(node, list):
             return [relaxed(inner) for inner in node]

@@ -34,7 +34,6 @@ def _unambiguous(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
 
 
 def _entries(table: type[BaseModel], path: str) -> Iterator[tuple[str, FieldInfo | UnitRange]]:
-    """Yield the field and the units of each key."""
     for name, field in table.model_fields.items():
         yield f"{path}{name}", field
         yield from _of_annotation(field.annotation, field.metadata, f"{path}{name}")

@@ -117,7 +117,7 @@ def extend_tables(table: Mapping[str, Any], folder: Path, origin: str, chain: Se
         return Tables.of(keys, folder, origin)
     entry = table["extends"]
     if not isinstance(entry, str) or not entry:
-        raise ScenarioError(f"{origin}: extends is {short(entry)}; wanted is the name or the path of a scenario")
+        raise ScenarioError(f"{origin}: extends is {short(entry)}; expected is the name or the path of a scenario")
     path = locate(entry, "scenarios", folder, f"{origin}: extends: ")
     if not is_file(path):
         raise ScenarioError(
@@ -155,11 +155,8 @@ def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
 
 
 def _add_equipment(tables: Tables, file: Path) -> Tables:
-    """Return tables with those of a file of equipment on top.
-
-    The plant of the equipment replaces only that of the train that equipment is made for; other plants are kept. Its
-    keys of an estimator apply only to scenarios with an estimator.
-    """
+    # The plant of the equipment replaces only that of the train that the equipment is made for; other plants are kept.
+    # Its keys of an estimator apply only to scenarios with an estimator.
     table, variants = read_toml(file), [read_toml(path).get("vehicle") for path in shelf("equipment").values()]
     if tables.table.get("vehicle") not in (None, *variants):
         table.pop("vehicle", None)

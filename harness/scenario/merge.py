@@ -74,13 +74,11 @@ def merge(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _array_of(key: Any) -> str | None:
-    """Return the name of the array that a key is an element of, or None."""
     element = _ELEMENT.fullmatch(key) if isinstance(key, str) else None
     return element[1] if element else None
 
 
 def _replace(table: dict[str, Any], array: str, key: str, value: Any) -> bool:
-    """Replace an element of a list in a table; return whether the list and the element exist."""
     values, index = table.get(array), int(key[len(array) + 1 : -1]) - 1
     if not isinstance(values, list | tuple) or not 0 <= index < len(values):
         return False
@@ -99,7 +97,6 @@ def with_another_plant(vehicle: Mapping[str, Any], keys: Mapping[str, Any]) -> d
 
 
 def _has_keys_of(table: Mapping[str, Any], kind: object) -> bool:
-    """Return whether the keys of a table are valid for another kind; None is no change of the kind."""
     present = table.get("kind")
     return (
         kind is None or present == kind or (kind in _KINDS_OF_ONE_FILTER and present in (*_KINDS_OF_ONE_FILTER, None))
@@ -156,7 +153,7 @@ def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
     for override in overrides:
         key, equals, value = override.partition("=")
         if not equals or not key.strip() or not value.strip():
-            raise ScenarioError(f"--set {cut(override)}: wanted is table.key=value, such as start.speed='80 km/h'")
+            raise ScenarioError(f"--set {cut(override)}: expected is table.key=value, such as start.speed='80 km/h'")
         try:
             _insert(tree, nest({key.strip(): _toml_value(value.strip())}))
         except ScenarioError as problem:
@@ -165,7 +162,7 @@ def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
 
 
 def _insert(tree: dict[str, Any], layer: Mapping[str, Any]) -> None:
-    """Merge `layer` into `tree`; unlike in files, a `kind` does not discard other keys, whatever their order."""
+    # Unlike in files, a `kind` does not discard other keys, whatever their order.
     for key, value in layer.items():
         below = tree.get(key)
         if isinstance(value, Mapping) and isinstance(below, dict):
@@ -175,7 +172,6 @@ def _insert(tree: dict[str, Any], layer: Mapping[str, Any]) -> None:
 
 
 def _toml_value(text: str) -> Any:
-    """Parse a text as a TOML value; return the text itself if that fails."""
     try:
         table = parse_toml(f"value = {text}")
     except tomllib.TOMLDecodeError:

@@ -120,10 +120,6 @@ class BuiltInLaw(_TrainLevelTable):
     @field_validator("tuning")
     @classmethod
     def _set_of_the_law(cls, tuning: str | None, info: ValidationInfo) -> str | None:
-        """Return the name of the set, by default the paper's.
-
-        The result is None for the searched set, and for a law without a paper's set.
-        """
         kind, files = info.data.get("kind", ""), registry.files(registry.LAWS)
         sets = {"paper": f"{kind}.paper", "searched": kind, "type_test": f"{kind}.type_test"}
         sets |= {file.removeprefix(f"{kind}."): file for file in files if file.startswith(f"{kind}.")}
@@ -211,7 +207,7 @@ class Limits(Table):
 
 
 def _communication(before: dict[str, Any]) -> float:
-    """Return the period of the plant [s] from the keys that precede another one."""
+    # Pydantic passes the fields that precede this one.
     return before.get("communication", 1e-3)
 
 

@@ -68,7 +68,7 @@ class _Profile(Table):
     )
     conditioning: Conditioning | None = Field(default=None, description="how wheels clean the rail for those behind")
     recovery: Recovery | None = optional("how slip cleans the rail; that of polach without it")
-    sand: Sand | None = optional("what sand makes of friction; wanted with [[sanders]]")
+    sand: Sand | None = optional("effect of sand on friction; required with [[sanders]]")
     patch: tuple[Patch, ...] = optional("places of other friction, of a profile over distance", default=())
 
     @model_validator(mode="after")
@@ -114,7 +114,6 @@ class _Profile(Table):
 
     @property
     def _lowest_around(self) -> float:
-        """Lower bound outside of patches before `factor`."""
         raise NotImplementedError
 
     @property
@@ -317,7 +316,7 @@ class Points(_Varying):
     kind: Literal["points"]
     points: tuple[tuple[Extent, Friction], ...] = Field(min_length=1, description="time or distance, and mu0 there")
     scatter: Annotated[float, UnitRange("1", at_least=0, below=0.3)] = Field(default=0.0, description="1σ over mu0")
-    correlation: Extent | None = Field(default=None, description="of the scatter; wanted with it")
+    correlation: Extent | None = Field(default=None, description="correlation length of the scatter; required with it")
 
     @property
     def _lowest_around(self) -> float:

@@ -95,7 +95,6 @@ class UnitRange:
         return value
 
     def _span(self, suffix: str) -> str:
-        """Return the expected range as the rest of a sentence, if both of its ends are informative."""
         above, at_least, below, at_most = self.limits.values()
         low, high = above if at_least is None else at_least, below if at_most is None else at_most
         return f"; expected is {'0, or ' * self.or_zero}{low:g} to {high:g}{suffix}" if low and high and low > 0 else ""
@@ -285,13 +284,12 @@ def in_units(
 
 
 def _match_description(name: str, descriptions: Mapping[str, str]) -> list[str]:
-    """Return the first name whose description begins with the words of another name, or an empty list."""
     words = name.partition("[")[0].replace("_", " ").lower()
     return [other for other, text in descriptions.items() if f"{text.lower()} ".startswith(f"{words} ")][:1]
 
 
 def _require_plausible(who: str, value: float, unit_of_value: str | units.Unit) -> None:
-    """Raise an error for an implausible value of a vehicle; values in units without a known range are not checked."""
+    # Values in units without a known range are not checked.
     try:
         expected_unit = unit(unit_of_value) if isinstance(unit_of_value, str) else unit_of_value
     except ValueError:

@@ -1,8 +1,8 @@
 """The scenario file as a type: every table, key, unit and range; unknown keys are rejected.
 
 A quantity is a string with a unit ("80 km/h", "3.4 bar", "10 ms") or a bare number in the SI unit of its field. Train,
-speed, friction and controller have no default. Other defaults do not describe a train: sensors and actuation are ideal,
-there is no estimator, all periods are a millisecond, the track is straight and level.
+speed, friction and controller have no default. The other defaults are ideal sensors and actuation, no estimator,
+periods of 1 ms, and straight level track.
 """
 
 import hashlib
@@ -68,7 +68,7 @@ _SHORTEST, _LONGEST = 120.0, 600.0
 """Bounds of the default horizon [s]."""
 
 _FEWEST_PERIODS = 10
-"""Minimum number of periods in a horizon, which is rounded to whole ones: the change is then at most a twentieth."""
+"""Minimum number of periods in a horizon, so that rounding to whole periods changes it by 5 % or less."""
 
 
 class Scenario(Table):
@@ -103,11 +103,9 @@ class Scenario(Table):
     @model_validator(mode="after")
     def _parties_fit(self) -> Self:
         if self.sanders and self.adhesion.sand is None:
-            raise table_error(
-                "[[sanders]] wants [adhesion.sand], which says what sand makes of friction: mu0, density, left"
-            )
+            raise table_error("[[sanders]] needs [adhesion.sand], the effect of sand on friction: mu0, density, left")
         if self.demand is not None and self.controller.kind == "ideal_bound":
-            raise table_error("[controller] ideal_bound brakes with all there is from the start on: leave out [demand]")
+            raise table_error("[controller] ideal_bound uses all adhesion from the start: leave out [demand]")
         if getattr(self.sensors, "gnss", None) is not None and self.track.plan is None:
             raise table_error("[sensors.gnss] reads positions on a [track.plan], and there is none")
         sampling = getattr(self.sensors, "period", None)
@@ -126,7 +124,7 @@ class Scenario(Table):
         if self.limits.stop_speed >= self.start.speed and not has_traction:
             raise table_error(
                 f"[limits] stop_speed {self.limits.stop_speed:g} m/s is not below [start] speed "
-                f"{self.start.speed:g} m/s; a train that starts so slowly wants traction in [[demand.phases]]"
+                f"{self.start.speed:g} m/s; a train that starts so slowly needs traction in [[demand.phases]]"
             )
         slowest = max(
             ("communication", "estimator", "controller", "trace"), key=lambda name: getattr(self.periods, name)

@@ -46,11 +46,7 @@ ModelicaClass = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z
 
 
 def _elements(entry: Any) -> Any:
-    """Return a parameter table with `x = [1, 2]` replaced by `"x[1]" = 1` and `"x[2]" = 2`, as FMI names them.
-
-    Raises:
-        PydanticCustomError: A list is empty, or the table has a list and an element of it.
-    """
+    # FMI names the elements of an array `x[1]`, `x[2]`.
     if not isinstance(entry, Mapping):
         return entry
     flat: dict[str, Any] = {}
@@ -138,13 +134,12 @@ class Table(BaseModel):
 
 
 def _map_entry(entry: Any) -> Any:
-    """Return a mapping entry unchanged; its details are checked later, with the description of the FMU."""
     if isinstance(entry, str | dict) or (
         isinstance(entry, list | tuple) and all(isinstance(element, str | dict) for element in entry)
     ):
         return entry
     raise table_error(
-        f"is {entry!r}, but the name of an FMU variable is wanted, a list of them, "
+        f"is {entry!r}, expected is the name of an FMU variable, a list of names, "
         'or { variable = "…", unit = "…", scale = … }'
     )
 

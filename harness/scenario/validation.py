@@ -51,8 +51,6 @@ def validate_table(
 
 
 def _holder(layers: Layers, path: Sequence[int | str]) -> str | None:
-    """Return the file of the uppermost layer with the longest match of a path."""
-
     def depth(table: Any) -> int:
         for number, step in enumerate(path):
             try:
@@ -71,9 +69,9 @@ def _sentence(model: type[BaseModel], path: Sequence[int | str], keys: Sequence[
     if kind == "missing":
         whole_table = len(path) == 1 and bool(_models(model.model_fields[str(path[0])].annotation))
         problem = f"[{path[0]}] is missing" if whole_table else f"{_table(path[:-1])} has no '{path[-1]}'"
-        return f"{problem}; it is wanted and has no default"
+        return f"{problem}; it is required"
     if kind == "union_tag_not_found":
-        return f"{_table(path)} has no 'kind'; it is wanted and has no default"
+        return f"{_table(path)} has no 'kind'; it is required"
     if kind == "union_tag_invalid":
         kinds = context["expected_tags"].replace("'", "")
         return f"{_table(path)} kind is {short(context['tag'])}; {_choice(context['tag'], kinds)}"
@@ -101,11 +99,8 @@ def _end_sentence(sentence: str) -> str:
 def _place(
     model: type[BaseModel], table: Mapping[str, Any], location: tuple[int | str, ...]
 ) -> tuple[list[int | str], list[str]]:
-    """Return pydantic's location as a path in the file, and the known keys of the table of its last step.
-
-    Pydantic adds the tag of a union of tables ("trapezoid" in adhesion.trapezoid.minimum), and the branch of a union of
-    values; the file has neither.
-    """
+    # Pydantic adds the tag of a union of tables ("trapezoid" in adhesion.trapezoid.minimum) and the branch of a union
+    # of values; the file has neither.
     path: list[int | str] = []
     node: Any = table
     branches: list[type[BaseModel]] = [model]
@@ -129,7 +124,6 @@ def _place(
 
 
 def _models(annotation: Any, entry: Any = None) -> list[type[BaseModel]]:
-    """Return the tables in an annotation or a field; of tables with a kind, that of an entry."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     if isinstance(annotation, FieldInfo):
@@ -162,7 +156,6 @@ def _suggestion(name: str, choice: Sequence[str]) -> str:
 
 
 def _choice(found: object, expected: str) -> str:
-    """Return the expected names, with the one that is nearest to the name found."""
     if sentence := explain_unsupported(str(found)):
         return f"{sentence}; there is {expected}"
     return f"there is {expected}" + did_you_mean(str(found), re.findall(r"\w+", expected), quote="", before="; ")

@@ -45,7 +45,7 @@ class FormationTable(Table):
     )
     wheelset_position: tuple[Length, ...] = Field(
         default=(),
-        description="distance of each wheelset behind the leading one; wanted when adhesion is over distance",
+        description="distance of each wheelset from the leading one; required when adhesion depends on distance",
     )
     wheelset_load: tuple[Annotated[float, UnitRange("N", above=0, at_most=1e6)], ...] = Field(
         default=(), description="static force of each wheelset on the rail"
@@ -71,7 +71,7 @@ class Nudge(Table):
 
 
 def _is_class(entry: str) -> bool:
-    """Return whether a text has the form module:Class, including Python's notation for a class inside a function."""
+    # Only the module must be identifiers: Python writes `<locals>` in the name of a class inside a function.
     module, colon, name = entry.partition(":")
     return bool(colon and name) and all(part.isidentifier() for part in module.split("."))
 
@@ -180,7 +180,7 @@ class Vehicle(Table):
     @model_validator(mode="after")
     def _one_plant(self) -> Self:
         if (self.model is None) != (self.library is None):
-            raise table_error("a class of one's own wants both, 'model' and the 'library' it is in")
+            raise table_error("a user's Modelica class needs both 'model' and the 'library' that contains it")
         plants = sum(source is not None for source in (self.plant, self.model, self.train))
         if plants != 1:
             wrong = "has two plants" if plants else "has no plant"
@@ -205,4 +205,4 @@ class Vehicle(Table):
 class Start(Table):
     """The state at t = 0, the time of the brake demand unless [demand] delays it."""
 
-    speed: StartSpeed = Field(description="0 for a train at rest, which then wants traction in [demand]")
+    speed: StartSpeed = Field(description="initial speed; a train at rest (0) needs traction in [demand]")

@@ -114,7 +114,7 @@ class Bench:
         problem = problem_with(pressures, (groups,))
         if problem:
             raise ScenarioError(
-                f"bench: step() wants the pressures [Pa] of {groups} groups, shape ({groups},); got {problem}"
+                f"bench: step() expects the pressures [Pa] of {groups} groups, shape ({groups},); got {problem}"
             )
         assert self._loop is not None
         self._loop.demand(np.asarray(pressures, dtype=np.float64))

@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 
 from railgrip.fmus.native import Model
+from railgrip.fmus.native.functions import in_c
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.trace.contact import Array, Contact
 
@@ -59,19 +60,11 @@ def _library(model: Model, shape: tuple[str, ...]) -> tuple[Callable[..., None],
     adhesion, extracted, fixed = ca.extract_parametric(expression, of_wheel_and_rail, {"extract_trivial": True})
     curve = ca.vertcat(*(symbols[name] for name in shape))
     function = ca.Function("contact", [point, curve, ca.vertcat(*extracted)], [adhesion])
-    generator = ca.CodeGenerator("contact", {"with_header": False})
-    generator.add(function)
-    sizes = {"ARG": function.sz_arg(), "RES": function.sz_res(), "IW": function.sz_iw(), "W": function.sz_w()}
+    sizes, text = in_c([function])
     inputs = [variable.name for variable in model.inputs]
     places = {name.upper(): inputs.index(name) for name in _ORDER}
-    header = "".join(
-        [
-            *(f"#define {name} {place}\n" for name, place in places.items()),
-            *(f"#define contact_SZ_{name} {size}\n" for name, size in sizes.items()),
-            f"#define contact_CURVE {len(shape)}\n",
-            generator.dump(),
-        ]
-    )
+    macros = {**places, **sizes, "CURVE": len(shape)}
+    header = "".join(f"#define {name} {value}\n" for name, value in macros.items()) + text
     sources = {"contact.h": header, "contact.c": KERNEL.read_text(encoding="utf-8")}
     run = ctypes.CDLL(str(shared_library(sources, "contact"))).contact_at
     pointer = ctypes.c_void_p

@@ -66,7 +66,7 @@ def controller_of(vehicle: VehicleData) -> LoopController:
     return _add_train_level(vehicle, _group_law(vehicle))
 
 
-def over_the_train(vehicle: VehicleData) -> Law | None:
+def train_level_of(vehicle: VehicleData) -> Law | None:
     """Return the decisions for the whole train over a controller that is not a built-in law, or None.
 
     Raises:
@@ -78,7 +78,6 @@ def over_the_train(vehicle: VehicleData) -> Law | None:
 
 
 def _add_train_level(vehicle: VehicleData, law: Law) -> Law:
-    """Return a law with redistribution and shared valves as [controller] and the formation specify."""
     scenario, groups, table = vehicle.scenario, vehicle.nominal.formation.brakes, vehicle.scenario.controller
     valves = vehicle.formation.groups_per_valve
     if table.redistribute:
@@ -126,7 +125,6 @@ def _group_law(vehicle: VehicleData) -> Law:
 
 
 def _law_named(kind: str) -> type[GroupLaw] | None:
-    """Return the built-in law with a name, or None."""
     return registry.part(registry.LAWS, kind, GroupLaw) if kind in registry.modules(registry.LAWS) else None
 
 

@@ -523,7 +523,6 @@ def _shapes(places: Mapping[str, slice]) -> dict[str, tuple[int, ...]]:
 
 
 def _by_name(length: int, places: Mapping[str, slice]) -> tuple[Array, dict[str, Array]]:
-    """Return a vector to write to, and read-only views of the signals in it by name."""
     vector = np.empty(length)
     view = vector.view()
     view.flags.writeable = False
@@ -618,7 +617,7 @@ def _names(part: object, attribute: str, choice: Collection[str]) -> tuple[str, 
 
     def refusal(found: str) -> ScenarioError:
         return ScenarioError(
-            f"{type(part).__name__}: `{attribute}` is {found}; wanted are names of {', '.join(choice)}, as in "
+            f"{type(part).__name__}: `{attribute}` is {found}; expected are names of {', '.join(choice)}, as in "
             f'{attribute} = ("adhesion",)'
         )
 
@@ -673,13 +672,11 @@ def _text_of(problem: BaseException) -> str:
 
 
 def _place(part: object, method: str) -> str:
-    """Return class and method, with file and line."""
     name, code = f"{type(part).__name__}.{method}", getattr(getattr(part, method, None), "__code__", None)
     return name if code is None else f"{name} ({_file(code.co_filename)}, line {code.co_firstlineno})"
 
 
 def _failure(part: object, method: str, problem: BaseException) -> str:
-    """Describe an exception of a user's class, with the last line of its file in the traceback."""
     frames = traceback.extract_tb(problem.__traceback__)[1:]  # the first one is the call from here
     try:
         file = inspect.getsourcefile(type(part))

@@ -118,7 +118,6 @@ def _kind_of(table: KalmanFilter) -> type[FilterKind]:
 def _of_nominal_data(
     vehicle: VehicleData, table: KalmanFilter, fmus: dict[str, Description], stack: ExitStack
 ) -> tuple[Consist | _Central, Sequence[str], Gate, Vector, tuple[float, ...]]:
-    """Return the prediction from the vehicle's nominal data, its readings, gate, mean at the start and wheel radii."""
     formation = vehicle.nominal.formation
     groups, wheelsets = range(formation.groups), range(1, formation.wheelsets + 1)
     data = data_of(vehicle.declared, formation)
@@ -180,14 +179,12 @@ def _of_file(
 def _open_prediction(
     description: Description, fmus: dict[str, Description], stack: ExitStack, **names: Any
 ) -> FmuPrediction:
-    """Open a prediction FMU and add it to `fmus`; `names` are further arguments of `FmuPrediction`."""
     name = description.file.name
     fmus[f"prediction: {name}" if name in fmus else name] = description
     return stack.enter_context(FmuPrediction(description, **names))
 
 
 def _require_names(where: str, needs: Mapping[str, tuple[Sequence[str], Sequence[str]]]) -> None:
-    """Raise an error that lists the names in `needs`, by kind, that are not available."""
     for kind, (names, available) in needs.items():
         if missing := [name for name in names if name not in available]:
             raise ScenarioError(f"{where} has no {kind} {', '.join(missing[:4])}; it has {', '.join(available)}")
@@ -196,7 +193,6 @@ def _require_names(where: str, needs: Mapping[str, tuple[Sequence[str], Sequence
 def _of_class(
     vehicle: VehicleData, table: KalmanFilter, name: str, fmus: dict[str, Description], stack: ExitStack
 ) -> tuple[_Central, Gate, Vector, tuple[float, ...]]:
-    """Return the prediction of a Modelica class, with its gate, mean at the start and wheel radii."""
     model, groups = _prediction_model(table, name, vehicle.layout), vehicle.layout.formation.groups
     values = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
     parameters = {v.name: v.start for v in model.parameters} | values
@@ -280,7 +276,6 @@ def _outlier_limits(table: KalmanFilter, prediction: Consist | _Central) -> list
 
 
 def _element(name: str) -> int:
-    """Return the zero-based index of `name[i]`, 0 for a scalar."""
     index = name.partition("[")[2]
     return int(index[:-1]) - 1 if index else 0
 

@@ -11,6 +11,7 @@ from railgrip.fmus.native.package import Source
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.controller import controller_of, valve_logic_of
 from railgrip.simulate.vehicle import VehicleData
+from railgrip.vehicle.signals import Layout
 
 _VALVES = "valves."
 _MEMORY = "memory."
@@ -37,12 +38,12 @@ def controller_fmu(scenario: Scenario, *, with_valves: bool = True) -> Source:
     states = variables(law.formula.states, law.state, _MEMORY)
     parameters = variables(law.formula.parameters, law.parameters)
     # A law that redistributes applies the driver's demand itself, and raises it for some groups.
-    limited = law.step if scenario.controller.redistribute else _limit_demands(law, len(groups))
+    limited = law.step if scenario.controller.redistribute else _limit_demands(law, vehicle.layout)
     outputs, step = law.formula.outputs, limited
     if valves is not None:
         states += variables(valves.formula.states, valves.state, _MEMORY + _VALVES)
         parameters += variables(valves.formula.parameters, valves.parameters, _VALVES)
-        outputs, step = valves.formula.outputs, _in_series(law, limited, valves, len(groups))
+        outputs, step = valves.formula.outputs, _in_series(law, limited, valves, vehicle.layout)
     full = {f"driver_demand[{g}]": group.pressure_max for g, group in enumerate(groups, start=1)}
     return sources(
         Discrete(
@@ -86,14 +87,15 @@ def valves_fmu(scenario: Scenario) -> Source | None:
     )
 
 
-def _limit_demands(law: Sampled, groups: int) -> ca.Function:
-    """Return the step of a law with its demands limited to the driver's, which are the inputs before the pressures."""
+def _limit_demands(law: Sampled, layout: Layout) -> ca.Function:
+    """Return the step of a law with its demands limited to the driver's."""
     state, inputs, parameter = (law.step.sx_in(place) for place in range(3))
     following, demand = law.step(state, inputs, parameter)
-    return ca.Function("step", [state, inputs, parameter], [following, ca.fmin(demand, inputs[-2 * groups : -groups])])
+    limited = ca.fmin(demand, inputs[layout.places["observation"]["driver_demand"]])
+    return ca.Function("step", [state, inputs, parameter], [following, limited])
 
 
-def _in_series(law: Sampled, limited: ca.Function, valves: Sampled, groups: int) -> ca.Function:
+def _in_series(law: Sampled, limited: ca.Function, valves: Sampled, layout: Layout) -> ca.Function:
     """Return one step of the law followed by the valves, which take its limited demands and the pressures it reads."""
     state, inputs, parameter = (
         ca.SX.sym(name, count)
@@ -106,7 +108,9 @@ def _in_series(law: Sampled, limited: ca.Function, valves: Sampled, groups: int)
     mine, theirs = ca.vertsplit(state, [0, law.state.size, state.numel()])
     tuning, model = ca.vertsplit(parameter, [0, law.parameters.size, parameter.numel()])
     following, demand = limited(mine, inputs, tuning)
-    onwards, command = valves.step(theirs, ca.vertcat(demand, inputs[-groups:]), model)
+    by_name = {"demand": demand, "pressure": inputs[layout.places["observation"]["pressure"]]}
+    given = ca.vertcat(*(by_name[name] for name in layout.places["valve_input"]))
+    onwards, command = valves.step(theirs, given, model)
     return ca.Function("step", [state, inputs, parameter], [ca.vertcat(following, onwards), command])
 
 

@@ -1,38 +1,33 @@
 """User-defined controllers as co-simulation FMUs, which get the same observation as a built-in law."""
 
-from collections.abc import Callable, Collection, Generator
+from collections.abc import Callable, Collection, Generator, Sequence
 from contextlib import contextmanager
 
 import numpy as np
 
+from railgrip import fmi
 from railgrip.base.errors import ControllerFailed, FmuError, PlantFailed
 from railgrip.controllers.observation import Observation
-from railgrip.fmi import Binding, Description, Signal, bind, open_plant
+from railgrip.fmi import Binding, Description, bind, open_plant
 from railgrip.scenario.parts import ControllerFmu
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.loop.parts import LoopPlant
 from railgrip.simulate.roles import require_role
+from railgrip.vehicle.signals import DEMANDED, OBSERVED, ONLY_ESTIMATED, Signal
 
-_READ = ("speed", "acceleration", "slip", "wheelset_speed", "pressure", "driver_demand")
-_BELIEVED = ("adhesion", "pad_friction")
-_DECISIONS = ("demand", "command")
-_UNITS = {
-    "speed": "m/s", "acceleration": "m/s2", "wheelset_speed": "rad/s", "pressure": "Pa", "driver_demand": "Pa",
-    "demand": "Pa",
-}  # fmt: skip
-_OF_TRAIN = frozenset({"speed", "acceleration"})
+_DECISIONS = (*DEMANDED, Signal("command", "group", "1", "command to the valves: -1 vent, 0 hold, 1 fill"))
+"""Alternative outputs of a controller FMU."""
 
 
-def _signals(names: tuple[str, ...], groups: int) -> tuple[Signal, ...]:
+def _bindable(signals: Sequence[Signal], groups: int) -> tuple[fmi.Signal, ...]:
     return tuple(
-        Signal(name=name, unit=_UNITS.get(name, "1"), size=0 if name in _OF_TRAIN else groups, needed=False)
-        for name in names
+        fmi.Signal(name=s.name, unit=s.unit, size=0 if s.extent == "train" else groups, needed=False) for s in signals
     )
 
 
-def controller_signals(groups: int) -> tuple[tuple[Signal, ...], tuple[Signal, ...]]:
+def controller_signals(groups: int) -> tuple[tuple[fmi.Signal, ...], tuple[fmi.Signal, ...]]:
     """Return the inputs that a controller FMU may have, and its alternative outputs, of which it has one."""
-    return _signals((*_READ, *_BELIEVED), groups), _signals(_DECISIONS, groups)
+    return _bindable(OBSERVED, groups), _bindable(_DECISIONS, groups)
 
 
 class ForeignController:
@@ -47,7 +42,7 @@ class ForeignController:
     def __init__(self, fmu: LoopPlant, binding: Binding, gives: str) -> None:
         """Decide by an open FMU that has not been started; `gives` is the name of its output, demand or command."""
         self._fmu = fmu
-        self._inputs = np.zeros(binding.inputs.size)
+        self._inputs, self._places = np.zeros(binding.inputs.size), binding.inputs.layout
         self._decision = binding.outputs.layout[gives]
         self._has_started = False
 
@@ -57,9 +52,8 @@ class ForeignController:
         Raises:
             ControllerFailed: The FMU failed.
         """
-        _, speed, acceleration, wheels, slip, _, adhesion, pad_friction, pressure, driver_demand = observation
-        estimated = [values for values in (adhesion, pad_friction) if values is not None]
-        self._inputs[:] = np.concatenate(((speed, acceleration), slip, wheels, pressure, driver_demand, *estimated))
+        for name, place in self._places.items():
+            self._inputs[place] = getattr(observation, name)
         try:
             if not self._has_started:
                 self._fmu.start(self._inputs)
@@ -81,20 +75,20 @@ def binding_of(
     where = f"{scenario.name}: [controller.map]"
     if not table.map:
         require_role(description, "controller", f"{scenario.name}: [controller] file")
-    inputs = (*_READ, *(name for name in _BELIEVED if name in estimates))
-    outputs = tuple(name for name in _DECISIONS if name in table.map) or _DECISIONS
+    inputs = [signal for signal in OBSERVED if signal.name not in ONLY_ESTIMATED - {*estimates}]
+    outputs = [signal for signal in _DECISIONS if signal.name in table.map] or _DECISIONS
     binding = bind(
         description,
-        inputs=_signals(inputs, groups),
-        outputs=_signals(outputs, groups),
+        inputs=_bindable(inputs, groups),
+        outputs=_bindable(outputs, groups),
         table=table.map,
         where=where,
     )
-    file, decisions = description.file.name, [name for name in outputs if name not in binding.outputs.absent]
+    file, decisions = description.file.name, [s.name for s in outputs if s.name not in binding.outputs.absent]
     if len(decisions) != 1:
         names = " and ".join(decisions) or "neither demand nor command"
         raise FmuError(
-            f"{where}: {file} gives {names}; wanted is one of demand [Pa] and command of the {groups} groups: say "
+            f"{where}: {file} gives {names}; expected is either demand [Pa] or command of the {groups} groups: state "
             'which variables they are, as in demand = "pressure[{i}]".'
         )
     if decisions == ["command"] and scenario.actuation.kind != "pneumatic":

@@ -65,7 +65,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     profile, force = profile_of(scenario, formation), vehicle.track_force
     groups = formation.group_of_wheelset
     rotating_mass = np.array([0.0 if b is None else b.inertia / b.wheel_radius**2 for b in vehicle.true.brakes])
-    recorder = Recorder((*PLANT, *vehicle.layout.sent_signals), formation, count)
+    recorder = Recorder((*PLANT, *vehicle.layout.signals["input"]), formation, count)
     recorder.rows[:] = np.nan  # most signals of a train do not exist for a point mass
     speed, distance, acceleration = _first_guess(scenario, time)
     for _ in range(_ROUNDS):

@@ -215,7 +215,6 @@ def find_mapping(
 
 
 def _nominal_parameters(description: Description, formation: Formation) -> dict[str, tuple[float, ...]]:
-    """Return the nominal data that an FMU has as parameters under the harness's names and in its units."""
     units = units_of_nominal_data(formation)
     values = {
         name: value
@@ -237,7 +236,6 @@ def _signals(formation: Formation) -> dict[str, tuple[Signal, Causality]]:
 
 
 def _draft_mapping(description: Description, wheelsets_per_group: tuple[int, ...]) -> MappingDraft:
-    """Return the draft by names, for the formation with the fewest missing signals."""
     declared = wheelsets_per_group or counts_of(parameters_of(description))
     sizes = [(1,) * size for size in sizes_of(description, "input")]
     choices = [declared] if declared else [catalogue_counts(), *sizes, (1,)]
@@ -259,7 +257,6 @@ def _unused_variables(description: Description, draft: MappingDraft) -> tuple[st
 
 
 def _variables(entry: SignalMapping, count: int) -> Iterator[str]:
-    """Yield the FMU variables of an entry of the map, the pattern of an array with numbers up to `count`."""
     for name in (entry.variables,) if isinstance(entry.variables, str) else entry.variables:
         yield from (name.replace("{i}", str(i)) for i in range(1, count + 1))
 
@@ -284,7 +281,6 @@ Run = Callable[[Mapping[str, SignalMapping]], Trials]
 def _run(
     description: Description, formation: Formation, table: Mapping[str, SignalMapping], *, speed: float, period: float
 ) -> Trials:
-    """Return the trials of an FMU on a good rail and on a poor one."""
     layout = layout_of(formation)
     inputs, outputs, start = plant_signals(layout, pneumatic=False, track_force=False)
     binding = bind(
@@ -322,7 +318,6 @@ def _radius(trial: Trial) -> list[float]:
 
 
 def _judge_trials(trials: Trials, formation: Formation, speed: float) -> list[SignalCheck]:
-    """Return the findings of two trials; any usual wheel radius is accepted."""
     groups, measured = catalogue_brakes(formation.groups), _radius(trials[0])
     radius = [
         radius_ if _SMALLEST <= radius_ <= _LARGEST else group.wheel_radius
@@ -348,7 +343,6 @@ Factors = Mapping[str, float]
 
 
 def _correct(draft: MappingDraft, run: Run, speed: float) -> MappingDraft:
-    """Return the draft with the corrections that leave the fewest contradictions in the run."""
     table, corrections = dict(draft.table), list[str]()
     trials = run(table)
     found = _judge_trials(trials, draft.formation, speed)
@@ -403,7 +397,6 @@ def _apply_correction(trials: Trials, table: Mapping[str, SignalMapping], factor
 
 
 def _proposals(wrong: Sequence[SignalCheck], trial: Trial) -> Iterator[Factors]:
-    """Yield corrections that may explain the contradictions, starting with those that need no further run."""
     by_signal = {finding.signal.partition("[")[0]: finding for finding in wrong}
     outputs = [name for name in by_signal if name in trial.layout.output]
     single: dict[str, float] = {}

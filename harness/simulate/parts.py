@@ -22,7 +22,7 @@ from railgrip.scenario.seed import generator
 from railgrip.scenario.sensors import OwnSensors
 from railgrip.scenario.vehicle import PythonClass, Vehicle
 from railgrip.simulate import custom
-from railgrip.simulate.controller import law_states, open_controller, over_the_train, valve_logic_of
+from railgrip.simulate.controller import law_states, open_controller, train_level_of, valve_logic_of
 from railgrip.simulate.estimator import state_estimator
 from railgrip.simulate.faults.site import faults_of
 from railgrip.simulate.importing import origin_of, part_of, table_of
@@ -176,7 +176,7 @@ def assemble(
             estimator=filter_,
             controller=controller,
             limits=limits if is_limited else None,
-            over=over_the_train(vehicle) if is_limited else None,
+            train_level=train_level_of(vehicle) if is_limited else None,
             valves=None if commands_valves else valve_logic_of(vehicle),
             driver=driver_of(vehicle),
             faults=faults_of(
@@ -206,7 +206,6 @@ class _UserObjects:
     classes: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
 
     def part(self, role: Role, table: object, instance: object) -> Any:
-        """Return the user-defined object for a part; None if the part is built-in."""
         if not isinstance(table, Custom):
             return None
         user_object = part_of(table, role, self.objects.folders) if instance is None else instance
@@ -243,7 +242,6 @@ def _estimator(
     stack: ExitStack,
     notify: Callable[[str], None],
 ) -> tuple[StateEstimator | custom.CustomEstimator | None, frozenset[str]]:
-    """Return the estimator of a stop, and the names of its estimates; a prediction FMU is added to `fmus`."""
     scenario = vehicle.scenario
     if (estimator := user_objects.part("estimators", scenario.estimator, user_objects.objects.estimator)) is not None:
         custom_estimator = custom.CustomEstimator(estimator, vehicle.nominal.formation)
@@ -267,12 +265,11 @@ def _sensors(vehicle: VehicleData, user_objects: _UserObjects, radius: float) ->
 def _signals(
     vehicle: VehicleData, of_controller: Sequence[Signal], filter_: object, estimates: Collection[str]
 ) -> tuple[Signal, ...]:
-    """Return the signals of a stop in the order of the trace."""
     layout, demand = vehicle.layout, vehicle.scenario.demand
     return (
-        *layout.plant_signals,
+        *layout.signals["output"],
         *plant_inputs(layout, pneumatic=vehicle.scenario.actuation.kind == "pneumatic"),
-        *layout.reading_signals,
+        *layout.signals["reading"],
         *of_controller,
         *(DRIVEN if demand is not None else ()),
         *(TRACTION if demand is not None and demand.has_traction else ()),
@@ -282,7 +279,6 @@ def _signals(
 
 
 def _require_demand(scenario: Scenario, *, commands_valves: bool) -> None:
-    """Raise an error for a driver's demand if the controller commands the valves."""
     if commands_valves and scenario.demand is not None:
         raise ScenarioError(
             f"{scenario.name}: [demand] limits the pressures that a controller demands, but that of [controller] "
@@ -291,7 +287,6 @@ def _require_demand(scenario: Scenario, *, commands_valves: bool) -> None:
 
 
 def _require_estimates(scenario: Scenario, controller: LoopController, estimates: Collection[str]) -> None:
-    """Raise an error for a law that needs quantities that are not estimated."""
     missing = [name for name in getattr(controller, "needs", ()) if name not in estimates]
     if missing:
         choice = ", ".join(sorted(estimates)) or "nothing"
@@ -325,11 +320,11 @@ def evaluate_stop(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus
     since = (
         "" if scenario.demand is None else f" {metrics.distance_travelled:.2f} m of that since the first brake demand."
     )
-    return Stop(
-        scenario=scenario,
+    return Stop.of(
+        scenario,
+        trace,
         outcome=ending.outcome,
         reason=ending.reason + since,
-        trace=trace,
         metrics=metrics,
         versions=versions() | {name: description.generator for name, description in fmus.items()},
         fmus={name: description.digest for name, description in fmus.items()},

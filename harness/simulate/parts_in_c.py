@@ -1,6 +1,6 @@
 """Export parts of a stop as FMUs or a static library: the C code of the loop, with its initial state."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_bytes
 from railgrip.base.outputs import claim
-from railgrip.controllers.law import OF_GROUPS
 from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
 from railgrip.fmus.native import Variable, memory
@@ -27,29 +26,16 @@ from railgrip.simulate.loop.library import headers, kernel, texts
 from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.loop.parts import Parts, StateEstimator
 from railgrip.simulate.loop.sensors import IdealSensors, ServiceSensors, WhiteSensors
+from railgrip.simulate.loop.structs import Structs
 from railgrip.simulate.parts import assemble
-from railgrip.vehicle.signals import BELIEVED, DRIVEN, Layout, Signal
+from railgrip.vehicle.signals import BELIEVED, DRIVEN, OBSERVED, Layout, Role, Signal, names_of
 
 Kind = Literal["onboard", "estimator", "sensors", "track"]
 """onboard: from readings and the driver's demand to commands; track: the rail and the driver."""
 
 _UNITS = ("onboard.c", "sensors.c", "rail.c", "driver.c", "exported.c")
-_FIELDS = {
-    "track": ("rail", "driver", "slip_radius", "full", "period"),
-    "sensors": ("service", "read_of", "gain", "bias", "noise", "sensors_every", "slip_radius"),
-    "estimator": (
-        "memory", "held", "seen", "mean", "covariance", "squared", "used", "seen_of", "believed_of", "seen_count",
-        "row", "radius", "full", "estimator_every", "controller_every",
-    ),
-}  # fmt: skip
-"""Fields of `Cycle` in cycle.h that each part uses."""
-
-_OBSERVED = (
-    Signal("speed", "train", "m/s", "speed of the train"),
-    Signal("acceleration", "train", "m/s2", "acceleration of the train, negative in braking"),
-    *(Signal(name, "group", unit, meaning) for name, unit, meaning in OF_GROUPS if name != "driver_demand"),
-)
-"""Quantities that an estimator outputs to a law; the driver's demand is not among them."""
+_ESTIMATED = tuple(signal for signal in OBSERVED if signal.name != "driver_demand")
+"""Signals of an observation that an estimator outputs."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,7 +45,7 @@ class _Role:
     Attributes:
         given, shown: Inputs and outputs of the FMU.
         struct: `Cycle` of cycle.h.
-        formulas: Formulas in C, by field of `struct`.
+        formulas: Formulas in C, by field of `struct`, such as `onboard->law`.
         parameters: Parameters of the FMU.
         macros: Macros for exported.c.
     """
@@ -88,9 +74,17 @@ def part_in_c(scenario: Scenario, kind: Kind) -> Discrete:
     """
     scenario = _with_filter_in_c(scenario)
     with assemble(scenario) as opened:
-        parts, struct = opened.parts, Loop(opened.parts).struct
-        role = {"onboard": _onboard, "estimator": _estimator, "sensors": _sensors, "track": _track}[kind]
-        return _system(scenario, parts, kind, role(scenario, parts, struct))
+        parts, structs = opened.parts, Loop(opened.parts).structs
+        match kind:
+            case "onboard":
+                role = _onboard(scenario, parts, structs)
+            case "estimator":
+                role = _estimator(scenario, parts, structs)
+            case "sensors":
+                role = _sensors(scenario, parts, structs)
+            case "track":
+                role = _track(parts, structs)
+        return _system(scenario, parts, kind, role)
 
 
 def readings_of(scenario: Scenario) -> NDArray[np.float64]:
@@ -102,7 +96,7 @@ def readings_of(scenario: Scenario) -> NDArray[np.float64]:
         demand = np.tile(parts.driver.full, (len(rows), 1))
         if parts.driver.has_phases:
             demand = rows[:, recorder.block(DRIVEN)]
-        return np.hstack([rows[:, recorder.block(parts.layout.reading_signals)], demand])
+        return np.hstack([rows[:, recorder.block(parts.layout.signals["reading"])], demand])
 
 
 def write_library(scenario: Scenario, folder: Path) -> Iterator[Path]:
@@ -145,28 +139,36 @@ def _system(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> Discre
     layout, estimator = parts.layout, parts.estimator
     files = headers(layout) | texts(*_UNITS) | {"export.h": "#define EXPORT\n"}
     units: tuple[str, ...] = ()
-    calls = [f"    c->{name}.call = call_{name};" for name in role.formulas]
+    calls = [f"    c->{field}.call = call_{_name(field)};" for field in role.formulas]
     if kind in ("onboard", "estimator") and isinstance(estimator, StateEstimator):
         assert isinstance(estimator.filter, StepInC)
         files |= {
             name: text for name, text in estimator.filter.sources.items() if name == "plain.c" or name[-2:] == ".h"
         }
         units = ("plain.c",)
-        calls.append("    c->advance = step_plain;")
-    macros: dict[str, object] = {"GIVEN": 0, "DEVIATIONS": 0.0, "BINDING": 1, "LAW_PARAMETERS": 0, **role.macros}
+        calls.append("    c->filter->advance = step_plain;")
+    macros = {
+        "INPUT_PLACES": 0,
+        "OUTPUT_PLACES": 0,
+        "DEVIATIONS": 0.0,
+        "BINDING": 1,
+        "LAW_PARAMETERS": 0,
+        **role.macros,
+    }
     text = [
         *(f"#define {name} {value}" for name, value in macros.items()),
         *(f'#include "{name}"' for name in _UNITS),
         memory.in_c(role.struct, headers(layout).values()),
-        *(_write_call(name, formula) for name, formula in role.formulas.items()),
+        *(_write_call(_name(field), formula) for field, formula in role.formulas.items()),
         "int step_plain(double *block);",
-        "static int sample(unsigned long long *memory, long long k, const double *given, const double *parameter,",
-        "                  double *shown)",
+        "static int sample(unsigned long long *memory, long long k, const double *input, const double *parameter,",
+        "                  double *output)",
         "{",
         "    Cycle *c = (Cycle *)memory;",
         "    point(memory);",
         *calls,
-        f"    return sample_{kind}(c, k, given, parameter, shown);",
+        "    c->sample = k;",
+        f"    return sample_{kind}(c, input, parameter, output);",
         "}",
     ]
     return Discrete(
@@ -192,6 +194,10 @@ _DESCRIPTIONS = {
 }
 
 
+def _name(field: str) -> str:
+    return field.rpartition("->")[2]
+
+
 def _write_call(name: str, formula: Sampled) -> str:
     """Return C code of a formula with the signature of `Call` in cycle.h."""
     step, count = formula.step, formula.state.size
@@ -199,11 +205,11 @@ def _write_call(name: str, formula: Sampled) -> str:
     return "\n".join(
         [
             straight_step(f"f_{name}", step, sizes),
-            f"static void call_{name}(double *state, const double *given, const double *parameter, double *shown)",
+            f"static void call_{name}(double *state, const double *input, const double *parameter, double *output)",
             "{",
             f"    double following[{count + 1}];",
-            "    const double *arguments[] = { state, given, parameter };",
-            "    double *results[] = { following, shown };",
+            "    const double *arguments[] = { state, input, parameter };",
+            "    double *results[] = { following, output };",
             f"    f_{name}(arguments, results);",
             f"    memcpy(state, following, {count} * sizeof *state);",
             "}",
@@ -211,124 +217,140 @@ def _write_call(name: str, formula: Sampled) -> str:
     )
 
 
-def _track(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
+def _track(parts: Parts, structs: Structs) -> _Role:
     recovers = parts.rail.field is not None
     needed = ("distance", "speed", *(("slip", "adhesion", "wheelset_load", "wheelset_speed") if recovers else ()))
-    given, places = _select_outputs(parts.layout, struct, needed)
-    sent = parts.layout.sent_signals[1:]
-    starts = np.zeros(parts.layout.inputs)
+    given, places = _select_outputs(parts.layout, structs, needed)
+    layout = parts.layout
+    sent = [signal for signal in layout.signals["input"] if signal.name != "command"]
+    starts = np.zeros(layout.inputs)
     parts.rail.write_inputs(starts)
-    shown = _of(sent, parts.layout, starts[parts.layout.formation.groups :])
+    shown = _of(sent, layout, np.delete(starts, np.arange(layout.inputs)[layout.input["command"]]))
     return _Role(
         given=given,
         shown=(*shown, *_of(DRIVEN, parts.layout, parts.driver.full)),
-        struct=struct.copy_with(*_FIELDS["track"]),
+        struct=structs.cycle.copy_with(
+            "rail", "driver", "period", plant=_plant_data(layout, structs), onboard=structs.onboard.copy_with("full")
+        ),
         formulas={},
-        macros={"GIVEN": places},
+        macros={"INPUT_PLACES": places, "OUTPUT_PLACES": _positions("input", sent, layout)},
     )
 
 
-def _sensors(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
+def _sensors(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
     sensors, layout = parts.sensors, parts.layout
     if not isinstance(sensors, IdealSensors | WhiteSensors | ServiceSensors):
         raise ScenarioError(f"{scenario.name}: [sensors] read in Python and cannot leave as an FMU")
     if parts.faults is not None:
         raise ScenarioError(f"{scenario.name}: [[faults]] of sensors or valves cannot leave as an FMU; leave them out")
-    changes: dict[str, object] = {"block": 1}
+    data: dict[str, object] = {"block": 1}
     deviation = np.zeros(1) if isinstance(sensors, IdealSensors) else sensors.deviation
     if isinstance(sensors, ServiceSensors):
         needed = ("distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure", "deflection")
-        changes["service"] = sensors.struct.copy_with(noise=np.zeros(deviation.size), block=1)
+        data["service"] = sensors.struct.copy_with(noise=np.zeros(deviation.size), block=1)
     else:
         needed = [n for n, at in layout.output.items() if np.isin(sensors.places, np.arange(at.start, at.stop)).any()]
         if isinstance(sensors, WhiteSensors):
-            changes["noise"] = np.zeros(deviation.size)
-    given, places = _select_outputs(layout, struct, needed)
+            data["noise"] = np.zeros(deviation.size)
+    given, places = _select_outputs(layout, structs, needed)
     start, meaning = float(scenario.seed % 2**32), "of the noise, a whole number"
     seed = Variable(name="seed", unit="1", start=start, description=meaning, minimum=0.0)
     return _Role(
         given=given,
-        shown=_of(layout.reading_signals, layout),
-        struct=struct.copy_with(*_FIELDS["sensors"], **changes),
+        shown=_of(layout.signals["reading"], layout),
+        struct=kernel(layout).struct(
+            "Cycle", plant=_plant_data(layout, structs), instruments=structs.instruments.copy_with(**data)
+        ),
         formulas={},
         parameters=(seed,),
-        macros={"GIVEN": places, "DEVIATIONS": ", ".join(map(repr, deviation.tolist()))},
+        macros={"INPUT_PLACES": places, "DEVIATIONS": ", ".join(map(repr, deviation.tolist()))},
     )
 
 
-def _estimator(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
-    belief, formulas = _belief(scenario, parts, struct)
+def _estimator(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
+    struct, formulas = _filter_data(scenario, parts, structs)
     return _Role(
-        given=_of(parts.layout.reading_signals, parts.layout),
-        shown=_of(_OBSERVED, parts.layout),
-        struct=belief,
+        given=_of(parts.layout.signals["reading"], parts.layout),
+        shown=_of(_ESTIMATED, parts.layout),
+        struct=struct,
         formulas=formulas,
-        macros={},
+        macros={"OUTPUT_PLACES": _positions("observation", _ESTIMATED, parts.layout)},
     )
 
 
-def _onboard(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
-    belief, formulas = _belief(scenario, parts, struct)
+def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
+    struct, formulas = _filter_data(scenario, parts, structs)
     law, valves = parts.controller, parts.valves
     if not isinstance(law, Sampled):
         raise ScenarioError(
             f"{scenario.name}: [controller] kind '{scenario.controller.kind}' is no law of this project, and only "
             "laws can be exported; choose another kind"
         )
-    formulas["law"] = law
+    formulas["onboard->law"] = law
     parameters = variables(law.formula.parameters, law.parameters)
     commands = variables(law.formula.outputs, [0.0] * len(law.formula.outputs))
     if valves is not None:
-        formulas["valves"] = valves
+        formulas["onboard->valves"] = valves
         parameters += variables(valves.formula.parameters, valves.parameters, "valves.")
         commands = variables(valves.formula.outputs, [0.0] * len(valves.formula.outputs))
-    belief.set(**{name: kernel(parts.layout).struct("Formula", state=formulas[name].state) for name in formulas})
-    believed = _of(BELIEVED, parts.layout) if parts.estimator is not None else []
+    onboard = {_name(field): formula for field, formula in formulas.items() if field.startswith("onboard")}
+    struct.target("onboard").set(
+        **{name: kernel(parts.layout).struct("Formula", state=formula.state) for name, formula in onboard.items()}
+    )
+    states = BELIEVED if parts.estimator is not None else ()
     return _Role(
-        given=[*_of(parts.layout.reading_signals, parts.layout), *_of(DRIVEN, parts.layout, parts.driver.full)],
-        shown=[*commands, *believed],
-        struct=belief,
+        given=[*_of(parts.layout.signals["reading"], parts.layout), *_of(DRIVEN, parts.layout, parts.driver.full)],
+        shown=[*commands, *_of(states, parts.layout)],
+        struct=struct,
         formulas=formulas,
         parameters=parameters,
-        macros={"BINDING": int(parts.driver.struct.pointer.binding), "LAW_PARAMETERS": law.parameters.size},
+        macros={
+            "BINDING": int(parts.driver.struct.pointer.binding),
+            "LAW_PARAMETERS": law.parameters.size,
+            "OUTPUT_PLACES": _positions("estimate", states, parts.layout) or 0,
+        },
     )
 
 
-def _belief(scenario: Scenario, parts: Parts, struct: Struct) -> tuple[Struct, dict[str, Sampled]]:
-    """Return the fields of the filter, and the formula that substitutes a silent radar, if there is one."""
-    estimator = parts.estimator
-    belief = struct.copy_with(*_FIELDS["estimator"])
-    belief.view("reference")[0] = np.nan
+def _plant_data(layout: Layout, structs: Structs) -> Struct:
+    return structs.plant.copy_with("slip_radius", inputs=np.zeros(layout.inputs))
+
+
+def _filter_data(scenario: Scenario, parts: Parts, structs: Structs) -> tuple[Struct, dict[str, Sampled]]:
+    """Return the structs of filter and observation, and the formula that substitutes a silent radar, if any."""
+    layout, estimator = parts.layout, parts.estimator
+    onboard = structs.onboard.copy_with("radius", "full", "estimator_every", "controller_every")
+    cycle = kernel(layout).struct("Cycle", instruments=kernel(layout).struct("Instruments"), onboard=onboard)
     if estimator is None:
-        return belief, {}
+        return cycle, {}
     if not isinstance(estimator, StateEstimator) or not isinstance(estimator.filter, StepInC):
         raise ScenarioError(
             f"{scenario.name}: [estimator] kind '{scenario.estimator.kind}' is not in C and cannot leave as an FMU; "
             "kinds compiled, python and fmu do, with a model of this project or a Modelica class"
         )
-    if estimator.free_wheel is None:
-        return belief, {}
+    cycle.set(filter=structs.filter)
     free_wheel = estimator.free_wheel
-    belief.set(
-        free_wheel=kernel(parts.layout).struct("Formula", state=free_wheel.state, parameter=free_wheel.parameters)
-    )
-    return belief, {"free_wheel": free_wheel}
+    return cycle, {} if free_wheel is None else {"filter->reference_speed": free_wheel}
 
 
-def _select_outputs(layout: Layout, struct: Struct, names: Sequence[str]) -> tuple[list[Variable], str]:
+def _select_outputs(layout: Layout, structs: Structs, names: Sequence[str]) -> tuple[list[Variable], str]:
     """Return those of the named plant outputs that exist as inputs, and their positions among all outputs, for C."""
-    absent = np.isnan(struct.view("truth"))
-    signals = [s for s in layout.plant_signals if s.name in names and not absent[layout.output[s.name]].any()]
-    places = [place for signal in signals for place in range(*layout.output[signal.name].indices(layout.outputs))]
-    return _of(signals, layout), ", ".join(map(str, places))
+    absent = np.isnan(structs.plant.view("outputs"))
+    signals = [s for s in layout.signals["output"] if s.name in names and not absent[layout.output[s.name]].any()]
+    return _of(signals, layout), _positions("output", signals, layout)
+
+
+def _positions(role: Role, signals: Iterable[Signal], layout: Layout) -> str:
+    """Return the positions of signals in a vector, for C."""
+    places = layout.places[role]
+    slices = [places[signal.name.removeprefix(f"{role}_")] for signal in signals]
+    return ", ".join(str(number) for place in slices for number in range(place.start, place.stop))
 
 
 def _of(signals: Sequence[Signal], layout: Layout, starts: NDArray[np.float64] | None = None) -> list[Variable]:
     variables: list[Variable] = []
     for signal in signals:
-        numbers = [f"[{i + 1}]" for i in range(layout.formation.width(signal.extent))]
-        for number in [""] if signal.extent == "train" else numbers:
+        for name in names_of(signal, layout.formation):
             start = 0.0 if starts is None else float(starts[len(variables)])
-            name = signal.name + number
             variables.append(Variable(name=name, unit=signal.unit, start=start, description=signal.meaning))
     return variables

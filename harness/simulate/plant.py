@@ -56,7 +56,7 @@ def plant_signals(
             size=0 if s.extent == "train" else formation.width(s.extent),
             needed=s.name in NEEDED,
         )
-        for s in layout.plant_signals
+        for s in layout.signals["output"]
     )
     return inputs, outputs, Signal(name="start_speed", unit="m/s", size=0, needed=True)
 

@@ -55,7 +55,6 @@ def plant_fmu(scenario: Scenario) -> Source:
 
 
 def _inputs_at_start(vehicle: VehicleData, binding: Binding) -> dict[str, float]:
-    """Return the plant's inputs from the track at the start, by name."""
     inputs = np.zeros(vehicle.layout.inputs)
     rail_of(vehicle).write_inputs(inputs)
     values = dict(zip(binding.inputs.elements, inputs.tolist(), strict=True))

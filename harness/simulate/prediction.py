@@ -56,18 +56,15 @@ class _Members:
     wheelsets: tuple[int, ...] = ()
 
     def sizes(self, formation: Formation) -> tuple[int, tuple[int, ...]]:
-        """Return the number of groups, and the group of each wheelset of a bogie, from 1 on."""
         belongs = formation.group_of_wheelset[list(self.wheelsets)] if self.wheelsets else ()
         return len(self.groups), tuple(self.groups.index(group) + 1 for group in belongs)
 
     def place(self, name: str) -> tuple[str, int]:
-        """Return the name of a variable without its index, and its zero-based index in the whole train."""
         base, bracket, _ = name.partition("[")
         of = self.bogies if base in _OF_BOGIES else self.wheelsets if base in _OF_WHEELSETS else self.groups
         return base, of[_number(name) - 1] if bracket else 0
 
     def name_in_train(self, name: str) -> str:
-        """Return the name of an array element in the whole train; a scalar keeps its name."""
         base, index = self.place(name)
         return f"{base}[{index + 1}]" if "[" in name else name
 

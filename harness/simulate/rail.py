@@ -40,7 +40,6 @@ def rail_of(vehicle: VehicleData) -> TabulatedRail:
 
 
 def _sanders(scenario: Scenario, formation: Formation) -> list[LoopSander]:
-    """Return the sanders of a scenario, or of its train file if the scenario lists no sanders."""
     sanders, source = scenario.sanders, scenario.vehicle.source
     if not sanders and isinstance(source, TrainFile):
         sanders = load_train(source.file.path).sanders

@@ -33,7 +33,6 @@ class _Component:
     description: ET.Element
 
     def variables(self, causality: str) -> dict[str, ET.Element]:
-        """Return the type elements of variables by name."""
         every = self.description.findall("ModelVariables/ScalarVariable")
         return {variable.attrib["name"]: variable[0] for variable in every if variable.get("causality") == causality}
 

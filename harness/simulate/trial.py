@@ -152,7 +152,6 @@ def findings(
 
 
 def _of_train(trial: Trial, poor: Trial, speed: float, slowing: Slowing) -> Iterator[SignalCheck]:
-    """Yield the findings for the whole train; arguments are those of `findings`."""
     v, x, a = (trial.output(name)[:, 0] for name in ("speed", "distance", "acceleration"))
     last, braking = trial.coasting - 1, trial.deceleration
     yield _ratio("speed", v[0], speed, 0.001, "m/s at the start, [start] speed is")

@@ -367,7 +367,8 @@ class VehicleData:
         extra = tuple(s for s in EXTRA if s.name in self.shown)
         several = len(self.scenario.adhesion.curves) > 1
         readings = (*READINGS, *self.scenario.sensors.extra_readings(self.scenario, self.shown))
-        return layout_of(self.nominal.formation, (*PLANT, *extra), readings, (*SENT, *CURVE) if several else SENT)
+        sent = (*SENT, *CURVE) if several else SENT
+        return layout_of(self.nominal.formation, output=(*PLANT, *extra), reading=readings, input=sent)
 
     @cached_property
     def curves(self) -> NDArray[np.float64]:

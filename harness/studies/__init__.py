@@ -1,8 +1,8 @@
-"""Studies: programmes of one paper each, from the cases that they run to a page and headline numbers.
+"""Studies: the cases, page and headline numbers of one subject each.
 
-Each module here but `study`, and each package, is a study: `railgrip study NAME` runs it. The first line of its
-docstring describes it; it, or the module `study` of a package, has the class as `STUDY`. Only the command line imports
-studies, and no stop is run again when one of them changes.
+Each module here except `study`, and each package, is a study: `railgrip study NAME` runs it. The first line of its
+docstring describes it; the module, or the module `study` of a package, has the class as `STUDY`. Only the command line
+imports studies, and a change of a study does not cause a stop to be run again.
 """
 
 from pkgutil import iter_modules

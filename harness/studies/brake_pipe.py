@@ -28,7 +28,7 @@ from railgrip.studies.study import Study
 from railgrip.studies.trains.stops import dry_scenario, filling_of
 
 PAGE = Path("docs/train_models.md")
-"""From the folder of the project, where the command runs."""
+"""Folder relative to that of the project, in which the command runs."""
 
 GRIDS = (1, 3, CELLS_OF_A_CAR, 9, 17)
 """Cells of the pipe in a car; grid errors are differences from the last."""
@@ -36,7 +36,7 @@ QUICK_GRIDS = (CELLS_OF_A_CAR, 9)
 LITRES = (0.0, 1.5, 3.0, 4.5)
 """Volume of the branch of each car [l]."""
 CONDUCTANCES = {"none": 0.0, "in each car": 2e-7}
-"""Of accelerators [m3/(s.Pa)]."""
+"""Sonic conductance of accelerators [m3/(s.Pa)]."""
 LIMIT = 250.0
 """Slowest front that UIC 540 permits [m/s]."""
 
@@ -64,7 +64,7 @@ sensing_time = "0.3 s"
 estimated = true
 """,
 }
-"""Of each car of `loco_coaches`: the tables that docs/trains.md explains."""
+"""Equipment of each car of `loco_coaches`: the tables that docs/trains.md explains."""
 
 _MODEL = """model Pipe
   extends RailBraking.Examples.BrakePipeOfTenCoaches(cells=CELLS);

@@ -24,7 +24,7 @@ from railgrip.studies.type_test.design import FAULTS
 from railgrip.trace.estimation import SLOWEST
 
 PAGE = Path("docs/faults.md")
-"""From the folder of the project, where the command runs."""
+"""Folder relative to that of the project, in which the command runs."""
 
 FILTERS = {
     "disturbed": {"model": "TrainPredictionDisturbed"},
@@ -40,8 +40,8 @@ _ROOT = Path(railgrip.scenario.__file__).parent
 
 
 Case = tuple[str, float, str, int, str]
-"""Name of the rail, mass over the one that the filter knows, key of the type test's faults, seed of sensors and rail,
-key of `FILTERS`: a stop with valves and service sensors, under slip control without estimates, so that no filter moves
+"""Name of the rail, mass relative to the assumed one, key of the type test's faults, seed of sensors and rail, and key
+of `FILTERS`: a stop with valves and service sensors, under slip control without estimates, so that no filter affects
 it."""
 
 
@@ -49,7 +49,7 @@ class Errors(NamedTuple):
     """Errors of adhesion in a stop above 10 km/h.
 
     Attributes:
-        rmse: Of the filter, over all groups.
+        rmse: RMS error of the filter over all groups.
         bias: Mean of estimate minus truth.
         nees: Mean squared error over variance, mean of the groups.
     """

@@ -1,4 +1,4 @@
-"""The tests of Schwarz and Keck (2020), §4, on a simulated rig: their filter and ours, judged against the truth."""
+"""The tests of Schwarz and Keck (2020), §4, on a simulated rig: their filter and railgrip's, against true values."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -46,8 +46,8 @@ Mask = NDArray[np.bool_]
 def outside_events(recording: xarray.Dataset, settled: float) -> Mask:
     """Return the samples outside protection events, shape (k,).
 
-    An event lasts while the protection keeps the brake from giving what the driver asks for, and `RECOVERY` longer.
-    The first `settled` seconds are left out: there the estimate comes from its start.
+    An event lasts while the protection reduces the driver's demand, and `RECOVERY` longer. The first `settled` seconds
+    are omitted, in which the estimate converges from its start value.
     """
     time = recording["time"].values
     busy = reading_of(recording, "protecting") > 0.5
@@ -57,7 +57,7 @@ def outside_events(recording: xarray.Dataset, settled: float) -> Mask:
 
 
 def excursions(recording: xarray.Dataset, estimates: xarray.Dataset, settled: float) -> dict[str, float]:
-    """Return where an estimate of adhesion leaves `LIMIT`, named as in `Row`.
+    """Return measures of an estimate of adhesion outside `LIMIT`, named as in `Row`.
 
     `alpha_largest`: error anywhere after the start has settled; `alpha_outside`: outside protection events;
     `samples_outside`: over the limit outside events; `excursions`: stretches over the limit, anywhere; `longest` of
@@ -90,26 +90,26 @@ corrected, but not which."""
 SETTLED = 0.5
 """Seconds after the start in which estimates are not judged."""
 SAME_PROTECTION = ("controller.parameters.low=0.10", "controller.parameters.high=0.20")
-"""Thresholds of the sliding test, for the sanding test: how sand alone changes the interventions."""
+"""Thresholds of the sliding test, used in the sanding test to separate the effect of sand on interventions."""
 PERIODS = (5e-3, 10e-3, 20e-3)
 SPEED_NOISES = (0.5e-4, 1e-4, 3.2e-4)
-"""Of the roller's encoder [m/s]; the last is what the R of equation (20) says, the square root of 1e-7."""
+"""Standard deviations of the roller's encoder [m/s]; the last is that of R in equation (20), the root of 1e-7."""
 
 
 R_OF_SPEED = 1e-7
 """Variance of the roller's speed that equation (20) states [m²/s²]."""
 
 ENCODERS = ("no error", "white noise of R", "steps of variance R")
-"""Of the roller: what the period alone does, an error as R says it, and a grid of speeds whose rounding has R."""
+"""Encoders of the roller: without error, with noise of variance R, and with rounding of variance R."""
 
 DRAWS = 10
-"""Of noise, or of where the steps of the grid lie."""
+"""Number of draws of the noise, or of the offset of the rounding grid."""
 
 FIT_PERIODS = (5e-3, 10e-3, 12e-3, 16e-3, 20e-3, 30e-3)
 """Periods at which equation (20) as printed is tried with each encoder [s]."""
 
 FIRST = "adhesion_and_brake_friction_4.png"
-"""Figure that decides the question."""
+"""Figure by which filters are compared."""
 
 Row = dict[str, Any]
 """One filter on one run, as the files have it; errors against the truth, after the start has settled.
@@ -132,7 +132,7 @@ def recording_of_rig(scenario: Scenario) -> xarray.Dataset:
 
 
 def row_of(scenario: Scenario, name: str, recording: xarray.Dataset, estimates: xarray.Dataset) -> Row:
-    """Return how a filter did on a run."""
+    """Return the errors of a filter on a run."""
     assert isinstance(scenario.sensors, White)
     after = recording["time"].values >= SETTLED
     alpha, pads = (asdict(judge(recording, estimates, state, after)) for state in ("alpha", "mu_b"))
@@ -151,15 +151,15 @@ def row_of(scenario: Scenario, name: str, recording: xarray.Dataset, estimates: 
 
 
 def run_test(scenario: Scenario) -> tuple[xarray.Dataset, dict[str, xarray.Dataset]]:
-    """Return a run on the rig, and what each filter makes of it."""
+    """Return a run on the rig, and the estimates of each filter."""
     recording = recording_of_rig(scenario)
     return recording, {name: estimate_of(filter_, recording) for name, filter_ in _filters().items()}
 
 
 def with_encoder(scenario: Scenario) -> list[Row]:
-    """Return both filters on a run whose encoder of the roller may be another one.
+    """Return the results of both filters on a run, possibly with another encoder of the roller.
 
-    The filter of railgrip is given the noise of its encoder; equation (20) is used as printed.
+    The filter of railgrip gets the noise of the encoder; equation (20) is used as printed.
     """
     assert isinstance(scenario.sensors, White)
     recording, noise = recording_of_rig(scenario), scenario.sensors.noise["speed"].si("m/s")
@@ -241,7 +241,6 @@ def _filters() -> dict[str, Specification]:
 
 
 def _resample(name: str, period: float, noise: float) -> Scenario:
-    """Return a test at another sampling period [s], with another encoder of the roller [m/s]."""
     periods = dict.fromkeys(("communication", "estimator", "trace"), period) | {"controller": max(period, 0.01)}
     changes = [f'periods.{who}="{each} s"' for who, each in periods.items()]
     return load(Path(name), [*changes, f'sensors.noise.speed="{noise} m/s"'])
@@ -249,7 +248,7 @@ def _resample(name: str, period: float, noise: float) -> Scenario:
 
 @dataclass(frozen=True)
 class RollerRig(Study):
-    """Run the roller-rig tests of Schwarz and Keck (2020) with their filter and ours; write figures and tables."""
+    """Run the roller-rig tests of Schwarz and Keck (2020) with both filters; write figures and tables."""
 
     write: Annotated[
         bool, Option("--write", help="Write figures and tables into docs/papers/adhesion_and_brake_friction.md.")
@@ -360,7 +359,7 @@ _FORMS: Mapping[str, Form] = {
 
 
 def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset]) -> Figure:
-    """Draw error and claimed spread of adhesion and pad friction, one column a filter."""
+    """Draw errors of adhesion and pad friction with claimed standard deviations, one column for each filter."""
     drawing, axes = style.panels(10, 6, 2, len(estimates), sharex=True, squeeze=False)
     time = recording["time"].values
     for column, (name, estimated) in enumerate(estimates.items()):

@@ -24,7 +24,7 @@ class Study(ABC):
     `quick`, need no description.
 
     Attributes:
-        has_cases: Whether the study has cases that a cluster can run; one that measures durations has none.
+        has_cases: Whether a cluster can run cases of the study, unlike measurements of durations.
     """
 
     has_cases: ClassVar[bool] = True
@@ -53,9 +53,9 @@ class Study(ABC):
     def headlines(self, work: Work) -> Iterable[Finding]:
         """Return the few numbers that reveal a change of the whole study; `railgrip maintain regress` compares them.
 
-        They come from a reduced form of the study, in seconds, from fixed seeds. A tolerance covers the arithmetic of
-        another machine: little for a mean over thousands of samples, one sample for an instant, more for the largest
-        of many errors. A changed law moves the number further.
+        They come from a reduced form of the study with fixed seeds, in seconds. A tolerance covers the arithmetic of
+        another machine: small for a mean over thousands of samples, one sample for an instant, larger for the maximum
+        of many errors. A changed law changes the number by more.
         """
         return ()
 
@@ -86,7 +86,7 @@ def conduct(
 
     Raises:
         InputError: There is a `scheduler`, but the study has no cases for it, or it is not an address.
-        RecordError: Results cannot be written there; nothing was run.
+        RecordError: Results cannot be written into the folder; nothing was run.
         RailgripError: A case failed; earlier results are kept in the cache.
     """
     if scheduler is not None and not study.has_cases:

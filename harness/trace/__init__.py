@@ -20,5 +20,5 @@ both counted from 1, lead to trail. Every variable has its unit. The prefix says
 `table` is the map of columns, `files` reads formats, `cleaning` finds errors in a signal, `grid` puts it on an
 even grid: errors are corrected and reported if possible, else refused.
 
-Of a stop, `recorder` collects rows in the loop, `metrics` measures the trace, and `stop` holds and stores both.
+Of a stop, `recorder` collects rows in the loop, and `metrics` measures the trace; `railgrip.report.stop` stores both.
 """

@@ -111,7 +111,7 @@ def with_bound(
     peak_adhesion = formation.sum_by_group(peak_each * load) / group_load
     demanded = None
     if "driver_demand" in trace:
-        # A row holds what was demanded until then: what is demanded now stands in the next one.
+        # A row holds the demand up to its instant; the demand from then on is in the next row.
         demanded = trace["driver_demand"].values[np.minimum(np.arange(len(time)) + 1, len(time) - 1)]
     force = "full" if demanded is None else "the demanded"
     pad_friction, deceleration = trace["pad_friction"].values, -trace["acceleration"].values

@@ -139,5 +139,4 @@ def _resolution(values: Vector) -> float:
 
 
 def _but_the_first(where: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return every run without its first sample: that one was a reading."""
     return where & np.concatenate([[False], where[:-1]])

@@ -46,7 +46,7 @@ def adhesion_errors(trace: xarray.Dataset) -> dict[str, tuple[float, ...] | None
 
 
 def _moving(trace: xarray.Dataset, name: str) -> Array | None:
-    """Return a signal above 10 km/h, or None where there is none: some estimators claim no deviation."""
+    """Return a signal above 10 km/h, or None: some estimators provide no standard deviation."""
     return trace[name].values[trace["speed"].values > SLOWEST] if name in trace else None
 
 
@@ -90,7 +90,7 @@ def _outside(error: Array, deviation: Array) -> Array:
 
 
 def innovations(trace: xarray.Dataset) -> tuple[float | None, float | None]:
-    """Return the median of NIS over what is expected, and when the belief was lost [s]; None where neither exists.
+    """Return the ratio of the median NIS to its expected value, and the time of divergence [s]; None if absent.
 
     See `railgrip.estimators.consistency`. Between two steps of the estimator rows repeat the last one.
     """

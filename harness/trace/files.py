@@ -69,7 +69,7 @@ class Columns:
 
 @contextmanager
 def _quietly() -> Generator[None]:
-    """Keep warnings of the libraries that read files from the user: what they find is said by this program."""
+    """Suppress warnings of the libraries that read files: this program reports the same problems itself."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         yield
@@ -129,7 +129,6 @@ def _require_file(path: Path) -> None:
 
 @contextmanager
 def _reading(path: Path, what: str) -> Generator[None]:
-    """Turn any exception of the reader of a format into a message that the file is damaged."""
     try:
         yield
     except EstimationError:
@@ -139,7 +138,6 @@ def _reading(path: Path, what: str) -> Generator[None]:
 
 
 def _library(path: Path, module: str, extra: str) -> Any:
-    """Return the library that reads a format and is not always installed."""
     try:
         return import_module(module)
     except ModuleNotFoundError as problem:
@@ -262,7 +260,6 @@ def _all_there(path: Path, columns: Sequence[str], there: Sequence[str]) -> None
 
 
 def _numbers(path: Path, name: str, file: Columns) -> Vector:
-    """Return a column as floats; empty cells are NaN."""
     raw = file.values[name]
     values = np.asarray(raw)
     if values.ndim != 1 or values.dtype.kind == "c":
@@ -318,7 +315,7 @@ def read_mf4(path: Path, columns: Sequence[str] | None = None) -> dict[str, Seri
     """Return channels of an MDF file by name, each on its own instants; all of numbers when None; see `read_series`."""
     _require_file(path)
     library, series = _library(path, "asammdf", "mf4"), dict[str, Series]()
-    logging.getLogger("asammdf").setLevel(logging.CRITICAL)  # its exceptions repeat what it logs about a damaged file
+    logging.getLogger("asammdf").setLevel(logging.CRITICAL)  # it raises an exception for each damage that it logs
     # Damage may show as late as in a block of samples.
     with _reading(path, "an MDF file"), _silently_collected(), library.MDF(path) as file:
         if columns is None:
@@ -334,7 +331,7 @@ def read_mf4(path: Path, columns: Sequence[str] | None = None) -> dict[str, Seri
             values = np.asarray(signal.samples)
             if values.dtype.kind not in "fiub" or values.ndim != 1:
                 raise EstimationError(
-                    f"{path.name}: channel '{name}' wants one number a sample, it has {values.dtype}."
+                    f"{path.name}: channel '{name}' must have one number per sample; it has {values.dtype}."
                 )
             series[name] = Series(
                 time=np.asarray(signal.timestamps, dtype=np.float64),
@@ -345,7 +342,6 @@ def read_mf4(path: Path, columns: Sequence[str] | None = None) -> dict[str, Seri
 
 
 def _readable(file: Any) -> list[str]:
-    """Return the channels of numbers of an MDF file whose name occurs once, without those of time."""
     places = {name: where[0] for name, where in file.channels_db.items() if len(where) == 1}
     masters = {(group, channel) for group, channel in file.masters_db.items()}
     signals = {name: file.get(name).samples for name, place in places.items() if place not in masters}

@@ -46,7 +46,6 @@ class Flag:
     remark: str = ""
 
     def __str__(self) -> str:
-        """Say it in one sentence."""
         span = f"{self.begin:.3f} s" if self.begin == self.end else f"{self.begin:.3f}–{self.end:.3f} s"
         count = f" ({self.samples} samples)" if self.samples else ""
         return f"{self.signal}, {span}{count}: {TREATMENTS[self.kind]}{'; ' + self.remark if self.remark else ''}."

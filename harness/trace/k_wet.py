@@ -37,7 +37,7 @@ def equivalent_time(time: Array, pressure: Array) -> float:
     """
     mean = pressure.reshape(len(time), -1).mean(axis=1)
     if mean[-1] <= 0:
-        raise ValueError("the equivalent time wants a stop that ends under pressure")
+        raise ValueError("the equivalent time needs a stop that ends under pressure")
     return float(np.trapezoid(1.0 - mean / mean[-1], time))
 
 
@@ -87,7 +87,7 @@ def k_wet(dry: Sequence[float], wet: Sequence[float], speed: float, time: float,
         braking_distance = np.array([deceleration_distance(distance, speed, time) for distance in distances])
         if len(braking_distance) < 2 or not np.isfinite(braking_distance).all() or braking_distance.min() <= 0:
             raise ValueError(
-                f"K_wet wants two {name} stops or more, each longer than the {speed * time:.4g} m of the equivalent "
+                f"K_wet needs at least two {name} stops, each longer than the {speed * time:.4g} m of the equivalent "
                 f"time, got {list(distances)}"
             )
         means.append(float(braking_distance.mean()))

@@ -102,8 +102,8 @@ def course_of(trace: xarray.Dataset, *, stands: bool) -> StopCourse:
     """Return the course of a stop.
 
     Args:
-        trace: Of the stop.
-        stands: Whether it ended at a standstill; its last speed, which is nearly 0, then counts as 0.
+        trace: Trace of the stop.
+        stands: Whether it ended at a standstill; the last speed, which is nearly 0, then counts as 0.
     """
     braking = since_brake_demand(trace)
     time, distance = braking["time"].values, braking["distance"].values

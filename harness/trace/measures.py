@@ -23,9 +23,9 @@ FAST = 15 / 3.6
 
 
 def since_brake_demand(trace: xarray.Dataset) -> xarray.Dataset:
-    """Return the samples from the first brake demand of the driver on; only the last one where there is none.
+    """Return the samples from the first brake demand of the driver on; without a demand only the last sample.
 
-    The row of a sample holds what was demanded until then, so that the demand was made a sample before.
+    The row of a sample holds the demand up to its instant, so the demand was made one sample earlier.
     """
     if "driver_demand" not in trace:
         return trace
@@ -65,7 +65,7 @@ def jerk(trace: xarray.Dataset) -> tuple[float, float]:
 
 
 def energy_residual(trace: xarray.Dataset) -> float:
-    """Return what the plant's energies leave unexplained, over the kinetic energy at the start; NaN without any.
+    """Return the residual of the plant's energy balance over the initial kinetic energy; NaN without energies.
 
     Kinetic energy lost − heat in contacts, pads and dampers − work of resistance; near zero unless the plant
     errs.
@@ -153,7 +153,7 @@ def time_over_limit(trace: xarray.Dataset, alpha_max: float) -> tuple[float, ...
 
 
 def _sample_times(trace: xarray.Dataset) -> Array:
-    """Return for how long each sample stands: until the next; the last for nothing."""
+    """Return the time from each sample to the next, 0 for the last [s]."""
     return np.diff(trace["time"].values, append=trace["time"].values[-1])
 
 
@@ -184,7 +184,6 @@ def longest_lock(trace: xarray.Dataset, *, above: float = -np.inf) -> tuple[floa
 
 
 def _longest(holds: NDArray[np.bool_], times: Array) -> float:
-    """Return the longest time that a condition holds without a break."""
     turns = np.flatnonzero(np.diff(holds, prepend=False, append=False))
     instants = np.concatenate([[0.0], np.cumsum(times)])
     return float(np.max(instants[turns[1::2]] - instants[turns[::2]], initial=0.0))

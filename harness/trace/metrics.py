@@ -114,7 +114,7 @@ class Metrics:
     ] = math.nan
 
     def doubts(self) -> tuple[str, ...]:
-        """Return why the estimator's own claims should not be believed, a sentence each; none if they fit.
+        """Return one sentence for each reason to doubt the estimator's claimed accuracy; empty without reasons.
 
         A stop under a filter that errs is still a stop, with its distance: the train did brake so. So this is no
         outcome; `diverged` is the outcome of a belief with which no controller can go on.
@@ -195,7 +195,6 @@ class Metrics:
 
 @cache
 def _table() -> type[BaseModel]:
-    """Return a table of pydantic with the fields of `Metrics`."""
     fields: dict[str, Any] = {name: (hint, ...) for name, hint in get_type_hints(Metrics).items()}
     return create_model("StoredMetrics", __config__=ConfigDict(strict=True, extra="forbid"), **fields)
 

@@ -121,7 +121,7 @@ def _require_trace(path: Path, variables: dict[str, _Variable], attributes: dict
     dimensions, time, about = variables["time"]
     if dimensions != ("time",) or time.dtype.kind not in "fiu" or not time.size:
         raise RecordError(
-            f"{path}: time wants a dimension of its own and one number for each sample, it has {time.dtype} of shape "
+            f"{path}: time must have one dimension and one number for each sample; it has {time.dtype} of shape "
             f"{time.shape}"
         )
     if about.get("units", "s") != "s":
@@ -130,11 +130,11 @@ def _require_trace(path: Path, variables: dict[str, _Variable], attributes: dict
         raise RecordError(f"{path}: time does not rise from sample to sample; sort the samples or cut the file there")
     period = attributes.get("period", 1.0)
     if not (isinstance(period, float | int) and np.isfinite(period) and period > 0):
-        raise RecordError(f"{path}: the attribute period is {period!r}, a positive number of seconds is wanted")
+        raise RecordError(f"{path}: the attribute period is {period!r}; expected is a positive number of seconds")
     sizes: dict[str, int] = {}
     for name, (dimensions, values, _) in variables.items():
         if values.dtype.kind not in "fiub":
-            raise RecordError(f"{path}: variable '{name}' wants numbers, it has {values.dtype}")
+            raise RecordError(f"{path}: variable '{name}' must have numbers; it has {values.dtype}")
         if "time" in dimensions[1:]:
             raise RecordError(
                 f"{path}: variable '{name}' has the dimensions {', '.join(dimensions)}; time is the first one, "
@@ -150,7 +150,6 @@ def _require_trace(path: Path, variables: dict[str, _Variable], attributes: dict
 
 
 def _variable(name: str, samples: Any) -> _Variable:
-    """Return dimensions, values and attributes of a variable of a NetCDF 4 file."""
     dimensions = tuple(dimension[0].name.removeprefix("/") if len(dimension) else name for dimension in samples.dims)
     about = {key: samples.attrs[key] for key in _ATTRIBUTES if key in samples.attrs}
     # Bytes that are not text must not prevent the message.

@@ -203,7 +203,7 @@ def _convert_unit(
     file_unit = file_unit or unit_at_end(column.column or "", wanted.dimension)
     text = column.unit if column.unit is not None else file_unit
     if text is None:
-        raise EstimationError(f"{where} has no unit; write unit = '…' in [data.columns], '{wanted.name}' is wanted.")
+        raise EstimationError(f"{where} has no unit; write unit = '…' in [data.columns]; '{wanted.name}' is expected.")
     try:
         unit_of_column = unit(text)
         gain, shift = column.conversion(unit_of_column, target)

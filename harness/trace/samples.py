@@ -46,7 +46,7 @@ def recording_of(
     lengths = {values.shape for values in arrays.values()}
     if len(lengths) != 1 or len(next(iter(lengths))) != 1:
         shapes = ", ".join(f"{key} {values.shape}" for key, values in arrays.items())
-        raise EstimationError(f"recording '{name}': signals want one sample at every instant each, got {shapes}.")
+        raise EstimationError(f"recording '{name}': each signal must have one sample per instant, got {shapes}.")
     if not (np.isfinite(period) and period > 0.0):
         raise EstimationError(f"recording '{name}': the period is a positive number of seconds, got {period}.")
     # Counted and multiplied, never summed.
@@ -106,7 +106,7 @@ def period_of(trace: xarray.Dataset) -> float:
     """
     time = trace["time"].values
     if time.size < 2:
-        raise EstimationError(f"recording '{_name(trace)}': {time.size} samples; an estimate wants two at least.")
+        raise EstimationError(f"recording '{_name(trace)}': {time.size} samples; an estimate needs at least two.")
     steps = np.diff(time)
     period = float(trace.attrs.get("period") or _infer_period(time))
     worst = int(np.argmax(np.abs(steps - period)))
@@ -206,7 +206,6 @@ def _truth(trace: xarray.Dataset, state: str) -> Vector | None:
 
 
 def _column(trace: xarray.Dataset, prefix: str, name: str) -> Vector | None:
-    """Return the samples of a variable's element; a signal of one element has it under both names."""
     base, index = _element(name)
     if prefix + base not in trace:
         return None
@@ -223,7 +222,7 @@ def _conversion(trace: xarray.Dataset, name: str, source: str, target: str) -> t
         return conversion(unit(source), unit(target))
     except UnitError as problem:
         raise EstimationError(
-            f"recording '{_name(trace)}': {name} is in '{source}', the prediction wants '{target}': {problem}"
+            f"recording '{_name(trace)}': {name} is in '{source}', the prediction needs '{target}': {problem}"
         ) from problem
 
 

@@ -63,7 +63,7 @@ class Column(Table):
     @model_validator(mode="after")
     def _one_of_both(self) -> Self:
         if (self.column is None) == (self.value is None):
-            raise table_error("wants either column or value")
+            raise table_error("needs either column or value")
         return self
 
     def expected_unit(self, target: str) -> units.Unit:

@@ -1,4 +1,4 @@
-"""The friction brake of a group: its data, and from cylinder pressure to pad force and back.
+"""The friction brake of a group: its data, and the relation of cylinder pressure and pad force.
 
 Source: Schwarz, Lüdicke, Heckmann (2019), eq. (3).
 """
@@ -15,15 +15,15 @@ Values = Any
 
 
 def piston_force(pressure: Values, *, piston_area: Values, spring_force: Values) -> Values:
-    """Return the force of a piston on its rigging [N], 0 where the pressure does not overcome the spring.
+    """Return the force of a piston on its rigging [N]; 0 if the pressure does not overcome the spring.
 
     Args:
-        pressure: In the cylinder [Pa].
-        piston_area: Of the cylinder [m2].
-        spring_force: Of slack adjuster and return spring, at the piston [N].
+        pressure: Cylinder pressure [Pa].
+        piston_area: Area of the piston [m2].
+        spring_force: Force of slack adjuster and return spring at the piston [N].
     """
     force = pressure * piston_area - spring_force
-    # Symbols of CasADi need its own maximum; to import CasADi takes a third of a second.
+    # Symbols of CasADi require its own maximum; the import of CasADi takes a third of a second.
     return force.fmax(0.0) if hasattr(force, "fmax") else np.maximum(force, 0.0)
 
 
@@ -31,10 +31,10 @@ def pad_force(pressure: Values, *, piston_area: Values, spring_force: Values, ri
     """Return the normal force of both pads of a brake unit [N].
 
     Args:
-        pressure: In the cylinder [Pa].
-        piston_area: Of the cylinder [m2].
-        spring_force: Of slack adjuster and return spring, at the piston [N].
-        rigging: Force of both pads over force of the piston, efficiency included.
+        pressure: Cylinder pressure [Pa].
+        piston_area: Area of the piston [m2].
+        spring_force: Force of slack adjuster and return spring at the piston [N].
+        rigging: Force of both pads over force of the piston, including the efficiency.
     """
     return rigging * piston_force(pressure, piston_area=piston_area, spring_force=spring_force)
 
@@ -46,9 +46,9 @@ def pressure_of(force: Values, *, piston_area: Values, spring_force: Values, rig
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Brake:
-    """The brake units and wheelsets of one group, as nominal or as they are: each datum with its unit and meaning.
+    """The brake units and wheelsets of one group, with nominal or true data; the type of each states unit and meaning.
 
-    A datum that is neither given nor needed is NaN.
+    A datum that is neither given nor required is NaN.
     """
 
     load: Annotated[float, "N", "static wheel-rail force of the group"]
@@ -62,11 +62,11 @@ class Brake:
     pressure_max: Annotated[float, "Pa", "highest brake cylinder pressure"]
 
     def __post_init__(self) -> None:
-        """Refuse data that no brake has.
+        """Check the data.
 
         Raises:
-            ValueError: A value is not positive, where that of the spring may be zero, or the spring holds the piston
-                back at full pressure.
+            ValueError: A value is not positive (the spring force may be zero), or the spring holds the piston back at
+                full pressure.
         """
         for name in BRAKE:
             if getattr(self, name) <= 0 and name != "spring_force":

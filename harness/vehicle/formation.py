@@ -1,6 +1,6 @@
-"""The wheelsets of a vehicle, which of them turn as one, where they run and how they are braked.
+"""The wheelsets of a vehicle: their groups, positions, loads and brakes.
 
-Everything is dimensioned by it.
+It determines the size of all vectors.
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,19 +21,19 @@ Extent = Literal["train", "group", "wheelset", "coupler"]
 
 @dataclass(frozen=True, slots=True)
 class Formation:
-    """The wheelsets of a vehicle, lead to trail, in groups that turn as one and share a brake.
+    """The wheelsets of a vehicle, leading one first, in groups that turn as one and have a common brake.
 
-    All but the groups is empty where it is not given.
+    All attributes except `wheelsets_per_group` are empty if they are not given.
 
     Attributes:
         wheelsets_per_group: Number of wheelsets of each group, leading group first.
-        wheelsets_per_car: Number of wheelsets of each car, leading car first; of a bogie under two cars each has its
-            share.
+        wheelsets_per_car: Number of wheelsets of each car, leading car first; the wheelsets of a bogie under two cars
+            are divided between them.
         wheelset_position: Distance of each wheelset behind the leading one [m].
-        wheelset_load: Static force of each wheelset on the rail, nominal [N].
-        brakes: Of each group, by nominal data.
-        groups_per_valve: Number of groups that each brake valve fills and vents, leading one first; one each where
-            not given.
+        wheelset_load: Nominal static force of each wheelset on the rail [N].
+        brakes: Nominal brake of each group.
+        groups_per_valve: Number of groups that each brake valve fills and vents, leading valve first; by default each
+            group has its own valve.
     """
 
     wheelsets_per_group: tuple[int, ...]
@@ -44,11 +44,11 @@ class Formation:
     groups_per_valve: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
-        """Refuse what no vehicle is.
+        """Check the attributes.
 
         Raises:
-            ValueError: There are no groups, or one is without a wheelset; an array has another number of wheelsets or
-                groups; positions do not rise from 0, or a load is not positive.
+            ValueError: The formation has no groups, or a group has no wheelset; an array has another number of
+                wheelsets or groups; positions do not rise from 0, or a load is not positive.
         """
         if not self.wheelsets_per_group or min(self.wheelsets_per_group) < 1:
             raise ValueError(
@@ -97,17 +97,17 @@ class Formation:
 
     @property
     def cars(self) -> int:
-        """Number of cars; one where it is not given."""
+        """Number of cars; one if it is not given."""
         return len(self.wheelsets_per_car) or 1
 
     @property
     def position(self) -> Array | None:
-        """Distance of each wheelset behind the leading one, shape (wheelsets,) [m]; None where it is not given."""
+        """Distance of each wheelset behind the leading one, shape (wheelsets,) [m]; None if it is not given."""
         return np.array(self.wheelset_position) if self.wheelset_position else None
 
     @property
     def load(self) -> Array | None:
-        """Static force of each wheelset on the rail, shape (wheelsets,) [N]; None where it is not given."""
+        """Static force of each wheelset on the rail, shape (wheelsets,) [N]; None if it is not given."""
         return np.array(self.wheelset_load) if self.wheelset_load else None
 
     @property
@@ -121,7 +121,7 @@ class Formation:
         return np.array([brake.wheel_radius for brake in self.brakes])
 
     def width(self, extent: Extent) -> int:
-        """Return how many values a quantity has that there is one of for each `extent`."""
+        """Return the number of values of a quantity with one value for each `extent`."""
         return {"train": 1, "group": self.groups, "wheelset": self.wheelsets, "coupler": self.cars - 1}[extent]
 
     def members(self) -> Iterator[slice]:
@@ -137,23 +137,23 @@ class Formation:
 
 
 def formation_of(group_of_wheelset: Sequence[int]) -> Formation:
-    """Return the formation whose wheelsets belong to these groups, numbered without gaps from the leading one on.
+    """Return the formation from the group of each wheelset, numbered without gaps from the leading one on.
 
     Raises:
-        ValueError: The groups are not contiguous, lead to trail.
+        ValueError: The groups are not contiguous, or not in ascending order.
     """
     groups, counts = np.unique(np.asarray(group_of_wheelset, dtype=np.intp), return_counts=True)
     formation = Formation(tuple(counts.tolist()))
     if not np.array_equal(groups[0] + formation.group_of_wheelset, group_of_wheelset):
-        raise ValueError(f"wheelsets of a group stand side by side, lead to trail; got {list(group_of_wheelset)}")
+        raise ValueError(f"wheelsets of a group must be adjacent, leading group first; got {list(group_of_wheelset)}")
     return formation
 
 
 def axle_load(mass: Values) -> Values:
-    """Return the static force on the rail [N] of a mass that wheelsets carry [kg]."""
+    """Return the static force on the rail [N] of a mass carried by wheelsets [kg]."""
     return mass * GRAVITY
 
 
 def carried_mass(load: Values) -> Values:
-    """Return the mass [kg] that wheelsets carry with a static force on the rail [N]; the inverse of `axle_load`."""
+    """Return the mass carried by wheelsets [kg] from their static force on the rail [N]; inverse of `axle_load`."""
     return load / GRAVITY

@@ -1,4 +1,4 @@
-"""A vehicle by the parameters of its plant: which there are, and what masses, brakes and valves follow from them.
+"""A vehicle by the parameters of its plant: their names, and the masses, brakes and valves that follow from them.
 
 Names are those of Modelica: `J[2]` is of one group or wheelset, `J` of all of them.
 """
@@ -22,7 +22,7 @@ COUNTS = "wheelsets_per_group"
 DESCRIPTIVE = MappingProxyType(
     {COUNTS: "1", "wheelsets_per_car": "1", "wheelset_position": "m", "groups_per_valve": "1"}
 )
-"""Parameters of an FMU that only describe it, which are keys of [vehicle.formation], too; their units."""
+"""Descriptive parameters of an FMU, which are also keys of [vehicle.formation], and their units."""
 
 VALVES = MappingProxyType({"T_fill": "s", "T_vent": "s", "dead_fill": "s", "dead_vent": "s"})
 """Parameters of a plant with valves: time constants and dead times of filling and venting; their units."""
@@ -50,13 +50,13 @@ _MASS = "m_wheelset"
 
 @dataclass(frozen=True, eq=False)
 class VehicleParameters:
-    """A vehicle by its parameters: nominal, as controller and estimator assume it, or true, as it runs.
+    """A vehicle by its parameters: nominal, as controller and estimator assume, or true, as simulated.
 
     Attributes:
-        wheelsets: Which there are and where, without loads and brakes.
-        parameters: Numeric ones of the plant.
-        isolated: Zero-based groups whose brake is isolated.
-        required: Data of its brakes that a part of the stop uses; others may be missing from the formation.
+        wheelsets: Groups and positions of the wheelsets, without loads and brakes.
+        parameters: Numeric parameters of the plant.
+        isolated: Zero-based indices of groups whose brake is isolated.
+        required: Brake data that a part of the stop uses; others may be missing from the formation.
     """
 
     wheelsets: Formation
@@ -66,10 +66,10 @@ class VehicleParameters:
 
     @cached_property
     def formation(self) -> Formation:
-        """The same with loads and brakes.
+        """Formation with loads and brakes.
 
         Raises:
-            ScenarioError: Parameters are missing, all of them in one sentence, or make no brake.
+            ScenarioError: Parameters are missing (the message lists all of them), or invalid for a brake.
         """
         self._require_data()
         try:
@@ -81,7 +81,7 @@ class VehicleParameters:
 
     @cached_property
     def brakes(self) -> tuple[Brake | None, ...]:
-        """The brake of each group; None for one that is isolated, or whose spring holds the pistons back.
+        """Brake of each group; None if it is isolated, or if its spring holds the pistons back at full pressure.
 
         Raises:
             ScenarioError: A parameter is missing.
@@ -91,7 +91,7 @@ class VehicleParameters:
             pressed = data["pressure_max"] * data["piston_area"] > data["spring_force"]
             return pressed and data["units"] > 0 and group not in self.isolated
 
-        # Not every plant declares its masses, and the load on its wheels is not needed of a true brake.
+        # Some plants do not declare their masses, and the true brake does not depend on the load.
         load = np.full(self.wheelsets.groups, np.inf) if self.mass is None else self.wheelsets.sum_by_group(self.load)
         return tuple(
             Brake(load=float(load[group]), **data) if works(group, data) else None
@@ -100,7 +100,7 @@ class VehicleParameters:
 
     @cached_property
     def masses(self) -> NDArray[np.float64]:
-        """Mass that each wheelset carries on the rail [kg]; a mass of the vehicle is shared alike.
+        """Mass carried by each wheelset [kg]; a mass of the vehicle is divided equally.
 
         Raises:
             ScenarioError: A parameter is missing.
@@ -120,24 +120,19 @@ class VehicleParameters:
 
     @cached_property
     def mass(self) -> float | None:
-        """Of the vehicle [kg]; None if the parameters do not define it."""
+        """Mass of the vehicle [kg]; None if the parameters do not define it."""
         with suppress(ScenarioError):
             return float(self.masses.sum())
         return None
 
     @cached_property
     def valves(self) -> dict[str, float]:
-        """Times of the valves by the names of `VALVES`, means over groups that differ [s]; those that are known."""
+        """Known times of the valves by the names of `VALVES` [s]; means if groups differ."""
         each = {name: array_of(self.parameters, name) for name in VALVES}
         means = {name: sum(times) / len(times) for name, times in each.items() if times}
         return means | {name: self.parameters[name] for name in VALVES if name in self.parameters}
 
     def _require_data(self) -> None:
-        """Refuse a vehicle of which data are missing that somebody asks for.
-
-        Raises:
-            ScenarioError: All that is missing, each with its key, unit and meaning.
-        """
         lacking: list[str] = []
         if "m" not in self.parameters and not self._has(_MASS, self.wheelsets.wheelsets):
             lacking.append("wheelset_load (static force of each wheelset on the rail [N])")
@@ -159,7 +154,6 @@ class VehicleParameters:
         return name in self.parameters or all(f"{name}[{i + 1}]" in self.parameters for i in range(count))
 
     def _brake_data(self, missing: float | None = nan) -> list[dict[str, float]]:
-        """Data of `Brake` for each group, without its load; `missing` replaces missing values; None refuses them."""
         groups = self.wheelsets.groups
         data = {datum: self._elements(parameter, groups, missing) for datum, parameter in OF_BRAKES.items()}
         ratio, efficiency = (self._elements(parameter, groups, missing) for parameter in _OF_RIGGING)
@@ -167,7 +161,6 @@ class VehicleParameters:
         return [{datum: float(values[group]) for datum, values in data.items()} for group in range(groups)]
 
     def _elements(self, name: str, count: int, missing: float | None = None) -> NDArray[np.float64]:
-        """Return the elements of an array of parameters, or one value for all; see `_brake_data`."""
         if name in self.parameters:
             return np.full(count, self.parameters[name])
         elements = [f"{name}[{i + 1}]" for i in range(count)]
@@ -178,7 +171,7 @@ class VehicleParameters:
 
 
 def meanings_of_brakes(data: Collection[str] = frozenset(BRAKE)) -> dict[str, str]:
-    """Return parameter → meaning with unit, "rolling radius [m]", of these data of a `Brake`, its load left out."""
+    """Return parameter → meaning with unit, such as "rolling radius [m]", of data of a `Brake` except its load."""
     parameters = {OF_BRAKES[datum]: BRAKE[datum] for datum in OF_BRAKES if datum in data}
     if "rigging" in data:
         parameters |= _OF_RIGGING
@@ -192,7 +185,7 @@ def array_of(parameters: Mapping[str, float], name: str) -> tuple[float, ...]:
 
 
 def counts_of(parameters: Mapping[str, float]) -> tuple[int, ...]:
-    """Return the number of wheelsets of each group that an FMU says it has; empty where it does not."""
+    """Return the number of wheelsets of each group that an FMU declares; empty if it does not."""
     return tuple(map(int, array_of(parameters, COUNTS)))
 
 
@@ -208,7 +201,7 @@ def units_of_nominal_data(formation: Formation) -> dict[str, str]:
 
 
 def units_of_brakes(formation: Formation) -> dict[str, str]:
-    """Return the same of its brakes and what turns with them."""
+    """Return parameter name → unit of the nominal data of brakes and wheelsets."""
     each = {f"{name}[{g + 1}]": unit for name, unit in _OF_GROUPS.items() for g in range(formation.groups)}
     return {**_OF_GROUPS, **each, **VALVES}
 

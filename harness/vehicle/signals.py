@@ -1,9 +1,10 @@
-"""The signals of a stop, each named once: what parts exchange and what a trace holds follows from these tables."""
+"""The signals of a stop: these tables determine what the parts of a stop exchange, and the content of a trace."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from types import MappingProxyType
+from typing import Final, Literal, cast
 
 from railgrip.vehicle.formation import Extent, Formation
 
@@ -13,10 +14,10 @@ class Signal:
     """One column or one block of columns of a trace.
 
     Attributes:
-        name: Of the variable; the plant's output of the same name, or with a prefix who says it.
-        extent: What it has one value of each: the train, each group, each wheelset, each coupler of two cars.
-        unit: SI, "1" for ratios.
-        meaning: For axes and for readers of the file.
+        name: Name of the variable: that of the plant's output, with a prefix if it comes from another part.
+        extent: What has one value: the train, each group, each wheelset, or each coupler between two cars.
+        unit: SI unit, "1" for ratios.
+        meaning: Label of axes, and description in files.
     """
 
     name: str
@@ -33,6 +34,13 @@ def places(signals: Iterable[Signal], formation: Formation) -> Mapping[str, slic
         columns[signal.name] = slice(first, first + width)
         first += width
     return MappingProxyType(columns)
+
+
+def names_of(signal: Signal, formation: Formation) -> tuple[str, ...]:
+    """Return the name of each value of a signal, such as `slip[1]` of the leading group."""
+    if signal.extent == "train":
+        return (signal.name,)
+    return tuple(f"{signal.name}[{i + 1}]" for i in range(formation.width(signal.extent)))
 
 
 def length(columns: Mapping[str, slice]) -> int:
@@ -64,7 +72,7 @@ PLANT = (
     Signal("locked", "group", "1", "1 while the wheelsets are locked"),
     Signal("standstill", "train", "1", "1 once the train stands"),
 )
-"""Truth: the plant's outputs. The trace has them all; what a plant lacks is not a number."""
+"""True values: outputs of the plant. The trace has all of them, with NaN for those that a plant lacks."""
 
 EXTRA = (
     Signal("contact_force", "wheelset", "N", "force of rail or roller along the track, positive in braking"),
@@ -84,7 +92,7 @@ SENT = (
     Signal("mu0", "wheelset", "1", "maximum friction at the wheelset"),
     Signal("track_force", "train", "N", "force of the track, forward positive"),
 )
-"""What the plant was given; its inputs have these names and are bound by them, see `railgrip.simulate.plant`."""
+"""Inputs of the plant, which are bound by these names; see `railgrip.simulate.plant`."""
 
 CURVE = (
     Signal("curve_k_A", "wheelset", "1", "Polach's k_A of the creep curve at the wheelset"),
@@ -92,14 +100,14 @@ CURVE = (
     Signal("curve_A", "wheelset", "1", "friction at infinite slip speed over maximum friction, at the wheelset"),
     Signal("curve_B", "wheelset", "s/m", "decay of friction with slip speed, at the wheelset"),
 )
-"""Inputs that follow those of `SENT` where the creep curve is not one for the whole rail."""
+"""Inputs that follow those of `SENT` on a rail with several creep curves."""
 
 DEMANDED = (Signal("demand", "group", "Pa", "brake cylinder pressure that the controller demands"),)
-"""What the controller decided; absent from the trace of a stop whose controller commands valves itself."""
+"""Decisions of the controller; absent from the trace of a stop whose controller commands valves."""
 
 
 def of_law(states: Iterable[tuple[str, str, str]]) -> tuple[Signal, ...]:
-    """Return the signals of a law's states that are shown; `states` are name, `x[1]` of a group, unit and meaning.
+    """Return the signals of a law's visible states; `states` are name (`x[1]` for a group), unit and meaning.
 
     Elements of groups are contiguous for each name.
     """
@@ -124,7 +132,7 @@ READINGS = (
     Signal("reading_acceleration", "train", "m/s2", "read acceleration of the train"),
     Signal("reading_cylinder_pressure", "group", "Pa", "read brake cylinder pressure"),
 )
-"""What all sensors showed."""
+"""Readings of all kinds of sensors."""
 
 
 def reading_of(signal: Signal) -> Signal:
@@ -143,7 +151,7 @@ EXTRA_READINGS = (
     Signal("reading_longitude", "train", "deg", "read longitude"),
     Signal("reading_height", "train", "m", "read height above the ellipsoid"),
 )
-"""Readings that follow those of `READINGS` in the trace of a train whose [sensors] ask for them."""
+"""Readings that follow those of `READINGS` in the trace if [sensors] requests them."""
 
 BELIEVED = (
     Signal("estimate_speed", "train", "m/s", "estimated speed of the train"),
@@ -157,22 +165,68 @@ SPREAD = (
     Signal("estimate_adhesion_sd", "group", "1", "standard deviation of the estimated adhesion"),
     Signal("estimate_pad_friction_sd", "group", "1", "standard deviation of the estimated pad friction"),
 )
-"""How sure it was of them."""
+"""Standard deviations of estimates."""
 
 INNOVATION = (
     Signal("estimate_nis", "train", "1", "normalised innovation squared of the estimator's last step"),
     Signal("estimate_readings", "train", "1", "readings that this step used, the degrees of the former"),
 )
-"""How far the readings were from what the estimator expected, in its own claim."""
+"""Deviation of the readings from those that the estimator expected, relative to its covariance."""
 
 REFERENCE = (
     Signal("reference_speed", "train", "m/s", "speed that the estimator was given, of the radar or a rolling wheel"),
     Signal("test_release", "group", "1", "1 while the brake is released for a reference speed"),
 )
-"""What was done about a silent radar; absent from the trace of a stop whose estimator has no free_wheels."""
+"""Replacement of a missing radar reading; absent from the trace of a stop whose estimator has no free_wheels."""
 
 ESTIMATES = (*BELIEVED, *SPREAD, *INNOVATION, Signal("estimate_slip", "group", "1", "estimated slip"))
 """Estimates; absent from the trace of a stop without an estimator."""
+
+
+OBSERVED = (
+    Signal("speed", "train", "m/s", "speed of the train"),
+    Signal("acceleration", "train", "m/s2", "acceleration of the train, negative in braking"),
+    Signal("slip", "group", "1", "slip 1 - r*omega/v of the group"),
+    Signal("adhesion", "group", "1", "estimated adhesion of the group, positive in braking"),
+    Signal("pad_friction", "group", "1", "estimated friction of the group's brake pads"),
+    Signal("wheelset_speed", "group", "rad/s", "rotational speed of the group's wheelsets"),
+    Signal("driver_demand", "group", "Pa", "brake cylinder pressure that the driver asks for"),
+    Signal("pressure", "group", "Pa", "measured brake cylinder pressure"),
+)
+"""Observation: inputs of a control law, estimated if there is an estimator of them, else read or computed."""
+
+ONLY_ESTIMATED = frozenset({"adhesion", "pad_friction"})
+"""Signals of an observation that exist only if they are estimated."""
+
+_PRESSURE = OBSERVED[-1]
+
+TRAIN_INPUTS = (*OBSERVED, *DEMANDED)
+"""Inputs of the decisions for the whole train over a law in Python."""
+
+VALVE_INPUTS = (Signal("demand", "group", "Pa", "demanded brake cylinder pressure"), _PRESSURE)
+"""Inputs of the valve logic."""
+
+REFERENCE_INPUTS = (
+    Signal("speed", "train", "m/s", "reading of the train speed; NaN while there is none"),
+    Signal("wheelset_speed", "group", "rad/s", "newest reading"),
+    Signal("pressure", "group", "Pa", "newest reading of the brake cylinder pressure"),
+)
+"""Inputs of the formula whose outputs are `REFERENCE`."""
+
+Role = Literal[
+    "input", "output", "reading", "estimate", "observation", "train_input", "valve_input", "reference_input",
+    "reference",
+]  # fmt: skip
+"""Vectors that the parts of a loop exchange; inputs and outputs are those of the plant."""
+
+TABLE: Final[Mapping[Role, tuple[Signal, ...]]] = MappingProxyType(
+    {
+        "input": SENT, "output": PLANT, "reading": READINGS, "estimate": ESTIMATES, "observation": OBSERVED,
+        "train_input": TRAIN_INPUTS, "valve_input": VALVE_INPUTS, "reference_input": REFERENCE_INPUTS,
+        "reference": REFERENCE,
+    }
+)  # fmt: skip
+"""Signals of each vector, in their order."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -180,22 +234,29 @@ class Layout:
     """Places of all quantities in the vectors that the parts of a loop exchange.
 
     Attributes:
-        formation: Of the vehicle.
-        plant_signals: What the plant shows.
-        reading_signals: What sensors show.
-        sent_signals: What the plant is sent.
-        input: Places of `sent_signals`.
-        output: Places of `plant_signals`.
-        reading: Places of `reading_signals`, without their prefix. An entry is NaN where a sensor has nothing new.
+        formation: Formation of the vehicle.
+        signals: Signals of each vector, in their order.
+        places: Place of each signal in its vector, by its name without the role as a prefix.
     """
 
     formation: Formation
-    plant_signals: tuple[Signal, ...]
-    reading_signals: tuple[Signal, ...]
-    sent_signals: tuple[Signal, ...]
-    input: Mapping[str, slice]
-    output: Mapping[str, slice]
-    reading: Mapping[str, slice]
+    signals: Mapping[Role, tuple[Signal, ...]]
+    places: Mapping[Role, Mapping[str, slice]]
+
+    @property
+    def input(self) -> Mapping[str, slice]:
+        """Places of the plant's inputs."""
+        return self.places["input"]
+
+    @property
+    def output(self) -> Mapping[str, slice]:
+        """Places of the plant's outputs."""
+        return self.places["output"]
+
+    @property
+    def reading(self) -> Mapping[str, slice]:
+        """Places of the readings; an entry is NaN where a sensor has no new reading."""
+        return self.places["reading"]
 
     @property
     def inputs(self) -> int:
@@ -212,29 +273,28 @@ class Layout:
         """Length of a reading."""
         return length(self.reading)
 
+    def elements(self, role: Role) -> tuple[str, ...]:
+        """Return the names of the elements of a vector, such as `slip[1]` of the leading group."""
+        return tuple(name for signal in self.signals[role] for name in names_of(signal, self.formation))
+
     def header(self) -> str:
         """Return sizes and places as C names, such as GROUPS, OUTPUTS and OUTPUT_SPEED."""
-        vectors = {name: getattr(self, name) for name in ("input", "output", "reading")}
         sizes = {"GROUPS": self.formation.groups, "WHEELSETS": self.formation.wheelsets}
-        sizes |= {f"{vector}s".upper(): length(places) for vector, places in vectors.items()}
-        for vector, places in vectors.items():
-            sizes |= {f"{vector}_{name}".upper(): place.start for name, place in places.items()}
+        sizes |= {f"{role}s".upper(): length(places) for role, places in self.places.items()}
+        for role, places in self.places.items():
+            sizes |= {f"{role}_{name}".upper(): place.start for name, place in places.items()}
         return "".join(f"#define {name} {value}\n" for name, value in sizes.items())
 
 
 @cache
-def layout_of(
-    formation: Formation,
-    plant: tuple[Signal, ...] = PLANT,
-    readings: tuple[Signal, ...] = READINGS,
-    sent_signals: tuple[Signal, ...] = SENT,
-) -> Layout:
-    """Return the layout for a formation, a plant and sensors that show these signals, and what the plant is sent."""
-    reading = {name.removeprefix("reading_"): place for name, place in places(readings, formation).items()}
-    return Layout(
-        formation, plant, readings, sent_signals, places(sent_signals, formation), places(plant, formation),
-        MappingProxyType(reading),
-    )  # fmt: skip
+def layout_of(formation: Formation, **vectors: tuple[Signal, ...]) -> Layout:
+    """Return the layout for a formation; `vectors` replace the signals of `TABLE`, by role."""
+    signals = cast("Mapping[Role, tuple[Signal, ...]]", {**TABLE, **vectors})
+    by_role: dict[Role, Mapping[str, slice]] = {
+        role: MappingProxyType({n.removeprefix(f"{role}_"): place for n, place in places(vector, formation).items()})
+        for role, vector in signals.items()
+    }
+    return Layout(formation, MappingProxyType(dict(signals)), MappingProxyType(by_role))
 
 
 def plant_inputs(layout: Layout, *, pneumatic: bool) -> tuple[Signal, ...]:
@@ -244,5 +304,5 @@ def plant_inputs(layout: Layout, *, pneumatic: bool) -> tuple[Signal, ...]:
     )  # fmt: skip
     return tuple(
         replace(signal, unit=unit, meaning=meaning) if signal.name == "command" else signal
-        for signal in layout.sent_signals
+        for signal in layout.signals["input"]
     )

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 SMALL_SPEED: Final = 0.05
-"""Train speed [m/s] below which slip counts as 0: there it would be the ratio of two noises."""
+"""Train speed [m/s] below which slip counts as 0, because it would be a ratio of noises."""
 
 
 def slip_of(speed: ArrayLike, rim_speed: ArrayLike) -> NDArray[np.float64]:
-    """Return 1 − rω/v, 0 where the train is slower than `SMALL_SPEED` and NaN where its speed is unknown.
+    """Return the slip 1 − rω/v; 0 if the train is slower than `SMALL_SPEED`, NaN if its speed is unknown.
 
     The loop in C has the same function in `slip_of` of harness/simulate/loop/kernel/onboard.c.
 
@@ -19,6 +19,6 @@ def slip_of(speed: ArrayLike, rim_speed: ArrayLike) -> NDArray[np.float64]:
         rim_speed: rω of each wheelset [m/s]; its shape is that of the result.
     """
     rim_speed = np.asarray(rim_speed, dtype=np.float64)
-    # Not `>=`, which would give an unknown speed a slip of 0.
+    # Not `>=`, with which an unknown speed (NaN) would have a slip of 0.
     is_moving = np.logical_not(np.asarray(speed) < SMALL_SPEED)
     return 1.0 - np.divide(rim_speed, speed, out=np.ones_like(rim_speed), where=is_moving)

@@ -21,7 +21,7 @@ block Train "A point mass on six axles in four groups"
   output Real creep[4](each final unit="1") "Creep of each group, negative when braking";
   output Real used_grip[6](each final unit="1") "Friction used at each axle, negative when braking";
   output Real axle_load[6](each final unit="kN") "Load of each axle";
-  output Real cylinder[4](each final unit="bar") "Pressure in the cylinders of each group";
+  output Real cylinder[4](each final unit="bar") "Cylinder pressure of each group";
   output Real brake_moment[4](each final unit="kN.m") "Moment of the brakes on each group";
   output Boolean blocked[4] "= true, if the group hardly turns while the train moves";
   Real s(final unit="m", start=0, fixed=true) "Distance";

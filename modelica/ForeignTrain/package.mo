@@ -5,9 +5,9 @@ package ForeignTrain "Somebody else's train: other names, other units, other phy
     version="0.1.0",
     Documentation(info="<html>
 <p>
-A small library of its own, written as if by a house that thinks in bar, km/h, kN and revolutions a minute. It knows
-nothing of <code>RailBraking</code>; the harness runs its FMU through a mapping table. Take it as the pattern for
-bringing your own plant.
+A small library of its own, written as if by a house that thinks in bar, km/h, kN and revolutions a minute. It is
+independent of <code>RailBraking</code>; the harness runs its FMU with a mapping table. It is an
+example of how to use your own plant.
 </p>
 </html>"));
 end ForeignTrain;

@@ -7,9 +7,9 @@ package RailBraking "Railway braking at low adhesion: contact, pads, pneumatics,
 Plants and prediction models for research on wheel-slide protection and adhesion estimation. The classes of
 <a href=\"modelica://RailBraking.Plants\">Plants</a>, <a
 href=\"modelica://RailBraking.Predictions\">Predictions</a> and <a
-href=\"modelica://RailBraking.FMUs\">FMUs</a> become FMUs; the other packages hold their parts.
+href=\"modelica://RailBraking.FMUs\">FMUs</a> become FMUs; the other packages have their components.
 Start with the <a href=\"modelica://RailBraking.UsersGuide\">User's Guide</a>.
 </p>
-<p>The library needs no other: not even the Modelica Standard Library.</p>
+<p>The library does not depend on any other library, not even on the Modelica Standard Library.</p>
 </html>"));
 end RailBraking;

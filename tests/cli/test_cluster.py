@@ -23,8 +23,8 @@ from railgrip.campaign.run import CampaignRun, run_campaigns
 from railgrip.campaign.work import work
 from railgrip.campaign.workers import cluster
 from railgrip.cli.main import main
+from railgrip.report.stop import read_stop
 from railgrip.scenario.campaign import load_campaign
-from railgrip.trace.stop import read_stop
 
 LINES = """
 name = "few"

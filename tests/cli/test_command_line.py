@@ -87,7 +87,7 @@ def test_a_stop_that_ends_badly_is_kept_and_exits_3(railgrip, project):
             "wet.toml: [adhesion] has no key 'levl'; did you mean 'level'",
         ),
         (("run", "wet.toml", "--set", "start.speed=-1"), "wet.toml: [start] speed must be at least 0 m/s, got -1."),
-        (("run", "wet.toml", "--set", "start.speed"), "--set start.speed: wanted is table.key=value"),
+        (("run", "wet.toml", "--set", "start.speed"), "--set start.speed: expected is table.key=value"),
         (("run", "wet.toml", "--set", "description=refuse"), "wet: the plant has no brakes"),
         (("run", "pair.toml"), "pair.toml: is a file of the kind campaign; use `railgrip campaign pair.toml`"),
         (("run",), "Missing argument 'SCENARIO'"),
@@ -379,7 +379,7 @@ def test_a_baseline_is_accepted_with_a_reason_kept_and_missed(railgrip, project,
     where = ("--baselines", "baselines", "--out", "out")
     new = railgrip("maintain", "regress", *where)
     assert new.code == 3
-    assert "2 of 2 stops did not keep to their baseline" in new.err
+    assert "2 of 2 stops deviate from their baseline" in new.err
     assert railgrip("maintain", "accept", "--reason", " ", *where).code == 2
     assert railgrip("maintain", "accept", "--reason", "First figures.", *where).code == 0
     assert railgrip("maintain", "regress", *where).code == 0

@@ -104,9 +104,9 @@ def fmpy_that_does_not_import(folder, monkeypatch):
         (cache_that_is_a_file, ["cache: fails", "name another folder in RAILGRIP_CACHE"]),
         (no_temporary_folder, ["temporary folder", "cannot be written: No such file", "TMPDIR"]),
         (missing_package, ["pint: is not installed: python -m pip install 'pint"]),
-        (missing_file, ["1 of 2 files are missing, railgrip/gone.toml among them", "--force-reinstall"]),
+        (missing_file, ["1 of 2 files are missing, such as railgrip/gone.toml", "--force-reinstall"]),
         (part_that_does_not_load, ["estimator mine", "module_that_is_gone cannot be imported", "railgrip.estimators"]),
-        (fmpy_that_does_not_import, ["FMUs", "install railgrip anew"]),
+        (fmpy_that_does_not_import, ["FMUs", "reinstall railgrip"]),
     ],
     ids=lambda value: getattr(value, "__name__", ""),
 )

@@ -6,10 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railgrip.controllers.free_wheel import VALUES, FreeWheel
+from railgrip.controllers.free_wheel import FreeWheel, FreeWheelParameters
 from railgrip.vehicle.brake import Brake
 
 PERIOD = 10e-3
+VALUES = FreeWheelParameters(period=PERIOD)
 RADIUS = 0.5
 GROUP = Brake(
     load=140e3, inertia=240.0, wheel_radius=RADIUS, units=4, friction_radius=0.25, piston_area=0.02, rigging=8.0,
@@ -47,7 +48,7 @@ def test_a_radar_that_shows_something_is_what_counts(readings):
 
 def test_a_released_wheel_stands_in_after_the_silence(watch):
     over(watch, 3.0, 20.0, (20.0, 18.0), (ON, ON))
-    assert not given_within(watch, VALUES["silence"] - 0.02, (20.0, 18.0), (OFF, ON))
+    assert not given_within(watch, VALUES.silence - 0.02, (20.0, 18.0), (OFF, ON))
     speeds = given_within(watch, 1.0, (20.0, 18.0), (OFF, ON))
     assert len(speeds) in (9, 10)  # one every 0.1 s, which hundredths reach or just miss
     assert set(speeds) == {20.0}
@@ -55,7 +56,7 @@ def test_a_released_wheel_stands_in_after_the_silence(watch):
 
 def test_a_brake_must_have_been_off_for_a_while(watch):
     over(watch, 3.0, NAN, (20.0, 18.0), (ON, ON))
-    assert not given_within(watch, VALUES["release"] - 0.02, (20.0, 18.0), (OFF, ON))
+    assert not given_within(watch, VALUES.release - 0.02, (20.0, 18.0), (OFF, ON))
     assert given_within(watch, 0.2, (20.0, 18.0), (OFF, ON))
 
 
@@ -97,6 +98,6 @@ def test_where_no_law_releases_a_group_each_is_in_its_turn(watch):
 
 def test_a_release_ends_with_the_speed_that_it_shows(watch):
     over(watch, 1.0, 15.0, (15.0, 12.0), (ON, ON))
-    assert over(watch, VALUES["test_after"] + 0.02, NAN, (15.0, 15.0), (ON, ON))[1:] == (0.0, 1.0)
+    assert over(watch, VALUES.test_after + 0.02, NAN, (15.0, 15.0), (ON, ON))[1:] == (0.0, 1.0)
     assert over(watch, 0.4, NAN, (15.0, 15.0), (ON, OFF))[1:] == (0.0, 1.0)
     assert over(watch, 0.2, NAN, (15.0, 15.0), (ON, OFF))[1:] == (0.0, 0.0)

@@ -168,11 +168,14 @@ def test_below_its_lowest_speed_the_reference_leaves_the_brake_alone():
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        (lambda: replace(REFERENCE, slip_high=0.02), "WheelReference: wanted is slip_low < slip_high < 1"),
+        (lambda: replace(REFERENCE, slip_high=0.02), "WheelReference: slips must have slip_low < slip_high < 1"),
         (lambda: replace(REFERENCE, rise=0.0), "WheelReference: rise must be finite and positive, got 0.0 1/s"),
         (lambda: replace(STEADY, slip=1.0), "ConstantSlip: slip must be below 1"),
         (lambda: replace(STEADY, gain=-1.0), "ConstantSlip: gain must be finite and not negative, got -1.0 1"),
-        (lambda: replace(SEEKING, slip_start=0.4), "ExtremumSeeking: wanted is slip_least <= slip_start <= slip_most"),
+        (
+            lambda: replace(SEEKING, slip_start=0.4),
+            "ExtremumSeeking: slips must have slip_least <= slip_start",
+        ),
         (lambda: replace(SEEKING, frequency=300.0), "leaves less than four decisions"),
         (lambda: replace(STEPPING, slip_start=0.4), "PerturbObserve: slips must have"),
         (lambda: replace(STEPPING, interval=1e-3), "PerturbObserve: an interval of 0.001 s"),

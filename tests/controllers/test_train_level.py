@@ -113,4 +113,4 @@ def test_over_any_controller_it_is_what_it_is_inside_a_law(over):
     random = np.random.default_rng(3)
     for _ in range(200):
         now = observed(tuple(random.uniform(0.0, 0.2, 3)), random.uniform(0.1, 1.0))
-        assert outside.decide(now._replace(pressure=np.array(law.decide(now)))) == inside.decide(now)
+        assert outside.decide(now, law.decide(now)) == inside.decide(now)

@@ -20,7 +20,7 @@ import railgrip
 from railgrip.base import registry
 from railgrip.cli.main import app
 from railgrip.trace.metrics import meanings
-from railgrip.vehicle.signals import ESTIMATES, EXTRA, PLANT, READINGS, SENT
+from railgrip.vehicle.signals import ESTIMATES, EXTRA, OBSERVED, PLANT, READINGS, SENT
 
 ROOT = Path(__file__).parents[2]
 FREE = {"parameters", "map", "brakes", "calibrated", "noise", "bias"}
@@ -174,7 +174,7 @@ def test_every_key_of_the_estimations_of_the_library_is_described(site: Path):
 
 
 def test_every_signal_metric_curve_and_command_is_described(site: Path):
-    signals = {signal.name for signal in (*PLANT, *EXTRA, *SENT, *READINGS, *ESTIMATES)}
+    signals = {signal.name for signal in (*PLANT, *EXTRA, *SENT, *READINGS, *ESTIMATES, *OBSERVED)}
     assert signals <= _Page(site / "reference/signals.html").code
     assert meanings().keys() <= _Page(site / "reference/metrics.html").code
     assert registry.files(registry.CREEP_CURVES).keys() <= _Page(site / "reference/creep_curves.html").code

@@ -1,11 +1,10 @@
 """Estimates from the trace of a stop equal those in the loop; damaged traces are refused."""
 
-import dataclasses
-
 import h5py
 import numpy as np
 import pandas as pd
 import pytest
+from synthetic import of_scenario
 from typer.testing import CliRunner
 
 import railgrip as rg
@@ -71,7 +70,7 @@ def test_a_trace_on_disk_gives_the_same_estimates(stop, tmp_path):
 
 
 def test_a_thinned_trace_is_used_up_to_its_last_even_sample(stop, tmp_path):
-    thin = dataclasses.replace(stop, scenario=stop.scenario.changed({"periods.trace": "7 ms"}))
+    thin = of_scenario(stop, stop.scenario.changed({"periods.trace": "7 ms"}))
     thin.write(tmp_path)
     trace = read_trace(tmp_path / "trace.nc")
     assert np.ptp(np.diff(trace["time"].values)) > 1e-4
@@ -169,9 +168,9 @@ def at_sample_700(change):
         (lambda path: path.write_bytes(b"no hdf5 at all"), "trace.nc: is not a NetCDF file"),
         (without("time"), "trace.nc: is not a NetCDF file"),
         (rewritten(lambda trace: trace.rename(time="t")), "trace.nc: is not a trace, it has no time axis"),
-        (rewritten(on_another_axis), "trace.nc: time wants a dimension of its own"),
-        (rewritten(lambda trace: trace.isel(time=slice(0, 0))), "trace.nc: time wants a dimension of its own"),
-        (rewritten(lambda trace: trace.isel(time=slice(0, 1))), "1 samples; an estimate wants two at least"),
+        (rewritten(on_another_axis), "trace.nc: time must have one dimension"),
+        (rewritten(lambda trace: trace.isel(time=slice(0, 0))), "trace.nc: time must have one dimension"),
+        (rewritten(lambda trace: trace.isel(time=slice(0, 1))), "1 samples; an estimate needs at least two"),
         (retimed(lambda time: time[::-1]), "trace.nc: time does not rise"),
         (
             at_sample_700(lambda time: time * np.where(np.arange(time.size), 1.0, np.nan)),
@@ -186,11 +185,11 @@ def at_sample_700(change):
             "'reading_wheelset_speed' has the dimensions group, time; time is the first one",
         ),
         (replaced("reading_speed", lambda v: v[:-5]), "'reading_speed' has"),
-        (replaced("reading_speed", lambda v: v.astype("S8")), "variable 'reading_speed' wants numbers, it has |S8"),
-        (replaced("reading_speed", lambda v: v.astype(complex)), "variable 'reading_speed' wants numbers"),
-        (attribute("reading_speed", "units", "kg"), "speed is in 'kg', the prediction wants 'm/s'"),
-        (attribute("reading_speed", "units", "furlong"), "speed is in 'furlong', the prediction wants 'm/s'"),
-        (attribute("reading_speed", "units", b"m/s\xff"), "speed is in 'm/s\\udcff', the prediction wants 'm/s'"),
+        (replaced("reading_speed", lambda v: v.astype("S8")), "variable 'reading_speed' must have numbers; it has |S8"),
+        (replaced("reading_speed", lambda v: v.astype(complex)), "variable 'reading_speed' must have numbers"),
+        (attribute("reading_speed", "units", "kg"), "speed is in 'kg', the prediction needs 'm/s'"),
+        (attribute("reading_speed", "units", "furlong"), "speed is in 'furlong', the prediction needs 'm/s'"),
+        (attribute("reading_speed", "units", b"m/s\xff"), "speed is in 'm/s\\udcff', the prediction needs 'm/s'"),
         (without("reading_speed"), "has no signal speed"),
     ],
 )

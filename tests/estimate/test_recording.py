@@ -28,7 +28,7 @@ def test_columns_are_in_the_requested_order():
     ("change", "names", "sentence"),
     [
         ({}, ["wheelset_speed"], r"'short' has no signal wheelset_speed; it has speed, pad_force\."),
-        ({"speed": (np.zeros(5), "bar")}, ["speed"], r"speed is in 'bar', the prediction wants 'm/s'"),
+        ({"speed": (np.zeros(5), "bar")}, ["speed"], r"speed is in 'bar', the prediction needs 'm/s'"),
     ],
 )
 def test_a_missing_signal_and_another_quantity_are_refused(change, names, sentence):
@@ -53,7 +53,7 @@ def test_an_uneven_grid_is_refused(rows, sentence):
 
 
 def test_signals_of_different_lengths_are_refused():
-    with pytest.raises(EstimationError, match=r"one sample at every instant each, got a \(3,\), b \(4,\)"):
+    with pytest.raises(EstimationError, match=r"one sample per instant, got a \(3,\), b \(4,\)"):
         recording_of({"a": (np.zeros(3), "1"), "b": (np.zeros(4), "1")}, period=0.1)
 
 

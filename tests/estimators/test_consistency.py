@@ -56,7 +56,7 @@ def test_delay_counts_to_the_last_time_it_leaves():
 def test_questions_without_an_answer_get_a_sentence():
     with pytest.raises(EstimatorError, match=r"before the step at 5\.0 s"):
         delay(np.arange(3.0), np.zeros(3), np.zeros(3), 5.0, 0.1)
-    with pytest.raises(EstimatorError, match=r"a mean of 2 states wants a covariance of shape \(2, 2\)"):
+    with pytest.raises(EstimatorError, match=r"a mean of 2 states requires a covariance of shape \(2, 2\)"):
         GaussianEstimate(mean=np.zeros(2), covariance=np.eye(3))
 
 

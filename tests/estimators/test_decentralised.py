@@ -291,7 +291,7 @@ def test_a_reading_that_is_no_number_it_can_use_leaves_the_belief_as_it_was():
     filter_.advance()
     mean, joint = filter_.mean.copy(), filter_.joint()
     filter_.readings[0] = np.inf
-    with pytest.raises(FilterDiverged, match="readings threw the mean"):
+    with pytest.raises(FilterDiverged, match="the correction by the readings"):
         filter_.advance()
     assert np.array_equal(filter_.mean, mean)
     assert np.array_equal(filter_.joint(), joint)

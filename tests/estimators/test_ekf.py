@@ -224,9 +224,9 @@ def test_a_mean_that_is_not_finite_is_a_diverged_filter(rolling):
         ({"reading_noise": np.array([1.0, 0.0, 1.0])}, "not positive definite; give every reading"),
         ({"reading_noise": np.arange(9.0).reshape(3, 3)}, "not symmetric"),
         ({"reading_noise": np.full(3, np.nan)}, "not a finite number"),
-        ({"period": 0.0}, "period is a positive number of seconds, got 0.0"),
+        ({"period": 0.0}, "period must be a positive number of seconds, got 0.0"),
         ({"outlier_limit": -1.0}, "outlier_limit"),
-        ({"outlier_limit": [5.0, 5.0]}, r"outlier_limit wants shape \(3,\)"),
+        ({"outlier_limit": [5.0, 5.0]}, r"outlier_limit must have shape \(3,\)"),
         (
             {"gate": Gate(states=("mu",), inputs=("pad_force",), threshold=1.0)},
             "no state 'mu'; there are v, w",
@@ -244,18 +244,18 @@ def test_a_filter_without_meaning_is_refused(rolling, change, sentence):
 def test_arguments_of_wrong_shape_are_refused(rolling, kind):
     filter_ = kind(rolling, DENSITY, READING, PERIOD)
     first = filter_.start(FIRST_MEAN, FIRST_VARIANCE)
-    with pytest.raises(EstimatorError, match=r"inputs wants 2 inputs .*pad_force, track_force"):
+    with pytest.raises(EstimatorError, match=r"inputs requires 2 inputs .*pad_force, track_force"):
         filter_.step(first, np.zeros(3), np.zeros(3))
-    with pytest.raises(EstimatorError, match=r"readings wants 3 readings .* write NaN"):
+    with pytest.raises(EstimatorError, match=r"readings requires 3 readings .* write NaN"):
         filter_.step(first, np.zeros(2), np.zeros(2))
-    with pytest.raises(EstimatorError, match="process_noise wants shape"):
+    with pytest.raises(EstimatorError, match="process_noise must have shape"):
         kind(rolling, np.ones(3), READING, PERIOD)
 
 
 @pytest.mark.parametrize(
     ("mean", "variance", "sentence"),
     [
-        (np.zeros(5), FIRST_VARIANCE, "mean wants 4 states"),
+        (np.zeros(5), FIRST_VARIANCE, "mean requires 4 states"),
         (np.array([1.0, 1.0, np.nan, 1.0]), FIRST_VARIANCE, "mean of mu_b is not"),
         (FIRST_MEAN, np.zeros(4), "covariance is not positive definite"),
     ],
@@ -266,7 +266,7 @@ def test_a_start_without_a_belief_is_refused(rolling, mean, variance, sentence):
 
 
 def test_a_gate_names_one_input_for_each_state():
-    with pytest.raises(EstimatorError, match="Gate: 1 states want as many inputs, got 0"):
+    with pytest.raises(EstimatorError, match="Gate: 1 states require as many inputs, got 0"):
         Gate(states=("mu_b",), inputs=(), threshold=1.0)
     with pytest.raises(EstimatorError, match="named once"):
         Gate(states=("mu_b", "mu_b"), inputs=("a", "b"), threshold=1.0)

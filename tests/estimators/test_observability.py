@@ -77,9 +77,9 @@ def test_pad_friction_is_lost_where_the_pads_are_released_and_back_where_they_pr
 
 def test_questions_without_an_answer_get_a_sentence(rolling):
     x, u = np.array([22.0, 57.0, 0.36, 0.06]), np.array([2e4, 0.0])
-    with pytest.raises(EstimatorError, match="scale wants a positive size for each of v, w, mu_b, alpha"):
+    with pytest.raises(EstimatorError, match="scale requires a positive size for each of v, w, mu_b, alpha"):
         observability(rolling, x, u, np.array([1.0, 1.0, 0.0, 1.0]))
-    with pytest.raises(EstimatorError, match="wants 4 states and 2 inputs"):
+    with pytest.raises(EstimatorError, match="requires 4 states and 2 inputs"):
         observability(rolling, x[:3], u, np.ones(4))
-    with pytest.raises(EstimatorError, match="window wants 1 to 5 samples"):
+    with pytest.raises(EstimatorError, match="window must be 1 to 5 samples"):
         along(rolling, np.tile(x, (5, 1)), np.tile(u, (5, 1)), 1e-3, np.ones(3), np.ones(4), 6, 1)

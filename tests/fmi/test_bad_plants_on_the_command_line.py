@@ -13,7 +13,7 @@ import pytest
 from command_line import Done
 from faulty_fmu import faulty_fmu, quick_stop
 
-from railgrip.trace.stop import read_stop
+from railgrip.report.stop import read_stop
 
 SCENARIO = """
 name = "town"
@@ -83,7 +83,7 @@ def test_a_plant_that_does_not_start_leaves_a_result_without_numbers(railgrip: R
     assert "plant_failed: never_starts.fmu: at 0 s fmi2ExitInitializationMode returned fmi2Error" in result.err
     content = json.loads(Path("out/stop.json").read_text())
     assert (content["outcome"], content["duration_s"], content["distance_m"]) == ("plant_failed", 0.0, None)
-    assert np.isnan(read_stop(Path("out")).trace()["speed"].values).all()
+    assert np.isnan(read_stop(Path("out")).trace["speed"].values).all()
 
 
 def test_a_plant_that_never_stops_ends_at_the_horizon(railgrip: Railgrip, foundry: Path):

@@ -185,7 +185,7 @@ def test_a_wrong_number_of_states_is_refused(prediction: FmuPrediction):
         ({}, ("mu",), ("u",), "missing: mu; unexpected: x"),
         ({}, ("x",), (), "leaves inputs undriven: u"),
         ({"indicators": 2}, ("x",), ("u",), "a prediction must be smooth, this FMU has 2 event indicators"),
-        ({"output_unit": "km/h"}, ("x",), ("u",), "'y' of a prediction is in 'km/h', SI is wanted"),
+        ({"output_unit": "km/h"}, ("x",), ("u",), "'y' of a prediction is in 'km/h', but must be in SI"),
     ],
 )
 def test_an_fmu_that_is_not_the_prediction_wanted_is_refused(

@@ -20,7 +20,7 @@ FORMATION = Formation((2, 1, 1, 2))
     "order", list(permutations((*SENT, CURVE[0]))), ids=lambda order: " ".join(s.name for s in order)
 )
 def test_inputs_have_the_places_of_the_loops_vector(order, pneumatic):
-    layout = layout_of(FORMATION, sent_signals=order)
+    layout = layout_of(FORMATION, input=order)
     inputs, _, _ = plant_signals(layout, pneumatic=pneumatic, track_force=False)
     first, places = 0, {}
     for signal in inputs:
@@ -31,7 +31,7 @@ def test_inputs_have_the_places_of_the_loops_vector(order, pneumatic):
 
 def braked(file: Path, order) -> np.ndarray:
     """Return the outputs of a second of full braking on a good rail, with the inputs in an order."""
-    layout = layout_of(FORMATION, sent_signals=order)
+    layout = layout_of(FORMATION, input=order)
     inputs, outputs, start = plant_signals(layout, pneumatic=False, track_force=False)
     description = describe(file)
     binding = bind(description, inputs=inputs, outputs=outputs, parameters=(start,))

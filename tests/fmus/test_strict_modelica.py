@@ -115,7 +115,7 @@ LENIENT = {
     ),
     "an unknown element of a component": (model("N n(n(zz=1));"), r"'zz' is modified, which P\.A does not have"),
     "an unknown element of a base": (extending("(zz=1)"), r"'zz' is modified, which P\.A does not have"),
-    "an unknown attribute": (model("A a(q(zz=1));"), r"'zz' is no attribute of q"),
+    "an unknown attribute": (model("A a(q(zz=1));"), r"'zz' is not an attribute of q"),
     "an unknown element of the new type": (model("N n(redeclare B plain(v={1, 2}));"), r"'v' is modified, which P\.B"),
     "an unknown element of the constraint": (
         using("replaceable A a constrainedby Law(q=1);", "(redeclare A a)"),
@@ -148,7 +148,7 @@ LENIENT = {
         using("extends N(redeclare A plain);", "(redeclare B plain)"),
         r"'plain' is redeclared, but is not replaceable",
     ),
-    "a replaceable base": (extending("", "N.M"), r"P\.N\.M is replaceable and can be no base class"),
+    "a replaceable base": (extending("", "N.M"), r"P\.N\.M is replaceable and cannot be a base class"),
     "a type outside its constraint": (using("replaceable Other a constrainedby Law;"), r"which lacks r of P\.Law"),
     "a parameter without a value": (
         "  model Y\n    parameter Real p(start=2);\n    Real z = p;\n  end Y;\n" + model("Y y;"),

@@ -13,11 +13,11 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from railgrip.base.errors import InputError, TranslationError
-from railgrip.estimators.model_in_c import in_c
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native import lower
 from railgrip.fmus.native.ctext import strings
 from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.functions import in_c
 from railgrip.fmus.native.package import HEADERS, Source, archive_bytes, c_identifier, sources
 from railgrip.fmus.native.system import System, explicit
 from railgrip.fmus.native.toolchain import binary, shared_library
@@ -180,9 +180,9 @@ def test_a_class_name_is_plain_identifiers(tmp_path: Path, name: str):
     """It is part of file names, and of the script that OpenModelica runs."""
     file = tmp_path / "M.mo"
     file.write_text(MODEL)
-    with pytest.raises(InputError, match="is no name of a Modelica class"):
+    with pytest.raises(InputError, match="is not the name of a Modelica class"):
         build_class(name, file, compiler="native")
-    with pytest.raises(InputError, match="is no name of a Modelica class"):
+    with pytest.raises(InputError, match="is not the name of a Modelica class"):
         lower(name, file)
 
 

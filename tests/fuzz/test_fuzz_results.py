@@ -21,8 +21,8 @@ from railgrip.api import compare
 from railgrip.base.errors import RailgripError
 from railgrip.campaign.run import write_description
 from railgrip.report.index import write_report
+from railgrip.report.stop import _digest, write_stop
 from railgrip.scenario.campaign import load_campaign
-from railgrip.trace.stop import _digest, write_stop
 
 CAMPAIGN = Path(railgrip.scenario.__file__).parent / "campaigns" / "table1.toml"
 COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]

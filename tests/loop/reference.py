@@ -41,8 +41,8 @@ def brake(parts):
             return Outcome.PLANT_FAILED, k
         if not holds(plausibility, k, truth, inputs):
             return Outcome.IMPLAUSIBLE, k
-        recorder.rows[k, recorder.block(LAYOUT.plant_signals)] = truth
-        recorder.rows[k, recorder.block(LAYOUT.sent_signals)] = inputs
+        recorder.rows[k, recorder.block(LAYOUT.signals["output"])] = truth
+        recorder.rows[k, recorder.block(LAYOUT.signals["input"])] = inputs
         keep(k, "demand", demand)
         if parts.driver.has_phases:
             keep(k, "driver_demand", driver_demand)
@@ -50,7 +50,7 @@ def brake(parts):
         due = k % clock.sensors == 0
         reading = read(parts.sensors, k // clock.sensors, truth) if due else np.full(LAYOUT.readings, np.nan)
         reading = show(parts.faults, k, reading) if parts.faults else reading
-        recorder.rows[k, recorder.block(LAYOUT.reading_signals)] = reading
+        recorder.rows[k, recorder.block(LAYOUT.signals["reading"])] = reading
         new = ~np.isnan(reading)
         if belief and latest is None:
             belief.filter.inputs[:4] = reading[READ["cylinder_pressure"]]
@@ -78,8 +78,8 @@ def brake(parts):
             demand = parts.controller.decide(seen)
             if parts.limits:
                 demand = np.clip(demand, 0.0, parts.limits.most)
-            if parts.over:
-                demand = parts.over.decide(seen._replace(pressure=demand))
+            if parts.train_level:
+                demand = parts.train_level.decide(seen, demand)
             if not math.isfinite(sum(demand)):
                 return Outcome.CONTROLLER_FAILED, k + 1
             driver_demand = pressure.copy() if parts.driver.has_phases else driver_demand

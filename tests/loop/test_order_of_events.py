@@ -330,7 +330,7 @@ def test_demands_of_a_law_in_python_are_limited_before_what_is_decided_over_the_
     setup = dict(samples=BLOCK, sensors="ideal", valves=False, every=every, over_time=True, phases=(phase,))
     for run in (by_the_loop, brake):
         over = with_redistribution(pass_through(GROUPS), GROUPS, period=1e-3, adhesion_max=0.2)
-        parts = replace(parts_of(Plant(), Wild(), None, **setup), limits=limits, over=over)
+        parts = replace(parts_of(Plant(), Wild(), None, **setup), limits=limits, train_level=over)
         run(parts)
         demands.append(parts.recorder.rows[:, parts.recorder.columns["demand"]])
     assert np.array_equal(*demands)

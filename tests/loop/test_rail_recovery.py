@@ -92,7 +92,7 @@ def test_the_rail_keeps_all_the_energy(moves):
         track.advance(0.0, truth(place, slip=slip))
         spent += 6 * 0.5 * 0.05 * LOAD * 0.5 * (before + slip) * stride
         before = slip
-    kept = CELL * track.field.energy.sum() + sum(track.field.struct.pointer.left)
+    kept = CELL * track.field.energy.sum() + sum(track.field.struct.pointer.energy_own)
     assert kept == pytest.approx(spent, rel=1e-9, abs=1e-6)
 
 
@@ -138,7 +138,7 @@ def test_the_heat_of_the_contacts_is_on_the_rail():
         ended = parts.run()
         field, trace = parts.parts.rail.field, parts.recorder.trace(ended.samples, 1e-3)
     # Of both wheels of each wheelset; the plant's heat is that of all slip, the rail's that of samples 1 ms apart.
-    kept = 2 * (CELL * field.energy.sum() + sum(field.struct.pointer.left))
+    kept = 2 * (CELL * field.energy.sum() + sum(field.struct.pointer.energy_own))
     assert kept == pytest.approx(float(trace.contact_heat[-1]), rel=1e-3)
     assert float(trace.mu0.max()) > 0.1
 
@@ -178,7 +178,7 @@ def test_recovery_that_contradicts_the_scenario_is_refused(scenario, changes, wo
 def test_a_plant_without_loads_or_places_is_refused():
     shown = truth(0.0)
     shown[LAYOUT.output["wheelset_load"]] = np.nan
-    with pytest.raises(ScenarioError, match="does not show adhesion and wheelset_load"):
+    with pytest.raises(ScenarioError, match="does not output adhesion and wheelset_load"):
         rail().check_plant(shown)
     constant_rail(0.1).check_plant(shown)
     nowhere = replace(TWO_PART_TRAIN, wheelset_position=())

@@ -134,7 +134,7 @@ def test_sand_shortens_a_stop_and_half_the_period_changes_little():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ([WRITTEN[1]], "[[sanders]] wants [adhesion.sand]"),
+        ([WRITTEN[1]], "[[sanders]] needs [adhesion.sand]"),
         ([LAW, "sanders=[{wheelset=9, rate='2 kg/min', delay=0}]"], "wheelset 9, the vehicle has 6"),
         ([LAW, "sanders=[{wheelset=1, rate='2 kg/min'}]"], "delay"),
         ([LAW, "sanders=[{wheelset=1, rate=0.01, delay=0, begin=5, end=4}]"], "not after begin"),

@@ -7,8 +7,8 @@ from synthetic_runner import run_stop
 
 import railgrip.scenario
 from railgrip.campaign.run import write_description
+from railgrip.report.stop import write_stop
 from railgrip.scenario.campaign import load_campaign
-from railgrip.trace.stop import write_stop
 
 TABLE1 = Path(railgrip.scenario.__file__).parent / "campaigns" / "table1.toml"
 COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]

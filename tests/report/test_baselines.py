@@ -38,7 +38,7 @@ def results(tmp_path_factory, write_campaign):
 
 
 def distance(results, name):
-    return next(stop.record.metrics.distance for stop in results.stops if stop.name == name)
+    return next(stop.metrics.distance for stop in results.stops if stop.name == name)
 
 
 def baseline(**distances):
@@ -105,9 +105,7 @@ def test_nothing_is_accepted_without_a_reason(results, reason):
 
 
 def test_a_stop_that_did_not_stand_cannot_be_accepted(results):
-    sliding = replace(
-        results, stops=tuple(replace(s, record=replace(s.record, outcome=Outcome.HORIZON)) for s in results.stops)
-    )
+    sliding = replace(results, stops=tuple(replace(s, outcome=Outcome.HORIZON) for s in results.stops))
     assert set(states(compare(Baseline(campaign="c"), findings_of(sliding))).values()) == {"no value"}
     with pytest.raises(ScenarioError, match="has no value"):
         accept(Baseline(campaign="c"), findings_of(sliding), "Why not.")
@@ -132,7 +130,7 @@ def test_a_wrong_baseline_file_is_refused_with_its_key(tmp_path):
     with pytest.raises(ScenarioError) as refusal:
         load_baseline(path)
     assert "b.toml: [accepted.x] tolerance is 0; input should be greater than 0" in str(refusal.value)
-    assert "b.toml: [accepted.x] has no 'reason'; it is wanted and has no default" in str(refusal.value)
+    assert "b.toml: [accepted.x] has no 'reason'; it is required" in str(refusal.value)
 
 
 def study(**figures):
@@ -216,7 +214,7 @@ def test_distances_of_another_compiler_beyond_half_a_percent_are_told(results, t
 
     def made_by(tool):
         versions = {"TwoPartTrain.fmu": tool}
-        made = tuple(replace(stop, record=replace(stop.record, versions=versions)) for stop in results.stops)
+        made = tuple(replace(stop, versions=versions) for stop in results.stops)
         return replace(results, stops=made)
 
     (sentence,) = baseline_deviations(made_by("OpenModelica Compiler v1.27.0"), file)

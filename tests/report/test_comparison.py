@@ -12,11 +12,11 @@ from synthetic_runner import DECELERATION, run_stop
 import railgrip as rg
 from railgrip.base.errors import RecordError
 from railgrip.report.comparison import compare, flat
+from railgrip.report.stop import write_stop
 from railgrip.report.stop_page import scenario_table
 from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
-from railgrip.trace.stop import write_stop
 
 COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
 SPEED = 80 / 3.6
@@ -119,7 +119,7 @@ def test_three_stops_are_compared_with_the_first(slip, adhesion):
     [
         (("nowhere", "elsewhere"), "nowhere: has neither stop.json nor campaign.json; name the folder"),
         ((1, 2), "compare: 1 is neither a stop nor the folder of a result"),
-        (("one",), "two to 26 results are wanted, got 1"),
+        (("one",), "expects two to 26 results, got 1"),
     ],
 )
 def test_what_is_no_result_is_refused(results, sentence):
@@ -186,5 +186,5 @@ def test_keys_of_a_scenario_have_meanings():
     """The page of a stop shows all keys; those of tables of different kinds may mean different things."""
     table = scenario_table(load(LIBRARY / "trapezoid.toml").resolved())
     meanings = {row["key"]: row["meaning"] for row in table.rows}
-    assert meanings["limits.fmu.files"] == "most entries of the archive"
+    assert meanings["limits.fmu.files"] == "maximum number of entries of the archive"
     assert [key for key in meanings if key.startswith(("limits.", "periods.", "start.")) and not meanings[key]] == []

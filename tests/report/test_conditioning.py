@@ -23,9 +23,9 @@ from railgrip.report.baseline import (
 )
 from railgrip.report.distances import STALE, rows_of, spread_text
 from railgrip.report.results import read_results
+from railgrip.report.stop import write_stop
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import ConditioningFile, RepeatedDistances, read_conditioning, text_of
-from railgrip.trace.stop import write_stop
 
 CAMPAIGNS = Path(railgrip.scenario.__file__).parent / "campaigns"
 CHAOTIC = RepeatedDistances(digest="d", distances=(280.0, 300.0, 324.0, None))

@@ -42,7 +42,7 @@ def test_friction_has_a_panel_for_each_scenario_from_blue_to_purple(stops):
     assert len(panels) == 3
     for panel, stop in zip(panels, selection, strict=True):
         assert "mu_0" in panel.get_ylabel()
-        mu0 = stop.record.trace()["mu0"].values
+        mu0 = stop.trace["mu0"].values
         # Coupled wheelsets find the same friction: one line for both, labelled with both.
         assert len(panel.lines) == len(np.unique(mu0, axis=1).T) == 4
         assert panel.lines[0].get_ydata() == pytest.approx(mu0[:, 0])
@@ -55,15 +55,14 @@ def test_friction_has_a_panel_for_each_scenario_from_blue_to_purple(stops):
 def test_each_rail_of_a_scenario_has_a_line_that_the_variants_name(stops):
     """Levels that are calibrated for each creep curve are rails of their own; controllers share one."""
     stop, other = stops["trapezoid-ideal-slip_two_state"], stops["trapezoid-ideal-adhesion_based"]
-    adhesion = stop.record.scenario["adhesion"]
+    adhesion = stop.inputs["adhesion"]
     steep = replace(
-        stop.record,
-        scenario=stop.record.scenario
-        | {"adhesion": adhesion | {"polach": {"name": "steep"}, "calibrated": {"steep": 2.0}}},
+        stop,
+        inputs=stop.inputs | {"adhesion": adhesion | {"polach": {"name": "steep"}, "calibrated": {"steep": 2.0}}},
     )
     shapes = [
-        replace(one, record=record, variants=one.variants | {"shape": shape})
-        for one, record, shape in ((stop, stop.record, "dry"), (other, other.record, "dry"), (stop, steep, "steep"))
+        replace(one, variants=one.variants | {"shape": shape})
+        for one, shape in ((stop, "dry"), (other, "dry"), (steep, "steep"))
     ]
     (panel,) = friction_figure(shapes).axes
     assert [line.get_label() for line in panel.lines] == ["dry", "steep"]
@@ -73,7 +72,7 @@ def test_adhesion_shows_sbc_abc_estimate_maximum_and_limit(stops):
     sbc, abc = stops["trapezoid-ideal-slip_two_state"], stops["trapezoid-ideal-adhesion_based"]
     panel = adhesion_figure(sbc, abc).axes[0]
     lines = {line.get_label(): line for line in panel.lines}
-    stops_of = {"SBC": sbc.record.trace(), "ABC": abc.record.trace()}
+    stops_of = {"SBC": sbc.trace, "ABC": abc.trace}
     greatest = [f"greatest possible, {name}" for name in stops_of]
     assert list(lines) == ["SBC, two-state", "ABC", *greatest, "limit 0.15", "ABC, estimated"]
     assert lines["ABC"].get_ydata() == pytest.approx(stops_of["ABC"]["adhesion"].values[:, 0])
@@ -102,16 +101,16 @@ def test_the_panels_of_a_stop_have_units_and_share_their_scales(stops):
 def test_what_a_plant_hides_has_no_row_and_no_number(tmp_path, write_campaign):
     campaign = write_campaign(tmp_path, lambda stop: stop.name == "random-ideal-slip_two_state")
     (stop,) = read_results(tmp_path).stops
-    trace = stop.record.trace().drop_vars("pad_friction")
+    trace = stop.trace.drop_vars("pad_friction")
     trace["cylinder_pressure"] = trace["cylinder_pressure"] * np.nan
-    path = stop.record.directory / "trace.nc"
+    path = stop.directory / "trace.nc"
     write_trace(trace, path)
     without_utilisation = replace(
-        stop.record,
-        metrics=replace(stop.record.metrics, utilisation=float("nan")),
+        stop,
+        metrics=replace(stop.metrics, utilisation=float("nan")),
         trace_digest=hashlib.sha256(path.read_bytes()).hexdigest(),
     )
-    made = stop_figure(replace(stop, record=without_utilisation))
+    made = stop_figure(without_utilisation)
     labels = [panel.get_ylabel() for panel in made.axes if panel.get_ylabel()]
     assert labels == ["speed [km/h]", "slip [%]", "adhesion"]
     assert all(panel.lines for panel in made.axes)
@@ -195,7 +194,7 @@ def test_a_campaign_becomes_one_page_that_needs_nothing_else(folder):
 def test_a_single_stop_has_a_page_too(folder, stops):
     page = write_report(folder / "trapezoid-ideal-adhesion_based")
     assert needs_nothing_else(page)
-    lines, trace = plots_of(page)["signals"]["data"], stops["trapezoid-ideal-adhesion_based"].record.trace()
+    lines, trace = plots_of(page)["signals"]["data"], stops["trapezoid-ideal-adhesion_based"].trace
     for panel, name in (("y3", "adhesion"), ("y4", "mu0")):
         for k in range(6):
             (line,) = [one for one in lines if (one["yaxis"], one["name"]) == (panel, f"wheelset {k + 1}")]

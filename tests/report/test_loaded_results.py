@@ -15,9 +15,9 @@ from railgrip.campaign.load import csv_of, load_results, write_table
 from railgrip.campaign.sweep import Result, Sweep
 from railgrip.cli.main import main
 from railgrip.report.results import read_results
+from railgrip.report.stop import read_stop, write_stop
 from railgrip.scenario.load import load
 from railgrip.trace.netcdf import FILE_NAME
-from railgrip.trace.stop import read_stop, write_stop
 
 CAMPAIGN = """
 name = "axes"
@@ -68,7 +68,7 @@ def test_a_campaign_comes_back_over_its_axes_with_what_it_excludes_left_out(camp
     assert len(frame) == 3
     for stop in read_results(campaign).stops:
         place = tuple(stop.variants[axis] for axis in frame.index.names)
-        assert frame.loc[place, "distance"] == stop.record.metrics.distance
+        assert frame.loc[place, "distance"] == stop.metrics.distance
     grid = loaded.to_xarray()["distance"]
     assert np.isnan(grid.sel(scenario="trapezoid", controller="abc", **{"start.speed": "60 km/h"}))
     assert int(np.isfinite(grid).sum()) == 3

@@ -67,9 +67,7 @@ def test_a_stop_is_on_paper_with_what_is_folded_on_the_screen(folder, tmp_path):
     stop = next(one for one in read_results(folder).stops if one.variants["controller"] == "adhesion_based")
     texts, _ = printed(folder / stop.name / "index.html", tmp_path)
     everything = "".join(texts)
-    assert [
-        text for text in ("periods.communication", "limits.alpha_max", stop.record.digest) if text not in everything
-    ] == []
+    assert [text for text in ("periods.communication", "limits.alpha_max", stop.digest) if text not in everything] == []
     assert [meaning for _, meaning in meanings().values() if bare(meaning) not in everything] == []
     labels = "speed[km/h] slip[%] adhesion padfriction cylinderpressure[bar] timesincethebrakedemand[s]"
     assert [label for label in labels.split() if label not in everything] == []

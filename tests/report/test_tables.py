@@ -13,8 +13,7 @@ from railgrip.base.errors import RecordError
 from railgrip.report.distances import rows_of, write_table
 from railgrip.report.reference import CONTROLLERS
 from railgrip.report.results import read_results
-from railgrip.report.stop import metrics_table
-from railgrip.trace.stop import write_stop
+from railgrip.report.stop import metrics_table, write_stop
 
 
 @pytest.fixture(scope="module")
@@ -102,8 +101,8 @@ def test_json_has_the_rows_that_were_asked_for(folder):
 def test_a_figure_that_does_not_exist_is_null_and_an_empty_cell(folder):
     results = read_results(folder)
     first, *others = (stop for stop in results.stops if stop.variants["equipment"] == "service")
-    without_air = replace(first.record, metrics=replace(first.record.metrics, air_used=np.nan))
-    results = replace(results, stops=(replace(first, record=without_air), *others))
+    without_air = replace(first, metrics=replace(first.metrics, air_used=np.nan))
+    results = replace(results, stops=(without_air, *others))
     as_json, as_markdown = write_table(results, folder)
     air = [row["air_l"] for row in json.loads(as_json.read_text(encoding="utf-8"))["rows"]]
     assert air[0] is None
@@ -116,9 +115,9 @@ def test_a_figure_that_does_not_exist_is_null_and_an_empty_cell(folder):
 def test_air_is_left_out_with_ideal_actuation_which_has_no_valves(folder):
     rows = rows_of(read_results(folder))
     assert {row.actuation for row in rows if row.air_l is not None} == {"pneumatic"}
-    stop = next(stop for stop in read_results(folder).stops if stop.record.scenario["actuation"]["kind"] == "ideal")
-    assert np.isfinite(stop.record.metrics.air_used)
-    figures = {row["figure"]: row["value"] for row in metrics_table(stop.record.figures).rows}
+    stop = next(stop for stop in read_results(folder).stops if stop.inputs["actuation"]["kind"] == "ideal")
+    assert np.isfinite(stop.metrics.air_used)
+    figures = {row["figure"]: row["value"] for row in metrics_table(stop.figures).rows}
     assert figures["air used"] == "–"
 
 
@@ -162,10 +161,7 @@ def test_fmus_of_another_compiler_are_named_under_the_table(folder, tmp_path):
     theirs = {"TwoPartTrain.fmu": "OpenModelica v1.27.0", "python": "3.11"}
 
     def named(versions):
-        stops = tuple(
-            replace(stop, record=replace(stop.record, versions=versions if stop is results.stops[0] else ours))
-            for stop in results.stops
-        )
+        stops = tuple(replace(stop, versions=versions if stop is results.stops[0] else ours) for stop in results.stops)
         as_json, as_markdown = write_table(replace(results, stops=stops), tmp_path)
         return json.loads(as_json.read_text())["fmus"][stops[0].name], as_markdown.read_text()
 

@@ -45,10 +45,10 @@ def with_distances(results, shorter):
     """Return stops whose distance grows with the seed, and with sand is shorter by a share that is given by seed."""
     stops = []
     for stop in results.stops:
-        seed = stop.record.scenario["seed"]
+        seed = stop.inputs["seed"]
         share = shorter(seed) if stop.variants["sand"] == "some" else 0.0
-        metrics = replace(stop.record.metrics, distance=(300.0 + 50.0 * seed) * (1.0 - share))
-        stops.append(replace(stop, record=replace(stop.record, metrics=metrics)))
+        metrics = replace(stop.metrics, distance=(300.0 + 50.0 * seed) * (1.0 - share))
+        stops.append(replace(stop, metrics=metrics))
     return replace(results, stops=tuple(stops))
 
 
@@ -135,8 +135,8 @@ def locked(results, controller, seconds):
     def change(stop):
         if stop.variants["controller"] != controller:
             return stop
-        longest = replace(stop.record.metrics, longest_lock_fast=(0.0, seconds), utilisation=0.95)
-        return replace(stop, record=replace(stop.record, metrics=longest))
+        longest = replace(stop.metrics, longest_lock_fast=(0.0, seconds), utilisation=0.95)
+        return replace(stop, metrics=longest)
 
     return replace(results, stops=tuple(change(stop) for stop in results.stops))
 
@@ -145,12 +145,7 @@ def harmless(results):
     return replace(
         results,
         stops=tuple(
-            replace(
-                stop,
-                record=replace(
-                    stop.record, metrics=replace(stop.record.metrics, utilisation=0.95, longest_lock_fast=(0.0, 0.0))
-                ),
-            )
+            replace(stop, metrics=replace(stop.metrics, utilisation=0.95, longest_lock_fast=(0.0, 0.0)))
             for stop in results.stops
         ),
     )
@@ -176,13 +171,13 @@ def test_a_longer_law_that_keeps_all_clauses_is_named_before_a_shorter_one_that_
 
 
 def test_the_clauses_are_judged_at_their_limits(campaign):
-    record = harmless(read_results(campaign())).stops[0].record
+    stop = harmless(read_results(campaign())).stops[0]
     limits = limits_of()
-    assert limits.find_violations(record) == ()
+    assert limits.find_violations(stop) == ()
     for figures, clause in (
         ({"longest_lock_fast": (0.0, np.nextafter(0.4, 1.0))}, "lock"),
         ({"utilisation": np.nextafter(0.85, 0.0)}, "utilisation"),
     ):
-        assert limits.find_violations(replace(record, metrics=replace(record.metrics, **figures))) == (clause,)
-    at_limit = replace(record.metrics, longest_lock_fast=(0.4, 0.0), utilisation=0.85)
-    assert limits.find_violations(replace(record, metrics=at_limit)) == ()
+        assert limits.find_violations(replace(stop, metrics=replace(stop.metrics, **figures))) == (clause,)
+    at_limit = replace(stop.metrics, longest_lock_fast=(0.4, 0.0), utilisation=0.85)
+    assert limits.find_violations(replace(stop, metrics=at_limit)) == ()

@@ -31,7 +31,7 @@ def test_quantities_are_read_in_their_units(tables):
 
 def test_every_table_says_whose_its_numbers_are(tables):
     del tables["brakes"]["disc"]["estimated"]
-    assert "ours.toml: [brakes.disc] does not say whose its numbers are" in refused(tables)
+    assert "ours.toml: [brakes.disc] has numbers without an origin" in refused(tables)
     tables["brakes"]["disc"] |= {"source": "data sheet", "estimated": ["rigg"]}
     assert "[brakes.disc] calls 'rigg' estimated, which it does not have" in refused(tables)
 
@@ -41,11 +41,11 @@ def test_every_table_says_whose_its_numbers_are(tables):
     [
         (lambda t: t["bogies"]["trailer"].update(brake="drum"), "[bogies.trailer] brake names 'drum'"),
         (lambda t: t["cars"][1]["bogies"][0].update(kind="jacobs"), "[cars[2]] bogies names 'jacobs'"),
-        (lambda t: t["bogies"]["trailer"].update(axles=[0, 1, 3]), "axles that are not evenly apart"),
+        (lambda t: t["bogies"]["trailer"].update(axles=[0, 1, 3]), "axles that are not equally spaced"),
         (lambda t: t["bogies"]["trailer"].update(units=[1, 2, 3]), "has 2 axles and 3 units"),
         (lambda t: t["cars"][0].update(axle_masses=["1 t"]), "[cars[1]] axle_masses has 1 values, A has 4 axles"),
         (lambda t: t["cars"][1].update(coupler="bar"), "[cars[2]] is the last car"),
-        (lambda t: t["cars"][1]["bogies"][0].update(at="23 m"), "do not stand one behind the other"),
+        (lambda t: t["cars"][1]["bogies"][0].update(at="23 m"), "the positions of the axles do not increase"),
         (lambda t: t["cars"][0].update(mass="44 kN"), "[cars[1]] mass is '44 kN'"),
         (lambda t: t["cars"][0].update(weight=3), "[cars[1]] has no key 'weight'"),
         (lambda t: t.update(sanders=[{"wheelset": 9, "rate": "2 kg/min", "delay": 1}]), "[sanders[1]] is at wheelset"),
@@ -54,7 +54,7 @@ def test_every_table_says_whose_its_numbers_are(tables):
         (lambda t: t["distributors"]["R"].update(low_share=1.5), "[distributors.R] low_share must be at most 1"),
         (lambda t: t["distributors"]["R"].update(speed_down="80 km/h"), "speed_down 80 km/h and speed_up 70 km/h"),
         (lambda t: t["distributors"]["R"].update(stage_time=0), "[distributors.R] stage_time must be at least"),
-        (lambda t: t["distributors"]["R"].pop("estimated"), "[distributors.R] does not say whose its numbers are"),
+        (lambda t: t["distributors"]["R"].pop("estimated"), "[distributors.R] has numbers without an origin"),
         (lambda t: t["accelerators"]["quick"].update(closing_pressure="6 bar"), "closing_pressure must be below"),
         (lambda t: t["accelerators"]["quick"].update(closing_pressure="4.6 bar"), "closing_pressure must be below"),
         (lambda t: t["accelerators"]["quick"].update(opening_rate="0.7 bar"), "[accelerators.quick] opening_rate is"),
@@ -71,7 +71,7 @@ def test_equipment_of_a_brake_pipe_needs_one(piped, key, name):
     piped["cars"][1][key] = name
     assert train_of(piped, "ours.toml").cars[1].model_dump()[key] == name
     del piped["command"]
-    assert f"[cars[2]] {key} works on a brake pipe: give [command] kind = 'brake_pipe'" in refused(piped)
+    assert f"[cars[2]] {key} needs a brake pipe: give [command] kind = 'brake_pipe'" in refused(piped)
 
 
 def test_coupled_axles_turn_as_one_and_valves_are_shared_as_the_bogie_says(tables):
@@ -141,7 +141,7 @@ def test_a_prefix_that_is_wrong_by_two_steps_is_noticed_for_every_quantity(name,
         (
             "stiffness",
             "2.4 mN/m",
-            "must be at least 10000 N/m, got '2.4 mN/m'; expected is 10000 to 1e+10 N/m; an axle",
+            "must be at least 10000 N/m, got '2.4 mN/m'; expected is 10000 to 1e+10 N/m; axle boxes",
         ),
         ("stiffness", 5e-324, "is 5e-324, too small to calculate with; give 0, or at least 2.2e-308"),
         ("damping", "5e-310 N.s/m", "is '5e-310 N.s/m', too small to calculate with"),

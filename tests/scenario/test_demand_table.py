@@ -102,11 +102,14 @@ END = {"pressure": 0}
 @pytest.mark.parametrize(
     ("demand", "words"),
     [
-        ({}, r"\[demand\] wants phases, or the file of a profile"),
-        ({"phases": [END], "file": "plain.toml"}, "give one of them"),
+        ({}, r"\[demand\] needs either phases or the file of a profile"),
+        ({"phases": [END], "file": "plain.toml"}, "needs either phases or"),
         ({"phases": [END, END]}, r"phases\[1\] has no 'until'"),
         ({"phases": [END | {"until": {"time": 1}}]}, r"phases\[1\] is the last one and lasts to the end, leave out"),
-        ({"phases": [END | {"until": {"time": 1, "distance": 2}}, END]}, "wants one of time, duration, .* got 2"),
+        (
+            {"phases": [END | {"until": {"time": 1, "distance": 2}}, END]},
+            "needs exactly one of time, duration, .* got 2",
+        ),
         ({"phases": [{}]}, "has neither pressure and stop_at"),
         ({"phases": [{"pressure": "-1 bar"}]}, "pressure must be at least 0 Pa, got '-1 bar'"),
         ({"phases": [{"pressure": "2 m"}]}, "pressure .*'2 m'"),
@@ -169,5 +172,5 @@ def test_more_than_full_brake_and_other_formations_are_refused(pressure, words):
 
 
 def test_the_ideal_bound_takes_no_demand():
-    with pytest.raises(ScenarioError, match=r"ideal_bound brakes with all there is .* leave out \[demand\]"):
+    with pytest.raises(ScenarioError, match=r"ideal_bound uses all adhesion .* leave out \[demand\]"):
         load(LIBRARY / "service_steps.toml", ["controller.kind=ideal_bound"])

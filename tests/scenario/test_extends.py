@@ -116,7 +116,7 @@ def test_a_file_may_name_another_plant_than_its_base(tmp_path, vehicle):
         ),
         ({"a": "extends = 'a.toml'"}, ["a.toml: extends goes round in a circle: a.toml → a.toml"]),
         ({"a": "extends = 'gone.toml'"}, ["a.toml: extends names 'gone.toml', but there is no file"]),
-        ({"a": "extends = 3"}, ["a.toml: extends is 3; wanted is the name or the path of a scenario"]),
+        ({"a": "extends = 3"}, ["a.toml: extends is 3; expected is the name or the path of a scenario"]),
         ({"a": "extends = 'trapezod'"}, ["a.toml: extends: trapezod: there is no such file", "mean trapezoid?"]),
         ({"a": "extends = 'table1'"}, ["a.toml: extends: table1: that is a campaign"]),
         ({"a": "extends = 'b.toml'", "b": "seed = "}, ["b.toml: is not TOML"]),

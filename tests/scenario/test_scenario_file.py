@@ -87,7 +87,7 @@ REFUSALS = [
     (["adhesoin.kind=x"], "the top level has no key 'adhesoin'; did you mean 'adhesion'?"),
     (["frobnicate.x=1"], "the top level has no key 'frobnicate'; it has actuation, adhesion"),
     (["adhesion.kind=sinus"], "[adhesion] kind is 'sinus'; there is constant, points, "),
-    (["adhesion.kind=constant"], "[adhesion] has no 'mu0'; it is wanted and has no default"),
+    (["adhesion.kind=constant"], "[adhesion] has no 'mu0'; it is required"),
     (["start.speed=80 km"], "[start] speed is '80 km', but 'km' cannot be converted to 'm/s'."),
     (
         ["start.speed=80 kmm/h"],
@@ -139,9 +139,9 @@ REFUSALS = [
     (["vehicle.plant=mine.fmu"], "[vehicle] plant names 'mine.fmu', but there is no file"),
     (["vehicle.plant=a plant"], "[vehicle] plant is 'a plant', which is neither the name of an FMU recipe nor"),
     (["vehicle.parameters.x=[1, 'a']"], "[vehicle.parameters] x[2] is 'a', which is not a number with a unit"),
-    (["vehicle.map.mu0=3"], "[vehicle.map] mu0 is 3, but the name of an FMU variable is wanted"),
+    (["vehicle.map.mu0=3"], "[vehicle.map] mu0 is 3, expected is the name of an FMU variable"),
     (["vehicle.formation.wheelset_load=['12 t']"], "[vehicle.formation.wheelset_load] 0 is '12 t', but 't' cannot be"),
-    ([SERVICE], "[sensors] has no 'wheel'; it is wanted and has no default"),
+    ([SERVICE], "[sensors] has no 'wheel'; it is required"),
     (["track.gradient=[{begin=0, slop=0}]"], "[track.gradient[1]] has no key 'slop'; did you mean 'slope'?"),
     (["track.force=2 MN"], "[track] force must be at most 1e+06 N, got '2 MN'."),
     (
@@ -186,7 +186,7 @@ def test_a_path_on_the_command_line_starts_at_the_current_folder(tmp_path, monke
     [
         (b"name = ", "bad.toml: is not TOML: "),
         (b"\xff\xfe", "bad.toml: is not text in UTF-8"),
-        (b"", "bad.toml: [vehicle] is missing; it is wanted and has no default"),
+        (b"", "bad.toml: [vehicle] is missing; it is required"),
     ],
 )
 def test_a_file_that_is_no_scenario_is_refused(tmp_path, content, sentence):

@@ -29,14 +29,14 @@ def scenario_with(track=None, **sensors):
 
 
 def reader(scenario):
-    layout = layout_of(TWO_PART_TRAIN, PLANT, (*READINGS, *scenario.sensors.extra_readings(scenario, OUTPUTS)))
+    layout = layout_of(TWO_PART_TRAIN, reading=(*READINGS, *scenario.sensors.extra_readings(scenario, OUTPUTS)))
     return layout, scenario.sensors.open(scenario, layout, 0.4)
 
 
 def test_quantities_of_the_noise_table_are_read_beside_those_of_every_train():
     scenario = scenario_with(noise={"pad_force": "100 N", "speed": "0.1 m/s"})
     layout, sensors = reader(scenario)
-    assert [s.name for s in layout.reading_signals] == [*(s.name for s in READINGS), "reading_pad_force"]
+    assert [s.name for s in layout.signals["reading"]] == [*(s.name for s in READINGS), "reading_pad_force"]
     truth = np.arange(float(layout.outputs))
     seen = np.array([sensors.read(k, truth) for k in range(5000)])
     error = seen[:, layout.reading["pad_force"]] - truth[layout.output["pad_force"]]
@@ -89,7 +89,7 @@ def test_accelerometers_feel_the_gradient_and_gnss_finds_the_train_on_its_track(
 
 
 def test_an_extra_output_is_in_the_layout_of_a_plant_that_has_it():
-    layout = layout_of(TWO_PART_TRAIN, (*PLANT, *EXTRA))
+    layout = layout_of(TWO_PART_TRAIN, output=(*PLANT, *EXTRA))
     assert layout.output["drive_torque"].stop == layout.outputs
     assert "OUTPUT_CONTACT_FORCE" in layout.header()
 
@@ -250,8 +250,8 @@ def test_deflections_show_the_rail_as_a_frame_answers_to_it():
 @pytest.mark.parametrize(
     ("sheet", "sentence"),
     [
-        ({"speed": {"drift": "1 %"}}, r"\[sensors.speed\] drift and drift_time want each other"),
-        ({"speed": {"dropout_time": "1 s"}}, r"\[sensors.speed\] dropouts and dropout_time want each other"),
+        ({"speed": {"drift": "1 %"}}, r"\[sensors.speed\] drift and drift_time belong together"),
+        ({"speed": {"dropout_time": "1 s"}}, r"\[sensors.speed\] dropouts and dropout_time belong together"),
         ({"speed": {"drift": "2 m/s", "drift_time": "1 s"}}, r"drift"),
         ({"deflection": {"irregularity": {"track": "uic"}}}, r"track is 'uic'; there is 'erri-low'"),
     ],
@@ -263,7 +263,7 @@ def test_a_wrong_sheet_is_refused(sheet, sentence):
 
 def test_a_quantity_that_the_plant_lacks_is_refused():
     scenario = scenario_with(noise={"pad_force": "100 N"})
-    without = layout_of(TWO_PART_TRAIN, PLANT, READINGS)
+    without = layout_of(TWO_PART_TRAIN)
     with pytest.raises(
         ScenarioError, match="names 'pad_force', which this plant does not show; its sensors read speed"
     ):

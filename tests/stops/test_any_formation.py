@@ -16,6 +16,7 @@ from railgrip.controllers.laws.slip_two_state import SlipTwoState
 from railgrip.controllers.observation import Observation
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native.package import pack
+from railgrip.report.stop import Stop, read_stop
 from railgrip.scenario.load import load, read_toml, scenario_of
 from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
@@ -26,7 +27,6 @@ from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.metrics import Metrics
-from railgrip.trace.stop import Stop, read_stop
 from railgrip.vehicle.formation import Formation
 
 ROOT = Path(__file__).parents[2]

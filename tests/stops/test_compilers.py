@@ -12,11 +12,11 @@ import railgrip.scenario
 from railgrip.campaign.one_stop import run
 from railgrip.campaign.run import find_result
 from railgrip.fmus.build import fmu
+from railgrip.report.stop import read_stop
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.load import load
 from railgrip.simulate import files
 from railgrip.simulate.run import run_stop
-from railgrip.trace.stop import read_stop
 
 TRAPEZOID = Path(railgrip.scenario.__file__).parent / "library" / "trapezoid.toml"
 THEIRS = "OpenModelica Compiler OpenModelica v1.27.0"

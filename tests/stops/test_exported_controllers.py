@@ -122,7 +122,7 @@ def test_the_command_says_where_the_fmu_is(tmp_path, command):
         (["--ssp", "x.ssp", "--out", "x.fmu"], "--ssp writes all parts by FMI 2 into one file; leave out --out"),
         (["--library", "--part", "plant"], "--library compiles the onboard part for this machine; leave out --part"),
         (["--library", "--ssp", "x.ssp"], "leave out --out, --part, --fmi and --library"),
-        (["--fmi", "1"], "1 is no version of FMI that is written; it is 2 or 3"),
+        (["--fmi", "1"], "FMI 1 is not supported; choose 2 or 3"),
         (["--part", "wheel"], "'wheel' is not one of 'onboard'"),
     ],
 )

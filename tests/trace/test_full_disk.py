@@ -20,11 +20,11 @@ from railgrip.base.errors import WriteFailed, for_user
 from railgrip.base.files import replacing, write_text
 from railgrip.base.outputs import RECORD
 from railgrip.campaign.run import find_result
+from railgrip.report.stop import read_stop, write_stop
 from railgrip.report.style import save
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.load import load
 from railgrip.trace.netcdf import write_trace
-from railgrip.trace.stop import read_stop, write_stop
 
 ROOT = Path(__file__).parents[2]
 WET = ROOT / "harness" / "scenario" / "library" / "trapezoid.toml"

@@ -2,26 +2,25 @@
 
 import json
 import time
-from dataclasses import asdict, replace
+from dataclasses import asdict
 
 import numpy as np
 import pytest
 import xarray
-from synthetic import LIBRARY, TWO_PART_TRAIN, stop_of, uniform_stop
+from synthetic import LIBRARY, TWO_PART_TRAIN, of_scenario, stop_of, uniform_stop
 
 from railgrip.base.errors import RecordError
 from railgrip.base.files import replacing, write_text
 from railgrip.base.units import unit
 from railgrip.campaign.sweep import Result, Sweep
-from railgrip.report import results
-from railgrip.report.figures import signals_figure
+from railgrip.report.signals_figure import signals_figure
 from railgrip.report.signals_plot import signals_plot
+from railgrip.report.stop import read_stop, write_stop
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.run import run_stop
 from railgrip.trace.netcdf import read_trace, write_trace
 from railgrip.trace.recorder import Recorder, require_stop, thin
-from railgrip.trace.stop import read_stop, write_stop
 from railgrip.vehicle.signals import PLANT, SENT
 
 COARSE = load(
@@ -100,7 +99,7 @@ def test_stop_json_says_what_was_asked_and_what_came_out(stop, tmp_path):
     assert content["fmus"] == {"Plant.fmu": "0" * 64}
     record = read_stop(tmp_path)
     np.testing.assert_equal(asdict(record.metrics), asdict(stop.metrics))
-    assert record.trace()["mu0"].values[-1] == pytest.approx(stop.trace["mu0"].values[-1])
+    assert record.trace["mu0"].values[-1] == pytest.approx(stop.trace["mu0"].values[-1])
 
 
 @pytest.mark.parametrize("outcome", Outcome)
@@ -146,21 +145,21 @@ def test_nothing_half_written_is_left_when_writing_is_interrupted(tmp_path):
 @pytest.mark.parametrize("function", ["write_trace", "write_json"])
 def test_an_interrupted_rewrite_leaves_the_earlier_result_or_none(stop, tmp_path, monkeypatch, function):
     """Before the new trace is there, the earlier stop is whole; after it, its stop.json no longer fits."""
-    other = replace(stop, scenario=stop.scenario.model_copy(update={"seed": 7}))
+    other = of_scenario(stop, stop.scenario.model_copy(update={"seed": 7}))
     write_stop(stop, tmp_path)
 
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(f"railgrip.trace.stop.{function}", interrupt)
+    monkeypatch.setattr(f"railgrip.report.stop.{function}", interrupt)
     with pytest.raises(KeyboardInterrupt):
         write_stop(other, tmp_path)
     assert read_stop(tmp_path).digest == stop.scenario.digest()
     if function == "write_trace":
-        assert read_stop(tmp_path).trace().sizes["time"] > 1
+        assert read_stop(tmp_path).trace.sizes["time"] > 1
     else:
         with pytest.raises(RecordError, match=r"not the file that was written with its stop\.json"):
-            read_stop(tmp_path).trace()
+            _ = read_stop(tmp_path).trace
 
 
 @pytest.mark.parametrize(
@@ -208,8 +207,7 @@ def test_a_stop_that_lacks_a_signal_is_drawn_or_refused(tmp_path):
     scenario = load(LIBRARY / "trapezoid.toml", ["controller.kind=adhesion_based", "limits.horizon=1 s"])
     write_stop(run_stop(scenario), tmp_path)
     record = read_stop(tmp_path)
-    trace = record.trace()
-    result = results.Result(name="stop", variants={}, record=record, paper_distance=None)
+    trace = record.trace
     require_stop(tmp_path / "trace.nc", trace, groups=trace.sizes["group"])
     drawn = 0
     for name in map(str, trace.data_vars):
@@ -219,6 +217,6 @@ def test_a_stop_that_lacks_a_signal_is_drawn_or_refused(tmp_path):
         except RecordError:
             continue
         signals_plot(less)
-        signals_figure(result, less)
+        signals_figure(less, record.metrics, record.heading)
         drawn += 1
     assert drawn > 10

@@ -10,14 +10,13 @@ from synthetic import BRAKES, parabola, uniform_stop
 
 from railgrip.base.errors import ScenarioError
 from railgrip.report.limits import limits_of
-from railgrip.report.results import Result
+from railgrip.report.stop import Stop
 from railgrip.scenario.outcome import Outcome
 from railgrip.studies.type_test.entrants import Entrant
 from railgrip.studies.type_test.judge import judgements, measure_stop, summaries
 from railgrip.trace.bound import with_bound
 from railgrip.trace.measures import utilisation as utilisation_of
 from railgrip.trace.metrics import Metrics, meanings
-from railgrip.trace.stop import StopRecord
 
 EACH = {"longest_lock_fast", "locked_distance", "tread_energy", "actuations"}
 LIMITS = limits_of()
@@ -34,13 +33,13 @@ def result(case, controller, distance, *, stands=True, speed=20.0, **figures):
     """A stop that stood after `distance` and slid first at an adhesion of 0.06, its other figures 0 unless given."""
     plain = {name: (0.0, 0.0) if name in EACH else 0.0 for name in meanings()}
     metrics = Metrics(**(plain | {"distance": distance, "adhesion_at_slide": 0.06} | figures))
-    record = StopRecord(
-        directory=Path(), outcome=Outcome.STANDSTILL if stands else Outcome.HORIZON, reason="",
-        scenario={"start": {"speed": speed}, "actuation": {"kind": "pneumatic"}}, digest="", metrics=metrics,
-        versions={}, fmus={},
-    )  # fmt: skip
     variants = {"case": case, "controller": controller, "friction": "0.3", "curve": "dry"}
-    return measure_stop(Result(name=f"{case}-{controller}", variants=variants, record=record, paper_distance=None))
+    stop = Stop(
+        name=f"{case}-{controller}", variants=variants, digest="", metrics=metrics, versions={}, fmus={}, reason="",
+        outcome=Outcome.STANDSTILL if stands else Outcome.HORIZON,
+        inputs={"start": {"speed": speed}, "actuation": {"kind": "pneumatic"}},
+    )  # fmt: skip
+    return measure_stop(stop)
 
 
 def case(name, *, mine, tuned=300.0, second=330.0, **figures):

@@ -1,4 +1,4 @@
-/* Co-simulation: from one communication point to the next, with adaptive internal steps. */
+/* Co-simulation: integration between communication points with adaptive internal steps. */
 
 /* Take work.x1 at time t as the state. */
 static void accept(Instance *m, double t) {
@@ -8,10 +8,10 @@ static void accept(Instance *m, double t) {
     stale(s);
 }
 
-/* Shrink an accepted step of size h, at whose end work.z1 shows a crossing, to the first crossing in it.
+/* Shorten an accepted step of size h, at whose end work.z1 indicates a crossing, to the first crossing in it.
  *
- * A secant estimate is probed half a tolerance beyond and before, which closes the bracket in a few steps when the
- * indicator is smooth; bisection keeps it from ever being slow. Every probe is a Rosenbrock step from the same start. */
+ * The probes are just beyond and just before a secant estimate, which closes the bracket in a few steps if the indicator
+ * is smooth; bisection limits the number of probes otherwise. Every probe is a Rosenbrock step from the same start. */
 static int locate(Instance *m, double t, double *h) {
     State *s = &m->s;
     Work *w = &m->w;
@@ -31,7 +31,7 @@ static int locate(Instance *m, double t, double *h) {
             width = hi - lo;
         }
         if (!(probe > lo && probe < hi)) probe = 0.5 * (lo + hi);
-        if (!(probe > lo && probe < hi)) break; /* neighbouring numbers */
+        if (!(probe > lo && probe < hi)) break; /* no number is between lo and hi */
         if (try_step(m, t, probe)) return 1;
         indicators(s, t + probe, w->x1, z);
         if (crossed(s, z)) {
@@ -48,8 +48,8 @@ static int locate(Instance *m, double t, double *h) {
     return 0;
 }
 
-/* Take one internal step towards `target`; `linear` says whether the model is linearised there, `event` then whether
- * the step ended at a state event. */
+/* Take one internal step towards `target`; `linear` is whether the model is already linearised at its start, `event`
+ * becomes whether the step ended at a state event. */
 static int internal_step(Instance *m, double target, int linear, int *event) {
     State *s = &m->s;
     Work *w = &m->w;
@@ -59,7 +59,7 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
     if (!linear && linearise(m, t)) return 1;
     for (;;) {
         double rest = target - t, h = s->h;
-        /* Two equal steps rather than one and a sliver. */
+        /* Two equal steps are more accurate than a full one and a very short rest. */
         if (h >= 0.999 * rest)
             h = rest;
         else if (h > 0.5 * rest)
@@ -72,9 +72,9 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
             scale = scale > 6 ? 6 : scale < 0.2 ? 0.2 : scale;
             if (rejected && scale > 1) scale = 1;
             grown = h * scale;
-            /* A step that was cut short by the communication point says nothing against the size before it. */
+            /* A step that was shortened to the communication point is no reason to reduce the previous step size. */
             s->h = h < 0.999 * s->h && grown < s->h ? s->h : grown;
-            /* After a step outputs are mostly requested next; those of a loop need it solved first. */
+            /* The importer usually requests the outputs next. With nonlinear loops these must be solved first. */
             int whole = h == rest, shown = whole && !NG;
             if (shown)
                 outputs_and_indicators(s, target, w->x1, s->v + O, w->z1);
@@ -92,7 +92,7 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
         scale = isnan(e) || isinf(e) ? 0.1 : 0.9 * pow(e, -order);
         s->h = h * (scale < 0.1 ? 0.1 : scale > 0.9 ? 0.9 : scale);
         if (s->h < 16 * DBL_EPSILON * (1e-3 + fabs(t))) {
-            if (failed) return 1; /* which has left its own sentence */
+            if (failed) return 1; /* its message is already set */
             for (int i = 0; i < NX; i++)
                 if (!isfinite(w->f0[i])) return failure(m, "der(%s) is not a number at time = %.9g s", x_name[i], t);
             return failure(m, "the step size becomes too small at time = %.9g s because of %s = %.9g", t, x_name[worst], w->x0[worst]);
@@ -100,8 +100,8 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
     }
 }
 
-/* Whether the inputs set since the last call make something happen at once; `linear` says whether the model was
- * linearised to find out. */
+/* Whether the inputs set since the last call cause an event at once; `linear` becomes whether the model was linearised for
+ * that. */
 static int input_event(Instance *m, int *linear) {
     State *s = &m->s;
     Work *w = &m->w;
@@ -123,7 +123,7 @@ static int input_event(Instance *m, int *linear) {
 /* Whether the budget of internal steps is used up: the model chatters, or is far too stiff. */
 static int endless(Instance *m) {
     if (m->attempts > 0) return 0;
-    return failure(m, "it takes more internal steps than make sense, %g in a second, at time = %.9g s: check the parameters",
+    return failure(m, "too many internal steps, more than %g in a second, at time = %.9g s: check the parameters",
                    (double)ATTEMPTS_PER_SECOND, m->s.v[TIME]);
 }
 

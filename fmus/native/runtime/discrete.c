@@ -1,9 +1,8 @@
 /* FMI 2.0 for Co-Simulation of a function (state, input, parameter) -> (state, output) called once a period.
  *
  * The generated file comes first: sizes (NX states, NU inputs, NP parameters, NY outputs), PERIOD, tables of start
- * values, MODEL_GUID and f_step; WAITS, the number of the first inputs of which one must not be zero: until then nothing
- * is called, and the first period begins with the step in which it is. With
- * MEMORY, words that C of our own works on, it has no states but `lay`, which writes the words at the start, and
+ * values, MODEL_GUID and f_step. WAITS is the number of leading inputs of which one must be nonzero for the first period
+ * to begin; until then f_step is not called. With MEMORY, the words that hand-written C code works on, it has no states but `lay`, which initialises the words, and
  * `sample`, which advances them. A value reference is an index into State.v. */
 #include <math.h>
 #include <stdarg.h>
@@ -20,7 +19,7 @@ typedef struct {
     double v[NV];
     double start; /* time at which the first period begins */
     double calls; /* so far, so that time is never summed */
-    double into;  /* share of the period of the last call that is over; 0: the next one is due */
+    double into;  /* elapsed share of the period since the last call; 0: the next call is due */
     int phase;
 #ifdef MEMORY
     unsigned long long memory[MEMORY];
@@ -87,7 +86,7 @@ static int waits(const State *s) {
     return count && i == count;
 }
 
-/* Call the function once on the inputs that are set. */
+/* Call the function once with the present inputs. */
 static int call(Instance *m) {
     State *s = &m->s;
 #ifdef MEMORY
@@ -110,7 +109,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_se
     double periods = h / PERIOD, whole = floor(periods + 0.5), fraction = floor(PERIOD / h + 0.5);
     (void)no_set_state;
     if (s->phase != RUNNING) return refuse(M, "fmi2DoStep: not initialised, or terminated");
-    /* The caller's clock may be summed: a hundredth of a period is forgiven, a sample more or less is not. */
+    /* The importer's time may be a rounded sum: a deviation of a hundredth of a period is tolerated, a lost sample is not. */
     if (!(fabs(t - s->v[TIME]) <= 0.01 * PERIOD))
         return refuse(M, "fmi2DoStep: a step was requested from %.9g s, but this FMU is at %.9g s", t, s->v[TIME]);
     int is_whole = whole >= 1 && fabs(periods - whole) <= 0.01 && s->into == 0;
@@ -160,7 +159,7 @@ NONE(fmi2GetBoolean, fmi2Boolean, "Boolean")
 NONE(fmi2SetInteger, const fmi2Integer, "Integer")
 NONE(fmi2SetBoolean, const fmi2Boolean, "Boolean")
 
-/* ---- not offered ---- */
+/* ---- not supported ---- */
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t n_unknown,
                                         const fmi2ValueReference known[], size_t n_known, const fmi2Real along[],
                                         fmi2Real result[]) {

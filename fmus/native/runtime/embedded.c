@@ -1,4 +1,4 @@
-/* A system that keeps its own memory, without FMI: nothing is allocated, and states do not share anything.
+/* A system with its own memory, without FMI: nothing is allocated, and states do not share anything.
  *
  * The generated file comes first: the header of the library, START, STEP and State, the table start_p of the parameters,
  * `lay` and `sample`. */

@@ -1,6 +1,6 @@
 /* Evaluation of the model: parameters, derivatives, nonlinear loops, outputs. */
 
-/* Equations are evaluated strictly between two time events, so that `time < T` keeps its side of T. */
+/* Equations are evaluated strictly between two time events, so that `time < T` has the same value in the whole interval. */
 static double inside(const State *s, double t) {
     return t >= s->hi ? nextafter(s->hi, -INFINITY) : t <= s->lo ? nextafter(s->lo, INFINITY) : t;
 }
@@ -25,7 +25,7 @@ static int loops(Instance *m, double t, const double *x) {
             memcpy(s->g, next, NG * sizeof *next);
             return 0;
         }
-        if (k && !(norm <= 2 * last)) { /* worse, or not a number: go half way */
+        if (k && !(norm <= 2 * last)) { /* larger residual or NaN: halve the step */
             for (int i = 0; i < NG; i++) s->g[i] = 0.5 * (s->g[i] + before[i]);
             continue;
         }
@@ -159,8 +159,8 @@ static int fresh_algebraics(Instance *m, int locals) {
 }
 
 #if BY_STATE
-/* Bring the rows of State.by_state up to date. The values themselves, computed with them, are then up to date too: the
- * importer of a filter asks for both at one point. */
+/* Update the rows of State.by_state. The values themselves are computed with them and are then up to date, too: the importer
+ * of a filter requests both at the same point. */
 static int fresh_state_jacobian(Instance *m) {
     State *s = &m->s;
     double entries[NSJ + 1];
@@ -204,7 +204,7 @@ static void assertion_text(int i, const double *values, char *text, size_t size)
     }
 }
 
-/* Judge the model's assertions; 1 when one that is an error does not hold. */
+/* Check the model's assertions; 1 if one of level error is violated. */
 static int assertions(Instance *m) {
     State *s = &m->s;
     double holds[NA + 1], values[NM + 1], t = inside(s, s->v[TIME]);
@@ -221,7 +221,7 @@ static int assertions(Instance *m) {
         if (s->warned[i]) continue;
         assertion_text(i, values, text, sizeof text);
         if (assertion_fatal[i]) return failure(m, "assertion (%s) at time = %.9g s: %s", assertion_place[i], s->v[TIME], text);
-        s->warned[i] = 1; /* once, until it holds again */
+        s->warned[i] = 1; /* one warning until the condition holds again */
         message(m, fmi2Warning, "logStatusWarning", "warning (%s) at time = %.9g s: %s", assertion_place[i], s->v[TIME], text);
     }
     return 0;

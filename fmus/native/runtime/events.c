@@ -15,8 +15,8 @@ static void event_pass(State *s, const double *tick, double *d, double *x, doubl
     f_event(a, out);
 }
 
-/* Repeat event passes until the remembered relations and the nonlinear loops agree with each other; `d` are the
- * discretes of the state, into which each pass writes. */
+/* Repeat event passes until relations and nonlinear loops are consistent; each pass writes into `d`, the discretes of the
+ * state. */
 static int consistent(Instance *m, const double *tick, double *d, double *x, double *r, double *c) {
     State *s = &m->s;
     for (int k = 0; k < EVENT_ITERATIONS; k++) {
@@ -36,9 +36,8 @@ static int consistent(Instance *m, const double *tick, double *d, double *x, dou
     return failure(m, "the relations do not settle at the event at time = %.9g s", s->v[TIME]);
 }
 
-/* Handle everything that happens now. `initial` suppresses edges of when clauses; `jumped` reports a reinit.
- *
- * A change of the discretes that are not `loud`, which only clocked equations read, calls for no further iteration. */
+/* Handle all events at the present time. `initial` suppresses edges of when clauses; `jumped` becomes whether a state was
+ * reinitialised. A change of discretes that are not `loud`, which only clocked equations read, requires no iteration. */
 static int events(Instance *m, int initial, int *jumped) {
     State *s = &m->s;
     double tick[NT + 1] = { 0 }, x[NX + 1], r[NR + 1], c[NC + 1], *d = s->v + D, now = s->v[TIME];

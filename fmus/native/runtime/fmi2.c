@@ -1,4 +1,4 @@
-/* FMI 2.0: what Model Exchange and Co-Simulation of a Modelica class share. */
+/* FMI 2.0: functions common to Model Exchange and Co-Simulation of a Modelica class. */
 
 static void reset(State *s) {
     memset(s, 0, sizeof *s);
@@ -125,7 +125,7 @@ SETTER(fmi2SetBoolean, fmi2Boolean)
 
 /* ---- directional derivatives: of derivatives and outputs, along states, inputs and parameters ---- */
 #if BY_STATE
-/* Along states alone, as an estimator asks at every sample for one column after the other of the same Jacobian. */
+/* Along states alone: an estimator requests the columns of the same Jacobian one after the other at every sample. */
 static fmi2Status along_states(Instance *m, const fmi2ValueReference unknown[], size_t n_unknown,
                                const fmi2ValueReference known[], size_t n_known, const fmi2Real along[], fmi2Real result[]) {
     State *s = &m->s;

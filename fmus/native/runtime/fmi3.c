@@ -1,6 +1,7 @@
 /* FMI 3.0 for Co-Simulation over the functions of FMI 2.0, which come before it: other names, the same instance.
  *
- * A value reference is the same in both, Float64 is Real, Int32 is Integer. Of the rest of FMI 3.0 there is nothing. */
+ * Value references are the same in both versions; Float64 is Real, Int32 is Integer. Nothing else of FMI 3.0 is
+ * supported. */
 #include "fmi3Functions.h"
 
 typedef struct {
@@ -126,7 +127,7 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference
     return (fmi3Status)fmi2GetDirectionalDerivative(c, unknown, n_unknown, known, n_known, along, result);
 }
 
-/* ---- features that no FMU here has: importers that look for every function of the standard find them ---- */
+/* ---- unsupported features: some importers require every function of the standard to exist ---- */
 #define NO_VALUES(NAME, TYPE, CONST)                                                                               \
     fmi3Status NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n, CONST TYPE value[], size_t n_values) { \
         (void)vr;                                                                                                   \

@@ -1,4 +1,4 @@
-/* FMI 2.0: what all our FMUs have in common, whatever they compute.
+/* FMI 2.0: functions common to all FMUs of this project.
  *
  * Before it State is defined, with the values `v` and `phase`, and Instance, with a State `s`, `callbacks`, `logging`,
  * `failure` and, last, `name`. State is everything that get, set and serialise FMU state have to copy. */
@@ -11,7 +11,7 @@ static void message(Instance *m, fmi2Status status, const char *category, const 
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    /* The text itself is the format, not an argument of "%s": loggers in Python never see the arguments. */
+    /* The text itself is the format, not an argument of "%s", because loggers in Python do not get the arguments. */
     for (const char *from = text; *from; from++) {
         if (*from == '%') *to++ = '%';
         *to++ = *from;
@@ -28,7 +28,7 @@ static int failure(Instance *m, const char *format, ...) {
     return 1;
 }
 
-/* Status of a call that left a sentence in `failure`. */
+/* Status of a call that wrote a message to `failure`. */
 static fmi2Status failed(Instance *m, fmi2Status status) {
     message(m, status, "logStatusError", "%s", m->failure);
     return status;
@@ -44,7 +44,7 @@ static fmi2Status refuse(Instance *m, const char *format, ...) {
 
 /* Start values. */
 static void reset(State *s);
-/* Prepare a new instance; 0, with a message, when it cannot be of that type. */
+/* Return a new instance, or 0, with a message, if the FMU does not have that type. */
 static int begin(Instance *m, fmi2Type type);
 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
@@ -84,7 +84,7 @@ fmi2Status fmi2Terminate(fmi2Component c) {
     return fmi2OK;
 }
 
-/* ---- types of values that no FMU here has ---- */
+/* ---- value types that these FMUs do not have ---- */
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String value[]) {
     (void)vr;
     (void)value;

@@ -1,9 +1,9 @@
-/* What the generated code defines, and how the values of one instance lie in memory.
+/* Definitions in the generated code, and the layout of the values of one instance.
  *
  * The generated file comes first: sizes (NX states, NU inputs, NP parameters of which NF may be set, NO algebraic
- * outputs, NL other algebraic variables, ND discretes, NR remembered relations, NZ indicators, NC conditions, NT
+ * outputs, NL other algebraic variables, ND discretes, NR relations kept between events, NZ indicators, NC conditions, NT
  * clocks, NI instants, NG and NQ unknowns of running and initial nonlinear loops, NA assertions, NM values in their
- * messages, NJ entries of the solver's Jacobian, N_LOUD discretes whose change asks for another event pass; for Model
+ * messages, NJ entries of the solver's Jacobian, N_LOUD discretes whose change requires another event pass; for Model
  * Exchange BY_STATE is 1 and NSJ and NOJ count the entries of the Jacobians of derivatives and outputs by the states),
  * tables, and the functions f_*. */
 #include <float.h>
@@ -36,27 +36,28 @@ enum {
 };
 enum { INSTANTIATED, INITIALIZING, RUNNING, FAILED, TERMINATED };
 
-#define EVENT_TIME 1e-10 /* s: state events are located this closely */
+#define EVENT_TIME 1e-10 /* accuracy of the location of state events [s] */
 #define EVENT_EPS 1e-9   /* hysteresis of Model Exchange indicators */
 #define LOOP_TOLERANCE 1e-10
 #define LOOP_ITERATIONS 50
 #define EVENT_ITERATIONS 200
-/* Internal steps, rejected ones and those that locate events too, that a communication step may take: a number for each
- * second, a minimum, and those saved in earlier steps. Stops take three to thirty in a millisecond. */
+/* Limits of the number of internal steps in a communication step, including rejected ones and those that locate events: a
+ * number for each second, a minimum, and a maximum of unused ones from earlier steps. Stops take three to thirty steps in
+ * a millisecond. */
 #define ATTEMPTS_PER_SECOND 300000
 #define ATTEMPTS_AT_LEAST 300
 #define ATTEMPTS_SAVED 20000
 
-/* Everything that is model state, so that get, set and serialise FMU state are one copy. */
+/* The whole model state, so that get, set and serialise FMU state are a single copy. */
 typedef struct {
     double v[NV];
     double x0[NX + 1], d0[ND + 1];   /* before initialisation */
     double previous[ND + 1];         /* discretes before the event */
-    double r[NR + 1], last[NC + 1];  /* remembered relations and conditions */
+    double r[NR + 1], last[NC + 1];  /* relations and conditions at the last event */
     double g[NG + 1], q[NQ + 1];     /* unknowns of nonlinear loops */
     double tick[NT + 1];             /* next instant of each clock */
     double instant[NI + 1];
-    double lo, hi;                   /* nothing timed happens between these */
+    double lo, hi;                   /* no time event occurs between these times */
     double h;                        /* internal step to try next */
     int phase;
     int inputs_set;                  /* since the last event iteration */
@@ -67,7 +68,7 @@ typedef struct {
     char warned[NA + 1];
 } State;
 
-/* Room for one internal step; nothing here outlives a call. */
+/* Work memory of one internal step; its content is not kept between calls. */
 typedef struct {
     double x0[NX + 1], x1[NX + 1], y[NX + 1], f[NX + 1], f0[NX + 1], ft[NX + 1], error[NX + 1];
     double k[6][NX + 1];
@@ -83,9 +84,9 @@ typedef struct {
     fmi2CallbackFunctions callbacks;
     fmi2Boolean logging;
     int co_simulation;
-    double attempts;   /* internal steps that may still be tried */
-    char failure[512]; /* sentence of the last failure inside a step */
-    char name[1];      /* rest follows */
+    double attempts;   /* remaining number of internal steps */
+    char failure[512]; /* message of the last failure within a step */
+    char name[1];      /* the other characters follow */
 } Instance;
 
 #define ARGUMENTS(s, t, x) { t, x, (s)->v + U, (s)->v + P, (s)->v + D, (s)->r, (s)->g }

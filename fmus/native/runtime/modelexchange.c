@@ -26,7 +26,7 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_set_state
     *event = *terminate = fmi2False;
     if (NG && loops(M, inside(s, s->v[TIME]), s->v + X)) return failed(M, fmi2Error);
     indicators(s, s->v[TIME], s->v + X, z);
-    /* A root that the importer's root finder stepped over still becomes an event. */
+    /* A root that the importer's root finder missed still becomes an event. */
     for (int i = 0; i < NZ; i++)
         if (s->r[indicator_relation[i]] > 0.5 ? z[i] < -2 * EVENT_EPS : z[i] > 2 * EVENT_EPS) *event = fmi2True;
     return assertions(M) ? failed(M, fmi2Error) : fmi2OK;
@@ -65,7 +65,7 @@ fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real z[], size_t n) {
     if (n != NZ) return refuse(M, "fmi2GetEventIndicators: wrong number of event indicators");
     if (prepare(M) || (NG && loops(M, inside(s, s->v[TIME]), s->v + X))) return failed(M, fmi2Error);
     indicators(s, s->v[TIME], s->v + X, z);
-    /* Hysteresis: when the importer has found the root, the relation has surely changed. */
+    /* Hysteresis: when the importer locates the root, the relation has certainly changed. */
     for (int i = 0; i < NZ; i++) z[i] += s->r[indicator_relation[i]] > 0.5 ? EVENT_EPS : -EVENT_EPS;
     return fmi2OK;
 }

@@ -4,7 +4,8 @@
  * Sources: RODAS4 (order 4(3), 6 stages) Hairer and Wanner, Solving ODEs II (1996), §IV.7; RODAS3 (order 3(2),
  * 4 stages) Sandu et al., Atmospheric Environment 31 (1997) 3459. */
 
-/* Derivatives, their Jacobian, their partial derivative in time and indicators at (t, work.x0), with common subexpressions computed once. */
+/* Derivatives, their Jacobian, their partial derivative in time and indicators at (t, work.x0), evaluated together because
+ * they share most of their subexpressions. */
 static int linearise(Instance *m, double t) {
     State *s = &m->s;
     Work *w = &m->w;
@@ -55,7 +56,7 @@ static void dense_solve(const double *a, const int *pivot, double *b) {
     }
 }
 
-/* Factor I·c − J: along the elimination order fixed at compile time, or densely when a pivot is tiny there. */
+/* Factor I·c − J in the elimination order fixed at compile time, or densely if that gives a tiny pivot. */
 static int factor(Work *w, double c) {
     w->is_dense = sparse_factor(w->jacobian, c, w->lu);
     if (!w->is_dense) return 0;
@@ -138,13 +139,13 @@ static int rodas4(Instance *m, double t, double h) {
     return 0;
 }
 
-/* One step of size h from work.x0 with the derivatives and Jacobian found there; the result is in work.x1. */
+/* One step of size h from work.x0, with the derivatives and Jacobian of `linearise`; the result is in work.x1. */
 static int try_step(Instance *m, double t, double h) {
     m->attempts--;
     return m->s.v[SOLVER] == 3 ? rodas3(m, t, h) : rodas4(m, t, h);
 }
 
-/* Root mean square of the error in units of the tolerance; `worst` is the state that contributes most. */
+/* Root mean square of the error relative to the tolerance; `worst` is the state with the largest error. */
 static double error_norm(const Instance *m, int *worst) {
     const Work *w = &m->w;
     const double tolerance = m->s.v[TOLERANCE];

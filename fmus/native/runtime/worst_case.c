@@ -1,6 +1,6 @@
-/* Times the steps of the library over the rows of a CSV file, its inputs in their order, one row a step, and says how much
- * memory a step takes. Of each step REPEATS runs are measured: the shortest is without interruptions by the operating
- * system. POSIX, and 64 bits.
+/* Measures the time of each step of the library for inputs from a CSV file, one row for each step, and the memory that a
+ * step uses. Each step is repeated REPEATS times, because the shortest time excludes interruptions by the operating
+ * system. It requires POSIX and 64 bits.
  *
  * The generated file comes first: the header of the library, and its names as START, STEP, State, Inputs, Outputs, PERIOD
  * and LIBRARY. */
@@ -55,7 +55,7 @@ static void *steps(void *unused) {
     return unused;
 }
 
-/* How many bytes of its stack a thread has written. */
+/* Number of bytes of its stack that a thread has written. */
 static size_t stack_of(void *(*work)(void *)) {
     unsigned char *stack = NULL;
     size_t untouched = 0;

@@ -1,7 +1,7 @@
 /* A Model Exchange FMU as the functions dx/dt = f(x, u) and y = h(x, u) with sparse Jacobians, by functions of FMI 2.0.
 
-   States and their derivatives are in the order of the filter here and in the FMU's order in `states` and `derivatives`;
-   entries of Jacobians are by rows. */
+   States and their derivatives are in the order of the filter here and in the FMU's order in `states` and
+   `derivatives`; entries of Jacobians are by rows. */
 
 #include <math.h>
 #include <stddef.h>
@@ -13,9 +13,6 @@
 #else
 #define EXPORT __attribute__((visibility("default")))
 #endif
-
-/* The call that ended an evaluation; `CALLS` in exchange.py. */
-enum { FINE, SETTING_STATES, SETTING_INPUTS, GETTING_DERIVATIVES, GETTING_OUTPUTS, DIFFERENTIATING, VALUE_NOT_FINITE, ENTRY_NOT_FINITE };
 
 typedef int Values(ModelExchange *, double *);
 
@@ -67,9 +64,8 @@ static int directional(ModelExchange *m, const Jacobian *j, double *entries)
 
     for (long long g = 0; g < j->n_groups; g++) {
         const long long count = first[g + 1] - first[g];
-        const int status = m->get_directional(
-            m->fmu, j->unknown + first[g], (size_t)count, j->known + column[g],
-            (size_t)(column[g + 1] - column[g]), m->ones, j->ahead);
+        const int status = m->get_directional(m->fmu, j->unknown + first[g], (size_t)count, j->known + column[g],
+                                              (size_t)(column[g + 1] - column[g]), m->ones, j->ahead);
         if (failed(m, status, DIFFERENTIATING))
             return m->call;
         for (long long k = 0; k < count; k++)
@@ -78,10 +74,12 @@ static int directional(ModelExchange *m, const Jacobian *j, double *entries)
     return FINE;
 }
 
-/* The same by central differences around x, for an FMU without directional derivatives; it leaves the FMU at another point. */
+/* The same by central differences around x, for an FMU without directional derivatives; it leaves the FMU at another
+   point. */
 static int differences(ModelExchange *m, const Jacobian *j, const double *x, Values *values, double *entries)
 {
-    const long long *first = j->first_entry, *column = j->first_column, *of = j->column, *row = j->row, *state = j->state;
+    const long long *first = j->first_entry, *column = j->first_column, *of = j->column, *row = j->row,
+                    *state = j->state;
     const double *nominal = m->nominal, *ahead = j->ahead, *behind = j->behind;
     double *moved = m->moved;
 
@@ -122,15 +120,16 @@ static int all_finite(ModelExchange *m, const double *values, long long count, i
     return FINE;
 }
 
-/* Jacobian first, then the value: OpenModelica's FMUs (to 1.27.0) evaluate only the derivatives for fmi2GetDerivatives but then
-   mark everything as evaluated, so that directional derivatives after it would be those of an earlier point. */
+/* Jacobian first, then the value: OpenModelica's FMUs (to 1.27.0) evaluate only the derivatives for fmi2GetDerivatives
+   but then mark everything as evaluated, so that directional derivatives after it would be those of an earlier
+   point. */
 static int evaluate(ModelExchange *m, const Jacobian *j, const double *x, const double *u, Values *values,
                     long long count, double *value, double *entries)
 {
     m->call = FINE;
     m->is_output = j == m->of_output;
-    if (set_inputs(m, u) || (entries && !m->get_directional && differences(m, j, x, values, entries)) || set_states(m, x) ||
-        (entries && m->get_directional && directional(m, j, entries)) || values(m, value) ||
+    if (set_inputs(m, u) || (entries && !m->get_directional && differences(m, j, x, values, entries)) ||
+        set_states(m, x) || (entries && m->get_directional && directional(m, j, entries)) || values(m, value) ||
         all_finite(m, value, count, VALUE_NOT_FINITE))
         return m->call;
     return entries ? all_finite(m, entries, j->n_entries, ENTRY_NOT_FINITE) : FINE;

@@ -11,9 +11,6 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { SET = 1, STEP = 2, GET = 4 };                         /* actions of `cross`, to be combined */
-enum { FINE, SETTING, STEPPING, GETTING, NOT_FINITE };       /* action that failed */
-
 /* Whether a status is an error: not fmi2OK or fmi2Warning, including numbers that FMI does not define. */
 static int failed(long long status)
 {
@@ -27,16 +24,16 @@ static int send(const SetStepGet *c, const Channel *to)
         if (to->gain)
             value = value * to->gain[i] + to->shift[i];
         if (to->whole)
-            ((int *)to->buffer)[i] = (int)rint(value);       /* nearest: 0.9999999 is a rounded one */
+            ((int *)to->buffer)[i] = (int)rint(value); /* nearest: 0.9999999 is a rounded one */
         else
             ((double *)to->buffer)[i] = value;
     }
-    return to->exchange(c->fmu, to->references, (size_t)to->count, to->buffer);
+    return to->transfer(c->fmu, to->references, (size_t)to->count, to->buffer);
 }
 
 static int receive(const SetStepGet *c, const Channel *from)
 {
-    const int status = from->exchange(c->fmu, from->references, (size_t)from->count, from->buffer);
+    const int status = from->transfer(c->fmu, from->references, (size_t)from->count, from->buffer);
 
     for (long long i = 0; i < from->count; i++) {
         double value = from->whole ? (double)((int *)from->buffer)[i] : ((double *)from->buffer)[i];
@@ -48,16 +45,16 @@ static int receive(const SetStepGet *c, const Channel *from)
 }
 
 /* `time` is the time since the start of the stop. */
-EXPORT int cross(SetStepGet *c, int what, double time)
+EXPORT int exchange(SetStepGet *c, int actions, double time)
 {
-    if (what & SET)
+    if (actions & SET)
         for (long long k = 0; k < c->n_senders; k++)
             if (failed(c->status = send(c, c->senders + (c->at = k))))
                 return SETTING;
-    if (what & STEP)
-        if (failed(c->status = c->step(c->fmu, c->begin + time, c->period, 1)))   /* true: no earlier state is restored */
+    if (actions & STEP)
+        if (failed(c->status = c->step(c->fmu, c->begin + time, c->period, 1))) /* true: no earlier state is restored */
             return STEPPING;
-    if (what & GET) {
+    if (actions & GET) {
         for (long long k = 0; k < c->n_receivers; k++)
             if (failed(c->status = receive(c, c->receivers + (c->at = k))))
                 return GETTING;
@@ -70,14 +67,20 @@ EXPORT int cross(SetStepGet *c, int what, double time)
     return FINE;
 }
 
+EXPORT int set_step_get(SetStepGet *c, double time)
+{
+    return exchange(c, SET | STEP | GET, time);
+}
+
 /* Step through `count` rows of inputs from sample `first` on, with a row of outputs at the end of each step. */
-EXPORT int follow(SetStepGet *c, long long count, long long first, const double *inputs, long long width, double *outputs)
+EXPORT int follow(SetStepGet *c, long long count, long long first, const double *inputs, long long width,
+                  double *outputs)
 {
     for (c->done = 0; c->done < count; c->done++) {
         const double *row = inputs + c->done * width;
         for (long long i = 0; i < width; i++)
             c->inputs[i] = row[i];
-        const int outcome = cross(c, SET | STEP | GET, (double)(first + c->done) * c->period);
+        const int outcome = set_step_get(c, (double)(first + c->done) * c->period);
         if (outcome)
             return outcome;
         for (long long i = 0; i < c->n_outputs; i++)

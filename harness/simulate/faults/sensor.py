@@ -63,6 +63,6 @@ class DistortedReading(_SensorFault):
     def of_readings(self, site: Site) -> Iterator[ReadingFault]:
         """Yield a fault with this value for each affected reading."""
         name = f"reading_{READ_BY[self.part]}"
-        units = {signal.name: signal.unit for signal in site.layout.reading_signals}
+        units = {signal.name: signal.unit for signal in site.layout.signals["reading"]}
         unit, positive = "1" if self.kind == "scaled" else units[name], self.kind if self.kind == "noisy" else ""
         return self._of_reading(site, self.kind, amount_of(self.value, unit, site.where, positive))

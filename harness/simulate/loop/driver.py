@@ -63,7 +63,8 @@ class Driver:
         rows = kernel(layout).records("Phase", len(phases))
         for name in _NUMBERS:
             rows[name] = columns[name]
-        code = {until: number for number, until in enumerate(get_args(EndOfPhase))}
+        functions = kernel(layout).functions
+        code = {until: getattr(functions, f"AT_{until.upper()}") for until in get_args(EndOfPhase)}
         rows["until"] = [code[until] for until in columns["until"]]
         tables = {name: np.ascontiguousarray(columns[name], dtype=np.float64) for name in ("pressures", "slopes")}
         self.struct = kernel(layout).struct("Driver", phases=rows, count=len(rows), period=period, binding=binding,

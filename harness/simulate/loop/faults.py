@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,7 @@ FREE = 1.01325e5
 class ReadingFault:
     """A sensor whose reading is changed while the fault lasts.
 
-    An instant without a new reading has none with a fault, either. A dead sensor delivers no new reading; a stuck one
+    A fault does not create a reading at an instant without one. A dead sensor delivers no new reading; a stuck one
     repeats its last reading, or its first one if nothing was read before.
 
     Attributes:
@@ -96,17 +96,18 @@ class Faults:
             noise_every: Number of samples that a draw of noise lasts; less than 1 if the loop skips draws.
         """
         self._rings: list[Vector] = []
+        functions = kernel(layout).functions
         of_readings, of_commands = (kernel(layout).records("Fault", len(faults)) for faults in (readings, commands))
         for row, fault in zip(of_readings, readings, strict=True):
-            row["kind"], row["place"] = get_args(ReadingKind).index(fault.kind), fault.place
+            row["kind"], row["place"] = getattr(functions, fault.kind.upper()), fault.place
             if fault.noise is not None:
                 row["past"], row["count"] = self._ring(fault.noise), fault.noise.size
         for row, fault in zip(of_commands, commands, strict=True):
-            row["kind"], row["place"] = get_args(CommandKind).index(fault.kind), fault.group
+            row["kind"], row["place"] = getattr(functions, fault.kind.upper()), fault.group
             row["pressure"], row["free"], row["refill"] = fault.pressure, FREE, fault.refill
             row["past"], row["count"] = self._ring(np.zeros(fault.delay + 1)), fault.delay + 1
         for rows, faults in ((of_readings, readings), (of_commands, commands)):
-            rows["held"] = math.nan
+            rows["last"] = math.nan
             for name in ("begin", "end", "value"):
                 rows[name] = [getattr(fault, name) for fault in faults]
         self.struct = kernel(layout).struct(

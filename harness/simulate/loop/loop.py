@@ -1,40 +1,33 @@
 """The loop: a stop in C, which returns to Python whenever a part written in Python is due."""
 
-import ctypes
-import math
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from typing import Any
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.base.errors import ControllerFailed, EstimatorFailed, LoopError, SensorsFailed
+from railgrip.base.errors import ControllerFailed, EstimatorFailed, SensorsFailed
 from railgrip.controllers.observation import Observation
-from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
 from railgrip.fmi import CoSimulation
-from railgrip.fmus.native.c_library import Struct
-from railgrip.fmus.native.toolchain import shared_library
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate.loop.library import KERNEL, every, kernel
+from railgrip.simulate.loop.library import kernel
 from railgrip.simulate.loop.parts import DirectEstimator, LoopSensors, Parts, StateEstimator
 from railgrip.simulate.loop.plausible import Plausibility
-from railgrip.simulate.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
-from railgrip.vehicle.signals import BELIEVED, ESTIMATES, INNOVATION, SPREAD, Layout, length, places
+from railgrip.simulate.loop.sensors import BLOCK, ServiceSensors, WhiteSensors
+from railgrip.simulate.loop.structs import Structs, structs_of
+from railgrip.vehicle.signals import (
+    ESTIMATES,
+    OBSERVED,
+    ONLY_ESTIMATED,
+    SPREAD,
+    length,
+    places,
+)
 from railgrip.vehicle.slip import slip_of
 
 Vector = NDArray[np.float64]
-
-_OBSERVED = ("slip", "adhesion", "pad_friction", "wheelset_speed", "driver_demand", "pressure")
-"""Quantities that an observation has for each group, in the order of cycle.c and `railgrip.controllers.law.OF_GROUPS`.
-"""
-
-
-def _places_of_observed(groups: int) -> list[slice]:
-    """Return the positions of the quantities of `_OBSERVED` in an observation, after speed and acceleration."""
-    return [slice(2 + i * groups, 2 + (i + 1) * groups) for i in range(len(_OBSERVED))]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,7 +55,7 @@ class Loop:
 
     Attributes:
         ending: End of the stop; None before.
-        struct: `Cycle` of cycle.h, with the parts that are in C.
+        structs: Structs of cycle.h, with the parts that are in C.
     """
 
     def __init__(self, parts: Parts, progress: Callable[[float], None] | None = None) -> None:
@@ -79,36 +72,23 @@ class Loop:
         """
         self.ending: Ending | None = None
         self._parts, self._progress = parts, progress
-        layout, sensors, estimator = parts.layout, parts.sensors, parts.estimator
-        library = kernel(layout)
-        self._functions = functions = library.functions
+        layout, estimator = parts.layout, parts.estimator
+        self._functions = functions = kernel(layout).functions
         self._plausibility = Plausibility(layout, parts.clock.period, parts.start_speed, parts.slowing)
         inputs = np.zeros(layout.inputs)
         parts.rail.write_inputs(inputs)
-        truth = parts.plant.start(inputs)
-        parts.rail.check_plant(truth)
-        self.struct = struct = _cycle(parts, self._plausibility)
-        self._cycle = struct.pointer
-        self._truth, self._inputs, self._reading = (struct.view(name) for name in ("truth", "inputs", "reading"))
-        self._demand = struct.view("demand")
-        self._truth[:], self._inputs[:] = truth, inputs
-        if np.isnan(truth[layout.output["slip"]]).any():
-            struct.set(slip_radius=np.array(layout.formation.wheel_radius, dtype=np.float64))
-        if isinstance(parts.plant, CoSimulation):
-            _step_from_c(struct, parts.plant)
-        if isinstance(sensors, ServiceSensors):
-            struct.set(service=sensors.struct)
-        elif isinstance(sensors, WhiteSensors):
-            struct.set(read_of=sensors.places, gain=sensors.gain, bias=sensors.bias, noise=sensors.noise)
-        elif isinstance(sensors, IdealSensors):
-            struct.set(read_of=sensors.places)
+        outputs = parts.plant.start(inputs)
+        parts.rail.check_plant(outputs)
+        self.structs = structs = structs_of(parts, self._plausibility, inputs, outputs)
+        self._cycle, self._plant, self._onboard = (s.pointer for s in (structs.cycle, structs.plant, structs.onboard))
+        self._inputs, self._outputs = structs.plant.target("inputs"), structs.plant.view("outputs")
+        self._reading, self._demand = structs.instruments.view("reading"), structs.onboard.view("demand")
         provides, estimate = frozenset[str](), self._advance_filter
         if isinstance(estimator, StateEstimator):
-            provides = frozenset(("slip", "adhesion", "pad_friction"))
-            self._squared = _filter_from_c(struct, estimator, parts)
+            provides = frozenset(("slip", *ONLY_ESTIMATED))
         elif estimator is not None:
-            provides, estimate = frozenset(estimator.provides), _Direct(struct, estimator, parts).step
-        self._observe = _observer(struct, parts, provides)
+            provides, estimate = frozenset(estimator.provides), _Direct(structs, estimator, parts).step
+        self._observe = _observer(structs, parts, provides)
         self._steps = {
             functions.BLOCK_DUE: self._begin_block,
             functions.PLANT_DUE: self._step_plant,
@@ -129,7 +109,7 @@ class Loop:
                 demands = decide(observation)
             except ControllerFailed as failed:
                 return self._end(Outcome.CONTROLLER_FAILED, str(failed))
-            self._demand[:] = demands
+            self._demand[:] = demands  # copied, because the cycle in C reads this memory
         assert self.ending is not None
         return self.ending
 
@@ -158,6 +138,7 @@ class Loop:
                 self._end(Outcome.CONTROLLER_FAILED, str(failed))
                 return
             except BaseException:
+                # A failed plant and Ctrl-C, too: the rows that were written remain usable.
                 self._finish()
                 raise
             yield observe()
@@ -172,23 +153,25 @@ class Loop:
 
     def _begin_block(self) -> None:
         sensors, sample = self._parts.sensors, self._cycle.sample
+        # The noise of a block is used up: drawing a block at once is faster than drawing at each reading.
         if isinstance(sensors, WhiteSensors | ServiceSensors) and sample % (BLOCK * self._parts.clock.sensors) == 0:
             sensors.draw()
         if self._progress is not None and sample > 0:
-            self._progress(float(self._truth[self._parts.layout.output["speed"].start]))
+            self._progress(float(self._outputs[self._parts.layout.output["speed"].start]))
 
     def _step_plant(self) -> None:
-        self._truth[:] = self._parts.plant.step(self._inputs)
+        self._outputs[:] = self._parts.plant.step(self._inputs)
 
     def _read_sensors(self) -> None:
         assert isinstance(self._parts.sensors, LoopSensors)
-        self._reading[:] = self._parts.sensors.read(self._cycle.sample // self._parts.clock.sensors, self._truth)
+        self._reading[:] = self._parts.sensors.read(self._cycle.sample // self._parts.clock.sensors, self._outputs)
 
     def _limit(self) -> None:
         limits = self._parts.limits
         assert limits is not None
         self._demand[:] = limits.limit(self._demand, self._observe())
-        self._cycle.is_pascal = limits.is_pascal
+        # Once this is set, the cycle itself checks demands, and calls Python only for those beyond the limits.
+        self._onboard.is_pascal = limits.is_pascal
 
     def _advance_filter(self) -> None:
         estimator = self._parts.estimator
@@ -197,13 +180,13 @@ class Loop:
             estimator.filter.advance()
         except ArithmeticError as diverged:
             raise EstimatorFailed(str(diverged)) from diverged
-        self._squared[0] = estimator.filter.squared_innovation
+        assert self.structs.filter is not None
+        self.structs.filter.target("squared_innovation")[0] = estimator.filter.squared_innovation
 
     def _outcome(self, due: int) -> tuple[Outcome, str]:
-        """Return outcome and reason from the return value of the cycle."""
         functions, cycle, output = self._functions, self._cycle, self._parts.layout.output
         clock, time = self._parts.clock, self._time
-        speed, distance = (float(self._truth[output[name].start]) for name in ("speed", "distance"))
+        speed, distance = (float(self._outputs[output[name].start]) for name in ("speed", "distance"))
         if due == functions.STANDING:
             return Outcome.STANDSTILL, f"Stopped after {distance:.2f} m and {time:.3f} s."
         if due == functions.NOT_PLAUSIBLE:
@@ -211,12 +194,12 @@ class Loop:
         if due == functions.DIVERGED:
             return Outcome.DIVERGED, f"{self._failure_of_the_filter()} At {time:.3f} s."
         if due == functions.NO_COMMAND:
-            command = tuple(self.struct.view("command").tolist())
+            command = tuple(self.structs.onboard.view("command").tolist())
             reason = f"The controller's command at {time:.3f} s is {command}, not {len(command)} numbers."
             return Outcome.CONTROLLER_FAILED, reason
         if due == functions.PLANT_FAILED:
             assert isinstance(self._parts.plant, CoSimulation)
-            self._parts.plant.note_steps(cycle.crossed, cycle.failure)  # raises PlantFailed
+            self._parts.plant.note_steps(self._plant.steps, cycle.failure)  # raises PlantFailed
         end = clock.samples * clock.period
         return Outcome.HORIZON, f"Still moving at {speed:.2f} m/s after {end:g} s and {distance:.1f} m."
 
@@ -229,22 +212,18 @@ class Loop:
 
     def _end(self, outcome: Outcome, reason: str) -> Ending:
         self._finish()
-        self.ending = Ending(outcome=outcome, reason=reason, samples=self._cycle.written)
+        self.ending = Ending(outcome=outcome, reason=reason, samples=self.structs.record.pointer.written)
         return self.ending
 
     def _finish(self) -> None:
-        """Complete the rows that were written.
-
-        Values derived from the estimates are computed for all rows at once: slips, and standard deviations from
-        variances. Adhesion is a force, which the readings determine, over a load, which they do not: the relative error
-        of the load adds to its own.
-        """
+        # Slips and standard deviations are computed for all rows at once, which is faster than in each sample.
         recorder, estimator = self._parts.recorder, self._parts.estimator
-        recorder.written = min(self._cycle.written, len(recorder.rows))
+        recorder.written = min(self.structs.record.pointer.written, len(recorder.rows))
         if not isinstance(estimator, StateEstimator):
             return
         rows, columns = recorder.rows[: recorder.written], recorder.columns
         variance = rows[:, recorder.block(SPREAD)]
+        # Adhesion is force over load. The readings determine only the force, so the load adds its relative error.
         load_error = estimator.load_deviation * rows[:, columns["estimate_adhesion"]]
         rows[:, columns["estimate_adhesion_sd"]] += load_error**2
         np.sqrt(variance, out=variance)
@@ -256,154 +235,48 @@ class Loop:
 class _Direct:
     """An estimator that returns quantities, and the arrays in which the cycle finds them."""
 
-    def __init__(self, struct: Struct, estimator: DirectEstimator, parts: Parts) -> None:
+    def __init__(self, structs: Structs, estimator: DirectEstimator, parts: Parts) -> None:
         provided = [signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimator.provides]
-        self._step, self._observe = estimator.step, _observer(struct, parts, frozenset())
-        self._estimates = {
-            name.removeprefix("estimate_"): place for name, place in places(provided, parts.layout.formation).items()
-        }
-        self._values = np.full(length(places(provided, parts.layout.formation)), np.nan)
-        self._replaced = struct.view("replaced")
-        self._replaced[:] = np.nan
-        observed = _places_of_observed(parts.layout.formation.groups)
-        self._observed = dict(zip(_OBSERVED, observed, strict=True)) | {"speed": slice(0, 1)}
-        struct.set(
-            estimates=self._values, estimates_count=self._values.size,
-            estimates_at=parts.recorder.block(provided).start,
-        )  # fmt: skip
+        columns = places(provided, parts.layout.formation)
+        self._step, self._observe = estimator.step, _observer(structs, parts, frozenset())
+        self._estimates = {name.removeprefix("estimate_"): place for name, place in columns.items()}
+        self._observed = parts.layout.places["observation"]
+        self._values, self._replacement = (structs.onboard.view(name) for name in ("estimate", "replacement"))
+        self._values[:], self._replacement[:] = np.nan, np.nan
+        structs.record.set(estimate=parts.recorder.block(provided).start, estimate_count=length(columns))
 
     def step(self) -> None:
         values = self._step(self._observe())
         for name, place in self._estimates.items():
             self._values[place] = values[name]
             if name in self._observed:
-                self._replaced[self._observed[name]] = values[name]
+                self._replacement[self._observed[name]] = values[name]
 
 
-def _observer(struct: Struct, parts: Parts, provides: frozenset[str]) -> Callable[[], Observation]:
+def _observer(structs: Structs, parts: Parts, provides: frozenset[str]) -> Callable[[], Observation]:
     """Return a function for the last observation of the cycle, with the estimates of each group that are provided.
 
     It is called at each decision of a part in Python, so constants of a stop are looked up once, here.
     """
-    cycle, observed, period = struct.pointer, struct.view("observation"), parts.clock.period
-    of_groups = np.dtype((np.float64, (parts.layout.formation.groups,)))
-    begin, count = 2 * observed.itemsize, len(_OBSERVED)
-    slip, adhesion, pad_friction, wheelset_speed, driver_demand, pressure = range(len(_OBSERVED))
-    has_slip, has_adhesion, has_pad_friction = (name in provides for name in ("slip", "adhesion", "pad_friction"))
+    cycle, values, period = structs.cycle.pointer, structs.onboard.view("observation"), parts.clock.period
+    constant = {"slip_is_estimated": "slip" in provides} | dict.fromkeys(ONLY_ESTIMATED - provides)
+    template: list[Any] = [constant.get(name) for name in Observation._fields]
+    time = Observation._fields.index("time")
+    of_train, of_groups = list[tuple[int, int]](), list[tuple[int, slice]]()
+    for signal in OBSERVED:
+        field, place = Observation._fields.index(signal.name), parts.layout.places["observation"][signal.name]
+        if signal.extent == "train":
+            of_train.append((field, place.start))
+        elif signal.name not in constant:
+            of_groups.append((field, place))
 
     def observe() -> Observation:
-        rows = np.frombuffer(observed.tobytes(), of_groups, count, begin)  # read-only, because several parts read it
-        return Observation(
-            cycle.sample * period,
-            observed.item(0),
-            observed.item(1),
-            rows[wheelset_speed],
-            rows[slip],
-            has_slip,
-            rows[adhesion] if has_adhesion else None,
-            rows[pad_friction] if has_pad_friction else None,
-            rows[pressure],
-            rows[driver_demand],
-        )
+        vector, fields = np.frombuffer(values.tobytes()), template.copy()  # read-only, because several parts read it
+        fields[time] = cycle.sample * period
+        for field, first in of_train:
+            fields[field] = vector.item(first)
+        for field, place in of_groups:
+            fields[field] = vector[place]
+        return Observation(*fields)
 
     return observe
-
-
-def _cycle(parts: Parts, plausibility: Plausibility) -> Struct:
-    """Return the argument of the cycle, with all parts that are always in C."""
-    layout, clock, driver, recorder, law = parts.layout, parts.clock, parts.driver, parts.recorder, parts.law
-    free_wheel = parts.estimator.free_wheel if isinstance(parts.estimator, StateEstimator) else None
-    groups = layout.formation.groups
-    observed = 2 + len(_OBSERVED) * groups
-    struct = kernel(layout).struct("Cycle", plausibility=plausibility.struct, rail=parts.rail.struct,
-        driver=driver.struct if driver.has_phases else None, full=np.array(driver.full, dtype=np.float64),
-        faults=parts.faults and parts.faults.struct, radius=np.array(parts.wheel_radius, dtype=np.float64),
-        law=_formula(layout, parts.controller, observed), over=_formula(layout, parts.over, observed),
-        most=parts.limits and parts.limits.most,
-        valves=_formula(layout, parts.valves, 2 * groups), free_wheel=_formula(layout, free_wheel, 1 + 2 * groups),
-        period=clock.period, stop_speed=parts.stop_speed, samples=clock.samples, block=BLOCK,
-        sensors_every=clock.sensors, estimator_every=every(layout, clock.estimator),
-        controller_every=every(layout, clock.controller),
-        rows=recorder.rows, width=recorder.rows.shape[1], capacity=recorder.rows.shape[0],
-        true_at=recorder.block(layout.plant_signals).start, sent_at=recorder.block(layout.sent_signals).start,
-        read_at=recorder.block(layout.reading_signals).start, demand_at=recorder.at.get("demand", -1),
-        driver_at=recorder.at["driver_demand"] if driver.has_phases else -1,
-        traction_at=recorder.at.get("traction", -1), reference_at=recorder.at.get("reference_speed", -1),
-    )  # fmt: skip
-    struct.view("reference")[0] = math.nan
-    if law is not None:
-        struct.set(law_state=law.values, law_of=law.places, law_count=law.places.size)
-        struct.set(law_at=recorder.block(law.signals).start)
-    return struct
-
-
-def _formula(layout: Layout, formula: object, inputs: int) -> Struct:
-    """Return a formula for the cycle, which passes it `inputs` numbers; an empty one if `formula` is not in C.
-
-    Raises:
-        LoopError: The formula is for a different number of groups.
-    """
-    if not isinstance(formula, Sampled):
-        return kernel(layout).struct("Formula")
-    if formula.step.numel_in(1) != inputs:
-        raise LoopError(
-            f"{formula.formula.name}: takes {formula.step.numel_in(1)} inputs, and {inputs} belong to "
-            f"{layout.formation.groups} groups."
-        )
-    address = _address_of(formula.step)
-    return kernel(layout).struct("Formula", call=address, state=formula.state, parameter=formula.parameters)
-
-
-@cache
-def _address_of(step: ca.Function) -> int:
-    """Return the address of `void call(double *state, const double *input, const double *parameter, double *output)`.
-
-    It calls a function (state, input, parameter) → (state, output) and replaces the state by the new one.
-
-    Raises:
-        railgrip.base.errors.CompilerMissing: No C compiler was found.
-    """
-    generator = ca.CodeGenerator("step", {"with_header": False, "casadi_int": "int"})
-    generator.add(step)
-    sizes = {
-        "NX": step.numel_out(0), "WORK": step.sz_w(), "INDEX": step.sz_iw(), "ARGUMENTS": step.sz_arg(),
-        "RESULTS": step.sz_res(),
-    }  # fmt: skip
-    header = "".join(
-        [
-            *(f"#define {name} {value}\n" for name, value in sizes.items()),
-            "#define CASADI_SYMBOL_EXPORT static\n",
-            generator.dump(),
-        ]
-    )
-    sources = {"step.h": header, "formula.c": (KERNEL / "formula.c").read_text(encoding="utf-8")}
-    library = ctypes.CDLL(str(shared_library(sources, "formula")))
-    return ctypes.cast(library.call, ctypes.c_void_p).value or 0
-
-
-def _step_from_c(struct: Struct, plant: CoSimulation) -> None:
-    interface = plant.c_interface()
-    struct.set(
-        cross=interface.cross, set_step_get=interface.plan, taken=interface.inputs, shown=interface.outputs,
-        present=interface.present, present_count=interface.present.size,
-    )  # fmt: skip
-
-
-def _filter_from_c(struct: Struct, estimator: StateEstimator, parts: Parts) -> Vector:
-    """Let the cycle write readings for a filter and read its estimate; return the array for the squared innovation."""
-    filter_, squared = estimator.filter, np.zeros(1)
-    of_groups = estimator.wheelset_speed, estimator.adhesion, estimator.pad_friction
-    struct.set(
-        mean=filter_.mean, covariance=filter_.covariance,
-        row=filter_.covariance.strides[0] // filter_.covariance.itemsize, held=filter_.inputs, seen=filter_.readings,
-        used=filter_.selection, squared=squared, seen_count=estimator.reading_places.size,
-        seen_of=np.ascontiguousarray(estimator.reading_places, dtype=np.longlong),
-        believed_of=np.concatenate([[estimator.speed], *of_groups]).astype(np.longlong),
-        radius=np.array(estimator.wheel_radius, dtype=np.float64),
-    )  # fmt: skip
-    blocks = {"believed_at": BELIEVED, "spread_at": SPREAD, "innovation_at": INNOVATION}
-    struct.set(**{name: parts.recorder.block(block).start for name, block in blocks.items()})
-    if isinstance(filter_, StepInC):
-        advance, memory, squared_address = filter_.entry
-        struct.set(advance=advance, memory=memory, squared=squared_address)
-    return squared

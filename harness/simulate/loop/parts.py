@@ -175,7 +175,7 @@ class LawStates:
 class Clock:
     """Integer time: everything happens at whole multiples of the communication period.
 
-    A part is due at the first sample at or after each multiple of its own period.
+    A part is due at the first sample at or after each multiple of its period.
 
     Attributes:
         estimator: Period of the estimator in communication periods; need not be a whole number.
@@ -204,7 +204,7 @@ class Parts:
         estimator: None if the controller sees readings only.
         controller: The law; the caller of the loop may decide in its place.
         limits: Limits on the controller's demands; None for built-in laws.
-        over: Decisions for the whole train over a law in Python, whose demands it takes in place of the pressures read.
+        train_level: Decisions for the whole train over a law in Python.
         valves: From demanded and read pressures to valve commands; None sends the demands directly.
         driver: Maximum demand, and traction.
         faults: Faults of sensors and brakes, which change readings and commands; None for an intact train.
@@ -225,7 +225,7 @@ class Parts:
     estimator: StateEstimator | DirectEstimator | None
     controller: LoopController
     limits: LoopLimits | None = None
-    over: Sampled | None = None
+    train_level: Sampled | None = None
     valves: Sampled | None
     driver: Driver
     faults: Faults | None = None

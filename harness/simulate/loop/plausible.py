@@ -65,21 +65,20 @@ def slowing_of(mass: float, *, is_known: bool, drag: float = 0.0, track_brakes: 
     )
 
 
-_CHECKS = (
-    ("", "", ""),
-    ("speed", "m/s", "[start] speed asks for {expected}"),
-    ("distance", "m", "it counts from the brake demand, and {expected} is wanted there"),
-    (
+_CHECKS = {
+    "START_SPEED": ("speed", "m/s", "[start] speed asks for {expected}"),
+    "START_DISTANCE": ("distance", "m", "it counts from the brake demand, and {expected} is expected there"),
+    "SPEED": (
         "speed",
         "m/s",
         "friction, gradient, resistance, traction and [vehicle.formation] track_brakes allow {expected}",
     ),
-    ("acceleration", "m/s2", "with both as means since the start, its speed changes by {expected}"),
-    ("distance", "m", "the integral of its speed gives {expected}"),
-    ("slip", "", "a braked wheel between rolling and locked has {expected}"),
-    ("adhesion", "", "the rail gives {expected}"),
-)
-"""Signal, unit and expectation of each check, in the order of the enum in plausible.h."""
+    "ACCELERATION": ("acceleration", "m/s2", "with both as means since the start, its speed changes by {expected}"),
+    "DISTANCE": ("distance", "m", "the integral of its speed gives {expected}"),
+    "SLIP": ("slip", "", "a braked wheel between rolling and locked has {expected}"),
+    "ADHESION": ("adhesion", "", "the rail gives {expected}"),
+}
+"""Signal, unit and expectation of each check, by its name in the enum of plausible.h."""
 _EACH = ("slip", "adhesion")
 
 
@@ -93,14 +92,15 @@ class Plausibility:
     def __init__(self, layout: Layout, period: float, start_speed: float, slowing: Slowing) -> None:
         """Prepare for the first sample: communication period [s], required start speed [m/s]."""
         bounds = {name: getattr(slowing, name) for name in ("lightest", "heaviest", "constant", "quadratic")}
+        self._functions = kernel(layout).functions
         self.struct = kernel(layout).struct("Plausibility", period=period, start_speed=start_speed, **bounds)
 
     def reason(self, time: float) -> str:
         """Return a sentence on the check that failed at a time [s], with the value and the bounds."""
         failed = self.struct.pointer
-        signal, unit, why = _CHECKS[failed.check]
+        signal, unit, why = next(_CHECKS[name] for name in _CHECKS if getattr(self._functions, name) == failed.check)
         name = f"{signal}[{failed.element + 1}]" if signal in _EACH else signal
-        span = f"{failed.least:.6g} to {failed.most:.6g}{unit and f' {unit}'}"
+        span = f"{failed.lower:.6g} to {failed.upper:.6g}{unit and f' {unit}'}"
         value = f"{failed.value:.6g}{unit and f' {unit}'}"
         return (
             f"At {time:.3f} s the plant shows {name} = {value}, but {why.format(expected=span)}; look at unit and sign "

@@ -123,13 +123,12 @@ class SandedRail:
         for name in ("rate", "density", "begin", "end", "wheelset"):
             rows[name] = [getattr(sander, name) for sander in sanders]
         self.struct = kernel(layout).struct(
-            "Sand", lying=self.lying, position=position, sanders=rows, origin=self.origin, length=_CELL,
-            mu0=mu0, density=density, left=left, count=len(sanders), cells=self.lying.size,
+            "Sand", deposited=self.lying, position=position, sanders=rows, origin=self.origin, length=_CELL,
+            mu0=mu0, density=density, remaining_share=left, count=len(sanders), cells=self.lying.size,
         )  # fmt: skip
 
 
 def _cells(formation: Formation, reach: float) -> tuple[Vector, float, Vector]:
-    """Return positions of wheelsets, start of the first cell, and empty cells of a rail as far as `reach` [m]."""
     position = formation.position
     assert position is not None  # or the friction profile has refused it
     origin = -float(position[-1]) - _CELL
@@ -199,6 +198,6 @@ class TabulatedRail:
         """
         if self.field is not None and any(np.isnan(truth[place]).any() for place in self._energy_places):
             raise ScenarioError(
-                "[adhesion.recovery] wants the energy of the slip, and the plant does not show adhesion and "
+                "[adhesion.recovery] needs the energy of the slip, but the plant does not output adhesion and "
                 "wheelset_load of each wheelset: leave it out, or add these outputs by [vehicle.map]"
             )

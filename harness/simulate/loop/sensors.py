@@ -26,7 +26,6 @@ class IdealSensors:
     """
 
     def __init__(self, layout: Layout) -> None:
-        """Read a vehicle whose vectors have this layout."""
         places = [layout.output[name] for name in layout.reading]
         self.places = np.concatenate([np.arange(place.start, place.stop) for place in places])
 
@@ -165,8 +164,8 @@ class ServiceSensors:
 
     Wheel encoders: in each sample the shaft turns on, and every tooth that passes is stamped with its time in ticks of
     the clock. The reading is the nominal angle between the last pulse of this sample and the last pulse before it, over
-    the time between the two. Without a new pulse there is no new reading, until the elapsed time is so long that even a
-    pulse now would mean a speed below the cut-off: then the reading is zero. A missing tooth gives no pulse, and the
+    the time between the two. Without a new pulse no new reading is made until the elapsed time is so long that even
+    a pulse now would mean a speed below the cut-off: then the reading is zero. A missing tooth gives no pulse, and the
     electronics does not compensate for it.
 
     The formulas are in `kernel/sensors.c`. Noise is drawn in blocks from one generator, so the same seed gives the same
@@ -233,7 +232,6 @@ def draw_block(noise: NDArray[np.float64], random: np.random.Generator, draws: i
 def _encoder(
     layout: Layout, instruments: ServiceInstruments, period: float, random: np.random.Generator, missing: MissingTeeth
 ) -> Struct:
-    """Return a pole wheel whose pulses are timed, mounted at a random angle."""
     pitch = 2.0 * np.pi / instruments.pulses
     # Errors of the tooth positions, not of the gaps: the positions close after one revolution by construction.
     teeth = instruments.pitch_error * pitch / np.sqrt(2.0) * random.standard_normal(instruments.pulses)

@@ -58,7 +58,7 @@ class SpeedSensor(Table):
     def _times(self) -> Self:
         for name, time in (("drift", self.drift_time), ("dropouts", self.dropout_time)):
             if bool(getattr(self, name)) != (time is not None):
-                raise table_error(f"{name} and {name.removesuffix('s')}_time want each other; give both or neither")
+                raise table_error(f"{name} and {name.removesuffix('s')}_time belong together; give both or neither")
         return self
 
 
@@ -175,7 +175,6 @@ def _in_samples(time: float, period: float) -> float:
 def _speed_factor(
     table: SpeedSensor, scale: float, period: float, horizon: float, random: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Return the ratio of reading to speed for each reading of a speed sensor; NaN in drop-outs."""
     fixed = 1.0 + (table.scale_offset + scale)
     if not table.drift and not table.dropouts:
         return np.array([fixed])
@@ -233,7 +232,7 @@ def _rough_rail(scenario: Scenario, table: RailUnderWheels | None, layout: Layou
         return None
     if not layout.formation.wheelset_position:
         raise ScenarioError(
-            f"{scenario.name}: [sensors.deflection.irregularity] wants the places of the wheelsets: give "
+            f"{scenario.name}: [sensors.deflection.irregularity] needs the positions of the wheelsets: give "
             "[vehicle.formation] wheelset_position"
         )
     from scipy.signal import bilinear, lfilter

@@ -56,7 +56,7 @@ class White(SampledSensors):
     noise: dict[str, Magnitude] = Field(default={}, description="1σ of each quantity, white from sample to sample")
     bias: dict[str, Magnitude] = Field(default={}, description="1σ of each quantity, drawn once a stop for each sensor")
     scale: dict[str, Deviation] = Field(default={}, description="1σ of the relative error, drawn once a stop")
-    gnss: Gnss | None = Field(default=None, description="wants [track.plan]")
+    gnss: Gnss | None = Field(default=None, description="satellite receiver; needs [track.plan]")
 
     @property
     def named(self) -> frozenset[str]:

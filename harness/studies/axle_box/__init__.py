@@ -2,6 +2,6 @@
 
 `instrumented_car` and `accelerometer` simulate the car and its sensors, `reduction` turns a run into training data,
 `evaluate` has splits and scores, `training` the passes and results of the study, `results` their tables and figures,
-`recordings` a user's folder of recorded runs, `ride` the car with a trained estimator beside it. Runs are open loop:
+`recordings` a user's folder of recorded runs, `ride` the car together with a trained estimator. Runs are open loop:
 the car has no brake; irregularities under four wheelsets are its twenty inputs at 1280 Hz.
 """

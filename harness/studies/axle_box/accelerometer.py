@@ -15,7 +15,7 @@ from scipy.signal import butter, lfilter, sosfilt
 from railgrip.estimators.belief import Array
 
 RATE: Final = 5120
-"""Rate of the paper's loggers, samples a second."""
+"""Sampling rate of the paper's loggers [Hz]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -32,11 +32,11 @@ class Score:
 
     Attributes:
         starts: Number of random starts.
-        rmse, mae: Of the estimator, means over its random starts.
+        rmse, mae: RMS and mean absolute error of the estimator, means over its random starts.
         best: Lowest mae over the starts.
         worst: Highest mae over the starts.
         spread: Standard deviation of mae over the starts.
-        mae_of_mean: Of the mean label of the training as constant estimate.
+        mae_of_mean: Mean absolute error of the training's mean label as a constant estimate.
         coverage: Share of labels inside the 90 % interval, for an estimator with interval.
         width: Mean width of that interval.
         mae_of_rule: Of the mean label of training on dry, or on other rails, whichever the run has.
@@ -75,9 +75,9 @@ class TrainingRecipe:
         bias: Reading of equation (4).
         settled: Whether the high-pass starts at the mean of the first second instead of the first sample.
         starts: Random initialisations.
-        steps: Of Levenberg-Marquardt.
+        steps: Number of Levenberg-Marquardt steps.
         decay: Weight of the squared weights, see `network.train`.
-        hidden: Neurons of the hidden layer.
+        hidden: Number of neurons of the hidden layer.
     """
 
     inputs: str = "longitudinal"
@@ -120,7 +120,7 @@ class TrainingRecipe:
 
 
 def exchange_labels(runs: Sequence[LabelledRun]) -> list[LabelledRun]:
-    """Return runs with labels moved by half of the runs, so that friction does not belong to the run."""
+    """Return runs with labels shifted by half of the runs, so that a label does not match its run."""
     shift = max(1, len(runs) // 2)
     return [replace(run, friction=runs[(k + shift) % len(runs)].friction) for k, run in enumerate(runs)]
 
@@ -162,7 +162,7 @@ def without_each(runs: Sequence[LabelledRun], recipe: TrainingRecipe) -> Score:
 def evaluate_elsewhere(
     home: Sequence[LabelledRun], away: Mapping[str, Sequence[LabelledRun]], recipe: TrainingRecipe
 ) -> dict[str, Score]:
-    """Train on all of the campaign at one speed, judge on other sets of runs at that speed."""
+    """Train on all runs of the campaign at one speed, judge on other sets of runs at that speed."""
     training = recipe.data(home)
     networks = recipe.fit(training, f"home.{home[0].group}")
     return {name: score(networks, training, recipe.data(runs)) for name, runs in away.items()}
@@ -192,7 +192,7 @@ def judge(
 
 
 def score(networks: Sequence[Callable[[Array], Array]], training: Sequence[Labelled], new: Sequence[Labelled]) -> Score:
-    """Return the errors of several networks, beside those of the mean label of their training."""
+    """Return the errors of several networks, and of the mean label of their training as a constant estimate."""
     x, y = _join(new)
     mean = _join(training)[1].mean()
     return _figures([network(x) - y for network in networks], y - mean)
@@ -209,7 +209,6 @@ def average(scores: Iterable[Score]) -> Score:
 
 
 def _figures(errors: Sequence[Array], of_mean: Array) -> Score:
-    """Return the figures of errors, one for each random start, beside those of the mean label."""
     absolute = [float(np.abs(e).mean()) for e in errors]
     return Score(
         starts=len(errors),

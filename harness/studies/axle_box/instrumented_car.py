@@ -70,8 +70,8 @@ class Pass:
         condition: Key of `SURFACES`.
         friction: Mean maximum friction over the section, the label.
         track: Key of `irregularity.TRACKS`.
-        track_seed: Of the irregularities; runs over the same track share it.
-        seed: Of all that varies from run to run.
+        track_seed: Seed of the irregularities, the same for runs over the same track.
+        seed: Seed of everything that varies from run to run.
         backwards: Whether the fourth wheelset leads.
         length: m.
     """
@@ -195,11 +195,8 @@ def _surface(run: Pass) -> tuple[float, float, float, float]:
 
 
 def _inputs(run: Pass, speed: float, rate: int) -> tuple[Array, int]:
-    """Return the inputs of the FMU, shape (n, 20), and the number of samples before the section.
-
-    Positions assume exactly the set speed: the controller is accurate to some hundredths of a metre a second, which
-    shifts the irregularities by centimetres.
-    """
+    # Positions assume exactly the set speed: the controller is accurate to some hundredths of a metre a second, which
+    # shifts the irregularities by centimetres.
     before = int(LEAD_IN / speed * rate)
     count = before + int(run.length / speed * rate)
     ahead = BEHIND[-1] + LEAD_IN
@@ -215,7 +212,6 @@ def _inputs(run: Pass, speed: float, rate: int) -> tuple[Array, int]:
 
 
 def _under_car(track: Irregularity, kind: str, position: Array, length: float, backwards: bool) -> Array:
-    """Return irregularities under a car; backwards, left and right are exchanged."""
     if not backwards:
         return track.at(kind, position)  # pyright: ignore[reportArgumentType] - one of KINDS
     opposite = track.at(kind, length - position)  # pyright: ignore[reportArgumentType]

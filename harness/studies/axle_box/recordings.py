@@ -76,7 +76,7 @@ def read_recordings_file(file: Path) -> RecordingsFile:
 MEMBERS = 20
 
 FEWEST = 4
-"""Least number of runs for an interval, because some must be outside of every draw."""
+"""Minimum number of runs for an interval, because some must be outside of every draw."""
 
 
 def judge_recordings(
@@ -112,13 +112,11 @@ def judge_recordings(
 
 
 def _classes(runs: Sequence[LabelledRun]) -> dict[int, list[LabelledRun]]:
-    """Return the runs of each speed class that has several."""
     groups = {g: [run for run in runs if run.group == g] for g in sorted({run.group for run in runs})}
     return {g: runs_of_group for g, runs_of_group in groups.items() if len(runs_of_group) > 1}
 
 
 def _without(runs: Sequence[LabelledRun], place: int, members: int) -> Score:
-    """Judge the general estimator on one run that is left out of its training."""
     estimator, mean = general([run for k, run in enumerate(runs) if k != place], members)
     return judge(estimator, mean, [runs[place]])
 
@@ -128,9 +126,9 @@ UNITS: Final[Mapping[str, str]] = dict.fromkeys(BOXES, "m/s2") | {"speed": "m/s"
 PERIOD: Final = 1 / SLOW.rate
 """Period of the grid of all recordings, s; filters and networks require it."""
 SLOWEST: Final = 256
-"""Least rate of an accelerometer, samples a second: features end at 16 Hz, the low-pass begins at 38 Hz."""
+"""Minimum sampling rate of an accelerometer [Hz]: features end at 16 Hz, the low-pass begins at 38 Hz."""
 FEWEST_LABELS: Final = 2
-"""Least number of labelled runs; with one, none can be left out."""
+"""Minimum number of labelled runs, because one is left out."""
 
 
 def plain_table() -> DataTable:
@@ -205,7 +203,6 @@ def _recording(file: Path, table: DataTable) -> FileRecording:
 
 
 def _readings(name: str, record: FileRecording, table: DataTable, backwards: bool, flags: list[Flag]) -> Readings:
-    """Return the readings of a run in a file; interpolations are appended to `flags`."""
     recording = record.recording
     boxes = np.column_stack([_whole(name, box, record, table.longest_gap, flags) for box in BOXES])
     there = np.flatnonzero(np.isfinite(boxes).all(axis=1))

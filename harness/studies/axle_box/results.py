@@ -48,7 +48,7 @@ def tables_of(results: AxleBoxResults) -> dict[str, Any]:
 
 
 def compare_with_paper(results: AxleBoxResults) -> ReportTable:
-    """Return what the paper says of its figures 5 to 13 beside ours; see `comparison`."""
+    """Return the quantities of figures 5 to 13, published and reproduced; see `comparison`."""
     levels = {s: np.vstack([run.blocks[:, CHANNELS["longitudinal"]] for run in runs]).mean()
               for s, runs in results.runs.items()}  # fmt: skip
     hidden, inputs = next(iter(results.networks.values())).network.hidden_weights.shape
@@ -132,7 +132,6 @@ def _scores(rows: Rows, speeds: Sequence[int], *, beside: bool = False) -> Repor
 
 
 def _slip_rates(rates: Mapping[str, Mapping[int, Sequence[tuple[float, float]]]], speeds: Sequence[int]) -> ReportTable:
-    """Return rank correlations of friction and rms slip rate, and the rates at the extremes of friction [1/s]."""
     rows: list[list[str | float | None]] = []
     for name, of_set in rates.items():
         columns = [sorted(of_set[s]) for s in speeds]
@@ -144,7 +143,6 @@ def _slip_rates(rates: Mapping[str, Mapping[int, Sequence[tuple[float, float]]]]
 
 
 def _rank_correlation(pairs: Sequence[tuple[float, float]]) -> float:
-    """Return Spearman's correlation."""
     friction, rates = np.transpose(pairs)
     correlation: Any = spearmanr(friction, rates)
     return float(correlation.statistic)
@@ -183,7 +181,7 @@ def draw(results: AxleBoxResults) -> dict[str, Figure]:
 
 
 def errors(results: AxleBoxResults) -> Figure:
-    """Mean absolute error of each judgement, beside that of the mean label."""
+    """Mean absolute error of each judgement and of the mean label."""
     published = float(np.mean([PUBLISHED[s][1] for s in results.runs]))
     rows: list[tuple[str, float, float | None, str]] = [("paper, its split", published, None, palette.GREY)]
     for name, row, colour in (

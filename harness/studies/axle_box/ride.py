@@ -1,4 +1,4 @@
-"""A ride of the instrumented car with a trained estimator beside it, sample by sample, as a TOML file.
+"""A ride of the instrumented car with a trained estimator, sample by sample, as a TOML file.
 
 The estimator has no effect on the car: the whole ride is simulated first, then the estimator runs over its readings.
 
@@ -62,7 +62,7 @@ class CarTable(Table):
 
 
 class EstimatorTable(Table):
-    """[estimator]: the estimator beside the car."""
+    """[estimator]: the estimator of the ride."""
 
     kind: Literal["learned", "fmu"]
     file: str = Field(
@@ -106,12 +106,12 @@ def ride_beside(
     """Run the car, and the estimator over its readings.
 
     Returns:
-        Truth, readings and belief on the grid of the loggers; and the largest difference in friction between the
-        estimator sample by sample and over all readings at once, None for an FMU.
+        True values, readings and estimates on the grid of the loggers; and the largest difference in friction between
+        the estimator sample by sample and over all readings at once, None for an FMU.
 
     Args:
         directory: Folder of the file of the estimator, if it is not in the working directory.
-        notify: Called with a sentence for the user when an FMU runs in a process of its own.
+        notify: Called with a sentence for the user if an FMU runs in a separate process.
 
     Raises:
         ScenarioError, EstimatorError, FmuError: The estimator cannot be used.
@@ -196,9 +196,9 @@ def outputs_of_fmu(
 
     Args:
         description, binding: See `bind_estimator`.
-        rate: Samples a second.
+        rate: Sampling rate [Hz].
         samples: Of each of `INPUTS`, shape (n,).
-        trusted: Load the FMU into this process; otherwise it runs in one of its own.
+        trusted: Load the FMU into this process; otherwise it runs in a separate one.
         notify: Called with a sentence for the user when it does.
 
     Raises:

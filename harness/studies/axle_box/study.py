@@ -1,4 +1,4 @@
-"""Friction learned from axle-box accelerations: the paper's study, a user's own runs, and headline numbers."""
+"""Friction learned from axle-box accelerations: the paper's study, a user's runs, and headline numbers."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -160,7 +160,6 @@ STUDY = AxleBox
 
 
 def _answer(results: AxleBoxResults) -> str:
-    """Return the errors on runs outside of the training, of the paper's networks and of the general estimator."""
     words: list[str] = []
     for rows in (results.honest, results.general):
         errors = [average(row.values()) for row in rows.values()]
@@ -175,7 +174,6 @@ def _answer(results: AxleBoxResults) -> str:
 
 
 def _files(trained: Mapping[str, Trained]) -> dict[str, Callable[[Path], object]]:
-    """Return functions that write each estimator as a file of numbers and as an FMU."""
     files: dict[str, Callable[[Path], object]] = {}
     for name, network in trained.items():
         files[f"{name}.json"] = partial(_write_numbers, network)

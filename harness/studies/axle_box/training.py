@@ -67,7 +67,7 @@ def campaign(*, length: float = 400.0) -> tuple[Pass, ...]:
 
 
 def vary_circumstances(passes: tuple[Pass, ...], *, length: float = 200.0) -> dict[str, tuple[Pass, ...]]:
-    """Return the same runs repeated under other circumstances: each set changes one of them and every noise.
+    """Return the same runs under other conditions: each set changes one condition and all noises.
 
     With one surface for all, friction is unchanged but independent of the slope of the creep curve. An estimator of
     friction works there as elsewhere; one that recognises the film on the rail does not.
@@ -151,7 +151,7 @@ class Size:
 
 FULL: Final = Size(speeds=SPEEDS, starts=15, honest_starts=3, design=80, members=20, length=400.0, away=200.0)
 QUICK: Final = Size(speeds=(60,), starts=3, honest_starts=1, design=6, members=3, length=200.0, away=200.0)
-"""Shows that the study runs; its numbers mean nothing."""
+"""Form that checks that the study runs; its numbers have no meaning."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -159,7 +159,7 @@ class AxleBoxResults:
     """Results of the study.
 
     Attributes:
-        recipe: Of the paper's networks, unless a row has another.
+        recipe: Recipe of the paper's networks, unless a row has another.
         split: Rows of the paper's split, with the variants that explain it.
         decays: Trained on the first 64 % of each run, judged on the following 16 %: source of `evaluate.DECAY`.
         inputs: The paper's split with each combination of motions.
@@ -265,9 +265,9 @@ def _judgements(
     """Return the judgements of the campaign's runs at one speed by table and row.
 
     Args:
-        runs: Of the campaign.
-        recipe: With all random starts.
-        few: With fewer starts, for means over speeds or runs.
+        runs: Runs of the campaign.
+        recipe: Recipe with all random starts.
+        few: Recipe with fewer starts, for means over speeds or runs.
     """
     free = replace(recipe, decay=0.0)
     return {
@@ -293,8 +293,8 @@ def estimators_of(
 
     Args:
         ensemble: The general estimator.
-        networks: Of the paper's kind, by speed class in mph, each with its filters and scaling.
-        recipe: Of these networks.
+        networks: Networks of the paper's kind, by speed class in mph, each with its filters and scaling.
+        recipe: Recipe of these networks.
     """
     papers = {
         f"friction_{speed}mph": PaperEstimator(

@@ -1,4 +1,4 @@
-"""Durations, as medians and ratios of runs in turn: a busy machine slows both sides of a ratio alike."""
+"""Durations, as medians and ratios of alternating runs, in which a busy machine slows both sides equally."""
 
 import os
 from collections.abc import Callable
@@ -7,7 +7,7 @@ from statistics import median
 from time import perf_counter
 
 Row = tuple[str, str, str]
-"""What was measured, the figure with its unit, and its target, if there is one."""
+"""A measurement: its subject, the figure with its unit, and its target, if there is one."""
 
 
 def microseconds(
@@ -24,7 +24,7 @@ def microseconds(
 
 
 def machine() -> str:
-    """Return processor, number of cores and load, without which times mean little."""
+    """Return processor, number of cores and load, which are required to interpret times."""
     name = "unknown processor"
     cpuinfo = Path("/proc/cpuinfo")
     if cpuinfo.exists():

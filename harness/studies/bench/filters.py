@@ -1,4 +1,4 @@
-"""What filters cost: a step of each, and the field test's over a recording, in `estimate` and in tuning."""
+"""Computing time of filters: one step of each, and the field test's filter in `estimate` and in tuning."""
 
 from collections.abc import Iterator
 from time import process_time
@@ -24,7 +24,7 @@ from railgrip.vehicle.formation import Formation
 
 
 def of_train(model: str, noise: str, target: str) -> Iterator[Row]:
-    """Yield the steps of the filters over a braked train with readings that fit it."""
+    """Yield the time of a step of each filter of a braked train with consistent readings."""
     translation = compile_class(f"RailBraking.Predictions.{model}")
     prediction = CasadiPrediction(translation, {v.name: v.start for v in translation.parameters})
     noise_set = NOISE_SETS[noise]
@@ -59,16 +59,16 @@ def in_place(
 
 
 def of_groups(groups: int) -> Iterator[Row]:
-    """Yield the steps of the decentralised filter over wheelsets that turn apart, two to a bogie."""
+    """Yield the time of a step of the decentralised filter over uncoupled wheelsets, two in each bogie."""
     target = "40 µs" if groups == 16 else ""
     yield f"decentralised filter, {groups} wheelsets that turn apart", f"{decentralised_step(groups):.1f} µs", target
     yield "  with suspension", f"{decentralised_step(groups, suspension=True):.1f} µs", ""
 
 
 def decentralised_step(groups: int, *, suspension: bool = False, count: int = 2000, rounds: int = 9) -> float:
-    """Return the processor's time of a step of the decentralised filter in place [µs], the median of rounds.
+    """Return the CPU time of a step of the decentralised filter in place [µs], the median of rounds.
 
-    A train of equal wheelsets that turn apart, two to a bogie, with readings that scatter as it expects.
+    The train has equal, uncoupled wheelsets, two in each bogie, and readings with the assumed noise.
     """
     masses = {f"m_wheelset[{i + 1}]": 15e3 for i in range(groups)}
     frames = {"m_frame": 3500.0, "I_frame": 2200.0, "wheelbase": 1.9}
@@ -117,7 +117,7 @@ def rig_step(*, count: int = 20_000, rounds: int = 7, period: float = 5e-3) -> f
 
 
 def of_recording() -> Iterator[Row]:
-    """Yield what the test case of the field test costs; a value of the tuning is of five copies, of the mean length."""
+    """Yield the computing times of the field test; a value of the tuning is for five copies of its mean length."""
     field_run, spec, model = run((TEST, cases()[TEST])), specification(), prediction()
     course = spec.course
     assert course is not None

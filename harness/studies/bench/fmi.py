@@ -1,4 +1,4 @@
-"""What a co-simulation step costs by our way across the boundary, by FMPy's, and in a loop in C."""
+"""Computing time of a co-simulation step through this project's interface, through FMPy, and in a loop in C."""
 
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -14,7 +14,7 @@ from railgrip.studies.bench import Row
 
 
 def steps_of(recipe: str) -> Iterator[Row]:
-    """Yield what set + step of 1 ms + get of a recipe costs by each way."""
+    """Yield the time of set + step of 1 ms + get of a recipe by each interface."""
     times = step_times(fmu(recipe))
 
     def over_ours(way: str) -> str:
@@ -28,9 +28,9 @@ def steps_of(recipe: str) -> Iterator[Row]:
 
 
 def step_times(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: int = 9) -> dict[str, list[float]]:
-    """Step an FMU by each way in turn, over and over; return way → time of a step in each round [µs].
+    """Step an FMU by each interface in turn, repeatedly; return interface → time of a step in each round [µs].
 
-    Every run begins anew from the start values, so that all do the same work, and all must end on the same outputs.
+    Every run begins with the start values, so that all do the same work, and all must end with the same outputs.
 
     Args:
         file: A co-simulation FMU; its Real inputs are held at their start values.
@@ -38,7 +38,7 @@ def step_times(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: i
         count: Steps of one run.
 
     Raises:
-        AssertionError: Two ways disagree on the outputs; then their times mean nothing.
+        AssertionError: Two interfaces return different outputs, so that their times cannot be compared.
     """
     description = describe(file)
     binding, inputs = every_real(description, {})
@@ -62,13 +62,13 @@ def step_times(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: i
 def plant_step(
     description: Description, inputs: Mapping[str, float], *, period: float = 1e-3, count: int = 500, rounds: int = 15
 ) -> float:
-    """Return the time of set + step + get of a plant in a loop in C, at its shortest [µs].
+    """Return the shortest time of set + step + get of a plant in a loop in C [µs].
 
-    The shortest of several runs, each from the start: what else the machine does can only add to it.
+    It is the shortest of several runs, each from the start, because other processes can only increase the time.
 
     Args:
-        description: Of a co-simulation FMU.
-        inputs: Values of inputs by name, for arrays of all elements; those not named stay at their start values.
+        description: Description of a co-simulation FMU.
+        inputs: Values of inputs by name, for arrays of all elements; other inputs have their start values.
         period: Communication step [s].
         count: Steps of one run.
     """

@@ -1,4 +1,4 @@
-"""What a stop costs: the build of the FMUs, a cycle of the loop, many at once; and what a train costs as it grows."""
+"""Computing time of stops: build of the FMUs, a cycle of the loop, parallel stops, and trains of growing length."""
 
 import os
 import tempfile
@@ -29,32 +29,32 @@ from railgrip.vehicle.formation import Formation
 ABC = "adhesion-based control"
 CYCLE = ": a cycle, law compiled"
 FASTER = "  with assembly and figures, times faster than real time"
-"""Names of rows that the answer of the study quotes."""
+"""Names of rows that the study's answer quotes."""
 
 AT_LEAST = "at least "
-"""Before a target that a ratio should not fall below; other targets are upper limits."""
+"""Prefix of a target that is a lower limit; other targets are upper limits."""
 
 BRAKING = {"pressure_command": 2.5e5, "mu0": 0.3}
-"""Inputs of a service braking on a rail that holds it; pressure [Pa]."""
+"""Inputs of a service braking without slides; pressure [Pa]."""
 
 
 class PythonSlipControl:
     """The library's two-state slip control as a user's class, a few lines that take a few microseconds."""
 
     def start(self, formation: Formation) -> None:
-        """Take the greatest pressures, and brake every group."""
+        """Set the maximum pressures, and brake every group."""
         self._full, self._brakes = formation.pressure_max, np.ones(formation.groups, dtype=bool)
 
     def decide(self, observation: Observation) -> NDArray[np.float64]:
-        """Return the full pressure of each group, or none between 15 % of slip and 10 %."""
+        """Return full pressure for each group, or zero from 15 % slip until 10 %."""
         self._brakes = np.where(self._brakes, observation.slip <= 0.15, observation.slip < 0.1)
         return np.where(self._brakes, self._full, 0.0)
 
 
 def of_scenario(what: str, *overrides: str) -> Iterator[Row]:
-    """Yield what a cycle of 1 ms costs in the library's trapezoid, with a compiled law and with one in Python, in turn.
+    """Yield the time of a cycle of 1 ms in the library's trapezoid, alternately with a compiled law and one in Python.
 
-    A run before them compiles what has to be.
+    A first run compiles everything.
     """
     scenario = load(Path("trapezoid"), ["controller.kind=slip_two_state", *overrides])
     simulated = run_stop(scenario).metrics.duration
@@ -84,12 +84,12 @@ def of_scenario(what: str, *overrides: str) -> Iterator[Row]:
 
 
 def of_predictions() -> Iterator[Row]:
-    """Yield what a stop without a trace costs by what the filter evaluates, the kinds in turn."""
+    """Yield the time of a stop without a trace for each kind of filter, in turn."""
     kinds = ("compiled", "fmu", "python")
     scenarios = {kind: load(Path("trapezoid"), [f"estimator.kind={kind}"]) for kind in kinds}
     seconds: dict[str, list[float]] = {kind: [] for kind in kinds}
     for scenario in scenarios.values():
-        braking_distance(scenario)  # compiles what has to be
+        braking_distance(scenario)  # compiles everything
     for _ in range(3):
         for kind, scenario in scenarios.items():
             begin = process_time()
@@ -103,9 +103,10 @@ def of_predictions() -> Iterator[Row]:
 
 
 def of_workers(count: int = 24) -> Iterator[Row]:
-    """Yield how many stops two processes end while one ends one.
+    """Yield the speed-up of two processes over one.
 
-    From the first that ends to the last: starting a process takes seconds, once.
+    It is measured from the end of the first stop to that of the last, without the start of processes, which takes
+    seconds.
     """
     stops = tuple(
         PlannedStop(name=f"{lot}", variants={}, scenario=load(Path("trapezoid"), [f"seed={lot}"]), keep_trace=False)
@@ -127,7 +128,7 @@ def of_workers(count: int = 24) -> Iterator[Row]:
 def of_consists() -> Iterator[Row]:
     """Yield step and build of trains of equal four-axle cars with bogie frames on primary suspension.
 
-    Each axle has a brake; nothing of the build is kept from before.
+    Each axle has a brake; the build does not use the cache.
     """
     for cars in (1, 2, 4, 8, 16):
         with tempfile.TemporaryDirectory() as folder:
@@ -157,5 +158,5 @@ def of_recipes() -> Iterator[Row]:
 
 
 def _processor() -> float:
-    """Return the time that this process and those it has waited for have spent on processors [s]."""
+    """Return the CPU time of this process and of the children it has waited for [s]."""
     return sum(os.times()[:4])

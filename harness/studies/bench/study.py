@@ -1,4 +1,4 @@
-"""Everything whose duration is measured, in the order of the table."""
+"""All measurements, in the order of the table."""
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -36,7 +36,7 @@ CASES: Final[Mapping[str, Callable[[], Iterator[Row]]]] = {
 class BenchStudy(Study):
     """Measure durations, as medians and ratios of cases that run in turn.
 
-    The page names those over their targets; the command succeeds all the same. Run it while nothing else runs.
+    The page lists those that exceed their targets, which is not an error. Run it on an idle machine.
     """
 
     has_cases = False

@@ -74,14 +74,13 @@ def _arrow(
     place: tuple[float, float],
     bend: float = 0.0,
 ) -> None:
-    """Draw an arrow, and its name at a place."""
     shape = {"arrowstyle": "-|>", "color": colour, "connectionstyle": f"arc3,rad={bend}", "shrinkA": 0, "shrinkB": 0}
     chart.annotate("", end, begin, arrowprops=shape)
     chart.text(*place, words, color=colour, va="center", fontsize=8)
 
 
 def track_figure(run: FieldRun) -> Figure:
-    """Return the track of a run: map, heading and curvature, height and slope; recovered and laid (figure 2)."""
+    """Return the track of a run: map, heading and curvature, height and slope; recovered and true (figure 2)."""
     course = run.braking.motion.course
     place = run.plan.place(course.distance)
     drawing = style.figure(8.8, 4.4)

@@ -1,4 +1,4 @@
-"""The filter of the field test, with 13 states, and the twelve noises of equation (13) that it is tuned by."""
+"""The filter of the field test, with 13 states, and its twelve tuning parameters, the noises of equation (13)."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -89,7 +89,7 @@ def load_noise(path: Path) -> Noise:
     """Return the noises in a file by `save_noise`, the [noise] of an estimation.
 
     Raises:
-        ScenarioError: There is no such file, or one of the twelve is missing or not a positive number.
+        ScenarioError: The file does not exist, or one of the twelve values is missing or not positive.
     """
     content = read_toml(path)
     table = validate_table(NoiseTable, content.get("noise", {}), directory=path.parent, origin=f"{path.name}: [noise]")
@@ -168,14 +168,14 @@ def filter_of(model: PredictionInC, period: float, noise: Noise = PHYSICAL) -> C
 
 
 def follow(task: FilterTask, filter_: CompiledFilter, noise: Noise, start_scale: float = 1.0) -> FilterRecord:
-    """Return the beliefs over a braking with given noises.
+    """Return the estimates over a braking with given noises.
 
     Args:
         filter_: Result of `filter_of`; no other thread may use it at the same time.
         start_scale: Factor on the covariance at the start.
 
     Raises:
-        FilterDiverged: The filter did.
+        FilterDiverged: The filter diverged.
     """
     filter_.retune(noise.process, noise.readings)
     start = GaussianEstimate(mean=task.data.mean, covariance=start_scale * np.diag(task.data.variance))
@@ -183,6 +183,6 @@ def follow(task: FilterTask, filter_: CompiledFilter, noise: Noise, start_scale:
 
 
 def divergence_time(task: FilterTask, estimate: FilterRecord) -> float | None:
-    """Return the time from the first sample [s] at which innovations show the filter to be lost, or None."""
+    """Return the time from the first sample [s] at which the innovations indicate a lost filter, or None."""
     step = loss_step(estimate.squared_innovation, estimate.degrees)
     return None if step is None else (step + 1) * task.data.period

@@ -1,4 +1,4 @@
-"""What Schwarz, Lüdicke and Heckmann (2019) say of their figures 1 to 5, beside case 6 of ours."""
+"""Figures 1 to 5 of Schwarz, Lüdicke and Heckmann (2019) in comparison with the simulated case 6."""
 
 from collections.abc import Sequence
 
@@ -22,23 +22,23 @@ TIMES = {
     "first drive ends": 20.0, "second drive begins": 38.0, "second drive ends": 70.0, "braking begins": 80.0,
     "standstill": 102.0,
 }  # fmt: skip
-"""Figure 3 [s]."""
+"""Times in figure 3 [s]."""
 _FOLLOWING = ("first drive ends", "second drive ends")
-"""Those of the times that follow from the train. The demands and slopes of case 6 are chosen after the others."""
+"""Times that follow from the train; demands and slopes of case 6 were chosen to match the others."""
 START_SPEED = 85.0
-"""Table 4, case 6 [km/h]."""
+"""Speeds of case 6 in table 4 [km/h]."""
 PRESSURES = (3.4, 2.0)
-"""Highest of motor bogie and Jacobs bogie, §3.2 [bar]."""
+"""Maximum pressure of motor bogie and Jacobs bogie, §3.2 [bar]."""
 OVERBRAKING = 82.0
-"""Of motor bogie 1, figure 4 [s]."""
+"""Times of motor bogie 1 in figure 4 [s]."""
 OSCILLATION = 81.0
-"""Of the estimated brake friction, figure 5 [s]; the paper explains it by the first contact of pads and discs."""
+"""Duration of the oscillation of estimated brake friction in figure 5 [s], due to the first contact of the pads."""
 ADHESIONS = (0.07, 0.15)
-"""Levels of motor bogie 1 on the slippery section and elsewhere, figure 5."""
+"""Adhesion of motor bogie 1 on the slippery section and elsewhere, figure 5."""
 MIDDLE = (3.95777632e6, 8.91479549e5, 4.90551675e6)
 """Middle of the test track, earth-centred [m], §3.2; the paper gives its latitude, longitude and height, too."""
 LOADS = (13.4, 14.1, 14.5, 14.5, 14.1, 13.4)
-"""Of the wheelsets, Table 3 [t]."""
+"""Masses on the wheelsets, Table 3 [t]."""
 
 CURVED = 5e-4
 """Curvature that counts as a curve, that of a radius of 2 km [1/m]."""
@@ -47,13 +47,13 @@ SLIDING = 0.02
 
 
 def compare_with_paper(train: Train, run: FieldRun, task: FilterTask, estimate: FilterRecord) -> ReportTable:
-    """Return the table of published quantities beside ours.
+    """Return the table of published and simulated quantities.
 
     Args:
-        train: Of the scenario.
+        train: Train of the scenario.
         run: Case 6.
-        task: Its braking.
-        estimate: Of the filter over that braking.
+        task: Braking of that case.
+        estimate: Estimates of the filter over that braking.
     """
     return comparison([*_of_track(train, run), *_of_drive(run), *_of_braking(task, estimate)])
 
@@ -145,7 +145,7 @@ def oscillation(time: Array, friction: Array) -> tuple[float, float]:
     """Return the largest deviation from the mean over two seconds, relative to that mean, and its instant [s].
 
     Args:
-        time: From the first application of the brake [s], shape (k,).
+        time: Time from the first application of the brake [s], shape (k,).
         friction: Estimated brake friction of a group, shape (k,).
     """
     smooth = uniform_filter1d(friction, round(2.0 / (time[1] - time[0])))

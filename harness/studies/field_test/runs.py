@@ -20,7 +20,7 @@ from railgrip.simulate.vehicle import VehicleData
 
 TUNING = ("c1", "c2", "c3", "c4", "c5")
 TEST = "c6"
-"""Never used in tuning."""
+"""Case that is never used for tuning."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,7 +30,7 @@ class FieldRun:
     Attributes:
         recording: The whole run.
         braking: Its part for the filter.
-        plan: Of the track and of the place on it where the run begins.
+        plan: Plan of the track, with the position at which the run begins.
     """
 
     recording: xarray.Dataset
@@ -83,7 +83,7 @@ def runs(
     """Return the run of each case; `import_from` as for `run`.
 
     Raises:
-        EstimationError: There is no such case; see `run`, too.
+        EstimationError: The case does not exist; see also `run`.
     """
     missing = [name for name in names if name not in scenarios]
     if missing:

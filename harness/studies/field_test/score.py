@@ -1,4 +1,4 @@
-"""Errors of the filter of the field test against the truth, and of the track recovered by the sensors."""
+"""Errors of the field test's filter against true values, and of the track recovered from the sensors."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

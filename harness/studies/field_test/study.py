@@ -60,7 +60,7 @@ from railgrip.trace.samples import truth_of
 TRAIN = Path("vt642")
 TUNED = {"equation (14)": "paper", "with consistency": "consistent"}
 PUBLISHED = "sensors and physics"
-"""Noises of figure 5 beside the paper's."""
+"""Noises of figure 5 in addition to the paper's."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class FieldTest(Study):
     import_from: list[Path] | None = None
 
     def page(self, work: Work) -> Page:
-        """FieldRun the six cases, recover their track and filter case 6.
+        """Run the six cases, recover their track, and filter case 6.
 
         Raises:
             EstimationError: A set of noises or a case is missing, or a case cannot be run.
@@ -171,7 +171,6 @@ _LAWS: Mapping[str, CurveLaw] = {"equation (7)": "bogie", "Röckl": "roeckl", "P
 
 
 def _conditions(test: FilterTask) -> dict[str, Any]:
-    """Return duration and track force of a braking, and curve resistance by each law at a radius of 600 m."""
     recording = test.braking.recording
     return {
         "seconds": (recording.sizes["time"] - 1 - test.braking.brake) * test.data.period,
@@ -198,7 +197,6 @@ def _groups(scores: Mapping[str, Figures]) -> ReportTable:
 
 
 def _pads(tasks: Mapping[str, FilterTask], filter_: CompiledFilter, noises: Mapping[str, Noise]) -> ReportTable:
-    """Return the error of pad friction over that of the best constant, by noises and case."""
     rows: list[tuple[Any, ...]] = []
     for title, noise in noises.items():
         scores = [score(task, follow(task, filter_, noise)) for task in tasks.values()]
@@ -234,7 +232,6 @@ def _answer(scores: Mapping[str, Figures]) -> str:
 
 
 def _worst(tasks: Sequence[FilterTask], filter_: CompiledFilter, noises: Mapping[str, Noise]) -> dict[str, float]:
-    """Return by noises the largest deviation over the tasks, term (14) of the score [m/s]."""
     return {
         title: max(terms_of(task, follow(task, filter_, noise)).deviation for task in tasks)
         for title, noise in noises.items()
@@ -286,6 +283,5 @@ def _score_spread(spread: Mapping[str, Sequence[Figures]]) -> ReportTable:
 
 
 def _spread(scores: Sequence[Figures], name: str, form: str, factor: float = 1.0) -> str:
-    """Return mean (least … largest) of a figure over seeds."""
     values = factor * np.array([one[name] for one in scores])
     return f"{values.mean():{form}} ({values.min():{form}} … {values.max():{form}})"

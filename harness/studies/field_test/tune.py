@@ -1,8 +1,8 @@
-"""Search for the twelve noises of equation (13) by differential evolution, in stages that are kept.
+"""Search for the twelve noises of equation (13) by differential evolution, in stages that are stored.
 
-The objective is equation (14) of the paper, or the same with consistency. A stage is a few generations from the
-population of the last one, with random numbers of its own: an interrupted search resumes after its last whole stage and
-ends with the result of an uninterrupted one.
+The objective is equation (14) of the paper, or the same with terms for consistency. A stage is a few generations from
+the population of the last one, with separate random numbers: an interrupted search resumes after its last complete
+stage and ends with the result of an uninterrupted one.
 """
 
 from collections.abc import Sequence
@@ -31,7 +31,7 @@ BOUNDS: dict[str, tuple[float, float]] = {
     "Q_mu_b": (-8.0, -1.0),
     "Q_alpha": (-6.0, 1.0),
 }
-"""Decadic logarithms: the usual range of such filters (1e-9 to 1e1) without values of no real sensor."""
+"""Bounds, decadic logarithms: the usual range of such filters (1e-9 to 1e1), limited to values of real sensors."""
 
 
 Kind = Literal["paper", "consistent"]
@@ -88,8 +88,8 @@ def _evolve(
     Args:
         kind: `paper` for equation (14), `consistent` to weigh NIS and NEES too.
         tasks: Brakings, all of one period.
-        population: At the beginning.
-        generations: In the stage.
+        population: Population at the beginning.
+        generations: Number of generations in the stage.
         draws: Seed of the search, and generations before this stage.
         threads: Number of threads that evaluate candidates.
     """
@@ -97,7 +97,7 @@ def _evolve(
     history: list[float] = []
 
     def objective(logarithms: Array) -> float:
-        # Each thread has a filter of its own; C runs without Python's lock, so threads are sufficient.
+        # Each thread has its own filter; the C code runs without Python's lock, so threads are sufficient.
         if not hasattr(mine, "filter"):
             mine.filter = filter_of(model, period)
         return evaluate(kind, tasks, mine.filter, Noise.of(logarithms))
@@ -105,7 +105,7 @@ def _evolve(
     def note(intermediate_result: object) -> None:
         history.append(float(intermediate_result.fun))  # pyright: ignore[reportAttributeAccessIssue]
 
-    filter_of(model, period)  # compiled here once, so that the threads do not all compile it
+    filter_of(model, period)  # compiled once here, not by every thread
     with ThreadPoolExecutor(threads) as pool:
         optimum = differential_evolution(
             objective,
@@ -133,7 +133,7 @@ def limits() -> list[tuple[float, float]]:
 
 
 def _first(search: Search) -> Array:
-    """Return a first population: a Latin hypercube with `PHYSICAL` among it, so that no worse noises are found."""
+    # `PHYSICAL` is in the first population, so the search cannot end with worse noises.
     bounds = np.array(limits()).T
     sample = qmc.LatinHypercube(len(NAMES), rng=np.random.default_rng(search.seed)).random(search.population)
     population = qmc.scale(sample, *bounds)

@@ -1,1 +1,1 @@
-"""How sure a brake is: K_dry of ETCS from the dispersion and failures of its components; docs/k_factors.md."""
+"""Confidence of a brake: K_dry of ETCS from the dispersion and failures of its components; docs/k_factors.md."""

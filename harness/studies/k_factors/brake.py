@@ -1,4 +1,4 @@
-"""The quasi-static brake: deceleration by step of speed and stopping distance, for many draws at once.
+"""The quasi-static brake: deceleration in steps of speed and stopping distance, vectorised over draws.
 
 s = v₀ t_e + Σ (v_j² − v_{j+1}²)/(2 a_j), a = (brake force + resistance)/(m + m_rot), the form of EN 14531-1. Names of
 parameters are those of the plant `TwoPartTrainPneumatic`, whose pads and discs these are in their steady state.
@@ -19,7 +19,7 @@ from railgrip.vehicle.parameters import VehicleParameters
 from railgrip.vehicle.resistance import air_resistance, rolling_resistance
 
 PARTS = 4
-"""Of each step of speed, equal in v²: eight move the distance by less than 1e-4."""
+"""Integration steps in each step of speed, equal in v²: with eight, the error of the distance is below 1e-4."""
 
 _LARGEST = 4_000
 """Draws at once: their arrays of a few megabytes stay in the cache."""
@@ -53,7 +53,8 @@ class QuasiStaticBrake:
         dispersion: Sequence[Dispersion],
         speeds: Sequence[float],
     ) -> None:
-        """Take the plant's parameters, what disperses, and the limits of the steps of speed, falling to 0 [m/s].
+        """Create the brake from the plant's parameters, dispersions, and limits of the steps of speed, falling to 0
+        [m/s].
 
         Raises:
             ScenarioError: The plant lacks a parameter.
@@ -85,13 +86,13 @@ class QuasiStaticBrake:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """What has a K each: steps of speed, from the slowest, and the whole stop with its equivalent time."""
+        """Quantities with a K: steps of speed, slowest first, and the whole stop with its equivalent time."""
         limits = [3.6 * speed for speed in reversed(self.speeds)]
         steps = [f"{low:g}–{high:g} km/h" for low, high in pairwise(limits)]
         return (*steps, f"stop from {limits[-1]:g} km/h")
 
     def equivalent_deceleration(self, distance: float | Array) -> float | Array:
-        """Return the deceleration after the nominal equivalent time [m/s2]; a late brake counts as a weak one."""
+        """Return the mean deceleration after the nominal equivalent time [m/s2], which includes a later build-up."""
         v = self.speeds[0]
         return v**2 / (2 * (distance - v * self.equivalent_time))
 
@@ -123,7 +124,7 @@ class QuasiStaticBrake:
         each: dict[str, Array] = {
             "mu_b_nominal": self._friction * scale,
             "mu_b_start": self._first_friction * scale,
-            # A disc that is not braked has no heat to share: its group keeps its units, and has no pressure.
+            # A disc that is not braked has no heat: its group keeps its units, and has zero pressure.
             "p_max": np.where(braking, self._brake["pressure_max"] + deviations["pressure"][0], 0.0),
             "n_units": np.where(braking, available, self.units),
             "r_wheel": self._brake["wheel_radius"] * deviations["wheel_radius"][0],
@@ -135,7 +136,6 @@ class QuasiStaticBrake:
         return parameters | {"T_fill": self._of["T_fill"] * float(deviations["build_up"][0, 0])}
 
     def _deviations(self, standard: Array | None) -> Deviations:
-        """Return the deviations of standard normal numbers, shape (n, dimension); none for the nominal train."""
         groups, n = len(self.units), 1 if standard is None else len(standard)
         widths = {"pressure": groups, "wheel_radius": groups, "mass": 1, "build_up": 1}
         deviations = {
@@ -156,11 +156,11 @@ class QuasiStaticBrake:
         return deviations
 
     def _pressure(self, deviations: Deviations) -> Array:
-        """Return the steady cylinder pressure of each group, less the loss by the leak [Pa]."""
+        """Return the steady cylinder pressure of each group, less the loss through the leak [Pa]."""
         return self._brake["pressure_max"] + deviations["pressure"] - self._of["leak"] * self._of["T_fill"]
 
     def _torque(self, available: Sequence[int], deviations: Deviations, *, alike: bool = False) -> Array:
-        """Return the torque of each group at nominal speed and temperature of the pads [N m].
+        """Return the torque of each group at nominal speed and pad temperature [N m].
 
         With `alike` all units have nominal friction, efficiency and radius.
         """
@@ -182,7 +182,7 @@ class QuasiStaticBrake:
         return torque @ member.T.astype(np.float64)
 
     def _stops(self, available: Sequence[int], deviations: Deviations) -> tuple[Array, Array, Array]:
-        """Return deceleration of each step, from the slowest, shape (n, steps), distance and equivalent time."""
+        """Return the deceleration of each step, slowest first, shape (n, steps), distance and equivalent time."""
         brake, of, count = self._brake, self._of, np.maximum(np.asarray(available), 1)
         torque, radius = self._torque(available, deviations), brake["wheel_radius"] * deviations["wheel_radius"]
         mass = self._wheelset_mass.sum() * deviations["mass"][:, 0]
@@ -220,5 +220,5 @@ class QuasiStaticBrake:
 
 
 def _saturate(x: Array) -> Array:
-    """Return `RailBraking.Friction.saturate`."""
+    # As RailBraking.Friction.saturate.
     return (np.sqrt((x + 1) ** 2 + 0.01) - np.sqrt((x - 1) ** 2 + 0.01)) / 2

@@ -26,14 +26,14 @@ from railgrip.studies.k_factors.specification import Failures, KFactorSpecificat
 from railgrip.trace.k_wet import Interval
 
 PROBABILITIES = (0.5, *(10.0**-level for level in range(1, 10)))
-"""Of a lower deceleration than K times the nominal one, for EBCL 0 to 9 (SUBSET-040, K_dry_rst)."""
+"""Probability of a deceleration below K times the nominal one, for EBCL 0 to 9 (SUBSET-040, K_dry_rst)."""
 
 _CONFIDENCE = 0.95
 _RATES = 1000
 """Draws of the failure rates, of which 25 are beyond either end of an interval."""
 
 _NEGLECT = 1e-3
-"""Most that failure states which are left out may have of the smallest probability in question."""
+"""Maximum probability of neglected failure states, as a share of the smallest probability required."""
 _NEGLECT_IN_LOOP = 0.25
 """The same if each state takes hundreds of stops; the interval shows the loss of accuracy."""
 _SCALING = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
@@ -48,7 +48,7 @@ class QuasiStatic:
         k: For each output, K of EBCL 0 to 9, with the interval of sampling alone.
         k_of_rates: The same with the interval that also holds the uncertainty of the failure rates.
         states: Failure states that were sampled.
-        neglected: Most that all others have as probability.
+        neglected: Probability of all other failure states.
     """
 
     runs: tuple[tuple[Sample, ...], ...]
@@ -73,8 +73,8 @@ def brake_of_scenario(specification: KFactorSpecification, scenario: Scenario) -
     """
     if scenario.actuation.kind != "pneumatic":
         raise ScenarioError(
-            f"{scenario.name}: [actuation] kind is '{scenario.actuation.kind}'; K factors want 'pneumatic', for what "
-            "disperses is what valves fill the cylinders to, and how fast."
+            f"{scenario.name}: [actuation] kind is '{scenario.actuation.kind}'; K factors need 'pneumatic', because "
+            "pressures and fill times of the cylinders disperse."
         )
     if scenario.demand is not None:
         raise ScenarioError(f"{scenario.name}: K factors are of full brake from the start on: leave out [demand]")
@@ -90,7 +90,7 @@ def quasi_static(
     begin = time.perf_counter()
     effort, smallest = specification.estimate, PROBABILITIES[-1]
     rates = _rates(specification.failures)
-    # As deep and as many as the highest rates want, for the intervals hold these as well.
+    # As deep and as many as the highest rates require, because the intervals include these rates.
     highest = _rates(specification.failures, float(ndtri((1 + _CONFIDENCE) / 2)))
     deep, neglected = rare.states_of(brake.units, highest, neglect=_NEGLECT * smallest)
     available = [state.available for state in deep]
@@ -144,8 +144,8 @@ def in_the_loop(
 ) -> dict[str, Any]:
     """Return K of the whole stop with the controller in the loop, at the probability of [loop].
 
-    As the file of results has it; under `seconds` the median time of a `stop` on one core and how many were run now.
-    Classes that the scenario names are imported from the folders `import_from`.
+    It has the form of the file of results; `seconds` has the median time of a `stop` on one core and the number of
+    stops that were run now. Classes that the scenario names are imported from the folders `import_from`.
     """
     effort = specification.loop
     assert effort is not None, "requested before anything was run"
@@ -191,7 +191,6 @@ def in_the_loop(
 
 
 def _stop(scenario: Scenario, import_from: Sequence[Path]) -> tuple[float | None, float]:
-    """Return the braking distance [m], None without a standstill, and the time of a processor [s]."""
     begin = time.process_time()
     return braking_distance(scenario, import_from), time.process_time() - begin
 
@@ -208,7 +207,6 @@ def _states(
 
 
 def _rates(failures: Failures, *standard: float) -> Rates:
-    """Return the rates by a number of deviations above their medians: one for both, or one for each; 0 without."""
     isolated, stuck = failures.isolated_unit, failures.stuck_valve
     first, last = (standard[0], standard[-1]) if standard else (0.0, 0.0)
     return Rates(
@@ -220,7 +218,6 @@ def _rates(failures: Failures, *standard: float) -> Rates:
 
 
 def _draw_rates(specification: KFactorSpecification) -> list[Rates]:
-    """Return draws of the failure rates, each rate as a Latin hypercube has it."""
     random = generator(specification.seed, "k_factors rates")
     standard = ndtri((np.arange(_RATES) + 0.5) / _RATES)
     pairs = zip(standard, random.permutation(standard), strict=True)
@@ -228,7 +225,6 @@ def _draw_rates(specification: KFactorSpecification) -> list[Rates]:
 
 
 def _cost(specification: KFactorSpecification, units: Sequence[int], probability: float) -> int:
-    """Return how many stops subset simulation takes for a probability."""
     assert specification.loop is not None
     samples = specification.loop.samples
     states, _ = _states(specification, units, _NEGLECT_IN_LOOP * probability)

@@ -1,6 +1,7 @@
 """Small quantiles of a performance that depends on standard normal numbers and on discrete failure states.
 
-P(g < k) = Σ P(state) P(g(state, U) < k): states are enumerated, what happens within one is sampled.
+P(g < k) = Σ P(state) P(g(state, U) < k): states are enumerated, and the continuous distribution within each state is
+sampled.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -30,11 +31,11 @@ _CORRELATION = 0.8
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """What has failed, and how likely just that has.
+    """A failure state and its probability.
 
     Attributes:
-        available: Units of each group that still brake.
-        probability: Of the state.
+        available: Number of units of each group that still brake.
+        probability: Probability of the state.
     """
 
     available: tuple[int, ...]
@@ -43,15 +44,15 @@ class State:
 
 @dataclass(frozen=True, slots=True)
 class Rates:
-    """How likely components have failed, with common causes by the beta-factor model of IEC 61508-6, annex D.
+    """Failure probabilities of components, with common causes by the beta-factor model of IEC 61508-6, annex D.
 
     A component fails alone with (1 − β) q, and with all others of its set with β q.
 
     Attributes:
-        isolated: Probability that a unit is.
-        stuck: Probability that the valve of a group is.
-        isolated_beta: Share of `isolated` in which all units of the group are.
-        stuck_beta: Share of `stuck` in which the valves of all groups are.
+        isolated: Probability that a unit is isolated.
+        stuck: Probability that the valve of a group is stuck.
+        isolated_beta: Share of `isolated` in which all units of the group are isolated.
+        stuck_beta: Share of `stuck` in which the valves of all groups are stuck.
     """
 
     isolated: float
@@ -61,7 +62,7 @@ class Rates:
 
     @property
     def total_loss(self) -> float:
-        """Probability that a common cause has all valves stuck."""
+        """Probability that all valves are stuck by a common cause."""
         return self.stuck_beta * self.stuck
 
     def of_group(self, units: int) -> tuple[float, ...]:
@@ -77,7 +78,7 @@ class Rates:
         )
 
     def of_states(self, units: Sequence[int], available: Iterable[Sequence[int]]) -> list[float]:
-        """Return for each state the probability that just its `available` units of each group brake."""
+        """Return for each state the probability that exactly its `available` units of each group brake."""
         of_groups = [self.of_group(n) for n in units]
         return [
             (1 - self.total_loss) * prod(of_group[left] for of_group, left in zip(of_groups, state, strict=True))
@@ -87,21 +88,21 @@ class Rates:
 
 
 def states_of(units: Sequence[int], rates: Rates, *, neglect: float) -> tuple[tuple[State, ...], float]:
-    """Return the likeliest failure states and the probability of all others.
+    """Return the failure states of highest probability and the total probability of all others.
 
     Units of a group are exchangeable, so only their number counts; a stuck valve takes all units of its group.
 
     Args:
-        units: Of each group.
-        rates: Of failures.
-        neglect: Most that the others may have together.
+        units: Number of units of each group.
+        rates: Failure probabilities.
+        neglect: Maximum total probability of the others.
     """
     groups = [list(enumerate(rates.of_group(n))) for n in units]
     states, rest = [State((), 1.0)], 0.0
     for group in groups:
         candidates = [State((*state.available, count), state.probability * p) for state in states for count, p in group]
         candidates.sort(key=lambda state: (-state.probability, state.available))
-        # Summed from the least likely one: one minus the others would lose all digits.
+        # Summed in ascending order: the difference from one would lose all digits.
         tail = np.cumsum([state.probability for state in reversed(candidates)])
         excess = min(int(np.searchsorted(tail, neglect / len(groups), side="right")), len(candidates) - 1)
         rest += float(tail[excess - 1]) if excess else 0.0
@@ -122,22 +123,22 @@ class Sample:
 
     Attributes:
         values: Shape (n,), rising.
-        weights: Of each.
+        weights: Weight of each value.
     """
 
     def __init__(self, values: Array, weights: Array) -> None:
-        """Take values in any order, and the weight of each."""
+        """Create a sample from values in any order, and the weight of each."""
         order = np.argsort(values, kind="stable")
         self.values, self.weights = values[order], weights[order]
         self._below = np.cumsum(self.weights)
 
     def quantile(self, probability: float) -> float:
-        """Return the value that is undercut with a probability."""
+        """Return the quantile of a probability."""
         place = int(np.searchsorted(self._below, probability))
         return float(self.values[min(place, len(self.values) - 1)])
 
     def probability_of_at_most(self, values: Array) -> Array:
-        """Return the estimated probability of not being above each of some values."""
+        """Return the estimated distribution function at some values."""
         return np.append(0.0, self._below)[np.searchsorted(self.values, values, side="right")]
 
 
@@ -150,12 +151,12 @@ def pool_samples(samples: Sequence[Sample], shares: Sequence[float]) -> Sample:
 def estimates(
     runs: Sequence[Sample], probabilities: Sequence[float], neglected: float = 0.0, confidence: float = 0.95
 ) -> tuple[Interval, ...]:
-    """Return quantiles of all runs together, with intervals from what the single runs scatter (sectioning).
+    """Return quantiles of all runs together, with intervals from the scatter of single runs (sectioning).
 
-    Failure states that were left out may be worse than all others: they lower the lower ends.
+    Neglected failure states may be worse than all others, so they extend the intervals downwards.
 
     Raises:
-        ValueError: They are as likely as a quantile's probability.
+        ValueError: Neglected states are as probable as a quantile.
 
     Source: Asmussen, Glynn: Stochastic Simulation (2007), III.5.
     """
@@ -182,15 +183,15 @@ def widen(
 ) -> tuple[Interval, ...]:
     """Return intervals of quantiles that include the uncertainty of the probabilities of the failure states.
 
-    The quantile is formed anew for each draw of the probabilities; the interval reaches from the lower to the upper
-    quantile of the results, and further by what sampling adds. States that were left out lower the lower ends.
+    The quantile is computed for each draw of the probabilities; the interval ranges from the lower to the upper
+    quantile of the results, extended by the interval of sampling. Neglected states extend the intervals downwards.
 
     Args:
-        intervals: Of sampling alone.
-        parts: The sample of each state.
+        intervals: Intervals of sampling alone.
+        parts: Sample of each state.
         shares: Draws of the states' probabilities, shape (draws, states).
-        probabilities: Of the quantiles.
-        confidence: Of the intervals.
+        probabilities: Probabilities of the quantiles.
+        confidence: Confidence of the intervals.
     """
     grid = np.linspace(min(part.values[0] for part in parts), max(part.values[-1] for part in parts), _GRID)
     cumulative = shares @ np.array([part.probability_of_at_most(grid) for part in parts])
@@ -210,10 +211,10 @@ def widen(
 
 
 def worst_points(performance: Performance, dimension: int, depth: int) -> Array:
-    """Return where to sample: the origin, and for each output the worst points at distances 1 to `depth` from it.
+    """Return centres for sampling: the origin, and for each output the worst points at distances 1 to `depth` from it.
 
-    Each is the fixed point −r ∇g/|∇g| of the first-order reliability method on a sphere of radius r, three turns each.
-    A point that is not the worst costs variance, no bias.
+    Each is the fixed point −r ∇g/|∇g| of the first-order reliability method on a sphere of radius r, after three
+    iterations. A point that is not the worst increases the variance, but causes no bias.
     """
     points = [np.zeros(dimension)]
     outputs = performance(points[0][None, :]).shape[1]
@@ -234,8 +235,8 @@ def importance_sample(
 ) -> tuple[Array, Array]:
     """Return performances, shape (n, outputs), and weights, shape (n,), of draws about several points.
 
-    Normal distributions about all points, as many draws of each (rounded up), weighed by the density of their
-    mixture: one of them is the original distribution, so that no weight is larger than their number over n.
+    The draws are from normal distributions about all points, the same number of each (rounded up), weighted by the
+    density of their mixture. One of them is the original distribution, so that no weight exceeds their number over n.
 
     Source: Hesterberg, Technometrics 37 (1995) 185; Owen, Zhou, JASA 95 (2000) 135.
     """
@@ -256,8 +257,8 @@ def subset_sample(
 ) -> Sample:
     """Return a sample that reaches down to the quantile of a probability, by subset simulation.
 
-    Each level keeps the worst tenth of the one before and goes on from them in Markov chains, whose candidates
-    ρ u + √(1−ρ²) ξ, ρ = 0.8, are taken if they stay below the threshold. `samples` counts by tens.
+    Each level keeps the worst tenth of the previous one and continues from them in Markov chains, whose candidates
+    ρ u + √(1−ρ²) ξ, ρ = 0.8, are accepted if they are below the threshold. `samples` is a multiple of ten.
 
     Source: Au, Beck, Probab. Eng. Mech. 16 (2001) 263; candidates: Papaioannou et al., Probab. Eng. Mech. 41 (2015) 89.
     """
@@ -286,7 +287,7 @@ def subset_sample(
 
 
 def subset_cost(probability: float, samples: int) -> int:
-    """Return how many performances `subset_sample` asks for."""
+    """Return the number of evaluations of `subset_sample`."""
     return samples // _CHAIN * (_CHAIN + _levels(probability) * (_CHAIN - 1))
 
 
@@ -295,6 +296,6 @@ def _levels(probability: float) -> int:
 
 
 def depth(state: State, smallest: float) -> int:
-    """Return how many deviations out a state must be sampled for a quantile of probability `smallest` of all states."""
+    """Return the distance from the origin to which a state must be sampled for a quantile of probability `smallest`."""
     inside = smallest / state.probability
     return 0 if inside >= 0.5 else int(np.ceil(-ndtri(inside)))

@@ -1,4 +1,4 @@
-"""The file of a K factor study: what of a brake disperses and fails, with the source of every value."""
+"""The file of a K factor study: dispersions and failures of a brake, with the source of every value."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -24,12 +24,12 @@ LIBRARY = Path(__file__).parent / "library"
 EXTENTS: tuple[Extent, ...] = ("train", "group", "unit")
 _FINEST: dict[Quantity, Extent] = {"pressure": "group", "wheel_radius": "group", "mass": "train", "build_up": "train"}
 _WIDEST = 0.15
-"""Standard deviation as a share: with a larger one, six of them are not a positive factor."""
+"""Maximum relative standard deviation: with a larger one, a factor six deviations below is not positive."""
 _FARTHEST = 0.5
 
 
 class _Dispersion(Table):
-    """What every entry of [[dispersion]] says."""
+    """Keys of every entry of [[dispersion]]."""
 
     quantity: Quantity
     per: Extent = Field(description="what has a draw of its own")
@@ -68,7 +68,7 @@ class Normal(_Dispersion):
 
 
 class Uniform(_Dispersion):
-    """A deviation from nominal that is as likely anywhere between two limits."""
+    """A deviation from nominal, uniformly distributed between two limits."""
 
     kind: Literal["uniform"]
     lowest: Magnitude
@@ -95,7 +95,7 @@ Dispersion = Annotated[Normal | Uniform, Field(discriminator="kind")]
 
 
 class CommonCause(Table):
-    """Failures that several components have at once, by the beta-factor model of IEC 61508-6, annex D."""
+    """Common-cause failures of several components, by the beta-factor model of IEC 61508-6, annex D."""
 
     beta: Annotated[float, UnitRange("1", at_least=0, at_most=0.5)] = Field(
         description="share of a component's failures that all components of its set have at once"
@@ -104,7 +104,7 @@ class CommonCause(Table):
 
 
 class ComponentFailure(Table):
-    """How likely one component has failed when the train brakes, how uncertain that is, and what fails with it."""
+    """Probability that a component has failed when the train brakes, its uncertainty, and common-cause failures."""
 
     probability: Annotated[float, UnitRange("1", at_least=0, at_most=0.1)]
     error_factor: Annotated[float, UnitRange("1", at_least=1, at_most=100)] = Field(
@@ -119,7 +119,7 @@ class ComponentFailure(Table):
 
 
 class Failures(Table):
-    """What fails as a whole."""
+    """Components that fail."""
 
     isolated_unit: ComponentFailure = Field(
         description="a brake unit without force; units of a group share a common cause"
@@ -130,7 +130,7 @@ class Failures(Table):
 
 
 class Effort(Table):
-    """How much is drawn."""
+    """Numbers of draws."""
 
     runs: Annotated[StrictInt, Field(ge=2, le=100)] = Field(description="independent ones, for the intervals")
     samples: Annotated[StrictInt, Field(ge=20, le=20_000)] = Field(description="of each failure state, each run")
@@ -150,7 +150,9 @@ class KFactorSpecification(Table):
     name: Name
     description: str = ""
     seed: Seed
-    scenario: str = Field(description="the stop: a file from this one's folder, or the name of one of ours")
+    scenario: str = Field(
+        description="scenario of the stop: a file relative to the folder of this file, or a name of the package"
+    )
     speed_steps: tuple[Speed, ...] = Field(description="inner limits of the steps of speed, rising")
     estimate: Effort
     loop: LoopEffort | None = None

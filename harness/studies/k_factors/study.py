@@ -1,4 +1,4 @@
-"""K factors of a brake: what the study found as JSON, a page, a figure and rows for the screen."""
+"""K factors of a brake: results as JSON, as a page with a figure, and as rows for the screen."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -36,14 +36,14 @@ from railgrip.studies.k_factors.specification import KFactorSpecification, Norma
 from railgrip.studies.study import Study
 
 _LEVELS = (0, 3, 6, 9)
-"""EBCL whose convergence is drawn."""
+"""EBCL of the panels of convergence."""
 
 _FEW_RUNS, _FEW_SAMPLES = 2, 100
 
 _HALF_HEIGHT = 0.012  # of the panels of convergence, in K
 
 PAGE = Path("docs/k_factors.md")
-"""From the folder of the project, where the command runs."""
+"""Folder relative to that of the project, in which the command runs."""
 
 _METHOD = "exact enumeration of failure states, importance sampling about the worst points within each"
 
@@ -67,7 +67,7 @@ class KFactors(Study):
         specification, scenario = load_specification(self.file, self.overrides or [])
         folders = self.import_from or []
         if self.loop and specification.loop is None:
-            raise ScenarioError(f"{specification.name}: has no [loop]; it is wanted for stops with the controller")
+            raise ScenarioError(f"{specification.name}: has no [loop], which stops with a controller need")
         brake = brake_of_scenario(specification, scenario)
         distance = braking_distance(scenario_of_draw(scenario, brake, brake.units, None), folders)
         if distance is None:
@@ -143,7 +143,6 @@ def assumptions(specification: KFactorSpecification) -> dict[str, ReportTable]:
 
 
 def _extent(dispersion: Normal | Uniform) -> str:
-    """Return standard deviation or limits as the file has them."""
     if isinstance(dispersion, Normal):
         return f"σ {dispersion.deviation.entry}"
     return f"{dispersion.lowest.entry} to {dispersion.highest.entry}"

@@ -1,5 +1,5 @@
-"""The lateral study: three filters for a wandering wheelset, judged where Mal et al. (2020) show only curves.
+"""The lateral study: quantitative comparison of three filters, of which Mal et al. (2020) publish curves only.
 
-`wheelset` is the plant on its track, `run` steps it with the filters beside it, `judge` measures one run, `tables`
+`wheelset` is the plant on its track, `run` simulates it together with the filters, `judge` evaluates one run, `tables`
 summarise many. The study is open loop: nothing brakes, and its step is 50 µs.
 """

@@ -32,7 +32,7 @@ FRICTION_TOLERANCE: Final = 0.02
 """Largest error of a settled friction: the accuracy of adhesion in Schwarz and Keck (2020)."""
 
 SHARE_TOLERANCE: Final = 0.10
-"""Largest error of other settled quantities, relative to the rms of their truth in the run."""
+"""Largest error of other settled quantities, relative to the rms of their true values in the run."""
 
 WINDOW: Final = 0.5
 """Time of readings that should determine the friction [s]."""
@@ -47,14 +47,14 @@ DETECTOR: Final = ConditionDetector(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Belief:
-    """Belief about one quantity at every instant: mean and standard deviation, each of shape (k,)."""
+    """Estimate of one quantity at every instant: mean and standard deviation, each of shape (k,)."""
 
     mean: Array
     deviation: Array
 
 
 def beliefs_about(trace: Trace, name: Name) -> dict[str, Belief]:
-    """Return the belief of a filter about each of `QUANTITIES`, and about mu0 if it estimates it.
+    """Return a filter's estimate of each of `QUANTITIES`, and of mu0 if it estimates it.
 
     In the well-posed filters creep, force and friction are functions of the states; their variances follow from the
     derivatives at the mean.
@@ -85,7 +85,7 @@ def beliefs_about(trace: Trace, name: Name) -> dict[str, Belief]:
         contact_states[:, 0] -= trace.track
     values, slopes = _contact(contact_states)
     mu0 = np.exp(belief.mean[:, at["log_mu0"]])
-    with np.errstate(over="ignore", invalid="ignore"):  # beliefs of a lost filter may be of any size
+    with np.errstate(over="ignore", invalid="ignore"):  # estimates of a lost filter may have any size
         variance = np.einsum("kqi,ij,kjl,ml,kqm->kq", slopes, select, belief.covariance, select, slopes, optimize=True)
     beliefs = {
         "lateral_velocity": Belief(mean=belief.mean[:, at["dy"]], deviation=deviation[:, at["dy"]]),
@@ -128,7 +128,7 @@ def adhesion(condition: Condition, creep: Array, speed: float) -> Array:
     model = lower("RailBraking.FMUs.LateralContact")
     values = {parameter.name: parameter.start for parameter in model.parameters}
     values |= {"A_falling": condition.A, "B_falling": condition.B}
-    # A wheelset yawed by an angle, at rest in the track otherwise, creeps by that angle across.
+    # The lateral creep of a yawed wheelset without lateral motion is its yaw angle.
     inputs = np.zeros((len(model.inputs), creep.size))
     for row, variable in enumerate(model.inputs):
         inputs[row] = {"yaw_angle": creep, "mu0": condition.mu0, "speed": speed}.get(variable.name, 0.0)
@@ -215,7 +215,6 @@ def _finite(value: float) -> float | None:
 
 
 def _settling(trace: Trace, truth: Array, mean: Array, tolerance: float) -> float:
-    """Return the longest settling time after the start or a change of condition [s]."""
     ends = [*trace.changes[1:], math.inf]
     worst = 0.0
     for begin, end in zip(trace.changes, ends, strict=True):
@@ -238,7 +237,6 @@ def _detection(trace: Trace, mu0: Belief) -> dict[str, Any]:
 
 
 def _levels(trace: Trace, mu0: Belief) -> dict[str, tuple[float | None, float | None]]:
-    """Return mean and rms error of the belief about mu0 by condition of the run, after `WINDOW` to settle."""
     since = trace.time - np.array(trace.changes)[np.searchsorted(trace.changes, trace.time, side="left") - 1]
     levels: dict[str, tuple[float | None, float | None]] = {}
     for number, condition in enumerate(CONDITIONS):
@@ -251,11 +249,6 @@ def _levels(trace: Trace, mu0: Belief) -> dict[str, tuple[float | None, float | 
 
 
 def _observability(trace: Trace) -> dict[str, Any]:
-    """Return the standard deviation of mu0 given the readings of each window alone and the track.
-
-    The readings of a recorded instant represent the `EVERY` readings up to the next, whose mean has `EVERY` times less
-    variance. The model is taken as exact, so this is a bound for every filter with these sensors.
-    """
     model = prediction("known_track")
     truth = trace.truth
     x = np.column_stack(
@@ -268,6 +261,8 @@ def _observability(trace: Trace) -> dict[str, Any]:
     # y, dy, psi, dpsi, log mu0: sizes of a normal run.
     scale = (3e-3, 3e-2, 1e-3, 2e-2, 0.5)
     for sensors, noise in (("paper", PAPER_SENSORS), ("service", SERVICE_SENSORS)):
+        # One recorded instant represents `EVERY` readings, whose mean has `EVERY` times less variance. The model is
+        # taken as exact (no process noise), so this is a lower bound for every filter with these sensors.
         begins, _, deviation = along(model, x, u, trace.period, np.square(noise) / EVERY, scale, window, window)
         deviations = deviation[:, 4] * trace.mu0[begins]
         measures[sensors] = [_finite(value) for value in deviations]

@@ -1,4 +1,4 @@
-"""Why the reconstructed filter loses creep and force: information in its readings, and limits by its process noise."""
+"""Analysis of the loss of creep and force in the reconstructed filter: information in readings, and process noise."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,11 +16,11 @@ from railgrip.studies.lateral.run import CLASSES, EVERY, PAPER_NOISE, LateralCas
 from railgrip.studies.lateral.wheelset import CONDITIONS, PAPER_SENSORS, PERIOD
 
 SHORT: Final = 0.02
-"""Between two passages of the creep through zero, where the linearisation holds [s]."""
+"""Time between two zero crossings of the creep, in which the linearisation is valid [s]."""
 
 _STATES: Final = ("lateral_velocity", "yaw_rate", "creep", "friction", "creep_force")
 _HIDDEN: Final = slice(2, 5)
-"""Creep, friction and force, which no sensor reads."""
+"""Creep, friction and force, which no sensor measures."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -30,12 +30,14 @@ class Information:
     Attributes:
         size: Root mean square of each in the run, shape (3,).
         condition: Number of the condition of each short window, shape (k,).
-        short: Deviation from each short window of readings alone, shape (k, 3).
-        rank: Directions of the five states that each short window tells better than their size, shape (k,).
-        long: The same as `short` from windows of `WINDOW`, shape (j, 3).
-        jump: Change of friction and force when the condition changes, the largest of the run, shape (2,).
-        allowed: Deviation of what the process noise lets both change in `WINDOW`, most of all conditions, shape (2,).
-        mirrored: Largest difference of a reading with creep and force of the other sign, over the noise of the reading.
+        short: Standard deviation given each short window of readings alone, shape (k, 3).
+        rank: Number of directions of the five states that each short window determines to less than their size, shape
+            (k,).
+        long: Standard deviation given each window of length `WINDOW`, shape (j, 3).
+        jump: Largest change of friction and force at a change of the condition, shape (2,).
+        allowed: Standard deviation of their change in `WINDOW` by process noise, maximum over all conditions, shape
+            (2,).
+        mirrored: Largest difference of a reading if creep and force have the opposite sign, over its noise.
     """
 
     size: Array
@@ -49,12 +51,12 @@ class Information:
 
 
 def information(case: LateralCase) -> Information:
-    """Run a case and linearise the equations of the reconstruction along its truth."""
+    """Run a case and linearise the equations of the reconstruction along its true states."""
     return information_of(simulate(case, names=()))
 
 
 def information_of(trace: Trace) -> Information:
-    """Linearise the equations of the reconstruction along the truth of a run."""
+    """Linearise the equations of the reconstruction along the true states of a run."""
     model = prediction_of(CLASSES["reconstruction"], kind="compiled")
     x = np.column_stack([trace.truth[name] for name in _STATES])
     shape = np.array([(CONDITIONS[number].A, CONDITIONS[number].B) for number in trace.condition])
@@ -93,7 +95,7 @@ def information_of(trace: Trace) -> Information:
 
 
 def observability_by_condition(runs: Sequence[Information]) -> ReportTable:
-    """Return, by condition, how far a short window of readings determines each hidden state, over its size."""
+    """Return, by condition, the standard deviation of each hidden state given a short window, over its size."""
     rows: list[dict[str, Any]] = []
     for number, condition in enumerate(CONDITIONS):
         parts = [(run.short / run.size, run.rank, run.condition == number) for run in runs]
@@ -113,7 +115,7 @@ def observability_by_condition(runs: Sequence[Information]) -> ReportTable:
 
 
 def surface_change_table(runs: Sequence[Information]) -> ReportTable:
-    """Return what a change of the surface moves beside what the process noise of the paper lets move."""
+    """Return the change of friction and force at a change of the surface, and that which the process noise allows."""
     jump = np.median([run.jump for run in runs], axis=0)
     allowed, long = runs[0].allowed, np.median(np.concatenate([run.long for run in runs]), axis=0)
     return ReportTable(

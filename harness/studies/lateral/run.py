@@ -50,7 +50,7 @@ PAPER_NOISE: Final[Mapping[str, tuple[float, ...]]] = {
 }
 
 MOTION_NOISE: Final = (0.0, 1e-6**2, 0.0, 1e-7**2)
-"""Densities for y, dy, psi, dpsi [unit²/s]: the dynamics hold nearly exactly. With much more noise, friction above 0.2
+"""Densities for y, dy, psi, dpsi [unit²/s]: the dynamics are nearly exact. With much more noise, friction above 0.2
 is not determined: an error of 0.1 % of the slope of the contact looks like another friction."""
 
 FRICTION_NOISE: Final = 0.2**2
@@ -95,10 +95,10 @@ def paper_density(condition: Condition) -> Vector:
 def observer(
     name: Name, first: Condition, sensors: tuple[float, float] = PAPER_SENSORS, kind: Kind = "fmu"
 ) -> tuple[CompiledFilter, GaussianEstimate]:
-    """Return a filter, compiled, with the readings as outputs, and its belief at the start.
+    """Return a compiled filter with the readings as outputs, and its initial estimate.
 
     Args:
-        name: Of the filter.
+        name: Name of the filter.
         first: Condition at the start; only the reconstruction knows it.
         sensors: Standard deviations of the readings.
         kind: Form of the prediction.
@@ -130,9 +130,9 @@ class LateralCase:
 
     Attributes:
         test: Conditions of the rail over time.
-        speed: Along the track at the start [m/s].
+        speed: Initial speed along the track [m/s].
         plant: Name in `PLANTS`.
-        seed: Of track and sensors.
+        seed: Seed of track and sensors.
         prediction: Form of the prediction in the filters.
     """
 
@@ -145,7 +145,7 @@ class LateralCase:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Beliefs:
-    """Beliefs of a filter at the recorded instants; NaN after it diverged.
+    """Estimates of a filter at the recorded instants; NaN after it diverged.
 
     Attributes:
         mean: Shape (k, n).
@@ -166,8 +166,8 @@ class Trace:
 
     Attributes:
         time: Shape (k,) [s].
-        period: Between instants [s].
-        truth: Of the plant by name, shape (k,); creep, force and friction are means of both wheels.
+        period: Time between instants [s].
+        truth: True values by name, shape (k,); creep, force and friction are means of both wheels.
         mu0: Maximum friction coefficient, shape (k,).
         condition: Number of the true condition in `CONDITIONS`, shape (k,).
         track: Position [m], shape (k,).
@@ -188,7 +188,7 @@ class Trace:
 
 
 def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
-    """Run the plant with filters beside it.
+    """Simulate the plant, and run the filters on its readings.
 
     Raises:
         railgrip.base.errors.PlantFailed: The plant could not be stepped. A filter that diverges is a result.
@@ -203,7 +203,7 @@ def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
         plant.start(realisation.inputs[0])
         outputs = plant.follow(realisation.inputs)
     table = dict(zip(INPUTS, realisation.inputs.T, strict=True))
-    # The filters are given the true speed at the beginning of each step.
+    # The filters get the true speed at the beginning of each step.
     speed = np.concatenate([[case.speed], outputs[:-1, COLUMNS["speed"]].ravel()])
     table |= {"track_rate": realisation.track_rate, "speed": speed}
     readings = np.column_stack([outputs[:, COLUMNS[name]] for name in READINGS]) + realisation.noise
@@ -241,7 +241,6 @@ def _follow(
     name: Name, filter_: CompiledFilter, first_belief: GaussianEstimate, table: Mapping[str, Array], readings: Array,
     realisation: LateralInputs,
 ) -> Beliefs:  # fmt: skip
-    """Return the beliefs of a filter given the readings, segment by segment of one condition."""
     n, integrals = filter_.mean.size, INTEGRALS[name]
     unused = np.zeros(len(readings))
     inputs = np.column_stack([unused if input_ in integrals else table[input_] for input_ in filter_.design.inputs])

@@ -52,7 +52,7 @@ from railgrip.studies.papers.pages import write_results
 from railgrip.studies.study import Study
 
 SPEEDS: Final = (15.0, 25.0, 35.0)
-"""Of the wheelset [m/s]; Mal et al. do not state theirs."""
+"""Speeds of the wheelset [m/s]; Mal et al. do not state theirs."""
 
 SEEDS: Final = 10
 
@@ -62,8 +62,9 @@ class LateralPlan:
     """Runs of a study.
 
     Attributes:
-        tests: Each at every speed on the plant of the filters; the last also at the middle speed on the other plants.
-        speeds: [m/s].
+        tests: Tests at every speed on the plant of the filters; the last one also at the middle speed on the other
+            plants.
+        speeds: Speeds [m/s].
         seeds: Number of seeds, from 1.
         prediction: Form of the prediction in the filters.
     """
@@ -92,7 +93,7 @@ class LateralPlan:
 
 FULL: Final = LateralPlan(tests=TESTS, speeds=SPEEDS, seeds=SEEDS)
 QUICK: Final = LateralPlan(tests=tuple(test.shorten(2.5) for test in TESTS), speeds=(25.0,), seeds=2)
-"""A few seconds of each: shows that it runs; its numbers mean nothing."""
+"""A few seconds of each test, to check that the study runs; the numbers have no meaning."""
 
 
 def measure_case(case: LateralCase) -> dict[str, Any]:
@@ -113,7 +114,7 @@ def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
     Args:
         write: Whether to write tables and figures into docs/papers.
     """
-    # Compiled here once, so that no worker has to.
+    # Compiled once here instead of in every worker.
     simulate(LateralCase(test=TESTS[0].shorten(0.01), speed=25.0, plant="paper", seed=0, prediction=plan.prediction))
     measures = work.map(measure_case, plan.cases)
     runs = information_runs(plan, work)
@@ -177,7 +178,6 @@ def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
 
 
 def _answer(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return the largest median RMS error of friction of each filter on the plant that it has as model."""
     errors: dict[str, list[float]] = {}
     for row in rows:
         if row["plant"] == "paper" and row["quantity"] == "friction":
@@ -202,7 +202,7 @@ _HEADLINES: Final = {
 
 @dataclass(frozen=True)
 class Lateral(Study):
-    """Estimate creep, force and friction of a wandering wheelset with three filters, and judge them."""
+    """Estimate creep, force and friction of a wandering wheelset with three filters, and compare their errors."""
 
     quick: bool = False
     write: Annotated[bool, Option("--write", help="Write tables and figures into docs/papers.")] = False

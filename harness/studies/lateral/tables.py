@@ -20,7 +20,7 @@ FIGURES: Final = {"rmse": "RMSE", "bias": "bias", "nees": "NEES", "settling": "s
 LEVEL_TOLERANCE: Final = 0.05
 """Half of the distance between the two lowest levels; with a larger error the condition cannot be identified."""
 PUBLISHED: Final = ("lateral_velocity", "yaw_rate", "creep", "creep_force")
-"""Quantities of the paper's figures; the constant friction of a test on one surface is no measure of its error."""
+"""Quantities of the paper's figures; on one surface friction is constant, so its size does not scale its error."""
 TITLES: Final = {
     "reconstruction": "reconstruction",
     "known_track": "well posed, track known",
@@ -30,7 +30,7 @@ TITLES: Final = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LateralResult:
-    """LateralCase and measures, by `judge.measure`, of one run."""
+    """Case of one run, and its measures by `judge.measure`."""
 
     case: LateralCase
     measures: dict[str, Any]
@@ -49,7 +49,6 @@ class MedianInterval:
     confidence: float
 
     def __str__(self) -> str:
-        """Return the median with its interval in brackets."""
         return f"{_digits(self.median)} [{_digits(self.low)}, {_digits(self.high)}]"
 
 
@@ -70,10 +69,7 @@ def median_interval(values: Iterable[float | None]) -> MedianInterval:
 
 @cache
 def _rank(n: int) -> tuple[int, float]:
-    """Return the largest k such that order statistics k and n−1−k contain the median with 95 %, and their confidence.
-
-    With fewer than six values it is the whole range, whose confidence is below 95 %.
-    """
+    """Return the largest k such that order statistics k and n−1−k contain the median with 95 %, and its coverage."""
     best = (0, float(1 - 2 * binom.cdf(0, n, 0.5)))
     for k in range(1, n // 2):
         coverage = float(1 - 2 * binom.cdf(k, n, 0.5))
@@ -99,7 +95,7 @@ def groups(results: Sequence[LateralResult]) -> dict[tuple[str, float, str], lis
 def typical(results: Sequence[LateralResult], plant: str, speed: float, test: str) -> LateralResult:
     """Return the run whose RMSE of the creep force by the reconstruction is the median over the seeds.
 
-    Of an even number of seeds it is the lower of the two in the middle; a filter that diverged has an infinite error.
+    With an even number of seeds it is the lower of the two middle ones; a filter that diverged has an infinite error.
     """
     runs = sorted(groups(results)[plant, speed, test], key=_force_error)
     return runs[(len(runs) - 1) // 2]
@@ -129,7 +125,7 @@ def spikes(runs: Sequence[LateralResult]) -> ReportTable:
 
 
 def longitudinal(results: Sequence[LateralResult], speed: float) -> ReportTable:
-    """Return errors relative to the rms of the truth with and without torque of the motor, medians over the seeds."""
+    """Return errors relative to the rms of the true values with and without motor torque, medians over the seeds."""
     rows: list[dict[str, Any]] = []
     for (plant, of_speed, _), runs in groups(results).items():
         for name in NAMES if plant in ROLLING and of_speed == speed else ():
@@ -164,7 +160,7 @@ def error_rows(results: Sequence[LateralResult]) -> list[dict[str, Any]]:
 
 
 def flat(rows: Sequence[Mapping[str, Any]]) -> ReportTable:
-    """Return error rows with median, low and high in columns of their own."""
+    """Return error rows with median, low and high in separate columns."""
     return ReportTable(
         [
             {
@@ -224,7 +220,7 @@ def skill(results: Sequence[LateralResult], speed: float) -> ReportTable:
     """Return RMSE over that of the best constant, medians over seeds, by test, quantity and filter.
 
     Args:
-        speed: Of the runs [m/s], on the plant that the filters know.
+        speed: Speed of the runs [m/s], on the plant that the filters know.
     """
     rows: list[dict[str, Any]] = []
     for (plant, of_speed, test), runs in groups(results).items():
@@ -321,7 +317,7 @@ def detections(results: Sequence[LateralResult]) -> list[tuple[str, ReportTable,
 
 
 def levels(results: Sequence[LateralResult]) -> list[tuple[str, ReportTable, str]]:
-    """Return filter and plant, the beliefs about mu0 in runs of several conditions, and a sentence about them."""
+    """Return filter and plant, the estimates of mu0 in runs of several conditions, and a sentence about them."""
     tables: list[tuple[str, ReportTable, str]] = []
     for plant, variant in PLANTS.items():
         several = [run for run in results if run.case.plant == plant and len(run.case.test.changes) > 1]

@@ -48,7 +48,7 @@ class Condition:
     """A state of the rail.
 
     Attributes:
-        name: For tables.
+        name: Name in tables.
         mu0: Maximum friction coefficient.
         A: Friction at infinite creep speed over `mu0`.
         B: Rate at which friction falls with creep speed [s/m].
@@ -78,9 +78,9 @@ class SurfaceTest:
     """One of the five tests of §4: the conditions of the rail over time.
 
     Attributes:
-        name: For tables and files.
-        changes: (time [s], condition), the first at 0, in order.
-        duration: Of the run [s].
+        name: Name in tables and files.
+        changes: (time [s], condition) in the order of time, the first at 0.
+        duration: Duration of the run [s].
     """
 
     name: str
@@ -97,7 +97,7 @@ class SurfaceTest:
 
 PAPER_SENSORS: Final = (ACCELEROMETER, GYROSCOPE)
 SERVICE_SENSORS: Final = (0.05, 1e-3)
-"""Standard deviations of readings every 50 µs of usual sensors of vehicles: 0.05 m/s2 and 1 mrad/s; an estimate."""
+"""Standard deviations of readings every 50 µs for usual sensors of vehicles: 0.05 m/s2 and 1 mrad/s (estimated)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,7 +105,7 @@ class PlantVariant:
     """A plant of the study and its sensors.
 
     Attributes:
-        title: For tables.
+        title: Title in tables.
         parameters: Parameters of the plant that differ from Table 1.
         rolling_creep: 1 for longitudinal creepages that include the rotation of the wheels, 0 for those of the filters.
         sensors: Standard deviations of the readings, which the filters know [m/s2, rad/s].
@@ -182,7 +182,6 @@ def track_acceleration_density(deviation: float) -> float:
 
 
 def _through(noise: Array, numerator: list[float], denominator: list[float], period: float) -> Array:
-    """Return noise, held over each period, through a transfer function in s."""
     discrete: Any = cont2discrete((numerator, denominator), period, method="zoh")
     return np.asarray(lfilter(np.ravel(discrete[0]), discrete[1], noise), dtype=np.float64)
 
@@ -227,8 +226,8 @@ def wheelset(speed: float, variant: PlantVariant = PLANTS["paper"]) -> Generator
     """Open the plant `LateralWheelset`.
 
     Args:
-        speed: Along the track at the start [m/s].
-        variant: Parameters; the others keep the values of Table 1.
+        speed: Initial speed along the track [m/s].
+        variant: Parameters that differ from Table 1.
     """
     description, binding = _bind()
     parameters = {"start_speed": speed, "rolling_creep": variant.rolling_creep, **variant.parameters}

@@ -42,12 +42,12 @@ def nominal_friction(
     """Return the friction of healthy pads in the same stop, shape (k,).
 
     Args:
-        pad_force: Of both pads of one unit [N], shape (k,).
-        wheelset_speed: [rad/s].
-        speed: Of the train [m/s], cools the disc.
-        period: Between samples [s].
-        friction_radius: [m].
-        temperature: Of the disc at the first sample [K].
+        pad_force: Force of both pads of one unit [N], shape (k,).
+        wheelset_speed: Angular velocity [rad/s], shape (k,).
+        speed: Train speed, for the cooling of the disc [m/s], shape (k,).
+        period: Time between samples [s].
+        friction_radius: Friction radius [m].
+        temperature: Temperature of the disc at the first sample [K].
     """
     start, step = _stepper(friction_radius, period)
     first = np.array([start, temperature, temperature])
@@ -59,7 +59,6 @@ def nominal_friction(
 
 @cache
 def _stepper(friction_radius: float, period: float) -> tuple[float, ca.Function]:
-    """Return friction at the start and (state, inputs) → state one period later, by RK4."""
     model = lower("RailBraking.Components.GroupBrake")
     names = [v.name for v in model.states]
     assert tuple(names) == _STATES, names
@@ -80,24 +79,24 @@ MODEL = "TrainPredictionReduced"
 
 @cache
 def formation() -> Formation:
-    """Return wheelsets and groups of the train that `MODEL` predicts and lives are simulated of."""
+    """Return the formation of the train of `MODEL`, which is also simulated in lives."""
     return Formation(catalogue_counts())
 
 
 PRIOR = 0.10
-"""Standard deviation of friction before a stop, 1: wide, and taken out of the evidence again."""
+"""Standard deviation of friction before a stop: large, and removed from the evidence afterwards."""
 
 _PROCESS = {"v": 3e-3, "w": 1e-2, "mu_b": 5e-4, "alpha": 0.3}
 """Deviations in unit/√s. The nominal law describes the course of friction within a stop: the residual is constant;
 adhesion must follow a group that is released within 0.2 s."""
 _READINGS = {"speed": 0.1, "wheelset_speed": 0.2, "acceleration": 0.04}
-"""As [readings.service] of estimators/noises.toml, but for the accelerometer, whose bias is taken out before."""
+"""As [readings.service] of estimators/noises.toml, except the accelerometer, whose bias is removed before."""
 _START = {"v": 0.1, "w": 0.3, "alpha": 0.02}
 
 _LOCKED = 0.8
 """Slip above which a wheelset counts as locked: its pads no longer slide on the disc at full friction then, or soon."""
 _AROUND = 0.3  # s before and after, in which encoders and pressures lag
-_FREE = 1e4  # (rad/s)²/s: process noise of a locked wheelset, whose equation says nothing
+_FREE = 1e4  # (rad/s)²/s: process noise of a locked wheelset, whose equation is not valid
 
 _SLOWEST = 3.0  # m/s; below, encoders lose pulses
 _COASTING = 2.0  # s without brake before the stop, from which drag is estimated
@@ -133,12 +132,12 @@ class Evidence:
 def evidence_of(
     recording: xarray.Dataset, temperature: Vector, parameters: Mapping[str, float] = MappingProxyType({})
 ) -> Evidence:
-    """Return the friction of each group that the readings of a stop show.
+    """Return the friction of each group from the readings of a stop.
 
     Args:
-        recording: With the inputs and outputs of `MODEL`.
-        temperature: Of the discs of each group at its first sample [K], shape (groups,).
-        parameters: Of `MODEL`, where the train is another than the nominal one, SI.
+        recording: Recording with the inputs and outputs of `MODEL`.
+        temperature: Temperature of the discs of each group at its first sample [K], shape (groups,).
+        parameters: Parameters of `MODEL` that differ from the nominal train, in SI units.
 
     Raises:
         EstimationError: A signal is missing, nothing was braked, or the filter diverged.
@@ -191,10 +190,10 @@ def evidence_of(
 
 
 def _without_prior(mean: Vector, covariance: Matrix) -> tuple[Vector, Matrix]:
-    """Return mean and covariance of pad friction without the prior, which would count once in each of several stops."""
+    # The prior would count once in each of several stops.
     identity, nominal = np.eye(mean.size), np.full(mean.size, NOMINAL)
     information = np.linalg.inv(covariance) - identity / PRIOR**2
-    # Where a stop has no information, rounding is left of it: the result is at most 100 priors wide.
+    # Without information in the stop only rounding errors remain: the result is limited to 100 prior deviations.
     information += identity / (100.0 * PRIOR) ** 2
     likelihood_covariance = np.asarray(np.linalg.inv(0.5 * (information + information.T)), dtype=np.float64)
     moment = np.linalg.solve(covariance, mean) - nominal / PRIOR**2 + nominal / (100.0 * PRIOR) ** 2
@@ -210,11 +209,11 @@ def pressure_deviation(
     monitor does, adds it to the filter's own deviation, root of the sum of squares. It is the same error in every stop.
 
     Args:
-        pad_friction: Estimated.
-        pressure: In the cylinder [Pa]; infinite results where it does not press the pads.
+        pad_friction: Estimated pad friction.
+        pressure: Cylinder pressure [Pa]; the result is infinite if it does not overcome the spring.
         offset: 1σ of the transducer's offset [Pa].
-        piston_area: Of a cylinder [m²].
-        spring_force: Of return spring and slack adjuster [N].
+        piston_area: Area of the piston [m²].
+        spring_force: Force of return spring and slack adjuster [N].
     """
     pressing = piston_force(np.asarray(pressure), piston_area=piston_area, spring_force=spring_force)
     with np.errstate(divide="ignore"):
@@ -222,7 +221,7 @@ def pressure_deviation(
 
 
 def _braking_pressure(pressure: Vector, force: Vector) -> float:
-    """Return the pressure at which a group braked [Pa], its median; infinite if never, when no offset matters."""
+    # Infinite if the group never braked: no offset of its transducer matters then.
     under_pads = pressure[force > _PRESSED]
     return float(np.median(under_pads)) if under_pads.size else float("inf")
 
@@ -230,7 +229,7 @@ def _braking_pressure(pressure: Vector, force: Vector) -> float:
 def locked_samples(wheels: Matrix, speed: Vector, radius: float, around: int) -> NDArray[np.bool_]:
     """Return where wheelsets are locked or nearly so, and `around` samples to both sides, shape (k, groups).
 
-    A locked wheelset shows nothing of its pads: they hold it with less than they could.
+    A locked wheelset has no information on its pads, which hold it with less than their maximum torque.
     """
     slides = slip_of(speed[:, None], radius * wheels) > _LOCKED
     return np.asarray(maximum_filter1d(slides, 2 * around + 1, axis=0, mode="nearest"), dtype=np.bool_)
@@ -267,10 +266,10 @@ def _run_filter(
 
     Args:
         inputs: Inputs at every sample, shape (k, nu).
-        readings: Readings, shape (k, m); none of a wheelset while it is locked.
-        locked: Which are, shape (k, groups).
+        readings: Readings, shape (k, m); those of a locked wheelset are not used.
+        locked: Which wheelsets are locked, shape (k, groups).
         wheels: Wheelset speeds at the first sample [rad/s], shape (groups,).
-        speed: Of the train then [m/s].
+        speed: Train speed at the first sample [m/s].
     """
     groups = formation().groups
     place = [states.index(f"mu_b[{g + 1}]") for g in range(groups)]
@@ -298,9 +297,9 @@ def _run_filter(
 
 
 def _bias(acceleration: Vector, speed: Vector, period: float) -> float:
-    """Return the bias of an accelerometer [m/s²]: what its integral runs away from the speed that was read.
+    """Return the bias of an accelerometer [m/s²]: the drift of its integral from the speed reading.
 
-    It includes the slope of the track, which an accelerometer cannot distinguish from a bias.
+    It includes the gradient of the track, which an accelerometer cannot distinguish from a bias.
     """
     finite = np.isfinite(acceleration)
     if finite.mean() < 0.5:
@@ -313,7 +312,6 @@ def _bias(acceleration: Vector, speed: Vector, period: float) -> float:
 
 
 def _drag(acceleration: Vector, speed: Vector, values: dict[str, float]) -> float:
-    """Return the deceleration before the stop that running resistance does not explain [m/s²]."""
     mass = _mass(values)
     air = air_resistance(values) * float(np.mean(speed**2))
     rolling = rolling_resistance(values, mass, values["r_wheel"])
@@ -321,7 +319,6 @@ def _drag(acceleration: Vector, speed: Vector, values: dict[str, float]) -> floa
 
 
 def _mass(values: dict[str, float]) -> float:
-    """Return the mass of the train [kg]."""
     return sum(values[f"m_wheelset[{i + 1}]"] for i in range(formation().wheelsets))
 
 

@@ -27,11 +27,11 @@ def stops_in(
     specification: Specification | None = None,
     progress: Callable[[int, int], None] = lambda count, of: None,
 ) -> tuple[dict[str, Evidence], list[str]]:
-    """Return the evidence of all stops in a folder, by name and in order, and remarks on what was left out, corrected
-    or assumed.
+    """Return the evidence of all stops in a folder, by name and in order, and remarks on omissions, corrections and
+    assumptions.
 
-    A stop is a folder with a trace.nc in it, or, with a specification that maps their columns, a recorded file. One
-    that cannot be used is left out and said.
+    A stop is a folder with a trace.nc in it, or, with a specification that maps their columns, a recorded file. Stops
+    that cannot be used are omitted with a remark.
 
     Raises:
         EstimationError: The folder has no stops.
@@ -43,7 +43,7 @@ def stops_in(
     else:
         if specification.model.class_ != MODEL:
             raise EstimationError(
-                f"{specification.name}: [model] class is '{specification.model.class_}', the monitor wants '{MODEL}'."
+                f"{specification.name}: [model] class is '{specification.model.class_}', the monitor needs '{MODEL}'."
             )
         places = sorted(path for path in folder.iterdir() if path.suffix.lower() in FORMATS)
     parameters = {} if specification is None else parameters_for(specification)

@@ -1,4 +1,4 @@
-"""A simulated life: stops of one train, with what changes from stop to stop and what breaks.
+"""A simulated life: stops of one train, with variations from stop to stop and with faults.
 
 Every stop is a scenario with a [demand] that the loop runs; readings are those of service sensors at 25 Hz.
 """
@@ -43,23 +43,23 @@ _TRAIN = {
     "periods": dict.fromkeys(("communication", "estimator", "controller", "trace"), PERIOD),
     "limits": {"horizon": 90.0, "stop_speed": 2.0, "alpha_max": "tsi"},
 }
-"""What all stops have in common."""
+"""Scenario that all stops have in common."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Life:
-    """What happens to a train; sizes after domain data: lots 10 %, units 5 %, wet pads −20…−30 % at first.
+    """Events in the life of a train; typical variations: lots 10 %, units 5 %, wet pads initially −20…−30 %.
 
     Attributes:
-        stops: How many.
-        seed: Of everything that is drawn.
-        worn: Stop from which one group has lost friction; None never.
-        worn_group: Which, from 0.
-        loss: Share of friction that it has lost.
-        stuck: Stop from which one group does not release; None never.
-        stuck_group: Which.
-        residual: Pressure that the stuck group keeps [Pa].
-        testing: Groups are released in turn, so that they can be distinguished.
+        stops: Number of stops.
+        seed: Seed of everything that is drawn.
+        worn: Stop from which one group has lost friction; None for never.
+        worn_group: Index of that group, from 0.
+        loss: Relative loss of friction.
+        stuck: Stop from which one group does not release; None for never.
+        stuck_group: Index of that group, from 0.
+        residual: Pressure that remains in the stuck group [Pa].
+        testing: Whether groups are released in turn, so that they can be distinguished.
         pressure_offset: 1σ of the offset of each pressure transducer for the whole life [Pa], in addition to 500 Pa
             that are drawn in every stop.
     """
@@ -77,9 +77,9 @@ class Life:
 
 
 def live(life: Life, numbers: range | None = None) -> Iterator[tuple[xarray.Dataset, Vector]]:
-    """Yield the stops of a life in order; `numbers` takes some of them, each the same as in the whole.
+    """Yield the stops of a life in order; `numbers` selects some of them, each the same as in the whole life.
 
-    What was read, with the truth of pad friction, and the disc temperatures at the start as read, (groups,) [K].
+    A stop is its readings with the true pad friction, and the disc temperatures read at the start, (groups,) [K].
     """
     lot, groups = generator(life.seed, "life.lot"), formation().groups
     base = 1.0 + 0.05 * lot.standard_normal(groups)
@@ -102,8 +102,8 @@ def demand_table(full: Vector, testing: bool, residual: Vector) -> dict[str, Any
     """Return the table [demand] of a stop: coasting, then braking, and each group released in turn where it is tested.
 
     Args:
-        full: Pressures that are braked with, shape (groups,) [Pa].
-        residual: Pressure that stays in the cylinders of each group whatever is demanded, shape (groups,) [Pa].
+        full: Braking pressures, shape (groups,) [Pa].
+        residual: Minimum pressure in the cylinders of each group, independent of the demand, shape (groups,) [Pa].
     """
     brake, release = full.copy(), np.zeros(full.size)
     courses = [(release, COASTING)]
@@ -121,7 +121,6 @@ def demand_table(full: Vector, testing: bool, residual: Vector) -> dict[str, Any
 
 @cache
 def _nominal() -> dict[str, float]:
-    """Return the numbers among the parameters of the plant as its class has them."""
     parameters = (v for v in describe(fmu(PLANT)).variables.values() if v.causality == "parameter" and v.kind == "Real")
     return {v.name: float(v.start) for v in parameters if v.start is not None}
 

@@ -1,4 +1,4 @@
-"""What the monitor found, as a figure and as rows of a table."""
+"""Results of the monitor as a figure and as rows of a table."""
 
 from collections.abc import Sequence
 
@@ -22,7 +22,7 @@ def group_names() -> list[str]:
 
 
 def health_table(history: History, names: Sequence[str]) -> ReportTable:
-    """Return one row a group: index, trend, alarm."""
+    """Return one row for each group: index, trend, alarm."""
     alarms = {alarm.group: alarm for alarm in reversed(history.alarms)}
     rows = [
         {
@@ -77,7 +77,7 @@ def draw(history: History, design: MonitorDesign) -> Figure:
                     part.axvline(alarm.stop + 1, color=palette.VERMILION, lw=1.0, ls="--")
                 left.annotate(alarm.kind, (alarm.stop + 1, 0.36), color=palette.VERMILION, fontsize=8, ha="right")
         left.set_ylim(0.3, 1.4)
-        # Steps after an alarm go on; what matters is what led to it.
+        # The chart continues after an alarm; only its course before the alarm is relevant.
         right.set_ylim(0.0, 2.5 * history.threshold[g] if np.isfinite(history.threshold[g]) else 1.0)
         style.dress(left, y="friction over nominal", title=f"group {g + 1}: {name}")
         style.dress(right, y="cumulated sum [σ]")

@@ -1,4 +1,4 @@
-"""How early and how rarely the monitor alarms: many simulated lives, every stop a real run of plant and filter."""
+"""Delay and false alarms of the monitor: many simulated lives, with every stop a run of plant and filter."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,11 +21,11 @@ from railgrip.studies.study import Study
 SEEDS = 20
 STOPS = 200
 WORN, STUCK = 100, 160
-"""Stops at which groups break: enough of a healthy life before, enough stops after."""
+"""Stops at which faults begin, with a sufficient number of stops before and after."""
 
 
 def lives(seeds: int = SEEDS, stops: int = STOPS, pressure_offset: float = PRESSURE_OFFSET) -> list[Life]:
-    """Return lives in which one group loses 20 % and another sticks later; every pair of groups takes its turn."""
+    """Return lives in which one group loses 20 % and another sticks later, over all pairs of groups."""
     groups = formation().groups
     worn, stuck = round(WORN * stops / STOPS), round(STUCK * stops / STOPS)
     return [
@@ -94,16 +94,16 @@ STUDY = PadMonitor
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Assessment:
-    """What a study found.
+    """Performance of the monitor.
 
     Attributes:
-        lives: How many lives.
-        stops: Stops in all of them.
-        worn_delays: Stops from the loss of friction to its alarm, one a life; None where none came.
-        stuck_delays: The same for the brake that sticks.
+        lives: Number of lives.
+        stops: Number of stops in all of them.
+        worn_delays: Number of stops from the loss of friction to its alarm in each life; None without an alarm.
+        stuck_delays: The same for the sticking brake.
         kinds_right: Share of alarms of the right kind.
-        healthy: Pairs of stop and group that were watched while healthy.
-        false_alarms: Alarms among them.
+        healthy: Number of monitored pairs of stop and healthy group.
+        false_alarms: Number of alarms among them.
     """
 
     lives: int

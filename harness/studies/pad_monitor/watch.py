@@ -15,7 +15,7 @@ from railgrip.studies.pad_monitor.evidence import Evidence
 Kind = Literal["friction lost", "does not release"]
 
 _UNKNOWN = 0.2
-"""Deviation of health of which nothing is known: lots and units of pads, and the faults that are looked for."""
+"""Standard deviation of unknown health: variation of lots and units, and faults to detect."""
 
 _TOGETHER = 0.05
 """Common scatter of all groups before there are reference stops: the load of a train."""
@@ -27,19 +27,19 @@ FEWEST = 5
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MonitorDesign:
-    """What the monitor takes for healthy and what not.
+    """Design of the monitor.
 
     Attributes:
-        reference: Stops of a brake known to be healthy, right after commissioning, that later ones are held against.
-        tolerated: Share of friction that a group may lose and still be healthy: glazing and wear.
-        failed: Share at which it must be found.
+        reference: Number of stops after commissioning, with healthy brakes, with which later ones are compared.
+        tolerated: Relative loss of friction of a group that still counts as healthy: glazing and wear.
+        failed: Relative loss that must be detected.
         false_alarms: Design rate for each stop and group, at a loss of `tolerated`.
-        minimum_scatter: Minimum of the scatter from stop to stop, share of friction.
+        minimum_scatter: Minimum relative scatter of friction from stop to stop.
         largest_deviation: Evidence with a larger standard deviation does not distinguish groups and is not charted.
-        largest_step: Of the chart, in deviations; one odd stop must not alarm alone.
-        drift: Random walk of health that the index follows, share a stop.
-        drag: Rise of the coasting deceleration that says "does not release" [m/s²].
-        trend: Stops that the trend is taken over.
+        largest_step: Largest step of the chart, in standard deviations; a single outlier must not cause an alarm.
+        drift: Random walk of health that the index follows [1/stop].
+        drag: Increase of the coasting deceleration that indicates "does not release" [m/s²].
+        trend: Number of stops for the trend.
     """
 
     reference: int = 20
@@ -56,13 +56,13 @@ class MonitorDesign:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Alarm:
-    """Look after this group.
+    """An alarm for a group.
 
     Attributes:
-        stop: Number of the stop that raised it, from 0.
-        group: Its number, from 0.
-        kind: What it looks like.
-        loss: Friction lost against the reference, mean of the stops since the chart left zero, share.
+        stop: Index of the stop that raised it, from 0.
+        group: Index of the group, from 0.
+        kind: Probable fault.
+        loss: Relative loss of friction against the reference, mean over the stops since the chart left zero.
     """
 
     stop: int
@@ -73,18 +73,18 @@ class Alarm:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class History:
-    """What the monitor made of a row of stops.
+    """Verdict of the monitor on a series of stops.
 
     Attributes:
         evidence: Health of each stop, shape (k, groups).
-        deviation: Of it, shape (k, groups).
-        index: Health followed over stops, 1 nominal, shape (k, groups).
-        index_sd: Its standard deviation, the offsets of the pressure transducers included, shape (k, groups).
+        deviation: Standard deviation of the evidence, shape (k, groups).
+        index: Health filtered over stops, 1 nominal, shape (k, groups).
+        index_sd: Standard deviation of the index, including offsets of pressure transducers, shape (k, groups).
         chart: Cumulated sum of each group, in deviations, shape (k, groups).
-        threshold: At which the chart alarms, shape (groups,).
-        trend: Change of the index over the last stops, share a stop, shape (groups,).
-        trend_sd: Its standard deviation.
-        alarms: In the order of stops.
+        threshold: Threshold of the chart, shape (groups,).
+        trend: Slope of the index over the last stops [1/stop], shape (groups,).
+        trend_sd: Standard deviation of the trend.
+        alarms: Alarms in the order of stops.
         chart_points: Stops that distinguish the groups.
     """
 
@@ -103,16 +103,16 @@ class History:
 def watch(stops: Sequence[Evidence], design: MonitorDesign) -> History:
     """Return the verdict of the monitor on stops, oldest first.
 
-    A load that is not the nominal one, wet pads and a wind move all groups together; a fault moves one. So a group is
-    charted by its health over the median of the others, relative to the same ratio in the reference stops. All
-    groups losing friction alike is seen in the index, not in the chart.
+    Another load, wet pads and wind affect all groups equally; a fault affects one. Therefore the chart of a group is
+    that of its health over the median of the others, relative to the same ratio in the reference stops. An equal loss
+    of friction of all groups appears in the index, not in the chart.
     """
     count, groups = len(stops), len(stops[0].health) if stops else 0
     health = np.array([stop.health for stop in stops]).reshape(count, groups)
     deviation = np.array([stop.deviation for stop in stops]).reshape(count, groups)
     apart = np.asarray((deviation < design.largest_deviation).all(axis=1), dtype=np.bool_)
     reference = np.flatnonzero(apart)[: design.reference]
-    # Load, wet pads and wind: what all groups share from stop to stop, seen in the mean over groups.
+    # The common scatter of all groups (load, wet pads, wind) is that of the mean over groups.
     together = float(np.var(health[reference].mean(axis=1))) if reference.size > 2 else _TOGETHER**2
     ratio = np.full((count, groups), np.nan)
     for g in range(groups):
@@ -122,7 +122,7 @@ def watch(stops: Sequence[Evidence], design: MonitorDesign) -> History:
     threshold = np.full(groups, np.nan)
     alarms: list[Alarm] = []
     if reference.size == design.reference:
-        # Medians: an odd stop among the first must not blunt the monitor for its whole life.
+        # Medians: an outlier in the reference must not reduce the sensitivity for the whole life.
         normal = np.median(ratio[reference], axis=0)
         deficit = 1.0 - ratio / normal
         mad = 1.4826 * np.median(np.abs(ratio[reference] / normal - 1.0), axis=0)
@@ -174,7 +174,7 @@ def _chart(
     design: MonitorDesign,
     chart: Matrix,
 ) -> list[Alarm]:
-    """Fill `chart` from stop `first` on and return the alarms; after one the chart of its group rests."""
+    # After an alarm the chart of that group is not updated.
     slack = 0.5 * (design.tolerated + design.failed)
     before = [stop.drag for stop in stops[:first] if np.isfinite(stop.drag)]
     coasting = float(np.median(before)) if before else float("nan")
@@ -199,10 +199,8 @@ def _chart(
 
 
 def _scatter_by_group(health: Matrix, design: MonitorDesign) -> Vector:
-    """Return how far a group's evidence strays from that of the others, stop to stop, shape (groups,).
-
-    Evidence claims what noise does to it. Latencies and slides do more, which only the stops themselves show.
-    """
+    # The covariance of the evidence covers noise only. Latencies and slides add scatter that only the stops themselves
+    # reveal.
     if len(health) < FEWEST:
         return np.full(health.shape[1], design.minimum_scatter)
     apart = health - np.median(health, axis=1, keepdims=True)
@@ -213,20 +211,20 @@ def _scatter_by_group(health: Matrix, design: MonitorDesign) -> Vector:
 def _follow(
     stops: Sequence[Evidence], together: float, residual: Vector, alarms: Sequence[Alarm], design: MonitorDesign
 ) -> tuple[Matrix, Matrix]:
-    """Return health followed by a Kalman filter over stops, with its deviation, each shape (k, groups).
+    """Return health estimated by a Kalman filter over stops, with its standard deviation, each shape (k, groups).
 
-    The offset of a transducer is the same in every stop: it does not weigh stops, and no number of them averages it
-    out. `shift` is what offsets of one standard deviation, one a column, have moved the index by, through the same
-    gains that made it. Source: Schmidt, Application of State-Space Methods to Navigation Problems (1966).
+    A transducer's offset is the same in every stop: it has no effect on the weight of a stop, and averaging does not
+    remove it. `shift` is the change of the index due to offsets of one standard deviation, one per column, propagated
+    through the same gains. Source: Schmidt, Application of State-Space Methods to Navigation Problems (1966).
 
-    An alarm says that health has jumped, so that the index of its group begins anew there.
+    After an alarm the index of its group is reset, because health has jumped.
 
     Args:
         stops: Oldest first.
         together: Variance from stop to stop that all groups share.
-        residual: Remaining deviation of each group from stop to stop, shape (groups,).
-        alarms: Of the chart.
-        design: Of the monitor.
+        residual: Remaining standard deviation of each group from stop to stop, shape (groups,).
+        alarms: Alarms of the chart.
+        design: Design of the monitor.
     """
     groups = len(residual)
     mean, covariance = np.ones(groups), np.eye(groups) * _UNKNOWN**2
@@ -246,10 +244,10 @@ def _follow(
 
 
 def _trend(health: Matrix, apart: NDArray[np.bool_], design: MonitorDesign) -> tuple[Vector, Vector]:
-    """Return the slope of health over the last stops and its deviation, share a stop, each shape (groups,).
+    """Return the slope of health over the last stops and its standard deviation [1/stop], each shape (groups,).
 
-    A straight line by least squares through the stops that distinguish the groups; its deviation comes from their
-    scatter about it.
+    The slope is a least-squares line through the stops that distinguish the groups; its deviation follows from their
+    scatter about the line.
     """
     number = np.flatnonzero(apart)
     number = number[number >= len(health) - design.trend]

@@ -1,4 +1,4 @@
-"""Schwarz and Keck (2020): their figures on wagon, roller rig and estimates, ours beside, with what the text states."""
+"""Schwarz and Keck (2020): figures on wagon, roller rig and estimates, published and reproduced."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -26,15 +26,15 @@ Vector = NDArray[np.float64]
 PAGE = "adhesion_and_brake_friction.md"
 
 RADIUS = 0.46
-"""Of the rig's wheelset [m]."""
+"""Wheel radius of the rig's wheelset [m]."""
 LIMIT = 0.02
-"""Error of adhesion that the paper keeps outside protection events."""
+"""Limit of the error of adhesion outside protection events, as stated in the paper."""
 RECOVERY = 0.1
-"""Time in which it corrects a larger one [s]."""
+"""Time within which a larger error is corrected, as stated in the paper [s]."""
 RESPONSE = 0.2
 """Usual response time of a wheel-slide protection, "about", §4 [s]."""
 FALLEN = 1 / np.e
-"""Share of the pad force that is left when the protection has responded: after one time constant of a lag."""
+"""Remaining share of the pad force when the protection has responded: after one time constant of a lag."""
 PRESSED = 3e3
 """Pad force from which the brake counts as applied [N]: 30 times the noise of its load cell."""
 
@@ -45,7 +45,7 @@ NAMES = {"rig-paper": "Q and R of equation (20)", "rig-own": "noises of sensors 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Statement:
-    """What the text says of a test from `begin` to `end` [s]: words, and the bounds of adhesion, if it has any."""
+    """Statement of the text about a test from `begin` to `end` [s], with the bounds of adhesion, if it has any."""
 
     begin: float
     end: float
@@ -64,13 +64,13 @@ STATEMENTS: Mapping[str, Sequence[Statement]] = {
         Statement(begin=55, end=200, words="pad friction rises"),
     ),
 }
-"""By test. The end of the tests is in the images only."""
+"""Statements by test. The end of the tests is in the images only."""
 
 START_SPEED = {"rig_slide": 120.0, "rig_sand": 200.0}
-"""Published [km/h]."""
+"""Published initial speeds [km/h]."""
 
 DEEP_SLIDE = (4.0, 11.0)
-"""Seconds of the sanding test in which adhesion passes its peak, falls, comes back and goes to zero: figure 6."""
+"""Time range of figure 6 in the sanding test [s]: adhesion passes its peak, falls, recovers and goes to zero."""
 SLIDING = 0.1
 """Slip above which the wheelset slides: several times the slip of the peak."""
 
@@ -204,7 +204,7 @@ def record_figure(test: str, recording: xarray.Dataset, estimates: Mapping[str, 
     style.legend(inputs, lines, names, loc="lower left", bbox_to_anchor=(0.0, 0.98), ncols=4)
     measured = measured_adhesion(recording)
     friction.plot(time, truth_of(recording, "mu_b"), color=palette.BLACK, lw=1.2, ls="--", label="true")
-    # The noisiest line, as wide as a band, lies below what it is compared with.
+    # The noisiest line looks like a band and is drawn first, below the true value.
     for name, estimate in estimates.items():
         width = 1.6 if name == "rig-paper" else 0.6
         adhesion.plot(time, estimate["mean"].sel(state="alpha"), color=COLOURS[name], lw=width, label=NAMES[name])
@@ -225,7 +225,6 @@ def record_figure(test: str, recording: xarray.Dataset, estimates: Mapping[str, 
 
 
 def _draw_statement(statement: Statement, adhesion: Axes, friction: Axes, top: float) -> None:
-    """Draw what the text says: the span in both panels, bounds and words over adhesion."""
     for panel in (adhesion, friction):
         panel.axvspan(statement.begin, statement.end, color=palette.SKY, alpha=0.15, linewidth=0)
     if statement.adhesion:
@@ -282,7 +281,7 @@ def measures(
     slide: Mapping[str, Any],
     same_protection: xarray.Dataset,
 ) -> dict[str, Any]:
-    """Return what is measured in our figures, by name; the table of the page is made of it.
+    """Return the numbers measured in the reproduced figures, by name, from which the table of the page is made.
 
     Args:
         tests: Recording and estimates by test.
@@ -318,7 +317,7 @@ def measures(
 
 
 def brakings(recording: xarray.Dataset) -> dict[str, Any]:
-    """Return when brakes are applied before the stop braking [s], and how often a second after its begin."""
+    """Return instants of brake applications before the stop braking [s], and their rate after its beginning [1/s]."""
     time, pressed = recording["time"].values, reading_of(recording, "pad_force") > PRESSED
     begins = time[np.flatnonzero(np.diff(pressed.astype(int)) > 0)]
     ends = time[np.flatnonzero(np.diff(pressed.astype(int)) < 0)]
@@ -334,7 +333,7 @@ def brakings(recording: xarray.Dataset) -> dict[str, Any]:
 
 
 def settling(recording: xarray.Dataset, estimates: xarray.Dataset) -> float:
-    """Return the time [s] after the start until the error of adhesion is within `LIMIT`, for a second at least.
+    """Return the time [s] after the start until the error of adhesion is within `LIMIT` for one second or more.
 
     Infinite if it is not within the first second.
     """
@@ -357,24 +356,22 @@ def response(recording: xarray.Dataset) -> float:
 
 
 def slides(recording: xarray.Dataset) -> int:
-    """Return how many slides begin in the seconds of figure 6."""
+    """Return the number of slides that begin in the time range of figure 6."""
     sliding = truth_of(recording.sel(time=slice(*DEEP_SLIDE)), "slip") > SLIDING
     return int(np.sum(np.diff(sliding.astype(int)) > 0))
 
 
 def _rise(friction: Vector, recording: xarray.Dataset, begin: float) -> list[float]:
-    """Return pad friction at an instant and at the end of a test, means over a second."""
     time = recording["time"].values
     return [float(np.mean(friction[(time >= at) & (time < at + 1)])) for at in (begin, time[-1] - 1)]
 
 
 def _oscillation(friction: Vector, recording: xarray.Dataset) -> float:
-    """Return the rms deviation of estimated pad friction from its mean over 10 s."""
     return float(np.std(friction - uniform_filter1d(friction, round(10.0 / period_of(recording)))))
 
 
 def peaks_in_slide(recording: xarray.Dataset, estimates: xarray.Dataset) -> int:
-    """Return how many stretches of figure 6 have an error of adhesion above `LIMIT`."""
+    """Return the number of intervals of figure 6 with an error of adhesion above `LIMIT`."""
     over = np.abs(errors(recording, estimates, "alpha")) > LIMIT
     time = recording["time"].values
     over &= (time >= DEEP_SLIDE[0]) & (time <= DEEP_SLIDE[1])
@@ -382,7 +379,6 @@ def peaks_in_slide(recording: xarray.Dataset, estimates: xarray.Dataset) -> int:
 
 
 def _adhesion_of_slide(recording: xarray.Dataset) -> list[float]:
-    """Return adhesion by the load cells at its first peak, where slip is largest, at the next peak, and at last."""
     part = recording.sel(time=slice(*DEEP_SLIDE))
     slip, adhesion = truth_of(part, "slip"), measured_adhesion(part)
     largest = int(np.argmax(slip))
@@ -396,7 +392,7 @@ def _adhesion_of_slide(recording: xarray.Dataset) -> list[float]:
 
 
 def compare_with_paper(found: Mapping[str, Any]) -> list[PaperRow]:
-    """Return the published quantities beside ours; `found` are `measures`."""
+    """Return published and reproduced quantities; `found` are `measures`."""
     words = {"1": "greatest adhesion", "2": "brake released", "3": "rolling"}
     points = [
         PaperRow("Fig. 3", f"point {number}, {words[number]}", "no numbers",
@@ -416,7 +412,6 @@ def compare_with_paper(found: Mapping[str, Any]) -> list[PaperRow]:
 
 
 def _compare_slide(slide: Mapping[str, Any]) -> list[PaperRow]:
-    """Return what the text says of figure 4, beside the sliding test."""
     low, short = STATEMENTS["rig_slide"][1], slide["short"]
     return [
         PaperRow("Fig. 4", "initial speed", START_SPEED["rig_slide"], slide["speed"], "{:.0f} km/h", is_chosen=True),
@@ -442,7 +437,6 @@ def _compare_slide(slide: Mapping[str, Any]) -> list[PaperRow]:
 
 
 def _compare_sand(sand: Mapping[str, Any], slide: Mapping[str, Any]) -> list[PaperRow]:
-    """Return what the text says of figure 5, beside the sanding test."""
     names = ("first peak", "after the fall", "after the release", "at last")
     return [
         PaperRow("Fig. 5", "initial speed", START_SPEED["rig_sand"], sand["speed"], "{:.0f} km/h", is_chosen=True),
@@ -464,7 +458,6 @@ def _compare_sand(sand: Mapping[str, Any], slide: Mapping[str, Any]) -> list[Pap
 
 
 def _compare_errors(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
-    """Return the errors of adhesion of each filter in a test."""
     rows: list[PaperRow] = []
     for name, judged in test["filters"].items():
         outside = f"error of adhesion outside protection events, {NAMES[name]}"
@@ -477,7 +470,6 @@ def _compare_errors(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
 
 
 def _compare_start(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
-    """Return how long each filter takes to correct an adhesion that is wrong at its start."""
     return [
         PaperRow(figure, f"wrong start of adhesion corrected in, {NAMES[name]}", "first few tenths of a second",
                  f"{seconds:.3f} s")
@@ -486,7 +478,6 @@ def _compare_start(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
 
 
 def _compare_friction(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
-    """Return how pad friction rises to the end of a test, true and estimated."""
     published = f"rises from {test['rises']:g} s on"
     return [
         PaperRow(figure, f"pad friction, {NAMES.get(name, name)}", published, f"{begin:.3f} to {end:.3f}",

@@ -1,4 +1,4 @@
-"""Schwarz, Posielek and Goetjes (2021): their table and figure 4 with the law as printed, next to ours."""
+"""Schwarz, Posielek and Goetjes (2021): table and figures, published and reproduced with the law as printed."""
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
@@ -11,13 +11,14 @@ from matplotlib.figure import Figure
 from railgrip.api import Scenario
 from railgrip.report import palette, style
 from railgrip.report.figures import draw_adhesion, draw_wheelsets
+from railgrip.report.stop import Stop
 from railgrip.report.table import ReportTable
 from railgrip.simulate.run import run_stop
 from railgrip.studies.papers.creep_curves import CreepCurve
+from railgrip.studies.papers.figure_4 import COUPLED, LAST_RISE, LIMIT, course_of_adhesion
 from railgrip.studies.papers.lyapunov import course_of, violations
 from railgrip.studies.papers.pages import PaperRow
 from railgrip.studies.papers.schematic import arrow, box, canvas
-from railgrip.studies.papers.sentences import COUPLED, LAST_RISE, LIMIT, course_of_adhesion
 from railgrip.studies.papers.table1 import (
     ABC,
     ADHESION_SMALL,
@@ -43,7 +44,6 @@ from railgrip.studies.papers.table1 import (
     stop_of,
     value_of,
 )
-from railgrip.trace.stop import Stop
 
 LIBRARY = Path(__file__).parent / "library"
 FITS, IDENTIFIED = LIBRARY / "table1_fits.csv", LIBRARY / "table1_identified.csv"
@@ -132,7 +132,7 @@ _NOT_CHOSEN: Final = frozenset({"kind", "polach", "polach_of_wheelset", "level",
 
 
 def cross_validation(fits: Sequence[CandidateFit]) -> ReportTable:
-    """Return the third distance of the law predicted by the fit to the other two, each way.
+    """Return, for each of the three distances of the law, its prediction by a fit to the other two.
 
     Of all tried candidates with a plausible creep curve the one with the smallest error of two distances predicts the
     third. No constraint but that of the curve is used, because the others contain the third distance or the trapezoid.
@@ -192,9 +192,9 @@ def curve_figure(identified: CandidateFit) -> Figure:
 
 
 def sentences(identified: CandidateFit, found: Mapping[str, Any]) -> ReportTable:
-    """Return what the paper says of its results, whether the search required it, and whether it holds.
+    """Return the statements of the paper about its results, whether the search required them, and whether they hold.
 
-    `found` are `measures`. Held out: the search did not see it.
+    `found` are `measures`. A statement that is held out was not used in the search.
     """
     printed, sbc = found[LAWS[0]], found["trapezoid"]
     used, chatter = printed["used"], printed["chatter"]
@@ -232,16 +232,16 @@ def sentences(identified: CandidateFit, found: Mapping[str, Any]) -> ReportTable
 
 
 def profile(fits: Sequence[CandidateFit]) -> ReportTable:
-    """Return, for quarters of the bounds of each number, the least of the largest errors of all fits in them.
+    """Return, for quarters of the bounds of each number, the minimum over all fits in them of the largest error.
 
-    Quarters whose errors are alike are those that six distances do not tell apart.
+    The six distances do not distinguish quarters with similar errors.
     """
     rows: list[tuple[str, ...]] = []
     for name, (low, high) in BOUNDS.items():
         edges = np.geomspace(low, high, 5) if name != "A" else np.linspace(low, high, 5)
         cells: list[str] = []
         for begin, end in pairwise(edges):
-            # Values are rounded to four digits, so that one at a bound may lie beyond it.
+            # Values are rounded to four digits, so that one at a bound may be beyond it.
             inside = [fit.largest for fit in fits if begin * 0.999 <= value_of(fit.candidate, name) <= end * 1.001]
             cells.append(f"{begin:.2g} – {end:.2g}: {100 * min(inside):.1f} %" if inside else "none tried")
         rows.append((name, *cells))
@@ -251,7 +251,7 @@ def profile(fits: Sequence[CandidateFit]) -> ReportTable:
 def alternatives(fits: Sequence[CandidateFit]) -> ReportTable:
     """Return fits of plausible curves with errors up to twice `EQUAL`, the best first.
 
-    Each differs from those before it in some number by a quarter of its bounds.
+    Each differs from all previous ones in at least one number by a quarter of its bounds.
     """
     chosen: list[CandidateFit] = []
     for fit in sorted(fits, key=lambda fit: fit.largest):
@@ -290,7 +290,7 @@ LAWS = ("ABC, as printed", "ABC, ours")
 def stops_of(identified: CandidateFit) -> dict[str, Stop]:
     """Return the stops of figures 3 and 4: slip-based control on each rail, on the trapezoid both laws, too.
 
-    "library NAME": On the rail as the scenarios of the library have it, for another creep curve.
+    "library NAME": the rail of the library's scenarios, with another creep curve.
     """
     curve, levels = identified.candidate, identified.levels
     slip_based = {"controller.kind": "slip_two_state", "estimator.kind": "none"}
@@ -304,7 +304,7 @@ def stops_of(identified: CandidateFit) -> dict[str, Stop]:
 
 
 def block_diagram() -> Figure:
-    """Draw plant, adhesion estimator and controller, and what each is written in (figure 2)."""
+    """Draw plant, adhesion estimator and controller, and the language of each (figure 2)."""
     drawing, axes = canvas(9, 3.9)
     box(
         axes,
@@ -366,7 +366,7 @@ def adhesion_figure(stops: Mapping[str, Stop]) -> Figure:
 
 
 def measures(stops: Mapping[str, Stop], lines: Sequence[CreepCurve]) -> dict[str, Any]:
-    """Return what is measured in our figures, by name; the table of the page is made of it.
+    """Return the numbers measured in the reproduced figures, by name, from which the table of the page is made.
 
     `minima`: of friction, by stop and wheelset; `maxima`: slips, by creep curve; `rise`: when friction begins its last
     rise [s]; `violations`: see `lyapunov`. By stop of figure 4 the numbers of `course_of_adhesion`.
@@ -388,7 +388,7 @@ def measures(stops: Mapping[str, Stop], lines: Sequence[CreepCurve]) -> dict[str
 
 
 def compare_with_paper(identified: CandidateFit, found: Mapping[str, Any]) -> list[PaperRow]:
-    """Return the published quantities next to ours; `found` are `measures`. The levels are solved for SBC."""
+    """Return published and reproduced quantities; `found` are `measures`. The levels are solved for SBC."""
     rows = [
         PaperRow("Fig. 1", f"slip of maxima, {name}", "two distinct maxima, no numbers",
                  ", ".join(f"{100 * slip:.1f} %" for slip in slips))
@@ -426,12 +426,10 @@ def compare_with_paper(identified: CandidateFit, found: Mapping[str, Any]) -> li
 
 
 def _rail(name: str) -> str:
-    """Return the name of a rail of `stops_of` for people."""
     library, _, shape = name.rpartition("library ")
     level = "library" if shape != name else "identified level"
     return f"{library}{shape.replace('_', ' ')}, {level}"
 
 
 def _apart(fit: CandidateFit, other: CandidateFit) -> float:
-    """Return the greatest distance of two fits in a number, as a share of its bounds."""
     return float(np.max(np.abs(np.subtract(point_of(fit.candidate), point_of(other.candidate)))))

@@ -1,4 +1,4 @@
-"""Adhesion over slip on rails that stay as they lie, and on rails that slip cleans and heats: figure 1 of the paper."""
+"""Adhesion over slip on rails of constant condition, and on rails that slip cleans and heats: figure 1 of the paper."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -34,18 +34,18 @@ SLIPS = np.concatenate([[0.0], np.geomspace(2e-3, 1.0, 80)])
 def curves(
     polach: str | Mapping[str, Any], mu0: float, slips: Vector = SLIPS, *, speed: float = SPEED, way: float = 35.0
 ) -> tuple[Vector, Vector]:
-    """Return adhesion at slips [1] on a rail that stays as it lies, (slips,), and on one that slip cleans.
+    """Return adhesion at slips [1] on a rail of constant condition, (slips,), and on one that slip cleans.
 
-    The latter, shape (slips, wheelsets), is that of each wheelset once all of them have slid for `way` with a slip. The
-    rail is cleaned as its creep curve says, else by `CLEAN`.
+    The latter, shape (slips, wheelsets), is the adhesion of each wheelset after all have slid over `way` with a slip.
+    The cleaning is that of the creep curve, otherwise `CLEAN`.
 
     Args:
         polach: Name or numbers of the creep curve.
-        mu0: Maximum friction of the rail as it lies.
+        mu0: Maximum friction of the rail before it is cleaned.
         slips: Slips [1].
         speed: Speed of the train [m/s].
-        way: Distance that the wheelsets slide [m]; as long as the train, or the last ones have not met what the first
-            ones have cleaned.
+        way: Distance that the wheelsets slide [m]; it must be the length of the train for the last ones to run on rail
+            cleaned by the first ones.
     """
     scenario = Scenario.load("plain", {"adhesion.polach": polach})
     vehicle, same = VehicleData(scenario), np.ones(slips.size)

@@ -20,7 +20,7 @@ LAWS: Final[Mapping[str, str]] = {"adhesion_based": "ABC", "slope_seeking": "slo
 
 FILTERS: Final[Mapping[str, Mapping[str, Any]]] = {
     "Δz predicted and read": {"estimator.model": "TrainPrediction"},
-    # The filter leaves out readings that deviate by more than this number of standard deviations: all of them.
+    # The filter rejects readings that deviate by more than this number of standard deviations: all deflections.
     "Δz predicted, not read": {"estimator.model": "TrainPrediction", "estimator.outlier_limit": {"deflection": 1e-9}},
     "no Δz: static loads": {"estimator.model": "TrainPredictionReduced"},
 }

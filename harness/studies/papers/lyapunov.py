@@ -11,10 +11,10 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from railgrip.report.stop import Stop
 from railgrip.report.table import ReportTable, share
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.contact import Contact
-from railgrip.trace.stop import Stop
 from railgrip.vehicle.brake import Brake
 
 Vector = NDArray[np.float64]
@@ -24,13 +24,13 @@ GROUP, WHEELSET = 0, 0
 """The wheelset of figure 4, whose brake is strong enough for the peak; it is coupled with the second one."""
 
 SLIPS, SLOWEST = (0.002, 0.5), 3.0
-"""Slip [1] and train speed [m/s] between and above which samples are judged: elsewhere the wheel rolls or locks."""
+"""Range of slip [1] and minimum speed [m/s] of the samples that are judged: elsewhere the wheel rolls or locks."""
 
 STEPS = {"slip": 1e-5, "speed": 1e-3}
-"""Of central differences [1, m/s]: rounding and curvature change them by less than a thousandth."""
+"""Steps of central differences [1, m/s]: errors by rounding and curvature are below a thousandth."""
 
 SMALL = 0.1
-"""Share of the rate of adhesion up to which terms count as neglected in equation 12."""
+"""Share of the rate of adhesion up to which the neglected terms of equation 12 count as negligible."""
 
 NEAR = 0.99
 """Share of the greatest possible adhesion that counts as reached."""
@@ -66,13 +66,13 @@ class LyapunovCourse:
     """A stop between its samples: states in the middle of each period, rates over it, and the brake in it.
 
     Attributes:
-        slopes: Of the creep curve.
-        slip_rate, adhesion_rate, acceleration, slope_rate: ṡ, α̇, v̇ and σ̇, by differences of the samples.
-        used: Adhesion over the greatest possible.
-        applied: Whether full pressure is demanded, as opposed to none; nothing of a law that demands pressures between.
+        slopes: Derivatives of the creep curve.
+        slip_rate, adhesion_rate, acceleration, slope_rate: ṡ, α̇, v̇ and σ̇, from differences of the samples.
+        used: Adhesion over the maximum possible.
+        applied: Whether full pressure is demanded, else zero; None for a law with pressures in between.
         gain: g_s = ∂ṡ/∂u with the cylinder pressure as u [1/(Pa s)].
-        lowest, highest: ṡ with no pressure in the cylinder, and with the highest.
-        resting: Where friction of the rail does not change.
+        lowest, highest: ṡ at zero and at maximum cylinder pressure.
+        resting: Whether the friction of the rail is constant.
         judged: Samples within `SLIPS` and above `SLOWEST`.
     """
 
@@ -128,13 +128,12 @@ def course_of(stop: Stop) -> LyapunovCourse:
 
 
 def _states(trace: xarray.Dataset) -> list[Vector]:
-    """Return speed, slip, wheelset load, maximum friction and adhesion at the samples."""
     of_wheelset = [trace[name].values[:, WHEELSET] for name in ("wheelset_load", "mu0", "adhesion")]
     return [trace["speed"].values, trace["slip"].values[:, GROUP], *of_wheelset]
 
 
 def _slip_rate_changes(brake: Brake, trace: xarray.Dataset, speed: Vector) -> tuple[Vector, Vector]:
-    """Return by how much ṡ would differ with no pressure and with the highest, all other states being the same.
+    """Return by how much ṡ would differ between no pressure and the highest, all other states being equal.
 
     From J ω̇ = r F − T and s = 1 − rω/v: ∂ṡ/∂T = r/(J v), T = units · friction radius · pad friction · pad force.
     """
@@ -145,7 +144,7 @@ def _slip_rate_changes(brake: Brake, trace: xarray.Dataset, speed: Vector) -> tu
 
 
 def inequalities(course: LyapunovCourse) -> dict[str, Mask | None]:
-    """Return where each inequality of the proof holds, shape (samples,); nothing where a law has no such input."""
+    """Return whether each inequality of the proof holds, shape (samples,); None if the law has no such input."""
     at, sigma = course.slopes, course.slopes.by_slip
     kept = sigma * course.slip_rate
     obeys = None if course.applied is None else course.applied == (sigma > 0)
@@ -165,7 +164,7 @@ def inequalities(course: LyapunovCourse) -> dict[str, Mask | None]:
 
 
 def violations(courses: Mapping[str, LyapunovCourse]) -> dict[str, dict[str, float]]:
-    """Return, by law and whether friction rests, the number of samples and the share that violates each inequality."""
+    """Return the number of samples and the share that violates each inequality, by law and state of the rail."""
     found: dict[str, dict[str, float]] = {}
     for law, course in courses.items():
         for word, there in (("constant", course.resting), ("changing", ~course.resting)):
@@ -187,5 +186,5 @@ def violations_table(found: Mapping[str, Mapping[str, float | None]]) -> ReportT
 
 
 def share_or_none(value: float | None) -> str:
-    """Return a share, or that there is none."""
+    """Return a share as text, or "no such u" without one."""
     return "no such u" if value is None or np.isnan(value) else share(value)

@@ -1,4 +1,4 @@
-"""Pages of published papers in docs/papers: a study writes its tables between marks, and its figures beside them."""
+"""Pages on the published papers in docs/papers: a study writes its tables between marks, and its figures."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -15,22 +15,23 @@ from railgrip.report.style import save
 from railgrip.report.table import Form, ReportTable, percent, text
 
 FOLDER = Path("docs/papers")
-"""Of the pages, from the folder of the project, where the commands run; their figures are in `figures` inside it."""
+"""Folder of the pages relative to that of the project; their figures are in its folder `figures`."""
 
 
 @dataclass(frozen=True, slots=True)
 class PaperRow:
-    """A quantity of a published figure or table, beside ours: a row of `comparison`.
+    """A quantity of a published figure or table and its reproduction: a row of `comparison`.
 
     Attributes:
-        figure: Of the paper, as "Fig. 4" or "Table 1".
-        quantity: With its unit, unless `form` has it.
-        published: A number, the bounds (low, high) of a range, or text where the paper gives no number; the bounds may
-            be infinite.
-        ours: A number, or text.
-        form: How numbers are shown, as "{:.1f} m".
-        difference: Text for those that are not computed from numbers.
-        is_chosen: Whether our number was chosen after the published one, so that their difference says nothing.
+        figure: Figure or table of the paper, such as "Fig. 4" or "Table 1".
+        quantity: Name of the quantity, with its unit unless `form` has it.
+        published: A number, the bounds (low, high) of a range, or text if the paper has no number; the bounds may be
+            infinite.
+        ours: Reproduced number, or text.
+        form: Format of numbers, such as "{:.1f} m".
+        difference: Text for a difference that is not computed from numbers.
+        is_chosen: Whether the reproduced number was chosen to match the published one, so that the difference has no
+            meaning.
     """
 
     figure: str
@@ -45,8 +46,8 @@ class PaperRow:
 def comparison(rows: Sequence[PaperRow]) -> ReportTable:
     """Return the table of a page: figure, quantity, published, ours and difference.
 
-    The difference from a number is a change in percent, from zero our number, from a range "within" or the distance to
-    its nearer bound. A number that was chosen after the published one has the difference "*chosen*".
+    The difference from a number is a change in percent; from zero it is the reproduced number; from a range it is
+    "within" or the distance to its nearer bound. A number that was chosen to match has the difference "*chosen*".
     """
     return ReportTable(
         [
@@ -71,13 +72,13 @@ def write_results(
     figures: Mapping[str, Figure] | None = None,
     measures: Mapping[str, Any] | None = None,
 ) -> None:
-    """Write tables between the marks of a page; figures and what is measured in them into `figures`.
+    """Write tables between the marks of a page, and figures and their measures into `figures`.
 
     Args:
         page: File name of the page in `FOLDER`.
-        tables: By the names in the marks.
-        figures: By their file names, which begin with that of the page: all pages share the folder.
-        measures: JSON values that tables are made of, so that tests need not run the study; see `measures_of`.
+        tables: Tables by the names in the marks.
+        figures: Figures by file names, which begin with that of the page because all pages have the same folder.
+        measures: JSON values from which tables are made, so that tests need not run the study; see `measures_of`.
 
     Raises:
         RecordError: The page cannot be read, or lacks a mark.
@@ -86,7 +87,7 @@ def write_results(
     for name, figure in (figures or {}).items():
         path = save(figure, FOLDER / "figures" / name)
         if path.suffix == ".png":
-            # Lines in a few colours need no more, and the file is a third as large.
+            # A palette is sufficient for lines in a few colours, and the file is a third as large.
             picture = Image.open(path).convert("RGB")
             picture.quantize(128, Image.Quantize.MAXCOVERAGE).save(path, optimize=True)
     if measures is not None:
@@ -94,7 +95,7 @@ def write_results(
 
 
 def measures_of(page: str, project: Path = Path()) -> Any:
-    """Return what `write_results` wrote of a page in the folder of a project."""
+    """Return the measures of a page that `write_results` wrote into the folder of a project."""
     return json.loads((project / _measures_file(page)).read_text(encoding="utf-8"))
 
 

@@ -1,4 +1,4 @@
-"""What the validation page says of the law as printed next to its row: its guards, and the limit of adhesion."""
+"""Tables of the validation page on the law as printed: effect of its guards, and the limit of adhesion."""
 
 import math
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ from railgrip.scenario.merge import merge
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import braking_distance, trace_of
 from railgrip.simulate.vehicle import VehicleData
-from railgrip.studies.papers.sentences import LIMIT
+from railgrip.studies.papers.figure_4 import LIMIT
 from railgrip.studies.papers.table1 import PERTURBATION, SCENARIOS
 
 
@@ -32,7 +32,7 @@ GUARDS: Final[Mapping[str, Mapping[str, Any]]] = {
     "without the hold (half pressure where ṡ·α̇ = 0)": {"hold": 0.0},
     (_BORROWING := "with the parameters that were searched for ABC"): {},
 }
-"""Variants of the law as printed → what is changed of its parameters; the last takes those of peak seeking."""
+"""Variant of the law as printed → its changed parameters; the last one has those of peak seeking."""
 _BORROWED: Final = ("filter_time", "slip_small", "creep_small", "adhesion_small")
 _REPEATS: Final = 3
 _EQUIPMENT: Final = ("ideal", "service")
@@ -41,7 +41,7 @@ _EQUIPMENT: Final = ("ideal", "service")
 def guards(work: Work) -> dict[str, dict[str, float | None]]:
     """Return the median distances [m] of the law as printed without each of its guards, by equipment and scenario.
 
-    None where most of the repeats do not stop.
+    A distance is None if most of the repeats do not stop.
     """
     campaign = load_campaign(shelf("campaigns")["table1"])
     planned = {
@@ -67,7 +67,6 @@ def guards(work: Work) -> dict[str, dict[str, float | None]]:
 
 
 def _with_parameters(scenario: Scenario, variant: str, seed: int) -> Scenario:
-    """Return a stop with the law as printed in a variant of `GUARDS`, perturbed by a seed."""
     parameters = GUARDS[variant]
     if variant == _BORROWING:
         tuning = AdhesionBased.load_tuning(scenario.actuation.kind, "estimated", period=1.0, adhesion_max=LIMIT)
@@ -80,7 +79,7 @@ def _with_parameters(scenario: Scenario, variant: str, seed: int) -> Scenario:
 
 
 def guards_table(found: Mapping[str, Mapping[str, float | None]]) -> ReportTable:
-    """Return the distances of `guards`, those of variants as differences from the law with all guards [m]."""
+    """Return a table of `guards`, with variants as differences from the law with all guards [m]."""
     whole = found[next(iter(GUARDS))]
     rows = [
         (variant, *(_metres(distance, None if distances is whole else whole[column])
@@ -92,11 +91,11 @@ def guards_table(found: Mapping[str, Mapping[str, float | None]]) -> ReportTable
 
 
 _LIMITED: Final = ("adhesion_literal", "adhesion_based", "slope_seeking")
-"""Laws that keep the limit of adhesion as far as they can."""
+"""Laws with a limit of adhesion."""
 
 
 def excesses(work: Work) -> list[dict[str, Any]]:
-    """Return the greatest adhesion under each law that has a limit, and what it is made of; see `excess`."""
+    """Return the maximum adhesion under each law with a limit, and its components; see `excess`."""
     campaign = load_campaign(shelf("campaigns")["table1"])
     stops = campaign.only(
         lambda stop: (
@@ -111,11 +110,11 @@ def excesses(work: Work) -> list[dict[str, Any]]:
 
 
 def excess(scenario: Scenario) -> dict[str, float]:
-    """Return the greatest adhesion of any group in a stop, and what it is made of.
+    """Return the maximum adhesion of any group in a stop, and its components.
 
-    `peak`: adhesion; `estimate`: estimated then; `inertia`: part of the adhesion that accelerates the wheelsets,
-    J dω/dt/(r F_z), the rest of it holds brake and bearings; `speed`: of the train then [m/s]; `over`: longest time of
-    a group above `LIMIT` [s].
+    `peak`: maximum adhesion; `estimate`: estimated adhesion at that instant; `inertia`: part of the adhesion that
+    accelerates the wheelsets, J dω/dt/(r F_z), the rest balances brake and bearings; `speed`: speed of the train at
+    that instant [m/s]; `over`: longest time of a group above `LIMIT` [s].
     """
     trace = trace_of(scenario)
     adhesion, time = trace["group_adhesion"].values, trace["time"].values

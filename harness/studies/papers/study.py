@@ -15,10 +15,10 @@ from railgrip.studies.papers import adhesion_based, printed
 from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED
 from railgrip.studies.papers.creep_curves import causes, figure_1, rails
 from railgrip.studies.papers.deflection import deflection_table, deflections
+from railgrip.studies.papers.figure_4 import used_by_wheelset, used_table, wheelset_figure
 from railgrip.studies.papers.lyapunov import violations_table
 from railgrip.studies.papers.pages import comparison, write_results
 from railgrip.studies.papers.table1 import CandidateFit, read_fits, refine, search, write_fits
-from railgrip.studies.papers.wheelsets import used_by_wheelset, used_table, wheelset_figure
 from railgrip.studies.study import Study
 
 PAGE = "adhesion_based.md"
@@ -107,6 +107,6 @@ class Papers(Study):
 
 
 KNOWN = 8
-"""Best fits of the last search that a new one goes on from."""
+"""Best fits of the last search, from which a new one continues."""
 
 STUDY = Papers

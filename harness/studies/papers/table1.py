@@ -1,4 +1,4 @@
-"""Table 1 of Schwarz, Posielek and Goetjes (2021) from all six of its distances: which creep curve and law give them.
+"""Identification of creep curve and law from all six distances of Table 1 of Schwarz, Posielek and Goetjes (2021).
 
 The paper publishes neither its creep curve nor filter and threshold of its law, and friction only as a figure. Nine
 numbers are free here, six distances are known. For each creep curve and law three levels of friction, one for each
@@ -26,7 +26,7 @@ from railgrip.campaign.calibrate import TARGETS
 from railgrip.campaign.work import Work, call
 from railgrip.simulate.run import braking_distance, run_stop
 from railgrip.simulate.vehicle import VehicleData
-from railgrip.studies.papers.sentences import course_of_adhesion
+from railgrip.studies.papers.figure_4 import course_of_adhesion
 
 SCENARIOS: tuple[str, ...] = ("trapezoid", "sine_sweep", "random")
 SBC = TARGETS
@@ -41,18 +41,18 @@ FINAL: Mapping[str, int] = {"sbc": 5, "abc": 20}
 """Repeats of a stop of the result."""
 
 LEVELS = (0.5, 2.5)
-"""Where a level is looked for, a factor on the friction of the scenario file."""
-_CLOSE, _NEAR = 5e-4, 3e-3  # of a distance: below what rounding moves it by, and what is taken where it jumps
+"""Range in which a level is searched, a factor on the friction of the scenario file."""
+_CLOSE, _NEAR = 5e-4, 3e-3  # relative tolerances of a distance: below the effect of rounding; and at a jump
 _GUESSES = {"trapezoid": 1.05, "sine_sweep": 1.18, "random": 1.19}
-"""Where the search for a level begins: of the trapezoid, and of the others over that of the trapezoid."""
+"""Start of the search for a level: of the trapezoid, and of the others relative to that of the trapezoid."""
 
 EQUAL = 0.02
-"""Largest error of six distances, as a share, up to which fits count as equal: single repeats differ by up to 1.8 %."""
+"""Relative error of the six distances up to which fits count as equal: single repeats differ by up to 1.8 %."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Candidate:
-    """The six numbers that levels are solved for: creep curve, filter time [s] and threshold of the law."""
+    """Six free numbers, for which levels are solved: creep curve, filter time [s] and threshold of the law."""
 
     k_A: float  # noqa: N815 (the name in the literature)
     k_S: float  # noqa: N815 (the name in the literature)
@@ -63,7 +63,7 @@ class Candidate:
 
     @property
     def polach(self) -> dict[str, float]:
-        """The creep curve as scenario files have it."""
+        """The creep curve in the form of scenario files."""
         return {"k_A": self.k_A, "k_S": self.k_S, "A": self.A, "B": self.B}
 
 
@@ -74,9 +74,9 @@ class CandidateFit:
     A scenario without a level has no distances: NaN.
 
     Attributes:
-        share: Adhesion at 15 % slip over the greatest, see `creep_curve`; NaN without levels.
-        course: Numbers of `COURSE`, of the stop with the law as printed on the trapezoid; NaN where the distances are
-            farther off than `PROMISING`.
+        share: Adhesion at 15 % slip over the maximum, see `creep_curve`; NaN without levels.
+        course: Numbers of `COURSE` of the stop with the law as printed on the trapezoid; NaN if the error of the
+            distances exceeds `PROMISING`.
     """
 
     candidate: Candidate
@@ -95,18 +95,18 @@ class CandidateFit:
 
     @property
     def largest(self) -> float:
-        """The largest of them; infinite where a level was not found."""
+        """Largest relative error; infinite if a level was not found."""
         worst = float(np.max(np.abs(self.errors)))
         return worst if math.isfinite(worst) else math.inf
 
     @property
     def savings(self) -> list[float]:
-        """Shares of the distance that the law saves against slip-based control, by scenario."""
+        """Relative reduction of the distance by the law in comparison with slip-based control, by scenario."""
         return [1 - self.abc[name] / self.sbc[name] for name in SCENARIOS]
 
     @property
     def shortfalls(self) -> dict[str, float]:
-        """How far each constraint is from being met, by its name: 0 where it is met, infinite where it is not known."""
+        """Violation of each constraint by its name: 0 if it is met, infinite if it is unknown."""
         course = self.course
         closest = float(np.min([course["used_before"], course["used_after"]]))  # NaN if one of them is
         distances = {
@@ -126,13 +126,13 @@ class CandidateFit:
 
     @property
     def cost(self) -> float:
-        """What the search minimises: the largest error, and the shortfalls where the distances are promising."""
+        """Objective of the search: the largest error, and the violations if the distances are promising."""
         known = [value for value in self.shortfalls.values() if math.isfinite(value)]
         return self.largest + sum(known) + (PROMISING if len(known) < len(self.shortfalls) else 0.0)
 
 
 SHARE = 0.6
-"""Smallest adhesion at 15 % slip over the greatest, at 80 km/h, of a plausible curve."""
+"""Minimum adhesion at 15 % slip over the maximum, at 80 km/h, of a plausible curve."""
 SAVING = 0.0875
 """The paper's "at least 8.8 %" before it was rounded."""
 CLOSE = 0.85
@@ -142,15 +142,15 @@ CHATTERING = 1.5
 OVER = 0.1
 """Longest time above the limit of adhesion [s] that counts as adherence: the limit acts after estimate and lag."""
 PROMISING = 0.06
-"""Largest error of distances up to which the course of adhesion is looked at."""
+"""Largest error of distances up to which the course of adhesion is evaluated."""
 COURSE = ("used_before", "used_coupled", "used_after", "chatter_before", "chatter_after", "peak", "over")
 """Numbers of `course_of_adhesion` that are constrained."""
 
 DEFAULT = Candidate(k_A=1.0, k_S=0.4, A=0.4, B=0.6, filter_time=0.0042, slip_small=0.003)
-"""The published shape that the scenarios have, Polach's dry one, and the filter of our own law."""
+"""The published shape of the scenarios, Polach's dry one, and the filter of this project's law."""
 
 # Bounds: k_A ≤ 1 and the range of k_S/k_A are those of published sets (Polach, 2005; Mal et al., 2020); published A are
-# 0.1 to 0.5, B 0.1 to 0.6 s/m, given room on either side. The filter is between one sample of the controller and the
+# 0.1 to 0.5, B 0.1 to 0.6 s/m, widened on either side. The filter is between one sample of the controller and the
 # time in which the rail changes; the threshold below all peaks.
 BOUNDS: Mapping[str, tuple[float, float]] = {
     "k_A": (0.03, 1.0),
@@ -169,7 +169,7 @@ def candidate_at(point: Sequence[float]) -> Candidate:
     for (name, (low, high)), share in zip(BOUNDS.items(), point, strict=True):
         values[name] = low * (high / low) ** share if name in _LOGARITHMIC else low + (high - low) * share
     ratio = values.pop("k_S/k_A")
-    # Four digits are what is written: the file holds all that a distance needs to be found again.
+    # Rounded to the four digits that files have, so that a distance can be reproduced from a file.
     return Candidate(k_S=_round(ratio * values["k_A"]), **{name: _round(value) for name, value in values.items()})
 
 
@@ -199,7 +199,7 @@ def _clean(name: str) -> float:
 
 
 def law_of(candidate: Candidate) -> dict[str, Any]:
-    """Return the changes that brake by the law as printed with a candidate's parameters."""
+    """Return the changes that select the law as printed with a candidate's parameters."""
     parameters = {
         "filter_time": candidate.filter_time,
         "slip_small": candidate.slip_small,
@@ -222,7 +222,7 @@ def stop_of(name: str, candidate: Candidate, level: float, controller: str, seed
 
 
 SPEED, LOAD = 80 / 3.6, 137e3
-"""At which creep curves are drawn and judged: speed [m/s] of the start, load of a wheelset [N]."""
+"""Initial speed [m/s] and load of a wheelset [N] at which creep curves are drawn and judged."""
 SLIPS = np.geomspace(1e-3, 1.0, 200)
 
 
@@ -234,7 +234,7 @@ def creep_curve(candidate: Candidate, friction: float) -> NDArray[np.float64]:
 
 
 def share_of(candidate: Candidate, friction: float) -> float:
-    """Return the adhesion at 15 % slip over the greatest."""
+    """Return the adhesion at 15 % slip over the maximum."""
     curve = creep_curve(candidate, friction)
     return float(np.interp(0.15, SLIPS, curve) / curve.max())
 
@@ -246,7 +246,7 @@ def mean_friction(level: float) -> float:
 
 
 def median_distance(name: str, candidate: Candidate, level: float, controller: str, repeats: int) -> float:
-    """Return the median of perturbed stops [m]; one without standstill counts as endless."""
+    """Return the median distance of perturbed stops [m]; a stop without standstill counts as infinite."""
     distances = [braking_distance(stop_of(name, candidate, level, controller, seed)) for seed in range(1, repeats + 1)]
     return float(np.median([math.inf if distance is None else distance for distance in distances]))
 
@@ -264,7 +264,7 @@ def fit(candidate: Candidate) -> CandidateFit:
 
 
 def at_levels(candidate: Candidate, levels: Mapping[str, float], repeats: Mapping[str, int]) -> CandidateFit:
-    """Return both controllers' distances at given levels, medians of so many repeats of each controller."""
+    """Return both controllers' distances at given levels, medians over a number of repeats for each controller."""
     sbc, abc = (
         {name: median_distance(name, candidate, levels[name], controller, count) for name in SCENARIOS}
         for controller, count in repeats.items()
@@ -275,7 +275,6 @@ def at_levels(candidate: Candidate, levels: Mapping[str, float], repeats: Mappin
 
 
 def _course(candidate: Candidate, levels: Mapping[str, float]) -> dict[str, float]:
-    """Return the numbers of `COURSE`."""
     course = course_of_adhesion(run_stop(stop_of("trapezoid", candidate, levels["trapezoid"], "abc")))
     used = {f"used_{part}": value for part, value in course["used"].items()}
     chatter = dict(zip(("chatter_before", "chatter_after"), course["chatter"], strict=True))
@@ -286,15 +285,12 @@ UNKNOWN: Mapping[str, float] = dict.fromkeys(COURSE, math.nan)
 
 
 def _level(name: str, candidate: Candidate, guess: float) -> float:
-    """Return the level at which slip-based control stops in the published distance; NaN if none within `LEVELS`.
-
-    By secants between the logarithms of level and distance: a distance is nearly proportional to 1/level.
-    """
+    # Secants between the logarithms of level and distance, because a distance is nearly proportional to 1/level.
     tried: dict[float, float] = {}
     level = guess
     for _ in range(_SECANTS):
         distance = braking_distance(stop_of(name, candidate, level, "sbc"))
-        # Where it slides on until the horizon, the rail is far too slippery.
+        # A stop that ends at the horizon means that the rail is far too slippery.
         tried[level] = math.log((4 * SBC[name] if distance is None else distance) / SBC[name])
         if abs(tried[level]) < _CLOSE:
             return level
@@ -302,7 +298,7 @@ def _level(name: str, candidate: Candidate, guess: float) -> float:
         if len(tried) > 1:
             (first, before), (last, after) = list(tried.items())[-2:]
             slope = (after - before) / math.log(last / first)
-        # Chatter may turn a short secant round: then the distance is taken as proportional to 1/level.
+        # Chatter may reverse a short secant: then the distance is assumed to be proportional to 1/level.
         level = round(level * math.exp(-tried[level] / (slope if -3.0 < slope < -0.3 else -1.0)), 5)
         if not LEVELS[0] <= level <= LEVELS[1] or level in tried:
             break
@@ -318,7 +314,7 @@ PARENTS = 6
 FIRST_WIDTH = 0.06
 """1σ of the first stage around the best, as a share of the bounds; each next one has two thirds of it."""
 _SLIPPERIEST = 0.15
-"""Mean friction above which no scenario gets: a curve whose share is too small there has too small a one below, too."""
+"""Upper bound of the mean friction of scenarios: a curve whose share is too small there is so below, too."""
 
 Point = tuple[float, ...]
 
@@ -331,11 +327,11 @@ def search(
     Only candidates whose creep curve is plausible are tried.
 
     Args:
-        work: Runs the fits.
-        known: Fits of an earlier search; the search goes on from those with a plausible curve, whose levels and
-            distances are computed anew.
-        stages: Candidates of each stage.
-        seed: Of the points.
+        work: Work that runs the fits.
+        known: Fits of an earlier search; the search continues from those with a plausible curve, whose levels and
+            distances are computed again.
+        stages: Number of candidates of each stage.
+        seed: Seed of the points.
     """
     sobol, generator, width = qmc.Sobol(len(BOUNDS), rng=seed), np.random.default_rng(seed), FIRST_WIDTH
     points = [point for fit in known if is_plausible(candidate_at(point := point_of(fit.candidate)))]
@@ -383,7 +379,7 @@ def refine(work: Work, fits: Sequence[CandidateFit], count: int = 4) -> Candidat
 
 
 def write_fits(path: Path, fits: Sequence[CandidateFit]) -> None:
-    """Write fits as CSV, a line each."""
+    """Write fits as CSV, one per line."""
     with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         distances = (f"{kind}_{name}" for kind in ("level", "sbc", "abc") for name in SCENARIOS)

@@ -1,1 +1,1 @@
-"""The trains of this project against published stops, a calculation by hand, UIC 540, and a trial of sanders."""
+"""Comparison of the built-in trains with published stops, a calculation by hand, UIC 540, and a trial of sanders."""

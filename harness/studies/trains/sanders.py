@@ -38,7 +38,7 @@ class SanderDistance(Table):
 
 
 class SandLaw(Table):
-    """What is assumed of sand, and between what the density is looked for."""
+    """Assumptions on sand, and bounds of the search for its density."""
 
     mu0: Friction
     left: Annotated[float, UnitRange("1", at_least=0, at_most=1)]
@@ -70,7 +70,7 @@ where the trial gives only a bound."""
 
 
 def trial_of() -> SanderTrial:
-    """Return the trial that is compared."""
+    """Return the trial to compare with."""
     path = LIBRARY / "sanders.toml"
     return validate_table(SanderTrial, read_toml(path), directory=path.parent, origin=path.name)
 

@@ -1,4 +1,4 @@
-"""Dry emergency stops of trains, and what a train costs to build and to step."""
+"""Dry emergency stops of trains, and the time to build and to step a train."""
 
 import os
 import re
@@ -41,12 +41,12 @@ FILLING, PROPAGATION = (3.0, 5.0), 250.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Filling:
-    """How the cylinders behind a brake pipe fill.
+    """Filling of the cylinders behind a brake pipe.
 
     Attributes:
-        begin: First pressure in each car since the demand, shape (cars,) [s].
-        filling: From there to 95 % of the highest, shape (cars,) [s].
-        propagation: Of the front, from the first car to the last [m/s].
+        begin: Time from the demand to the first pressure in each car, shape (cars,) [s].
+        filling: Time from there to 95 % of the highest pressure, shape (cars,) [s].
+        propagation: Speed of the front from the first car to the last [m/s].
     """
 
     begin: Vector
@@ -59,12 +59,13 @@ class DryStop:
     """A dry emergency stop of a train, and its calculation by hand.
 
     Attributes:
-        states: Of the FMU.
-        build_s: From Modelica to FMU, nothing of it kept from before [s]; times are those of the processor.
-        plant_step_us: A communication step of 1 ms of the plant in C, full brake [µs].
-        cycle_us: A cycle of the loop, sensors and controller included [µs].
-        coupler_force: Largest in each coupler, push positive, shape (couplers,) [N].
-        chain: The same of masses and springs under the forces of the calculation by hand, shape (couplers,) [N].
+        states: Number of states of the FMU.
+        build_s: CPU time from Modelica to FMU, without a cache [s].
+        plant_step_us: CPU time of a communication step of 1 ms of the plant in C, with full brake [µs].
+        cycle_us: CPU time of a cycle of the loop, including sensors and controller [µs].
+        coupler_force: Maximum force in each coupler, compression positive, shape (couplers,) [N].
+        chain: Maximum force in a chain of masses and springs under the forces of the calculation by hand, shape
+            (couplers,) [N].
     """
 
     train: Train
@@ -117,7 +118,7 @@ def dry_stop(train: str | Path) -> DryStop:
 
 def _build_seconds(train: Train) -> float:
     with scratch("study") as folder:
-        # A title that was never built: it is part of what the cache looks up.
+        # A new title, which is part of the cache's key.
         text = class_text(train.model_copy(update={"description": str(folder)}), pneumatic=False)
         name = class_name(train, pneumatic=False)
         source = folder / f"{name}.mo"
@@ -154,11 +155,6 @@ def protected_stop(estimator_period: float) -> dict[str, float]:
 
 
 def _measure_time(scenario: Scenario, subject: str) -> tuple[float, Ending, StopAssembly]:
-    """Return the time of the processor for a stop [s], its result, and the parts that were run.
-
-    Raises:
-        ScenarioError: The train does not stop; the sentence begins with `subject`.
-    """
     with assemble(scenario) as parts:
         begin = process_time()
         result = parts.run()
@@ -169,7 +165,7 @@ def _measure_time(scenario: Scenario, subject: str) -> tuple[float, Ending, Stop
 
 
 def filling_of(train: Train, trace: Any) -> Filling:
-    """Return when the cylinders of the first group of each car begin to fill, and are full."""
+    """Return the instants at which the cylinders of the first group of each car begin to fill and are full."""
     time, pressure = trace["time"].values, trace["cylinder_pressure"].values
     cars = [train.axles[members[0]].car for members in train.groups]
     first = [cars.index(car) for car in range(len(train.cars))]

@@ -1,4 +1,4 @@
-"""Trains against reality: their stops, two JSON files, figures, a page, and headline numbers."""
+"""Comparison of trains with reality: stops, two JSON files, figures, a page, and headline numbers."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ from railgrip.studies.trains.stops import (
 )
 
 PAGE = Path("docs/train_models.md")
-"""From the folder of the project, where the command runs."""
+"""Folder relative to that of the project, in which the command runs."""
 
 WRITTEN = ("distances", "published", "filling", "forces")
 """Tables of the page, in addition to that of the sanders."""
@@ -95,7 +95,7 @@ _SAND = 5.4e-3  # kg/m, what docs/train_models.md has from the fit on one row
 
 
 def row_of(stop: DryStop) -> dict[str, object]:
-    """Return a train as trains.json has it; the reference is the calculation by hand."""
+    """Return a train in the form of trains.json; the reference is the calculation by hand."""
     return {
         "train": stop.train.name,
         "cars": len(stop.train.cars),
@@ -136,10 +136,10 @@ def page_of(
     """Return the page of the study.
 
     Args:
-        stops: Of the trains of this project.
-        series: Of trains of one, two, four … equal cars.
-        protected_stops: What the stop with estimator and valves costs.
-        density: Of sand, fitted [kg/m].
+        stops: Stops of the built-in trains.
+        series: Stops of trains of one, two, four … equal cars.
+        protected_stops: Times of the stop with estimator and valves.
+        density: Fitted density of sand [kg/m].
     """
     distances, protected = table_of(stops), table_of_protected(protected_stops)
     sanders = table_of_sanders(comparisons)
@@ -181,7 +181,6 @@ def _sanders_as_data(trial: SanderTrial, density: float, comparisons: Sequence[C
 
 
 def _answer(stops: Sequence[DryStop]) -> str:
-    """Return how far the dry stops are from the calculation by hand."""
     differences = [100 * (stop.distance / stop.hand.distance - 1) for stop in stops]
     return (
         f"{len(stops)} dry emergency stops differ from the calculation by hand of EN 14531-1 by "
@@ -206,7 +205,7 @@ def table_of(stops: Sequence[DryStop]) -> ReportTable:
 
 
 def table_of_protected(stops: Sequence[Mapping[str, float]]) -> ReportTable:
-    """Return how much faster than real time the stop with estimator and valves runs."""
+    """Return the speed of the stop with estimator and valves relative to real time."""
     rows = [
         {
             "estimator every": f"{1e3 * stop['estimator_period_s']:g} ms",
@@ -237,7 +236,7 @@ def table_of_sanders(comparisons: Sequence[Comparison]) -> ReportTable:
 
 
 def _difference(row: Comparison) -> float | None:
-    """Return the relative difference of a distance; None where the trial gives only a bound, or without a stop."""
+    # The trial may give only a bound, and the train may not stop.
     return None if "at_least" in row or row["distance_m"] is None else row["distance_m"] / row["measured_m"] - 1
 
 

@@ -1,1 +1,1 @@
-"""The type test: controllers against one another on many stops that none was tuned on, judged clause by clause."""
+"""The type test: comparison of controllers in many stops on which none was tuned, judged by clauses."""

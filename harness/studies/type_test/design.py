@@ -1,9 +1,9 @@
-"""The cases: what a wheel-slide protection may meet, spread evenly over all of it.
+"""The cases: conditions of wheel-slide protection, evenly distributed over their ranges.
 
-A case is a point of Sobol's sequence (scrambled; Owen, 1998), each of whose coordinates is replaced by its rank: so
-every value of every axis comes equally often, whatever the number of cases, and pairs of axes are as even as Sobol's
-are. How fast a train is depends on the friction it finds: a stop from 200 km/h at 0.02 would take ten minutes and judge
-nothing that a slower one does not.
+A case is a point of a scrambled Sobol sequence (Owen, 1998), with each coordinate replaced by its rank: so every value
+of every axis occurs equally often for any number of cases, and pairs of axes are as even as in Sobol's sequence. The
+speed depends on the friction: a stop from 200 km/h at a friction of 0.02 would take ten minutes without any advantage
+over a slower one.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,25 +22,25 @@ CASES, QUICK = 240, 24
 """Number of cases of a full test, and of a quick one."""
 
 SEED, VALIDATION_SEED, TRAINING_SEED = 15595, 54105, 2021
-"""Of the type test; of the set for a finished controller; of the set that controllers are tuned on.
+"""Seeds of the type test, of the validation set for a finished controller, and of the training set.
 
-While slope seeking was made, results of the validation set were read five times (docs/type_test.md)."""
+During the development of slope seeking, results of the validation set were read five times (docs/type_test.md)."""
 
 FRICTION: Final = (0.02, 0.15)
 SPEED: Final = (40 / KMH, 200 / KMH)  # m/s
 LONGEST: Final = 150.0
-"""Most seconds that a stop may take at six tenths of the friction; it is what limits the speed on a slippery rail."""
+"""Maximum duration of a stop at six tenths of the friction [s]; it limits the speed on a slippery rail."""
 
 CURVES: Final = ("dry", "wet", "very_low", "low_steep", "poor_wheelset_study", "soap", "leaf")
 RAILS: Final = ("even", "patches", "random")
 LOADS: Final = MappingProxyType({"as believed": 1.0, "tare": 0.8, "laden": 1.05})
-"""Masses over those that the controller knows: the VT 642 weighs 67 t empty, 88 t full, and its model 84 t."""
+"""Masses relative to those that the controller assumes: the VT 642 has 67 t empty and 88 t full, its model 84 t."""
 RADII: Final = MappingProxyType({"as believed": (1.0,), "worn": (0.99,), "new": (1.01,), "unequal": (1.005, 0.995)})
-"""Wheel radii over those that the controller knows, one group after the other."""
+"""Wheel radii of the groups relative to those that the controller assumes."""
 PADS: Final = MappingProxyType({"as believed": 1.0, "weak": 0.85, "strong": 1.15})
-"""Pad friction over the nominal one: lots and moisture move it by 15 %."""
+"""Pad friction relative to the nominal one: it varies by 15 % with lots and moisture."""
 GRADIENTS: Final = MappingProxyType({"level": 0.0, "falling": -0.25, "climbing": 0.25})
-"""Slopes as shares of the friction: what falls by more than the rail holds never stops."""
+"""Gradients as shares of the friction: on a fall steeper than the friction a train does not stop."""
 STEEPEST: Final = 0.025
 
 
@@ -65,19 +65,19 @@ FAULTS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
         "supply sagging": _fault("supply", "sagging", value="450 l", pressure="8 bar"),
     }
 )
-"""Fault → tables of the scenario; `none` comes as often as all the others together."""
+"""Fault → tables of the scenario; `none` occurs as often as all the others together."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """One stop that every controller has to make.
+    """One stop of the test, the same for every controller.
 
     Attributes:
-        name: Its number and of how many.
+        name: Its number and the number of cases.
         curve: Shape of the creep curve.
         rail: How friction changes: a key of `RAILS`.
         friction: Mean of the maximum friction [1].
-        speed: At the brake demand [m/s].
+        speed: Speed at the brake demand [m/s].
         load, radius, pads, gradient, fault: Keys of the tables above.
         lot: Seed of sensors and rail.
     """
@@ -106,7 +106,7 @@ class Case:
 
     @property
     def horizon(self) -> float:
-        """Time after which the train is said not to stop [s]: thrice that at six tenths of the friction."""
+        """Time after which the stop counts as failed [s]: three times the duration at six tenths of the friction."""
         return float(round(15.0 + 3.0 * self.speed / (0.6 * self.friction * GRAVITY)))
 
     @property
@@ -115,7 +115,7 @@ class Case:
         return float(np.clip(GRADIENTS[self.gradient] * self.friction, -STEEPEST, STEEPEST))
 
     def variants(self) -> dict[str, str]:
-        """Return its values as people read them."""
+        """Return its values as text."""
         rest = {name: str(value) for name, value in asdict(self).items() if name not in ("name", "lot")}
         return {
             "case": self.name,
@@ -147,10 +147,8 @@ class Case:
         return FAULTS[self.fault]
 
     def _adhesion(self) -> dict[str, Any]:
-        """Return the rail; patches and noise reach all wheelsets at once, as no rail does.
-
-        Control that compares neighbouring groups has it easier so than on friction along the track.
-        """
+        # Patches and noise reach all wheelsets at once, unlike on a real rail. This favours control that compares
+        # neighbouring groups.
         mean, draw = self.friction, self.lot % 1000 / 1000
         match self.rail:
             case "patches":

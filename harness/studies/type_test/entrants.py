@@ -12,8 +12,6 @@ from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import cut
-from railgrip.controllers.law import GroupLaw
-from railgrip.controllers.tuned import SEARCHED, TYPE_TEST
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.file import OtherFileString
@@ -26,9 +24,9 @@ from railgrip.studies.type_test.case_set import VERSIONS, AnyCase
 LIBRARY = Path(__file__).parent / "library"
 _SCENARIOS = Path(__file__).parents[2] / "scenario"
 _ANY_TRAIN = {"free_wheels": True, "load_deviation": 0.1}
-"""Radars fail, and passengers, a fifth of a railcar's mass, are not weighed."""
+"""Radars fail, and the mass of passengers, a fifth of a railcar's mass, is unknown."""
 _FILTER = {"model": "TrainPredictionDisturbed", **_ANY_TRAIN}
-"""Estimator of the built-in train, the same for all entrants with estimates: one that does not know the gradient."""
+"""Estimator of the built-in train for all entrants with estimates; it does not know the gradient."""
 _OF_THE_TRAIN = ("vehicle", "sensors", "actuation", "estimator", "periods", "limits")
 
 
@@ -43,31 +41,22 @@ class Entrant(Table):
     description: str
     role: Role
     tuned: StrictBool = Field(default=False, description="whether its parameters were searched on the training rails")
+    since: StrictInt = Field(default=1, description="first version of the type test with it")
     hand_trials: StrictInt | None = Field(default=None, description="sets tried by hand; not counted without it")
 
     @property
     def tables(self) -> dict[str, Any]:
-        """What it lays over a case."""
+        """Tables that override those of a case."""
         return dict(self.model_extra or {})
 
 
 def entrants(version: int = 1) -> dict[str, Entrant]:
-    """Return those of this project in a version of the type test, by name: references first, then baselines."""
-    tables = dict(read_toml(LIBRARY / "entrants.toml"))
-    for kind in registry.modules(registry.LAWS):
-        law = registry.part(registry.LAWS, kind, GroupLaw)
-        for name, entry in law.entries.items():
-            if entry.since > version:
-                continue
-            is_tuned = entry.tuning in (SEARCHED, TYPE_TEST) and bool(law.ranges)
-            common = {"description": entry.description, "role": entry.role, "tuned": is_tuned}
-            common |= {"hand_trials": entry.hand_trials}
-            controller = {"kind": kind} | ({} if entry.tuning == SEARCHED else {"tuning": entry.tuning})
-            estimator = {"estimator": {"kind": "none"}} if entry.slip == "read" else {}
-            tables[name] = common | {"controller": controller} | estimator
+    """Return the built-in entrants in a version of the type test by name: references first, then baselines."""
+    tables = read_toml(LIBRARY / "entrants.toml")
     all_of_them = {
         name: validate_table(Entrant, table, directory=LIBRARY, origin=f"entrants: {name}")
         for name, table in tables.items()
+        if table.get("since", 1) <= version
     }
     return dict(sorted(all_of_them.items(), key=lambda item: get_args(Role).index(item[1].role)))
 
@@ -76,7 +65,7 @@ def entrants_named(arguments: Sequence[str], ours: Mapping[str, Entrant]) -> dic
     """Return the entrants that a user names: built-in ones, [controller] and [estimator] of a scenario, an FMU,
     module:Class.
 
-    An FMU and a class are shown what the filter of the train estimates; a scenario may say otherwise.
+    An FMU and a class get the estimates of the train's filter, unless a scenario specifies another estimator.
 
     Raises:
         ScenarioError: The entrant does not exist.
@@ -117,7 +106,6 @@ def _entrant_of_user(argument: str, ours: Mapping[str, Entrant]) -> tuple[str, E
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """Return the tables of a scenario; its files are found from any folder."""
     tables = read_scenario(path)
     return OtherFileString.within(tables.table, tables.directory.resolve())
 
@@ -129,7 +117,7 @@ def _entrant_of(description: str, tables: Mapping[str, Any]) -> Entrant:
 def train_of(argument: str | None) -> dict[str, Any]:
     """Return the tables of a train with valves and service sensors.
 
-    It is ours, a recipe, an FMU, that of a scenario, or one in a train file, which the decentralised filter knows.
+    The train is built-in, a recipe, an FMU, that of a scenario, or one in a train file, for the decentralised filter.
 
     Raises:
         ScenarioError: The train does not exist.
@@ -179,11 +167,11 @@ def task_of(path: Path) -> dict[str, Any]:
 
 
 _TRAINING_SPEED = 60 / 3.6
-"""m/s. Fastest start of a stop that controllers are tuned on: what a law does shows in a short one as well."""
+"""Maximum initial speed of training stops [m/s]: a short stop is sufficient to evaluate a law."""
 
 
 def training_cases(count: int, version: int = 1) -> list[AnyCase]:
-    """Return a number of short cases of the set that controllers are tuned on."""
+    """Return a number of short cases of the training set."""
     cases = VERSIONS[version].draw(count, VERSIONS[version].training)
     return [replace(case, speed=min(case.speed, _TRAINING_SPEED)) for case in cases]
 
@@ -211,11 +199,11 @@ def campaign_of(
     task: Mapping[str, Any] | None = None,
     keep_traces: bool = False,
 ) -> Campaign:
-    """Return the stops of a type test: each case with everyone who takes part.
+    """Return the stops of a type test: each case with each entrant.
 
     Args:
         design: The cases.
-        taking_part: By name.
+        taking_part: Entrants by name.
         train: Tables of the train, `train_of`.
         trains: Tables of the trains of single cases by name; cases of other trains have `train`.
         task: Tables that override those of every case, `task_of`; full brake without it.
@@ -236,7 +224,7 @@ def campaign_of(
                 continue
             task_table = dict(task or {})
             if entrant.role == "bound":
-                task_table.pop("demand", None)  # it brakes with all there is, whatever the demand
+                task_table.pop("demand", None)  # it always brakes fully, independent of the demand
             scenario = scenario_of(
                 merge(merge(of_case, task_table), entrant.tables),
                 directory=LIBRARY,

@@ -1,4 +1,4 @@
-"""What the stops of a type test say: of each stop its figures and verdicts, of each controller its place."""
+"""Evaluation of a type test: figures and verdicts of each stop, and the rank of each controller."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -8,8 +8,8 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from railgrip.report.limits import AssessmentLimits
-from railgrip.report.results import Result
 from railgrip.report.statistics import endless, finite, quantile, quantile_interval
+from railgrip.report.stop import Stop
 from railgrip.studies.type_test.entrants import Entrant
 from railgrip.trace.k_wet import k_wet_of_distances
 
@@ -19,26 +19,26 @@ JUDGED: Final = ("stops", "extension", "lock", "locked_distance", "reservoir", "
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CaseMeasurement:
-    """What one stop shows, from which it is judged; None where a value is not there.
+    """Figures of one stop, from which it is judged; None for a missing value.
 
     Attributes:
         case: Name of the case.
-        variants: Axis → value of the case, for people.
-        speed: At the brake demand [m/s].
+        variants: Axis → value of the case, as text.
+        speed: Speed at the brake demand [m/s].
         controller: Name of the entrant.
         outcome: How the stop ended.
-        distance_m: None unless the train came to a stand.
-        duration_s: Until the stop ended.
-        longest_lock_s: Of any group above 15 km/h.
-        locked_distance_m: Longest of any group.
+        distance_m: Braking distance; None without a standstill.
+        duration_s: Time until the end of the stop.
+        longest_lock_s: Longest lock of any group above 15 km/h.
+        locked_distance_m: Longest locked distance of any group.
         air_l: Free air used.
-        strokes: Of all valves.
-        tread_energy_mj: Largest of any wheelset, in the contacts of its wheels: what flats are made of.
-        utilisation: Of the adhesion that there was [1].
+        strokes: Number of strokes of all valves.
+        tread_energy_mj: Largest energy dissipated in the contacts of a wheelset, which causes flats.
+        utilisation: Utilisation of the available adhesion [1].
         adhesion_at_slide: Adhesion of the first group that slides, when it begins to [1]; None without a slide, and in
             results of earlier versions.
         nees: Mean squared error of the estimated adhesion over its variance, above 10 km/h, mean of the groups; None
-            without an estimator that says how sure it is.
+            without an estimator that outputs a variance.
     """
 
     case: str
@@ -58,17 +58,17 @@ class CaseMeasurement:
     adhesion_at_slide: float | None = None
 
 
-def measure_stop(stop: Result) -> CaseMeasurement:
-    """Return what a stop of a type test shows."""
-    metrics = stop.record.figures
+def measure_stop(stop: Stop) -> CaseMeasurement:
+    """Return the figures of a stop."""
+    metrics = stop.figures
     air = finite(metrics.air_used)
     return CaseMeasurement(
         case=stop.variants["case"],
         variants={name: value for name, value in stop.variants.items() if name not in ("case", "controller")},
-        speed=float(stop.record.scenario["start"]["speed"]),
+        speed=float(stop.inputs["start"]["speed"]),
         controller=stop.variants["controller"],
-        outcome=stop.record.outcome.value,
-        distance_m=stop.record.braking_distance,
+        outcome=stop.outcome.value,
+        distance_m=stop.braking_distance,
         duration_s=metrics.duration,
         longest_lock_s=finite(max(metrics.longest_lock_fast)),
         locked_distance_m=finite(max(metrics.locked_distance)),
@@ -83,19 +83,19 @@ def measure_stop(stop: Result) -> CaseMeasurement:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CaseJudgement(CaseMeasurement):
-    """One case under one controller; what follows from its distance is None unless the train came to a stand.
+    """Verdict on one case with one controller; values that depend on its distance are None without a standstill.
 
     Attributes:
         tuned: Whether the parameters of the controller were searched.
-        dry_m, bound_m, best_m: Of others in the same case: full brake on a dry rail, the ideal bound, the best tuned
-            baseline that keeps the lock clause; None where that is not there.
+        dry_m, bound_m, best_m: Distances in the same case of full brake on a dry rail, of the ideal bound, and of the
+            best tuned baseline that keeps the lock clause; None if unknown.
         first_adhesion: Median adhesion at the first slide of all controllers in the case [1], by which clauses are
             selected: the same for all, and known for a controller that never slides. None if no controller slides.
-        extension: Over the dry distance [1].
+        extension: Relative extension over the dry distance [1].
         over_bound, over_best: Distance over `bound_m` and over `best_m`.
         k_wet: Dry over wet deceleration distance, at most 1 [1]; SUBSET-040 §4.4.1.
-        reservoir_bar: What is left at the end, gauge.
-        verdicts: Clause → whether it is kept; None where it is not judged.
+        reservoir_bar: Gauge pressure of the reservoir at the end.
+        verdicts: Clause → whether it is kept; None if it is not judged.
     """
 
     tuned: bool
@@ -122,7 +122,7 @@ def judgements(
     *,
     only_tuned: bool = True,
 ) -> list[CaseJudgement]:
-    """Return what each stop is worth, references left out, case by case.
+    """Return the verdict on each stop, without references, by cases.
 
     Args:
         stops: Stops of all controllers.
@@ -165,7 +165,7 @@ def judgements(
 
 
 def keeps_lock(longest: float | None, limits: AssessmentLimits) -> bool:
-    """Return whether no wheelset locks for longer [s] than the clause allows, which is without a limit always so."""
+    """Return whether no lock lasts longer [s] than the clause allows; True without a limit."""
     return limits.lock.limit is None or (longest is not None and longest <= limits.lock.limit)
 
 
@@ -216,24 +216,23 @@ def _ratio(distance: float | None, other: float | None) -> float | None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Summary:
-    """A controller over all its cases; a stop that did not end in a standstill is endlessly long, and None below.
+    """Statistics of a controller over all its cases; a stop without standstill counts as infinite, None below.
 
     Attributes:
-        cases: How many it has run.
-        stops: Share that came to a stand.
-        compared: Cases that have a `best_m`, of which median, p95 and worst are.
-        median, p95, worst: Of distance over `best_m` of the same case.
-        median_interval, p95_interval: Limits that hold 95 % in repeated draws of the cases (bootstrap); an endless one
-            is None.
+        cases: Number of its cases.
+        stops: Share of cases with a standstill.
+        compared: Number of cases with a `best_m`, from which median, p95 and worst are computed.
+        median, p95, worst: Median, 95 % quantile and maximum of distance over `best_m` of the same case.
+        median_interval, p95_interval: 95 % bootstrap intervals over the cases; an infinite limit is None.
         over_bound: Median of distance over that of the ideal bound.
-        k_wet, k_wet_low, k_wet_high: Smallest tenth (10 % quantile) of K_wet where the extension is judged, and the
-            interval that holds 95 % of it in repeated draws of the cases; None without such a case.
-        longest_lock_s: Of any case.
-        air, strokes: Medians over those of three-state slip control with the published levels in the same case.
-        utilisation: Median.
-        nees_low, nees, nees_high: 10 % quantile, mean and 90 % quantile over the cases. Of a filter that is as sure
-            as it is right the mean is 1; single cases differ by what is constant in them and not to be known.
-        kept: Clause → share of the cases it is judged in that keep it.
+        k_wet, k_wet_low, k_wet_high: 10 % quantile of K_wet in the cases in which the extension is judged, and its
+            95 % bootstrap interval over the cases; None without such a case.
+        longest_lock_s: Longest lock in any case.
+        air, strokes: Medians relative to three-state slip control with the published levels in the same case.
+        utilisation: Median utilisation of adhesion.
+        nees_low, nees, nees_high: 10 % quantile, mean and 90 % quantile over the cases. The mean is 1 for a consistent
+            filter; single cases differ by unobservable constants.
+        kept: Clause → share of the cases in which it is judged that keep it.
     """
 
     controller: str
@@ -266,7 +265,7 @@ _THREE_STATE: Final = "slip_three_state"
 
 
 def summaries(stops: Sequence[CaseJudgement], taking_part: Mapping[str, Entrant]) -> list[Summary]:
-    """Return the leaderboard: shortest median first, those without a baseline to compare with in the end."""
+    """Return the leaderboard: shortest median first, controllers without a baseline last."""
     frugal = {stop.case: stop for stop in stops if stop.controller == _THREE_STATE}
     board: list[Summary] = []
     for name, entrant in taking_part.items():
@@ -316,12 +315,10 @@ def _share_kept(stops: Sequence[CaseJudgement], clause: str) -> float | None:
 
 
 def _quantile(values: Sequence[float], share: float) -> float | None:
-    """Return a quantile; None where it is infinite or there is no value."""
     return finite(quantile(values, share))
 
 
 def _interval(values: Sequence[float], share: float) -> tuple[float | None, float | None]:
-    """Return the interval of a quantile; None for an end that is infinite, and for both with too few values."""
     low, high = quantile_interval(values, share) or (math.nan, math.nan)
     return finite(low), finite(high)
 

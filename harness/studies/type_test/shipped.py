@@ -1,7 +1,7 @@
-"""Results of railgrip's controllers that come with the package, so that one controller is ranked among them.
+"""Results of built-in controllers that are part of the package, so that a single controller is ranked among them.
 
-A file holds the stops of one set of cases, under a line with the digest of these cases and the version of railgrip.
-`railgrip study type_test --write` writes it. Results of other cases than the present ones are refused.
+A file has the stops of one set of cases, after a line with the digest of these cases and the version of railgrip.
+`railgrip study type_test --write` writes it. Results of cases that differ from the present ones are rejected.
 """
 
 import csv
@@ -21,12 +21,12 @@ from railgrip.studies.type_test.entrants import LIBRARY
 from railgrip.studies.type_test.judge import CaseMeasurement
 
 _OF_THE_CASE: Final = ("variants", "speed")
-"""Follow from the name of the case."""
+"""Fields that follow from the name of the case."""
 _TEXTS: Final = ("case", "controller", "outcome")
 
 
 def digest_of(design: Iterable[AnyCase], train: Mapping[str, Any]) -> str:
-    """Return a SHA-256 of everything that defines the stops of a test, but for the controllers and their task."""
+    """Return a SHA-256 of everything that defines the stops of a test except the controllers and their task."""
     two_groups = [[case.name, case.tables(2), case.fault_tables(2), *filter(None, [case.train])] for case in design]
     return hashlib.sha256(json.dumps([train, two_groups], sort_keys=True, default=str).encode()).hexdigest()
 
@@ -49,12 +49,12 @@ def write_shipped(
 def read_shipped(
     design: Iterable[AnyCase], train: Mapping[str, Any], folder: Path = LIBRARY
 ) -> tuple[list[CaseMeasurement], list[str]]:
-    """Return the stops that come with the package for some cases, and a sentence for each set of cases about them.
+    """Return the packaged stops for some cases, and a sentence about each set of cases.
 
     Args:
         design: The cases.
         train: Tables of the train, `train_of`.
-        folder: Of the files.
+        folder: Folder of the files.
     """
     sets: dict[CaseSet, list[AnyCase]] = {}
     for case in design:
@@ -84,7 +84,6 @@ def read_shipped(
 
 
 def _file_of(case_set: CaseSet) -> str:
-    """Return the name of the file of a set."""
     version = "" if case_set.version == 1 else f"v{case_set.version}_"
     return f"results_{version}{case_set.count}_{case_set.seed}.csv"
 

@@ -62,19 +62,19 @@ from railgrip.studies.type_test.shipped import read_shipped, write_shipped
 from railgrip.studies.type_test.track_case import HEADLINES, TRAINS, TrackCase
 
 PAGE: Final = Path("docs/type_test.md")
-"""From the folder of the project, where the command runs."""
+"""Folder relative to that of the project, in which the command runs."""
 
 _ON_PAGE_ONLY: Final = ("compared", "K_wet (10 %)")
-"""Columns of the leaderboard that are left out there and on the screen."""
+"""Columns of the leaderboard that are omitted there and on the screen."""
 _NOT_OF_STOPS: Final = ("NEES (10 – 90 %)", "K_wet (10 %)")
 """Columns of the leaderboard that are in a separate table on the page."""
 
 _WORST: Final = 10
 _SAME: Final = 0.002
-"""Relative; stops that differ by less are the same: what moved parameters of the plant do to a stop."""
+"""Relative difference up to which stops are equal: the effect of perturbed plant parameters on a stop."""
 
 _JSON: Final = ("case", "controller", "tuned", "outcome", "distance_m", "bound_m", "longest_lock_s", "air_l", "strokes")
-"""What is said first of each case; the rest follows."""
+"""Columns that come first in the table of cases."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class TypeTest(Study):
 
     controller: Annotated[
         list[str] | None,
-        Option(help="One of ours, a scenario, an .fmu or module:Class; all of ours without it. Repeatable."),
+        Option(help="A packaged entrant, a scenario, an .fmu or module:Class; all packaged ones unless given."),
     ] = None
     train: Annotated[
         str | None, Option(help="A scenario whose train it is, a train, an .fmu or a recipe; ours without it.")
@@ -105,7 +105,7 @@ class TypeTest(Study):
         bool, Option("--sealed", help="Cases drawn from the digest of one controller, which nobody has tuned on.")
     ] = False
     case: Annotated[list[str] | None, Option(help="Only this one, with trace and panels. Repeatable.")] = None
-    limits: Annotated[Path | None, Option(help="File of limits in place of ours.")] = None
+    limits: Annotated[Path | None, Option(help="File of limits instead of the package's.")] = None
     write: Annotated[
         bool, Option("--write", help="Write the leaderboard into docs/type_test.md, and the stops into the package.")
     ] = False
@@ -113,7 +113,7 @@ class TypeTest(Study):
 
     @property
     def place(self) -> str:
-        """A folder for each version after the first, train, task, and for single cases."""
+        """Folder of results: a different one for each version after the first, train, task, and for single cases."""
         names = [Path(file).stem for file in (self.train, self.task) if file is not None]
         if self._version > 1:
             names.insert(0, f"version_{self._version}")
@@ -235,7 +235,6 @@ class TypeTest(Study):
         write_tables(PAGE, tables)
 
     def _again(self, candidates: Iterable[str]) -> dict[str, str]:
-        """Return by controller the command line that runs a case of it again, up to the name of the case."""
         options = [
             ("train", self.train),
             ("task", self.task),
@@ -283,14 +282,12 @@ STUDY = TypeTest
 
 
 def _distance_and_lock(scenario: Scenario) -> tuple[float, bool]:
-    """Return the braking distance [m], infinite without a standstill, and whether the stop keeps the lock clause."""
     stop = run_stop(scenario)
     distance = stop.metrics.distance if stop.outcome is Outcome.STANDSTILL else math.inf
     return distance, keeps_lock(finite(max(stop.metrics.longest_lock_fast)), limits_of())
 
 
 def _missing(results: Results) -> list[str]:
-    """Return the names of stops without a result, of controllers that have some."""
     present = {result.variants["controller"] for result in results.stops}
     return [name for name in results.missing if name.rpartition("-")[2] in present]
 
@@ -321,15 +318,15 @@ def page_of(
     """Return the page of a type test.
 
     Args:
-        found: Stops that were run; a controller without a stop is left out.
-        taking_part: By name.
+        found: Stops that were run; a controller without a stop is omitted.
+        taking_part: Entrants by name.
         limits: Limits of the clauses.
-        beside: Stops that come with this package, for controllers that were not run.
-        notes: Sentences about `beside`.
-        candidates: Controllers that the page is about; all without one.
+        beside: Packaged stops of controllers that were not run.
+        notes: Sentences on the packaged stops.
+        candidates: Controllers that the page is about; all if empty.
         missing: Names of stops without a result.
-        against: Whom the others are compared with case by case, on the screen.
-        again: Controller → command line that runs a case of it again, up to the name of the case.
+        against: Controller with which the others are compared case by case on the screen.
+        again: Controller → command line that runs a case of it again, without the name of the case.
         looks: How often sets of cases were looked at.
         version: Version of the type test.
     """
@@ -381,7 +378,6 @@ def page_of(
 def _drawings(
     stops: Sequence[CaseJudgement], lines: Mapping[str, Mapping[str, Any]]
 ) -> tuple[tuple[str, str, Figure | None], ...]:
-    """Return name, caption and drawing of each figure; None in place of one that has nothing to show."""
     return (
         (
             "ratios",
@@ -394,7 +390,6 @@ def _drawings(
 
 
 def _values(stops: Sequence[CaseJudgement], board: Sequence[Summary], limits: AssessmentLimits) -> dict[str, object]:
-    """Return the variables of the template for all controllers and cases."""
     leaders, variants_of = leaderboard(board), {stop.case: stop.variants for stop in stops}
     return {
         "board": leaders.without(_NOT_OF_STOPS),
@@ -426,9 +421,10 @@ def table_of(stops: Sequence[CaseJudgement]) -> ReportTable:
 
 
 def compare_controllers(cases: Sequence[Mapping[str, Any]], against: str) -> ReportTable:
-    """Return how much longer than one controller the others stop in the same cases, which are as in type_test.json.
+    """Return the additional distance of the others in comparison with one controller in the same cases, as in
+    type_test.json.
 
-    Figures are of the cases in which both stop; differences are positive if a stop is longer.
+    Only cases in which both stop are compared; differences are positive if a stop is longer.
     """
     distances: dict[str, dict[str, float | None]] = {}
     for row in cases:
@@ -519,7 +515,6 @@ def _or_endless(value: float | None, median: float | None) -> float | str | None
 
 
 def _with_interval(value: float | str | None, interval: tuple[float | None, float | None]) -> str:
-    """Return a value with its interval in brackets; an infinite end is written as no stop."""
     text = "" if value is None else value if isinstance(value, str) else f"{value:.3f}"
     low, high = interval
     if low is None:
@@ -543,11 +538,10 @@ _LIMITS: Final[Mapping[str, tuple[str, float, str]]] = {
     "reservoir": ("≥", 1e-5, "bar"),
     "utilisation": ("≥", 100, "%"),
 }
-"""Clause → sense of its limit, and factor and unit in which it is shown."""
+"""Clause → direction of its limit, and factor and unit of its representation."""
 
 
 def _heading(clause: str, limits: AssessmentLimits) -> str:
-    """Return the short name of a clause with its limit."""
     name, limit = clause.replace("_", " "), getattr(limits, clause).limit
     if clause not in _LIMITS:
         return name
@@ -572,7 +566,7 @@ def failed_by_bound(board: Sequence[Summary], limits: AssessmentLimits) -> list[
 def answer(board: Sequence[Summary], count: int, limits: AssessmentLimits, candidates: Sequence[str] = ()) -> str:
     """Return a sentence comparing the best candidate with the others and the ideal bound, with its weakest clause.
 
-    Without candidates these are all controllers, without those that are shown the truth.
+    Without candidates all controllers are compared, except those that know the true state.
     """
     laws = [one for one in board if one.controller not in registry.ANALYSES and one.median is not None]
     best = next((one for one in laws if not candidates or one.controller in candidates), None)
@@ -588,7 +582,6 @@ def answer(board: Sequence[Summary], count: int, limits: AssessmentLimits, candi
 
 
 def _weakest(summary: Summary, board: Sequence[Summary], limits: AssessmentLimits) -> str:
-    """Return a sentence about the clause that a controller keeps most rarely in comparison with the ideal bound."""
     bound: Mapping[str, float | None] = next((one.kept for one in board if one.role == "bound"), {})
     possible = {clause: 1.0 if kept is None else kept for clause, kept in bound.items()}
     behind = {clause: possible.get(clause, 1.0) - kept for clause, kept in summary.kept.items() if kept is not None}
@@ -600,7 +593,7 @@ def _weakest(summary: Summary, board: Sequence[Summary], limits: AssessmentLimit
 
 
 def ranking(stops: Sequence[CaseJudgement], case: str) -> ReportTable:
-    """Return who stopped a case in what distance, shortest first."""
+    """Return the distance of each controller in a case, shortest first."""
     stops_of_case = [stop for stop in stops if stop.case == case]
     stops_of_case.sort(key=lambda stop: math.inf if stop.distance_m is None else stop.distance_m)
     rows = [
@@ -628,7 +621,7 @@ def ranking(stops: Sequence[CaseJudgement], case: str) -> ReportTable:
 
 
 def worst(stops: Sequence[CaseJudgement], controller: str, again: str) -> ReportTable:
-    """Return the cases in which a controller is farthest behind the best tuned baseline, and a command for each."""
+    """Return the cases in which a controller is worst relative to the best tuned baseline, with a command for each."""
     stops_of = [stop for stop in stops if stop.controller == controller]
     stops_of.sort(key=lambda stop: -(stop.over_best or math.inf) if stop.best_m or stop.distance_m is None else 0.0)
     rows = [
@@ -645,7 +638,6 @@ def worst(stops: Sequence[CaseJudgement], controller: str, again: str) -> Report
 
 
 def _lines(board: Sequence[Summary], candidates: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Return how the lines of each controller are drawn: thick and black for a candidate."""
     colours = [colour for colour in palette.LINES if colour != palette.BLACK]
     return {
         summary.controller: {"color": palette.BLACK, "linestyle": "-", "linewidth": 3.0, "label": summary.controller}
@@ -661,10 +653,6 @@ def _lines(board: Sequence[Summary], candidates: Sequence[str]) -> dict[str, dic
 
 
 def _ratios(stops: Sequence[CaseJudgement], lines: Mapping[str, Mapping[str, Any]]) -> Figure | None:
-    """Draw for each controller the share of cases that it stops within a multiple of the best tuned baseline.
-
-    None where no case has such a baseline.
-    """
     if not any(stop.over_best for stop in stops):
         return None
     figure = style.figure(9.5, 4.5)
@@ -684,7 +672,6 @@ def _ratios(stops: Sequence[CaseJudgement], lines: Mapping[str, Mapping[str, Any
 
 
 def _by_curve(stops: Sequence[CaseJudgement], controllers: Sequence[str]) -> Figure:
-    """Draw the median use of adhesion of each controller under each creep curve."""
     curves = sorted({stop.variants["curve"] for stop in stops})
     values = [
         [
@@ -710,10 +697,7 @@ def _by_curve(stops: Sequence[CaseJudgement], controllers: Sequence[str]) -> Fig
 
 
 def _over_friction(stops: Sequence[CaseJudgement], lines: Mapping[str, Mapping[str, Any]]) -> Figure | None:
-    """Draw distances over the ideal bound against mean friction, and their median over a tenth of the cases.
-
-    None without a bound.
-    """
+    # Distances over the ideal bound against mean friction, and their median over a tenth of the cases.
     if not any(stop.over_bound and stop.controller != "ideal_bound" for stop in stops):
         return None
     figure = style.figure(9.5, 4.5)

@@ -1,5 +1,5 @@
 within RailBraking.Components;
-model Axle "Wheelset with its brake, or several that turn as one"
+model Axle "Wheelset with its brake, or several wheelsets that turn as one"
   extends Icons.Component;
   replaceable block AxleContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
     "Law of the contacts";
@@ -8,13 +8,13 @@ model Axle "Wheelset with its brake, or several that turn as one"
   parameter Types.Inertia J(min=1e-3, start=110) "Inertia of all of them about their axles";
   parameter Types.Length r_wheel(min=1e-3, start=0.42) "Rolling radius";
   parameter Types.Ratio n_units(min=0, start=2) "Number of brake units";
-  parameter Types.Length r_friction(min=1e-3, start=0.24) "Radius at which the pads rub";
+  parameter Types.Length r_friction(min=1e-3, start=0.24) "Friction radius of the pads";
   parameter Types.Ratio mu_b_nominal = 0.35 "Pad friction at nominal speed, pressure and temperature";
   parameter Types.Ratio mu_b_start = 0.35 "Pad friction at the start";
   parameter Types.Temperature T_disc_start = 313.15 "Temperature of the discs at the start";
   parameter Types.Velocity start_speed(min=0, start=22) "Speed at the start";
   parameter Types.Torque tau_small(min=1e-3) = 10
-    "Torque by which the track must exceed the brake to turn a locked axle";
+    "Excess of the track's torque over the brake's that turns a locked axle";
   parameter Data.Creep creep "Contact";
   parameter Data.Resistance resistance "Bearings and rolling";
   parameter Data.Pad pads "Pads";
@@ -24,7 +24,7 @@ model Axle "Wheelset with its brake, or several that turn as one"
     "Shape of the creep curve of each wheelset";
   Interfaces.TranslationalFlange box "Axle boxes, to the bogie frame"
     annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
-  Interfaces.RotationalFlange shaft "To a drive or an electrodynamic brake; nothing when it is left open"
+  Interfaces.RotationalFlange shaft "To a drive or an electrodynamic brake; may be left open"
     annotation(Placement(transformation(extent={{-10, -120}, {10, -100}})));
   Interfaces.RealInput load[n](each final unit="N")
     "Load of each wheelset on the rail"
@@ -36,7 +36,7 @@ model Axle "Wheelset with its brake, or several that turn as one"
     "Normal force of both pads of one unit"
     annotation(Placement(transformation(extent={{-120, -34}, {-100, -14}})));
   Interfaces.BooleanInput standstill
-    "= true, if the train stands"
+    "= true, if the train is at rest"
     annotation(Placement(transformation(extent={{-120, -81}, {-100, -61}})));
   Interfaces.RealOutput F[n](each final unit="N") "Braking force of the track on each wheelset"
     annotation(Placement(transformation(extent={{100, 53}, {120, 73}})));
@@ -99,15 +99,16 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-<a href=\"modelica://RailBraking.Components.Wheelsets\">Wheelsets</a> on the rails and the <a
-href=\"modelica://RailBraking.Components.GroupBrake\">GroupBrake</a> on them. Cylinders and riggings are not in it: a
-valve that several axles share is one cylinder whose pressure goes to the riggings of all of them. J dw/dt = r_wheel
+<a href=\"modelica://RailBraking.Components.Wheelsets\">Wheelsets</a> on the rails and their <a
+href=\"modelica://RailBraking.Components.GroupBrake\">GroupBrake</a>. Cylinders and riggings are not
+included: a valve that several axles share is one cylinder whose pressure acts on the riggings of
+all of them. J dw/dt = r_wheel
 &Sigma;F + shaft.tau - brake - resistance while the wheelsets turn.
 </p>
 <h4>Limitations</h4>
 <p>
-Those of its parts. The mass of the wheelset is the car's. All wheelsets of the axle have one radius, one pad and one
-disc that stand for all.
+Those of its components. The mass of the wheelset belongs to the car. All wheelsets of the axle have
+the same radius, pad and disc.
 </p>
 </html>"));
 end Axle;

@@ -3,22 +3,22 @@ block Blending "Electrodynamic brake first, friction brake for the rest"
   extends Icons.Component;
   parameter Integer n(min=1) = 2 "Number of units: axles, bogies or cars";
   parameter Types.Ratio share[n](each min=0) = fill(1/n, n)
-    "Of the electrodynamic force that acts on each unit; sum 1";
-  Interfaces.RealInput demand[n](each final unit="N") "Brake force that is asked of each unit"
+    "Share of each unit in the electrodynamic force; their sum is 1";
+  Interfaces.RealInput demand[n](each final unit="N") "Demanded brake force of each unit"
     annotation(Placement(transformation(extent={{-120, 50}, {-100, 70}})));
-  Interfaces.RealInput kept[n](each final unit="1") "Share of it that wheel-slide protection lets a unit keep"
+  Interfaces.RealInput kept[n](each final unit="1") "Share of the demand that wheel-slide protection allows each unit"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
-  Interfaces.RealInput available(final unit="N") "Most that the electrodynamic brake can give"
+  Interfaces.RealInput available(final unit="N") "Maximum force of the electrodynamic brake"
     annotation(Placement(transformation(extent={{-120, -70}, {-100, -50}})));
-  Interfaces.RealInput dynamic_force(final unit="N") "Force that it gives"
+  Interfaces.RealInput dynamic_force(final unit="N") "Actual force of the electrodynamic brake"
     annotation(Placement(transformation(extent={{-10, -120}, {10, -100}})));
-  Interfaces.RealOutput dynamic_demand(final unit="N") "Force that is asked of it"
+  Interfaces.RealOutput dynamic_demand(final unit="N") "Demanded force of the electrodynamic brake"
     annotation(Placement(transformation(extent={{100, 40}, {120, 60}})));
-  Interfaces.RealOutput friction[n](each final unit="N") "Force that is asked of the friction brake of each unit"
+  Interfaces.RealOutput friction[n](each final unit="N") "Demanded force of the friction brake of each unit"
     annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
 protected
   Types.Force wanted[n] "Force of each unit, after wheel-slide protection";
-  Types.Force most[n] "Electrodynamic force that gives a unit no more than that";
+  Types.Force most[n] "Electrodynamic force at which a unit does not exceed its demand";
 equation
   for i in 1:n loop
     wanted[i] = kept[i]*demand[i];
@@ -38,25 +38,23 @@ fillPattern=FillPattern.Solid)}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-A unit is an axle, a bogie or a car, whatever blends by itself; its friction brake fills up what the electrodynamic
-brake does not give, and
-trailer units have the share zero:
+A unit is an axle, a bogie or a car that blends separately. Its friction brake provides what the
+electrodynamic brake does not; trailer units have the share zero:
 </p>
 <blockquote><pre>
 dynamic_demand = min(available, min(kept[i] demand[i]/share[i]))
 friction[i] = kept[i] demand[i] - share[i] dynamic_force
 </pre></blockquote>
 <p>
-So no unit is braked more than it should be, and friction and electrodynamic force sum to the demand whatever the
-latter does. Wheel-slide
-protection lowers both: one sliding unit lowers the electrodynamic force of all that share the inverter, and their
-friction brakes fill up.
+Thus no unit exceeds its demand, and the sum of friction and electrodynamic force is the demand for
+any electrodynamic force. Wheel-slide protection lowers both: one sliding unit lowers the
+electrodynamic force of all units of the inverter, and their friction brakes compensate.
 </p>
 <h4>Limitations</h4>
 <p>
-The friction brake answers late, so that the sum dips for some tenths of a second while the electrodynamic brake
-fades; anticipation of that fade is not
-in it. The electrodynamic brake of motored units does not brake for trailers.
+The friction brake responds late, so that the sum drops for some tenths of a second while the
+electrodynamic brake fades; this is not anticipated. The electrodynamic brake of motored units does
+not brake for trailers.
 </p>
 </html>"));
 end Blending;

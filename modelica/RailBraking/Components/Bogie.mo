@@ -5,25 +5,26 @@ model Bogie "Bogie of any number of axles, braked"
     "Law of the contacts";
   replaceable block BogiePad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
   parameter Integer n(min=1) = 2 "Number of wheelsets" annotation(Evaluate=true);
-  parameter Integer groups(min=1) = n "Number of groups that turn as one, equally large: n for none coupled, 1 for all"
+  parameter Integer groups(min=1) = n
+    "Number of groups of coupled wheelsets, equally large: n for none coupled, 1 for all"
     annotation(Evaluate=true);
   parameter Types.Mass m_wheelset[n](each min=1e-3, each start=14000)
-    "Mass that each wheelset carries on the rail, its own included";
-  parameter Types.Mass m_unsprung[n](each min=0, each start=1500) "Mass of each wheelset itself";
+    "Mass that each wheelset carries on the rail, including its own";
+  parameter Types.Mass m_unsprung[n](each min=0, each start=1500) "Mass of each wheelset alone";
   parameter Types.Mass m_frame(min=1e-3, start=3500) "Mass of the frame";
   parameter Types.Inertia I_frame(min=1e-3, start=2200) "Pitch inertia of the frame";
   parameter Types.Length wheelbase(min=1e-3, start=2.2) "Distance of the first and the last wheelset";
   parameter Types.Inertia J[groups](each min=1e-3, each start=110) "Inertia of each group about its axles";
   parameter Types.Length r_wheel[groups](each min=1e-3, each start=0.42) "Rolling radius of each group";
   parameter Types.Ratio n_units[groups](each min=0, each start=2) "Number of brake units of each group";
-  parameter Types.Length r_friction[groups](each min=1e-3, each start=0.24) "Radius at which the pads rub";
+  parameter Types.Length r_friction[groups](each min=1e-3, each start=0.24) "Friction radius of the pads";
   parameter Types.Ratio mu_b_nominal[groups] = fill(0.35, groups)
     "Pad friction at nominal speed, pressure and temperature";
   parameter Types.Ratio mu_b_start[groups] = fill(0.35, groups) "Pad friction at the start";
   parameter Types.Temperature T_disc_start[groups] = fill(313.15, groups) "Temperature of the discs at the start";
   parameter Types.Velocity start_speed(min=0, start=22) "Speed at the start";
   parameter Types.Torque tau_small(min=1e-3) = 10
-    "Torque by which the track must exceed the brake to turn a locked group";
+    "Excess of the track's torque over the brake's that turns a locked group";
   parameter Data.Suspension suspension "Frame and primary suspension";
   parameter Data.Creep creep "Contact";
   parameter Data.Resistance resistance "Bearings and rolling";
@@ -34,7 +35,7 @@ model Bogie "Bogie of any number of axles, braked"
     "Shape of the creep curve of each wheelset";
   Interfaces.TranslationalFlange pivot "Traction rod, to the body of a car"
     annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
-  Interfaces.RotationalFlange shaft[groups] "To drives or electrodynamic brakes; nothing when they are left open"
+  Interfaces.RotationalFlange shaft[groups] "To drives or electrodynamic brakes; may be left open"
     annotation(Placement(transformation(extent={{-10, -120}, {10, -100}})));
   Interfaces.RealInput mu0[n](each final unit="1")
     "Maximum friction coefficient of the rail at each wheelset"
@@ -43,7 +44,7 @@ model Bogie "Bogie of any number of axles, braked"
     "Normal force of both pads of one unit"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
   Interfaces.BooleanInput standstill
-    "= true, if the train stands"
+    "= true, if the train is at rest"
     annotation(Placement(transformation(extent={{-120, -73}, {-100, -53}})));
   Interfaces.WheelsetOutput wheelset[n] "Signals of each wheelset"
     annotation(Placement(transformation(extent={{100, 53}, {120, 73}})));
@@ -92,7 +93,7 @@ equation
   totals.resistance_power = sum(axle.totals.resistance_power);
   totals.kinetic_energy = sum(axle.totals.kinetic_energy);
 initial equation
-  assert(size_of_group*groups == n, "Bogie: n wheelsets must be shared alike by the groups.");
+  assert(size_of_group*groups == n, "Bogie: all groups must have the same number of the n wheelsets.");
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
@@ -111,8 +112,8 @@ wheelsets. A Jacobs bogie pulls at the body to which its pivot is connected.
 </p>
 <h4>Limitations</h4>
 <p>
-Those of its parts. Its masses are counted in the car body along the track. The torque of drives that stand on the
-frame does not tip it.
+Those of its components. Its masses are counted in the car body along the track. The torque of
+drives that are mounted on the frame does not pitch it.
 </p>
 </html>"));
 end Bogie;

@@ -2,8 +2,8 @@ within RailBraking.Components;
 model BogieFrame "Bogie frame on its primary suspension: bounce and pitch"
   extends Icons.Component;
   parameter Integer n(min=1) = 2 "Number of wheelsets" annotation(Evaluate=true);
-  parameter Types.Mass m_wheelset[n](each start=14000) "Mass that each wheelset carries on the rail, its own included";
-  parameter Types.Mass m_unsprung[n](each start=1500) "Mass of each wheelset itself";
+  parameter Types.Mass m_wheelset[n](each start=14000) "Mass that each wheelset carries on the rail, including its own";
+  parameter Types.Mass m_unsprung[n](each start=1500) "Mass of each wheelset alone";
   parameter Types.Mass m_frame(start=3500) "Mass of the frame";
   parameter Types.Inertia I_frame(start=2200) "Pitch inertia of the frame";
   parameter Types.Length h_frame(start=0.55) "Height of the frame's centre of gravity over the rail";
@@ -22,9 +22,9 @@ model BogieFrame "Bogie frame on its primary suspension: bounce and pitch"
     annotation(Placement(transformation(extent={{100, 65}, {120, 85}})));
   Interfaces.RealOutput work_power(final unit="W") "Power that the longitudinal forces put into the pitching frame"
     annotation(Placement(transformation(extent={{100, 15}, {120, 35}})));
-  Interfaces.RealOutput damper_power(final unit="W") "Heat made in the dampers"
+  Interfaces.RealOutput damper_power(final unit="W") "Heat generated in the dampers"
     annotation(Placement(transformation(extent={{100, -35}, {120, -15}})));
-  Interfaces.RealOutput stored_energy(final unit="J") "Energy of the moving frame and of the springs"
+  Interfaces.RealOutput stored_energy(final unit="J") "Energy of the frame's motion and of the springs"
     annotation(Placement(transformation(extent={{100, -85}, {120, -65}})));
   Types.Length dz[n](each start=0, each fixed=true)
     "Deflection over each wheelset, change from static, compression positive";
@@ -41,7 +41,7 @@ equation
   spring = k*dz + c*ddz;
   tipping = frameTorque(F, torque, a, sum(m_unsprung), m_frame, h_frame, h_rod, r_wheel);
   bounce = -sum(spring)/m_frame;
-  // Each pair of wheelsets once from either side: half of it.
+  // Every pair of wheelsets is counted twice, hence one half.
   pitch = (tipping - sum((spring[i] - spring[n + 1 - i])*arm[i] for i in 1:n)/2)/I_frame;
   for i in 1:n loop
     der(ddz[i]) = bounce + pitch*arm[i];
@@ -60,24 +60,26 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-In braking the front wheelset gains the load that the rear one loses; at rest on level track that is &plusmn;&Sigma;F
+In braking, load moves from the rear to the front wheelset; at rest on level track it is &plusmn;&Sigma;F
 h_rod/wheelbase for massless parts (see <a href=\"modelica://RailBraking.Validation.LoadTransfer\">LoadTransfer</a>
 for the exact value).
 </p>
 <p>
-Deflections are states, one pair for each wheelset; of three and more, two follow from the others, and their start,
-zero, is consistent. With the sums over the wheelsets, x<sub>i</sub> ahead of the centre and F<sub>i</sub> = k
+The deflection of each wheelset and its rate are states. With three or more wheelsets two
+deflections determine the others; the start values, zero, are consistent. With the sums over the
+wheelsets, x<sub>i</sub> ahead of the centre and F<sub>i</sub> = k
 dz<sub>i</sub> + c ddz<sub>i</sub>: d&sup2;(dz<sub>i</sub>)/dt&sup2; = -&Sigma;F/m_frame + x<sub>i</sub> (tipping -
 &Sigma;F<sub>i</sub> x<sub>i</sub>)/I_frame.
 </p>
 <h4>Limitations</h4>
 <p>
-The wheelsets stand at equal distances about the frame's centre; they follow a rail without irregularities and the car
-body rests on the frame with a constant force: air springs are soft against the primary suspension. Angles are small.
-All masses move along the track at the speed of the train: the power that pitching draws from the longitudinal motion,
-<code>work_power</code>, is not taken back from it. Its integral is exactly the heat of the dampers plus
-<code>stored_energy</code>: of twenty megajoules, some ten joules in a smooth stop and 15 kJ where slip control throws
-the brakes on and off throughout.
+The wheelsets have equal distances and are symmetric about the frame's centre. They follow a rail
+without irregularities, and the force of the car body on the frame is constant, because air springs
+are soft in comparison with the primary suspension. Angles are small.
+All masses move along the track at the speed of the train: the power that pitching takes from the
+longitudinal motion, <code>work_power</code>, is not subtracted there. Its integral is exactly the
+heat of the dampers plus <code>stored_energy</code>: of twenty megajoules, some ten joules in a
+smooth stop, and 15 kJ in a stop in which slip control applies and releases the brakes all the time.
 </p>
 </html>"));
 end BogieFrame;

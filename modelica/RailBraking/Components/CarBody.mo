@@ -8,11 +8,11 @@ model CarBody "Mass of a car along the track, with drag"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
   Interfaces.TranslationalFlange rear "Rear end"
     annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
-  Interfaces.TranslationalFlange pivot "Bogies, and whatever else brakes the car"
+  Interfaces.TranslationalFlange pivot "Bogies, and other brakes of the car"
     annotation(Placement(transformation(extent={{-10, -120}, {10, -100}})));
   Interfaces.RealInput track_force(final unit="N") "Force of gradient and curve on this car, forward"
     annotation(Placement(transformation(extent={{-120, 50}, {-100, 70}})));
-  Interfaces.BooleanInput standstill "= true, if the train stands"
+  Interfaces.BooleanInput standstill "= true, if the train is at rest"
     annotation(Placement(transformation(extent={{-120, -70}, {-100, -50}})));
   Interfaces.RealOutput a(final unit="m/s2") "Acceleration"
     annotation(Placement(transformation(extent={{100, 70}, {120, 90}})));
@@ -51,8 +51,8 @@ see <a href=\"modelica://RailBraking.Components.Rest\">Rest</a>, the speed is ex
 </p>
 <h4>Limitations</h4>
 <p>
-The body neither bounces nor pitches. Couplers push and pull at it whatever their height. Cars that are joined without
-any give are one body with the bogies of all.
+The body neither bounces nor pitches. The height of couplers has no effect. Cars that are joined
+rigidly are one body with the bogies of all.
 </p>
 </html>"));
 end CarBody;

@@ -89,6 +89,8 @@ dampers act at
 the height of the secondary suspension.
 </p>
 <h4>Limitations</h4>
-<p>Rigid body, linear springs and dampers, no bump stops. Gravity of the leaning body is left to its springs.</p>
+<p>
+Rigid body, linear springs and dampers, no bump stops. The weight of the tilted body is carried by its springs alone.
+</p>
 </html>"));
 end GuidedBody;

@@ -65,7 +65,7 @@ equation
   m*der(vy) = pivot.Y + axle[1].Y + axle[2].Y;
   m*der(vz) = pivot.Z + axle[1].Z + axle[2].Z;
   I_roll*der(wx) = pivot.M_phi + axle[1].M_phi + axle[2].M_phi + h*(axle[1].Y + axle[2].Y);
-  // The drive stands on the frame: what turns the axles forward lifts the nose.
+  // The drive is mounted on the frame: a torque that turns the axles forward lifts the nose.
   I_pitch*der(wy) = pivot.M_theta + axle[1].M_theta + axle[2].M_theta - h*(axle[1].X + axle[2].X)
     - arm[1]*axle[1].Z - arm[2]*axle[2].Z;
   I_yaw*der(wz) = pivot.M_psi + axle[1].M_psi + axle[2].M_psi + arm[1]*axle[1].Y + arm[2]*axle[2].Y;
@@ -84,7 +84,7 @@ at
 the axle boxes, at the height of the axles. Angles are small.
 </p>
 <h4>Limitations</h4>
-<p>The roll of the track is not differentiated: dampers feel the roll rate of the frame alone. No bump stops, no dry
+<p>The roll of the track is not differentiated: dampers act on the roll rate of the frame alone. No bump stops, no dry
 friction.</p>
 </html>"));
 end GuidedFrame;

@@ -1,5 +1,5 @@
 within RailBraking.Components;
-model GuidedWheelset "Wheelset that runs, turns, swings and yaws between the rails, on elastic track"
+model GuidedWheelset "Wheelset with longitudinal, lateral, vertical, yaw and rolling motion on elastic track"
   extends Icons.Component;
   parameter Types.Mass m(start=1400) "Mass";
   parameter Types.Inertia I_yaw(start=800) "Inertia about the vertical axis";
@@ -13,7 +13,7 @@ model GuidedWheelset "Wheelset that runs, turns, swings and yaws between the rai
   parameter Types.Ratio conicity(start=0.15) "Equivalent conicity";
   parameter Types.Stiffness k_track = 5e7 "Stiffness of the track under one wheel";
   parameter Types.Damping c_track = 6e4 "Damping of the track under one wheel";
-  parameter Types.Length clearance = 6e-3 "Way to the flange on either side";
+  parameter Types.Length clearance = 6e-3 "Clearance of the flange on either side";
   parameter Types.Stiffness k_flange = 1e7 "Stiffness of the flange against the rail";
   parameter Types.Force load_nominal(start=1.2e5) "Load of both wheels at rest";
   parameter Types.Ratio k_A(start=0.3) "Polach: reduction of the creep stiffness in the area of adhesion";
@@ -22,7 +22,7 @@ model GuidedWheelset "Wheelset that runs, turns, swings and yaws between the rai
   parameter Types.InverseVelocity B(start=0.2) "Polach: rate at which friction falls with slip speed";
   parameter Types.Velocity start_speed(start=20) "Speed at the start";
   final parameter Real factor = Contact.creepFactor(r, r_rail, E, nu) "Slope of epsilon, see creepFactor";
-  Interfaces.GuidedFlange frame "To the axle boxes of a frame, whose drive turns the axle; nothing when it is left open"
+  Interfaces.GuidedFlange frame "To the axle boxes of a frame, whose drive turns the axle; may be left open"
     annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
   Interfaces.RealInput alignment(final unit="m") "Lateral irregularity, to the left"
     annotation(Placement(transformation(extent={{-118, -26}, {-102, -10}})));
@@ -42,7 +42,7 @@ model GuidedWheelset "Wheelset that runs, turns, swings and yaws between the rai
   Types.AngularVelocity wz(start=0, fixed=true, nominal=1e-2) "Yaw rate";
   Types.Length z(start=0, fixed=true, nominal=1e-3) "Height, change from static";
   Types.Velocity vz(start=0, fixed=true, nominal=1e-2) "Vertical speed";
-  Types.AngularVelocity dw(start=0, fixed=true, nominal=1e-2) "Angular velocity about the axle, less start_speed/r";
+  Types.AngularVelocity dw(start=0, fixed=true, nominal=1e-2) "Angular velocity about the axle minus start_speed/r";
   Types.Acceleration a "Acceleration along the track";
   Types.Acceleration ay "Acceleration across the track";
   Types.Acceleration az "Upward acceleration";
@@ -55,8 +55,8 @@ model GuidedWheelset "Wheelset that runs, turns, swings and yaws between the rai
 protected
   Types.Force Q[2] "Load of the left and of the right wheel";
   Types.Force load "Load of both wheels";
-  constant Types.Length rounding = 5e-4 "Way over which a flange begins to bear";
-  Types.Length pressed[2] "Way of the left and of the right flange into its rail";
+  constant Types.Length rounding = 5e-4 "Displacement over which a flange comes into contact";
+  Types.Length pressed[2] "Penetration of the left and of the right flange into its rail";
   Types.Ratio chord[2] "Adhesion over creepage, left and right";
   Types.Force F_x[2] "Force on the left and on the right wheel, forward";
   Types.Force F_y "Force on both wheels, to the left";
@@ -115,8 +115,8 @@ the wheelset to the side of the lower rail with load times cross level over 2 b.
 </p>
 <h4>Limitations</h4>
 <p>
-The flange is a spring without friction that begins to bear at the clearance; before that its
-rounding acts like a spring of 0.03 MN/m. The wheels keep the track in roll. The
+The flange is a spring without friction that acts beyond the clearance; before that its rounding
+acts like a spring of 0.03 MN/m. The wheelset follows the track in roll. The
 damping of the track acts on the vertical speed of the wheelset, not on that of the irregularity; the wheelset bounces
 on the track at about 42 Hz. Loads must stay positive. Forward running only.
 </p>

@@ -5,7 +5,7 @@ model ShaftTorque "Torque of a drive or an electrodynamic brake on an axle"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
   Interfaces.RotationalFlange shaft "To the shaft of an axle"
     annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
-  Interfaces.RealOutput power(final unit="W") "Power that it takes from the axle"
+  Interfaces.RealOutput power(final unit="W") "Power taken from the axle"
     annotation(Placement(transformation(extent={{100, -70}, {120, -50}})));
 equation
   shaft.tau = -torque;
@@ -18,7 +18,7 @@ equation
         Ellipse(extent={{-40, 40}, {40, -40}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
-<p>The torque acts on what is connected; a brake gives a negative one.</p>
+<p>The torque acts on the connected component; that of a brake is negative.</p>
 <h4>Limitations</h4>
 <p>Stiff and without inertia: rotors that turn with the axle belong to the inertia of the axle.</p>
 </html>"));

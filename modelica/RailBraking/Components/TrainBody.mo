@@ -5,8 +5,8 @@ model TrainBody "All masses of the train along the track, with drag and rest"
   parameter Types.Ratio c_drag = 0.9 "Drag coefficient";
   parameter Types.Area A_drag = 10 "Frontal area";
   parameter Types.Density rho_air = 1.2 "Density of the air";
-  parameter Types.Velocity v_rest = 1e-3 "Speed at which the train comes to rest if it can be held";
-  parameter Types.Force F_small = 10 "Force by which the track must exceed what holds the train to move it";
+  parameter Types.Velocity v_rest = 1e-3 "Speed below which the train comes to rest if it can be held";
+  parameter Types.Force F_small = 10 "Excess of the track force over the holding force that moves the train";
   parameter Types.Velocity start_speed(start=22) "Speed at the start";
   Interfaces.RealInput F(final unit="N") "Braking force of the track on all wheelsets"
     annotation(Placement(transformation(extent={{-120, 57}, {-100, 77}})));
@@ -19,7 +19,7 @@ model TrainBody "All masses of the train along the track, with drag and rest"
   Interfaces.RealOutput resistance_power(final unit="W")
     "Power of drag and track force, positive when it slows the train"
     annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
-  Interfaces.BooleanOutput standstill(start=false, fixed=true) "= true, if the train stands"
+  Interfaces.BooleanOutput standstill(start=false, fixed=true) "= true, if the train is at rest"
     annotation(Placement(transformation(extent={{100, -77}, {120, -57}})));
   Types.Length s(start=0, fixed=true) "Distance travelled";
   Types.Velocity v "Speed";
@@ -29,7 +29,7 @@ protected
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
   BodyForce wheelsets "Force of the track on all wheelsets"
     annotation(Placement(transformation(extent={{-60, -80}, {-20, -40}})));
-  Rest rest(final n=1, v_rest=v_rest, F_small=F_small) "When the train is at rest"
+  Rest rest(final n=1, v_rest=v_rest, F_small=F_small) "Detection of standstill"
     annotation(Placement(transformation(extent={{20, -80}, {60, -40}})));
 equation
   connect(wheelsets.pivot, body.pivot) annotation(Line(points={{-18, -60}, {0, -60}, {0, -22}}, color={0, 0, 127}));
@@ -64,7 +64,7 @@ mass.
 </p>
 <h4>Limitations</h4>
 <p>
-Those of its parts. Coming to rest discards m v_rest<sup>2</sup>/2, 0.04 J for 84 t.
+Those of its components. Coming to rest discards m v_rest<sup>2</sup>/2, 0.04 J for 84 t.
 </p>
 </html>"));
 end TrainBody;

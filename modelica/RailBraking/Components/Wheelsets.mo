@@ -8,14 +8,14 @@ model Wheelsets "Wheelsets that turn as one, with their contacts"
   parameter Types.Length r(start=0.38) "Rolling radius";
   parameter Types.Length r_rail = 0.30 "Radius of the rail head across the track";
   parameter Types.Curvature curvature_rail(min=0) = 0
-    "Curvature of the rail along the track: none, or that of a roller";
+    "Curvature of the rail along the track: zero, or that of a roller";
   parameter Types.Modulus E = 2.1e11 "Young's modulus of wheel and rail";
   parameter Types.Ratio nu = 0.28 "Poisson's ratio of wheel and rail";
   parameter Types.Velocity v_small = 0.1 "Speed below which slip is regularised";
   parameter Types.Ratio mu_bearing = 0.0018 "Friction coefficient of the axle bearings";
   parameter Types.Length r_bearing = 0.065 "Radius of the axle bearings";
   parameter Types.Length e_rolling = 0.0004 "Lever arm of the rolling resistance";
-  parameter Types.Torque tau_small = 10 "Torque by which the track must exceed the brake to turn a locked group";
+  parameter Types.Torque tau_small = 10 "Excess of the track's torque over the brake's that turns a locked group";
   parameter Types.AngularVelocity w_start(start=50) "Angular velocity at the start";
   final parameter Types.Ratio f_bearing = bearingFriction(mu_bearing, r_bearing, r) "Bearing resistance over load";
   input Data.CreepCurve curve[n] "Shape of the creep curve of each wheelset";
@@ -25,23 +25,23 @@ model Wheelsets "Wheelsets that turn as one, with their contacts"
     annotation(Placement(transformation(extent={{-120, 30}, {-100, 50}})));
   Interfaces.RealInput mu0[n](each final unit="1") "Maximum friction coefficient at each wheelset"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
-  Interfaces.RealInput brake_torque(final unit="N.m") "Torque that the brake can exert on the group"
+  Interfaces.RealInput brake_torque(final unit="N.m") "Maximum torque of the brake on the group"
     annotation(Placement(transformation(extent={{-120, -50}, {-100, -30}})));
-  Interfaces.BooleanInput standstill "= true, if the train stands"
+  Interfaces.BooleanInput standstill "= true, if the train is at rest"
     annotation(Placement(transformation(extent={{-120, -90}, {-100, -70}})));
   Interfaces.RealOutput F[n](each final unit="N") "Braking force of the track on each wheelset"
     annotation(Placement(transformation(extent={{100, 73}, {120, 93}})));
-  Interfaces.RealOutput torque(final unit="N.m") "Torque that the brake does exert"
+  Interfaces.RealOutput torque(final unit="N.m") "Actual torque of the brake"
     annotation(Placement(transformation(extent={{100, 40}, {120, 60}})));
   Interfaces.RealOutput capacity(final unit="N") "Force with which the group can hold the train at rest"
     annotation(Placement(transformation(extent={{100, 7}, {120, 27}})));
-  Interfaces.BooleanOutput locked(start=false, fixed=true) "= true, if the group does not turn"
+  Interfaces.BooleanOutput locked(start=false, fixed=true) "= true, if the group is locked"
     annotation(Placement(transformation(extent={{100, -27}, {120, -7}})));
-  Interfaces.RealOutput contact_power(final unit="W") "Heat made in the contacts"
+  Interfaces.RealOutput contact_power(final unit="W") "Heat generated in the contacts"
     annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
   Interfaces.RealOutput resistance_power(final unit="W") "Power of bearing and rolling resistance"
     annotation(Placement(transformation(extent={{100, -93}, {120, -73}})));
-  Interfaces.RotationalFlange shaft "To a drive or an electrodynamic brake; nothing when it is left open"
+  Interfaces.RotationalFlange shaft "To a drive or an electrodynamic brake; may be left open"
     annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
   Types.AngularVelocity w(start=w_start, fixed=true) "Angular velocity";
   WheelsetsContact contact[n](
@@ -62,7 +62,7 @@ equation
   shaft.w = w;
   tau_track = r*sum(F) + shaft.tau;
   tau_resistance = (r*f_bearing + e_rolling)*sum(load);
-  // A level, not an edge: a group that is released and braked again at once cannot slip through to reverse rotation.
+  // A level, not an edge: a group that is released and braked again at once must not reach reverse rotation.
   locked = standstill or (if pre(locked) then tau_track - brake_torque - tau_resistance <= tau_small
     else w <= 0 and tau_track - brake_torque - tau_resistance < 0);
   J*der(w) = if locked then 0 else tau_track - brake_torque - tau_resistance;
@@ -81,16 +81,16 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-One wheelset, or several that a drive shaft couples. A brake slows rotation and never reverses it: when the
-angular velocity reaches zero while the brake is stronger than the track, the group is <code>locked</code>, its
-angular velocity is exactly zero, and it stays so until the torque of the track exceeds that of brake and
-resistance by <code>tau_small</code>.
+One wheelset, or several wheelsets coupled by a drive shaft. A brake never reverses the rotation: if
+the angular velocity reaches zero while the brake is stronger than the track, the group is
+<code>locked</code>, and its angular velocity is exactly zero until the torque of the track exceeds
+that of brake and resistance by <code>tau_small</code>.
 </p>
 <h4>Limitations</h4>
 <p>
-Forward rotation only. Shafts are rigid. The brake is as strong at rest as it was when sliding stopped. At standstill
-the contacts
-carry no force in this model; what holds the train there is accounted for by <code>capacity</code>.
+Forward rotation only. Shafts are rigid. At rest the maximum torque of the brake is that at the end
+of sliding. At standstill the contacts transmit no force in this model; <code>capacity</code> is the
+force that can hold the train.
 </p>
 </html>"));
 end Wheelsets;

@@ -1,5 +1,5 @@
 within RailBraking.Components;
-function frameTorque "Torque that tips a bogie frame nose-down in braking, springs excluded"
+function frameTorque "Torque that pitches a bogie frame nose-down in braking, without springs"
   extends Icons.Function;
   input Types.Force F "Braking force of the track on both wheelsets together";
   input Types.Torque tau "Brake torque on both wheelsets together";

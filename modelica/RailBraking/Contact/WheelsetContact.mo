@@ -22,8 +22,9 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-Slip is (v - r w)/sqrt(v<sup>2</sup> + v_small<sup>2</sup>): at 1 m/s it is 0.5 % smaller than 1 - r w/v, at
-standstill it is zero. Valid from rest to 60 m/s. Both wheels carry half of the load and have equal contacts.
+Slip is (v - r w)/sqrt(v<sup>2</sup> + v_small<sup>2</sup>), 0.5 % smaller than 1 - r w/v at 1 m/s
+and zero at standstill. Valid from rest to 60 m/s. Both wheels carry half of the load and have equal
+contacts.
 </p>
 <p>
 On a roller the contact is that of a wheel of the radius 1/(1/r + <code>curvature_rail</code>) on a straight rail;
@@ -31,7 +32,7 @@ kinematics keep <code>r</code>.
 </p>
 <h4>Limitations</h4>
 <p>
-Below <code>v_small</code> a creeping wheel behaves like a very stiff damper; static friction is the business of
+Below <code>v_small</code> a creeping wheel behaves like a very stiff damper; static friction is modelled by
 <a href=\"modelica://RailBraking.Components.Wheelsets\">Wheelsets</a> and
 <a href=\"modelica://RailBraking.Components.Rest\">Rest</a>. The rounding of the load adds
 F_small<sup>2</sup>/(4 load), less than 0.03 N for any railway wheelset.

@@ -1,5 +1,5 @@
 within RailBraking.Contact;
-function combinedChord "Adhesion over creepage of a wheel that creeps along and across the track"
+function combinedChord "Adhesion over creepage of a wheel with longitudinal and lateral creepage"
   extends Icons.Function;
   input Types.Ratio creep_x "Creepage along the track, positive when the wheel turns too slowly";
   input Types.Ratio creep_y "Creepage across the track";

@@ -16,8 +16,8 @@ algorithm
   annotation (
     Documentation(info="<html>
 <p>
-Everything in &epsilon; that does not change while a train runs. The slope of the force at small slip is
-2/&pi; (k_A + k_S) Q<sup>2/3</sup> <code>factor</code> for each wheel, whatever the friction.
+All factors of &epsilon; that are constant during a simulation. The slope of the force at small slip is
+2/&pi; (k_A + k_S) Q<sup>2/3</sup> <code>factor</code> for each wheel, independent of the friction.
 </p>
 <h4>Syntax</h4>
 <blockquote><pre>

@@ -7,7 +7,7 @@ function fallingFriction "Friction at a slip speed"
   input Types.InverseVelocity B "Rate at which friction falls with slip speed";
   output Types.Ratio mu "Friction coefficient";
 protected
-  constant Types.Velocity w_small = 1e-3 "Rounding about no slip speed";
+  constant Types.Velocity w_small = 1e-3 "Rounding about zero slip speed";
   Types.Velocity w "Magnitude of the slip speed, rounded";
 algorithm
   w := sqrt(slip_speed^2 + w_small^2) - w_small;
@@ -16,12 +16,15 @@ algorithm
     smoothOrder=100,
     Inline=true,
     Documentation(info="<html>
-<p>Polach (2005): mu0 at no slip speed, A mu0 at a large one. Even in the slip speed and smooth everywhere.</p>
+<p>
+Polach (2005): mu0 at zero slip speed, A mu0 at high slip speed. It is an even function of the slip speed and smooth
+everywhere.
+</p>
 <h4>Syntax</h4>
 <blockquote><pre>
 mu = Contact.<strong>fallingFriction</strong>(slip_speed, mu0, A, B);
 </pre></blockquote>
 <h4>Limitations</h4>
-<p>The rounding takes at most 1 mm/s off the slip speed, for B = 0.6 s/m less than 0.04 % of the friction.</p>
+<p>The rounding reduces the slip speed by at most 1 mm/s, for B = 0.6 s/m less than 0.04 % of the friction.</p>
 </html>"));
 end fallingFriction;

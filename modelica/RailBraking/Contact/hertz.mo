@@ -36,8 +36,8 @@ r_effective = 1/2 (A B (A + B)/2)^(-1/3),   a/b = (B/A)^(2/3)
 </pre></blockquote>
 <h4>Limitations</h4>
 <p>
-Within 0.1 % in the mean semi-axis and 0.5 % in the ratio for a/b from 0.5 to 2. The profile of the wheel is
-taken as straight across the track, the rail as straight along it.
+Within 0.1 % in the mean semi-axis and 0.5 % in the ratio for a/b from 0.5 to 2. The profile of the
+wheel is assumed to be straight across the track, and the rail straight along it.
 </p>
 </html>"));
 end hertz;

@@ -12,7 +12,7 @@ function polach "Adhesion of a wheel at a slip"
   input Types.InverseVelocity B "Rate at which friction falls with slip speed";
   output Types.Ratio alpha "Force over load, with the sign of the slip";
 protected
-  constant Types.Ratio mu_small = 1e-9 "Keeps epsilon finite without friction";
+  constant Types.Ratio mu_small = 1e-9 "Keeps epsilon finite at zero friction";
   Types.Ratio mu "Friction at this slip speed";
   Types.Ratio epsilon "Gradient of the tangential stress";
 algorithm
@@ -30,8 +30,8 @@ alpha = Contact.<strong>polach</strong>(slip, slip_speed, Q, mu0, factor, k_A, k
 </pre></blockquote>
 <h4>Limitations</h4>
 <p>
-The load must be positive. Friction depends on the slip speed alone: neither the cleaning of the rail by the slip
-nor the temperature of the contact is in it; a scenario expresses cleaning by <code>mu0</code>, and
+The load must be positive. Friction depends on the slip speed alone: neither the cleaning of the rail by slip nor the
+temperature of the contact is modelled; a scenario expresses cleaning by <code>mu0</code>, and
 <a href=\"modelica://RailBraking.Contact.HeatedContact\">HeatedContact</a> gives it a warm friction.
 </p>
 </html>"));

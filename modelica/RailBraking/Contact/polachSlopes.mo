@@ -7,13 +7,13 @@ function polachSlopes "Derivatives of the creep force of a wheel at a given fric
   input Real factor "Result of creepFactor";
   input Types.Ratio k_A "Reduction in the area of adhesion";
   input Types.Ratio k_S "Reduction in the area of slip";
-  output Types.Force by_creep "Derivative by the creep, friction held";
-  output Types.Force by_friction "Derivative by the friction, creep held";
+  output Types.Force by_creep "Derivative with respect to creep at constant friction";
+  output Types.Force by_friction "Derivative with respect to friction at constant creep";
 protected
   Types.Ratio epsilon "Gradient of the tangential stress";
-  Types.Ratio E "Of the area of adhesion";
-  Types.Ratio S "Of the area of slip";
-  Types.Ratio slope "Derivative of both terms by epsilon";
+  Types.Ratio E "Share of the area of adhesion";
+  Types.Ratio S "Share of the area of slip";
+  Types.Ratio slope "Derivative of both terms with respect to epsilon";
 algorithm
   epsilon := factor*creep/(friction*Q^(1/3));
   E := k_A*epsilon;
@@ -34,8 +34,8 @@ that integrates force and friction instead of computing them.
 (by_creep, by_friction) = Contact.<strong>polachSlopes</strong>(creep, friction, Q, factor, k_A, k_S);
 </pre></blockquote>
 <h4>Notes</h4>
-<p>At small creep <code>by_friction</code> is of third order in &epsilon;: friction does not show in the force.</p>
+<p>At small creep <code>by_friction</code> is of third order in &epsilon;: the force hardly depends on friction.</p>
 <h4>Limitations</h4>
-<p>Those of <code>polach</code>; the friction must stay away from zero.</p>
+<p>Those of <code>polach</code>; the friction must not approach zero.</p>
 </html>"));
 end polachSlopes;

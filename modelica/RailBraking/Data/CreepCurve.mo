@@ -8,8 +8,9 @@ record CreepCurve "Shape of the creep curve of a wheelset, which may change alon
   annotation (
     Documentation(info="<html>
 <p>
-What <a href=\"modelica://RailBraking.Contact.polach\">Contact.polach</a> takes beside the friction. A vehicle has one
-for all of its wheelsets, of its parameters; one whose rail changes its curve from place to place binds
+Parameters of <a href=\"modelica://RailBraking.Contact.polach\">Contact.polach</a> besides the
+friction. A vehicle has one curve for all of its wheelsets, defined by its parameters. For a rail
+whose curve changes from place to place, bind
 <code>curve</code> to inputs, as in
 </p>
 <blockquote><pre>

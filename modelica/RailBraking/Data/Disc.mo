@@ -1,5 +1,5 @@
 within RailBraking.Data;
-record Disc "Brake disc of one kind, and the air that cools it"
+record Disc "Brake disc and its cooling air"
   extends Icons.Record;
   parameter Types.Mass m(min=1e-3) = 110 "Mass of the disc";
   parameter Types.Mass m_surface(min=1e-3) = 12 "Mass of the friction rings near the surface";

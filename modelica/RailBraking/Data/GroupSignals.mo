@@ -1,14 +1,14 @@
 within RailBraking.Data;
-record GroupSignals "What is known of a group of wheelsets that turn as one"
+record GroupSignals "Signals of a group of wheelsets that turn as one"
   extends Icons.Record;
   Types.AngularVelocity w "Angular velocity";
   Types.Ratio slip "Slip, 0 rolling, 1 locked";
-  Types.Ratio adhesion "Braking forces over loads";
+  Types.Ratio adhesion "Sum of braking forces over sum of loads";
   Types.Ratio pad_friction "Friction coefficient of the pads";
   Types.Temperature disc_temperature "Temperature of the bulk of the discs";
   Types.Temperature disc_surface_temperature "Temperature of the surface of the discs";
   Types.Torque brake_torque "Torque that the brake exerts";
-  Boolean locked "= true, if the group does not turn";
+  Boolean locked "= true, if the group is locked";
   annotation (
     Documentation(info="<html>
 <p>

@@ -8,10 +8,10 @@ record Pad "Friction of a kind of brake pads"
   parameter Types.TemperatureDifference temperature_range(min=1e-3) = 150
     "Temperature rise at which the effect saturates";
   parameter Types.Ratio force_effect = 0.08
-    "Loss of friction from no force to twice the nominal force, half of it, relative";
+    "Half of the relative loss of friction from zero to twice the nominal force";
   parameter Types.Force pad_force_nominal(min=1e-3) = 56e3 "Pad force at which friction is nominal";
-  parameter Types.Energy E_settle(min=1e-3) = 2e5 "Friction energy of one unit in which friction settles";
-  parameter Types.Time T_settle(min=1e-3) = 3 "Time in which friction settles at little power";
+  parameter Types.Energy E_settle(min=1e-3) = 2e5 "Friction energy of one unit within which friction settles";
+  parameter Types.Time T_settle(min=1e-3) = 3 "Time within which friction settles at low power";
   parameter Types.Force F_release(min=1e-3) = 1e3 "Pad force below which pads count as released";
   annotation (
     Documentation(info="<html>

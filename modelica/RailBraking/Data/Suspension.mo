@@ -1,5 +1,5 @@
 within RailBraking.Data;
-record Suspension "Bogie frame and primary suspension, but for masses and wheelbase"
+record Suspension "Bogie frame and primary suspension, without masses and wheelbase"
   extends Icons.Record;
   parameter Types.Length h_frame = 0.55 "Height of the frame's centre of gravity over the rail";
   parameter Types.Length h_rod = 0.40 "Height of the traction rod over the rail";

@@ -1,5 +1,5 @@
 within RailBraking.Data;
-record WheelsetSignals "What is known of a wheelset under a bogie frame"
+record WheelsetSignals "Signals of a wheelset under a bogie frame"
   extends Icons.Record;
   Types.Force F "Braking force of the track";
   Types.Force load "Load on the rail";

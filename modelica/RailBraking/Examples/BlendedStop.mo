@@ -2,10 +2,11 @@ within RailBraking.Examples;
 model BlendedStop "Stop of a tram with electrodynamic, friction and track brake"
   extends Icons.Example;
   parameter Types.Mass m = 42000 "Mass";
-  parameter Types.Acceleration demanded = 1.2 "Deceleration that is demanded of the wheels";
+  parameter Types.Acceleration demanded = 1.2 "Demanded deceleration";
   Components.Blending blending(n=3, share={0.5, 0, 0.5}) "Outer bogies are motored"
     annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
-  Components.ElectrodynamicBrake dynamic(F_max=40e3, P_max=5e5, v_full=2, v_end=0.5) "Of both motored bogies"
+  Components.ElectrodynamicBrake dynamic(F_max=40e3, P_max=5e5, v_full=2, v_end=0.5)
+    "Electrodynamic brake of both motored bogies"
     annotation(Placement(transformation(extent={{20, 20}, {60, 60}})));
   Pneumatics.ElectropneumaticCommand wire[3](each delay=0.2, each T=0.2, each T_release=0.2) "Friction brakes"
     annotation(Placement(transformation(extent={{-60, -60}, {-20, -20}})));
@@ -15,7 +16,7 @@ model BlendedStop "Stop of a tram with electrodynamic, friction and track brake"
   Types.Velocity v(start=50/3.6, fixed=true) "Speed";
 protected
   constant Types.Area area = 0.1 "Force of a friction brake over its pressure";
-  Types.Force friction "Of the friction brakes";
+  Types.Force friction "Lag of the friction brakes";
 equation
   for i in 1:3 loop
     blending.demand[i] = m*demanded/3;
@@ -39,8 +40,8 @@ equation
     experiment(StopTime=8, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>
 <p>
-The electrodynamic brake begins, friction fills up late and takes over below 2 m/s; after a second the magnets add
-what adhesion could not give.
+The electrodynamic brake acts first; friction brakes respond later and take over below 2 m/s; after
+a second the magnets add force that does not depend on adhesion.
 Compare dynamic.force, friction and magnets.force. Data are estimated.
 </p>
 </html>"));

@@ -26,8 +26,8 @@ model BrakePipeOfTenCoaches "Emergency brake of a locomotive with ten coaches th
   Pneumatics.Accelerator accelerator[n](each C=C_accelerator, each rate_open=7e4, each T_sense=0.3)
     "Accelerators, none where they have no conductance"
     annotation(Placement(transformation(extent={{-60, -40}, {-40, -20}})));
-  Types.Time front(start=0, fixed=true) "When the last vehicle begins to brake";
-  Types.Time full(start=0, fixed=true) "When it brakes with 95 % of its full pressure";
+  Types.Time front(start=0, fixed=true) "Time at which the last vehicle begins to brake";
+  Types.Time full(start=0, fixed=true) "Time at which it reaches 95 % of its full pressure";
 equation
   connect(compressor.port, main.port)
     annotation(Line(points={{-89, 70}, {-85, 70}, {-85, 55}, {-70, 55}, {-70, 59}}, color={0, 127, 127}));
@@ -56,9 +56,9 @@ equation
     experiment(StopTime=15, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>
 <p>
-The front takes a little more than a second to the middle of the last coach, 270 m away, and the last coach reaches its
-full pressure a second after the first. Watch pipe.pressure and cylinder.pressure. <code>cells</code> shows what the
-grid does to the front.
+The front reaches the middle of the last coach, 270 m away, after a little more than a second, and
+the last coach reaches its full pressure a second after the first. Plot pipe.pressure and
+cylinder.pressure. Vary <code>cells</code> to see the effect of the grid on the front.
 </p>
 </html>"));
 end BrakePipeOfTenCoaches;

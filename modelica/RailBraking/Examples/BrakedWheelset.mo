@@ -1,5 +1,5 @@
 within RailBraking.Examples;
-model BrakedWheelset "One braked wheelset under a mass, put together from components"
+model BrakedWheelset "One braked wheelset under a mass, composed of components"
   extends Icons.Example;
   parameter Types.Mass m = 14500 "Mass on the wheelset";
   Pneumatics.PrescribedPressure cylinder(p_max=2e5, V=6e-3) "Cylinder with a measured pressure"
@@ -37,7 +37,7 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=30, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>
-<p>A pattern for other vehicles: equations join inputs to outputs, the body owns the speed, wheelsets own their
-rotation.</p>
+<p>A pattern for other vehicles: equations connect inputs with outputs, the speed is a state of the
+body, and rotation is a state of each wheelset.</p>
 </html>"));
 end BrakedWheelset;

@@ -3,7 +3,7 @@ model CreepCurves "Adhesion over slip of every named surface at 80 km/h"
   extends Icons.Example;
   parameter Types.Velocity v = 80/3.6 "Speed of the wheelset";
   parameter Types.Force Q = 68.7e3 "Load of a wheel";
-  parameter Types.Time T = 1 "Time in which slip goes from zero to one";
+  parameter Types.Time T = 1 "Time in which slip increases from zero to one";
   parameter Contact.Surfaces.Dry dry "Surface"
     annotation(Placement(transformation(extent={{-75, 38}, {-45, 68}})));
   parameter Contact.Surfaces.Wet wet "Surface"
@@ -68,6 +68,6 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=1, Tolerance=1e-8, Interval=0.0005),
     Documentation(info="<html>
-<p>Slip grows with time. Peaks lie between 0.4 % (MalWorst) and 16 % (BroadLeaf).</p>
+<p>Slip increases with time. Peaks are between 0.4 % (MalWorst) and 16 % (BroadLeaf).</p>
 </html>"));
 end CreepCurves;

@@ -1,5 +1,5 @@
 within RailBraking.Examples;
-model DownhillStop "Stop on a falling gradient in a curve, and the same on level track"
+model DownhillStop "Stop on a falling gradient in a curve and on level track"
   extends Icons.Example;
   Plants.TwoPartTrain train(start_speed=60/3.6) "Train on the gradient"
     annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));

@@ -1,5 +1,5 @@
 within RailBraking.Examples;
-model WagonStop "Wagon braked on a rail that is worse under its front wheelset"
+model WagonStop "Wagon braked on a rail with lower friction under its front wheelset"
   extends Icons.Example;
   Plants.Wagon wagon(start_speed=10) "Wagon"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));

@@ -1,21 +1,23 @@
 within RailBraking.Examples;
-model WanderingWheelset "A wheelset on a wavy dry track, and what three predictions without readings make of it"
+model WanderingWheelset "A wheelset on wavy dry track, and three predictions of it without readings"
   extends Icons.Example;
   parameter Types.Velocity v = 25 "Speed along the track";
   parameter Types.Length amplitude = 3e-3 "Of the track";
-  parameter Types.Frequency f = 1 "At which the track is passed";
+  parameter Types.Frequency f = 1 "Frequency at which the wheelset passes the waves";
   parameter Contact.Surfaces.MalDry rail "Rail"
     annotation(Placement(transformation(extent={{-73, 20}, {-33, 60}})));
   Plants.LateralWheelset plant(start_speed=v, rolling_creep=0) "Wheelset"
     annotation(Placement(transformation(extent={{-20, 20}, {20, 60}})));
-  Predictions.LateralPrediction known(mu0_start=rail.mu0, A_falling=rail.A, B_falling=rail.B) "Knows the track"
+  Predictions.LateralPrediction known(mu0_start=rail.mu0, A_falling=rail.A, B_falling=rail.B)
+    "Prediction that knows the track"
     annotation(Placement(transformation(extent={{33, 20}, {73, 60}})));
-  Predictions.LateralPredictionUnknownTrack unknown(mu0_start=rail.mu0) "Knows the spectrum of the track"
+  Predictions.LateralPredictionUnknownTrack unknown(mu0_start=rail.mu0)
+    "Prediction that knows the spectrum of the track"
     annotation(Placement(transformation(extent={{-73, -60}, {-33, -20}})));
   Predictions.LateralReconstruction reconstruction(friction_start=rail.mu0)
     "Reconstruction with the five states of the paper, on the plant's position and angle"
     annotation(Placement(transformation(extent={{-20, -60}, {20, -20}})));
-  FMUs.LateralContact point(A_falling=rail.A, B_falling=rail.B) "The contact by itself"
+  FMUs.LateralContact point(A_falling=rail.A, B_falling=rail.B) "The contact alone"
     annotation(Placement(transformation(extent={{33, -60}, {73, -20}})));
 protected
   Types.Length track "Lateral position of the track";
@@ -52,7 +54,7 @@ equation
     Documentation(info="<html>
 <p>
 <code>known</code> follows the plant, whose creepages are those of lateral and yaw motion alone; <code>unknown</code>
-stays where it is: without readings it knows of no irregularity.
+remains at rest, because without readings it has no information on the irregularity.
 </p>
 </html>"));
 end WanderingWheelset;

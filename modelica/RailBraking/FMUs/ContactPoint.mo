@@ -29,10 +29,10 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-For programs that need the contact by itself: peaks of adhesion, the ideal braking distance. It calls the same
+For programs that need the contact alone, to compute peaks of adhesion or the ideal braking distance. It calls the same
 <a href=\"modelica://RailBraking.Contact.polach\">polach</a> as the plants.
 </p>
 <h4>Limitations</h4>
-<p>The slip is not regularised here. Without states: the output answers at once.</p>
+<p>The slip is not regularised here. It has no states: the output responds at once.</p>
 </html>"));
 end ContactPoint;

@@ -4,7 +4,7 @@ block LateralContact "Creep, creep force and friction of a wheelset in a given l
   extends Vehicles.PartialLateralWheelset;
   parameter Types.Ratio A_falling = 0.4 "Polach: friction at infinite creep speed over maximum friction";
   parameter Types.InverseVelocity B_falling = 0.2 "Polach: rate at which friction falls with creep speed";
-  Interfaces.RealInput displacement(final unit="m", start=0) "Of the wheelset from the middle of the track"
+  Interfaces.RealInput displacement(final unit="m", start=0) "Displacement of the wheelset from the middle of the track"
     annotation(Placement(transformation(extent={{-120, 73}, {-100, 93}})));
   Interfaces.RealInput lateral_velocity(final unit="m/s", start=0) "Lateral velocity"
     annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
@@ -31,10 +31,11 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-What the states of <a href=\"modelica://RailBraking.Predictions.LateralPrediction\">LateralPrediction</a> say about the
-contact, for programs that report it; they never model the contact a second time.
+The contact for the states of <a
+href=\"modelica://RailBraking.Predictions.LateralPrediction\">LateralPrediction</a>, for programs
+that report it, so that they need no contact model of their own.
 </p>
 <h4>Limitations</h4>
-<p>Those of the prediction. Without states: the outputs answer at once.</p>
+<p>Those of the prediction. It has no states: the outputs respond at once.</p>
 </html>"));
 end LateralContact;

@@ -1,5 +1,5 @@
 within RailBraking.Friction;
-block ConstantFriction "Pads whose friction never changes"
+block ConstantFriction "Pads with constant friction"
   extends Icons.Component;
   extends Interfaces.PartialPadFriction;
   parameter Types.Ratio mu_constant = 0.35 "Friction coefficient";
@@ -8,8 +8,8 @@ equation
   annotation (
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
-<p>For closed-form answers, and for studies that leave the pads out.</p>
+<p>For closed-form solutions, and for studies that do not depend on the pads.</p>
 <h4>Limitations</h4>
-<p>Nothing of what makes pads interesting.</p>
+<p>No dependence on temperature, speed, pressure or time.</p>
 </html>"));
 end ConstantFriction;

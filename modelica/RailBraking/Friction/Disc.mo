@@ -32,12 +32,12 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-A ventilated disc of grey iron: the surface leads the bulk by (1 - pad_share) heat_flow/G, about 100 K in an
+A ventilated disc of grey iron: the surface is hotter than the bulk by (1 - pad_share) heat_flow/G, about 100 K in an
 emergency braking from 80 km/h.
 </p>
 <h4>Limitations</h4>
 <p>
-Radiation, the heat stored in the pads and the flow into the hub are left out; hot spots are far hotter than the
+Radiation, the heat stored in the pads and the heat flow into the hub are neglected; hot spots are far hotter than the
 surface node. <code>G</code> follows from 10 mm of grey iron under 0.5 m<sup>2</sup> of friction ring and is an
 estimate.
 </p>

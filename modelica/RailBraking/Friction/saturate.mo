@@ -1,5 +1,5 @@
 within RailBraking.Friction;
-function saturate "A number kept between -1 and 1, with rounded corners"
+function saturate "A number limited to -1 and 1, with rounded corners"
   extends Icons.Function;
   input Types.Ratio x "Number";
   input Types.Ratio width = 0.1 "Width of the corners";

@@ -1,5 +1,5 @@
 within RailBraking.Icons;
-partial block Pneumatic "Icon of a part that holds or conducts air"
+partial block Pneumatic "Icon of a component that stores or conducts air"
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),

@@ -1,8 +1,8 @@
 within RailBraking;
-package Icons "What classes of one kind look like"
+package Icons "Icons for each kind of class"
   annotation (Documentation(info="<html>
 <p>
-Classes extend the icon of their kind and draw only what tells them from others. Icons have no equations.
+Classes extend the icon of their kind and draw only what distinguishes them from others. Icons have no equations.
 </p>
 </html>"));
 end Icons;

@@ -7,12 +7,12 @@ connector AirPort "Compressed air"
       fillColor={0, 127, 127}, fillPattern=FillPattern.Solid)}),
     Documentation(info="<html>
 <p>
-Connected ports share a pressure, and the air that flows into what they belong to adds up to zero. Air is counted
-as free air, in
-m&sup3; at 1.01325 bar, as plants count what their brakes have used. Temperature does not change: a volume V takes
+Connected ports have the same pressure, and the flows into their components add up to zero. Air is
+counted as free air, in m&sup3; at 1.01325 bar, like the air consumption of plants. Temperature is
+constant: a volume V takes
 V/p_free dp/dt. A port that is not connected is closed.
 </p>
 <h4>Limitations</h4>
-<p>Two volumes are not connected directly but through what resists the flow.</p>
+<p>Two volumes must not be connected directly, but through a flow resistance.</p>
 </html>"));
 end AirPort;

@@ -17,7 +17,8 @@ connector GuidedFlange "Mechanical connection of six small motions"
       fillColor={127, 127, 127}, fillPattern=FillPattern.Solid)}),
     Documentation(info="<html>
 <p>
-Connected flanges move alike, and the forces and torques on what they belong to add up to zero. Angles are small. Axes
+Connected flanges have the same motion, and the forces and torques on their components add up to zero. Angles are small.
+Axes
 as in <a href=\"modelica://RailBraking.Components.GuidedWheelset\">GuidedWheelset</a>: x along the track, y to the
 left, z upwards.
 </p>

@@ -1,10 +1,10 @@
 within RailBraking.Interfaces;
-partial block PartialContact "What carries the force between a wheelset and its rails"
+partial block PartialContact "Contacts between a wheelset and its rails"
   extends Icons.Component;
   parameter Types.Length r(start=0.38) "Rolling radius of the wheels";
   parameter Types.Length r_rail = 0.30 "Radius of the rail head across the track";
   parameter Types.Curvature curvature_rail(min=0) = 0
-    "Curvature of the rail along the track: none, or that of a roller";
+    "Curvature of the rail along the track: zero, or that of a roller";
   parameter Types.Modulus E = 2.1e11 "Young's modulus of wheel and rail";
   parameter Types.Ratio nu = 0.28 "Poisson's ratio of wheel and rail";
   input Data.CreepCurve curve "Shape of the creep curve";
@@ -23,14 +23,14 @@ partial block PartialContact "What carries the force between a wheelset and its 
     annotation(Placement(transformation(extent={{100, 15}, {120, 35}})));
   RealOutput F(final unit="N") "Force of the track on the wheelset, positive when it brakes the train"
     annotation(Placement(transformation(extent={{100, -35}, {120, -15}})));
-  RealOutput heat_flow(final unit="W") "Heat made in both contacts"
+  RealOutput heat_flow(final unit="W") "Heat generated in both contacts"
     annotation(Placement(transformation(extent={{100, -85}, {120, -65}})));
   annotation (
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-One contact stands for both wheels. <code>curve</code> is that of Polach's law, an input so that it may change along the
-track; another law may leave it alone and bring its own.
+One contact represents both wheels. <code>curve</code> is that of Polach's law, an input so that it
+may change along the track; another law may ignore it and have parameters of its own.
 </p>
 </html>"));
 end PartialContact;

@@ -1,11 +1,11 @@
 within RailBraking.Interfaces;
-partial block PartialCylinder "What fills and empties the brake cylinders of one group"
+partial block PartialCylinder "Brake cylinders of one group and their supply"
   extends Icons.Component;
-  parameter Types.Pressure p_max(start=3.4e5) "Largest pressure that reaches the cylinders";
+  parameter Types.Pressure p_max(start=3.4e5) "Maximum pressure of the cylinders";
   parameter Types.Volume V(start=6e-3) "Volume of all cylinders and hoses of the group";
   parameter Types.Pressure p_start = 0 "Pressure at the start";
   parameter Types.Pressure p_free = 1.01325e5 "Absolute pressure at which free air is counted";
-  RealInput command(start=0) "What the brake control asks for; its meaning is the extending class's"
+  RealInput command(start=0) "Command of the brake control, whose meaning the extending class defines"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
   RealOutput pressure(final unit="Pa") "Pressure in the cylinders, above the atmosphere"
     annotation(Placement(transformation(extent={{100, 40}, {120, 60}})));

@@ -8,10 +8,10 @@ partial block PartialPadFriction "Friction coefficient between the pads and the 
   parameter Types.Temperature temperature_nominal = 333.15 "Temperature at which friction is nominal";
   parameter Types.TemperatureDifference temperature_range = 150 "Temperature rise at which the effect saturates";
   parameter Types.Ratio force_effect = 0.08
-    "Loss of friction from no force to twice the nominal force, half of it, relative";
+    "Half of the relative loss of friction from zero to twice the nominal force";
   parameter Types.Force pad_force_nominal = 56e3 "Pad force at which friction is nominal";
-  parameter Types.Energy E_settle = 2e5 "Friction energy of one unit in which friction settles";
-  parameter Types.Time T_settle = 3 "Time in which friction settles at little power";
+  parameter Types.Energy E_settle = 2e5 "Friction energy of one unit within which friction settles";
+  parameter Types.Time T_settle = 3 "Time within which friction settles at low power";
   parameter Types.Force F_release = 1e3 "Pad force below which pads count as released";
   parameter Types.Ratio mu_start = 0.35 "Friction at the start";
   RealInput pad_force(final unit="N") "Normal force of both pads of one brake unit together"
@@ -26,9 +26,9 @@ partial block PartialPadFriction "Friction coefficient between the pads and the 
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-One coefficient stands for all brake units of a group. The parameters are those of <a
-href=\"modelica://RailBraking.Friction.PadFriction\">PadFriction</a>; another law may leave them alone and bring its
-own.
+One coefficient represents all brake units of a group. The parameters are those of <a
+href=\"modelica://RailBraking.Friction.PadFriction\">PadFriction</a>; another law may ignore them
+and have its own.
 </p>
 </html>"));
 end PartialPadFriction;

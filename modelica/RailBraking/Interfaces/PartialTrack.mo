@@ -1,5 +1,5 @@
 within RailBraking.Interfaces;
-partial block PartialTrack "What the track does to a train at a place"
+partial block PartialTrack "Force of the track on a train at a position"
   extends Icons.Component;
   parameter Types.Mass m(start=84000) "Mass of the train";
   RealInput distance(final unit="m") "Distance travelled"
@@ -9,6 +9,6 @@ partial block PartialTrack "What the track does to a train at a place"
   annotation (
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
-<p>The train counts as a point.</p>
+<p>The train is a point.</p>
 </html>"));
 end PartialTrack;

@@ -7,8 +7,9 @@ connector RotationalFlange "Mechanical connection about an axle"
       fillColor={0, 0, 127}, fillPattern=FillPattern.Solid)}),
     Documentation(info="<html>
 <p>
-Connected flanges move alike, and the torques on what they belong to add up to zero. Its potential is the angular
-velocity, not the angle: nothing needs to be differentiated, and no part needs to know where a mark on the wheel is.
+Connected flanges have the same angular velocity, and the torques on their components add up to
+zero. The potential variable is the angular velocity, not the angle, so that nothing must be
+differentiated and no component needs the angle of a wheel.
 </p>
 </html>"));
 end RotationalFlange;

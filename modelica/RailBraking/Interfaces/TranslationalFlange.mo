@@ -7,8 +7,9 @@ connector TranslationalFlange "Mechanical connection along the track"
       fillColor={0, 0, 127}, fillPattern=FillPattern.Solid)}),
     Documentation(info="<html>
 <p>
-Connected flanges move alike, and the forces on what they belong to add up to zero. Its potential is the speed, not
-the position: nothing needs to be differentiated, and no part needs to know where the train is.
+Connected flanges have the same speed, and the forces on their components add up to zero. The
+potential variable is the speed, not the position, so that nothing must be differentiated and no
+component needs the position of the train.
 </p>
 </html>"));
 end TranslationalFlange;

@@ -5,7 +5,7 @@ block Consist "Train of equal cars whose cylinders follow pressure commands"
   parameter Types.Time T_pressure(min=1e-4) = 0.02 "Time constant of the cylinder pressure"
     annotation(Dialog(group="Brake"));
   Interfaces.RealInput pressure_command[groups](each final unit="Pa", each start=0)
-    "Pressure that the cylinders of each group shall have"
+    "Commanded cylinder pressure of each group"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
 protected
   Pneumatics.IdealCylinder cylinder[groups](
@@ -30,7 +30,7 @@ equation
   annotation (
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
-<p>The actuation that control papers assume, four cars unless it is extended with another number.</p>
+<p>Actuation as assumed in papers on control; four cars unless it is extended with another number.</p>
 <h4>Limitations</h4>
 <p>Those of <a href=\"modelica://RailBraking.Vehicles.PartialConsist\">PartialConsist</a>.</p>
 </html>"));

@@ -1,5 +1,5 @@
 within RailBraking.Plants;
-block LateralWheelset "Conical wheelset on two halves of a torsional axle, disturbed sideways by the track"
+block LateralWheelset "Conical wheelset with two halves of a torsional axle, excited laterally by the track"
   extends Icons.Vehicle;
   extends Vehicles.PartialLateralWheelset;
   parameter Types.Velocity start_speed(min=1) = 25 "Speed at the start";
@@ -33,7 +33,7 @@ block LateralWheelset "Conical wheelset on two halves of a torsional axle, distu
     annotation(Placement(transformation(extent={{102, -8}, {118, 8}})));
   Interfaces.RealOutput wheel_speed[2](each final unit="rad/s") = w "Angular velocity of right and left wheel"
     annotation(Placement(transformation(extent={{102, -26}, {118, -10}})));
-  Interfaces.RealOutput twist(final unit="rad") = theta "Angle by which the right half of the axle leads"
+  Interfaces.RealOutput twist(final unit="rad") = theta "Angle of the right half of the axle relative to the left half"
     annotation(Placement(transformation(extent={{102, -44}, {118, -28}})));
   Interfaces.RealOutput creep[2](each final unit="1") "Total creep of right and left wheel"
     annotation(Placement(transformation(extent={{102, -63}, {118, -47}})));
@@ -56,7 +56,7 @@ protected
   Types.Ratio creep_y "Lateral creep of both wheels";
   Types.Force F_x[2] "Longitudinal force of the rail against the creep, right and left";
   Types.Force F_y[2] "Lateral force of the rail against the creep, right and left";
-  Types.Torque torsion "Torque that the right half passes to the left";
+  Types.Torque torsion "Torque of the right half on the left half";
 equation
   steering = half_gauge*dpsi/v + conicity*(y - track)/r_wheel;
   creep_x = {
@@ -99,7 +99,7 @@ does not affect the contact: choose 1 for traction and braking.
 <h4>Limitations</h4>
 <p>
 Those of <a href=\"modelica://RailBraking.Vehicles.PartialLateralWheelset\">PartialLateralWheelset</a>. The speed
-must stay positive. The rounding of the total creep keeps the forces smooth at no creep.
+must stay positive. The rounding of the total creep keeps the forces smooth at zero creep.
 </p>
 </html>"));
 end LateralWheelset;

@@ -1,5 +1,5 @@
 within RailBraking.Plants;
-block RollerRig "One braked wheelset on a roller that stands for the rail and for the wagon"
+block RollerRig "One braked wheelset on a roller that represents the rail and the wagon"
   extends Icons.Vehicle;
   extends Vehicles.PartialRollerRig;
   parameter Types.Time T_fill = 0.4 "Time constant of filling" annotation(Dialog(group="Brake"));

@@ -5,7 +5,7 @@ block TwoPartTrain "Two-part train whose cylinders follow pressure commands"
   parameter Types.Time T_pressure(min=1e-4) = 0.02 "Time constant of the cylinder pressure"
     annotation(Dialog(group="Brake"));
   Interfaces.RealInput pressure_command[groups](each final unit="Pa", each start=0)
-    "Pressure that the cylinders of each group shall have"
+    "Commanded cylinder pressure of each group"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
 protected
   Pneumatics.IdealCylinder cylinder[groups](
@@ -31,7 +31,7 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-The actuation that control papers assume. For valves as in service see
+Actuation as assumed in papers on control. For valves as in service see
 <a href=\"modelica://RailBraking.Plants.TwoPartTrainPneumatic\">TwoPartTrainPneumatic</a>.
 </p>
 <h4>Limitations</h4>

@@ -1,5 +1,5 @@
 within RailBraking.Plants;
-block TwoPartTrainPneumatic "Two-part train whose cylinders are filled, held and vented by valves"
+block TwoPartTrainPneumatic "Two-part train with valves that fill, hold and vent the cylinders"
   extends Icons.Vehicle;
   extends Vehicles.PartialTwoPartTrain;
   parameter Types.Time T_fill(min=1e-3) = 0.4 "Time constant of filling" annotation(Dialog(group="Brake"));
@@ -14,7 +14,7 @@ block TwoPartTrainPneumatic "Two-part train whose cylinders are filled, held and
   parameter Types.Ratio hysteresis(min=0, max=0.5) = 0
     "Half width of the hysteresis of the calipers over the mean pad force" annotation(Dialog(group="Brake"));
   parameter Types.Pressure p_reverse(min=1) = 1e4
-    "Change of pressure in which the friction of the calipers turns around"
+    "Change of pressure in which the friction of the calipers reverses"
     annotation(Dialog(group="Brake"));
   Interfaces.RealInput valve_command[groups](each final unit="1", each start=0)
     "Valves of each group: -1 vent, 0 hold, 1 fill"

@@ -4,7 +4,7 @@ block Wagon "Wagon of two braked wheelsets whose cylinders follow pressure comma
   extends Vehicles.PartialWagon;
   parameter Types.Time T_pressure = 0.05 "Time constant of the cylinder pressure" annotation(Dialog(group="Brake"));
   Interfaces.RealInput pressure_command[2](each final unit="Pa", each start=0)
-    "Pressure that the cylinders of each wheelset shall have"
+    "Commanded cylinder pressure of each wheelset"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
 protected
   Pneumatics.IdealCylinder cylinder[2](each T=T_pressure, each p_max=p_max, each V=n_units*V_cylinder)

@@ -20,7 +20,7 @@ protected
   constant Types.Velocity c = sqrt(p_free/rho_free) "Isothermal speed of sound";
   final parameter Types.Area A = 3.141592653589793/4*D^2 "Cross section";
   final parameter Types.Length x[n] = cat(1, {length[1]/2}, {(length[i - 1] + length[i])/2 for i in 2:n})
-    "From the middle of each cell to the one ahead, or to the leading end";
+    "Distance of the middle of each cell from that of the one ahead, or from the leading end";
   Types.Pressure p[n](each start=p_start, each fixed=true) "Pressure in each cell";
   Types.VolumeFlow q[n](each start=0, each fixed=true) "Free air that flows to the rear in each cell";
   Real slope_p[n + 1](each final unit="Pa/m") "Slope of the pressure at each face, leading end first";
@@ -36,7 +36,7 @@ protected
   Real momentum[n + 1](each final unit="m4/s2") "Momentum through each face, with the pressure on it, over rho_free";
   Types.Pressure P_rear "Absolute pressure on the trailing end";
   Types.PressureRate p_rate[n] "Rate of the pressure in each cell";
-  Types.VolumeFlow taken[n] "Free air that branches take, with the speed it has in the pipe";
+  Types.VolumeFlow taken[n] "Free air into the branches, with its speed in the pipe";
 equation
   front.p = p[1] - x[1]*slope_p[1];
   front.q = air[1];
@@ -98,28 +98,31 @@ A/p_free dP/dt + dq/dx = q(branch)
 dq/dt + d(u q + A P/rho_free)/dx = -friction/(2 D) u |q|
 </pre></blockquote>
 <p>
-Small waves run at sqrt(p_free/rho_free) = 290 m/s, the isothermal speed of sound. A branch of the volume V_branch every
-L metres slows them to 290 m/s/sqrt(1 + V_branch/(A L)). Air that a branch takes leaves with the speed that it has in
-the pipe. Steel pipes of brakes have 25 to 32 mm (EN 15355: at most 25 l in a vehicle of at most 31 m).
+The speed of small waves is sqrt(p_free/rho_free) = 290 m/s, the isothermal speed of sound. A branch
+of the volume V_branch every L metres reduces it to 290 m/s/sqrt(1 + V_branch/(A L)). Air enters a
+branch with the momentum that it has in the pipe. Brake pipes have 25 to 32 mm (EN 15355: at most 25
+l in a vehicle of at most 31 m).
 </p>
 <h4>Implementation</h4>
 <p>
 Finite volumes. Pressure and flow at the faces of a cell are parabolas through three cells (upwind-biased, third order),
-the fluxes between two cells those of Harten, Lax and van Leer with the speeds u - c and u + c. No limiter is needed: a
-brake makes rarefactions, which spread. At the leading end the pressure is that of the port, and the wave that
-comes out of the pipe keeps u - c ln P; at the trailing end the flow is that of the port.
+the fluxes between two cells those of Harten, Lax and van Leer with the speeds u - c and u + c. No
+limiter is needed, because braking causes rarefactions, which spread. At the leading end the
+pressure is that of the port, and the wave that leaves the pipe conserves u - c ln P; at the
+trailing end the flow is that of the port.
 </p>
 <p>
-The front of an emergency brake, a fall by some 0.1 bar, through a locomotive and ten coaches with branches of 3 l runs
-at 249 m/s in three and more cells a car; without branches, where it stays sharper, at 270, 268 and 266 m/s in 3, 9 and
-17 cells a car. The tests compare five cells a car with an independent
-solver on finer grids.
+The front of an emergency brake, a fall by some 0.1 bar, through a locomotive and ten coaches with branches of 3 l has a
+speed of 249 m/s with three or more cells per car; without branches, where it remains sharper, 270,
+268 and 266 m/s with 3, 9 and 17 cells per car. The tests compare five cells per car with an
+independent solver on finer grids.
 </p>
 <h4>Limitations</h4>
 <p>
-The friction factor is constant and estimated. Nothing accelerates the brake but an <a
-href=\"modelica://RailBraking.Pneumatics.Accelerator\">Accelerator</a> at a branch. A branch is a volume at a point,
-with no resistance between it and the pipe. Air must stay slower than sound.
+The friction factor is constant and estimated. Only an <a
+href=\"modelica://RailBraking.Pneumatics.Accelerator\">Accelerator</a> at a branch accelerates the
+brake. A branch is a volume at a point, without resistance between it and the pipe. The flow must be
+subsonic.
 </p>
 </html>"));
 end BrakePipe;

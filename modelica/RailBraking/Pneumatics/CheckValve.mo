@@ -1,5 +1,5 @@
 within RailBraking.Pneumatics;
-model CheckValve "Orifice that lets air pass one way"
+model CheckValve "Orifice with flow in one direction only"
   extends Icons.Pneumatic;
   parameter Real C(final unit="m3/(s.Pa)", start=1e-8) "Sonic conductance";
   Interfaces.AirPort a "From here"

@@ -1,5 +1,5 @@
 within RailBraking.Pneumatics;
-model Choke "Orifice between two parts"
+model Choke "Orifice between two components"
   extends Icons.Pneumatic;
   parameter Real C(final unit="m3/(s.Pa)", start=1e-8) "Sonic conductance";
   Interfaces.AirPort a "One side"
@@ -19,6 +19,6 @@ equation
     Documentation(info="<html>
 <p>See <a href=\"modelica://RailBraking.Pneumatics.orificeFlow\">orificeFlow</a>.</p>
 <h4>Limitations</h4>
-<p>Nothing is stored in it.</p>
+<p>No volume.</p>
 </html>"));
 end Choke;

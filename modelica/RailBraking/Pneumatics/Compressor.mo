@@ -1,5 +1,5 @@
 within RailBraking.Pneumatics;
-model Compressor "Compressor that keeps a pressure between two limits"
+model Compressor "Compressor that controls a pressure between two limits"
   extends Icons.Pneumatic;
   parameter Types.VolumeFlow q_nominal(start=0.02) "Free air that it delivers while it runs";
   parameter Types.Pressure p_in = 8.5e5 "Pressure at which it starts";
@@ -29,8 +29,8 @@ initial equation
         Line(points={{-45, -40}, {58, -14}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
-<p>Screw and piston compressors of multiple units deliver 0.5 to 2 m&sup3;/min and are governed between 8.5 and 10
-bar (estimated).</p>
+<p>Screw and piston compressors of multiple units deliver 0.5 to 2 m&sup3;/min and control the
+pressure between 8.5 and 10 bar (estimated).</p>
 <h4>Limitations</h4>
 <p>Delivery does not fall with the pressure, and there is neither dryer nor cooler nor duty cycle.</p>
 </html>"));

@@ -1,5 +1,5 @@
 within RailBraking.Pneumatics;
-model Distributor "Distributor valve with relay: from the pressure of the brake pipe to that of the cylinders"
+model Distributor "Distributor valve with relay: cylinder pressure from brake pipe pressure"
   extends Icons.Pneumatic;
   extends PartialDistributor;
 equation
@@ -18,8 +18,8 @@ equation
 <tr><td>G, goods</td><td>18 to 30 s</td><td>45 to 60 s</td></tr>
 </table>
 <p>
-Limits of UIC 540 (5th edition, 2006; EN 15355), for one vehicle whose pipe is vented or filled at once; the default is
-their middle. R in two stages by speed is <a
+Limits of UIC 540 (5th edition, 2006; EN 15355), for one vehicle whose pipe is vented or filled at
+once; the defaults are the middle of each range. R in two stages by speed is <a
 href=\"modelica://RailBraking.Pneumatics.TwoStageDistributor\">TwoStageDistributor</a>.
 </p>
 <h4>Limitations</h4>

@@ -1,12 +1,12 @@
 within RailBraking.Pneumatics;
-model DriversBrakeValve "Valve that keeps the brake pipe at a pressure, or vents it"
+model DriversBrakeValve "Valve that controls the pressure of the brake pipe"
   extends Icons.Pneumatic;
   parameter Real C_fill(final unit="m3/(s.Pa)") = 1.5e-7 "Sonic conductance when filling";
   parameter Real C_vent(final unit="m3/(s.Pa)") = 1e-7 "Sonic conductance of service braking";
   parameter Real C_emergency(final unit="m3/(s.Pa)") = 8e-7 "Sonic conductance of the emergency opening";
   parameter Types.Pressure p_emergency = 5e4 "Demand below which the emergency opening is open";
   parameter Types.Pressure p_band = 2e4 "Deviation at which it is fully open";
-  parameter Types.Volume V = 1e-3 "Of the pipe at the valve";
+  parameter Types.Volume V = 1e-3 "Volume of the pipe at the valve";
   parameter Types.Pressure p_start = 5e5 "Pressure at the start";
   Interfaces.RealInput demand(final unit="Pa") "Pressure that the pipe should have; zero for emergency"
     annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
@@ -17,7 +17,7 @@ model DriversBrakeValve "Valve that keeps the brake pipe at a pressure, or vents
 protected
   Types.Pressure p(start=p_start, fixed=true) "Pressure at the valve";
   Types.VolumeFlow filling "Free air from the main reservoir";
-  Types.VolumeFlow venting "Free air into the open";
+  Types.VolumeFlow venting "Free air into the atmosphere";
 equation
   filling = orificeFlow(
     C_fill*noEvent(min(max((demand - p)/p_band, 0), 1)), noEvent(max(supply.p, p)), p);
@@ -42,7 +42,7 @@ estimated: service braking lowers 300 m of pipe by 1.5 bar in some seconds, the 
 of one inch.
 </p>
 <h4>Limitations</h4>
-<p>No overcharge, no equalising reservoir of its own: a demand that jumps is followed as fast as the conductance
-allows.</p>
+<p>No overcharge and no equalising reservoir: the pressure follows a step of the demand as fast as
+the conductance allows.</p>
 </html>"));
 end DriversBrakeValve;

@@ -1,7 +1,7 @@
 within RailBraking.Pneumatics;
 block ElectropneumaticCommand "Pressure demanded by wire: the same delay and build-up in each car"
   extends Icons.Pneumatic;
-  parameter Types.Time delay = 0.4 "From the demand to the first pressure";
+  parameter Types.Time delay = 0.4 "Time from the demand to the first pressure";
   parameter Types.Time T = 0.5 "Time constant of the build-up";
   parameter Types.Time T_release = 0.5 "Time constant of the release";
   Interfaces.RealInput demand(final unit="Pa") "Pressure that the driver demands"
@@ -24,11 +24,12 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-Dead time, then a first-order lag, wherever in the train: its equivalent time is delay + T, 0.8 to 1.2 s for trains
+Dead time and a first-order lag, the same everywhere in the train: the equivalent time is delay + T, 0.8 to 1.2 s for
+trains
 with
 electropneumatic brakes (estimated: dead time 0.3 to 0.5 s, T 0.4 to 0.6 s).
 </p>
 <h4>Limitations</h4>
-<p>The dead time is at most 1 s, and counts from a sample, 10 ms apart. The supply is not in it.</p>
+<p>The dead time is at most 1 s and counts from a sample, every 10 ms. The supply is not modelled.</p>
 </html>"));
 end ElectropneumaticCommand;

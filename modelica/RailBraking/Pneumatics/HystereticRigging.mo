@@ -6,7 +6,7 @@ block HystereticRigging "Piston, levers and return spring whose friction opposes
   parameter Types.Ratio eta_rigging(start=0.95) "Mean efficiency of the rigging";
   parameter Types.Force F_spring(start=1200) "Force of return spring and slack adjuster";
   parameter Types.Ratio hysteresis(min=0, max=0.5) = 0.06 "Half width of the hysteresis over the mean force";
-  parameter Types.Pressure p_reverse = 1e4 "Change of pressure in which friction turns around";
+  parameter Types.Pressure p_reverse = 1e4 "Change of pressure in which friction reverses";
   Interfaces.RealInput pressure(final unit="Pa") "Pressure in the cylinder"
     annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
   Interfaces.RealInput rate(final unit="Pa/s") "Rate of the pressure"
@@ -29,11 +29,11 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-Dahl's friction: after a reversal the pad force keeps its value until the pressure has changed by about
-<code>p_reverse</code>.
-Independent of the speed of the change. Calipers show 5 % to 8 % to either side of the mean.
+Dahl's friction: after a reversal the pad force is nearly constant until the pressure has changed by
+about <code>p_reverse</code>, independent of the rate of change. Calipers have 5 % to 8 % on either
+side of the mean.
 </p>
 <h4>Limitations</h4>
-<p>The loop closes over the pressure alone; wear of the levers and stick at long rest are not in it.</p>
+<p>The hysteresis depends on the pressure alone; wear of the levers and stiction after a long rest are not modelled.</p>
 </html>"));
 end HystereticRigging;

@@ -21,16 +21,14 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-The command is kept between zero and <code>p_max</code>. A command that jumps is followed with the time constant
-<code>T</code>,
-20 ms unless set otherwise: what a proportional pressure control next to the cylinder can do, and fast
-against everything the vehicle does.
+The command is limited to the range from zero to <code>p_max</code>. The pressure follows a step
+with the time constant <code>T</code>, 20 ms by default, which a proportional pressure control next
+to the cylinder can achieve and which is fast in comparison with the dynamics of the vehicle.
 </p>
 <h4>Limitations</h4>
 <p>
-No valve can do this with compressed air at the flow of a brake cylinder. The bounds have sharp corners in the
-command, not in the
-state, so that a solver sees none while the command is held.
+Valves in service cannot do this at the flow of a brake cylinder. The limits have sharp corners in
+the command, not in the state, so that they cause no events while the command is constant.
 </p>
 </html>"));
 end IdealCylinder;

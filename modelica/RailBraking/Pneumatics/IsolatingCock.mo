@@ -1,8 +1,8 @@
 within RailBraking.Pneumatics;
 model IsolatingCock "Cock that shuts a brake unit off and vents it"
   extends Icons.Pneumatic;
-  parameter Boolean isolated = false "= true, if it is shut";
-  parameter Real C(final unit="m3/(s.Pa)", start=4e-8) "Sonic conductance, open and of the vent";
+  parameter Boolean isolated = false "= true, if it is closed";
+  parameter Real C(final unit="m3/(s.Pa)", start=4e-8) "Sonic conductance of the open cock and of the vent";
   Interfaces.AirPort a "Supply"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
   Interfaces.AirPort b "Brake unit"
@@ -20,8 +20,11 @@ equation
         Line(points={{0, 40}, {0, -40}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
-<p>One unit that hangs is shut off by hand; the others of its car brake on. Isolated for the whole simulation.</p>
+<p>
+A unit that does not release is isolated by hand; the others of its car continue to brake. The unit is isolated during
+the whole simulation.
+</p>
 <h4>Limitations</h4>
-<p>Nobody turns it while the train runs.</p>
+<p>It cannot be turned during the simulation.</p>
 </html>"));
 end IsolatingCock;

@@ -4,7 +4,7 @@ block LoadValve "Pressure in proportion to the load"
   parameter Types.Mass m_tare(start=40000) "Load at and below which the pressure is lowest";
   parameter Types.Mass m_laden(start=50000) "Load at and above which the pressure is the demand";
   parameter Types.Ratio share_tare(min=0, max=1, start=0.8) "Share of the demand at and below m_tare";
-  Interfaces.RealInput demand(final unit="Pa") "Pressure that a laden vehicle gets"
+  Interfaces.RealInput demand(final unit="Pa") "Pressure of a laden vehicle"
     annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
   Interfaces.RealInput load(final unit="kg") "Load that the suspension carries"
     annotation(Placement(transformation(extent={{-120, -60}, {-100, -40}})));
@@ -26,15 +26,14 @@ initial equation
 pressure = demand (share_tare + (1 - share_tare) (load - m_tare)/(m_laden - m_tare))
 </pre></blockquote>
 <p>
-between the two loads, continuous, and constant beyond them. With share_tare = m_tare/m_laden the deceleration is
+between the two loads, and constant beyond them. With share_tare = m_tare/m_laden the deceleration is
 the same at each
 load between.
 </p>
 <h4>Limitations</h4>
 <p>
-Without delay. In service the pressure of the air springs is damped, so that pitching does not move the brake: give
-it the mass, not the force
-of the moment.
+No delay. In service the pressure of the air springs is damped, so that pitching does not affect the
+brake: connect the mass, not the instantaneous force.
 </p>
 </html>"));
 end LoadValve;

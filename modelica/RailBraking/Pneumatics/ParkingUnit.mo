@@ -1,12 +1,12 @@
 within RailBraking.Pneumatics;
-block ParkingUnit "Brake unit with a spring that parks and air that releases it"
+block ParkingUnit "Brake unit with a parking spring that air releases"
   extends Icons.Pneumatic;
   parameter Types.Area A_piston(start=0.0324) "Area of the service piston";
   parameter Types.Ratio i_rigging(start=6) "Force of both pads over force of the piston";
   parameter Types.Ratio eta_rigging(start=0.95) "Efficiency of the rigging";
   parameter Types.Force F_spring(start=1200) "Force of return spring and slack adjuster";
   parameter Types.Force F_parking(start=8000) "Force of the parking spring at the piston";
-  parameter Types.Pressure p_release(start=4.5e5) "Pressure that holds the parking spring off";
+  parameter Types.Pressure p_release(start=4.5e5) "Pressure that fully releases the parking spring";
   Interfaces.RealInput pressure(final unit="Pa") "Pressure in the service cylinder"
     annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
   Interfaces.RealInput parking_pressure(final unit="Pa") "Pressure in the parking cylinder"
@@ -15,7 +15,7 @@ block ParkingUnit "Brake unit with a spring that parks and air that releases it"
     annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
 protected
   Types.Force service "Force of the service piston";
-  Types.Force parking "Force of the parking spring that is left";
+  Types.Force parking "Remaining force of the parking spring";
 equation
   service = A_piston*pressure;
   parking = F_parking*noEvent(min(max(1 - parking_pressure/p_release, 0), 1));
@@ -29,10 +29,10 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-The stronger of both acts, never their sum (anti-compound valve). A unit whose parking cylinder is vented holds the
+The larger of both forces acts, never their sum (anti-compound valve). A unit whose parking cylinder is vented holds the
 train without air.
 </p>
 <h4>Limitations</h4>
-<p>The force of the spring falls in proportion to the pressure against it; its stroke is not in it.</p>
+<p>The force of the spring falls in proportion to the pressure against it; its stroke is not modelled.</p>
 </html>"));
 end ParkingUnit;

@@ -1,12 +1,12 @@
 within RailBraking.Pneumatics;
-partial model PartialDistributor "Distributor valve; what share of its pressure the relay gives on is left open"
+partial model PartialDistributor "Distributor valve, without the share of its pressure that the relay passes on"
   extends Icons.Pneumatic;
   parameter Types.Pressure p_max = 3.8e5 "Cylinder pressure of a full brake";
-  parameter Types.Time T_fill = 4 "From the first pressure to 95 % of p_max when the pipe is vented";
-  parameter Types.Time T_release = 17 "From p_max to 0.4 bar when the pipe is filled";
+  parameter Types.Time T_fill = 4 "Filling time from the first pressure to 95 % of p_max when the pipe is vented";
+  parameter Types.Time T_release = 17 "Release time from p_max to 0.4 bar when the pipe is filled";
   parameter Types.Pressure p_control = 5e5 "Pressure in the control reservoir: that of the released pipe";
   parameter Types.Pressure dp_full = 1.5e5 "Fall of the pipe's pressure for a full brake";
-  parameter Types.Pressure dp_insensitive = 1e4 "Fall of the pipe's pressure that does nothing";
+  parameter Types.Pressure dp_insensitive = 1e4 "Insensitivity: fall of the pipe's pressure without effect";
   parameter Types.Pressure p_start = 0 "Cylinder pressure at the start";
   Interfaces.AirPort pipe "Brake pipe"
     annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
@@ -17,8 +17,8 @@ partial model PartialDistributor "Distributor valve; what share of its pressure 
   Interfaces.RealOutput pressure(final unit="Pa") "Cylinder pressure"
     annotation(Placement(transformation(extent={{100, 50}, {120, 70}})));
 protected
-  constant Types.Pressure p_released = 4e4 "At which a brake counts as released";
-  constant Types.Time T_relay = 0.05 "In which the relay follows where the choke does not hold it";
+  constant Types.Pressure p_released = 4e4 "Cylinder pressure at which a brake counts as released";
+  constant Types.Time T_relay = 0.05 "Time constant of the relay if the choke does not limit it";
   final parameter Types.PressureRate rate_fill = 0.95*p_max/T_fill "Of filling";
   final parameter Types.Time T_choke = T_release/log(p_max/p_released) "Time constant of the release choke";
   Types.Pressure demand "Control pressure for the pressure of the pipe";
@@ -44,12 +44,12 @@ equation
 A pressure that controls the relay follows the fall of the pipe's pressure in proportion, up to p_max at 1.5 bar, and
 may be released in steps. Filling is at a constant rate, through a choke from a much higher pressure; release is that
 of a vessel through a choke, p<sub>max</sub> e<sup>-t/T</sup>. The relay gives the cylinders <code>share</code> of it,
-and what they take from the auxiliary reservoir, so that the times hold for any volume.
+with air from the auxiliary reservoir, so that the times are valid for any volume.
 </p>
 <h4>Limitations</h4>
 <p>
-No first quick step that brings the pads to the disc. The control reservoir keeps its pressure, whatever the pipe was
-charged with.
+No initial quick step that brings the pads to the disc. The pressure of the control reservoir is
+constant, independent of the charge of the pipe.
 </p>
 </html>"));
 end PartialDistributor;

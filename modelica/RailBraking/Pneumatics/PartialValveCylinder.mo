@@ -1,5 +1,5 @@
 within RailBraking.Pneumatics;
-partial block PartialValveCylinder "Cylinders that valves fill, hold and vent, from whatever supply"
+partial block PartialValveCylinder "Cylinders that valves fill, hold and vent, from any supply"
   extends Icons.Pneumatic;
   extends Interfaces.PartialCylinder(command(final unit="1"));
   parameter Types.Time T_fill = 0.4 "Time constant of filling";
@@ -15,7 +15,7 @@ partial block PartialValveCylinder "Cylinders that valves fill, hold and vent, f
 protected
   final parameter Types.Pressure p_small = 1e4 "Pressure below which a leak fades";
   Types.Pressure p(start=p_start, fixed=true) "Pressure in the cylinders";
-  Types.Pressure dp_fill "What the supply has more";
+  Types.Pressure dp_fill "Pressure of the supply above that of the cylinders";
   Types.PressureRate rate_fill "Rate through the fill valve";
   Types.PressureRate rate_vent "Rate through the vent valve";
 equation
@@ -40,8 +40,8 @@ The command is -1 vent, 0 hold, +1 fill, with thresholds at &plusmn;0.5 and the 
 <a href=\"modelica://RailBraking.Pneumatics.ValveDelay\">ValveDelay</a>. Filling approaches the supply
 pressure, venting the atmosphere,
 both as first-order lags; at high pressure venting is choked and limited to
-<code>rate_choked</code>. Air is counted where it is
-taken, at the fill valve: what the vent valve lets out at the same time, and what leaks, must be filled again.
+<code>rate_choked</code>. Air is counted at the fill valve: air that the vent valve releases at the
+same time, and leakage, must be refilled.
 </p>
 <p>
 Typical values (engineering estimates after published valve and test-rig data): dead time 20 to 100 ms, T_vent 0.15 to
@@ -51,9 +51,8 @@ T_fill 0.25 to 0.7 s, leak up to 5 kPa/s.
 <h4>Limitations</h4>
 <p>
 The build-up of an emergency brake
-upstream of the valves (some 0.4 s dead time, 0.5 s time constant) is the command's business. The rounding of the
-choke lowers the rate by
-8 % where both limits meet.
+upstream of the valves (some 0.4 s dead time, 0.5 s time constant) must be in the command. The
+rounding of the choke reduces the rate by 8 % where both limits are equal.
 </p>
 </html>"));
 end PartialValveCylinder;

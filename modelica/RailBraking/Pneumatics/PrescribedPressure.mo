@@ -1,5 +1,5 @@
 within RailBraking.Pneumatics;
-block PrescribedPressure "Cylinders whose pressure is the command itself"
+block PrescribedPressure "Cylinders whose pressure is the command"
   extends Icons.Pneumatic;
   extends Interfaces.PartialCylinder;
 equation
@@ -14,7 +14,7 @@ equation
         Line(points={{-10, 0}, {90, 0}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
-<p>The cylinder that does nothing: for validation, and where the pressure was measured.</p>
+<p>For validation, and for measured pressures.</p>
 <h4>Limitations</h4>
 <p>No lag, no bound, no air counted; <code>p_max</code>, <code>V</code> and <code>p_start</code> have no effect.</p>
 </html>"));

@@ -1,5 +1,5 @@
 within RailBraking.Pneumatics;
-model PrescribedSupply "Air of a given pressure, as much as is wanted"
+model PrescribedSupply "Unlimited supply of air at a given pressure"
   extends Icons.Pneumatic;
   Interfaces.RealInput pressure(final unit="Pa") "Pressure"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
@@ -13,7 +13,7 @@ equation
         Ellipse(extent={{-50, 50}, {50, -50}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
-<p>Where what supplies the cylinders is given, and not how its vessels empty.</p>
+<p>For a given supply pressure of the cylinders, without a model of its reservoirs.</p>
 <h4>Limitations</h4>
 <p>It never runs out of air.</p>
 </html>"));

@@ -1,5 +1,5 @@
 within RailBraking.Pneumatics;
-model Reservoir "Vessel of compressed air"
+model Reservoir "Reservoir of compressed air"
   extends Icons.Pneumatic;
   parameter Types.Volume V(min=1e-6, start=0.1) "Volume";
   parameter Types.Pressure p_start = 0 "Pressure at the start";
@@ -20,12 +20,11 @@ equation
         Ellipse(extent={{-80, 40}, {80, -40}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
-<p>V dp/dt = p_free q: the temperature stays that of the surroundings.</p>
+<p>V dp/dt = p_free q: the temperature is that of the surroundings.</p>
 <h4>Limitations</h4>
 <p>
-Isothermal. A vessel that empties in seconds cools, and shows up to a third more of pressure drop than it keeps
-once it is warm again
-(adiabatic: 1.4 times).
+Isothermal. A reservoir that is emptied within seconds cools down: its pressure drop is at first up
+to a third larger than after it has warmed up again (adiabatic: 1.4 times).
 </p>
 </html>"));
 end Reservoir;

@@ -21,7 +21,7 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <h4>Limitations</h4>
-<p>The efficiency is that of moving levers; the same in both directions. The stroke takes no air of its own and no
-time.</p>
+<p>The efficiency is that of moving levers, the same in both directions. The stroke requires neither
+air nor time.</p>
 </html>"));
 end Rigging;

@@ -18,11 +18,11 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-Filled from a port, whose pressure falls with the air that is taken, to at most <code>p_max</code>; nothing flows
-back. See
+Filled to at most <code>p_max</code> from a port whose pressure falls with the air consumption,
+without backflow. See
 <a href=\"modelica://RailBraking.Pneumatics.PartialValveCylinder\">PartialValveCylinder</a>.
 </p>
 <h4>Limitations</h4>
-<p>What a distributor releases does not leave through the fill valve: command the vent valve.</p>
+<p>A distributor cannot release the cylinders through the fill valve: command the vent valve.</p>
 </html>"));
 end SuppliedCylinder;

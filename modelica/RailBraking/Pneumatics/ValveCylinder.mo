@@ -14,14 +14,13 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-Filled from a supply that keeps <code>p_max</code>; see
+Filled from a supply of constant pressure <code>p_max</code>; see
 <a href=\"modelica://RailBraking.Pneumatics.PartialValveCylinder\">PartialValveCylinder</a>.
 </p>
 <h4>Limitations</h4>
 <p>
-The reservoir is counted, not emptied:
-<a href=\"modelica://RailBraking.Pneumatics.SuppliedCylinder\">SuppliedCylinder</a> empties
-one.
+Air consumption is counted, but does not lower the supply: see <a
+href=\"modelica://RailBraking.Pneumatics.SuppliedCylinder\">SuppliedCylinder</a> for that.
 </p>
 </html>"));
 end ValveCylinder;

@@ -4,7 +4,8 @@ block ValveDelay "Dead time of a fill and a vent valve that share a three-state 
   parameter Types.Time dead_fill = 0.05 "Dead time of the fill valve";
   parameter Types.Time dead_vent = 0.04 "Dead time of the vent valve";
   constant Types.Time period = 0.002 "Resolution of the dead times";
-  constant Types.Time offset = 0.0005 "First sample; half a communication step of 1 ms, so that none ends on a sample";
+  constant Types.Time offset = 0.0005
+    "First sample; half a communication step of 1 ms, so that no step ends on a sample";
   Interfaces.RealInput command(start=0) "At or below -0.5 vent, at or above 0.5 fill, hold between"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
   Interfaces.RealOutput filling(final unit="1") "1 while the fill valve is open, else 0"
@@ -12,11 +13,11 @@ block ValveDelay "Dead time of a fill and a vent valve that share a three-state 
   Interfaces.RealOutput venting(final unit="1") "1 while the vent valve is open, else 0"
     annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
 protected
-  constant Integer n = 64 "Commands that are kept";
+  constant Integer n = 64 "Number of commands that are stored";
   final parameter Types.Ratio weight_fill[n] = {max(0, 1 - abs(dead_fill/period - i + 1)) for i in 1:n}
-    "Of each command for the fill valve: straight between the two nearest ones";
+    "Weight of each command for the fill valve, for linear interpolation";
   final parameter Types.Ratio weight_vent[n] = {max(0, 1 - abs(dead_vent/period - i + 1)) for i in 1:n}
-    "Of each command for the vent valve";
+    "Weight of each command for the vent valve";
   discrete Real line[n](each start=0, each fixed=true) "Commands as sampled every period, the newest first";
   discrete Real fill_open(start=0, fixed=true) "1 while the fill valve is open";
   discrete Real vent_open(start=0, fixed=true) "1 while the vent valve is open";
@@ -30,9 +31,9 @@ equation
   venting = vent_open;
 initial equation
   assert(dead_fill >= 0 and dead_fill <= 63*period,
-    "ValveDelay: dead_fill must lie between 0 and 0.126 s, got " + String(dead_fill) + " s.");
+    "ValveDelay: dead_fill must be between 0 and 0.126 s, got " + String(dead_fill) + " s.");
   assert(dead_vent >= 0 and dead_vent <= 63*period,
-    "ValveDelay: dead_vent must lie between 0 and 0.126 s, got " + String(dead_vent) + " s.");
+    "ValveDelay: dead_vent must be between 0 and 0.126 s, got " + String(dead_vent) + " s.");
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
@@ -41,12 +42,12 @@ initial equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-A delay line, sampled every 2 ms: any number of commands may be under way, and a pulse keeps its length whatever
-the dead time. Between two samples the line is interpolated.
-The samples lie half a millisecond off the grid of whole milliseconds, on which a simulation tool usually exchanges
-inputs and outputs: where a sample and the end of a communication step coincide but for rounding, a tool would have to
-integrate over the difference of some 1e-18 s, which not every solver can. Choose communication steps that do not end
-on a sample: whole milliseconds do not.
+A delay line, sampled every 2 ms: any number of commands may be pending, and the length of a pulse
+does not depend on the dead time. Between two samples the line is interpolated. The samples are half
+a millisecond off the grid of whole milliseconds, on which simulation tools usually exchange inputs
+and outputs: if a sample and the end of a communication step differed by rounding only, a tool would
+have to integrate over some 1e-18 s, which not every solver can. Choose communication steps that do
+not end on a sample, such as whole milliseconds.
 </p>
 <p>
 A valve opens and closes with the same dead time. Dead times are rounded to the resolution; a command that changes

@@ -33,6 +33,6 @@ q = C p_high sqrt(1 - ((r - b)/(1 - b))^2) = 2 C sqrt((p_high - p_low) p_low),  
 above. An effective area of 1 mm&sup2; has about 2e-9 m&sup3;/(s Pa).
 </p>
 <h4>Limitations</h4>
-<p>Below 1 mbar the square root is rounded, so that its slope is finite where the flow turns around.</p>
+<p>Below 1 mbar the square root is rounded, so that its slope is finite where the flow reverses.</p>
 </html>"));
 end orificeFlow;

@@ -21,7 +21,7 @@ pad_force = Pneumatics.<strong>padForce</strong>(pressure, A_piston, i_rigging, 
 </pre></blockquote>
 <h4>Limitations</h4>
 <p>
-The rounding leaves 3 N on the pads of an empty cylinder with a spring of 1.2 kN, one part in twenty thousand of
+The rounding causes a pad force of 3 N for an empty cylinder with a spring of 1.2 kN, one part in twenty thousand of
 full braking, and adds less than that under pressure.
 </p>
 </html>"));

@@ -6,7 +6,8 @@ block LateralPredictionUnknownTrack
   parameter Types.Frequency track_frequency = 2 "Corner frequency of the track irregularity at the present speed";
   parameter Types.Ratio track_damping = 0.70710678118654752 "Damping of the irregularity's low-pass";
   Types.Length track(start=0, fixed=true, stateSelect=StateSelect.always) "Lateral position of the middle of the track";
-  Types.Velocity track_rate(start=0, fixed=true, stateSelect=StateSelect.always) "Its derivative";
+  Types.Velocity track_rate(start=0, fixed=true, stateSelect=StateSelect.always)
+    "Derivative of the lateral position of the track";
 protected
   final parameter Types.AngularVelocity w_track = 2*3.14159265358979*track_frequency "Corner of the low-pass";
 equation
@@ -22,7 +23,7 @@ low-pass of second order; the noise enters as process noise of <code>track_rate<
 </p>
 <h4>Limitations</h4>
 <p>
-Readings tell of <code>y - track</code>, hardly of the two by themselves. Otherwise those of <a
+Readings determine <code>y - track</code>, but hardly either of the two alone. Otherwise those of <a
 href=\"modelica://RailBraking.Vehicles.PartialLateralPrediction\">PartialLateralPrediction</a>.
 </p>
 </html>"));

@@ -1,5 +1,5 @@
 within RailBraking.Predictions;
-block RollerRigPrediction "Roller rig as an estimator believes it to be"
+block RollerRigPrediction "Roller rig as modelled by an estimator"
   extends Icons.Vehicle;
   parameter Types.Velocity start_speed(min=0) = 120/3.6 "Speed at the start";
   parameter Types.Ratio mu_b_start = 0.35 "Pad friction at the start";
@@ -9,7 +9,7 @@ block RollerRigPrediction "Roller rig as an estimator believes it to be"
   parameter Types.Inertia J = 130 "Inertia of the wheelset with its discs about its axle";
   parameter Types.Length r_wheel = 0.46 "Rolling radius of the wheelset";
   parameter Types.Ratio n_units = 2 "Number of brake units";
-  parameter Types.Length r_friction = 0.25 "Radius at which the pads rub";
+  parameter Types.Length r_friction = 0.25 "Friction radius of the pads";
   parameter Types.Ratio mu_bearing = 0.0018 "Friction coefficient of the axle bearings";
   parameter Types.Length r_bearing = 0.065 "Radius of the axle bearings";
   parameter Types.Length e_rolling = 0.0004 "Lever arm of the rolling resistance";
@@ -18,7 +18,7 @@ block RollerRigPrediction "Roller rig as an estimator believes it to be"
   parameter Types.Density rho_air = 1.2 "Density of the air";
   parameter Types.Ratio mu_b_relaxes(min=0, max=1) = 0 "1 for pad friction that relaxes towards mu_b_rest,
     0 for one without dynamics";
-  parameter Types.Ratio mu_b_rest = 0.35 "Pad friction that relaxation leads to";
+  parameter Types.Ratio mu_b_rest = 0.35 "Pad friction at rest, which relaxation approaches";
   parameter Types.Time T_mu = 30 "Time constant of relaxation, times pad friction";
 
   Interfaces.RealInput pad_force(final unit="N", start=0) "Normal force of both pads of one unit"
@@ -45,15 +45,14 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-Four states: w, v, mu_b, alpha; equation (19) of Schwarz and Keck (2020), their signs turned so that braking is
-positive. Free of events.
+Four states: w, v, mu_b, alpha; equation (19) of Schwarz and Keck (2020), with reversed signs, so
+that braking is positive. Free of events.
 Pad friction is that of their equation (8), without dynamics, or of (9) with <code>mu_b_relaxes = 1</code>.
 </p>
 <h4>Limitations</h4>
 <p>
-Load, mass and drag are taken as known: a load cell's share of error is, to the filter, adhesion. With the pads
-released nothing tells
-their friction: hold it still then.
+Load, mass and drag are assumed to be known: the filter attributes the relative error of a load cell
+to adhesion. With the pads released their friction is unobservable and must be frozen.
 </p>
 </html>"));
 end RollerRigPrediction;

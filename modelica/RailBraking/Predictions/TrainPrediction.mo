@@ -1,5 +1,5 @@
 within RailBraking.Predictions;
-block TrainPrediction "Two-part train as an estimator believes it to be"
+block TrainPrediction "Two-part train as modelled by an estimator"
   extends Icons.Vehicle;
   extends Vehicles.PartialTwoPartPrediction(
     final n_bogies=3, final group_of_wheelset={1, 1, 2, 3, 4, 4},

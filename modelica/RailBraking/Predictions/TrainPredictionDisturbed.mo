@@ -1,9 +1,9 @@
 within RailBraking.Predictions;
-block TrainPredictionDisturbed "Two-part train as an estimator believes it to be, on a track that it does not know"
+block TrainPredictionDisturbed "Two-part train as modelled by an estimator that does not know the track"
   extends TrainPrediction(disturbance = d, acceleration = a + bias);
   Types.Acceleration d(start=0, fixed=true, stateSelect=StateSelect.always)
-    "What moves the train and is in no other equation: gradient, curve, wind";
-  Types.Acceleration bias(start=0, fixed=true, stateSelect=StateSelect.always) "What the accelerometer shows too much";
+    "Acceleration by forces in no other equation: gradient, curve, wind";
+  Types.Acceleration bias(start=0, fixed=true, stateSelect=StateSelect.always) "Bias of the accelerometer";
 equation
   der(d) = 0;
   der(bias) = 0;
@@ -12,15 +12,17 @@ equation
 <p>
 Twenty-seven states: those of <a
 href=\"modelica://RailBraking.Predictions.TrainPrediction\">TrainPrediction</a>, then d and
-bias. Speed over ground and accelerometer disagree by the bias; the accelerometer and the adhesion that the torques of
-the wheelsets tell, by d. Once both are known, the accelerometer alone tells the speed for as long as nothing else does.
+bias. The bias is the difference between accelerometer and speed over ground; d is that between
+accelerometer and the adhesion that follows from the torques of the wheelsets. When both are known,
+the accelerometer alone determines the speed while there is no other reading of it.
 </p>
 <h4>Limitations</h4>
 <p>
 Those of <a
-href=\"modelica://RailBraking.Predictions.TrainPrediction\">TrainPrediction</a>. While all pads rub with friction
-that is not known either, d is known from the time before the brake was on, and from how smooth it is. An accelerometer
-that feels gravity along the track shows -d as a part of its bias.
+href=\"modelica://RailBraking.Predictions.TrainPrediction\">TrainPrediction</a>. While all pads
+brake with unknown friction, d is known only from the time before the brake application, and because
+it changes slowly. For an accelerometer that measures gravity along the track, -d is a part of the
+bias.
 </p>
 </html>"));
 end TrainPredictionDisturbed;

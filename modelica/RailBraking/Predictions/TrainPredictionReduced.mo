@@ -1,5 +1,5 @@
 within RailBraking.Predictions;
-block TrainPredictionReduced "Two-part train as an estimator believes it to be, without suspension"
+block TrainPredictionReduced "Two-part train as modelled by an estimator, without suspension"
   extends Icons.Vehicle;
   extends Vehicles.PartialTwoPartPrediction(final n_bogies=0);
   annotation (
@@ -8,8 +8,8 @@ block TrainPredictionReduced "Two-part train as an estimator believes it to be, 
 <p>Thirteen states: v, w, mu_b, alpha, in this order. Free of events.</p>
 <h4>Limitations</h4>
 <p>
-Loads are static: braking shifts up to 7 % of the load of a wheelset of a single-axle group, which the estimate shows as
-adhesion. Otherwise those of
+Loads are static: braking shifts up to 7 % of the load of a wheelset of a single-axle group, which
+appears as adhesion in the estimate. Otherwise those of
 <a href=\"modelica://RailBraking.Vehicles.PartialTwoPartPrediction\">PartialTwoPartPrediction</a>.
 </p>
 </html>"));

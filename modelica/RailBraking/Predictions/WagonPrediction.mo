@@ -1,5 +1,5 @@
 within RailBraking.Predictions;
-block WagonPrediction "Wagon of two wheelsets as an estimator believes it to be"
+block WagonPrediction "Wagon of two wheelsets as modelled by an estimator"
   extends Icons.Vehicle;
   parameter Types.Velocity start_speed(min=0) = 120/3.6 "Speed at the start";
   parameter Types.Ratio mu_b_start[2] = {0.35, 0.35} "Pad friction at the start";
@@ -8,7 +8,7 @@ block WagonPrediction "Wagon of two wheelsets as an estimator believes it to be"
   parameter Types.Inertia J[2] = {130, 130} "Inertia of each wheelset about its axle";
   parameter Types.Length r_wheel = 0.46 "Rolling radius";
   parameter Types.Ratio n_units = 2 "Number of brake units of each wheelset";
-  parameter Types.Length r_friction = 0.25 "Radius at which the pads rub";
+  parameter Types.Length r_friction = 0.25 "Friction radius of the pads";
   parameter Types.Length h_mass = 1.5 "Height of the centre of mass over the rail";
   parameter Types.Length wheelbase = 9 "Distance of the wheelsets";
   parameter Types.Ratio c_drag = 0.9 "Drag coefficient";
@@ -22,7 +22,7 @@ block WagonPrediction "Wagon of two wheelsets as an estimator believes it to be"
     "Load of the front wheelset over alpha m g h_mass/wheelbase: 1, or 0 as neglected in (12)";
   parameter Types.Ratio mu_b_relaxes(min=0, max=1) = 0 "1 for pad friction that relaxes towards mu_b_rest,
     0 for one without dynamics";
-  parameter Types.Ratio mu_b_rest = 0.35 "Pad friction that relaxation leads to";
+  parameter Types.Ratio mu_b_rest = 0.35 "Pad friction at rest, which relaxation approaches";
   parameter Types.Time T_mu = 30 "Time constant of relaxation, times pad friction";
 
   Interfaces.RealInput pad_force[2](each final unit="N", each start=0)
@@ -63,13 +63,13 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-Six states: w, v, mu_b, alpha; equations (12) to (15) of Schwarz and Keck (2020), their signs turned so that forward
+Six states: w, v, mu_b, alpha; equations (12) to (15) of Schwarz and Keck (2020), with signs changed so that forward
 rotation, braking and adhesion
 are positive. Free of events.
 </p>
 <h4>Implementation</h4>
 <p>
-Three things are not as printed there, and each can be made so by a parameter. Their equations (1), (2) and (4) give
+Three terms differ from the paper; a parameter restores each printed form. Their equations (1), (2) and (4) give
 a braking force of alpha m g; (5) and (12)
 have half of it, which is right for one braked wheelset that carries m/2: <code>adhesion_share = 0.5</code>. With x
 forward the front wheelset gains load when the wagon slows,
@@ -79,9 +79,8 @@ adhesion, which is the larger part when braking:
 </p>
 <h4>Limitations</h4>
 <p>
-Both wheelsets use the same adhesion. The wagon has no suspension: loads follow the acceleration at once, and drag
-is taken to act at the height of
-the rail.
+Both wheelsets use the same adhesion. The wagon has no suspension: loads follow the acceleration at
+once, and drag is assumed to act at the height of the rail.
 </p>
 </html>"));
 end WagonPrediction;

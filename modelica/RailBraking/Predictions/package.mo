@@ -1,11 +1,11 @@
 within RailBraking;
-package Predictions "Vehicles and test rigs as an estimator believes them to be"
+package Predictions "Vehicles and test rigs as modelled by an estimator"
   annotation (Documentation(info="<html>
 <p>
 Each block becomes an FMU for Model Exchange and the model inside a Kalman filter. It is smooth and free of events, so
-that its Jacobian exists in every state. Unknown quantities, such as the adhesion, are states that change only when a
-reading corrects them.
+that its Jacobian exists in every state. Unknown quantities, such as the adhesion, are states that
+only readings change.
 </p>
-<p>Every parameter has a value, because FMI demands a start value; the filter sets all of them.</p>
+<p>Every parameter has a value, because FMI requires a start value; the filter sets all of them.</p>
 </html>"));
 end Predictions;

@@ -7,7 +7,7 @@ equation
   annotation (
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
-<p>The track that does nothing.</p>
+<p>Track without any force.</p>
 <h4>Limitations</h4>
 <p>None.</p>
 </html>"));

@@ -16,6 +16,6 @@ algorithm
 F = Tracks.<strong>gradientForce</strong>(m, gradient);
 </pre></blockquote>
 <h4>Limitations</h4>
-<p>The train counts as a point; the load of the wheels stays that of level track.</p>
+<p>The train is a point; the load of the wheels is that on level track.</p>
 </html>"));
 end gradientForce;

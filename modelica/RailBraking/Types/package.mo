@@ -41,8 +41,8 @@ package Types "Quantities with their SI units"
   type Curvature = Real(final unit="1/m") "Reciprocal of a radius";
   annotation (Documentation(info="<html>
 <p>
-One short definition for each quantity, with the unit fixed. They stand together in this file because they are read
-as a table; every other class of the library has a file of its own.
+One short definition for each quantity, with the unit fixed. They are in one file because they are
+read as a table; every other class of the library has a file of its own.
 </p>
 </html>"));
 end Types;

@@ -14,8 +14,8 @@ in braking.</li>
 group 3 wheelset 4,
 group 4 wheelsets 5 and 6.</li>
 <li><code>m_wheelset</code> is the mass that a wheelset carries on the rail; <code>m_unsprung</code> is its own.</li>
-<li>Short letters live inside the physics; at the edge of an FMU names are words, the same as in the programs that use
-them.</li>
+<li>Symbols are used within the physics; at the interface of an FMU names are words, the same as in
+the programs that use them.</li>
 <li>One class has one file, except the short definitions of <a href=\"modelica://RailBraking.Types\">Types</a>.</li>
 <li>Small numbers that round a corner are named <code>..._small</code>; those that a user might want to change are
 parameters.</li>

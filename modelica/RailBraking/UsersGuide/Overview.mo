@@ -1,5 +1,5 @@
 within RailBraking.UsersGuide;
-class Overview "What is where"
+class Overview "Structure of the library"
   annotation (
     DocumentationClass=true,
     Documentation(info="<html>
@@ -15,7 +15,7 @@ class Overview "What is where"
 <tr><td>Tracks</td><td>gradients and curves</td></tr>
 <tr><td>Vehicles</td><td>cars, trains and their predictions, which Plants and Predictions complete</td></tr>
 <tr><td>Plants</td><td>vehicles and test rigs as simulated, exported as FMUs</td></tr>
-<tr><td>Predictions</td><td>vehicles and test rigs as an estimator believes them to be, exported as FMUs</td></tr>
+<tr><td>Predictions</td><td>vehicles and test rigs as modelled by an estimator, exported as FMUs</td></tr>
 <tr><td>FMUs</td><td>wheel-rail contacts without a vehicle, exported as FMUs</td></tr>
 <tr><td>Validation, Examples</td><td>closed-form answers; cases to run</td></tr>
 </table>

@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model AcceleratedPipe "Accelerators open in an emergency brake only, once, and vent as a choked vessel does"
+model AcceleratedPipe "Accelerators open once, in an emergency brake only, and vent like a choked vessel"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=5e-3);
 
@@ -8,20 +8,20 @@ model AcceleratedPipe "Accelerators open in an emergency brake only, once, and v
   constant Types.Pressure p_end = 2.5e5 "Pressure at which an accelerator closes";
   Pneumatics.Reservoir slow(V=V, p_start=p_open) "Pipe that a service brake empties";
   Pneumatics.Reservoir fast(V=V, p_start=p_open) "Pipe that an emergency brake empties";
-  Pneumatics.Reservoir fed(V=V, p_start=p_open) "Pipe that neighbours feed while an emergency brake empties it";
-  Pneumatics.Accelerator resting "On the first";
-  Pneumatics.Accelerator venting "On the second";
-  Pneumatics.Accelerator once "On the third";
-  Pneumatics.Choke service(C=V/Pneumatics.p_free*4e4/(p_open + Pneumatics.p_free)) "Begins with 0.4 bar a second";
-  Pneumatics.Choke emergency(C=V/Pneumatics.p_free*2e5/(p_open + Pneumatics.p_free)) "Begins with 2 bar a second";
+  Pneumatics.Reservoir fed(V=V, p_start=p_open) "Pipe that neighbours refill while an emergency brake empties it";
+  Pneumatics.Accelerator resting "Accelerator of the first pipe";
+  Pneumatics.Accelerator venting "Accelerator of the second pipe";
+  Pneumatics.Accelerator once "Accelerator of the third pipe";
+  Pneumatics.Choke service(C=V/Pneumatics.p_free*4e4/(p_open + Pneumatics.p_free)) "Fall that begins with 0.4 bar/s";
+  Pneumatics.Choke emergency(C=V/Pneumatics.p_free*2e5/(p_open + Pneumatics.p_free)) "Fall that begins with 2 bar/s";
   Pneumatics.Choke opening(C=emergency.C) "As emergency";
   Pneumatics.Choke neighbours(C=1.5*emergency.C) "Feeds more than opening takes once it is choked";
   Pneumatics.PrescribedSupply full "Pipe of the neighbours";
   Pneumatics.PrescribedSupply atmosphere[3] "Open air";
-  Real openings(final unit="1", start=0, fixed=true) "How often the fed one has opened";
+  Real openings(final unit="1", start=0, fixed=true) "Number of openings of the third accelerator";
   Types.Time vented(start=0, fixed=true) "Time for which the accelerator has vented";
   final parameter Types.Pressure P_open = p_open + Pneumatics.p_free "Absolute pressure at the start";
-  final parameter Types.Time t_open = -0.05*log(1 - 0.5e5/2e5) "When the lag of T_sense has seen 0.5 bar/s of the fall";
+  final parameter Types.Time t_open = -0.05*log(1 - 0.5e5/2e5) "Time at which the lagging rate reaches 0.5 bar/s";
   final parameter Types.Time t_exact = V/Pneumatics.p_free/(2e-7 + emergency.C)
     *(log(P_open/(p_end + Pneumatics.p_free)) - 2e5*t_open/P_open) "Closed form of it, choked throughout";
 equation

@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model AirCounted "Every filling takes V p/p_free of free air"
+model AirCounted "Every filling consumes V p/p_free of free air"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
@@ -17,6 +17,6 @@ equation
   annotation (
     experiment(StopTime=3, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
-<p>The second is filled, partly vented and filled again, to the limit.</p>
+<p>The second cylinder is filled, partly vented and filled again to the limit.</p>
 </html>"));
 end AirCounted;

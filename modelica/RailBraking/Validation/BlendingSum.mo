@@ -1,14 +1,14 @@
 within RailBraking.Validation;
-model BlendingSum "Electrodynamic and friction brake sum to the demand, and slide lowers both"
+model BlendingSum "Electrodynamic and friction brake sum to the demand, and a slide reduces both"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
   Components.Blending blending(n=3, share={0.5, 0.5, 0}) "Two motored axles and a trailer";
   Components.ElectrodynamicBrake dynamic(F_max=30e3, P_max=6e5, v_full=3, v_end=1, T=0.1) "Of both motored axles";
   Types.Velocity v "Speed, falling evenly";
-  Types.Force demand[3] "Of each axle, after wheel-slide protection";
-  Types.Ratio sum_error "Of the forces over the demand";
-  Types.Ratio share_error "Of the electrodynamic force that a sliding axle should not exceed";
+  Types.Force demand[3] "Force of each axle, after wheel-slide protection";
+  Types.Ratio sum_error "Excess of the sum of the forces over the demand";
+  Types.Ratio share_error "Excess of the electrodynamic force over the limit of a sliding axle";
 equation
   v = max(30 - time, 0);
   blending.demand = {20e3, 20e3, 20e3};
@@ -29,9 +29,9 @@ equation
     experiment(StopTime=30, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
 <p>
-Demand 60 kN, of which the electrodynamic brake gives 30 kN at most; while one motored axle may keep a quarter
-only, from 18 to
-22 s, it gives 10 kN and the friction brake of the other fills up. In the first two seconds of that the
+Demand 60 kN, of which the electrodynamic brake provides at most 30 kN; while one motored axle is
+limited to a quarter, from 18 to 22 s, it provides 10 kN and the friction brake of the other
+compensates. In the first two seconds of that the
 electrodynamic force still falls, with
 its lag of 0.1 s.
 </p>

@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model CarsOnACoupler "Two cars swing on an undamped coupler at its natural frequency"
+model CarsOnACoupler "Two cars oscillate on an undamped coupler at its natural frequency"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-4);
 

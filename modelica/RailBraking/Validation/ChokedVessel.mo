@@ -1,11 +1,11 @@
 within RailBraking.Validation;
-model ChokedVessel "A vessel empties through a choke as the nozzle formula says"
+model ChokedVessel "A reservoir empties through a choke according to the nozzle formula"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   Pneumatics.Reservoir vessel(V=0.1, p_start=8e5) "Vessel";
   Pneumatics.Choke choke(C=2e-8) "Choke";
-  Pneumatics.Reservoir outside(V=1e9) "So large that it is the open";
+  Pneumatics.Reservoir outside(V=1e9) "Volume so large that it represents the atmosphere";
   Types.Pressure p_exact "Closed form";
 equation
   connect(vessel.port, choke.a);

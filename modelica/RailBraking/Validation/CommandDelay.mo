@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model CommandDelay "A demand by wire arrives late and builds up as a lag"
+model CommandDelay "A demand by wire has a dead time and a lag"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 

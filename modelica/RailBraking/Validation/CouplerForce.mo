@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model CouplerForce "A coupler pulls the mass behind it by its share of the force"
+model CouplerForce "The force of a coupler is the share of the mass behind it"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
@@ -21,7 +21,8 @@ equation
     experiment(StopTime=3, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
 <p>
-The force is -F m2/(m1 + m2), a push, once the swinging is over, and both cars have the acceleration -F/(m1 + m2).
+The force is -F m2/(m1 + m2), a push, after the oscillation has decayed, and both cars have the acceleration -F/(m1 +
+m2).
 </p>
 </html>"));
 end CouplerForce;

@@ -12,6 +12,6 @@ equation
   annotation (
     experiment(StopTime=10, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
-<p>Seven per cent stay in the pads.</p>
+<p>Seven per cent remain in the pads.</p>
 </html>"));
 end DiscHeat;

@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model DistributorTimes "Filling and release in positions P and G lie within the limits of UIC 540"
+model DistributorTimes "Filling and release in positions P and G are within the limits of UIC 540"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1);
 

@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model DrivenAxle "Shaft torque and track brake take the energy that the car loses"
+model DrivenAxle "Energy taken by shaft torque and track brake is the energy that the car loses"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
@@ -8,7 +8,7 @@ model DrivenAxle "Shaft torque and track brake take the energy that the car lose
   Components.Axle axle(
     J=110, r_wheel=0.42, n_units=2, r_friction=0.24, start_speed=start_speed,
     resistance(mu_bearing=1e-9, r_bearing=1e-9, e_rolling=0)) "Axle without brake";
-  Components.CarBody body(m=12e3, start_speed=start_speed, drag(c_drag=0)) "A twelfth of a car";
+  Components.CarBody body(m=12e3, start_speed=start_speed, drag(c_drag=0)) "Mass of a twelfth of a car";
   Components.ShaftTorque motor "Electrodynamic brake";
   Components.BodyForce magnet "Track brake";
   Types.Energy taken(start=0, fixed=true) "Energy taken by both, and heat of the contact";
@@ -29,6 +29,6 @@ equation
   annotation (
     experiment(StopTime=8, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
-<p>What motor and magnet take, and the heat of contact and pads, is the energy of motion that is gone.</p>
+<p>The work of motor and magnet and the heat of contact and pads equal the lost kinetic energy.</p>
 </html>"));
 end DrivenAxle;

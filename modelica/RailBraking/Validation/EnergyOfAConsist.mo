@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model EnergyOfAConsist "Energy of coupled cars becomes heat and work, nothing is lost"
+model EnergyOfAConsist "Energy balance of coupled cars: kinetic energy becomes heat and work"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
@@ -17,8 +17,8 @@ equation
     experiment(StopTime=20, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
 <p>
-The leading car brakes, the other runs into it through the slack; some wheelsets lock. What the couplers store and
-turn into heat is in <code>coupler_work</code>.
+The leading car brakes, the other runs into it through the slack; some wheelsets lock. <code>coupler_work</code>
+includes the energy that couplers store and dissipate.
 </p>
 </html>"));
 end EnergyOfAConsist;

@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model EnergyOfAStop "Energy of motion becomes heat and work, nothing is lost"
+model EnergyOfAStop "Energy balance of a stop: kinetic energy becomes heat and work"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
@@ -13,6 +13,6 @@ equation
   annotation (
     experiment(StopTime=45, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
-<p>The motor bogies lock on the way: the balance holds through events.</p>
+<p>The motor bogies lock during the stop: the balance also holds across events.</p>
 </html>"));
 end EnergyOfAStop;

@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model HoldingOnSlope "Brakes hold a train on a slope until the slope is too strong"
+model HoldingOnSlope "Brakes hold a train on a slope up to the limit of their torque"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 

@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model HysteresisLoop "The pad force lies below the mean when applying and above it when releasing"
+model HysteresisLoop "The pad force is below the mean when applying and above it when releasing"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-4);
 
@@ -19,6 +19,6 @@ equation
   annotation (
     experiment(StopTime=4, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
-<p>After ten times p_reverse the friction has turned around completely.</p>
+<p>After ten times p_reverse the friction has reversed completely.</p>
 </html>"));
 end HysteresisLoop;

@@ -1,10 +1,10 @@
 within RailBraking.Validation;
-model IsolatedUnit "An isolated unit is vented and takes no air"
+model IsolatedUnit "An isolated unit is vented and consumes no air"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   Pneumatics.Reservoir reservoir(V=0.1, p_start=5e5) "Supply";
-  Pneumatics.IsolatingCock cock(isolated=true, C=1e-8) "Cock, shut";
+  Pneumatics.IsolatingCock cock(isolated=true, C=1e-8) "Closed cock";
   Pneumatics.Reservoir cylinder(V=0.01, p_start=4e5) "Brake cylinder, full at the start";
   Types.Pressure p_exact "Closed form while the vent is choked";
 equation
@@ -15,6 +15,6 @@ equation
   annotation (
     experiment(StopTime=8, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
-<p>The reservoir keeps its pressure; the cylinder empties as a vessel through a choke, here until 1 bar.</p>
+<p>The reservoir keeps its pressure; the cylinder empties like a reservoir through a choke, here until 1 bar.</p>
 </html>"));
 end IsolatedUnit;

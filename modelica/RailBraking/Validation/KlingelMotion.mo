@@ -1,9 +1,9 @@
 within RailBraking.Validation;
-model KlingelMotion "A free wheelset swings with Klingel's wavelength"
+model KlingelMotion "A free wheelset oscillates with Klingel's wavelength"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=0.02);
 
-  parameter Types.Velocity v = 1 "Speed, so slow that inertia plays no part";
+  parameter Types.Velocity v = 1 "Speed, low enough to neglect inertia";
   parameter Types.Length y_start = 1e-3 "Lateral position at the start";
   parameter Types.Ratio conicity = 0.15 "Conicity of the wheels";
   parameter Types.Length r = 0.42 "Rolling radius";
@@ -24,12 +24,11 @@ equation
     experiment(StopTime=10, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
 <p>
-At low speed two wheels on one axle roll without sliding: y'' + conicity/(r b) y = 0 over the way, whatever the
-friction.
+At low speed two wheels on one axle roll without sliding: y'' + conicity/(r b) y = 0 over the
+distance, independent of the friction.
 </p>
 <h4>Limitations</h4>
-<p>Holds within two hundredths over one wavelength: finite creep stiffness and the rounding of the flange spring, 0.03
-MN/m, are in the
-model and not in the formula. With speed, inertia makes the swing grow.</p>
+<p>Valid within 2 % over one wavelength: the formula neglects finite creep stiffness and the
+rounding of the flange spring, 0.03 MN/m. At higher speed, inertia increases the amplitude.</p>
 </html>"));
 end KlingelMotion;

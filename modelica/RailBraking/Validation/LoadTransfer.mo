@@ -4,7 +4,7 @@ model LoadTransfer "Braking shifts the load by the closed form"
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
   parameter Types.Force F = 40e3 "Braking force of the track on both wheelsets";
-  parameter Types.Acceleration a = -1 "Acceleration, kept";
+  parameter Types.Acceleration a = -1 "Constant acceleration";
   parameter Types.Torque tau = 16e3 "Brake torque on both wheelsets";
   final parameter Types.Torque tipping = tau + (F + 3000*a)*(0.55 - 0.38) - (F + 6500*a)*(0.55 - 0.40)
     "Torque on the frame";
@@ -29,6 +29,6 @@ equation
   annotation (
     experiment(StopTime=5, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
-<p>The second bogie shows the rule &plusmn;&Sigma;F h_rod/wheelbase.</p>
+<p>The second bogie verifies the rule &plusmn;&Sigma;F h_rod/wheelbase.</p>
 </html>"));
 end LoadTransfer;

@@ -25,9 +25,8 @@ equation
     experiment(StopTime=12, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
 <p>
-With k_A = k_S the two terms of Polach add up to full friction at large slip. What is left of the error, 1e-6, comes
-from the
-regularised slip near standstill.
+With k_A = k_S the two terms of Polach add up to full friction at large slip. The remaining error,
+1e-6, is due to the regularised slip near standstill.
 </p>
 </html>"));
 end LockedWheel;

@@ -3,12 +3,12 @@ model LowSupply "Cylinders fill to the pressure of a supply that rises slowly"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
-  parameter Types.Pressure p_end = 2e5 "Pressure that the supply comes to, below that of the cylinders";
+  parameter Types.Pressure p_end = 2e5 "Final pressure of the supply, below that of the cylinders";
   parameter Types.Time T_supply = 0.8 "Time constant of the supply";
   parameter Types.Time T_fill = 0.3 "Time constant of the cylinders";
   Pneumatics.PrescribedSupply supply "Supply";
   Pneumatics.SuppliedCylinder cylinder(p_max=3.8e5, V=6e-3, leak=0, T_fill=T_fill, dead_fill=0) "Cylinders";
-  Types.Pressure p_exact "Two lags one after the other";
+  Types.Pressure p_exact "Two lags in series";
 protected
   Types.Time since "Time that the fill valve has been open";
 equation
@@ -23,7 +23,7 @@ equation
     experiment(StopTime=5, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
 <p>
-What an electropneumatic command has built up supplies the cylinders; the highest of their pressures is not reached.
+The output of an electropneumatic command supplies the cylinders, whose maximum pressure is not reached.
 </p>
 </html>"));
 end LowSupply;

@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model MomentumKept "Force times time is mass times speed, rotating masses included"
+model MomentumKept "Force times time is mass times speed, including rotating masses"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
@@ -25,6 +25,6 @@ equation
   annotation (
     experiment(StopTime=10, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
-<p>The wheels creep by 4e-6 while they are turned faster, which is the error.</p>
+<p>The wheels creep by 4e-6 while they are accelerated, which is the error.</p>
 </html>"));
 end MomentumKept;

@@ -7,7 +7,7 @@ model PadRelaxation "Relaxing pad friction follows its closed form"
   Predictions.RollerRigPrediction rig(start_speed=30, mu_b_start=mu_start, alpha_start=0.0015, mu_b_relaxes=1, T_mu=10)
     "Rolling, released";
 protected
-  Types.Time elapsed "Time in which friction comes from its start to its present value";
+  Types.Time elapsed "Time of relaxation from the initial to the present friction";
 equation
   rig.pad_force = 0;
   elapsed = rig.T_mu*(mu_start - rig.mu_b

@@ -1,15 +1,15 @@
 within RailBraking.Validation;
-model PipeFriction "Steady flow in a brake pipe falls in pressure as Darcy says of isothermal air"
+model PipeFriction "Pressure of steady isothermal flow in a brake pipe falls according to Darcy"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-4);
 
-  Pneumatics.Reservoir vessel(V=1e6, p_start=5e5) "So large that it keeps its pressure";
+  Pneumatics.Reservoir vessel(V=1e6, p_start=5e5) "Volume so large that its pressure is constant";
   Pneumatics.BrakePipe pipe(n=12, length=fill(26.4, 12)) "317 m of pipe";
   Pneumatics.Choke leak(C=2e-8) "At the far end";
-  Pneumatics.Reservoir outside(V=1e9) "So large that it is the open";
+  Pneumatics.Reservoir outside(V=1e9) "Volume so large that it represents the atmosphere";
   Types.VolumeFlow q "Free air through the leak";
   Real fall(final unit="kg2/(m2.s4)")
-    "Of the square of the absolute pressure, from the end to the middle of the last cell";
+    "Difference of the square of the absolute pressure from the end to the middle of the last cell";
   Real fall_exact(final unit="kg2/(m2.s4)") "Closed form";
 equation
   connect(vessel.port, pipe.front);

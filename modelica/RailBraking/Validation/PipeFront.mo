@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model PipeFront "The front in a brake pipe runs at 250 to 300 m/s"
+model PipeFront "The speed of the front in a brake pipe is 250 to 300 m/s"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=25/275);
 
@@ -7,7 +7,7 @@ model PipeFront "The front in a brake pipe runs at 250 to 300 m/s"
   Pneumatics.BrakePipe pipe(n=n, length=fill(10, n)) "600 m of pipe";
   Pneumatics.DriversBrakeValve valve "Valve, vented at the start";
   Pneumatics.Reservoir main(V=1, p_start=9e5) "Main reservoir";
-  Types.Time arrival(start=0, fixed=true) "When the pressure has fallen by 0.1 bar in the last cell";
+  Types.Time arrival(start=0, fixed=true) "Time at which the pressure has fallen by 0.1 bar in the last cell";
   Types.Velocity front "Speed of the front";
 equation
   connect(main.port, valve.supply);
@@ -22,7 +22,8 @@ equation
     experiment(StopTime=5, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>
 <p>
-UIC 540 wants 250 m/s of an emergency brake; the sound in isothermal air runs at 290 m/s, and this pipe has no branches.
+UIC 540 requires 250 m/s for an emergency brake; the isothermal speed of sound is 290 m/s, and this pipe has no
+branches.
 The front is the fall by 0.1 bar, half a cell before the end of 600 m.
 </p>
 </html>"));

@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model PipeWave "A wave in a pipe without friction carries each pressure at the speed of its own"
+model PipeWave "In a wave in a frictionless pipe each pressure has its own speed"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-3);
 
@@ -8,11 +8,11 @@ model PipeWave "A wave in a pipe without friction carries each pressure at the s
   constant Types.Time t_fall = 0.3 "Duration of the fall";
   constant Types.Velocity c = sqrt(Pneumatics.p_free/Pneumatics.rho_free) "Speed of sound";
   constant Types.Length dx = 1.25 "Length of a cell";
-  constant Types.Length x = 79.5*dx "From the leading end to the middle of the cell that is looked at";
+  constant Types.Length x = 79.5*dx "Distance from the leading end to the middle of the observed cell";
   Pneumatics.BrakePipe pipe(n=160, length=fill(dx, 160), friction=0) "200 m of pipe";
   Pneumatics.PrescribedSupply source "Leading end";
-  Types.Velocity speed "At which the present pressure has come";
-  Types.Time left "When the present pressure was at the leading end";
+  Types.Velocity speed "Speed of the present pressure";
+  Types.Time left "Time at which the present pressure was at the leading end";
   Types.Ratio progress "Progress of the fall";
   Types.Ratio before "Progress of the fall when the present pressure was at the leading end";
 equation
@@ -27,8 +27,9 @@ equation
     experiment(StopTime=1.02, Tolerance=1e-8, Interval=0.001),
     Documentation(info="<html>
 <p>
-Riemann: behind a wave into air at rest u = c ln(P/P<sub>0</sub>), and each pressure runs at u + c. What is in the cell
-was at the leading end x/(u + c) ago. The comparison ends before the wave comes back from the closed end.
+Riemann: behind a wave into air at rest u = c ln(P/P<sub>0</sub>), and each pressure propagates at u
++ c. The pressure in the cell was at the leading end x/(u + c) ago. The comparison ends before the
+wave returns from the closed end.
 </p>
 </html>"));
 end PipeWave;

@@ -17,6 +17,6 @@ equation
   annotation (
     experiment(StopTime=1, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
-<p>A step of torque makes the deflection swing between zero and twice its static value.</p>
+<p>After a step of torque the deflection oscillates between zero and twice its static value.</p>
 </html>"));
 end PitchMode;

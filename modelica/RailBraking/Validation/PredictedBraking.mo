@@ -1,9 +1,9 @@
 within RailBraking.Validation;
-model PredictedBraking "Rig and wagon slow as adhesion and masses say"
+model PredictedBraking "Deceleration of rig and wagon follows from adhesion and masses"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
-  parameter Types.Ratio alpha = 0.08 "Adhesion, kept";
+  parameter Types.Ratio alpha = 0.08 "Constant adhesion";
   Predictions.RollerRigPrediction rig(start_speed=30, alpha_start=alpha, A_drag=0)
     "One wheelset, imitating a wagon of two";
   Predictions.WagonPrediction wagon(start_speed=30, alpha_start=alpha, A_drag=0) "Both wheelsets brake";
@@ -28,8 +28,9 @@ equation
     experiment(StopTime=5, Tolerance=1e-9, Interval=0.01),
     Documentation(info="<html>
 <p>
-Without drag the wagon loses alpha g, the rig that imitates it with one braked wheelset half of that, and so does the
-wagon of the printed factor. The front wheelset is accelerated by its greater load.
+Without drag the deceleration of the wagon is alpha g; that of the rig, which imitates it with one
+braked wheelset, and of the wagon with the printed factor is half of it. The front wheelset is
+accelerated by its greater load.
 </p>
 </html>"));
 end PredictedBraking;

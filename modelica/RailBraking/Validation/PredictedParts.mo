@@ -2,7 +2,7 @@ within RailBraking.Validation;
 model PredictedParts "Bogies and a body make the prediction of the two-part train, rigid groups that of the reduced one"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
-  parameter Types.Ratio alpha[4] = {0.12, 0.08, 0.08, 0.12} "Adhesion of each group, kept";
+  parameter Types.Ratio alpha[4] = {0.12, 0.08, 0.08, 0.12} "Constant adhesion of each group";
   parameter Types.Pressure pressure[4] = {3e5, 2e5, 2e5, 3e5} "Cylinder pressure of each group";
   parameter Types.AngularVelocity w_start = 80/3.6/0.38 "Angular velocity of all wheelsets at the start";
   Predictions.TrainPrediction train(alpha_start=alpha) "With suspension, as a whole";
@@ -53,7 +53,7 @@ equation
     experiment(StopTime=1, Tolerance=1e-9, Interval=0.001),
     Documentation(info="<html>
 <p>
-Speed, wheel speeds and deflections of the parts are those of the whole: nothing but the acceleration couples them.
+Speed, wheel speeds and deflections of the parts are those of the whole: only the acceleration couples them.
 </p>
 </html>"));
 end PredictedParts;

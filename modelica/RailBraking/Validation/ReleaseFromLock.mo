@@ -1,10 +1,10 @@
 within RailBraking.Validation;
-model ReleaseFromLock "A locked group turns again as soon as the track is stronger than the brake"
+model ReleaseFromLock "A locked group turns again as soon as the track's torque exceeds the brake's"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=2e-3);
 
   parameter Types.Mass m = 28000 "Mass on two wheelsets";
-  parameter Types.Velocity v = 20 "Speed, kept";
+  parameter Types.Velocity v = 20 "Constant speed";
   constant Types.Length r = 0.38 "Radius of the wheels";
   constant Types.AngularVelocity w_unit = 1 "What turning backwards is counted in";
   Components.Wheelsets wheels(

@@ -1,11 +1,11 @@
 within RailBraking.Validation;
-model ReleasedPads "Released pads keep their friction, applied ones settle"
+model ReleasedPads "Friction of released pads is constant, that of applied pads settles"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   Friction.PadFriction released(mu_start=0.30) "Pads released";
   Friction.PadFriction applied(mu_start=0.30) "Pads applied at nominal force and speed";
-  Friction.ConstantFriction constant_friction "Pads that never change";
+  Friction.ConstantFriction constant_friction "Pads of constant friction";
 equation
   released.pad_force = 3;
   released.pad_speed = 13;

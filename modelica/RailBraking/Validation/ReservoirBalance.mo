@@ -1,9 +1,9 @@
 within RailBraking.Validation;
-model ReservoirBalance "Air that valves take is missing in the reservoir, and filling follows its pressure"
+model ReservoirBalance "Air consumption of valves lowers the pressure of the reservoir, which filling follows"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
-  Pneumatics.Reservoir reservoir(V=0.02, p_start=6e5) "Reservoir, small enough to sag";
+  Pneumatics.Reservoir reservoir(V=0.02, p_start=6e5) "Reservoir, small enough for a pressure drop";
   Pneumatics.SuppliedCylinder cylinder(p_max=3.8e5, V=6e-3, leak=0, T_vent=0.2) "Cylinder";
   Types.Volume used(start=0, fixed=true) "Free air taken, at the fill valve";
   Types.Pressure p_exact "Balance of the reservoir";

@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model RollingOut "Bearing and rolling resistance slow a train at a constant rate"
+model RollingOut "Bearing and rolling resistance decelerate a train at a constant rate"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 

@@ -19,7 +19,7 @@ equation
     experiment(StopTime=5, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
 <p>
-Load moves by tau x<sub>i</sub>/&Sigma;x&sup2;: by tau/wheelbase at the outer wheelsets, not at all in the middle.
+Load moves by tau x<sub>i</sub>/&Sigma;x&sup2;: by tau/wheelbase at the outer wheelsets, and zero in the middle.
 </p>
 </html>"));
 end ThreeAxleBogie;

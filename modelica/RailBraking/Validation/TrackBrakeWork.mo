@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model TrackBrakeWork "A track brake comes late, and its friction falls with speed"
+model TrackBrakeWork "A track brake has a delay, and its friction falls with speed"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
@@ -19,6 +19,6 @@ equation
   annotation (
     experiment(StopTime=9, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
-<p>Switched on at 1 s from 72 km/h, off below 5 m/s; between, the law of friction over speed.</p>
+<p>Switched on at 1 s from 72 km/h, off below 5 m/s; in between, the law of friction over speed.</p>
 </html>"));
 end TrackBrakeWork;

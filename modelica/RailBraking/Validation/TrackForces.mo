@@ -1,5 +1,5 @@
 within RailBraking.Validation;
-model TrackForces "Gradients and curves against numbers worked by hand"
+model TrackForces "Gradients and curves against numbers calculated by hand"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-3);
 

@@ -16,8 +16,8 @@ model TwoStages "Position R brakes high above the changeover and low below it, w
   Types.Ratio settled "Cylinder pressure over that of its stage, minus one, long after a changeover";
 protected
   constant Types.Acceleration slope = 1 "Of the speed";
-  constant Types.Time t_down = t_slow + (80 - 50)/3.6/slope "When it passes 50 km/h";
-  constant Types.Time t_up = t_fast + (70 - 40)/3.6/slope "When it passes 70 km/h";
+  constant Types.Time t_down = t_slow + (80 - 50)/3.6/slope "Time at which it passes 50 km/h";
+  constant Types.Time t_up = t_fast + (70 - 40)/3.6/slope "Time at which it passes 70 km/h";
 equation
   connect(main.port, valve.supply);
   connect(valve.pipe, pipe.front);

@@ -1,10 +1,9 @@
 within RailBraking;
-package Validation "Small models whose answer is known in closed form"
+package Validation "Small models with a known closed-form solution"
   annotation (Documentation(info="<html>
 <p>
-Each model computes its deviation from a closed form as <code>error</code> and stops with a message when that leaves
-<code>tolerance</code>.
-A runner has nothing to judge.
+Each model computes its deviation from a closed form as <code>error</code> and stops with a message
+if it exceeds <code>tolerance</code>.
 </p>
 </html>"));
 end Validation;

@@ -1,5 +1,5 @@
 within RailBraking.Vehicles;
-block BodyPrediction "All masses of a train along the track, as an estimator believes them to be"
+block BodyPrediction "All masses of a train along the track, as modelled by an estimator"
   extends Icons.Vehicle;
   extends PartialBodyPrediction;
   Interfaces.RealInput force(final unit="N", start=0) "Braking force of the track on all wheelsets"
@@ -17,7 +17,7 @@ equation
         Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
-<p>What the parts of a train share in an estimator: its speed and its acceleration.</p>
+<p>The states that the parts of a train share in an estimator: its speed and acceleration.</p>
 <h4>Limitations</h4>
 <p>
 Those of <a href=\"modelica://RailBraking.Vehicles.PartialBodyPrediction\">PartialBodyPrediction</a>.

@@ -8,8 +8,8 @@ model Car "Car body on equal bogies"
   parameter Integer axles(min=1) = 2 "Number of wheelsets of a bogie" annotation(Evaluate=true);
   parameter Integer groups(min=1) = axles "Number of groups of a bogie that turn as one" annotation(Evaluate=true);
   parameter Types.Mass m_wheelset[bogies*axles](each min=1e-3) = fill(12000, bogies*axles)
-    "Mass that each wheelset carries on the rail, its own included";
-  parameter Types.Mass m_unsprung[bogies*axles](each min=0) = fill(1500, bogies*axles) "Mass of each wheelset itself";
+    "Mass that each wheelset carries on the rail, including its own";
+  parameter Types.Mass m_unsprung[bogies*axles](each min=0) = fill(1500, bogies*axles) "Mass of each wheelset alone";
   parameter Types.Mass m_frame[bogies](each min=1e-3) = fill(3000, bogies) "Mass of each bogie frame";
   parameter Types.Inertia I_frame[bogies](each min=1e-3) = fill(2000, bogies) "Pitch inertia of each bogie frame";
   parameter Types.Length wheelbase[bogies](each min=1e-3) = fill(2.2, bogies)
@@ -21,7 +21,7 @@ model Car "Car body on equal bogies"
   parameter Types.Ratio n_units[bogies*groups](each min=0) = fill(2, bogies*groups)
     "Number of brake units of each group";
   parameter Types.Length r_friction[bogies*groups](each min=1e-3) = fill(0.24, bogies*groups)
-    "Radius at which the pads rub";
+    "Friction radius of the pads";
   parameter Types.Ratio mu_b_nominal[bogies*groups] = fill(0.35, bogies*groups)
     "Pad friction at nominal speed, pressure and temperature";
   parameter Types.Ratio mu_b_start[bogies*groups] = fill(0.35, bogies*groups) "Pad friction at the start";
@@ -29,7 +29,7 @@ model Car "Car body on equal bogies"
     "Temperature of the discs at the start";
   parameter Types.Velocity start_speed(min=0) = 22 "Speed at the start";
   parameter Types.Torque tau_small(min=1e-3) = 10
-    "Torque by which the track must exceed the brake to turn a locked group";
+    "Excess of the track's torque over the brake's that turns a locked group";
   parameter Data.Drag drag "Air";
   parameter Data.Suspension suspension "Frames and primary suspension";
   parameter Data.Creep creep "Contact";
@@ -43,9 +43,9 @@ model Car "Car body on equal bogies"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
   Interfaces.TranslationalFlange rear "Rear end"
     annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
-  Interfaces.TranslationalFlange pivot "Whatever else brakes the car, or carries it"
+  Interfaces.TranslationalFlange pivot "Other brakes or supports of the car"
     annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
-  Interfaces.RotationalFlange shaft[bogies*groups] "To drives or electrodynamic brakes; nothing when left open"
+  Interfaces.RotationalFlange shaft[bogies*groups] "To drives or electrodynamic brakes; may be left open"
     annotation(Placement(transformation(extent={{-10, -120}, {10, -100}})));
   Interfaces.RealInput mu0[bogies*axles](each final unit="1")
     "Maximum friction coefficient of the rail at each wheelset"
@@ -57,7 +57,7 @@ model Car "Car body on equal bogies"
     "Force of gradient and curve on this car, forward"
     annotation(Placement(transformation(extent={{-120, -34}, {-100, -14}})));
   Interfaces.BooleanInput standstill
-    "= true, if the train stands"
+    "= true, if the train is at rest"
     annotation(Placement(transformation(extent={{-120, -81}, {-100, -61}})));
   Interfaces.RealOutput v(final unit="m/s")
     "Speed"

@@ -1,10 +1,10 @@
 within RailBraking.Vehicles;
-block ConsistPrediction "Train of any number of groups and bogies as an estimator believes it to be"
+block ConsistPrediction "Train of any number of groups and bogies as modelled by an estimator"
   extends Icons.Vehicle;
   extends PartialBodyPrediction(final m=sum(m_group));
   extends PartialConsistPrediction;
   Interfaces.RealInput cylinder_pressure[n_groups](each final unit="Pa", each start=0)
-    "Pressure in the cylinders of each group"
+    "Cylinder pressure of each group"
     annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
   Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient and curve, forward"
     annotation(Placement(transformation(extent={{-120, -60}, {-100, -40}})));

@@ -1,9 +1,9 @@
 within RailBraking.Vehicles;
-block PartPrediction "A group of wheelsets or a bogie, as an estimator believes it to be"
+block PartPrediction "A group of wheelsets or a bogie, as modelled by an estimator"
   extends Icons.Vehicle;
   extends PartialConsistPrediction;
   Interfaces.RealInput cylinder_pressure[n_groups](each final unit="Pa", each start=0)
-    "Pressure in the cylinders of each group"
+    "Cylinder pressure of each group"
     annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
   Interfaces.RealInput acceleration(final unit="m/s2", start=0) "Acceleration of the train"
     annotation(Placement(transformation(extent={{-120, -60}, {-100, -40}})));
@@ -20,9 +20,9 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-The part of a train that an estimator can treat by itself once the acceleration of the train is known: speed and
-acceleration are all that it shares with the rest. As it stands, one group of static load; with one bogie, whose
-wheelsets turn as one or, in two groups, apart. Free of events.
+A part of a train that an estimator can treat separately if the acceleration of the train is known:
+it shares only speed and acceleration with the rest. By default it is one group of static load; with
+one bogie, its wheelsets turn as one or, in two groups, independently. Free of events.
 </p>
 <h4>Limitations</h4>
 <p>Those of <a href=\"modelica://RailBraking.Vehicles.PartialPrediction\">PartialPrediction</a>.</p>

@@ -1,5 +1,5 @@
 within RailBraking.Vehicles;
-partial block PartialConsist "Train of equal cars; what fills the brake cylinders is left open"
+partial block PartialConsist "Train of equal cars, without the supply of the brake cylinders"
   extends Icons.Vehicle;
   extends PartialUniformTrain(
     final bogies=cars*bogies_per_car, final groups=cars*groups_of_car, final wheelsets=cars*wheelsets_of_car,
@@ -15,9 +15,9 @@ partial block PartialConsist "Train of equal cars; what fills the brake cylinder
     annotation(Evaluate=true, Dialog(group="Formation"));
   parameter Integer groups_per_bogie(min=1) = axles_per_bogie "Number of groups of a bogie that turn as one"
     annotation(Evaluate=true, Dialog(group="Formation"));
-  parameter Types.Length car_length(min=1e-3) = 20 "Length over couplers; decides positions, no dynamics"
+  parameter Types.Length car_length(min=1e-3) = 20 "Length over couplers; affects positions, not dynamics"
     annotation(Dialog(group="Formation"));
-  parameter Types.Length pivots(min=1e-3) = 14 "Distance of the pivots; decides positions, no dynamics"
+  parameter Types.Length pivots(min=1e-3) = 14 "Distance of the pivots; affects positions, not dynamics"
     annotation(Dialog(group="Formation"));
   parameter Types.Length bogie_wheelbase(min=1e-3) = 2.2 "Wheelbase of all bogies"
     annotation(Dialog(group="Formation"));

@@ -1,5 +1,5 @@
 within RailBraking.Vehicles;
-partial block PartialConsistPrediction "Wheelsets and bogies of an estimator, each with data of its own"
+partial block PartialConsistPrediction "Wheelsets and bogies of an estimator, each with its own data"
   extends Icons.Vehicle;
   extends PartialPrediction(
     radius=r_wheel, frame_height=h_frame, rod_height=h_rod, stiffness=k_primary, damping=c_primary);
@@ -18,7 +18,7 @@ partial block PartialConsistPrediction "Wheelsets and bogies of an estimator, ea
   parameter Types.Damping c_primary[n_bogies](each start=2.4e4)
     "Damping of the primary suspension over one wheelset";
 protected
-  Types.Pressure pressure[n_groups] "Pressure in the cylinders of each group";
+  Types.Pressure pressure[n_groups] "Cylinder pressure of each group";
 equation
   for i in 1:n_groups loop
     f_resistance[i] = Components.bearingFriction(mu_bearing, r_bearing, r_wheel[i]) + e_rolling/r_wheel[i];

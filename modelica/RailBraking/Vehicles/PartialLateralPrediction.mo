@@ -19,7 +19,7 @@ partial block PartialLateralPrediction "Lateral and yaw dynamics with friction a
     "Natural logarithm of the maximum friction coefficient";
 protected
   Types.Ratio mu0 "Maximum friction coefficient";
-  Types.Length displacement "Of the wheelset from the middle of the track";
+  Types.Length displacement "Displacement of the wheelset from the middle of the track";
   Types.Ratio creep_x "Longitudinal creep of the right wheel";
   Types.Ratio creep_y "Lateral creep of both wheels";
   Types.Ratio creep "Total creep of each wheel";
@@ -43,9 +43,10 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-Creep and creep force are algebraic; friction moves only when a reading moves it. Its logarithm is the state, because
-the force is the same for a friction of either sign: a filter that overshoots zero would stay on the wrong side, sure
-of itself. Free of events. An edition says what it knows of <code>displacement</code>.
+Creep and creep force are algebraic; only readings change friction. Its logarithm is the state,
+because the force is the same for a friction of either sign: a filter that overshoots zero would
+remain on the wrong side with a small variance. Free of events. Extending classes define
+<code>displacement</code>.
 </p>
 <h4>Limitations</h4>
 <p>

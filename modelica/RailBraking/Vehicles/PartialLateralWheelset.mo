@@ -4,10 +4,10 @@ partial block PartialLateralWheelset "A conical wheelset free to move sideways a
   parameter Types.Length r_wheel = 0.5 "Rolling radius of the wheels, centred";
   parameter Types.Length half_gauge = 0.75 "Half of the distance of the contacts";
   parameter Types.Ratio conicity = 0.15 "Change of rolling radius over lateral displacement";
-  parameter Types.Mass m_unsprung = 1250 "Mass of the wheelset itself, motor included";
+  parameter Types.Mass m_unsprung = 1250 "Mass of the wheelset alone, including the motor";
   parameter Types.Inertia I_yaw = 700 "Yaw inertia of the wheelset";
-  parameter Types.RotationalStiffness k_yaw = 5e6 "Stiffness that holds the wheelset square to the vehicle";
-  parameter Types.Mass m_wheelset = 15000 "Mass that the wheelset carries on the rail, its own included";
+  parameter Types.RotationalStiffness k_yaw = 5e6 "Yaw stiffness between wheelset and vehicle";
+  parameter Types.Mass m_wheelset = 15000 "Mass that the wheelset carries on the rail, including its own";
   parameter Types.Ratio k_A = 1 "Polach: reduction of the creep stiffness in the area of adhesion";
   parameter Types.Ratio k_S = 1 "Polach: reduction of the creep stiffness in the area of slip";
   parameter Types.Length r_rail = 0.30 "Radius of the rail head across the track";
@@ -33,8 +33,8 @@ wheel, and the rail head of the other vehicles of this library.
 </p>
 <h4>Limitations</h4>
 <p>
-Straight track, constant conicity, no flange, no spin, equal loads. Kalker's c11 stands for the lateral direction too,
-as in the paper.
+Straight track, constant conicity, no flange, no spin, equal loads. Kalker's c11 is used for the
+lateral direction, too, as in the paper.
 </p>
 </html>"));
 end PartialLateralWheelset;

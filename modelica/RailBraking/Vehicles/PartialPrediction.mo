@@ -1,19 +1,19 @@
 within RailBraking.Vehicles;
-partial block PartialPrediction "Any number of wheelsets and bogies, as an estimator believes them to be"
+partial block PartialPrediction "Any number of wheelsets and bogies, as modelled by an estimator"
   extends Icons.Vehicle;
   parameter Integer n_groups(min=1) = 1 "Number of groups of wheelsets that turn as one" annotation(Evaluate=true);
   parameter Integer n_bogies(min=0) = 0 "Number of bogies of two wheelsets on a suspension" annotation(Evaluate=true);
   parameter Integer group_of_wheelset[2*n_bogies] = fill(1, 2*n_bogies)
     "Group of each wheelset of these bogies, leading first" annotation(Evaluate=true);
   parameter Types.Mass m_group[n_groups](each min=1e-3, each start=15e3)
-    "Mass that each group carries on the rail, its own included";
+    "Mass that each group carries on the rail, including its own";
   parameter Types.Inertia J[n_groups](each min=1e-3, each start=120) "Inertia of each group about its axles";
   parameter Types.Ratio n_units[n_groups](each min=0, each start=2) "Number of brake units of each group";
-  parameter Types.Length r_friction[n_groups](each min=1e-3, each start=0.25) "Radius at which the pads rub";
+  parameter Types.Length r_friction[n_groups](each min=1e-3, each start=0.25) "Friction radius of the pads";
   parameter Types.Ratio mu_bearing(min=1e-9) = 0.0018 "Friction coefficient of the axle bearings";
   parameter Types.Length r_bearing(min=1e-9) = 0.065 "Radius of the axle bearings";
   parameter Types.Length e_rolling = 0.0004 "Lever arm of the rolling resistance";
-  parameter Types.Mass m_unsprung[2*n_bogies](each min=0, each start=1500) "Mass of each wheelset itself";
+  parameter Types.Mass m_unsprung[2*n_bogies](each min=0, each start=1500) "Mass of each wheelset alone";
   parameter Types.Mass m_frame[n_bogies](each min=1e-3, each start=3500) "Mass of each bogie frame";
   parameter Types.Inertia I_frame[n_bogies](each min=1e-3, each start=2200) "Pitch inertia of each bogie frame";
   parameter Types.Length wheelbase[n_bogies](each min=1e-3, each start=1.9)
@@ -45,7 +45,7 @@ protected
   Types.Force F_bogie[n_bogies] "Braking force of the track on each bogie";
   Types.Torque torque_bogie[n_bogies] "Brake torque of each bogie";
   Types.Length axle_height[n_bogies] "Height of the axles of each bogie over the rail";
-  Types.Torque tipping[n_bogies] "Torque that tips each frame nose-down, springs excluded";
+  Types.Torque tipping[n_bogies] "Torque that pitches each frame nose-down, without springs";
 equation
   for i in 1:n_groups loop
     load[i] = groupLoad(static[i], spring, group_of_wheelset, i);
@@ -81,18 +81,20 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-Pad friction and adhesion are states without dynamics: only a reading moves them. Therefore no contact law is in
-the prediction, and nothing in it is stiff. In braking the front wheelset of a bogie gains the load that the rear one
-loses; the frame bounces and pitches. The adhesion of a group is that of all its wheelsets.
+Pad friction and adhesion are states without dynamics: only readings change them. Therefore the
+prediction has no contact law and is not stiff. In braking, load moves from the rear to the front
+wheelset of a bogie; the frame bounces and pitches. The adhesion of a group is that of all its
+wheelsets.
 </p>
 <p>
-How a class that extends this one spells what it knows of radii, riggings and suspensions, once for the train or for
-each group and bogie, is left open, as is the acceleration.
+Extending classes define radii, riggings and suspensions, once for the train or for each group and
+bogie, and the acceleration.
 </p>
 <h4>Limitations</h4>
 <p>
-Meant for a moving train: at rest the brake torque would turn the wheels backwards. The load of wheelsets of no bogie
-is static: what braking shifts of it, the estimate shows as adhesion. A group has wheelsets of one bogie, or of none.
+Meant for a moving train: at rest the brake torque would turn the wheels backwards. The load of
+wheelsets without a bogie is static: a load transfer by braking appears as adhesion in the estimate.
+All wheelsets of a group belong to the same bogie, or to none.
 Otherwise those of <a href=\"modelica://RailBraking.Components.deflectionAcceleration\">deflectionAcceleration</a>.
 </p>
 </html>"));

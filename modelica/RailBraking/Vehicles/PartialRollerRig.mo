@@ -1,5 +1,5 @@
 within RailBraking.Vehicles;
-partial block PartialRollerRig "Braked wheelset on a roller that imitates a wagon; what fills the cylinders is open"
+partial block PartialRollerRig "Braked wheelset on a roller that imitates a wagon, without the supply of the cylinders"
   extends Icons.Vehicle;
   parameter Types.Velocity start_speed(min=0) = 120/3.6 "Speed of the roller's surface at the start"
     annotation(Dialog(group="Start"));
@@ -13,8 +13,8 @@ partial block PartialRollerRig "Braked wheelset on a roller that imitates a wago
     annotation(Dialog(group="Rig"));
   parameter Types.Length r_wheel = 0.46 "Rolling radius of the wheelset" annotation(Dialog(group="Rig"));
   parameter Types.Ratio n_units = 2 "Number of brake units of the wheelset" annotation(Dialog(group="Brake"));
-  parameter Types.Length r_friction = 0.25 "Radius at which the pads rub" annotation(Dialog(group="Brake"));
-  parameter Types.Pressure p_max = 3.0e5 "Largest cylinder pressure" annotation(Dialog(group="Brake"));
+  parameter Types.Length r_friction = 0.25 "Friction radius of the pads" annotation(Dialog(group="Brake"));
+  parameter Types.Pressure p_max = 3.0e5 "Maximum cylinder pressure" annotation(Dialog(group="Brake"));
   parameter Types.Area A_piston = 0.0324 "Area of a piston" annotation(Dialog(group="Brake"));
   parameter Types.Ratio i_rigging = 6 "Force of both pads over force of the piston" annotation(Dialog(group="Brake"));
   parameter Types.Ratio eta_rigging = 0.95 "Efficiency of the rigging" annotation(Dialog(group="Brake"));
@@ -33,9 +33,9 @@ partial block PartialRollerRig "Braked wheelset on a roller that imitates a wago
     annotation(Dialog(group="Pads"));
   parameter Types.Force pad_force_nominal = 56e3 "Pad force at which pad friction is nominal"
     annotation(Dialog(group="Pads"));
-  parameter Types.Energy E_settle = 2e5 "Friction energy of one unit in which pad friction settles"
+  parameter Types.Energy E_settle = 2e5 "Friction energy of one unit within which pad friction settles"
     annotation(Dialog(group="Pads"));
-  parameter Types.Time T_settle = 3 "Time in which pad friction settles at little power"
+  parameter Types.Time T_settle = 3 "Time within which pad friction settles at low power"
     annotation(Dialog(group="Pads"));
   parameter Types.Temperature T_disc_start = 313.15 "Temperature of the discs at the start"
     annotation(Dialog(group="Start"));
@@ -68,7 +68,7 @@ partial block PartialRollerRig "Braked wheelset on a roller that imitates a wago
     annotation(Placement(transformation(extent={{105, 89}, {115, 99}})));
   Interfaces.RealOutput speed(final unit="m/s") "Speed of the roller's surface: of the wagon"
     annotation(Placement(transformation(extent={{105, 76}, {115, 86}})));
-  Interfaces.RealOutput acceleration(final unit="m/s2") "Its acceleration"
+  Interfaces.RealOutput acceleration(final unit="m/s2") "Acceleration of the roller's surface"
     annotation(Placement(transformation(extent={{105, 64}, {115, 74}})));
   Interfaces.RealOutput wheelset_speed(final unit="rad/s") "Angular velocity of the wheelset"
     annotation(Placement(transformation(extent={{105, 51}, {115, 61}})));
@@ -93,9 +93,9 @@ partial block PartialRollerRig "Braked wheelset on a roller that imitates a wago
     annotation(Placement(transformation(extent={{105, -61}, {115, -51}})));
   Interfaces.RealOutput drive_torque(final unit="N.m") "Torque of the roller's drive, driving positive"
     annotation(Placement(transformation(extent={{105, -74}, {115, -64}})));
-  Interfaces.BooleanOutput locked "= true, if the wheelset does not turn"
+  Interfaces.BooleanOutput locked "= true, if the wheelset is locked"
     annotation(Placement(transformation(extent={{105, -86}, {115, -76}})));
-  Interfaces.BooleanOutput standstill "= true, if the roller stands"
+  Interfaces.BooleanOutput standstill "= true, if the roller is at rest"
     annotation(Placement(transformation(extent={{105, -99}, {115, -89}})));
 protected
   final parameter Data.Creep creep = Data.Creep(
@@ -109,7 +109,7 @@ protected
   final parameter Data.Drag drag = Data.Drag(c_drag=c_drag, A_drag=A_drag, rho_air=rho_air) "Air";
   Components.CarBody body(m=m_imitated, start_speed=start_speed, drag=drag) "Roller and drive: the wagon"
     annotation(Placement(transformation(extent={{-20, 40}, {20, 80}})));
-  Components.Rest rest(final n=1) "When the roller is at rest"
+  Components.Rest rest(final n=1) "Detection of standstill"
     annotation(Placement(transformation(extent={{-80, 40}, {-40, 80}})));
   Components.Axle wheelset(
     final n=1, J=J, r_wheel=r_wheel, n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal,
@@ -153,19 +153,20 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-The rig of Schwarz and Keck (2020, section 3): the wheelset turns and slides on a roller whose drive makes up for
-what the
-roller lacks of a wagon's mass and drag. The defaults imitate 20 t on a load of 10 t, as equation (5) of that paper
+The rig of Schwarz and Keck (2020, section 3): the wheelset turns and slides on a roller whose drive
+provides the difference between the roller and the mass and drag of a wagon. The defaults imitate 20
+t on a load of 10 t, as equation (5) of that paper
 has it
 (one of two wheelsets brakes the wagon): der(v) = -adhesion g/2 - drag/m.
 </p>
 <p>
 The contact is Polach's on the ellipse of a wheel on a roller. The load swings once each turn of the roller by
-<code>load_ripple</code>: rollers are not round, and load cells see it.
+<code>load_ripple</code>: rollers are not perfectly round, and load cells measure that.
 </p>
 <h4>Limitations</h4>
 <p>
-The drive imitates without lag or limit; <code>drive_torque</code> tells what it would have to do. The data of the
+The drive has neither lag nor limit; <code>drive_torque</code> is the torque that it would have to provide. The data of
+the
 rig are not published: mass,
 load, inertias and brake are estimates of the size of a mainline wheelset.
 </p>

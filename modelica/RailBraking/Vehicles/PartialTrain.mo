@@ -1,8 +1,8 @@
 within RailBraking.Vehicles;
-partial block PartialTrain "What every train made of cars, bogies and couplers shows and is told"
+partial block PartialTrain "Parameters, inputs and outputs of every train made of cars, bogies and couplers"
   extends Icons.Vehicle;
   parameter Integer cars(min=1) = 1 "Number of cars" annotation(Evaluate=true, Dialog(group="Formation"));
-  parameter Integer bodies(min=1) = cars "Number of bodies that couplers join; cars without give between them are one"
+  parameter Integer bodies(min=1) = cars "Number of bodies joined by couplers; rigidly joined cars are one body"
     annotation(Evaluate=true, Dialog(group="Formation"));
   parameter Integer bogies(min=1) = 1 "Number of bogies" annotation(Evaluate=true, Dialog(group="Formation"));
   parameter Integer groups(min=1) = 1 "Number of groups of wheelsets that turn as one"
@@ -12,17 +12,17 @@ partial block PartialTrain "What every train made of cars, bogies and couplers s
   parameter Types.Velocity start_speed(min=0) = 80/3.6 "Speed at the start"
     annotation(Dialog(group="Start"));
   parameter Types.Ratio wheelsets_per_group[groups] = fill(wheelsets/groups, groups)
-    "Number of wheelsets that turn as one, leading group first; a description, no value to change"
+    "Number of wheelsets that turn as one, leading group first; a description that cannot be changed"
     annotation(Dialog(group="Formation"));
   parameter Types.Ratio wheelsets_per_car[cars] = fill(wheelsets/cars, cars)
-    "Number of wheelsets of each car; a description, no value to change" annotation(Dialog(group="Formation"));
+    "Number of wheelsets of each car; a description that cannot be changed" annotation(Dialog(group="Formation"));
   parameter Types.Length wheelset_position[wheelsets] = {3.0*(i - 1) for i in 1:wheelsets}
-    "Distance of each wheelset behind the leading one; a description, no value to change"
+    "Distance of each wheelset behind the leading one; a description that cannot be changed"
     annotation(Dialog(group="Formation"));
   parameter Types.Mass m_wheelset[wheelsets](each min=1e-3) = {12000 for i in 1:wheelsets}
-    "Mass that each wheelset carries on the rail, its own included"
+    "Mass that each wheelset carries on the rail, including its own"
     annotation(Dialog(group="Masses"));
-  parameter Types.Mass m_unsprung[wheelsets](each min=0) = {1500 for i in 1:wheelsets} "Mass of each wheelset itself"
+  parameter Types.Mass m_unsprung[wheelsets](each min=0) = {1500 for i in 1:wheelsets} "Mass of each wheelset alone"
     annotation(Dialog(group="Masses"));
   parameter Types.Mass m_frame[bogies](each min=1e-3) = {3000 for i in 1:bogies} "Mass of each bogie frame"
     annotation(Dialog(group="Masses"));
@@ -37,10 +37,10 @@ partial block PartialTrain "What every train made of cars, bogies and couplers s
     annotation(Dialog(group="Geometry"));
   parameter Types.Ratio n_units[groups](each min=0) = {2 for i in 1:groups} "Number of brake units of each group"
     annotation(Dialog(group="Brake"));
-  parameter Types.Length r_friction[groups](each min=1e-3) = {0.24 for i in 1:groups} "Radius at which the pads rub"
+  parameter Types.Length r_friction[groups](each min=1e-3) = {0.24 for i in 1:groups} "Friction radius of the pads"
     annotation(Dialog(group="Brake"));
   parameter Types.Pressure p_max[groups](each min=0) = {3.0e5 for i in 1:groups}
-    "Largest cylinder pressure of each group"
+    "Maximum cylinder pressure of each group"
     annotation(Dialog(group="Brake"));
   parameter Types.Pressure p_start[groups] = {0 for i in 1:groups} "Cylinder pressure at the start"
     annotation(Dialog(group="Start"));
@@ -95,11 +95,11 @@ partial block PartialTrain "What every train made of cars, bogies and couplers s
     annotation(Dialog(group="Resistance"));
   parameter Types.Density rho_air = 1.2 "Density of the air" annotation(Dialog(group="Resistance"));
   parameter Types.Torque tau_small(min=1e-3) = 10
-    "Torque by which the track must exceed the brake to turn a locked group"
+    "Excess of the track's torque over the brake's that turns a locked group"
     annotation(Dialog(tab="Numerics"));
-  parameter Types.Force F_small(min=1e-3) = 10 "Force by which the track must exceed what holds the train to move it"
+  parameter Types.Force F_small(min=1e-3) = 10 "Excess of the track force over the holding force that moves the train"
     annotation(Dialog(tab="Numerics"));
-  parameter Types.Velocity v_rest(min=1e-6) = 1e-3 "Speed at which the train comes to rest if it can be held"
+  parameter Types.Velocity v_rest(min=1e-6) = 1e-3 "Speed below which the train comes to rest if it can be held"
     annotation(Dialog(tab="Numerics"));
 
   Interfaces.RealInput mu0[wheelsets](each final unit="1", each start=0)
@@ -127,7 +127,7 @@ partial block PartialTrain "What every train made of cars, bogies and couplers s
   Interfaces.RealOutput deflection[wheelsets](each final unit="m")
     "Deflection of the primary suspension, change from static, compression positive"
     annotation(Placement(transformation(extent={{107, 31}, {113, 37}})));
-  Interfaces.RealOutput cylinder_pressure[groups](each final unit="Pa") "Pressure in the cylinders of each group"
+  Interfaces.RealOutput cylinder_pressure[groups](each final unit="Pa") "Cylinder pressure of each group"
     annotation(Placement(transformation(extent={{107, 23}, {113, 29}})));
   Interfaces.RealOutput pad_force[groups](each final unit="N") "Normal force of both pads of one unit"
     annotation(Placement(transformation(extent={{107, 15}, {113, 21}})));
@@ -141,25 +141,25 @@ partial block PartialTrain "What every train made of cars, bogies and couplers s
     annotation(Placement(transformation(extent={{107, -16}, {113, -10}})));
   Interfaces.RealOutput air_used(final unit="m3") "Free air taken from the supply since the start"
     annotation(Placement(transformation(extent={{107, -24}, {113, -18}})));
-  Interfaces.RealOutput contact_heat(final unit="J") "Heat made between wheels and rails since the start"
+  Interfaces.RealOutput contact_heat(final unit="J") "Heat generated between wheels and rails since the start"
     annotation(Placement(transformation(extent={{107, -32}, {113, -26}})));
-  Interfaces.RealOutput pad_heat(final unit="J") "Heat made between pads and discs since the start"
+  Interfaces.RealOutput pad_heat(final unit="J") "Heat generated between pads and discs since the start"
     annotation(Placement(transformation(extent={{107, -40}, {113, -34}})));
-  Interfaces.RealOutput damper_heat(final unit="J") "Heat made in the primary suspension since the start"
+  Interfaces.RealOutput damper_heat(final unit="J") "Heat generated in the primary suspension since the start"
     annotation(Placement(transformation(extent={{107, -47}, {113, -41}})));
   Interfaces.RealOutput resistance_work(final unit="J")
     "Work against drag, bearings, rolling resistance and track force since the start"
     annotation(Placement(transformation(extent={{107, -55}, {113, -49}})));
   Interfaces.RealOutput coupler_work(final unit="J")
-    "Work that the cars have put into the couplers since the start, heat and what they store"
+    "Work that the cars have put into the couplers since the start, stored or dissipated"
     annotation(Placement(transformation(extent={{107, -63}, {113, -57}})));
   Interfaces.RealOutput kinetic_energy(final unit="J") "Energy of motion along the track and of rotation"
     annotation(Placement(transformation(extent={{107, -71}, {113, -65}})));
   Interfaces.RealOutput coupler_force[couplers](each final unit="N") "Force in each coupler, positive when it pulls"
     annotation(Placement(transformation(extent={{107, -79}, {113, -73}})));
-  Interfaces.BooleanOutput locked[groups] "= true, if the group does not turn"
+  Interfaces.BooleanOutput locked[groups] "= true, if the group is locked"
     annotation(Placement(transformation(extent={{107, -86}, {113, -80}})));
-  Interfaces.BooleanOutput standstill "= true, if the train stands"
+  Interfaces.BooleanOutput standstill "= true, if the train is at rest"
     annotation(Placement(transformation(extent={{107, -94}, {113, -88}})));
 
 protected
@@ -176,7 +176,7 @@ protected
   final parameter Data.Drag drag = Data.Drag(c_drag=c_drag, A_drag=A_drag/bodies, rho_air=rho_air) "Air";
   final parameter Types.Mass m_train = sum(m_wheelset) "Mass of the train, without rotating masses";
   final parameter Types.Volume V_group[groups] = V_cylinder*n_units "Volume of all cylinders and hoses of each group";
-  Components.Rest rest(final n=bodies, v_rest=v_rest, F_small=F_small) "When the train is at rest"
+  Components.Rest rest(final n=bodies, v_rest=v_rest, F_small=F_small) "Detection of standstill"
     annotation(Placement(transformation(extent={{-100, 80}, {-80, 100}})));
   Types.Velocity v[bodies] "Speed of each body";
   Types.Acceleration a[bodies] "Acceleration of each body";
@@ -184,13 +184,13 @@ protected
   Data.WheelsetSignals wheelset[wheelsets] "Signals of each wheelset, leading first";
   Data.GroupSignals group[groups] "Signals of each group, leading first";
   Data.Totals totals "Sums over the train";
-  Types.VolumeFlow air_flow "Free air taken from the supply, a time";
+  Types.VolumeFlow air_flow "Free air taken from the supply per time";
   Types.Power coupler_power "Power that the cars put into the couplers";
   Types.Length s(start=0, fixed=true) "Distance travelled";
   Types.Volume air(start=0, fixed=true) "Free air taken from the supply";
-  Types.Energy heat_contact(start=0, fixed=true) "Heat made between wheels and rails";
-  Types.Energy heat_pad(start=0, fixed=true) "Heat made between pads and discs";
-  Types.Energy heat_damper(start=0, fixed=true) "Heat made in the primary suspension";
+  Types.Energy heat_contact(start=0, fixed=true) "Heat generated between wheels and rails";
+  Types.Energy heat_pad(start=0, fixed=true) "Heat generated between pads and discs";
+  Types.Energy heat_damper(start=0, fixed=true) "Heat generated in the primary suspension";
   Types.Energy work_resistance(start=0, fixed=true) "Work against resistances and track force";
   Types.Energy work_coupler(start=0, fixed=true) "Work put into the couplers";
 equation
@@ -241,21 +241,24 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-The face of the FMU of a train: parameters, inputs and outputs by the names that the loop knows, and the sums over the
-train. A train extends it with its counts, declares car bodies, bogies, couplers and cylinders, connects them, and
-says whose signals <code>wheelset</code>, <code>group</code> and <code>totals</code> are; see <a
+The interface of the FMU of a train: parameters, inputs and outputs by the names of the loop, and
+the sums over the train. A train extends it with its numbers of components, declares and connects
+car bodies, bogies, couplers and cylinders, and assigns <code>wheelset</code>, <code>group</code>
+and <code>totals</code>; see <a
 href=\"modelica://RailBraking.Vehicles.PartialConsist\">PartialConsist</a> and <a
 href=\"modelica://RailBraking.Vehicles.PartialTwoPartTrain\">PartialTwoPartTrain</a>.
 </p>
 <h4>Implementation</h4>
 <p>
-Energies balance: <code>kinetic_energy + contact_heat + pad_heat + resistance_work + coupler_work</code> is constant,
-but for what the solver loses and what <a href=\"modelica://RailBraking.Components.Rest\">Rest</a> discards.
+Energies balance: <code>kinetic_energy + contact_heat + pad_heat + resistance_work + coupler_work</code> is
+constant, except for the error of the solver and for the energy that <a
+href=\"modelica://RailBraking.Components.Rest\">Rest</a> discards.
 <code>resistance_work</code> counts the work against drag, bearing and rolling resistance and, with its sign, the
-track force. <code>damper_heat</code> stands beside that sum: pitching frames are moved by the braking forces but do
-not slow the train, see <a href=\"modelica://RailBraking.Components.BogieFrame\">BogieFrame</a>; in the two-part train
-that is some ten joules in a smooth stop of twenty megajoules, and 15 kJ, 0.07 %, where slip control throws the brakes
-on and off throughout.
+track force. <code>damper_heat</code> is not part of that sum: braking forces move pitching frames,
+which do not slow the train, see <a
+href=\"modelica://RailBraking.Components.BogieFrame\">BogieFrame</a>; in the two-part train
+that is some ten joules in a smooth stop of twenty megajoules, and 15 kJ, 0.07 %, in a stop in which
+slip control applies and releases the brakes all the time.
 </p>
 <h4>Limitations</h4>
 <p>

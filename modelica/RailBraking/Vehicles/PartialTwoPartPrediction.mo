@@ -1,5 +1,5 @@
 within RailBraking.Vehicles;
-partial block PartialTwoPartPrediction "What the prediction models of the two-part train have in common"
+partial block PartialTwoPartPrediction "Common parts of the prediction models of the two-part train"
   extends Icons.Vehicle;
   extends PartialBodyPrediction(final m=sum(m_wheelset), v(start=start_speed));
   extends PartialPrediction(
@@ -15,14 +15,14 @@ partial block PartialTwoPartPrediction "What the prediction models of the two-pa
   parameter Types.Ratio mu_b_start[4] = {0.35, 0.35, 0.35, 0.35} "Pad friction at the start";
   parameter Types.Ratio alpha_start[4] = {0, 0, 0, 0} "Adhesion of each group at the start";
   parameter Types.Mass m_wheelset[6](each min=1e-3) = {13400, 14100, 14500, 14500, 14100, 13400}
-    "Mass that each wheelset carries on the rail, its own included";
+    "Mass that each wheelset carries on the rail, including its own";
   parameter Types.Length r_wheel(min=1e-3) = 0.38 "Rolling radius of all groups";
   parameter Types.Area A_piston(min=1e-6) = 0.0324 "Area of a piston";
   parameter Types.Ratio i_rigging(min=1e-6) = 6 "Force of both pads over force of the piston";
   parameter Types.Ratio eta_rigging(min=0, max=1) = 0.95 "Efficiency of the rigging";
   parameter Types.Force F_spring = 1200 "Force of return spring and slack adjuster";
   Interfaces.RealInput cylinder_pressure[4](each final unit="Pa", each start=0)
-    "Pressure in the cylinders of each group"
+    "Cylinder pressure of each group"
     annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
   Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient and curve, forward"
     annotation(Placement(transformation(extent={{-120, -60}, {-100, -40}})));
@@ -55,8 +55,8 @@ four groups, of two wheelsets each at both ends.
 <h4>Limitations</h4>
 <p>
 Those of <a href=\"modelica://RailBraking.Vehicles.PartialPrediction\">PartialPrediction</a> and of
-<a href=\"modelica://RailBraking.Vehicles.PartialBodyPrediction\">PartialBodyPrediction</a>. One rolling radius for all
-groups: differences are, to the filter, slip.
+<a href=\"modelica://RailBraking.Vehicles.PartialBodyPrediction\">PartialBodyPrediction</a>. One
+rolling radius for all groups: the filter attributes differences to slip.
 </p>
 </html>"));
 end PartialTwoPartPrediction;

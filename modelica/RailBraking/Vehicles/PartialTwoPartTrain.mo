@@ -1,5 +1,5 @@
 within RailBraking.Vehicles;
-partial block PartialTwoPartTrain "Two-part train with a Jacobs bogie; what fills the brake cylinders is left open"
+partial block PartialTwoPartTrain "Two-part train with a Jacobs bogie, without the supply of the brake cylinders"
   extends Icons.Vehicle;
   extends PartialUniformTrain(
     final cars=2, final bodies=1, final bogies=3, final groups=4, final wheelsets=6,
@@ -88,15 +88,15 @@ equation
     Documentation(info="<html>
 <p>
 The plant of Schwarz, Posielek and Goetjes (see References), equations (1) to (6): speed, angular velocity of four
-groups, pad friction of four groups and the deflections of six primary suspensions with their rates. Disc
-temperatures, cylinder pressures, distance, air and four energies come on top. It is three <a
+groups, pad friction of four groups and the deflections of six primary suspensions with their rates. Further
+states are disc temperatures, cylinder pressures, distance, air and four energies. It is three <a
 href=\"modelica://RailBraking.Components.Bogie\">Bogies</a> under one <a
 href=\"modelica://RailBraking.Components.CarBody\">CarBody</a>: the pattern for trains whose bogies differ.
 </p>
 <h4>Limitations</h4>
 <p>
-Those of <a href=\"modelica://RailBraking.Vehicles.PartialTrain\">PartialTrain</a>. The bodies are joined without
-give: the force between them is not known.
+Those of <a href=\"modelica://RailBraking.Vehicles.PartialTrain\">PartialTrain</a>. The bodies are
+joined rigidly: the force between them is not computed.
 </p>
 </html>"));
 end PartialTwoPartTrain;

@@ -29,9 +29,9 @@ partial block PartialUniformTrain "Train with bogies, riggings and pads of one k
     annotation(Dialog(group="Pads"));
   parameter Types.Force pad_force_nominal(min=1e-3) = 56e3 "Pad force at which pad friction is nominal"
     annotation(Dialog(group="Pads"));
-  parameter Types.Energy E_settle(min=1e-3) = 2e5 "Friction energy of one unit in which pad friction settles"
+  parameter Types.Energy E_settle(min=1e-3) = 2e5 "Friction energy of one unit within which pad friction settles"
     annotation(Dialog(group="Pads"));
-  parameter Types.Time T_settle(min=1e-3) = 3 "Time in which pad friction settles at little power"
+  parameter Types.Time T_settle(min=1e-3) = 3 "Time within which pad friction settles at low power"
     annotation(Dialog(group="Pads"));
   parameter Types.Force F_release(min=1e-3) = 1e3 "Pad force below which pads count as released"
     annotation(Dialog(group="Pads"));
@@ -51,9 +51,9 @@ protected
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-What a train of cars of one make, such as
-<a href=\"modelica://RailBraking.Vehicles.PartialConsist\">PartialConsist</a>, has once; a train of a locomotive and
-coaches has it for each kind of bogie.
+Parameters that are the same for all cars of a train, such as <a
+href=\"modelica://RailBraking.Vehicles.PartialConsist\">PartialConsist</a>; a train of a locomotive
+and coaches has them for each kind of bogie.
 </p>
 <h4>Limitations</h4>
 <p>Those of <a href=\"modelica://RailBraking.Vehicles.PartialTrain\">PartialTrain</a>.</p>

@@ -1,26 +1,26 @@
 within RailBraking.Vehicles;
-partial block PartialWagon "Wagon of two braked wheelsets; what fills the cylinders is open"
+partial block PartialWagon "Wagon of two braked wheelsets, without the supply of the cylinders"
   extends Icons.Vehicle;
   parameter Types.Velocity start_speed(min=0) = 120/3.6 "Speed at the start"
     annotation(Dialog(group="Start"));
   parameter Types.Ratio wheelsets_per_group[2] = {1, 1}
-    "Number of wheelsets that turn as one, leading group first; a description, no value to change"
+    "Number of wheelsets that turn as one, leading group first; a description that cannot be changed"
     annotation(Dialog(group="Formation"));
   parameter Types.Ratio wheelsets_per_car[1] = {2}
-    "Number of wheelsets of each car; a description, no value to change" annotation(Dialog(group="Formation"));
+    "Number of wheelsets of each car; a description that cannot be changed" annotation(Dialog(group="Formation"));
   parameter Types.Length wheelset_position[2] = {0, 9}
-    "Distance of each wheelset behind the leading one; a description, no value to change"
+    "Distance of each wheelset behind the leading one; a description that cannot be changed"
     annotation(Dialog(group="Formation"));
   parameter Types.Mass m = 40e3 "Mass of the wagon" annotation(Dialog(group="Wagon"));
   parameter Types.Inertia J[2] = {130, 130} "Inertia of each wheelset about its axle" annotation(Dialog(group="Wagon"));
   parameter Types.Length r_wheel[2] = {0.46, 0.46} "Rolling radius of each wheelset" annotation(Dialog(group="Wagon"));
   parameter Types.Length h_mass = 1.5 "Height of the centre of mass over the rail" annotation(Dialog(group="Wagon"));
   parameter Types.Length wheelbase = 9 "Distance of the wheelsets" annotation(Dialog(group="Wagon"));
-  parameter Types.Time T_pitch = 0.2 "Time in which the suspension hands on a change of load"
+  parameter Types.Time T_pitch = 0.2 "Time constant with which the suspension transmits a change of load"
     annotation(Dialog(group="Wagon"));
   parameter Types.Ratio n_units = 2 "Number of brake units of each wheelset" annotation(Dialog(group="Brake"));
-  parameter Types.Length r_friction = 0.25 "Radius at which the pads rub" annotation(Dialog(group="Brake"));
-  parameter Types.Pressure p_max = 3.0e5 "Largest cylinder pressure" annotation(Dialog(group="Brake"));
+  parameter Types.Length r_friction = 0.25 "Friction radius of the pads" annotation(Dialog(group="Brake"));
+  parameter Types.Pressure p_max = 3.0e5 "Maximum cylinder pressure" annotation(Dialog(group="Brake"));
   parameter Types.Area A_piston = 0.0324 "Area of a piston" annotation(Dialog(group="Brake"));
   parameter Types.Ratio i_rigging = 6 "Force of both pads over force of the piston" annotation(Dialog(group="Brake"));
   parameter Types.Ratio eta_rigging = 0.95 "Efficiency of the rigging" annotation(Dialog(group="Brake"));
@@ -39,9 +39,9 @@ partial block PartialWagon "Wagon of two braked wheelsets; what fills the cylind
     annotation(Dialog(group="Pads"));
   parameter Types.Force pad_force_nominal = 56e3 "Pad force at which pad friction is nominal"
     annotation(Dialog(group="Pads"));
-  parameter Types.Energy E_settle = 2e5 "Friction energy of one unit in which pad friction settles"
+  parameter Types.Energy E_settle = 2e5 "Friction energy of one unit within which pad friction settles"
     annotation(Dialog(group="Pads"));
-  parameter Types.Time T_settle = 3 "Time in which pad friction settles at little power"
+  parameter Types.Time T_settle = 3 "Time within which pad friction settles at low power"
     annotation(Dialog(group="Pads"));
   parameter Types.Temperature T_disc_start = 313.15 "Temperature of the discs at the start"
     annotation(Dialog(group="Start"));
@@ -97,9 +97,9 @@ partial block PartialWagon "Wagon of two braked wheelsets; what fills the cylind
   Interfaces.RealOutput resistance_torque[2](each final unit="N.m")
     "Torque of bearing and rolling resistance on each wheelset"
     annotation(Placement(transformation(extent={{104, -70}, {116, -58}})));
-  Interfaces.BooleanOutput locked[2] "= true, if the wheelset does not turn"
+  Interfaces.BooleanOutput locked[2] "= true, if the wheelset is locked"
     annotation(Placement(transformation(extent={{104, -85}, {116, -73}})));
-  Interfaces.BooleanOutput standstill "= true, if the wagon stands"
+  Interfaces.BooleanOutput standstill "= true, if the wagon is at rest"
     annotation(Placement(transformation(extent={{104, -99}, {116, -87}})));
   replaceable block TrainContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
     "Law of the contacts";
@@ -116,7 +116,7 @@ protected
   final parameter Data.Drag drag = Data.Drag(c_drag=c_drag, A_drag=A_drag, rho_air=rho_air) "Air";
   Components.CarBody body(m=m, start_speed=start_speed, drag=drag) "Wagon"
     annotation(Placement(transformation(extent={{-20, 40}, {20, 80}})));
-  Components.Rest rest(final n=1) "When the wagon is at rest"
+  Components.Rest rest(final n=1) "Detection of standstill"
     annotation(Placement(transformation(extent={{-80, 40}, {-40, 80}})));
   Components.Axle front(
     redeclare block AxleContact = TrainContact,
@@ -183,7 +183,8 @@ der(v) h_mass/wheelbase, with the lag <code>T_pitch</code> of a suspension.
 </p>
 <h4>Limitations</h4>
 <p>
-The wagon body pitches only in so far as loads change; drag acts at the height of the rail. Forward motion only.
+Pitching of the wagon body is represented by the change of loads only; drag acts at the height of the rail. Forward
+motion only.
 </p>
 </html>"));
 end PartialWagon;

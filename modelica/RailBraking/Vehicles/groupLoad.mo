@@ -1,7 +1,7 @@
 within RailBraking.Vehicles;
 function groupLoad "Load of a group of wheelsets on the rail"
   extends Icons.Function;
-  input Types.Force static "Its static load";
+  input Types.Force static "Static load of the group";
   input Types.Force spring[:] "Spring and damper force over each wheelset of bogies, change from static";
   input Integer group_of_wheelset[size(spring, 1)] "Group of each of these wheelsets";
   input Integer group "Number of the group";
@@ -20,6 +20,6 @@ algorithm
 load = Vehicles.<strong>groupLoad</strong>(static, spring, group_of_wheelset, group);
 </pre></blockquote>
 <h4>Limitations</h4>
-<p>A group of none of these wheelsets keeps its static load.</p>
+<p>A group without any of these wheelsets has its static load.</p>
 </html>"));
 end groupLoad;

@@ -28,6 +28,6 @@ algorithm
 position = Vehicles.<strong>wheelsetPositions</strong>(cars, bogies, axles, car_length, pivots, wheelbase);
 </pre></blockquote>
 <h4>Limitations</h4>
-<p>Wheelsets of a bogie stand at equal distances.</p>
+<p>Wheelsets of a bogie have equal distances.</p>
 </html>"));
 end wheelsetPositions;

@@ -1,10 +1,11 @@
-/* The loop of a stop, sample by sample. Parts in C are called; for a part in Python `cycle` returns, and resumes when it is
-   called again.
+/* The loop of a stop, sample by sample. Parts in C are called; for a part in Python `cycle` returns, and resumes when
+   it is called again.
 
-   Each sample: the plant advances under the commands held since the last sample; its outputs are checked; the sensors read; the
-   driver demands; the estimator, when due, predicts under the pressures read one sample before and updates with the new
-   reading; the controller, when due, decides. The lower of its demand and the driver's goes to the valves. The row of a sample
-   holds the true state at its end, the reading and estimate then, and the demand and command for it. */
+   Each sample: the plant advances under the commands held since the last sample; its outputs are checked; the sensors
+   read; the driver demands; the estimator, when due, predicts under the pressures read one sample before and updates
+   with the new reading; the controller, when due, decides. The lower of its demand and the driver's goes to the valves.
+   The row of a sample holds the true state at its end, the reading and estimate then, and the demand and command for
+   it. */
 
 #include <math.h>
 
@@ -12,22 +13,27 @@
 #include "onboard.h"
 #include "vectors.h"
 
-enum { SET_STEP_GET = 7 };
-enum { BEGIN, STEP, CHECK, SHOW, BELIEVE, LIMIT, COMMAND };     /* stage at which a sample resumes */
+enum {
+    BEGIN,
+    STEP_PLANT,
+    CHECK_PLANT,
+    USE_READING,
+    USE_ESTIMATE,
+    LIMIT_DEMAND,
+    SEND_COMMAND
+}; /* stage at which a sample resumes */
 
-static int step_plant(Cycle *c)
+static int step_plant(Plant *plant, double time)
 {
-    copy(c->taken, c->inputs, INPUTS);
-    c->failure = c->cross(c->set_step_get, SET_STEP_GET, (double)(c->sample - 1) * c->period);
-    if (c->failure)
-        return 0;
-    c->crossed++;
-    for (long long i = 0; i < c->present_count; i++)
-        c->truth[c->present[i]] = c->shown[i];
-    return 1;
+    const int failure = plant->step(plant->interface, time);
+
+    for (long long i = 0; !failure && i < plant->received_count; i++)
+        plant->outputs[plant->received_at[i]] = plant->received[i];
+    plant->steps += !failure;
+    return failure;
 }
 
-static int brakes_demanded(const Driver *driver)
+static int is_brake_demanded(const Driver *driver)
 {
     for (int g = 0; driver && g < GROUPS; g++)
         if (driver->pressure[g] != 0.0)
@@ -35,142 +41,153 @@ static int brakes_demanded(const Driver *driver)
     return !driver;
 }
 
-/* Record the plant's outputs and inputs, and the demands behind the inputs. */
-static void keep(const Cycle *c, double *row)
+/* A train that starts at rest has not stopped until it has moved or is braked. */
+static int is_standing(Cycle *c)
 {
-    copy(row + c->true_at, c->truth, OUTPUTS);
-    copy(row + c->sent_at, c->inputs, INPUTS);
-    if (c->demand_at >= 0)
-        copy(row + c->demand_at, c->demand, GROUPS);
-    for (long long i = 0; i < c->law_count; i++)
-        row[c->law_at + i] = c->law_state[c->law_of[i]];
-    if (c->driver_at >= 0)
-        copy(row + c->driver_at, c->driver_demand, GROUPS);
-    if (c->traction_at >= 0)
-        row[c->traction_at] = c->driver->force;
+    const double speed = c->plant->outputs[OUTPUT_SPEED];
+
+    c->has_moved |= speed > c->stop_speed;
+    return speed <= c->stop_speed && (c->has_moved || is_brake_demanded(c->driver));
 }
 
-static int within_limits(const Cycle *c)
+/* Record the plant's outputs and inputs, and the demands behind the inputs. */
+static void record_plant(const Cycle *c, double *row)
+{
+    const Record *record = c->record;
+
+    copy(row + record->output, c->plant->outputs, OUTPUTS);
+    copy(row + record->input, c->plant->inputs, INPUTS);
+    if (record->demand >= 0)
+        copy(row + record->demand, c->onboard->demand, GROUPS);
+    for (long long i = 0; i < record->law_count; i++)
+        row[record->law + i] = record->law_state[record->law_state_at[i]];
+    if (record->driver_demand >= 0)
+        copy(row + record->driver_demand, c->onboard->driver_demand, GROUPS);
+    if (record->traction >= 0)
+        row[record->traction] = c->driver->force;
+}
+
+static void record_estimate(const Cycle *c, double *row)
+{
+    copy(row + c->record->estimate, c->onboard->estimate, c->record->estimate_count);
+    if (c->record->reference >= 0)
+        copy(row + c->record->reference, c->filter->reference, REFERENCES);
+}
+
+static int is_within_limits(const Onboard *onboard)
 {
     for (int g = 0; g < GROUPS; g++)
-        if (!(c->demand[g] >= 0.0 && c->demand[g] <= c->most[g]))   /* negated, so that NaN is outside */
+        if (!(onboard->demand[g] >= 0.0 &&
+              onboard->demand[g] <= onboard->limit[g])) /* negated, so that NaN is outside */
             return 0;
-    return c->is_pascal;
+    return onboard->is_pascal;
 }
 
-static void decide_over_the_train(Cycle *c)
+static void decide_for_train(Onboard *onboard)
 {
-    copy(c->observation + OBSERVED_PRESSURE, c->demand, GROUPS);
-    c->over.call(c->over.state, c->observation, c->over.parameter, c->demand);
-}
+    double input[TRAIN_INPUTS];
 
-static void keep_belief(const Cycle *c, double *row)
-{
-    if (c->mean) {
-        copy(row + c->believed_at, c->believed, BELIEVED);
-        copy(row + c->spread_at, c->spread, SPREAD);
-        copy(row + c->innovation_at, c->innovation, INNOVATION);
-    }
-    if (c->reference_at >= 0)
-        copy(row + c->reference_at, c->reference, 1 + GROUPS);
-    if (c->estimates)
-        copy(row + c->estimates_at, c->estimates, c->estimates_count);
+    copy(input, onboard->observation, OBSERVATIONS);
+    copy(input + TRAIN_INPUT_DEMAND, onboard->demand, GROUPS);
+    evaluate(&onboard->train_level, input, onboard->demand);
 }
 
 /* Run until a part in Python is due, or the stop ends; return which. */
 EXPORT int cycle(Cycle *c)
 {
-    for (;; c->sample++, c->stage = BEGIN) {
-        const long long k = c->sample;
-        const int decides = due(c->controller_every, k);
-        double *row = c->rows + (k < c->capacity ? k : c->capacity - 1) * c->width;
+    Plant *plant = c->plant;
+    Instruments *instruments = c->instruments;
+    Onboard *onboard = c->onboard;
 
-        /* Each case stores the next stage before it may return, so that the call after a part in Python resumes behind it. */
+    for (;; c->sample++, c->stage = BEGIN) {
+        const long long k = c->sample, last = c->record->capacity - 1;
+        const int decides = due(onboard->controller_every, k);
+        double *row = c->record->rows + (k < last ? k : last) * c->record->width;
+
+        /* Each case stores the next stage before it may return, so that the call after a part in Python resumes behind
+           it. */
         switch (c->stage) {
         case BEGIN:
             if (k > c->samples)
                 return AT_HORIZON;
-            c->stage = STEP;
+            c->stage = STEP_PLANT;
             if (k % c->block == 0)
                 return BLOCK_DUE;
             /* fall through */
-        case STEP:
-            c->stage = CHECK;
-            if (k > 0 && !c->cross)
+        case STEP_PLANT:
+            c->stage = CHECK_PLANT;
+            if (k > 0 && !plant->step)
                 return PLANT_DUE;
-            if (k > 0 && !step_plant(c))
+            if (k > 0 && (c->failure = step_plant(plant, (double)(k - 1) * c->period)))
                 return PLANT_FAILED;
             /* fall through */
-        case CHECK:
-            complete_slip(c);
-            if (!plausible(c->plausibility, k, c->truth, c->inputs))
+        case CHECK_PLANT:
+            complete_slip(plant);
+            if (!plausible(c->plausibility, k, plant->outputs, plant->inputs))
                 return NOT_PLAUSIBLE;
-            keep(c, row);
+            record_plant(c, row);
             if (c->driver)
-                drive(c->driver, k, c->truth);
-            c->stage = SHOW;
-            if (k % c->sensors_every)
-                for (int i = 0; i < READINGS; i++)
-                    c->reading[i] = NOTHING;
-            else if (!c->service && !c->read_of)
+                drive(c->driver, k, plant->outputs);
+            c->stage = USE_READING;
+            if (k % instruments->every)
+                fill(instruments->reading, NOTHING, READINGS);
+            else if (!instruments->service && !instruments->output_at)
                 return SENSORS_DUE;
             else
-                read_sensors(c);
+                read_sensors(instruments, k / instruments->every, plant->outputs);
             /* fall through */
-        case SHOW:
+        case USE_READING:
             if (c->faults)
-                show_faults(c->faults, k, c->reading);
-            copy(row + c->read_at, c->reading, READINGS);
-            see(c);
-            c->stage = BELIEVE;
-            if (filters(c)) {
-                show_filter(c);
-                if (!c->advance)
+                change_reading(c->faults, k, instruments->reading);
+            copy(row + c->record->reading, instruments->reading, READINGS);
+            store_readings(c);
+            c->stage = USE_ESTIMATE;
+            if (filter_is_due(c)) {
+                prepare_filter(c);
+                if (!c->filter->advance)
                     return ESTIMATOR_DUE;
-                if ((c->failure = c->advance(c->memory)))
+                if ((c->failure = c->filter->advance(c->filter->memory)))
                     return DIVERGED;
-            } else if (c->estimates && due(c->estimator_every, k)) {
+            } else if (onboard->has_estimator && due(onboard->estimator_every, k)) {
                 observe(c);
                 return ESTIMATOR_DUE;
             }
             /* fall through */
-        case BELIEVE:
-            if (filters(c) && !believe(c)) {
+        case USE_ESTIMATE:
+            if (filter_is_due(c) && !read_estimate(c)) {
                 c->failure = NEGATIVE_VARIANCE;
                 return DIVERGED;
             }
-            if (c->mean && k == 0)
-                look(c);
-            keep_belief(c, row);
-            c->written = k + 1;              /* already here: a controller that fails now must not cost the row */
-            c->stage = LIMIT;
+            if (c->filter && k == 0)
+                read_states(c);
+            record_estimate(c, row);
+            c->record->written = k + 1; /* already here: a controller that fails now must not cost the row */
+            c->stage = LIMIT_DEMAND;
             if (decides) {
-                observe_with_estimates(c);
-                if (!c->law.call)
+                observe(c);
+                if (onboard->has_estimator)
+                    replace_by_estimates(onboard);
+                if (!onboard->law.call)
                     return CONTROLLER_DUE;
-                c->law.call(c->law.state, c->observation, c->law.parameter, c->demand);
+                evaluate(&onboard->law, onboard->observation, onboard->demand);
             }
             /* fall through */
-        case LIMIT:
-            c->stage = COMMAND;
-            if (decides && c->most && !within_limits(c))
+        case LIMIT_DEMAND:
+            c->stage = SEND_COMMAND;
+            if (decides && onboard->limit && !is_within_limits(onboard))
                 return LIMITS_DUE;
             /* fall through */
-        case COMMAND:
-            if (decides && c->over.call)
-                decide_over_the_train(c);
+        case SEND_COMMAND:
+            if (decides && onboard->train_level.call)
+                decide_for_train(onboard);
             if (decides && !command(c))
                 return NO_COMMAND;
+            copy(plant->inputs + INPUT_COMMAND, onboard->command, GROUPS);
             if (c->faults)
-                pass_faults(c->faults, k, c->truth, c->command, c->inputs);
-            /* A train that starts at rest has not stopped until it has moved or is braked. */
-            c->moved |= c->truth[OUTPUT_SPEED] > c->stop_speed;
-            if (c->truth[OUTPUT_SPEED] <= c->stop_speed && (c->moved || brakes_demanded(c->driver)))
+                change_command(c->faults, k, plant->outputs, plant->inputs + INPUT_COMMAND);
+            if (is_standing(c))
                 return STANDING;
-            advance_rail(c->rail, (double)k * c->period, c->truth);
-            write_rail_inputs(c->rail, c->inputs);
-            if (c->driver)
-                c->inputs[INPUT_TRACK_FORCE] += c->driver->force;
+            write_rail(c);
         }
     }
 }

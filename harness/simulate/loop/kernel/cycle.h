@@ -9,7 +9,7 @@
 #include "rail.h"
 #include "sensors.h"
 
-typedef int Cross(void *, int, double);
+typedef int Step(void *, double);
 typedef int Advance(double *);
 typedef void Call(double *, const double *, const double *, double *);
 
@@ -17,68 +17,94 @@ typedef void Call(double *, const double *, const double *, double *);
 enum { BLOCK_DUE, PLANT_DUE, SENSORS_DUE, ESTIMATOR_DUE, CONTROLLER_DUE, LIMITS_DUE };
 enum { STANDING = LIMITS_DUE + 1, AT_HORIZON, NOT_PLAUSIBLE, PLANT_FAILED, DIVERGED, NO_COMMAND };
 
-enum { NEGATIVE_VARIANCE = -1 };                 /* in addition to the failures of the filter */
-enum { BELIEVED = 1 + 3 * GROUPS, SPREAD = 2 * GROUPS, INNOVATION = 2, OBSERVATION = 2 + 6 * GROUPS };
-enum { OBSERVED_PRESSURE = OBSERVATION - GROUPS };
+enum { NEGATIVE_VARIANCE = -1 }; /* in addition to the failures of the filter */
 
 typedef struct {
-    Call *call;                                  /* null: the part is not in C, or does not exist */
+    Call *call; /* null: the part is not in C, or does not exist */
     double *state;
     const double *parameter;
 } Formula;
 
+/* Without a function the plant is in Python and writes `outputs`. */
 typedef struct {
-    /* The plant. Null functions: the plant is in Python and writes `truth`. */
-    Cross *cross;
-    void *set_step_get;
-    double *taken;
-    const double *shown;
-    const long long *present;                    /* positions of `shown` among all outputs */
-    const double *slip_radius;                   /* null: the plant outputs slip; else the radii to compute slip with */
-    /* Instruments: those of a service train, or the outputs with optional errors; if both are null, Python writes `reading`. */
+    Step *step; /* see set_step_get.h */
+    void *interface;
+    double *inputs;               /* held during the next step */
+    const double *received;       /* outputs that the plant has */
+    const long long *received_at; /* positions of these among all outputs */
+    const double *slip_radius;    /* null: the plant outputs slip; else the radii to compute slip with */
+    double outputs[OUTPUTS];
+    long long received_count, steps; /* steps: those that succeeded */
+} Plant;
+
+/* Instruments of a service train, or outputs with optional errors; if both are null, Python writes `reading`. */
+typedef struct {
     Service *service;
-    const long long *read_of;
+    const long long *output_at; /* output that each entry of a reading is taken from */
     const double *gain, *bias;
-    double *noise;                               /* rows of READINGS for `block` samples from a multiple of it on */
-    /* The filter; a null mean: no filter. A null function: the filter is in Python and works on the same arrays. */
+    double *noise; /* rows of READINGS for `block` samples from a multiple of it on */
+    double reading[READINGS];
+    long long every, block; /* samples between two readings; readings between two draws of noise */
+} Instruments;
+
+/* Without a function the filter is in Python and works on the same arrays. */
+typedef struct {
     Advance *advance;
-    double *memory, *held, *seen;
-    const double *mean, *covariance, *squared, *used; /* of the last step: NIS, and 1 for every reading that it used */
-    const long long *seen_of, *believed_of;      /* positions in a reading; among the states */
-    const double *estimates;                     /* of an estimator in Python without states; null: no such estimator */
-    /* The law. A null function: the controller is in Python and writes `demand`. */
-    Formula law, valves, free_wheel;
-    Formula over;                                /* over a law in Python: its demands replace the pressures read */
-    const double *most;                          /* maximum pressures for the demands of a law in Python; null: no limit */
-    long long is_pascal;                         /* whether a demand has shown the unit Pa; until then Python checks all */
-    const double *law_state;                     /* of these states the elements `law_of` are recorded */
-    const long long *law_of;
-    const double *radius;
+    double *memory;
+    double *inputs, *readings; /* of the next step */
+    const double *mean, *covariance;
+    const double *squared_innovation, *selection; /* of the last step; selection: 1 for every reading that it used */
+    const long long *reading_at, *state_at;       /* positions in a reading; of estimates among the states */
+    Formula reference_speed;                      /* from wheels, for a silent radar */
+    double reference[REFERENCES];
+    double reading[READINGS];     /* newest readings since the last step */
+    long long has_reading;        /* whether there are any since the last step */
+    long long reading_count, row; /* row: distance between rows of the covariance */
+} Filter;
+
+typedef struct {
+    Formula law;         /* null: the controller is in Python and writes `demand` */
+    Formula train_level; /* decisions for the whole train, over a law in Python */
+    Formula valves;
+    const double *limit;        /* maximum pressures for the demands of a law in Python; null: no limit */
+    const double *radius;       /* of the wheels of each group */
+    const double *full;         /* pressures of full brake, the demand without a driver */
+    double reading[READINGS];   /* newest reading of every sensor */
+    double estimate[ESTIMATES]; /* standard deviations as variances until the end of the stop */
+    double observation[OBSERVATIONS];
+    double replacement[OBSERVATIONS]; /* estimates in place of the observation; NaN: it is kept */
+    double demand[GROUPS], command[GROUPS];
+    double driver_demand[GROUPS]; /* at the last decision */
+    long long has_reading, has_estimator;
+    long long is_pascal; /* whether a demand has shown the unit Pa; until then Python checks all */
+    Every estimator_every, controller_every;
+} Onboard;
+
+typedef struct {
+    double *rows;
+    const double *law_state; /* of these states the elements `law_state_at` are recorded */
+    const long long *law_state_at;
+    long long width, capacity; /* columns of a row; rows, of which the last serves all samples beyond */
+    /* First columns, -1 if absent. */
+    long long output, input, reading, estimate, demand, driver_demand, traction, reference, law;
+    long long estimate_count, law_count;
+    long long written;
+} Record;
+
+typedef struct {
+    Plant *plant;
     Plausibility *plausibility;
     Rail *rail;
-    Driver *driver;                              /* null: full brake */
-    const double *full;                          /* pressures of full brake */
-    Faults *faults;                              /* null: no faults */
+    Driver *driver; /* null: full brake */
+    Instruments *instruments;
+    Faults *faults; /* null: no faults */
+    Filter *filter; /* null: no filter, or an estimator without states */
+    Onboard *onboard;
+    Record *record;
     double period, stop_speed;
-    double *rows;
-    double truth[OUTPUTS], inputs[INPUTS], reading[READINGS], latest[READINGS], fresh[READINGS];
-    double believed[BELIEVED], spread[SPREAD], innovation[INNOVATION];
-    double observation[OBSERVATION];             /* input of the controller, in the order of controllers/law.py */
-    double replaced[OBSERVATION];                /* values that replace it: estimates; NaN: the reading is kept */
-    double reference[1 + GROUPS];                /* speed for the filter; 1 for each group that is to be released */
-    double command[GROUPS], demand[GROUPS], driver_demand[GROUPS];   /* driver_demand: at the last decision */
-    long long present_count, seen_count, estimates_count, law_count;
-    long long width, capacity;                   /* columns of a row; rows, of which the last serves all samples beyond */
-    long long block, samples;                    /* samples between two calls for noise; samples until the horizon */
-    long long sensors_every;
-    Every estimator_every, controller_every;
-    long long row;                               /* distance between rows of the covariance */
-    long long true_at, sent_at, read_at, law_at; /* first columns */
-    long long believed_at, spread_at, innovation_at, reference_at, estimates_at, demand_at, driver_at, traction_at;   /* -1: absent */
-    long long any, news;                         /* whether a reading has ever come; whether one has since the last filter step */
-    long long crossed;                           /* steps of the plant that succeeded */
-    long long stage, sample, written, failure;
-    long long moved;                             /* whether the train has been faster than stop_speed */
+    long long block, samples; /* samples between two calls for noise; samples until the horizon */
+    long long stage, sample, failure;
+    long long has_moved; /* whether the train has been faster than stop_speed */
 } Cycle;
 
 int cycle(Cycle *c);

@@ -5,26 +5,26 @@
 #include "export.h"
 #include "layout.h"
 
-enum { AT_END, AT_TIME, AT_DURATION, AT_DISTANCE, AT_SPEED_BELOW, AT_SPEED_ABOVE };   /* event that ends a phase */
+enum { AT_END, AT_TIME, AT_DURATION, AT_DISTANCE, AT_SPEED_BELOW, AT_SPEED_ABOVE }; /* event that ends a phase */
 
 typedef struct {
-    double limit;                                /* at which the phase ends: s, m or m/s; unused for AT_END */
-    double begin;                                /* time from which pressures change by their slopes */
-    double target, deceleration, full_deceleration;   /* to stop at a target; NaN: by pressures */
-    double force, power, rate;                   /* traction: N, W and N/s; power and rate may be infinite */
+    double limit;                                   /* at which the phase ends: s, m or m/s; unused for AT_END */
+    double begin;                                   /* time from which pressures change by their slopes */
+    double target, deceleration, full_deceleration; /* to stop at a target; NaN: by pressures */
+    double force, power, rate;                      /* traction: N, W and N/s; power and rate may be infinite */
     long long until;
 } Phase;
 
 typedef struct {
     const Phase *phases;
-    const double *pressures, *slopes;            /* per phase and group [Pa], [Pa/s] */
-    const double *touching, *full;               /* pressure of each group at which pads touch, and at full brake */
-    double period, began, force;                 /* began: start of the phase; force: present traction */
-    double pressure[GROUPS];                     /* present demand */
-    long long count, phase, braking;             /* braking: whether the curve to the target has been reached */
-    long long binding;                           /* whether commands are limited to these pressures */
+    const double *pressures, *slopes; /* per phase and group [Pa], [Pa/s] */
+    const double *touching, *full;    /* pressure of each group at which pads touch, and at full brake */
+    double period, began, force;      /* began: start of the phase; force: present traction */
+    double pressure[GROUPS];          /* present demand */
+    long long count, phase, braking;  /* braking: whether the curve to the target has been reached */
+    long long binding;                /* whether commands are limited to these pressures */
 } Driver;
 
-void drive(Driver *its, long long sample, const double *truth);
+void drive(Driver *driver, long long sample, const double *outputs);
 
 #endif

@@ -1,42 +1,50 @@
 /* Single parts of a stop, as FMUs: a sample of a part computes its outputs from its inputs, and returns 1 on failure.
 
-   The generated file comes first: GIVEN, the positions of the part's inputs among the plant's outputs; DEVIATIONS, the standard
-   deviations of the sensors' noise; BINDING as in driver.h; LAW_PARAMETERS, the number of parameters that belong to the law. */
+   The generated file comes first: INPUT_PLACES, the positions of the part's inputs among the plant's outputs;
+   OUTPUT_PLACES, those of its outputs among inputs of the plant, observations or estimates; DEVIATIONS, the standard
+   deviations of the sensors' noise; BINDING as in driver.h; LAW_PARAMETERS, the number of parameters that belong to the
+   law. */
 
 #include <math.h>
 
 #include "onboard.h"
 #include "vectors.h"
 
-static void take_truth(Cycle *c, const double *given)
+static void write_plant_outputs(Plant *plant, const double *input)
 {
-    static const int place[] = {GIVEN};
+    static const int place[] = {INPUT_PLACES};
 
-    for (int i = 0; i < OUTPUTS; i++)
-        c->truth[i] = NOTHING;
+    fill(plant->outputs, NOTHING, OUTPUTS);
     for (unsigned i = 0; i < sizeof place / sizeof *place; i++)
-        c->truth[place[i]] = given[i];
-    complete_slip(c);
+        plant->outputs[place[i]] = input[i];
+    complete_slip(plant);
 }
 
-/* Track and driver: from the plant's outputs to the driver's demand and to all of the plant's inputs except the command. */
-static int sample_track(Cycle *c, long long sample, const double *given, const double *parameter, double *shown)
+/* Write the part's outputs from a vector; return the position behind them. */
+static double *write_outputs(double *output, const double *vector)
+{
+    static const int place[] = {OUTPUT_PLACES};
+
+    for (unsigned i = 0; i < sizeof place / sizeof *place; i++)
+        *output++ = vector[place[i]];
+    return output;
+}
+
+/* Track and driver: from the plant's outputs to all of the plant's inputs except the command, and the driver's
+   demand. */
+static int sample_track(Cycle *c, const double *input, const double *parameter, double *output)
 {
     (void)parameter;
-    take_truth(c, given);
+    write_plant_outputs(c->plant, input);
     if (c->driver)
-        drive(c->driver, sample, c->truth);
-    advance_rail(c->rail, (double)sample * c->period, c->truth);
-    write_rail_inputs(c->rail, c->inputs);
-    if (c->driver)
-        c->inputs[INPUT_TRACK_FORCE] += c->driver->force;
-    copy(shown, c->inputs + GROUPS, INPUTS - GROUPS);
-    copy(shown + INPUTS - GROUPS, c->driver ? c->driver->pressure : c->full, GROUPS);
+        drive(c->driver, c->sample, c->plant->outputs);
+    write_rail(c);
+    copy(write_outputs(output, c->plant->inputs), c->driver ? c->driver->pressure : c->onboard->full, GROUPS);
     return 0;
 }
 
-/* A number between 0 and 1, a function of seed and place: SplitMix64 (Steele, Lea and Flood, OOPSLA 2014), its state by place.
-   */
+/* A number between 0 and 1, a function of seed and place: SplitMix64 (Steele, Lea and Flood, OOPSLA 2014), its state by
+   place. */
 static double uniform(unsigned long long seed, unsigned long long place)
 {
     unsigned long long z = seed + (place + 1) * 0x9e3779b97f4a7c15ull;
@@ -60,73 +68,70 @@ static void draw(double *noise, long long sample, double seed)
 }
 
 /* Sensors: from the plant's outputs to readings, NaN for sensors without a new reading. */
-static int sample_sensors(Cycle *c, long long sample, const double *given, const double *parameter, double *shown)
+static int sample_sensors(Cycle *c, const double *input, const double *parameter, double *output)
 {
-    double *noise = c->service ? c->service->noise : c->noise;
+    Instruments *instruments = c->instruments;
+    double *noise = instruments->service ? instruments->service->noise : instruments->noise;
+    const long long sample = c->sample / instruments->every;
 
-    take_truth(c, given);
-    c->sample = sample;
-    if (sample % c->sensors_every == 0) {
+    write_plant_outputs(c->plant, input);
+    fill(instruments->reading, NOTHING, READINGS);
+    if (c->sample % instruments->every == 0) {
         if (noise)
-            draw(noise, sample / c->sensors_every, parameter[0]);
-        read_sensors(c);
-        copy(shown, c->reading, READINGS);
-    } else
-        for (int i = 0; i < READINGS; i++)
-            shown[i] = NOTHING;
+            draw(noise, sample, parameter[0]);
+        read_sensors(instruments, sample, c->plant->outputs);
+    }
+    copy(output, instruments->reading, READINGS);
     return 0;
 }
 
 /* Update the filter with readings; return whether it has diverged. */
-static int believe_readings(Cycle *c, long long sample, const double *given)
+static int update_filter(Cycle *c, const double *input)
 {
-    c->sample = sample;
-    copy(c->reading, given, READINGS);
-    see(c);
-    if (filters(c)) {
-        show_filter(c);
-        if (c->advance(c->memory) || !believe(c))
+    copy(c->instruments->reading, input, READINGS);
+    store_readings(c);
+    if (filter_is_due(c)) {
+        prepare_filter(c);
+        if (c->filter->advance(c->filter->memory) || !read_estimate(c))
             return 1;
     }
-    if (c->mean && c->sample == 0)
-        look(c);
+    if (c->filter && c->sample == 0)
+        read_states(c);
     return 0;
 }
 
 /* Estimator: from readings to the inputs of a law, except for the driver's demand. */
-static int sample_estimator(Cycle *c, long long sample, const double *given, const double *parameter, double *shown)
+static int sample_estimator(Cycle *c, const double *input, const double *parameter, double *output)
 {
-    enum { BEFORE = 2 + 4 * GROUPS };
-
     (void)parameter;
-    if (believe_readings(c, sample, given))
+    if (update_filter(c, input))
         return 1;
     observe(c);
-    copy(shown, c->observation, BEFORE);
-    copy(shown + BEFORE, c->observation + BEFORE + GROUPS, GROUPS);
+    write_outputs(output, c->onboard->observation);
     return 0;
 }
 
 /* All onboard parts: from readings and the driver's demand to commands and the estimate behind them. */
-static int sample_onboard(Cycle *c, long long sample, const double *given, const double *parameter, double *shown)
+static int sample_onboard(Cycle *c, const double *input, const double *parameter, double *output)
 {
     Driver driver = {.binding = BINDING};
+    Onboard *onboard = c->onboard;
 
-    if (believe_readings(c, sample, given))
+    if (update_filter(c, input))
         return 1;
-    if (due(c->controller_every, sample)) {
-        copy(driver.pressure, given + READINGS, GROUPS);
+    if (due(onboard->controller_every, c->sample)) {
+        copy(driver.pressure, input + READINGS, GROUPS);
         c->driver = &driver;
         observe(c);
-        c->law.parameter = parameter;
-        c->valves.parameter = parameter + LAW_PARAMETERS;
-        c->law.call(c->law.state, c->observation, c->law.parameter, c->demand);
+        onboard->law.parameter = parameter;
+        onboard->valves.parameter = parameter + LAW_PARAMETERS;
+        evaluate(&onboard->law, onboard->observation, onboard->demand);
         if (!command(c))
             return 1;
         c->driver = 0;
     }
-    copy(shown, c->command, GROUPS);
-    if (c->mean)
-        copy(shown + GROUPS, c->believed, BELIEVED);
+    copy(output, onboard->command, GROUPS);
+    if (c->filter)
+        write_outputs(output + GROUPS, onboard->estimate);
     return 0;
 }

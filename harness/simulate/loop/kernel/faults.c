@@ -3,82 +3,83 @@
 #include <math.h>
 
 #include "faults.h"
+#include "vectors.h"
 
-static const double NOTHING_SHOWN = 0.0 / 0.0;
-static const double NEARLY_OPEN = 0.5;           /* command at which a fill valve opens */
+static const double NEARLY_OPEN = 0.5; /* command at which a fill valve opens */
 
 /* Apply the faults of sensors to a reading, in their order. */
-EXPORT void show_faults(Faults *its, long long sample, double *reading)
+EXPORT void change_reading(Faults *faults, long long sample, double *reading)
 {
-    for (long long i = 0; i < its->reading_count; i++) {
-        Fault *fault = its->readings + i;
+    for (long long i = 0; i < faults->reading_count; i++) {
+        Fault *fault = faults->readings + i;
         double *entry = reading + fault->place;
         if (isnan(*entry))
             continue;
         /* Without a reading before the fault, the first one under it serves as the last one. */
-        if (sample < fault->begin || sample >= fault->end || isnan(fault->held)) {
-            fault->held = *entry;
+        if (sample < fault->begin || sample >= fault->end || isnan(fault->last)) {
+            fault->last = *entry;
             if (sample < fault->begin || sample >= fault->end || fault->kind == DEAD)
                 continue;
         }
         switch (fault->kind) {
-        case DEAD: *entry = NOTHING_SHOWN; break;
-        case STUCK: *entry = fault->held; break;
+        case DEAD: *entry = NOTHING; break;
+        case STUCK: *entry = fault->last; break;
         case SCALED: *entry *= fault->value; break;
         case BIASED: *entry += fault->value; break;
-        case NOISY: *entry += fault->value * fault->past[turn(its->noise_every, sample - fault->begin) % fault->count]; break;
+        case NOISY:
+            *entry += fault->value * fault->past[turn(faults->noise_every, sample - fault->begin) % fault->count];
+            break;
         }
     }
 }
 
 /* Return the pressure of a reservoir after one more sample of its compressor. */
-static double left(Fault *fault, const double *truth)
+static double reservoir_pressure(Fault *fault, const double *outputs)
 {
-    const double used = truth[OUTPUT_AIR_USED] - fault->held;
+    const double drawn = outputs[OUTPUT_AIR_USED] - fault->last;
 
-    fault->refilled = fmin(fault->refilled + fault->refill, used);
-    return fault->pressure - (used - fault->refilled) * fault->free / fault->value;
+    fault->refilled = fmin(fault->refilled + fault->refill, drawn);
+    return fault->pressure - (drawn - fault->refilled) * fault->free / fault->value;
 }
 
-/* Write the commands that reach the plant, given those that were sent. */
-EXPORT void pass_faults(Faults *its, long long sample, const double *truth, const double *sent, double *command)
+/* Apply the faults of brakes to the commands, so that they become those that reach the plant. */
+EXPORT void change_command(Faults *faults, long long sample, const double *outputs, double *command)
 {
-    for (int g = 0; g < GROUPS; g++)
-        command[g] = sent[g];
-    for (long long i = 0; i < its->command_count; i++) {
-        Fault *fault = its->commands + i;
+    for (long long i = 0; i < faults->command_count; i++) {
+        Fault *fault = faults->commands + i;
         const int active = sample >= fault->begin && sample < fault->end;
         double *entry = command + fault->place;
-        const double came = *entry;
+        const double sent = *entry;
         switch (fault->kind) {
         case FIXED:
             if (active)
                 *entry = fault->value;
             break;
         case KEPT:
-            if (active && !isnan(fault->held))
-                *entry = fault->held;
+            if (active && !isnan(fault->last))
+                *entry = fault->last;
             else
-                fault->held = came;
+                fault->last = sent;
             break;
         case LATE:
-            fault->past[sample % fault->count] = came;
+            fault->past[sample % fault->count] = sent;
             if (active)
                 *entry = fault->past[(sample + 1) % fault->count];
             break;
         case LIMITED:
             if (!active) {
-                fault->held = truth[OUTPUT_AIR_USED];
+                fault->last = outputs[OUTPUT_AIR_USED];
                 fault->refilled = 0.0;
                 break;
             }
-            if (isnan(fault->held))
-                fault->held = truth[OUTPUT_AIR_USED];
+            if (isnan(fault->last))
+                fault->last = outputs[OUTPUT_AIR_USED];
             /* A check valve prevents flow from the cylinder back to the reservoir. */
-            const double inside = truth[OUTPUT_CYLINDER_PRESSURE + fault->place], most = fmax(left(fault, truth), inside);
-            if (!its->valves)
-                *entry = fmin(came, most);
-            else if (came >= NEARLY_OPEN && most <= inside)
+            const double inside = outputs[OUTPUT_CYLINDER_PRESSURE + fault->place],
+                         limit = fmax(reservoir_pressure(fault, outputs), inside);
+            if (!faults->valves)
+                *entry = fmin(sent, limit);
+            else if (sent >= NEARLY_OPEN && limit <= inside)
                 *entry = 0.0;
             break;
         }

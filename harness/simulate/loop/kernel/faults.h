@@ -6,26 +6,26 @@
 #include "layout.h"
 #include "sensors.h"
 
-enum { DEAD, STUCK, SCALED, BIASED, NOISY };     /* kinds for a reading */
-enum { FIXED, KEPT, LATE, LIMITED };             /* kinds for a command */
+enum { DEAD, STUCK, SCALED, BIASED, NOISY }; /* kinds for a reading */
+enum { FIXED, KEPT, LATE, LIMITED };         /* kinds for a command */
 
 typedef struct {
-    double value;                                /* factor; offset; command; volume of a reservoir [m3] */
-    double pressure, free;                       /* of the full reservoir [Pa]; at which free air is counted [Pa] */
-    double held;                                 /* last reading or command before the fault; free air used before it [m3] */
-    double refill, refilled;                     /* free air that the compressor delivers per sample; in total [m3] */
-    double *past;                                /* LATE: `count` commands, a ring; NOISY: `count` samples of noise */
-    long long kind, place, begin, end, count;    /* place: in the reading, or the group; samples, `end` excluded */
+    double value;            /* factor; offset; command; volume of a reservoir [m3] */
+    double pressure, free;   /* of the full reservoir [Pa]; at which free air is counted [Pa] */
+    double last;             /* last reading or command before the fault; free air used before it [m3] */
+    double refill, refilled; /* free air that the compressor delivers per sample; in total [m3] */
+    double *past;            /* LATE: `count` commands, a ring; NOISY: `count` samples of noise */
+    long long kind, place, begin, end, count; /* place: in the reading, or the group; samples, `end` excluded */
 } Fault;
 
 typedef struct {
     Fault *readings, *commands;
     long long reading_count, command_count;
-    long long valves;                            /* valve positions if set, else pressures */
-    Every noise_every;                           /* a draw of noise per number of samples */
+    long long valves;  /* valve positions if set, else pressures */
+    Every noise_every; /* a draw of noise per number of samples */
 } Faults;
 
-void show_faults(Faults *its, long long sample, double *reading);
-void pass_faults(Faults *its, long long sample, const double *truth, const double *sent, double *command);
+void change_reading(Faults *faults, long long sample, double *reading);
+void change_command(Faults *faults, long long sample, const double *outputs, double *command);
 
 #endif

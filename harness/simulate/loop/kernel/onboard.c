@@ -1,10 +1,15 @@
-/* The onboard parts in a sample: readings, estimate, decision. They are called by the loop (cycle.c), and by the FMUs of single
-   parts (exported.c). */
+/* The parts of a sample: readings, estimate, decision, rail. They are called by the loop (cycle.c), and by the FMUs of
+   single parts (exported.c). */
 
 #include <math.h>
 
 #include "onboard.h"
 #include "vectors.h"
+
+void evaluate(const Formula *formula, const double *input, double *output)
+{
+    formula->call(formula->state, input, formula->parameter, output);
+}
 
 /* Slip from a train speed and a wheel's peripheral speed [m/s], as in vehicle/slip.py. */
 static double slip_of(double speed, double rim_speed)
@@ -13,158 +18,199 @@ static double slip_of(double speed, double rim_speed)
 }
 
 /* Compute the slip of a plant that does not output it. */
-void complete_slip(Cycle *c)
+void complete_slip(Plant *plant)
 {
-    for (int g = 0; c->slip_radius && g < GROUPS; g++)
-        c->truth[OUTPUT_SLIP + g] =
-            slip_of(c->truth[OUTPUT_SPEED], c->slip_radius[g] * c->truth[OUTPUT_WHEELSET_SPEED + g]);
+    double *outputs = plant->outputs;
+
+    for (int g = 0; plant->slip_radius && g < GROUPS; g++)
+        outputs[OUTPUT_SLIP + g] =
+            slip_of(outputs[OUTPUT_SPEED], plant->slip_radius[g] * outputs[OUTPUT_WHEELSET_SPEED + g]);
 }
 
-void read_sensors(Cycle *c)
+void read_sensors(Instruments *instruments, long long sample, const double *outputs)
 {
-    const long long sample = c->sample / c->sensors_every;
+    double *reading = instruments->reading;
 
-    if (c->service)
-        read_service(c->service, sample, c->truth, c->reading);
-    else
-        for (int i = 0; i < READINGS; i++) {
-            c->reading[i] = c->truth[c->read_of[i]];
-            if (c->noise)
-                c->reading[i] = c->reading[i] * c->gain[i] + c->bias[i] + c->noise[sample % c->block * READINGS + i];
-        }
-}
-
-/* Store the newest reading of every sensor, and the readings that are new since the last step of the filter. */
-void see(Cycle *c)
-{
-    const double *reading = c->reading;
-
-    if (!c->any) {
-        copy(c->latest, reading, READINGS);
-        c->any = 1;
-        if (c->mean)
-            copy(c->held, reading + READING_CYLINDER_PRESSURE, GROUPS);
+    if (instruments->service) {
+        read_service(instruments->service, sample, outputs, reading);
         return;
     }
     for (int i = 0; i < READINGS; i++) {
-        const int new = !isnan(reading[i]);
-        if (new)
-            c->latest[i] = reading[i];
-        /* A filter that is slower than the sensors must not lose readings between its steps. */
-        if (new || !c->news)
-            c->fresh[i] = reading[i];
+        reading[i] = outputs[instruments->output_at[i]];
+        if (instruments->noise)
+            reading[i] = reading[i] * instruments->gain[i] + instruments->bias[i] +
+                         instruments->noise[sample % instruments->block * READINGS + i];
     }
-    c->news = 1;
+}
+
+/* Store the newest reading of every sensor, and the readings that are new since the last step of the filter. */
+void store_readings(Cycle *c)
+{
+    const double *reading = c->instruments->reading;
+    Onboard *onboard = c->onboard;
+    Filter *filter = c->filter;
+
+    if (!onboard->has_reading) {
+        copy(onboard->reading, reading, READINGS);
+        onboard->has_reading = 1;
+        if (filter)
+            copy(filter->inputs, reading + READING_CYLINDER_PRESSURE, GROUPS);
+        return;
+    }
+    for (int i = 0; i < READINGS; i++) {
+        const int is_new = !isnan(reading[i]);
+        if (is_new)
+            onboard->reading[i] = reading[i];
+        /* A filter that is slower than the sensors must not lose readings between its steps. */
+        if (filter && (is_new || !filter->has_reading))
+            filter->reading[i] = reading[i];
+    }
+    if (filter)
+        filter->has_reading = 1;
 }
 
 /* Whether the filter takes a step; not at sample 0, whose estimate is the initial one. */
-int filters(const Cycle *c)
+int filter_is_due(const Cycle *c)
 {
-    return c->mean && c->sample > 0 && due(c->estimator_every, c->sample);
+    return c->filter && c->sample > 0 && due(c->onboard->estimator_every, c->sample);
 }
 
-void show_filter(Cycle *c)
+/* Write the readings for the next step of the filter. */
+void prepare_filter(Cycle *c)
 {
-    if (c->free_wheel.call) {
-        double given[1 + 2 * GROUPS];
-        given[0] = c->fresh[READING_SPEED];
-        copy(given + 1, c->latest + READING_WHEELSET_SPEED, GROUPS);
-        copy(given + 1 + GROUPS, c->latest + READING_CYLINDER_PRESSURE, GROUPS);
-        c->free_wheel.call(c->free_wheel.state, given, c->free_wheel.parameter, c->reference);
-        c->fresh[READING_SPEED] = c->reference[0];
+    Filter *filter = c->filter;
+
+    if (filter->reference_speed.call) {
+        double input[REFERENCE_INPUTS];
+        input[REFERENCE_INPUT_SPEED] = filter->reading[READING_SPEED];
+        copy(input + REFERENCE_INPUT_WHEELSET_SPEED, c->onboard->reading + READING_WHEELSET_SPEED, GROUPS);
+        copy(input + REFERENCE_INPUT_PRESSURE, c->onboard->reading + READING_CYLINDER_PRESSURE, GROUPS);
+        evaluate(&filter->reference_speed, input, filter->reference);
+        filter->reading[READING_SPEED] = filter->reference[REFERENCE_SPEED];
     }
-    for (long long i = 0; i < c->seen_count; i++)
-        c->seen[i] = c->fresh[c->seen_of[i]];
+    for (long long i = 0; i < filter->reading_count; i++)
+        filter->readings[i] = filter->reading[filter->reading_at[i]];
 }
 
-void look(Cycle *c)
+static double variance(const Filter *filter, int estimate)
 {
-    for (int i = 0; i < BELIEVED; i++)
-        c->believed[i] = c->mean[c->believed_of[i]];
-    for (int i = 0; i < SPREAD; i++) {
-        const long long state = c->believed_of[1 + GROUPS + i];
-        c->spread[i] = c->covariance[state * c->row + state];
+    const long long state = filter->state_at[estimate];
+
+    return filter->covariance[state * filter->row + state];
+}
+
+/* Read the estimates that are states of the filter, and their variances. */
+void read_states(Cycle *c)
+{
+    double *estimate = c->onboard->estimate;
+
+    for (int i = 0; i < ESTIMATE_ADHESION_SD; i++) /* standard deviations follow the states */
+        estimate[i] = c->filter->mean[c->filter->state_at[i]];
+    for (int g = 0; g < GROUPS; g++) {
+        estimate[ESTIMATE_ADHESION_SD + g] = variance(c->filter, ESTIMATE_ADHESION + g);
+        estimate[ESTIMATE_PAD_FRICTION_SD + g] = variance(c->filter, ESTIMATE_PAD_FRICTION + g);
     }
 }
 
 /* Read the filter's estimate after a step; return 0 if any variance is negative or NaN. */
-int believe(Cycle *c)
+int read_estimate(Cycle *c)
 {
-    c->news = 0;
+    double *estimate = c->onboard->estimate, count = 0.0;
+    Filter *filter = c->filter;
+
+    filter->has_reading = 0;
     /* After the step: these pressures act during the next period. */
-    copy(c->held, c->latest + READING_CYLINDER_PRESSURE, GROUPS);
-    look(c);
-    c->innovation[0] = *c->squared;
-    c->innovation[1] = 0.0;
-    for (long long i = 0; i < c->seen_count; i++)
-        c->innovation[1] += c->used[i];
-    for (int i = 0; i < SPREAD; i++)
-        if (!(c->spread[i] >= 0.0))
+    copy(filter->inputs, c->onboard->reading + READING_CYLINDER_PRESSURE, GROUPS);
+    read_states(c);
+    for (long long i = 0; i < filter->reading_count; i++)
+        count += filter->selection[i];
+    estimate[ESTIMATE_NIS] = *filter->squared_innovation;
+    estimate[ESTIMATE_READINGS] = count;
+    for (int g = 0; g < GROUPS; g++)
+        if (!(estimate[ESTIMATE_ADHESION_SD + g] >= 0.0 && estimate[ESTIMATE_PAD_FRICTION_SD + g] >= 0.0))
             return 0;
     return 1;
 }
 
-/* Whether the filter has lost a wheelset: its standard deviation at the rim exceeds UNKNOWN_SPEED. */
-static int unknown(const Cycle *c, int g)
+/* Whether the filter has lost a wheelset: its standard deviation at the rim exceeds the maximum, as if its sensor is
+   silent. */
+static int is_lost(const Cycle *c, int group)
 {
-    static const double UNKNOWN_SPEED = 1.0;     /* m/s: reached when the sensor is silent */
-    const double most = UNKNOWN_SPEED / c->radius[g];
-    const long long state = c->believed_of[1 + g];
+    static const double MAX_DEVIATION = 1.0; /* m/s */
+    const double deviation = MAX_DEVIATION / c->onboard->radius[group];
 
-    return c->covariance[state * c->row + state] > most * most;
+    return variance(c->filter, ESTIMATE_WHEELSET_SPEED + group) > deviation * deviation;
 }
 
 /* Write the observation: the filter's estimates if there is a filter, else the newest readings. */
 void observe(Cycle *c)
 {
-    const double speed = c->mean ? c->believed[0] : c->latest[READING_SPEED];
-    const double *wheel = c->mean ? c->believed + 1 : c->latest + READING_WHEELSET_SPEED;
-    double *shown = c->observation;
+    const Onboard *onboard = c->onboard;
+    const double *reading = onboard->reading, *estimate = onboard->estimate;
+    const double speed = c->filter ? estimate[ESTIMATE_SPEED] : reading[READING_SPEED];
+    const double *wheelset_speed = c->filter ? estimate + ESTIMATE_WHEELSET_SPEED : reading + READING_WHEELSET_SPEED;
+    double *observation = c->onboard->observation;
 
-    shown[0] = speed;
-    shown[1] = c->latest[READING_ACCELERATION];
+    observation[OBSERVATION_SPEED] = speed;
+    observation[OBSERVATION_ACCELERATION] = reading[READING_ACCELERATION];
     for (int g = 0; g < GROUPS; g++) {
-        shown[2 + g] = slip_of(speed, c->radius[g] * wheel[g]);
-        shown[2 + GROUPS + g] = c->mean ? c->believed[1 + GROUPS + g] : NOTHING;
-        shown[2 + 2 * GROUPS + g] = c->mean ? c->believed[1 + 2 * GROUPS + g] : NOTHING;
-        shown[2 + 3 * GROUPS + g] = c->mean && unknown(c, g) ? NOTHING : wheel[g];
-        shown[2 + 4 * GROUPS + g] = c->driver ? c->driver->pressure[g] : c->full[g];
-        shown[2 + 5 * GROUPS + g] = c->latest[READING_CYLINDER_PRESSURE + g];
+        observation[OBSERVATION_SLIP + g] = slip_of(speed, onboard->radius[g] * wheelset_speed[g]);
+        observation[OBSERVATION_ADHESION + g] = c->filter ? estimate[ESTIMATE_ADHESION + g] : NOTHING;
+        observation[OBSERVATION_PAD_FRICTION + g] = c->filter ? estimate[ESTIMATE_PAD_FRICTION + g] : NOTHING;
+        observation[OBSERVATION_WHEELSET_SPEED + g] = c->filter && is_lost(c, g) ? NOTHING : wheelset_speed[g];
+        observation[OBSERVATION_DRIVER_DEMAND + g] = c->driver ? c->driver->pressure[g] : onboard->full[g];
+        observation[OBSERVATION_PRESSURE + g] = reading[READING_CYLINDER_PRESSURE + g];
     }
 }
 
-void observe_with_estimates(Cycle *c)
+/* Replace parts of the observation by the estimates of an estimator in Python. */
+void replace_by_estimates(Onboard *onboard)
 {
-    observe(c);
-    for (int i = 0; c->estimates && i < OBSERVATION; i++)
-        if (!isnan(c->replaced[i]))
-            c->observation[i] = c->replaced[i];
+    for (int i = 0; i < OBSERVATIONS; i++)
+        if (!isnan(onboard->replacement[i]))
+            onboard->observation[i] = onboard->replacement[i];
+}
+
+/* Whether the values of all groups are finite; the sum of finite pressures or commands does not overflow. */
+static int all_finite(const double *values)
+{
+    double sum = 0.0;
+
+    for (int g = 0; g < GROUPS; g++)
+        sum += values[g];
+    return isfinite(sum);
 }
 
 /* Convert demands to commands; return whether the commands are finite. */
 int command(Cycle *c)
 {
-    double given[2 * GROUPS], total = 0.0;
+    Onboard *onboard = c->onboard;
+    double input[VALVE_INPUTS], *limited = onboard->valves.call ? input + VALVE_INPUT_DEMAND : onboard->command;
 
-    copy(c->command, c->demand, GROUPS);
-    for (int g = 0; g < GROUPS; g++)
-        total += c->demand[g];
-    if (!isfinite(total))                        /* the valve logic would treat NaN as a demand to hold */
+    if (!all_finite(onboard->demand)) { /* the valve logic would treat NaN as a demand to hold */
+        copy(onboard->command, onboard->demand, GROUPS);
         return 0;
-    for (int g = 0; g < GROUPS; g++)
-        given[g] = c->free_wheel.call && c->reference[1 + g] != 0.0 ? 0.0 : c->demand[g];
-    if (c->driver) {
-        copy(c->driver_demand, c->driver->pressure, GROUPS);
-        for (int g = 0; g < GROUPS && c->driver->binding; g++)
-            given[g] = given[g] > c->driver_demand[g] ? c->driver_demand[g] : given[g];
     }
-    copy(c->command, given, GROUPS);
-    if (c->valves.call) {
-        copy(given + GROUPS, c->latest + READING_CYLINDER_PRESSURE, GROUPS);
-        c->valves.call(c->valves.state, given, c->valves.parameter, c->command);
-        for (int g = 0; g < GROUPS; g++)
-            total += c->command[g];
+    if (c->driver)
+        copy(onboard->driver_demand, c->driver->pressure, GROUPS);
+    for (int g = 0; g < GROUPS; g++) {
+        const double limit = c->driver && c->driver->binding ? onboard->driver_demand[g] : INFINITY;
+        const int is_released = c->filter && c->filter->reference[REFERENCE_TEST_RELEASE + g] != 0.0;
+        const double demand = is_released ? 0.0 : onboard->demand[g];
+        limited[g] = demand > limit ? limit : demand;
     }
-    copy(c->inputs, c->command, GROUPS);
-    return isfinite(total);
+    if (onboard->valves.call) {
+        copy(input + VALVE_INPUT_PRESSURE, onboard->reading + READING_CYLINDER_PRESSURE, GROUPS);
+        evaluate(&onboard->valves, input, onboard->command);
+    }
+    return all_finite(onboard->command);
+}
+
+/* Write friction, creep curves and force of track and traction to the inputs of the plant. */
+void write_rail(Cycle *c)
+{
+    advance_rail(c->rail, (double)c->sample * c->period, c->plant->outputs);
+    write_rail_inputs(c->rail, c->plant->inputs);
+    if (c->driver)
+        c->plant->inputs[INPUT_TRACK_FORCE] += c->driver->force;
 }

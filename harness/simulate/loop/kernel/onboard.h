@@ -1,18 +1,20 @@
-/* The onboard parts in a sample: readings, estimate, decision. */
+/* The parts of a sample that the loop and exported FMUs share. */
 #ifndef ONBOARD_H
 #define ONBOARD_H
 
 #include "cycle.h"
 
-void complete_slip(Cycle *c);
-void read_sensors(Cycle *c);
-void see(Cycle *c);
-int filters(const Cycle *c);
-void show_filter(Cycle *c);
-void look(Cycle *c);
-int believe(Cycle *c);
+void complete_slip(Plant *plant);
+void read_sensors(Instruments *instruments, long long sample, const double *outputs);
+void store_readings(Cycle *c);
+int filter_is_due(const Cycle *c);
+void prepare_filter(Cycle *c);
+void read_states(Cycle *c);
+int read_estimate(Cycle *c);
 void observe(Cycle *c);
-void observe_with_estimates(Cycle *c);
+void replace_by_estimates(Onboard *onboard);
 int command(Cycle *c);
+void write_rail(Cycle *c);
+void evaluate(const Formula *formula, const double *input, double *output);
 
 #endif

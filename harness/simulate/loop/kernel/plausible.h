@@ -5,19 +5,22 @@
 #include "export.h"
 #include "layout.h"
 
-enum { PLAUSIBLE, START_SPEED, START_DISTANCE, SPEED, ACCELERATION, DISTANCE, SLIP, ADHESION };   /* the check that failed */
+/* The check that failed. */
+enum { PLAUSIBLE, START_SPEED, START_DISTANCE, SPEED, ACCELERATION, DISTANCE, SLIP, ADHESION };
 
 typedef struct {
     double period, start_speed;
-    double lightest, heaviest;                   /* bounds of the train's mass [kg] */
-    double constant, quadratic;                  /* maximum of running resistance and track brakes, constant + quadratic v^2 */
-    double speed, origin, travel;                /* last speed; first distance; integral of the speed since then */
-    double acceleration, gained, hardest;        /* last one; its integral minus the change of speed; greatest magnitude */
-    double top, deceleration, rise, fall;        /* highest speed; last bound; excess of the speed's change over its bounds */
-    double value, least, most;                   /* of the check that failed: value, and its bounds */
+    double lightest, heaviest;    /* bounds of the train's mass [kg] */
+    double constant, quadratic;   /* maximum of running resistance and track brakes, constant + quadratic v^2 */
+    double speed, origin, travel; /* last speed; first distance; integral of the speed since then */
+    double acceleration, max_acceleration; /* last one; maximum magnitude */
+    double speed_error;                    /* integral of the acceleration minus the change of speed */
+    double max_speed, deceleration;        /* maximum so far; last bound */
+    double rise, fall;                     /* excess of the speed's change over its bounds */
+    double value, lower, upper;            /* of the check that failed: value, and its bounds */
     long long check, element;
 } Plausibility;
 
-int plausible(Plausibility *its, long long sample, const double *truth, const double *inputs);
+int plausible(Plausibility *checks, long long sample, const double *outputs, const double *inputs);
 
 #endif

@@ -6,50 +6,52 @@
 #include "layout.h"
 
 typedef struct {
-    double *energy;                              /* per cell: slip energy dissipated in it, per wheel of each pair [J/m] */
-    const double *position;                      /* distance of each wheelset behind the leading one */
-    const long long *group;                      /* group of each wheelset */
-    double origin, length;                       /* start of the first cell; length of a cell */
-    double rate;                                 /* rate of the recovery [m/J] */
-    double clean, clean_A, clean_B;              /* friction of the clean rail, and its fall with slip speed */
-    double A[WHEELSETS], B[WHEELSETS];           /* the same fall for the untreated rail, at each wheelset */
-    double place[WHEELSETS], loss[WHEELSETS];   /* at the last sample: place, and slip energy [J/m] */
-    double met[WHEELSETS], left[WHEELSETS];      /* energy in the present cell: by the wheelsets ahead [J/m], by this one [J] */
+    double *energy;                           /* per cell: slip energy dissipated in it, per wheel of each pair [J/m] */
+    const double *position;                   /* distance of each wheelset behind the leading one */
+    const long long *group;                   /* group of each wheelset */
+    double origin, length;                    /* start of the first cell; length of a cell */
+    double rate;                              /* rate of the recovery [m/J] */
+    double clean, clean_A, clean_B;           /* friction of the clean rail, and its fall with slip speed */
+    double A[WHEELSETS], B[WHEELSETS];        /* the same fall for the untreated rail, at each wheelset */
+    double place[WHEELSETS], loss[WHEELSETS]; /* at the last sample: place, and slip energy [J/m] */
+    double energy_ahead[WHEELSETS];           /* energy in the present cell by the wheelsets ahead [J/m] */
+    double energy_own[WHEELSETS];             /* energy in the present cell by this wheelset [J] */
     long long cell[WHEELSETS];
     long long cells, begun;
 } Recovery;
 
 typedef struct {
-    double rate, density;                        /* per rail: maximum rate [kg/s], and the density kept up to that [kg/m] */
-    double begin, end;                           /* interval in which sand reaches the rail [s] */
-    long long wheelset;                          /* behind the sand */
+    double rate, density; /* per rail: maximum rate [kg/s], and the density kept up to that [kg/m] */
+    double begin, end;    /* interval in which sand reaches the rail [s] */
+    long long wheelset;   /* behind the sand */
 } Sander;
 
 typedef struct {
-    double *lying;                               /* per cell: sand for the wheelsets to come [kg/m] */
-    const double *position;                      /* distance of each wheelset behind the leading one */
+    double *deposited;      /* per cell: sand for the wheelsets to come [kg/m] */
+    const double *position; /* distance of each wheelset behind the leading one */
     const Sander *sanders;
-    double origin, length;                       /* start of the first cell; length of a cell */
-    double mu0, density, left;                   /* friction with plenty of sand; sand for 63 % of the gain; share that stays */
-    double met[WHEELSETS];                       /* sand in the present cell [kg/m] */
+    double origin, length;           /* start of the first cell; length of a cell */
+    double mu0, density;             /* friction with plenty of sand; sand for 63 % of the gain */
+    double remaining_share;          /* sand behind a wheelset, as a share of the sand ahead of it */
+    double density_ahead[WHEELSETS]; /* sand in the present cell [kg/m] */
     long long cell[WHEELSETS];
-    long long count, cells, begun;               /* count: number of sanders */
+    long long count, cells, begun; /* count: number of sanders */
 } Sand;
 
 typedef struct {
-    const double *friction;                      /* untreated, on an even grid: points x WHEELSETS */
-    const double *curves;                        /* k_A, k_S, A, B of each creep curve */
-    const unsigned char *curve_at;               /* index of the curve: points x WHEELSETS; null: the plant has a fixed one */
-    const double *begins, *forces, *rates;       /* track force: linear in sections */
+    const double *friction;                /* untreated, on an even grid: points x WHEELSETS */
+    const double *curves;                  /* k_A, k_S, A, B of each creep curve */
+    const unsigned char *curve_at;         /* index of the curve: points x WHEELSETS; null: the plant has a fixed one */
+    const double *begins, *forces, *rates; /* track force: linear in sections */
     double grid, force;
     double mu0[WHEELSETS];
-    double curve[4 * WHEELSETS];                 /* k_A of each wheelset, then k_S, A, B */
-    long long points, over_time, sections, section;   /* section: the last one */
-    Recovery *recovery;                          /* null: slip does not change friction */
-    Sand *sand;                                  /* null: no sander */
+    double curve[4 * WHEELSETS];                    /* k_A of each wheelset, then k_S, A, B */
+    long long points, over_time, sections, section; /* section: the last one */
+    Recovery *recovery;                             /* null: slip does not change friction */
+    Sand *sand;                                     /* null: no sander */
 } Rail;
 
-void advance_rail(Rail *its, double time, const double *truth);
-void write_rail_inputs(const Rail *its, double *inputs);
+void advance_rail(Rail *rail, double time, const double *outputs);
+void write_rail_inputs(const Rail *rail, double *inputs);
 
 #endif

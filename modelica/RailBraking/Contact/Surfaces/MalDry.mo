@@ -5,8 +5,8 @@ record MalDry "Dry rail of Mal and others"
   annotation (
     Documentation(info="<html>
 <p>
-Mal, Hussain, Chowdhry and Memon (2020), contact condition dry. k_A = k_S = 1 has no loss of stiffness: peaks lie at a
-very small slip.
+Mal, Hussain, Chowdhry and Memon (2020), contact condition dry. k_A = k_S = 1 means no loss of
+stiffness: peaks are at a very small slip.
 </p>
 </html>"));
 end MalDry;

@@ -1,15 +1,24 @@
-"""Figure 4 of Schwarz, Posielek and Goetjes (2021) for the wheelsets that the paper leaves out."""
+"""Figure 4 of Schwarz, Posielek and Goetjes (2021): sentences of the text measured in a stop, and other wheelsets."""
 
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from scipy.ndimage import uniform_filter1d
 
 from railgrip.report import style
 from railgrip.report.figures import draw_adhesion
+from railgrip.report.stop import Stop
 from railgrip.report.table import ReportTable
-from railgrip.trace.stop import Stop
+
+LIMIT = 0.15
+"""Limit of adhesion in the paper, from the TSI."""
+
+COUPLED, LAST_RISE = (9.0, 16.0), 25.0
+"""Times of adhesion below the maximum possible, and of the last rise of friction, from the text of the paper [s]."""
+
+_SMOOTHED = 0.2  # s; slower changes follow the friction of the rail, faster ones are chatter
 
 SPANS: Mapping[str, tuple[float, float]] = {
     "before 9 s": (0.0, 9.0),
@@ -17,6 +26,33 @@ SPANS: Mapping[str, tuple[float, float]] = {
     "16 to 25 s": (16.0, 25.0),
 }
 """Spans that the text of the paper distinguishes [s]."""
+
+
+def course_of_adhesion(stop: Stop) -> dict[str, Any]:
+    """Return measures of a stop's use of the rail's adhesion, by name.
+
+    `duration` [s]. Of wheelset 1: `used`, adhesion over the greatest possible up to the limit, means before, in and
+    after `COUPLED`; `chatter`, rms deviation of adhesion from its mean over 0.2 s, before and after `LAST_RISE`. Of
+    all groups: `used_groups`, as `used` until `LAST_RISE`; `peak`, the greatest adhesion; `over`, the longest time that
+    one of them has more than `LIMIT` [s].
+    """
+    trace = stop.trace
+    time, adhesion, greatest = trace["time"].values, trace["adhesion"].values[:, 0], trace["peak_adhesion"].values[:, 0]
+    window = round(_SMOOTHED / float(time[1] - time[0]))
+    deviation = adhesion - uniform_filter1d(adhesion, window)
+    used = adhesion / np.minimum(greatest, LIMIT)
+    parts = {"before": time < COUPLED[0], "coupled": (time >= COUPLED[0]) & (time < COUPLED[1])}
+    parts["after"] = (time >= COUPLED[1]) & (time < LAST_RISE)
+    of_groups = trace["group_adhesion"].values
+    shares = of_groups / np.minimum(trace["ideal_adhesion"].values, LIMIT)
+    return {
+        "duration": stop.metrics.duration,
+        "used": {name: float(np.mean(used[there])) for name, there in parts.items()},
+        "chatter": [float(np.sqrt(np.mean(deviation[there] ** 2))) for there in (time < LAST_RISE, time >= LAST_RISE)],
+        "used_groups": shares[time < LAST_RISE].mean(axis=0).tolist(),
+        "peak": float(of_groups.max()),
+        "over": max(stop.metrics.time_over_alpha_max),
+    }
 
 
 def wheelset_figure(slip_based: Stop, law: Stop, name: str, limit: float) -> Figure:

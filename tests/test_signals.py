@@ -1,0 +1,96 @@
+"""The table of signals: what the header in C, the observation of a law and the reference page take from it."""
+
+import io
+import runpy
+from pathlib import Path
+
+import mkdocs_gen_files
+import numpy as np
+import pytest
+from synthetic import BRAKES, TWO_PART_TRAIN
+
+from railgrip.base.errors import LoopError
+from railgrip.controllers.law import Law, law
+from railgrip.controllers.observation import Observation
+from railgrip.simulate.foreign_controller import controller_signals
+from railgrip.simulate.loop.structs import _formula
+from railgrip.vehicle import signals
+from railgrip.vehicle.signals import OBSERVED, TABLE, Signal, layout_of, names_of
+
+EXTENDED = (*OBSERVED, Signal("lining_wear", "group", "m", "wear of the brake linings"))
+LAYOUT = layout_of(TWO_PART_TRAIN, observation=EXTENDED)
+
+
+def half(observed):
+    """Return a law of 4 groups that demands half of what its last input is."""
+    return law("Half", "", 4, lambda draft: lambda _, group: 0.5 * getattr(group, observed[-1].name), observed)
+
+
+def test_a_new_row_has_a_place_in_the_header_of_c():
+    lines = LAYOUT.header().splitlines()
+    assert "#define OBSERVATION_LINING_WEAR 26" in lines
+    assert "#define OBSERVATIONS 30" in lines
+
+
+def test_a_law_is_given_a_new_row_by_its_name():
+    formula = half(EXTENDED)
+    assert [quantity.name for quantity in formula.inputs] == [*LAYOUT.elements("observation")]
+    inputs = np.zeros(30)
+    inputs[LAYOUT.places["observation"]["lining_wear"]] = 1.0, 2.0, 3.0, 4.0
+    parameters = [quantity.start for quantity in formula.parameters]
+    assert formula.step([], inputs, parameters)[1].full().ravel().tolist() == [0.5, 1.0, 1.5, 2.0]
+
+
+def test_a_law_that_asks_for_no_row_is_refused():
+    with pytest.raises(AttributeError, match="has no 'lining_wear'; it has speed, acceleration, slip"):
+        law("Half", "", 4, lambda draft: lambda _, group: group.lining_wear)
+
+
+def test_a_new_row_is_on_the_reference_page(monkeypatch):
+    pages = {}
+
+    class Page(io.StringIO):
+        def __init__(self, name, _):
+            super().__init__()
+            self.name = name
+
+        def close(self):
+            pages[self.name] = self.getvalue()
+            super().close()
+
+    monkeypatch.setattr(mkdocs_gen_files, "open", Page)
+    monkeypatch.setattr(signals, "OBSERVED", EXTENDED)
+    runpy.run_path(str(Path(__file__).parents[1] / "docs/generate.py"))
+    assert "| `lining_wear` | group | m | wear of the brake linings |" in pages["reference/signals.md"]
+
+
+def test_a_law_with_swapped_inputs_is_refused():
+    first, second, *others = OBSERVED
+    swapped = Law(half((second, first, *others)), BRAKES, {})
+    with pytest.raises(LoopError, match="takes acceleration as input 1, which is speed"):
+        _formula(layout_of(TWO_PART_TRAIN), swapped, "observation")
+
+
+def test_a_law_that_is_written_for_another_table_is_refused():
+    with pytest.raises(LoopError, match="takes 30 inputs, and 26 belong to 4 groups"):
+        _formula(layout_of(TWO_PART_TRAIN), Law(half(EXTENDED), BRAKES, {}), "observation")
+
+
+def test_an_observation_has_the_rows_of_the_table():
+    assert sorted(Observation._fields) == sorted(["time", "slip_is_estimated", *(row.name for row in OBSERVED)])
+
+
+def test_a_controller_fmu_has_the_rows_as_inputs():
+    inputs, _ = controller_signals(4)
+    assert [(signal.name, signal.unit) for signal in inputs] == [(row.name, row.unit) for row in OBSERVED]
+
+
+@pytest.mark.parametrize("role", TABLE)
+def test_names_of_a_vector_are_unique_and_in_the_header(role):
+    layout = layout_of(TWO_PART_TRAIN)
+    assert len(set(layout.elements(role))) == len(layout.elements(role))
+    constants = dict(line.split()[1:] for line in layout.header().splitlines())
+    for row in TABLE[role]:
+        name = f"{role}_{row.name.removeprefix(f'{role}_')}".upper()
+        place = layout.elements(role).index(names_of(row, TWO_PART_TRAIN)[0])
+        assert int(constants[name]) == place, name
