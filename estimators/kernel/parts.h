@@ -397,7 +397,7 @@ static void eigen(mode *matrix, mode *vector)
     }
 }
 
-/* Write D + U C U' back with RANK common unknowns: those that matter most, seen in units of D.
+/* Write D + U C U' back with RANK common unknowns: those with the largest effect in units of D.
 
    Removed directions with positive eigenvalues are added to D; those with negative ones, shared knowledge, are dropped.
    Both leave the covariance at least as large as it was. */

@@ -1,6 +1,6 @@
 """One run of one scenario: its inputs, its outcome and figures, and the two files that store it.
 
-stop.json carries a digest of its own content and one of trace.nc: a file that was changed or truncated is not a result.
+stop.json has digests of its content and of trace.nc, so a changed or truncated file is not accepted as a result.
 """
 
 import glob
@@ -220,7 +220,7 @@ class Stop:
     def attributes(self) -> dict[str, str | int]:
         """Return the attributes of trace.nc, under CF names where CF defines one.
 
-        There is no date among them: the same scenario gives the same bytes.
+        They contain no date: the same scenario gives the same bytes.
         """
         scenario = self.scenario
         parts = {name: getattr(scenario, name).kind for name in ("controller", "estimator", "sensors", "actuation")}
@@ -341,9 +341,9 @@ def discard_stop(directory: Path) -> None:
 def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
     """Write trace.nc, if it is to be kept, and then stop.json: if both exist, the trace is complete.
 
-    An earlier result in the folder is replaced, and its page is removed afterwards. If there is no room for the trace,
-    the figures are kept without it. The same stop gives the same bytes; there is no clock time in them. The trace keeps
-    a row each `periods.trace`.
+    An earlier result in the folder is replaced, and its page is removed afterwards. If the disk is full,
+    the figures are kept without it. The same stop gives the same bytes, without clock times. The trace has one row per
+    `periods.trace`.
 
     Raises:
         RecordError: The folder is that of a campaign, or files of the user are in the way.
