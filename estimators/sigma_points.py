@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from railgrip.base.errors import FilterDiverged
 from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector, seal
@@ -30,10 +29,12 @@ class SigmaPoints:
         points: Shape (p, n).
         mean_weights: Weights of the points in a mean, shape (p,), with a sum of 1.
         covariance_weights: Weights of the points in a covariance, shape (p,).
-        factor: Lower Cholesky factor of the covariance, shape (n, n).
+        factor: Lower Cholesky factor L of the covariance, shape (n, n).
+        units: Points in standard normal coordinates, L⁻¹(point − mean), shape (p, n).
     """
 
     points: Matrix
+    units: Matrix
     mean_weights: Vector
     covariance_weights: Vector
     factor: Matrix
@@ -48,13 +49,16 @@ def unscented_points(belief: GaussianEstimate) -> SigmaPoints:
         FilterDiverged: The covariance is not positive definite.
     """
     n = len(belief.mean)
-    offsets, factor = _offsets(belief, ALPHA)
+    factor = _factor(belief)
+    scaled = ALPHA * np.sqrt(n) * np.eye(n)
+    units = np.vstack([np.zeros(n), scaled, -scaled])
     mean_weights = np.full(2 * n + 1, 0.5 / (n * ALPHA**2))
     mean_weights[0] = 1.0 - 1.0 / ALPHA**2
     covariance_weights = mean_weights.copy()
     covariance_weights[0] += 1.0 - ALPHA**2 + BETA
     return SigmaPoints(
-        points=belief.mean + np.vstack([np.zeros(n), offsets, -offsets]),
+        points=belief.mean + units @ factor.T,
+        units=units,
         mean_weights=mean_weights,
         covariance_weights=covariance_weights,
         factor=factor,
@@ -69,10 +73,13 @@ def cubature_points(belief: GaussianEstimate) -> SigmaPoints:
     Raises:
         FilterDiverged: The covariance is not positive definite.
     """
-    offsets, factor = _offsets(belief, 1.0)
-    weights = np.full(2 * len(offsets), 0.5 / len(offsets))
+    n, factor = len(belief.mean), _factor(belief)
+    scaled = np.sqrt(n) * np.eye(n)
+    units = np.vstack([scaled, -scaled])
+    weights = np.full(2 * n, 0.5 / n)
     return SigmaPoints(
-        points=belief.mean + np.vstack([offsets, -offsets]),
+        points=belief.mean + units @ factor.T,
+        units=units,
         mean_weights=weights,
         covariance_weights=weights,
         factor=factor,
@@ -110,9 +117,9 @@ class SigmaPointFilter(GaussianFilter):
         outputs = np.array([self.prediction.output(point, inputs) for point in sigma.points])
         expected = sigma.mean_weights @ outputs
         weighted = (outputs - expected).T * sigma.covariance_weights
-        cross = weighted @ (sigma.points - forecast.mean)
-        half = solve_triangular(sigma.factor, cross.T, lower=True)
-        jacobian = solve_triangular(sigma.factor.T, half, lower=False).T
+        # Regression on the units. The solver of scipy for triangular matrices starts threads, which take longer.
+        half = (weighted @ sigma.units).T
+        jacobian = np.asarray(np.linalg.solve(sigma.factor.T, half).T, dtype=np.float64)
         covariance = weighted @ (outputs - expected) + self.design.reading_noise
         noise = covariance - half.T @ half
         return self.select(readings, expected, jacobian, noise, covariance)
@@ -130,10 +137,9 @@ class CubatureKalmanFilter(SigmaPointFilter):
     points_of = staticmethod(cubature_points)
 
 
-def _offsets(belief: GaussianEstimate, scale: float) -> tuple[Matrix, Matrix]:
-    """Return rows of scale·√n times the columns of the Cholesky factor, shape (n, n), and the factor."""
+def _factor(belief: GaussianEstimate) -> Matrix:
+    """Return the lower Cholesky factor of the covariance, shape (n, n)."""
     try:
-        factor = np.asarray(np.linalg.cholesky(belief.covariance), dtype=np.float64)
+        return np.asarray(np.linalg.cholesky(belief.covariance), dtype=np.float64)
     except np.linalg.LinAlgError:
         raise FilterDiverged("Filter: the covariance of the states is not positive definite.") from None
-    return scale * float(np.sqrt(len(factor))) * factor.T, factor
