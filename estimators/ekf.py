@@ -1,5 +1,6 @@
 """The extended Kalman filter in numpy: the reference that `compiled` must equal."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from railgrip.base.errors import FilterDiverged
 from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector, seal
 from railgrip.estimators.design import FilterDesign, Gate
 from railgrip.estimators.discretisation import ORDER, Order, advance, transition
+from railgrip.estimators.kind import FilterContext
 from railgrip.estimators.prediction import Prediction
 
 (POSV,) = get_lapack_funcs(("posv",), dtype=np.float64)
@@ -40,8 +42,8 @@ class Innovation:
         return float(self.residual @ np.linalg.solve(self.covariance, self.residual)) if self.rows.size else 0.0
 
 
-class ExtendedKalmanFilter:
-    """Extended Kalman filter for any prediction, in Joseph form; see `discretisation` for the prediction step.
+class GaussianFilter(ABC):
+    """A Gaussian filter for a prediction; a subclass predicts and linearises the readings.
 
     Args:
         prediction: The model, n states and m outputs.
@@ -49,8 +51,6 @@ class ExtendedKalmanFilter:
 
     Raises:
         EstimatorError: The arguments do not match each other.
-
-    Source: Särkkä, Bayesian Filtering and Smoothing (2013), §5.2; Schmidt gain for gated states, see `Gate`.
     """
 
     def __init__(
@@ -66,6 +66,19 @@ class ExtendedKalmanFilter:
         """Check the arguments against each other."""
         self.prediction = prediction
         self.design = FilterDesign.of(prediction, process_noise, reading_noise, period, gate, outlier_limit, order)
+
+    @classmethod
+    def of_context(cls, context: FilterContext) -> "NumpyFilter":
+        """Return the filter of a scenario with its first estimate."""
+        filter_ = cls(
+            context.prediction,
+            context.process_noise,
+            context.reading_noise,
+            context.period,
+            context.gate,
+            context.outlier_limit,
+        )
+        return NumpyFilter(filter_, filter_.start(context.mean, context.covariance))
 
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> GaussianEstimate:
         """Return the estimate before the first step from a mean (n,) and variances (n,) or a covariance (n, n)."""
@@ -89,45 +102,13 @@ class ExtendedKalmanFilter:
         forecast = self.predict(prior, inputs)
         return self.condition(forecast, inputs, self.innovation(forecast, inputs, readings))
 
+    @abstractmethod
     def predict(self, prior: GaussianEstimate, inputs: Vector) -> GaussianEstimate:
         """Return the estimate one period later, before the readings."""
-        # Zero derivative, transition and noise for frozen states: consider states, see `Gate`. The rows of A are zero,
-        # but not its columns, so that the other states' covariances with them are updated.
-        free = self._free(inputs)
-        slope = self.prediction.derivative
-        mean = advance(lambda x: slope(x, inputs) * free, prior.mean, self.design.period, self.design.order)
-        if not np.all(np.isfinite(mean)):
-            raise FilterDiverged(
-                "Filter: the predicted "
-                + ", ".join(n for n, x in zip(self.design.states, mean, strict=True) if not np.isfinite(x))
-                + " is not a finite number."
-            )
-        jacobian = self.prediction.derivative_jacobian(prior.mean, inputs) * free[:, np.newaxis]
-        phi = transition(jacobian, self.design.period, self.design.order)
-        # Φ is linearised at the prior mean, where RK4 starts: both describe the same map if f is linear.
-        covariance = phi @ prior.covariance @ phi.T + self.design.process_noise * np.outer(free, free)
-        # Rounding makes the product slightly asymmetric, and the asymmetry would grow from step to step.
-        return seal(mean, 0.5 * (covariance + covariance.T))
 
+    @abstractmethod
     def innovation(self, forecast: GaussianEstimate, inputs: Vector, readings: Vector) -> Innovation:
         """Return the innovation of the readings against `forecast`, without missing readings and outliers."""
-        residual = readings - self.prediction.output(forecast.mean, inputs)
-        jacobian = self.prediction.output_jacobian(forecast.mean, inputs)
-        noise = self.design.reading_noise
-        covariance = jacobian @ forecast.covariance @ jacobian.T + noise  # S = H P Hᵀ + R
-        # Each reading is tested by its own variance, before the update: one outlier must not reject the others.
-        outside = residual**2 > self.design.outlier_limit**2 * np.diagonal(covariance)
-        unused = np.isnan(readings) | outside
-        rows = np.flatnonzero(~unused)
-        if rows.size < readings.size:
-            both = np.ix_(rows, rows)
-            residual, jacobian, noise, covariance = (
-                residual[rows],
-                jacobian[rows],
-                noise[both],
-                covariance[both],
-            )
-        return Innovation(rows=rows, residual=residual, jacobian=jacobian, noise=noise, covariance=covariance)
 
     def condition(self, forecast: GaussianEstimate, inputs: Vector, innovation: Innovation) -> GaussianEstimate:
         """Return the estimate after the readings of `innovation`."""
@@ -139,7 +120,7 @@ class ExtendedKalmanFilter:
         _, solution, info = POSV(innovation.covariance, H @ P)
         if info != 0:
             raise FilterDiverged("Filter: the covariance of the readings is not positive definite.")
-        gain = solution.T * self._free(inputs)[:, np.newaxis]
+        gain = solution.T * self.free(inputs)[:, np.newaxis]
         joseph = np.eye(len(P)) - gain @ H
         # Joseph form: it is valid for the gated gain too, which is not optimal, and rounding cannot make it indefinite,
         # as it can (I − KH)P.
@@ -149,12 +130,89 @@ class ExtendedKalmanFilter:
             raise FilterDiverged("Filter: the correction by the readings made the mean infinite or NaN.")
         return seal(mean, 0.5 * (covariance + covariance.T))
 
-    def _free(self, inputs: Vector) -> Vector:
+    def free(self, inputs: Vector) -> Vector:
+        """Return 1 for every state that may change and 0 for one that its gate freezes, shape (n,)."""
         free = np.ones(len(self.design.states))
         for state, deciding in zip(self.design.gated_states, self.design.gating_inputs, strict=True):
             if inputs[deciding] < self.design.gate_threshold:
                 free[state] = 0.0
         return free
+
+    def advance(self, points: Matrix, inputs: Vector, free: Vector) -> Matrix:
+        """Return states one period later, shape (…, n) as `points`; states with 0 in `free` stay.
+
+        Raises:
+            FilterDiverged: The result is not finite.
+        """
+        slope = self.prediction.derivative
+        is_single = points.ndim == 1
+
+        def derivative(x: Matrix) -> Matrix:
+            return (slope(x, inputs) if is_single else np.array([slope(row, inputs) for row in x])) * free
+
+        moved = advance(derivative, points, self.design.period, self.design.order)
+        if not np.all(np.isfinite(moved)):
+            columns = np.atleast_2d(moved).T
+            pairs = zip(self.design.states, columns, strict=True)
+            names = ", ".join(name for name, column in pairs if not np.all(np.isfinite(column)))
+            raise FilterDiverged(f"Filter: the predicted {names} is not a finite number.")
+        return moved
+
+    def select(
+        self, readings: Vector, expected: Vector, jacobian: Matrix, noise: Matrix, covariance: Matrix
+    ) -> Innovation:
+        """Return the innovation of the readings that are neither missing nor outliers.
+
+        Args:
+            readings: Shape (m,), NaN where a reading is missing.
+            expected: Expected readings, shape (m,).
+            jacobian: d(reading)/d(state), shape (m, n).
+            noise: Covariance of the reading noise, shape (m, m).
+            covariance: Of readings minus expected readings, shape (m, m).
+        """
+        residual = readings - expected
+        # Each reading is tested by its own variance, before the update: one outlier must not reject the others.
+        outside = residual**2 > self.design.outlier_limit**2 * np.diagonal(covariance)
+        rows = np.flatnonzero(~(np.isnan(readings) | outside))
+        if rows.size < residual.size:
+            both = np.ix_(rows, rows)
+            residual, jacobian, noise, covariance = residual[rows], jacobian[rows], noise[both], covariance[both]
+        return Innovation(rows=rows, residual=residual, jacobian=jacobian, noise=noise, covariance=covariance)
+
+
+class ExtendedKalmanFilter(GaussianFilter):
+    """Extended Kalman filter for any prediction, in Joseph form; see `discretisation` for the prediction step.
+
+    Source: Särkkä, Bayesian Filtering and Smoothing (2013), §5.2; Schmidt gain for gated states, see `Gate`.
+    """
+
+    def predict(self, prior: GaussianEstimate, inputs: Vector) -> GaussianEstimate:
+        """Return the estimate one period later, before the readings."""
+        # Zero derivative, transition and noise for frozen states: consider states, see `Gate`. The rows of A are zero,
+        # but not its columns, so that the other states' covariances with them are updated.
+        # Φ is linearised at the prior mean, where RK4 starts: both describe the same map if f is linear.
+        free = self.free(inputs)
+        mean, phi = self.advance(prior.mean, inputs, free), self.transition(prior.mean, inputs)
+        covariance = phi @ prior.covariance @ phi.T + self.design.process_noise * np.outer(free, free)
+        # Rounding makes the product slightly asymmetric, and the asymmetry would grow from step to step.
+        return seal(mean, 0.5 * (covariance + covariance.T))
+
+    def transition(self, mean: Vector, inputs: Vector) -> Matrix:
+        """Return Φ, the derivative of the state after a period by `mean`, shape (n, n)."""
+        jacobian = self.prediction.derivative_jacobian(mean, inputs) * self.free(inputs)[:, np.newaxis]
+        return transition(jacobian, self.design.period, self.design.order)
+
+    def innovation(self, forecast: GaussianEstimate, inputs: Vector, readings: Vector) -> Innovation:
+        """Return the innovation of the readings against `forecast`, without missing readings and outliers."""
+        return self.linearise(forecast, forecast.mean, inputs, readings)
+
+    def linearise(self, forecast: GaussianEstimate, point: Vector, inputs: Vector, readings: Vector) -> Innovation:
+        """Return the innovation against `forecast` with outputs linearised at a point, shape (n,)."""
+        jacobian = self.prediction.output_jacobian(point, inputs)
+        expected = self.prediction.output(point, inputs) + jacobian @ (forecast.mean - point)
+        noise = self.design.reading_noise
+        covariance = jacobian @ forecast.covariance @ jacobian.T + noise  # S = H P Hᵀ + R
+        return self.select(readings, expected, jacobian, noise, covariance)
 
 
 class NumpyFilter:
@@ -169,7 +227,7 @@ class NumpyFilter:
         squared_innovation: Normalised innovation squared of the last step, initially 0.
     """
 
-    def __init__(self, filter_: ExtendedKalmanFilter, first: GaussianEstimate) -> None:
+    def __init__(self, filter_: GaussianFilter, first: GaussianEstimate) -> None:
         self._filter = filter_
         self._belief = first
         self.mean, self.covariance = first.mean.copy(), first.covariance.copy()

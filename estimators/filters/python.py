@@ -10,7 +10,4 @@ class Python(FilterKind):
     @classmethod
     def start(cls, task: FilterContext) -> NumpyFilter:
         """Return the filter with its first estimate."""
-        filter_ = ExtendedKalmanFilter(
-            task.prediction, task.process_noise, task.reading_noise, task.period, task.gate, task.outlier_limit
-        )
-        return NumpyFilter(filter_, filter_.start(task.mean, task.covariance))
+        return ExtendedKalmanFilter.of_context(task)

@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats.qmc import Sobol
 
 from railgrip.base.units import GRAVITY
@@ -166,16 +167,20 @@ class Case:
                 return {"kind": "constant", "polach": self.curve, "mu0": mean}
 
 
+def ranks(count: int, axes: int, seed: int) -> NDArray[np.float64]:
+    """Return the points of a scrambled Sobol sequence by the ranks of their coordinates, in (0, 1), (count, axes)."""
+    sample = Sobol(axes, rng=np.random.default_rng(seed)).random_base2(max(count - 1, 1).bit_length())[:count]
+    return (sample.argsort(axis=0).argsort(axis=0) + 0.5) / count
+
+
 def cases(count: int = CASES, seed: int = SEED) -> tuple[Case, ...]:
     """Return a number of cases, the same ones for the same seed."""
     faults = [*FAULTS, *["none"] * (len(FAULTS) - 2)]
     tables = (LOADS, RADII, PADS, GRADIENTS)
     axes: tuple[Sequence[str], ...] = (CURVES, RAILS, *map(tuple, tables), tuple(faults))
-    sample = Sobol(3 + len(axes), rng=np.random.default_rng(seed)).random_base2(max(count - 1, 1).bit_length())[:count]
-    points = (sample.argsort(axis=0).argsort(axis=0) + 0.5) / count
     digits = len(str(count))
     design: list[Case] = []
-    for number, (slippery, fast, lot, *places) in enumerate(points, start=1):
+    for number, (slippery, fast, lot, *places) in enumerate(ranks(count, 3 + len(axes), seed), start=1):
         curve, rail, load, radius, pads, gradient, fault = (
             axis[int(place * len(axis))] for axis, place in zip(axes, places, strict=True)
         )

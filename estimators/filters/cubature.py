@@ -1,0 +1,16 @@
+"""The cubature Kalman filter in numpy."""
+
+from railgrip.estimators.ekf import NumpyFilter
+from railgrip.estimators.kind import FilterContext, FilterKind
+from railgrip.estimators.sigma_points import CubatureKalmanFilter
+
+
+class Cubature(FilterKind):
+    """A sigma-point filter with cubature points, over an FMU."""
+
+    prediction = "fmu"
+
+    @classmethod
+    def start(cls, task: FilterContext) -> NumpyFilter:
+        """Return the filter with its first estimate."""
+        return CubatureKalmanFilter.of_context(task)

@@ -1,0 +1,424 @@
+"""Filters, sigma points, smoother and reference estimators against filterpy and closed forms."""
+
+import casadi as ca
+import numpy as np
+import pytest
+from filterpy.gh import critical_damping_parameters
+from filterpy.kalman import (
+    IMMEstimator,
+    KalmanFilter,
+    MerweScaledSigmaPoints,
+)
+from filterpy.kalman import (
+    UnscentedKalmanFilter as ReferenceUnscented,
+)
+from filterpy.kalman.CubatureKalmanFilter import spherical_radial_sigmas
+from scipy.optimize import minimize
+from small_models import DENSITY, FIRST_MEAN, FIRST_VARIANCE, OSCILLATOR, PERIOD, READING, oscillator, small_model
+
+from railgrip.base.errors import EstimatorError
+from railgrip.estimators.belief import GaussianEstimate
+from railgrip.estimators.bound import posterior_bound
+from railgrip.estimators.design import Gate
+from railgrip.estimators.discretisation import advance, transition
+from railgrip.estimators.ekf import ExtendedKalmanFilter, NumpyFilter
+from railgrip.estimators.interacting import InteractingFilters
+from railgrip.estimators.iterated import IteratedKalmanFilter
+from railgrip.estimators.kind import FilterContext
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.references import DisturbanceEstimator, ForceBalanceEstimator
+from railgrip.estimators.sage_husa import SageHusaFilter
+from railgrip.estimators.sigma_points import (
+    ALPHA,
+    BETA,
+    CubatureKalmanFilter,
+    UnscentedKalmanFilter,
+    cubature_points,
+    unscented_points,
+)
+from railgrip.estimators.slope import estimate_slope
+from railgrip.estimators.smoother import smooth
+
+LINEAR = {"density": np.array([0.0, 0.0, 1e-2, 1e-2]), "noise": np.array([1e-8, 1e-3])}
+START = np.array([1e-3, 0.0, 0.1, 0.0]), np.array([1e-6, 1e-6, 1e-2, 1e-2])
+ROUNDING = 1e-10
+"""Of the mean in standard deviations, and of the covariance over their product: 300 steps of rounding, 1e-16 each, of
+deflections and speeds a thousand standard deviations large."""
+
+
+class Frozen(SageHusaFilter):
+    """Sage-Husa with an infinite memory."""
+
+    memory = float("inf")
+
+
+def equal_models(prediction, density, noise, period):
+    """Return an IMM of two equal filters as a filter on values."""
+    return [ExtendedKalmanFilter(prediction, density, noise, period) for _ in range(2)]
+
+
+@pytest.fixture(scope="module")
+def linear():
+    return CasadiPrediction(oscillator(), OSCILLATOR)
+
+
+def reference_filter(prediction, density=LINEAR["density"]):
+    """Return filterpy's linear filter of the oscillator under the same discretisation, and D of y = Hx + Du."""
+    origin, one = np.zeros(4), np.ones(1)
+    filter_ = KalmanFilter(dim_x=4, dim_z=2, dim_u=1)
+    filter_.F = transition(prediction.derivative_jacobian(origin, one), PERIOD)
+    filter_.B = advance(lambda x: prediction.derivative(x, one), origin, PERIOD)[:, np.newaxis]
+    filter_.H = prediction.output_jacobian(origin, one)
+    filter_.Q, filter_.R = np.diag(density) * PERIOD, np.diag(LINEAR["noise"])
+    filter_.x, filter_.P = START[0].copy(), np.diag(START[1])
+    return filter_, prediction.output(origin, one)
+
+
+def drives(steps, seed=1):
+    random = np.random.default_rng(seed)
+    return random.normal(0.0, 1e4, (steps, 1)), random.normal(0.0, [1e-3, 1.0], (steps, 2))
+
+
+def assert_equal(mean, covariance, reference):
+    sd = np.sqrt(np.diag(reference.P))
+    assert np.max(np.abs(mean - reference.x) / sd) < ROUNDING
+    assert np.max(np.abs(covariance - reference.P) / np.outer(sd, sd)) < ROUNDING
+
+
+@pytest.mark.parametrize(
+    "kind", [ExtendedKalmanFilter, IteratedKalmanFilter, UnscentedKalmanFilter, CubatureKalmanFilter, Frozen, None]
+)
+def test_on_a_linear_model_every_filter_is_the_kalman_filter(linear, kind):
+    arguments = linear, LINEAR["density"], LINEAR["noise"], PERIOD
+    if kind is None:
+        filters = equal_models(*arguments)
+        first = filters[0].start(*START)
+        stepped = InteractingFilters(filters, [[0.9, 0.1], [0.2, 0.8]], [0.5, 0.5], first)
+    else:
+        filter_ = kind(*arguments)
+        stepped = NumpyFilter(filter_, filter_.start(*START))
+    reference, feedthrough = reference_filter(linear)
+    for held, seen in zip(*drives(300), strict=True):
+        stepped.inputs[:], stepped.readings[:] = held, seen
+        stepped.advance()
+        reference.predict(u=held)
+        reference.update(seen - feedthrough * held[0])
+        assert_equal(stepped.mean, stepped.covariance, reference)
+
+
+def random_belief(n=6, seed=4):
+    random = np.random.default_rng(seed)
+    root = random.standard_normal((n, n))
+    return GaussianEstimate(mean=random.standard_normal(n), covariance=root @ root.T + np.eye(n))
+
+
+def test_unscented_points_and_weights_are_those_of_filterpy():
+    belief = random_belief()
+    ours, reference = unscented_points(belief), MerweScaledSigmaPoints(6, ALPHA, BETA, 0.0)
+    assert ours.points == pytest.approx(reference.sigma_points(belief.mean, belief.covariance), abs=1e-12)
+    assert ours.mean_weights == pytest.approx(reference.Wm, rel=1e-12)
+    assert ours.covariance_weights == pytest.approx(reference.Wc, rel=1e-12)
+
+
+def test_cubature_points_are_those_of_filterpy():
+    belief = random_belief()
+    ours = cubature_points(belief)
+    assert ours.points == pytest.approx(spherical_radial_sigmas(belief.mean, belief.covariance), abs=1e-12)
+    assert ours.mean_weights.sum() == pytest.approx(1.0, rel=1e-12)
+
+
+PENDULUM = {"g": 9.81}
+
+
+@pytest.fixture(scope="module")
+def pendulum():
+    """Särkkä (2013), example 3.7: the sine of the angle of a noisy pendulum is read."""
+    model = small_model(
+        "angle rate", "torque", "g", "sine",
+        lambda t, x, u, p: [x[1], -p[0] * ca.sin(x[0]) + u[0]],
+        lambda t, x, u, p: [ca.sin(x[0])],
+    )  # fmt: skip
+    return CasadiPrediction(model, PENDULUM)
+
+
+def swing(x, step):
+    """Return the pendulum after a step of the classical Runge-Kutta method, written out."""
+
+    def slope(x):
+        return np.array([x[1], -9.81 * np.sin(x[0])])
+
+    k1 = slope(x)
+    k2 = slope(x + 0.5 * step * k1)
+    k3 = slope(x + 0.5 * step * k2)
+    k4 = slope(x + step * k3)
+    return x + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+
+
+def pendulum_readings(steps=200, step=0.0125):
+    random, x, seen = np.random.default_rng(7), np.array([1.5, 0.0]), np.empty((steps, 1))
+    for k in range(steps):
+        x = swing(x, step) + random.normal(0.0, [0.0, np.sqrt(0.01 * step)])
+        seen[k] = np.sin(x[0]) + random.normal(0.0, np.sqrt(0.1))
+    return seen
+
+
+@pytest.mark.parametrize(
+    ("kind", "points"),
+    [
+        (UnscentedKalmanFilter, MerweScaledSigmaPoints(2, ALPHA, BETA, 0.0)),
+        # Without a central point the unscented transform is the cubature rule.
+        (CubatureKalmanFilter, MerweScaledSigmaPoints(2, 1.0, 0.0, 0.0)),
+    ],
+)
+def test_sigma_point_filters_of_the_pendulum_are_those_of_filterpy(pendulum, kind, points):
+    step, density = 0.0125, np.array([1e-4, 0.01])
+    filter_ = kind(pendulum, density, np.array([0.1]), step)
+    belief = filter_.start(np.array([1.5, 0.0]), np.array([0.1, 0.1]))
+    reference = ReferenceUnscented(2, 1, step, lambda x: np.sin(x[:1]), swing, points)
+    reference.x, reference.P = belief.mean.copy(), belief.covariance.copy()
+    reference.Q, reference.R = np.diag(density) * step, np.array([[0.1]])
+    for seen in pendulum_readings():
+        belief = filter_.step(belief, np.zeros(1), seen)
+        reference.predict()
+        reference.update(seen)
+        # Weights of ±100 lose two digits in each of 200 steps.
+        assert belief.mean == pytest.approx(reference.x, abs=1e-9)
+        assert belief.covariance == pytest.approx(reference.P, abs=1e-9)
+
+
+def test_the_iterated_update_maximises_the_posterior_density(pendulum):
+    filter_ = IteratedKalmanFilter(pendulum, np.array([1e-4, 0.01]), np.array([0.01]), 0.0125)
+    forecast = filter_.start(np.array([0.9, 0.2]), np.array([[0.2, 0.05], [0.05, 0.1]]))
+    seen, nothing = np.array([0.35]), np.zeros(1)
+    updated = filter_.condition(forecast, nothing, filter_.innovation(forecast, nothing, seen))
+    information = np.linalg.inv(forecast.covariance)
+
+    def cost(x):
+        off = x - forecast.mean
+        return 0.5 * off @ information @ off + 0.5 * (seen[0] - np.sin(x[0])) ** 2 / 0.01
+
+    best = minimize(cost, forecast.mean, method="BFGS", options={"gtol": 1e-9})
+    # BFGS with differences finds a minimum of width 0.1 to about the root of 1e-16.
+    assert updated.mean == pytest.approx(best.x, abs=1e-6)
+    single = ExtendedKalmanFilter(pendulum, np.array([1e-4, 0.01]), np.array([0.01]), 0.0125)
+    once = single.condition(forecast, nothing, single.innovation(forecast, nothing, seen))
+    assert cost(updated.mean) < cost(once.mean)
+
+
+def test_interacting_filters_are_those_of_filterpy(linear):
+    densities = LINEAR["density"], 25.0 * LINEAR["density"]
+    filters = [ExtendedKalmanFilter(linear, density, LINEAR["noise"], PERIOD) for density in densities]
+    change = np.array([[0.97, 0.03], [0.1, 0.9]])
+    ours = InteractingFilters(filters, change, [0.3, 0.7], filters[0].start(*START))
+    references, feedthrough = zip(*(reference_filter(linear, density) for density in densities), strict=True)
+    reference = IMMEstimator(list(references), np.array([0.3, 0.7]), change)
+    for held, seen in zip(*drives(100), strict=True):
+        ours.inputs[:], ours.readings[:] = held, seen
+        ours.advance()
+        reference.predict(u=held)
+        reference.update(seen - feedthrough[0] * held[0])
+        # filterpy multiplies densities, this one adds logarithms.
+        assert ours.probabilities == pytest.approx(reference.mu, abs=1e-9)
+        assert_equal(ours.mean, ours.covariance, reference)
+
+
+def test_a_reading_that_one_filter_rejects_is_used_by_none(linear):
+    densities = LINEAR["density"], 1e8 * LINEAR["density"]
+    filters = [ExtendedKalmanFilter(linear, each, LINEAR["noise"], PERIOD, outlier_limit=6.0) for each in densities]
+    ours = InteractingFilters(filters, np.eye(2), [0.5, 0.5], filters[0].start(*START))
+    ours.readings[:] = [0.0, 30.0]
+    ours.advance()
+    assert list(ours.selection) == [1.0, 0.0]
+
+
+@pytest.mark.parametrize(("change", "weights"), [(np.eye(3), [0.5, 0.5]), (np.eye(2), [0.5, 0.6])])
+def test_probabilities_that_do_not_fit_are_refused(linear, change, weights):
+    filters = equal_models(linear, LINEAR["density"], LINEAR["noise"], PERIOD)
+    with pytest.raises(EstimatorError, match="InteractingFilters"):
+        InteractingFilters(filters, change, weights, filters[0].start(*START))
+
+
+def test_the_adaptive_filter_finds_the_noise_of_its_readings(linear):
+    # Where the states are uncertain, readings hardly show their own noise; a hundredth of the process noise is certain.
+    density, noise = 1e-2 * LINEAR["density"], LINEAR["noise"]
+    random, truth = np.random.default_rng(5), START[0]
+    filter_ = SageHusaFilter(linear, density, 9.0 * noise, PERIOD)
+    belief, found, nothing = filter_.start(*START), [], np.zeros(1)
+    for _ in range(6000):
+        truth = advance(lambda x: linear.derivative(x, nothing), truth, PERIOD)
+        truth = truth + np.sqrt(density * PERIOD) * random.standard_normal(4)
+        seen = linear.output(truth, nothing) + np.sqrt(noise) * random.standard_normal(2)
+        belief = filter_.step(belief, nothing, seen)
+        found.append(np.diag(filter_.design.reading_noise))
+    # The variance of 4000 readings has a deviation of 2 %; residuals determine it less well than the noise itself.
+    assert np.mean(found[2000:], axis=0) == pytest.approx(noise, rel=0.1)
+
+
+def test_the_smoother_is_that_of_filterpy(linear):
+    inputs, readings = drives(200)
+    filter_ = ExtendedKalmanFilter(linear, LINEAR["density"], LINEAR["noise"], PERIOD)
+    first = filter_.start(*START)
+    smoothed = smooth(filter_, first, inputs, readings)
+    reference, feedthrough = reference_filter(linear)
+    means, covariances = [first.mean], [first.covariance]
+    for held, seen in zip(inputs, readings, strict=True):
+        reference.predict(u=held)
+        reference.update(seen - feedthrough * held[0])
+        means.append(reference.x.copy())
+        covariances.append(reference.P.copy())
+    # Its smoother has no inputs, so the response to the inputs alone is subtracted before and added after it.
+    response = [np.zeros(4)]
+    for held in inputs:
+        response.append(reference.F @ response[-1] + reference.B @ held)
+    free = np.array(means) - response
+    mean, covariance, _, _ = reference.rts_smoother(free, np.array(covariances))
+    sd = np.sqrt(np.einsum("kii->ki", covariance))
+    assert np.max(np.abs(smoothed.mean - mean - response) / sd) < 1e3 * ROUNDING  # inverses of condition 1e6
+    assert np.max(np.abs(smoothed.covariance - covariance) / (sd[:, :, None] * sd[:, None, :])) < 1e3 * ROUNDING
+
+
+def test_a_fixed_lag_is_the_smoother_of_the_readings_until_then(linear):
+    inputs, readings = drives(60)
+    filter_ = ExtendedKalmanFilter(linear, LINEAR["density"], LINEAR["noise"], PERIOD)
+    first = filter_.start(*START)
+    lagged = smooth(filter_, first, inputs, readings, lag=10)
+    for k in (0, 20, 50, 55):
+        end = min(k + 10, 60)
+        whole = smooth(filter_, first, inputs[:end], readings[:end])
+        assert lagged.mean[k] == pytest.approx(whole.mean[k], rel=1e-12, abs=1e-15)
+        assert lagged.covariance[k] == pytest.approx(whole.covariance[k], rel=1e-12, abs=1e-20)
+    with pytest.raises(EstimatorError, match="lag"):
+        smooth(filter_, first, inputs, readings, lag=-1)
+
+
+def test_sigma_points_do_not_move_a_gated_state(rolling):
+    gate = Gate(states=("mu_b",), inputs=("pad_force",), threshold=1500.0)
+    for kind in (UnscentedKalmanFilter, CubatureKalmanFilter):
+        filter_ = kind(rolling, DENSITY, READING, PERIOD, gate)
+        belief = filter_.start(FIRST_MEAN, FIRST_VARIANCE)
+        for _ in range(50):
+            belief = filter_.step(belief, np.zeros(2), np.array([21.9, 57.0, -0.6]))
+        assert belief.mean[2] == pytest.approx(FIRST_MEAN[2], rel=1e-12)
+        assert belief.covariance[2, 2] == pytest.approx(FIRST_VARIANCE[2], rel=1e-9)
+
+
+@pytest.fixture(scope="module")
+def wheel():
+    """A wheelset of a train whose names are those of the train predictions."""
+    model = small_model(
+        "v w[1] mu_b[1] alpha[1]", "cylinder_pressure[1]", "m J r", "speed wheelset_speed[1]",
+        lambda t, x, u, p: [-9.81 * x[3], (x[3] * p[0] * 9.81 * p[2] - x[2] * u[0]) / p[1], ca.SX(0), ca.SX(0)],
+        lambda t, x, u, p: [x[0], x[1]],
+    )  # fmt: skip
+    return CasadiPrediction(model, {"m": 14_500.0, "J": 209.0, "r": 0.38})
+
+
+def wheel_context(prediction):
+    return FilterContext(
+        prediction=prediction,
+        process_noise=np.array([1e-4, 1e-4, 1e-8, 1e-2]),
+        reading_noise=np.array([1e-2, 1e-4]),
+        period=0.01,
+        gate=Gate(states=(), inputs=(), threshold=0.0),
+        outlier_limit=None,
+        mean=np.array([30.0, 30.0 / 0.38, 0.35, 0.02]),
+        covariance=np.array([1e-2, 1e-1, 1e-12, 1e-3]),
+    )
+
+
+@pytest.mark.parametrize("kind", [ForceBalanceEstimator, DisturbanceEstimator])
+def test_a_reference_finds_a_constant_adhesion(wheel, kind):
+    reference, held = kind.of_context(wheel_context(wheel)), np.array([9000.0])
+    truth = np.array([30.0, 30.0 / 0.38, 0.35, 0.06])
+    for _ in range(400):
+        truth = advance(lambda x: wheel.derivative(x, held), truth, 0.01)
+        reference.inputs[:], reference.readings[:] = held, wheel.output(truth, held)
+        reference.advance()
+    # More than twenty time constants of the low-pass.
+    assert reference.mean[3] == pytest.approx(0.06, abs=1e-6)
+    assert list(reference.selection) == [1.0, 1.0]
+
+
+@pytest.mark.parametrize("kind", [ForceBalanceEstimator, DisturbanceEstimator])
+def test_the_deviation_of_a_reference_is_that_of_its_noise(wheel, kind):
+    reference, random, found = kind.of_context(wheel_context(wheel)), np.random.default_rng(2), []
+    for _ in range(20_000):
+        # The noise of a wheel that rolls at a constant speed under no torque.
+        reference.readings[:] = [30.0, 30.0 / 0.38 + 0.01 * random.standard_normal()]
+        reference.advance()
+        found.append(reference.mean[3])
+    # Some thousand independent values: 2 %, and twice that.
+    assert np.std(found[1000:]) == pytest.approx(np.sqrt(reference.covariance[3, 3]), rel=0.05)
+
+
+def test_the_corner_is_that_of_the_stationary_kalman_filter(wheel):
+    """The observer has both poles at the frequency of the filter's pair, whose damping is 1/√2."""
+    context = wheel_context(wheel)
+    corner = DisturbanceEstimator.of_context(context).corner[0]
+    effect, fine = 14_500.0 * 9.81 * 0.38 / 209.0, 1e-4
+    reference = KalmanFilter(dim_x=2, dim_z=1)
+    reference.F, reference.H = np.array([[1.0, effect * fine], [0.0, 1.0]]), np.array([[1.0, 0.0]])
+    reference.Q = np.diag([0.0, 1e-2 * fine])
+    reference.R = np.array([[1e-4 * 0.01 / fine]])  # the same density of the reading's noise
+    for _ in range(50_000):
+        reference.predict()
+        reference.update(0.0)
+    closed = (np.eye(2) - reference.K @ reference.H) @ reference.F
+    poles = np.log(np.linalg.eigvals(closed)) / fine
+    assert np.abs(poles) == pytest.approx([corner, corner], rel=0.01)  # the finer period is not quite continuous
+    g, h = critical_damping_parameters(np.exp(-corner * 0.01))
+    memory = np.exp(-corner * 0.01)
+    assert (g, h) == pytest.approx((1.0 - memory**2, (1.0 - memory) ** 2), rel=1e-12)
+
+
+def test_the_slope_is_that_of_weighted_least_squares():
+    random, count = np.random.default_rng(3), 400
+    slip = 0.02 + 0.01 * random.standard_normal(count)
+    adhesion = 0.1 - 0.5 * slip + 1e-3 * random.standard_normal(count)
+    found = estimate_slope(adhesion, slip, 0.01, memory=0.5)
+    weights = np.exp(-0.01 / 0.5) ** np.arange(count)[::-1]
+    expected = np.polyfit(slip, adhesion, 1, w=np.sqrt(weights))[0]
+    assert found.slope[-1] == pytest.approx(expected, rel=1e-9)
+    assert found.available[-1] <= adhesion.max()
+    rising = estimate_slope(0.1 + 0.5 * slip, slip, 0.01)
+    assert np.isnan(rising.available[-1])
+
+
+def test_the_posterior_bound_of_a_linear_model_is_the_riccati_solution(linear):
+    density = np.array([1e-8, 1e-8, 1e-2, 1e-2])
+    reference, _ = reference_filter(linear, density)
+    inputs, readings = drives(200)
+    is_read = np.ones(readings.shape, dtype=bool)
+    bound = posterior_bound(
+        linear, density, LINEAR["noise"], PERIOD, np.diag(START[1]), np.zeros((1, 201, 4)), inputs, is_read
+    )
+    for k in range(200):
+        reference.predict()
+        reference.update(readings[k])
+        sd = np.sqrt(np.diag(reference.P))
+        # Information and covariance form differ by the condition of the information, 1e6.
+        assert np.max(np.abs(bound[k + 1] - reference.P) / np.outer(sd, sd)) < 1e-8
+
+
+def test_no_filter_of_the_pendulum_is_better_than_the_posterior_bound(pendulum):
+    draws, steps, step = 300, 60, 0.05
+    density, noise, start = np.array([1e-3, 0.05]), np.array([0.01]), np.array([0.05, 0.05])
+    random = np.random.default_rng(11)
+    nothing = np.zeros((steps, 1))
+    filter_ = ExtendedKalmanFilter(pendulum, density, noise, step)
+    truth, estimates = np.empty((draws, steps + 1, 2)), np.empty((draws, steps + 1, 2))
+    for draw in range(draws):
+        belief = filter_.start(np.array([0.6, 0.0]), start)
+        truth[draw, 0] = belief.mean + np.sqrt(start) * random.standard_normal(2)
+        estimates[draw, 0] = belief.mean
+        for k in range(steps):
+            x = swing(truth[draw, k], step) + np.sqrt(density * step) * random.standard_normal(2)
+            belief = filter_.step(belief, nothing[k], np.sin(x[:1]) + 0.1 * random.standard_normal(1))
+            truth[draw, k + 1], estimates[draw, k + 1] = x, belief.mean
+    is_read = np.ones((steps, 1), dtype=bool)
+    bound = posterior_bound(pendulum, density, noise, step, np.diag(start), truth, nothing, is_read)
+    squares = np.mean((estimates - truth)[:, 1:] ** 2, axis=(0, 1))
+    expected = np.mean(np.einsum("kii->ki", bound[1:]), axis=0)
+    # 300 draws of some ten independent instants each determine a mean square to 3 %; three times that.
+    assert np.all(squares > 0.9 * expected)
+    assert np.all(squares < 1.5 * expected)  # within 0.6 rad the sine is nearly straight, and the bound nearly reached
