@@ -1,6 +1,7 @@
 """What of the project's conventions no linter knows; imports between packages are checked by .importlinter."""
 
 import ast
+from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -23,3 +24,20 @@ def test_all_errors_for_users_are_one_tree():
 
 def test_modules_are_named_for_what_they_hold():
     assert not [path for path in MODULES if {"core", "common", "utils"} & {path.stem, path.parent.name}]
+
+
+def test_no_two_modules_of_tests_have_one_name():
+    """Pytest imports them by their names alone; with stale bytecode a clash shows in another clone only."""
+    names = Counter(path.name for path in (ROOT / "tests").rglob("*.py") if path.name != "conftest.py")
+    assert not [name for name, count in names.items() if count > 1]
+
+
+def test_modules_of_tests_import_modules_that_exist():
+    """Those without a package are found in the folders of tests, whatever bytecode an earlier name has left."""
+    stems = {path.stem for path in (ROOT / "tests").rglob("*.py")}
+    assert not [
+        f"{path.relative_to(ROOT)}: {node.module}"
+        for path in (ROOT / "tests").rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("test_") and node.module not in stems
+    ]

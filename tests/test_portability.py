@@ -106,7 +106,7 @@ def test_a_library_that_is_loaded_on_windows_may_be_kept_again(tmp_path, monkeyp
 def test_a_translation_that_ends_badly_says_so_where_there_are_no_signals():
     """Windows ends a process whose stack overflows with a large positive code."""
     code = "import signal; [delattr(signal, n) for n in ('SIGXCPU', 'SIGKILL') if hasattr(signal, n)]; "
-    code += "from railgrip.fmus.native import confined; print(confined._ended('P.X', 3221225725, ''))"
+    code += "from railgrip.fmus.native import confined; print(confined._process_failure('P.X', 3221225725, ''))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, encoding="utf-8", check=False)
     assert "exit code 3221225725" in done.stdout, done.stderr
 

@@ -251,7 +251,9 @@ def tracking_stop(scenario: Scenario, progress: Callable[[float], None] | None =
         controller = _Tracking(VehicleData(scenario), parts.recorder)
         parts = replace(parts, parts=replace(parts.parts, controller=controller))
         ending = parts.run(progress)
-    return replace(parts.stop(ending), scenario=scenario)
+    stop = parts.stop(ending)
+    # It ran without the sensor faults, which a controller that knows the true state does not see.
+    return replace(stop, inputs=scenario.resolved(), digest=scenario.digest(), parsed=scenario)
 
 
 ANALYSES: Final[Mapping[str, Callable[[Scenario, Callable[[float], None] | None], Stop]]] = MappingProxyType(

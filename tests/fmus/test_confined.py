@@ -18,8 +18,8 @@ DOUBLED = (
     + "model M A22 a; end M; end P;"
 )
 REFUSED = {
-    "5,000 nested calls": (DECAY.format("sin(" * 5000 + "x" + ")" * 5000), r"M.mo:1: more than 200 brackets inside"),
-    "20,000 parentheses": (DECAY.format("(" * 20000 + "x" + ")" * 20000), r"M.mo:1: more than 200 brackets inside"),
+    "5,000 nested calls": (DECAY.format("sin(" * 5000 + "x" + ")" * 5000), r"M.mo:1: more than 200 nested brackets"),
+    "20,000 parentheses": (DECAY.format("(" * 20000 + "x" + ")" * 20000), r"M.mo:1: more than 200 nested brackets"),
     "500 terms": (DECAY.format("+".join(["x"] * 500)), "too long or nested too deeply"),
     "50,000 terms": (
         DECAY.format("+".join(["x"] * 50000)),

@@ -96,7 +96,7 @@ def test_stops_in_the_loop_agree_with_the_quasi_static_brake_and_go_on_where_the
         ("speed_steps=['80 km/h', '40 km/h']", "must rise"),
         ("speed_steps=['130 km/h']", "must stay below"),
         ("scenario='nowhere.toml'", "no such file"),
-        ("scenario='trapezoid'; speed_steps=[]", "want 'pneumatic'"),
+        ("scenario='trapezoid'; speed_steps=[]", "need 'pneumatic'"),
         ("scenario='wagon'; speed_steps=[]", "K factors"),
     ],
 )

@@ -81,7 +81,7 @@ def test_a_table_that_names_no_class_is_refused(mine, override, sentence):
 
 def test_a_model_wants_its_library(mine):
     mine.write_text(mine.read_text().replace("library =", "# library ="))
-    with pytest.raises(ScenarioError, match=r"\[vehicle\] .*wants both, 'model' and the 'library' it is in"):
+    with pytest.raises(ScenarioError, match=r"\[vehicle\] .*needs both 'model' and the 'library' that contains it"):
         load(mine)
 
 
