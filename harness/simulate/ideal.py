@@ -4,9 +4,10 @@ A scenario selects one as the kind of its controller; sensors, estimator and con
 
 In the stop of the ideal bound each group uses min(peak adhesion, brake limit, α_max) at every instant, and exceeds the
 brake limit while its wheelsets regain the speed that a slide took from them. No controller that keeps to α_max stops in
-a distance shorter by more than 0.1 %, on a rail that slip does not change; none reaches the bound, because pressure
-takes time to build up and the peak must be found first. The train is integrated as a point mass; the physics comes from
-the plant:
+a distance shorter by more than 0.2 %, on a rail that slip does not change; after a slide pads are cooler, and have more
+friction, than in the stop without slides from which the bound takes them. No real controller reaches the bound, because
+pressure takes time to build up and the peak must be found first. The train is integrated as a point mass; the physics
+comes from the plant:
 
 - peak adhesion from `RailBraking.FMUs.ContactPoint`, at the scenario's friction;
 - pad friction and running resistance as functions of speed, and the transfer of load between wheelsets as a multiple of
