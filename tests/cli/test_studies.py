@@ -111,11 +111,11 @@ def test_every_study_shows_its_options_and_has_the_name_of_its_module(name, comm
 
 
 def test_a_study_that_is_not_there_gets_a_sentence(command):
-    with pytest.raises(InputError, match="there is no study 'estimation'; there are axle_box"):
-        study_named("estimation")
-    refused = command("study", "estimation")
+    with pytest.raises(InputError, match="there is no study 'weather'; there are axle_box"):
+        study_named("weather")
+    refused = command("study", "weather")
     assert refused.code == 2
-    assert "there is no study 'estimation'; there are axle_box" in refused.err
+    assert "there is no study 'weather'; there are axle_box" in refused.err
 
 
 def test_a_result_of_another_package_is_not_reused(study_work, monkeypatch):
