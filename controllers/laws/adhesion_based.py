@@ -121,7 +121,8 @@ class AdhesionBased(GroupLaw):
             # Equivalent control: ṡ = 0 in eq. (3), with J ω̇ = F_x r − T and ω̇ = (1 − s) v̇/r at constant slip.
             unit_torque = brake["load"] * radius  # torque per adhesion
             inertial = -inertia * (1.0 - group.slip) * group.acceleration / radius
-            limit = (tuning["adhesion_max"] - tuning["adhesion_guard"]) * unit_torque + inertial
+            # Below speed_min a wheel may lock: then the contact carries all of the brake torque.
+            limit = (tuning["adhesion_max"] - tuning["adhesion_guard"]) * unit_torque + choose(creeping, 0.0, inertial)
             balance = adhesion * unit_torque + inertial
             # L·sgn σ of eq. (11), with L proportional to T_eq. An additional torque ΔT changes the slip at the rate
             # ΔT r/(J v), which is limited to slip_rate_max·s: at low speed the slip would otherwise leap over the peak.

@@ -160,13 +160,15 @@ class SlopeSeeking(GroupLaw):
             signals, brake, speed = train[group.index - 1], group.brake, group.speed
             radius = brake["wheel_radius"]
             inertia = brake["inertia"]
-            rolling = either(ca.logic_not(signals.sliding), speed < t["speed_min"])
+            creeping = speed < t["speed_min"]
+            rolling = either(ca.logic_not(signals.sliding), creeping)
 
             # Torque balance of the wheelset, J ω̇ = F_x r − T, for ṡ = ṡ* + gain (s* − s + i).
             unit_torque = brake["load"] * radius  # torque per adhesion
             inertial = -inertia * (1.0 - signals.slip) * group.acceleration / radius
             balance = group.adhesion * unit_torque + inertial
-            limit = (t["adhesion_max"] - t["adhesion_guard"]) * unit_torque + inertial
+            # Below speed_min a wheel may lock: then the contact carries all of the brake torque.
+            limit = (t["adhesion_max"] - t["adhesion_guard"]) * unit_torque + choose(creeping, 0.0, inertial)
             torque_per_rate = inertia * speed / radius  # of slip
             error = target[0] - signals.slip
             last = draft.state(group.label("error"), "s", "integral of the slip's distance below its set point")
