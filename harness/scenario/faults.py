@@ -110,6 +110,12 @@ class Truth(Table):
     creep: dict[Literal["k_A", "k_S", "A_falling", "B_falling"], _Factor] = Field(
         default={}, description="on parameters of the creep curve"
     )
+    mechanics: Literal["simple", "detailed"] = Field(
+        default="simple",
+        description="of contacts and axles; detailed: contact forces by Kalker's simplified theory, except where "
+        "contacts heat up, shafts that twist between wheels and brake discs, and hysteresis of the two-part train's "
+        "brake rigging",
+    )
     gradient: Annotated[float, UnitRange("1", above=-STEEPEST, below=STEEPEST)] = Field(
         default=0.0, description="slope of the whole track beside that of [track], positive uphill"
     )

@@ -3,7 +3,7 @@
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from railgrip.base.cache import keep
 from railgrip.base.errors import ScenarioError
@@ -44,46 +44,81 @@ def _class_file(class_name: str, library: Path, digest: str, interface: Literal[
 
 
 @cache
-def _train_file(path: Path, digest: str, pneumatic: bool, curved: bool, heated: bool) -> Path:  # pyright: ignore[reportUnusedParameter]
+def _train_file(path: Path, digest: str, pneumatic: bool, rail: "_Rail") -> Path:  # pyright: ignore[reportUnusedParameter]
     # Imported here: the schema of a train file takes as long to load as numpy, and few scenarios use one.
     from railgrip.rolling_stock.files import load_train
     from railgrip.rolling_stock.modelica import class_name, class_text
 
     train = load_train(path)
     name, text = class_name(train, pneumatic=pneumatic), class_text(train, pneumatic=pneumatic)
-    return _build(*_on_rail(name, text, len(train.axles), curved, heated))
+    return _build(*_on_rail(name, text, len(train.axles), rail))
 
 
 @cache
-def _recipe_on_rail(recipe: str, curved: bool, heated: bool) -> Path:
-    """Return the FMU of a recipe's class with inputs for its creep curves, and with contacts that heat up.
-
-    If the class cannot have them, the FMU is the plain one.
-    """
+def _recipe_on_rail(recipe: str, rail: "_Rail") -> Path:
+    """Return the FMU of a recipe's class on a rail; the plain one if the class cannot have what the rail requires."""
     entry = read_recipes().recipes[recipe]
     if not entry.curve:
         return recipe_file(recipe)
-    wheelsets = sum(name.startswith("mu0[") for name in description_of(recipe_file(recipe)).variables)
-    return _build(*_on_rail(entry.class_name, "", wheelsets, curved, heated))
+    variables = description_of(recipe_file(recipe)).variables
+    wheelsets = sum(name.startswith("mu0[") for name in variables)
+    return _build(*_on_rail(entry.class_name, "", wheelsets, rail._replace(hysteretic="hysteresis" in variables)))
 
 
-def _on_rail(name: str, text: str, wheelsets: int, curved: bool, heated: bool) -> tuple[str, str]:
+class _Rail(NamedTuple):
+    """What a train's class has besides that of the library.
+
+    Attributes:
+        curved: Inputs for the creep curve at each wheelset, as the rail has several.
+        heated: Contacts whose friction falls with their temperature.
+        detailed: Contact forces by the simplified theory where contacts do not heat up, and elastic shafts.
+        hysteretic: Hysteresis of the brake rigging, if detailed.
+    """
+
+    curved: bool
+    heated: bool
+    detailed: bool
+    hysteretic: bool = False
+
+
+def _on_rail(name: str, text: str, wheelsets: int, rail: _Rail) -> tuple[str, str]:
     """Return the name of a train's class on a rail, and its Modelica text after that of the classes it extends.
 
     Args:
         name: Name of the train's class.
         text: Modelica text of that class; empty if it is in the library.
         wheelsets: Number of wheelsets.
-        curved: The rail has several creep curves.
-        heated: Friction falls with the temperature of the contacts.
+        rail: What the class has besides that of the library.
     """
-    if heated:
+    if rail.detailed:
+        name, more = _class_with_details(name, rail)
+        text += more
+    if rail.heated:
         name, more = _class_with_heat(name)
         text += more
-    if curved:
+    if rail.curved:
         name, more = _class_with_curves(name, wheelsets)
         text += more
     return name, text
+
+
+_HYSTERESIS = 0.06
+"""Half width over the mean pad force: the default of `RailBraking.Pneumatics.HystereticRigging`."""
+
+
+def _class_with_details(name: str, rail: _Rail) -> tuple[str, str]:
+    """Return name and Modelica text of a train's class with contacts, shafts and rigging in more detail."""
+    class_name = f"{name.rpartition('.')[2]}_detailed"
+    changes = ["redeclare block TrainShaft = RailBraking.Components.ElasticShaft"]
+    if not rail.heated:
+        changes.append("redeclare block TrainContact = RailBraking.Contact.SimplifiedContact")
+    if rail.hysteretic:
+        changes.append(f"hysteresis={_HYSTERESIS}")
+    return class_name, (
+        f'block {class_name} "{name} in more detail"\n  extends {name}(\n    '
+        + ",\n    ".join(changes)
+        + f");\nend {class_name};\n"
+    )
 
 
 def _class_with_heat(name: str) -> tuple[str, str]:
@@ -129,20 +164,25 @@ def plant_description(scenario: Scenario) -> Description:
     """Return the description of a scenario's plant FMU; an empty one for a plant in Python, which has no FMU.
 
     Raises:
-        ScenarioError: [vehicle] train names a file that is not a train file.
+        ScenarioError: [vehicle] train is not a train file, or [truth] mechanics does not fit the plant.
     """
-    curved, heated = len(scenario.adhesion.curves) > 1, scenario.adhesion.polach.temperature_loss > 0
+    adhesion, detailed = scenario.adhesion, scenario.truth.mechanics == "detailed"
+    rail = _Rail(curved=len(adhesion.curves) > 1, heated=adhesion.polach.temperature_loss > 0, detailed=detailed)
+    if detailed and not has_contacts_of_library(scenario):
+        raise ScenarioError(
+            f"{scenario.name}: [truth] mechanics = 'detailed' needs the two-part train, the wagon or a train file; "
+            "leave it out"
+        )
     match scenario.vehicle.source:
         case RecipePlant(name) if name in shelf("trains"):
             raise ScenarioError(
                 f"{scenario.name}: [vehicle] plant '{name}' is a train file of this package; write train = '{name}'"
             )
         case RecipePlant(name):
-            on_rail = _recipe_on_rail(name, curved, heated) if curved or heated else recipe_file(name)
-            return description_of(on_rail)
+            return description_of(_recipe_on_rail(name, rail) if any(rail) else recipe_file(name))
         case TrainFile(file):
             is_pneumatic = scenario.actuation.kind == "pneumatic"
-            return description_of(_train_file(file.path, file.digest(), is_pneumatic, curved, heated))
+            return description_of(_train_file(file.path, file.digest(), is_pneumatic, rail))
         case LibraryClass(name, library):
             return description_of(_class_file(name, library.path, library.digest(), "cs"))
         case FmuFile(file):
@@ -153,6 +193,15 @@ def plant_description(scenario: Scenario) -> Description:
                 derivatives=(), dependencies={}, event_indicators=0, log_categories=(), co_simulation=None,
                 model_exchange=None, blemishes="",
             )  # fmt: skip
+
+
+def has_contacts_of_library(scenario: Scenario) -> bool:
+    """Return whether contacts and shafts of a scenario's plant are built-in and can be replaced."""
+    match scenario.vehicle.source:
+        case RecipePlant(name):
+            return name in shelf("trains") or read_recipes().recipes[name].curve
+        case source:
+            return isinstance(source, TrainFile)
 
 
 def prediction_description(table: KalmanFilter, consist: Path | None = None) -> Description:

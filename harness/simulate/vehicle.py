@@ -402,9 +402,9 @@ class VehicleData:
 
     def contact_with(self, parameters: Mapping[str, float]) -> Contact:
         """Return the contact with those of the plant's parameters that it has."""
-        polach = self.scenario.adhesion.polach
-        heated = "Heated" if polach.temperature_loss else ""
-        model, shape = compile_class(f"RailBraking.FMUs.{heated}ContactPoint"), polach.plant_parameters()
+        polach, detailed = self.scenario.adhesion.polach, self.scenario.truth.mechanics == "detailed"
+        law = "Heated" if polach.temperature_loss else "Simplified" if detailed else ""
+        model, shape = compile_class(f"RailBraking.FMUs.{law}ContactPoint"), polach.plant_parameters()
         names = {variable.name for variable in model.parameters} - shape.keys()
         return compiled_contact(
             model,

@@ -1,4 +1,4 @@
-"""Polach's force against Kalker's simplified theory, at longitudinal creepage and constant friction."""
+"""Contact forces of the library against Kalker's simplified theory in strips, at longitudinal creepage."""
 
 import numpy as np
 import pytest
@@ -16,10 +16,10 @@ def rise_of(epsilon):
     return 2 * 3 / 8 * (np.pi / 2) * (4 / np.pi) * epsilon
 
 
-def polach(epsilon):
+def of_library(epsilon, point="ContactPoint"):
     """Return force over friction times load by the library, at slips that have these gradients."""
     shape = {"k_A": 1.0, "k_S": 1.0, "A_falling": 1.0, "B_falling": 0.0}
-    contact = compiled_contact(lower("RailBraking.FMUs.ContactPoint"), {}, shape)
+    contact = compiled_contact(lower(f"RailBraking.FMUs.{point}"), {}, shape)
     mu0, load = 0.3, np.full(1, 137e3)
     small = np.full(1, 1e-7)
     # At vanishing slip the force is 4 ε/π friction times load, which gives ε over slip of this wheel.
@@ -42,7 +42,13 @@ def test_small_creepage_has_kalkers_stiffness_and_large_full_friction():
 
 def test_polachs_force_is_above_the_simplified_theory_in_partial_slip_and_below_it_close_to_full_slip():
     """Polach bounds stress by Hertz's ellipsoid, Kalker by a paraboloid, which is lower at the edges of the contact."""
-    ratio = polach(EPSILONS) / [creep_force(rise_of(epsilon)) for epsilon in EPSILONS]
+    ratio = of_library(EPSILONS) / [creep_force(rise_of(epsilon)) for epsilon in EPSILONS]
     assert np.all(np.abs(ratio - 1) < 0.085)
     assert np.all(ratio[EPSILONS <= 1.0] > 1.0)
     assert np.all(ratio[(EPSILONS > 1.4) & (EPSILONS < 9)] < 1.0)
+
+
+def test_the_simplified_contact_is_that_theory():
+    """The strips of the reference have an error of 1/4000 of the small axis, which its narrowest strips enlarge."""
+    expected = [closed_form(rise_of(epsilon)) for epsilon in EPSILONS]
+    assert of_library(EPSILONS, "SimplifiedContactPoint") == pytest.approx(expected, rel=2e-5)

@@ -12,7 +12,7 @@ from railgrip.studies.type_test import case_set, study
 from railgrip.studies.type_test.case_set import SEALED, VERSIONS, CaseSet, case_named
 from railgrip.studies.type_test.controller_digest import controller_digest
 from railgrip.studies.type_test.entrants import Entrant, campaign_of, entrants, train_of
-from railgrip.studies.type_test.family import FEWEST, families, losses
+from railgrip.studies.type_test.family import AXES, FEWEST, families, losses
 from railgrip.studies.type_test.judge import CaseMeasurement, judgements, summaries
 from railgrip.studies.type_test.looks import count_look
 from railgrip.studies.type_test.shipped import digest_of, read_shipped
@@ -197,7 +197,7 @@ def test_a_law_loses_in_the_family_with_its_largest_median(stops):
 def test_the_page_shows_families_the_bound_and_the_looks(stops):
     again = dict.fromkeys(entrants(2), "railgrip study type_test --case")
     page = page_of(stops, entrants(2), limits_of(), again=again, version=2)
-    assert list(page.values["families"]) == ["curve", "over", "rail", "cleaning", "number of faults", "train"]
+    assert list(page.values["families"]) == list(AXES)
     assert "families.csv" in page.tables
     assert page.values["losses"].rows
 

@@ -18,6 +18,7 @@ from railgrip.scenario.file import OtherFileString
 from railgrip.scenario.load import read_scenario, read_toml, scenario_of, validate_table
 from railgrip.scenario.merge import merge
 from railgrip.scenario.table import Table
+from railgrip.simulate.files import has_contacts_of_library
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.type_test.case_set import VERSIONS, AnyCase
 
@@ -212,13 +213,17 @@ def campaign_of(
     Raises:
         ScenarioError: A combination is not a valid scenario.
     """
-    groups = {name: _groups(table) for name, table in {**trains, "": train}.items()}
+    known = {name: _vehicle(table) for name, table in {**trains, "": train}.items()}
     stops: list[PlannedStop] = []
     for case in design:
         of_train = case.train if case.train in trains else ""
-        tables = {"name": "type-test"} | case.tables(groups[of_train])
+        vehicle = known[of_train]
+        groups = vehicle.formation.groups
+        tables = {"name": "type-test"} | case.tables(groups)
         of_case = merge(trains.get(of_train, train), tables)
-        of_case = merge(of_case, case.fault_tables(groups[of_train]))
+        of_case = merge(of_case, case.fault_tables(groups))
+        if not has_contacts_of_library(vehicle.scenario):
+            of_case["truth"].pop("mechanics", None)
         for name, entrant in taking_part.items():
             if not case.has_bound and entrant.tables["controller"]["kind"] in registry.ANALYSES:
                 continue
@@ -241,7 +246,5 @@ def campaign_of(
     return Campaign(name="type_test", description="", stops=tuple(stops), references=(), panels="none")
 
 
-def _groups(train: Mapping[str, Any]) -> int:
-    """Return the number of groups of a train."""
-    bare = scenario_of(merge(train, {"name": "train"}), directory=LIBRARY, origin="--train")
-    return VehicleData(bare).formation.groups
+def _vehicle(train: Mapping[str, Any]) -> VehicleData:
+    return VehicleData(scenario_of(merge(train, {"name": "train"}), directory=LIBRARY, origin="--train"))

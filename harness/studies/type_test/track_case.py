@@ -56,6 +56,9 @@ LOAD, RADIUS, PADS, OF_GROUPS = 0.12, 0.015, 0.15, 0.05
 _COUNTS: Final = (0, 0, 1, 1, 2)
 """Numbers of faults, each as often as it is in the list."""
 
+_DETAILED: Final = 0.2
+"""Share of the cases with detailed mechanics."""
+
 _SHAPE: Final = ("k_A", "k_S", "A", "B")
 
 
@@ -105,6 +108,11 @@ class TrackCase:
         return self.cleaning == "none"
 
     @property
+    def mechanics(self) -> str:
+        """Mechanics of the train: in a fifth of the cases not those that the filter assumes."""
+        return "detailed" if np.random.default_rng((self.lot, 3)).random() < _DETAILED else "simple"
+
+    @property
     def over(self) -> str:
         """What the friction varies over."""
         return "nothing" if self.rail == "even" else "time" if self.rail.endswith("over time") else "distance"
@@ -136,6 +144,7 @@ class TrackCase:
             "radius": f"± {100 * self.radius:.1f} %",
             "pads": f"{self.pads:.3f}",
             "gradient": f"{1000 * self.slope:+.0f} ‰",
+            "mechanics": self.mechanics,
             "number of faults": str(len(self.faults)),
             "fault": " and ".join(self.faults) or "none",
         }
@@ -148,6 +157,7 @@ class TrackCase:
             "wheel_radius": [round(float(1.0 + self.radius * deviation), 6) for deviation in radii],
             "pad_friction": [round(float(self.pads * (1.0 + OF_GROUPS * deviation)), 6) for deviation in pads],
             "gradient": self.slope,
+            "mechanics": self.mechanics,
         }
         recovery = {} if self.cleaning in ("none", BY_THE_CURVE) else {"recovery": dict(CLEANING[self.cleaning])}
         return {
@@ -275,6 +285,7 @@ HEADLINES: Final = (
     _PATCHES,
     replace(_PATCHES, name="leaves", rail="leaves", scale=40.0, friction=0.05, load=0.93),
     replace(_PATCHES, name="cleaned rail", curve="dry", other="", rail="random", scale=5.0, cleaning="strong"),
+    replace(_PATCHES, name="detailed mechanics", lot=271830),
     replace(_PATCHES, name="pair of faults", faults=("radar stuck", "valve slow"), friction=0.09),
 )
 """Short cases for the regression, which no new creep curve in the library changes."""

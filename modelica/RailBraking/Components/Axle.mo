@@ -3,6 +3,8 @@ model Axle "Wheelset with its brake, or several wheelsets that turn as one"
   extends Icons.Component;
   replaceable block AxleContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
     "Law of the contacts";
+  replaceable block AxleShaft = Components.RigidShaft constrainedby Interfaces.PartialShaft
+    "Shafts between wheels and brake discs";
   replaceable block AxlePad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
   parameter Integer n(min=1) = 1 "Number of wheelsets coupled to each other" annotation(Evaluate=true);
   parameter Types.Inertia J(min=1e-3, start=110) "Inertia of all of them about their axles";
@@ -45,7 +47,8 @@ model Axle "Wheelset with its brake, or several wheelsets that turn as one"
   Interfaces.TotalsOutput totals "Sums over the wheelsets"
     annotation(Placement(transformation(extent={{100, -73}, {120, -53}})));
   Components.Wheelsets wheels(
-    redeclare block WheelsetsContact = AxleContact, final n=n, J=J, r=r_wheel, r_rail=creep.r_rail,
+    redeclare block WheelsetsContact = AxleContact, redeclare block WheelsetsShaft = AxleShaft,
+    final n=n, J=J, r=r_wheel, r_rail=creep.r_rail,
     curvature_rail=creep.curvature_rail, E=creep.E, nu=creep.nu, curve=curve, v_small=creep.v_small,
     mu_bearing=resistance.mu_bearing, r_bearing=resistance.r_bearing,
     e_rolling=resistance.e_rolling, tau_small=tau_small, w_start=start_speed/r_wheel) "Wheelsets on the rails"
@@ -88,7 +91,7 @@ equation
   totals.pad_power = brake.heat_flow;
   totals.damper_power = 0;
   totals.resistance_power = wheels.resistance_power;
-  totals.kinetic_energy = J*wheels.w^2/2;
+  totals.kinetic_energy = wheels.torsion.energy;
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),

@@ -3,6 +3,8 @@ model Bogie "Bogie of any number of axles, braked"
   extends Icons.Component;
   replaceable block BogieContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
     "Law of the contacts";
+  replaceable block BogieShaft = Components.RigidShaft constrainedby Interfaces.PartialShaft
+    "Shafts between wheels and brake discs";
   replaceable block BogiePad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
   parameter Integer n(min=1) = 2 "Number of wheelsets" annotation(Evaluate=true);
   parameter Integer groups(min=1) = n
@@ -53,7 +55,8 @@ model Bogie "Bogie of any number of axles, braked"
   Interfaces.TotalsOutput totals "Sums over the wheelsets"
     annotation(Placement(transformation(extent={{100, -73}, {120, -53}})));
   Components.Axle axle[groups](
-    redeclare block AxleContact = BogieContact, redeclare block AxlePad = BogiePad,
+    redeclare block AxleContact = BogieContact, redeclare block AxleShaft = BogieShaft,
+    redeclare block AxlePad = BogiePad,
     each n=size_of_group, J=J, r_wheel=r_wheel, n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal,
     mu_b_start=mu_b_start, T_disc_start=T_disc_start, each start_speed=start_speed,
     each tau_small=tau_small, each creep=creep,

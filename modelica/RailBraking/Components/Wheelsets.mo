@@ -3,6 +3,8 @@ model Wheelsets "Wheelsets that turn as one, with their contacts"
   extends Icons.Component;
   replaceable block WheelsetsContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
     "Law of the contacts";
+  replaceable block WheelsetsShaft = Components.RigidShaft constrainedby Interfaces.PartialShaft
+    "Shafts between wheels and brake discs";
   parameter Integer n(min=1) = 1 "Number of wheelsets coupled to each other" annotation(Evaluate=true);
   parameter Types.Inertia J(start=209) "Inertia of all of them about their axles";
   parameter Types.Length r(start=0.38) "Rolling radius";
@@ -43,7 +45,9 @@ model Wheelsets "Wheelsets that turn as one, with their contacts"
     annotation(Placement(transformation(extent={{100, -93}, {120, -73}})));
   Interfaces.RotationalFlange shaft "To a drive or an electrodynamic brake; may be left open"
     annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
-  Types.AngularVelocity w(start=w_start, fixed=true) "Angular velocity";
+  Types.AngularVelocity w(start=w_start, fixed=true) "Angular velocity of the brake discs";
+  WheelsetsShaft torsion(final n=n, final J_total=J, final w_start=w_start) "Shafts between wheels and brake discs"
+    annotation(Placement(transformation(extent={{-20, 40}, {20, 80}})));
   WheelsetsContact contact[n](
     each r=r, each r_rail=r_rail, each curvature_rail=curvature_rail, each E=E, each nu=nu,
     curve=curve, each v_small=v_small) "Contacts of each wheelset"
@@ -54,25 +58,27 @@ protected
 equation
   for i in 1:n loop
     contact[i].v = v;
-    contact[i].w = w;
+    contact[i].w = torsion.w_wheel;
     contact[i].load = load[i];
     contact[i].mu0 = mu0[i];
     F[i] = contact[i].F;
   end for;
   shaft.w = w;
-  tau_track = r*sum(F) + shaft.tau;
+  torsion.w = w;
+  torsion.tau_wheel = r*sum(F);
+  tau_track = torsion.tau + shaft.tau;
   tau_resistance = (r*f_bearing + e_rolling)*sum(load);
   // A level, not an edge: a group that is released and braked again at once must not reach reverse rotation.
   locked = standstill or (if pre(locked) then tau_track - brake_torque - tau_resistance <= tau_small
     else w <= 0 and tau_track - brake_torque - tau_resistance < 0);
-  J*der(w) = if locked then 0 else tau_track - brake_torque - tau_resistance;
+  torsion.J_braked*der(w) = if locked then 0 else tau_track - brake_torque - tau_resistance;
   when locked then
     reinit(w, 0);
   end when;
   torque = if locked then tau_track else brake_torque;
   capacity = min((brake_torque + tau_resistance)/r, mu0*load);
   contact_power = sum(contact.heat_flow);
-  resistance_power = tau_resistance*w;
+  resistance_power = tau_resistance*w + torsion.loss;
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
@@ -88,7 +94,7 @@ that of brake and resistance by <code>tau_small</code>.
 </p>
 <h4>Limitations</h4>
 <p>
-Forward rotation only. Shafts are rigid. At rest the maximum torque of the brake is that at the end
+Forward rotation only. At rest the maximum torque of the brake is that at the end
 of sliding. At standstill the contacts transmit no force in this model; <code>capacity</code> is the
 force that can hold the train.
 </p>

@@ -23,8 +23,9 @@ protected
   final parameter Real factor = Contact.creepFactor(r_wheel, r_rail, E_steel, nu_steel)
     "Slope of epsilon, see creepFactor";
   Types.Ratio mu = Contact.fallingFriction(slip*speed, mu0, A_falling, B_falling) "Friction coefficient";
+  Types.Ratio alpha = Contact.polach(slip, 0, load/2, mu, factor, k_A, k_S, 1, 0) "Adhesion by the law of the contact";
 equation
-  adhesion = Contact.polach(slip, 0, load/2, mu, factor, k_A, k_S, 1, 0);
+  adhesion = alpha;
   annotation (
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>

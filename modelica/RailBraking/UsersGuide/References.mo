@@ -13,6 +13,8 @@ analysis of degraded adhesion in railway systems. Tribology International 69 (20
 wheel/rail contact. Wear 253 (2002), 498-508.</li>
 <li>Greenwood, J. A.: Analysis of elliptical Hertzian contacts. Tribology International 30 (1997), 235-237.</li>
 <li>ISO 6358: Pneumatic fluid power, determination of flow-rate characteristics.</li>
+<li>Kalker, J. J.: A fast algorithm for the simplified theory of rolling contact. Vehicle System Dynamics 11 (1982),
+1-13.</li>
 <li>Kalker, J. J.: Three-dimensional Elastic Bodies in Rolling Contact. Kluwer (1990).</li>
 <li>Mal, K., Hussain, I., Chowdhry, B. S., Memon, T. D.: Extended Kalman filter for estimation of contact forces at
 wheel-rail interface. 3C Tecnolog&iacute;a, special issue (2020), 279-301.</li>
@@ -28,6 +30,8 @@ Railway Symposium Aachen (2019), 608-623.</li>
 IFAC-PapersOnLine 53 (2020), 8470-8475.</li>
 <li>Schwarz, C., Posielek, T., Goetjes, B.: Adhesion-Based Maximum-Seeking Brake Control for Railway Vehicles
 (2021).</li>
+<li>Spiryagin, M., Polach, O., Cole, C.: Creep force modelling for rail traction vehicles based on the Fastsim
+algorithm. Vehicle System Dynamics 51 (2013).</li>
 <li>Tian, X., Kennedy, F. E.: Maximum and average flash temperatures in sliding contacts. Journal of Tribology 116
 (1994), 167-174.</li>
 <li>Voltr, P., Lata, M.: Transient wheel-rail adhesion characteristics under the cleaning effect of sliding. Vehicle

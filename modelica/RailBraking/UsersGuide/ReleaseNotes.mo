@@ -28,6 +28,8 @@ an output for each quantity: <code>bogie.group.slip</code> for <code>bogie.slip<
 <li><code>Contact.HeatedContact</code> and <code>Contact.CleaningContact</code>: friction that falls with the
 temperature of the contact, and a film that its slip removes. Two-part train and wagon have
 <code>TrainContact</code>.</li>
+<li><code>Contact.SimplifiedContact</code>: contact forces by Kalker's simplified theory. <code>AxleShaft</code>,
+<code>BogieShaft</code> and so on: <code>Components.ElasticShaft</code> twists between wheels and brake discs.</li>
 <li>Icons, and places for all components in diagrams.</li>
 </ul>
 </html>"));

@@ -3,6 +3,8 @@ model Car "Car body on equal bogies"
   extends Icons.Vehicle;
   replaceable block CarContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
     "Law of the contacts";
+  replaceable block CarShaft = Components.RigidShaft constrainedby Interfaces.PartialShaft
+    "Shafts between wheels and brake discs";
   replaceable block CarPad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
   parameter Integer bogies(min=1) = 2 "Number of bogies" annotation(Evaluate=true);
   parameter Integer axles(min=1) = 2 "Number of wheelsets of a bogie" annotation(Evaluate=true);
@@ -77,7 +79,7 @@ model Car "Car body on equal bogies"
   Components.CarBody body(m=sum(m_wheelset), start_speed=start_speed, drag=drag) "Body"
     annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
   Components.Bogie bogie[bogies](
-    redeclare block BogieContact = CarContact, redeclare block BogiePad = CarPad,
+    redeclare block BogieContact = CarContact, redeclare block BogieShaft = CarShaft, redeclare block BogiePad = CarPad,
     each n=axles, each groups=groups, m_wheelset={{m_wheelset[axles*(b - 1) + i] for i in 1:axles} for b in 1:bogies},
     m_unsprung={{m_unsprung[axles*(b - 1) + i] for i in 1:axles} for b in 1:bogies}, m_frame=m_frame,
     I_frame=I_frame, wheelbase=wheelbase, J={{J[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies},

@@ -103,6 +103,8 @@ partial block PartialWagon "Wagon of two braked wheelsets, without the supply of
     annotation(Placement(transformation(extent={{104, -99}, {116, -87}})));
   replaceable block TrainContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
     "Law of the contacts";
+  replaceable block TrainShaft = Components.RigidShaft constrainedby Interfaces.PartialShaft
+    "Shafts between wheels and brake discs";
 protected
   final parameter Data.Creep creep = Data.Creep(
     k_A=k_A, k_S=k_S, A=A_falling, B=B_falling, r_rail=r_rail, E=E_steel, nu=nu_steel, v_small=v_small) "Contact";
@@ -119,13 +121,13 @@ protected
   Components.Rest rest(final n=1) "Detection of standstill"
     annotation(Placement(transformation(extent={{-80, 40}, {-40, 80}})));
   Components.Axle front(
-    redeclare block AxleContact = TrainContact,
+    redeclare block AxleContact = TrainContact, redeclare block AxleShaft = TrainShaft,
     final n=1, J=J[1], r_wheel=r_wheel[1], n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal[1],
     mu_b_start=mu_b_start[1], T_disc_start=T_disc_start, start_speed=start_speed, creep=creep, curve=curve[1:1],
     resistance=resistance, pads=pads) "Front wheelset"
     annotation(Placement(transformation(extent={{-80, -20}, {-40, 20}})));
   Components.Axle rear(
-    redeclare block AxleContact = TrainContact,
+    redeclare block AxleContact = TrainContact, redeclare block AxleShaft = TrainShaft,
     final n=1, J=J[2], r_wheel=r_wheel[2], n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal[2],
     mu_b_start=mu_b_start[2], T_disc_start=T_disc_start, start_speed=start_speed, creep=creep, curve=curve[2:2],
     resistance=resistance, pads=pads) "Rear wheelset"
