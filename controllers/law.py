@@ -10,11 +10,12 @@ from operator import itemgetter
 from pathlib import Path
 from typing import ClassVar
 
+from railgrip.base.system import SampledSystem
 from railgrip.controllers import tuned
 from railgrip.controllers.brake import by_name
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.parameters import Parameters
-from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Sampled
 from railgrip.vehicle.brake import BRAKE, Brake
 from railgrip.vehicle.signals import OBSERVED, Signal
 
@@ -98,7 +99,7 @@ def law(
     groups: int,
     demand_with: Callable[[FormulaBuilder], Demand],
     observed: Sequence[Signal] = OBSERVED,
-) -> Formula:
+) -> SampledSystem:
     """Return the formula of a law that forms the demand of one group at a time.
 
     Args:
@@ -132,10 +133,10 @@ class Law(Sampled):
 
     needs: tuple[str, ...] = ()
 
-    def __init__(self, formula: Formula, groups: Sequence[Brake], parameters: Mapping[str, float]) -> None:
+    def __init__(self, formula: SampledSystem, groups: Sequence[Brake], parameters: Mapping[str, float]) -> None:
         """Control `groups`; `parameters` has the values by name, except for the brake data of the groups."""
         super().__init__(formula, by_name(groups) | {name: float(value) for name, value in parameters.items()})
-        elements = enumerate(quantity.name.partition("[")[0] for quantity in formula.inputs)
+        elements = enumerate(variable.name.partition("[")[0] for variable in formula.inputs)
         numbers = {name: [i for i, _ in of_name] for name, of_name in groupby(elements, key=itemgetter(1))}
         self._places = tuple((name, slice(places[0], places[-1] + 1)) for name, places in numbers.items())
 
@@ -190,7 +191,7 @@ class GroupLaw(Law):
 
     @classmethod
     @cache
-    def formula_for(cls, groups: int) -> Formula:
+    def formula_for(cls, groups: int) -> SampledSystem:
         """Return the formula for a number of groups."""
 
         def demand_with(draft: FormulaBuilder) -> Demand:

@@ -4,7 +4,6 @@ dae (front end) → expressions, variables, conditions → index, structure → 
 (CasADi functions) or code, description, package (the FMU).
 """
 
-from railgrip.fmus.native.equations import lower
-from railgrip.fmus.native.model import Model, Variable
+from railgrip.fmus.native.model import Model, lower
 
-__all__ = ["Model", "Variable", "lower"]
+__all__ = ["Model", "lower"]

@@ -133,7 +133,7 @@ def law_states(controller: LoopController) -> LawStates | None:
     if not isinstance(controller, Sampled) or not (visible := controller.visible):
         return None
     places = np.array([place for place, _ in visible], dtype=np.longlong)
-    columns = of_law((quantity.name, quantity.unit, quantity.description) for _, quantity in visible)
+    columns = of_law((variable.name, variable.unit, variable.description) for _, variable in visible)
     return LawStates(columns, controller.state, places)
 
 

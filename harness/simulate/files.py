@@ -178,16 +178,18 @@ def is_trusted(scenario: Scenario) -> bool:
 def parameters_of(description: Description) -> dict[str, float]:
     """Return the start values of an FMU's numeric parameters."""
     return {
-        variable.name: float(variable.start)
+        variable.name: variable.start
         for variable in description.variables.values()
-        if variable.causality == "parameter" and variable.kind in ("Real", "Integer") and variable.start is not None
+        if variable.causality == "parameter"
+        and variable.kind in ("Real", "Integer")
+        and variable.start_text is not None
     }
 
 
 def units_of(description: Description) -> dict[str, Unit | str]:
     """Return the units of an FMU's parameters, `BOOLEAN` for booleans."""
     return {
-        v.name: BOOLEAN if v.kind == "Boolean" else v.unit or v.unit_name
+        v.name: BOOLEAN if v.kind == "Boolean" else v.defined_unit or v.unit
         for v in description.variables.values()
         if v.causality == "parameter"
     }

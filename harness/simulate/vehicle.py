@@ -100,9 +100,9 @@ class VehicleData:
         values: dict[str, tuple[float, ...]] = {}
         for name, descriptive_unit in DESCRIPTIVE.items():
             declared, entry = array_of(self.fmu_parameters, name), getattr(table, name)
-            if declared and file.variables[f"{name}[1]"].unit_name not in (descriptive_unit, ""):
+            if declared and file.variables[f"{name}[1]"].unit not in (descriptive_unit, ""):
                 raise ScenarioError(
-                    f"{file.file.name}: its parameter {name} is in '{file.variables[f'{name}[1]'].unit_name}'; by that "
+                    f"{file.file.name}: its parameter {name} is in '{file.variables[f'{name}[1]'].unit}'; by that "
                     f"name the harness takes '{descriptive_unit}'"
                 )
             if declared and entry and declared != tuple(entry):
@@ -164,7 +164,7 @@ class VehicleData:
         units = units_of_nominal_data(self.formation)
         values: dict[str, float] = {}
         for name in entries.keys() & self.fmu_parameters.keys():
-            of_fmu = self.file.variables[name].unit
+            of_fmu = self.file.variables[name].defined_unit
             if "[" in name and of_fmu is not None and of_fmu.exponents == unit(units[name]).exponents:
                 values[name] = of_fmu.factor * self.fmu_parameters[name] + of_fmu.offset
         return values

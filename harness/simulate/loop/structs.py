@@ -148,7 +148,7 @@ def _formula(layout: Layout, formula: object, inputs: Role) -> Struct:
     if not isinstance(formula, Sampled):
         return kernel(layout).struct("Formula")
     name, expected = formula.formula.name, layout.elements(inputs)
-    found = tuple(quantity.name for quantity in formula.formula.inputs)
+    found = tuple(variable.name for variable in formula.formula.inputs)
     if len(found) != len(expected):
         groups = layout.formation.groups
         raise LoopError(f"{name}: takes {len(found)} inputs, and {len(expected)} belong to {groups} groups.")
