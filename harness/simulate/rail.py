@@ -1,6 +1,6 @@
 """The rail of a scenario with its sand, and the driver."""
 
-from math import inf
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,10 +10,11 @@ from railgrip.rolling_stock.files import load_train
 from railgrip.scenario.adhesion import position_of, profile_of, reach_of
 from railgrip.scenario.demand import phases_of
 from railgrip.scenario.profile import FromTable
+from railgrip.scenario.sanders import Sander
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle import TrainFile
 from railgrip.simulate.loop.driver import Driver
-from railgrip.simulate.loop.rail import Field, LoopSander, SandedRail, TabulatedRail
+from railgrip.simulate.loop.rail import Field, SandedRail, TabulatedRail
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.formation import Formation
 
@@ -35,11 +36,11 @@ def rail_of(vehicle: VehicleData) -> TabulatedRail:
     sand = None
     if adhesion.sand is not None and (sanders := _sanders(scenario, formation)):
         position_of(scenario, formation)
-        sand = SandedRail(layout, sanders, reach_of(scenario), **dict(adhesion.sand))
+        sand = SandedRail(layout, sanders, reach_of(scenario), adhesion.sand)
     return TabulatedRail(layout, profile_of(scenario, formation), vehicle.track_force, field, sand, vehicle.curves)
 
 
-def _sanders(scenario: Scenario, formation: Formation) -> list[LoopSander]:
+def _sanders(scenario: Scenario, formation: Formation) -> Sequence[Sander]:
     sanders, source = scenario.sanders, scenario.vehicle.source
     if not sanders and isinstance(source, TrainFile):
         sanders = load_train(source.file.path).sanders
@@ -49,16 +50,7 @@ def _sanders(scenario: Scenario, formation: Formation) -> list[LoopSander]:
                 f"{scenario.name}: [sanders[{number}]] is at wheelset {sander.wheelset}, the vehicle has "
                 f"{formation.wheelsets}"
             )
-    return [
-        LoopSander(
-            rate=sander.rate,
-            density=inf if sander.density is None else sander.density,
-            begin=sander.begin + sander.delay,
-            end=inf if sander.end is None else sander.end + sander.delay,
-            wheelset=sander.wheelset - 1,
-        )
-        for sander in sanders
-    ]
+    return sanders
 
 
 def doubts(scenario: Scenario) -> list[str]:

@@ -30,7 +30,7 @@ from railgrip.scenario.recovery import Recovery
 from railgrip.scenario.track.table import TrackForce
 from railgrip.simulate.custom import DemandLimits
 from railgrip.simulate.loop.driver import Driver
-from railgrip.simulate.loop.faults import CommandFault, Faults, ReadingFault
+from railgrip.simulate.loop.faults import Faults
 from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.loop.parts import Clock, Parts, StateEstimator
 from railgrip.simulate.loop.plausible import Plausibility, Slowing, slowing_of
@@ -205,6 +205,10 @@ def parts_of(
         TWO_PART_TRAIN,
         samples + 1,
     )
+    faults = Faults(LAYOUT, valves=valves, noise_every=1)
+    for add, changes in zip((faults.add_reading, faults.add_command), broken, strict=True):
+        for change in changes:
+            add(**change)
     friction = np.random.default_rng(3).uniform(0.02, 0.2, (200, 6))
     return Parts(
         layout=LAYOUT,
@@ -215,7 +219,7 @@ def parts_of(
         controller=controller,
         valves=ValveLogic([3.4e5] * 4, VALVES) if valves else None,
         driver=Driver(LAYOUT, 1e-3, full=FULL, touching=np.full(4, 3e4), phases=phases),
-        faults=Faults(LAYOUT, *broken, valves=valves, noise_every=1) if any(broken) else None,
+        faults=faults or None,
         wheel_radius=RADIUS,
         clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples, sensors=sensing),
         slowing=bounds,
@@ -386,14 +390,14 @@ def test_a_rail_that_slip_changes(reach):
 
 span = st.tuples(st.integers(0, BLOCK), st.integers(1, 400)).map(lambda at: {"begin": at[0], "end": sum(at)})
 broken_sensors = st.builds(
-    lambda kind, place, span, value: ReadingFault(
+    lambda kind, place, span, value: dict(
         kind=kind, place=place, value=value, noise=np.linspace(-1, 1, 77) if kind == "noisy" else None, **span
     ),
     st.sampled_from(["dead", "stuck", "scaled", "biased", "noisy"]),
     st.integers(0, LAYOUT.readings - 1), span, st.sampled_from([0.0, 0.5, 2.0, -1.0]),
 )  # fmt: skip
 broken_brakes = st.builds(
-    lambda kind, group, span, delay, value: CommandFault(
+    lambda kind, group, span, delay, value: dict(
         kind=kind, group=group, delay=delay, value=value, pressure=1e5, **span
     ),
     st.sampled_from(["fixed", "kept", "late", "limited"]),
