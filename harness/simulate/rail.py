@@ -8,12 +8,11 @@ from railgrip.base.errors import ScenarioError
 from railgrip.base.units import GRAVITY
 from railgrip.rolling_stock.files import load_train
 from railgrip.scenario.adhesion import position_of, profile_of, reach_of
-from railgrip.scenario.demand import phases_of
 from railgrip.scenario.profile import FromTable
 from railgrip.scenario.sanders import Sander
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle import TrainFile
-from railgrip.simulate.loop.driver import Driver
+from railgrip.simulate.loop.driver import Driver, phases_of
 from railgrip.simulate.loop.rail import Field, SandedRail, TabulatedRail
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.formation import Formation
@@ -82,6 +81,6 @@ def driver_of(vehicle: VehicleData) -> Driver:
     brakes, demand = layout.formation.brakes, scenario.demand
     full = np.array([brake.pressure_max for brake in brakes])
     touching = np.array([brake.pressure_of(0.0) for brake in brakes])
-    phases = () if demand is None else phases_of(demand, full.tolist(), scenario.name)
+    phases = None if demand is None else phases_of(layout, demand, full.tolist(), scenario.name)
     binding = not getattr(scenario.controller, "redistribute", False)
     return Driver(layout, scenario.periods.communication, full=full, touching=touching, phases=phases, binding=binding)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from kernel_calls import holds
+from kernel_calls import holds, phase_of
 from reference import brake
 from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
 
@@ -23,7 +23,6 @@ from railgrip.controllers.sampled import choose
 from railgrip.controllers.train_level import pass_through, with_redistribution
 from railgrip.controllers.valves import ValveLogic, ValveModel
 from railgrip.scenario.adhesion import FrictionTable
-from railgrip.scenario.demand import DemandedPhase
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.recovery import Recovery
@@ -193,13 +192,13 @@ SENSORS = {
 
 
 def parts_of(
-    plant, controller, filter_, *, samples, sensors, valves, every, over_time, start_speed=None, phases=(),
+    plant, controller, filter_, *, samples, sensors, valves, every, over_time, start_speed=None, phases=None,
     field=lambda: None, broken=((), ()), sensing=1, bounds=ANY_TRAIN,
 ):  # fmt: skip
     recorder = Recorder(
         (
             *(*signals.PLANT, *signals.SENT, *signals.READINGS, *signals.DEMANDED),
-            *(signals.DRIVEN if phases else ()),
+            *(() if phases is None else signals.DRIVEN),
             *(signals.ESTIMATES if filter_ else ()),
         ),
         TWO_PART_TRAIN,
@@ -330,8 +329,8 @@ class Wild:
 @pytest.mark.parametrize("every", [(1, 1), (2, 3)])
 def test_demands_of_a_law_in_python_are_limited_before_what_is_decided_over_the_train(every):
     demands, limits = [], DemandLimits(replace(TWO_PART_TRAIN, brakes=GROUPS))
-    phase = DemandedPhase(pressures=(2e5,) * 4, slopes=(0.0,) * 4)
-    setup = dict(samples=BLOCK, sensors="ideal", valves=False, every=every, over_time=True, phases=(phase,))
+    demand = phase_of(pressure=2e5)
+    setup = dict(samples=BLOCK, sensors="ideal", valves=False, every=every, over_time=True, phases=demand)
     for run in (by_the_loop, brake):
         over = with_redistribution(pass_through(GROUPS), GROUPS, period=1e-3, adhesion_max=0.2)
         parts = replace(parts_of(Plant(), Wild(), None, **setup), limits=limits, train_level=over)
@@ -434,13 +433,11 @@ def driven(draw):
     phases, ends = [], draw(st.lists(until, max_size=5))
     for kind, limit in [*ends, ("end", np.nan)]:
         aim = {"target": draw(st.floats(1.0, 8.0)), "deceleration": 8.0, "full_deceleration": 10.6}
-        phase = dict(until=kind, limit=limit, begin=draw(st.floats(0.0, 1.0)), pressures=draw(pressures))
-        phase |= dict(slopes=draw(st.tuples(*[st.sampled_from([0.0, 1e4])] * 4)))
+        phase = dict(until=kind, limit=limit, begin=draw(st.floats(0.0, 1.0)), pressure=draw(pressures))
+        phase |= dict(slope=draw(st.tuples(*[st.sampled_from([0.0, 1e4])] * 4)))
         phase |= dict(force=draw(st.floats(0.0, 1e5)), power=draw(st.sampled_from([np.inf, 1e5])))
-        phases.append(
-            DemandedPhase(rate=draw(st.sampled_from([np.inf, 1e5])), **phase, **draw(st.sampled_from([aim, {}])))
-        )
-    return phases
+        phases.append(phase_of(rate=draw(st.sampled_from([np.inf, 1e5])), **phase, **draw(st.sampled_from([aim, {}]))))
+    return np.concatenate(phases)
 
 
 @settings(max_examples=40)
