@@ -200,7 +200,9 @@ class GroupLaw(Law):
         return law(cls.__name__, cls.description, groups, demand_with)
 
     @classmethod
-    def load_tuning(cls, actuation: str, slip: tuned.SlipSource, name: str = tuned.SEARCHED, **others: float) -> Tuning:
+    def load_tuning(
+        cls, actuation: str, slip: tuned.SlipSource, name: str = tuned.SEARCHED, /, **others: float
+    ) -> Tuning:
         """Return the parameters of one of the law's sets; without a file they are those of its type.
 
         Args:

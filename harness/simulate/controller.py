@@ -118,7 +118,7 @@ def _group_law(vehicle: VehicleData) -> Law:
     }
     slip = "estimated" if isinstance(scenario.estimator, KalmanFilter) else "read"
     try:
-        tuning = kind.load_tuning(scenario.actuation.kind, slip, table.tuning or SEARCHED, **of_other_tables, **values)
+        tuning = kind.load_tuning(scenario.actuation.kind, slip, table.tuning or SEARCHED, **(of_other_tables | values))
     except ValueError as problem:
         raise ScenarioError(f"{scenario.name}: [controller] {problem}") from problem
     return kind(vehicle.nominal.formation.brakes, tuning)
