@@ -313,7 +313,7 @@ def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
 
 
 def _plant_data(layout: Layout, structs: Structs) -> Struct:
-    return structs.plant.copy_with("slip_radius", inputs=np.zeros(layout.inputs))
+    return structs.plant.copy_with("slip_radius", inputs=np.zeros(layout.inputs), outputs=np.zeros(layout.outputs))
 
 
 def _filter_data(scenario: Scenario, parts: Parts, structs: Structs) -> tuple[Struct, dict[str, Sampled]]:
@@ -335,7 +335,7 @@ def _filter_data(scenario: Scenario, parts: Parts, structs: Structs) -> tuple[St
 
 def _select_outputs(layout: Layout, structs: Structs, names: Sequence[str]) -> tuple[list[Variable], str]:
     """Return those of the named plant outputs that exist as inputs, and their positions among all outputs, for C."""
-    absent = np.isnan(structs.plant.view("outputs"))
+    absent = np.isnan(structs.plant.target("outputs"))
     signals = [s for s in layout.signals["output"] if s.name in names and not absent[layout.output[s.name]].any()]
     return _of(signals, layout), _positions("output", signals, layout)
 

@@ -81,7 +81,7 @@ class Loop:
         parts.rail.check_plant(outputs)
         self.structs = structs = structs_of(parts, self._plausibility, inputs, outputs)
         self._cycle, self._plant, self._onboard = (s.pointer for s in (structs.cycle, structs.plant, structs.onboard))
-        self._inputs, self._outputs = structs.plant.target("inputs"), structs.plant.view("outputs")
+        self._inputs, self._outputs = structs.plant.target("inputs"), structs.plant.target("outputs")
         self._reading, self._demand = structs.instruments.view("reading"), structs.onboard.view("demand")
         provides, estimate = frozenset[str](), self._advance_filter
         if isinstance(estimator, StateEstimator):

@@ -70,8 +70,7 @@ def _plant(parts: Parts, inputs: Vector, outputs: Vector) -> Struct:
     interface = plant.c_interface()
     interface.inputs[:] = inputs
     return kernel(layout).struct("Plant", step=interface.step, interface=interface.plan, inputs=interface.inputs,
-        received=interface.outputs, received_at=interface.present, received_count=interface.present.size,
-        outputs=outputs, slip_radius=radius,
+        outputs=interface.outputs, slip_radius=radius,
     )  # fmt: skip
 
 
