@@ -6,7 +6,7 @@ from functools import cache
 from typing import Annotated
 
 from railgrip.base.system import SampledSystem
-from railgrip.controllers.brake import by_name
+from railgrip.controllers.law import by_name
 from railgrip.controllers.parameters import Parameters
 from railgrip.controllers.sampled import Expression, FormulaBuilder, Sampled, choose, either, every
 from railgrip.vehicle.brake import BRAKE, Brake

@@ -9,8 +9,7 @@ import casadi as ca
 
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.controllers import law as laws
-from railgrip.controllers.brake import pressure_for
-from railgrip.controllers.law import Law
+from railgrip.controllers.law import Law, pressure_for
 from railgrip.controllers.sampled import Expression, choose
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.signals import TRAIN_INPUTS

@@ -4,6 +4,7 @@ dae (front end) → expressions, variables, conditions → index, structure → 
 (CasADi functions) or code, description, package (the FMU).
 """
 
-from railgrip.fmus.native.model import Model, lower
+from railgrip.fmus.native.equations import lower
+from railgrip.fmus.native.model import Model
 
 __all__ = ["Model", "lower"]

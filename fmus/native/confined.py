@@ -19,7 +19,7 @@ from typing import Any, Final, NoReturn
 
 from railgrip.base.errors import InputError, TranslationError
 
-_TASKS: Final = {"translate": "railgrip.fmus.build", "lower": "railgrip.fmus.native.model"}
+_TASKS: Final = {"translate": "railgrip.fmus.build", "lower": "railgrip.fmus.native.equations"}
 """Functions that the process calls, by the module that has them; arguments and result are JSON."""
 
 _ADVICE: Final = "make it smaller, or build it with OpenModelica (--compiler openmodelica)"

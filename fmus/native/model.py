@@ -1,21 +1,10 @@
-"""The explicit ODE of a Modelica class as CasADi functions, without an FMU, stored in the user's cache."""
+"""The explicit ODE of a Modelica class as CasADi functions: the result of lowering, stored in the user's cache."""
 
 import json
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railgrip.base import cache
 from railgrip.base.system import Variable
-from railgrip.fmus.native import confined
-from railgrip.fmus.native.library import (
-    LIBRARY,
-    compiler_digest,
-    digest,
-    is_trusted,
-    require_class_name,
-    sources_digest,
-)
 
 if TYPE_CHECKING:
     import casadi as ca
@@ -62,37 +51,3 @@ class Model:
             **{name: getattr(self, name).serialize() for name in FUNCTIONS},
         }
         return json.dumps(content).encode()
-
-
-def lower(class_name: str, modelica_path: Path | None = None) -> Model:
-    """Return the explicit ODE of a Modelica class, from the user's cache if it has been lowered before.
-
-    Args:
-        class_name: Full name, such as `RailBraking.Predictions.TrainPrediction`.
-        modelica_path: A `.mo` file or a library's folder; RailBraking when absent.
-
-    Raises:
-        InputError: The file or class is missing, or Modelica has an error.
-        TranslationError: The class has events, discrete variables, nonlinear loops, or another unsupported form.
-    """
-    require_class_name(class_name)
-    library = LIBRARY if modelica_path is None else Path(modelica_path)
-    if not library.exists():
-        lower_here(class_name, library)  # raises the error
-    key, name = digest([class_name, sources_digest(library), compiler_digest()]), f"{class_name}.json"
-    file = cache.find("models", key, name)
-    if file is None:
-        text = lower_here(class_name, library) if is_trusted(library) else confined.call("lower", class_name, library)
-        file = cache.keep("models", key, name, text.encode())
-    # The file is read even if it has just been written, so that every process computes with the same functions.
-    return Model.from_bytes(file.read_bytes())
-
-
-def lower_here(class_name: str, library: Path) -> str:
-    """Return the text of `Model.to_bytes` for a class, translated in this process; errors are those of `lower`."""
-    # Imported here: with a cached result the imports of rumoca and scipy's graphs, a quarter of a second, are avoided.
-    from railgrip.fmus.native.dae import read
-    from railgrip.fmus.native.lowering import model_of
-    from railgrip.fmus.native.system import explicit
-
-    return model_of(explicit(read(class_name, library))).to_bytes().decode()

@@ -31,7 +31,7 @@ class CInterface:
         step: Address of `int set_step_get(void *plan, double time)` in `kernel/set_step_get.c`.
         plan: Address of its first argument.
         inputs: Input vector of the step, shape (Layout.inputs,).
-        outputs: Output vector of the step, NaN where the plant has no output, shape (Layout.outputs,).
+        outputs: Output vector of the step, NaN for outputs that the plant lacks, shape (Layout.outputs,).
     """
 
     step: int

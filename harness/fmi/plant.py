@@ -157,7 +157,7 @@ class LoadedPlant(SteppedPlant, ABC):
 
     @abstractmethod
     def _receive(self) -> Vector:
-        """Return the outputs, NaN where the FMU has none."""
+        """Return the outputs, NaN for outputs that the FMU lacks."""
 
     def _open(self) -> Instance:
         if self._failure is not None:

@@ -8,9 +8,9 @@ import numpy as np
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
 from railgrip.controllers.law import GroupLaw, Law
+from railgrip.controllers.parameters import SEARCHED
 from railgrip.controllers.sampled import Sampled
 from railgrip.controllers.train_level import pass_through, with_redistribution, with_shared_valves
-from railgrip.controllers.tuned import SEARCHED
 from railgrip.controllers.valves import BAND, PULSE_MIN, ValveLogic, ValveModel
 from railgrip.fmi import Description
 from railgrip.scenario.parts import BuiltInLaw as LawTable

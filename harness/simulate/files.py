@@ -46,8 +46,8 @@ def _class_file(class_name: str, library: Path, digest: str, interface: Literal[
 @cache
 def _train_file(path: Path, digest: str, pneumatic: bool, curved: bool, heated: bool) -> Path:  # pyright: ignore[reportUnusedParameter]
     # Imported here: the schema of a train file takes as long to load as numpy, and few scenarios use one.
-    from railgrip.rolling_stock.files import load_train
     from railgrip.rolling_stock.modelica import class_name, class_text
+    from railgrip.rolling_stock.schema import load_train
 
     train = load_train(path)
     name, text = class_name(train, pneumatic=pneumatic), class_text(train, pneumatic=pneumatic)

@@ -6,11 +6,11 @@ import numpy as np
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import GRAVITY
-from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.adhesion import position_of, profile_of, reach_of
 from railgrip.scenario.profile import FromTable
-from railgrip.scenario.sanders import Sander
 from railgrip.scenario.schema import Scenario
+from railgrip.scenario.surface import Sander
 from railgrip.scenario.vehicle import TrainFile
 from railgrip.simulate.loop.driver import Driver, phases_of
 from railgrip.simulate.loop.rail import Field, SandedRail, TabulatedRail

@@ -17,7 +17,7 @@ from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import unit
 from railgrip.controllers.law import FULL_PRESSURE, GroupLaw
-from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.faults import TRUTH_KEYS
 from railgrip.scenario.kinds import Custom
 from railgrip.scenario.parts import BuiltInLaw as LawTable
@@ -41,6 +41,7 @@ from railgrip.simulate.roles import require_plant
 from railgrip.trace.contact import Contact
 from railgrip.vehicle.brake import BRAKE, PRESSURE_OF_FORCE, Brake
 from railgrip.vehicle.formation import Formation, carried_mass
+from railgrip.vehicle.motion import air_resistance, resistance_lever
 from railgrip.vehicle.parameters import (
     COUNTS,
     DESCRIPTIVE,
@@ -53,7 +54,6 @@ from railgrip.vehicle.parameters import (
     units_of_nominal_data,
     with_each,
 )
-from railgrip.vehicle.resistance import air_resistance, resistance_lever
 from railgrip.vehicle.signals import CURVE, EXTRA, PLANT, READINGS, SENT, Layout, layout_of
 
 CATALOGUE = "TwoPartTrain"

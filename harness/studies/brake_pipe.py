@@ -19,8 +19,8 @@ from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable, percent
-from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.modelica import CELLS_OF_A_CAR
+from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.file import locate
 from railgrip.simulate.run import run_stop

@@ -11,7 +11,7 @@ import pytest
 from small_fmus import FEATURES
 
 from railgrip.base.errors import BuildFailed, CompilerMissing
-from railgrip.fmus.native import lower, model, toolchain
+from railgrip.fmus.native import equations, lower, toolchain
 from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.elimination import MAX_ENTRIES, MAX_PRODUCTS, eliminate
 from railgrip.fmus.native.functions import LONGEST, interpreter, straight, tape
@@ -155,7 +155,7 @@ def test_a_class_of_a_library_is_lowered_once_and_again_when_the_library_changes
 
     assert pull() == -1
     with monkeypatch.context() as kept:
-        kept.setattr(model.confined, "call", lambda *_: pytest.fail("it was kept"))
+        kept.setattr(equations.confined, "call", lambda *_: pytest.fail("it was kept"))
         assert pull() == -1
     file = library / "Oscillator.mo"
     file.write_text(file.read_text().replace("-4*x", "-9*x"))

@@ -25,7 +25,7 @@ from railgrip.controllers.valves import ValveLogic, ValveModel
 from railgrip.scenario.adhesion import FrictionTable
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.polach import Polach
-from railgrip.scenario.recovery import Recovery
+from railgrip.scenario.surface import Recovery
 from railgrip.scenario.track.table import TrackForce
 from railgrip.simulate.custom import DemandLimits
 from railgrip.simulate.loop.driver import Driver

@@ -17,6 +17,7 @@ from railgrip.simulate.loop.parts import DirectEstimator, LoopSensors, Parts, St
 from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.simulate.loop.sensors import BLOCK, ServiceSensors, WhiteSensors
 from railgrip.simulate.loop.structs import Structs, structs_of
+from railgrip.vehicle.motion import slip_of
 from railgrip.vehicle.signals import (
     ESTIMATES,
     OBSERVED,
@@ -25,7 +26,6 @@ from railgrip.vehicle.signals import (
     length,
     places,
 )
-from railgrip.vehicle.slip import slip_of
 
 Vector = NDArray[np.float64]
 

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.adhesion import FrictionTable
 from railgrip.scenario.polach import Polach
-from railgrip.scenario.recovery import Recovery
-from railgrip.scenario.sanders import Sand, Sander
+from railgrip.scenario.surface import Recovery, Sand, Sander
 from railgrip.scenario.track.table import TrackForce
 from railgrip.simulate.loop.library import kernel
 from railgrip.vehicle.formation import Formation

@@ -30,7 +30,7 @@ typedef struct {
     Step *step; /* see set_step_get.h */
     void *interface;
     double *inputs;            /* held during the next step */
-    double *outputs;           /* NaN where the plant has none */
+    double *outputs;           /* NaN for outputs that it lacks */
     const double *slip_radius; /* null: the plant outputs slip; else the radii to compute slip with */
     long long steps;           /* that succeeded */
 } Plant;
