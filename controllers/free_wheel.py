@@ -5,9 +5,10 @@ from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Annotated
 
-from railgrip.controllers.brake import by_name
+from railgrip.base.system import SampledSystem
+from railgrip.controllers.law import by_name
 from railgrip.controllers.parameters import Parameters
-from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled, choose, either, every
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Sampled, choose, either, every
 from railgrip.vehicle.brake import BRAKE, Brake
 from railgrip.vehicle.signals import REFERENCE_INPUTS
 
@@ -49,7 +50,7 @@ class FreeWheel(Sampled):
 
 
 @cache
-def free_wheel(groups: int) -> Formula:
+def free_wheel(groups: int) -> SampledSystem:
     """Return the formula of `FreeWheel` for a number of groups.
 
     A wheel rolls if its brake has been off for `release` and its speed rises by no more than `spin_up`. The fastest

@@ -10,12 +10,11 @@ from operator import itemgetter
 from pathlib import Path
 from typing import ClassVar
 
-from railgrip.controllers import tuned
-from railgrip.controllers.brake import by_name
+from railgrip.base.system import SampledSystem
 from railgrip.controllers.observation import Observation
-from railgrip.controllers.parameters import Parameters
-from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled
-from railgrip.vehicle.brake import BRAKE, Brake
+from railgrip.controllers.parameters import SEARCHED, Parameters, SlipSource, file_of, tuned_values
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Sampled, choose, within
+from railgrip.vehicle.brake import BRAKE, Brake, pressure_of
 from railgrip.vehicle.signals import OBSERVED, Signal
 
 NOT_SEEN = float("nan")
@@ -98,7 +97,7 @@ def law(
     groups: int,
     demand_with: Callable[[FormulaBuilder], Demand],
     observed: Sequence[Signal] = OBSERVED,
-) -> Formula:
+) -> SampledSystem:
     """Return the formula of a law that forms the demand of one group at a time.
 
     Args:
@@ -132,10 +131,10 @@ class Law(Sampled):
 
     needs: tuple[str, ...] = ()
 
-    def __init__(self, formula: Formula, groups: Sequence[Brake], parameters: Mapping[str, float]) -> None:
+    def __init__(self, formula: SampledSystem, groups: Sequence[Brake], parameters: Mapping[str, float]) -> None:
         """Control `groups`; `parameters` has the values by name, except for the brake data of the groups."""
         super().__init__(formula, by_name(groups) | {name: float(value) for name, value in parameters.items()})
-        elements = enumerate(quantity.name.partition("[")[0] for quantity in formula.inputs)
+        elements = enumerate(variable.name.partition("[")[0] for variable in formula.inputs)
         numbers = {name: [i for i, _ in of_name] for name, of_name in groupby(elements, key=itemgetter(1))}
         self._places = tuple((name, slice(places[0], places[-1] + 1)) for name, places in numbers.items())
 
@@ -154,7 +153,7 @@ class Law(Sampled):
         return self.evaluate()
 
 
-Ranges = Mapping[tuple[str, tuned.SlipSource], Mapping[str, tuple[float, float]]]
+Ranges = Mapping[tuple[str, SlipSource], Mapping[str, tuple[float, float]]]
 """(Kind of actuation, source of the slip) → range of each searched parameter, on a logarithmic scale."""
 
 
@@ -190,7 +189,7 @@ class GroupLaw(Law):
 
     @classmethod
     @cache
-    def formula_for(cls, groups: int) -> Formula:
+    def formula_for(cls, groups: int) -> SampledSystem:
         """Return the formula for a number of groups."""
 
         def demand_with(draft: FormulaBuilder) -> Demand:
@@ -199,7 +198,7 @@ class GroupLaw(Law):
         return law(cls.__name__, cls.description, groups, demand_with)
 
     @classmethod
-    def load_tuning(cls, actuation: str, slip: tuned.SlipSource, name: str = tuned.SEARCHED, **others: float) -> Tuning:
+    def load_tuning(cls, actuation: str, slip: SlipSource, name: str = SEARCHED, /, **others: float) -> Tuning:
         """Return the parameters of one of the law's sets; without a file they are those of its type.
 
         Args:
@@ -212,7 +211,31 @@ class GroupLaw(Law):
             ValueError: The set is not for this actuation, or a value is invalid.
         """
         module = Path(inspect.getfile(cls))
-        file = module.with_name(tuned.file_of(module.stem, name))
-        found = tuned.values(file, name, actuation, slip) if file.exists() else {}
+        file = module.with_name(file_of(module.stem, name))
+        found = tuned_values(file, name, actuation, slip) if file.exists() else {}
         names = cls.tuning.meanings().keys()
         return cls.tuning(**{key: value for key, value in {**found, **others}.items() if key in names})
+
+
+def by_name(groups: Sequence[Brake]) -> dict[str, float]:
+    """Return the data of all groups by the names of a formula's parameters, such as `load[1]` of the first group."""
+    return {f"{name}[{g}]": value for g, group in enumerate(groups, 1) for name, value in asdict(group).items()}
+
+
+_PAD_FRICTION = 0.1, 0.6
+"""Limits of pad friction, with a margin: UIC 541-3 has 0.35 to 0.45, ±20 % between lots; wet pads lose up to 30 %."""
+
+
+def pressure_for(torque: Expression, pad_friction: Expression, brake: Mapping[str, Expression]) -> Expression:
+    """Return the brake cylinder pressure [Pa] at which a group's units give `torque` [N·m]; within 0 … pressure_max.
+
+    An impossible estimate of pad friction, as after wrong readings, is limited to the possible range. A negative one
+    would leave the brake off for good: without pressure no reading depends on the pads, so the estimate would not
+    recover.
+
+    Source: Schwarz, Lüdicke, Heckmann (2019), eq. (3), solved for p_c.
+    """
+    pad_force = torque / (brake["units"] * within(pad_friction, *_PAD_FRICTION) * brake["friction_radius"])
+    pressure = pressure_of(pad_force, **{name: brake[name] for name in ("piston_area", "spring_force", "rigging")})
+    full = brake["pressure_max"]
+    return choose(pressure <= 0.0, 0.0, choose(pressure < full, pressure, full))

@@ -1,9 +1,17 @@
-"""Parameters of sampled functions, each with its unit and meaning."""
+"""Parameters of sampled functions, each with its unit and meaning, and the tuned sets of the control laws.
 
+The sets are TOML files next to each law, with values from a search or a paper. A file has a table for each kind of
+actuation and source of the slip, such as `[pneumatic.estimated]`, or only values, which apply to all of them.
+Parameters that are in no set follow from physics or from a regulation; their values are the defaults of the law's
+parameters.
+"""
+
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache
-from typing import Any, get_type_hints
+from pathlib import Path
+from typing import Any, Literal, get_type_hints
 
 from railgrip.controllers.sampled import Expression, FormulaBuilder
 
@@ -23,3 +31,39 @@ class Parameters:
     def declare(cls, draft: FormulaBuilder) -> dict[str, Expression]:
         """Declare all parameters in a draft, and return their symbols by name."""
         return {name: draft.parameter(name, *meaning) for name, meaning in cls.meanings().items()}
+
+
+SlipSource = Literal["read", "estimated"]
+"""Source of a law's slip: readings alone, or an estimator."""
+
+SEARCHED = "searched"
+"""Name of the set that `railgrip maintain tune-control` writes on the training rails."""
+
+TYPE_TEST = "type_test"
+"""Name of the set from the training cases of the type test, for laws whose other set belongs to the papers' tables."""
+
+
+def file_of(kind: str, name: str) -> str:
+    """Return the name of the file of a law's set."""
+    return f"{kind}.toml" if name == SEARCHED else f"{kind}.{name}.toml"
+
+
+def tuned_values(file: Path, name: str, actuation: str, slip: SlipSource) -> Mapping[str, float]:
+    """Return the values of the set `name` in a file.
+
+    Raises:
+        ValueError: It has no values for this actuation; only `SEARCHED` may be used for another actuation.
+    """
+    sets = tomllib.loads(file.read_text(encoding="utf-8"))
+    if not any(isinstance(entry, dict) for entry in sets.values()):
+        return sets
+    if actuation not in sets and name != SEARCHED:
+        known = ", ".join(
+            f"{tuned_set} actuation and {source} slip" for tuned_set, of_one in sets.items() for source in of_one
+        )
+        kind = file.name.partition(".")[0]
+        raise ValueError(
+            f"tuning '{name}': {kind} has no set for {actuation} actuation and {slip} slip; there is {known}"
+        )
+    by_slip = sets.get(actuation, next(iter(sets.values())))
+    return by_slip.get(slip, next(iter(by_slip.values())))

@@ -4,61 +4,19 @@ It is written once and runs in Python, in C in the loop, and as an FMU in other 
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.base.system import SampledSystem, Variable
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import Signal, names_of
 
 Vector = NDArray[np.float64]
 Expression = Any
 """A scalar `casadi.SX`."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Quantity:
-    """One number at the interface of a sampled function.
-
-    Attributes:
-        name: Name as in FMI; `slip[1]` is an element of an array.
-        unit: SI unit, "1" for ratios.
-        description: One line.
-        start: For a state, its value before the first call.
-        visible: For a state, whether traces record it because it explains the outputs.
-        minimum, maximum: For a parameter or output, limits of its validity; None without a limit.
-    """
-
-    name: str
-    unit: str
-    description: str
-    start: float = 0.0
-    visible: bool = False
-    minimum: float | None = None
-    maximum: float | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Formula:
-    """A sampled function.
-
-    Attributes:
-        name: Name of the law.
-        description: One line.
-        states, inputs, parameters, outputs: In the order of the vectors of `step`.
-        step: (state, input, parameter) → (state, output), dense columns.
-    """
-
-    name: str
-    description: str
-    states: tuple[Quantity, ...]
-    inputs: tuple[Quantity, ...]
-    parameters: tuple[Quantity, ...]
-    outputs: tuple[Quantity, ...]
-    step: ca.Function
 
 
 class FormulaBuilder:
@@ -72,15 +30,15 @@ class FormulaBuilder:
     """
 
     def __init__(self) -> None:
-        self._symbols: dict[str, tuple[list[Quantity], list[Expression]]] = {
+        self._symbols: dict[str, tuple[list[Variable], list[Expression]]] = {
             kind: ([], []) for kind in ("state", "input", "parameter")
         }
         self._following: dict[str, Expression] = {}
-        self._outputs: tuple[list[Quantity], list[Expression]] = ([], [])
+        self._outputs: tuple[list[Variable], list[Expression]] = ([], [])
 
     def input(self, name: str, unit: str, description: str) -> Expression:
         """Return the symbol of a new input."""
-        return self._symbol("input", Quantity(name=name, unit=unit, description=description))
+        return self._symbol("input", Variable(name=name, unit=unit, description=description))
 
     def vector(self, signals: Iterable[Signal], groups: int) -> list[list[Expression]]:
         """Return the symbols of new inputs, one for the train or for each group, for each signal."""
@@ -92,16 +50,16 @@ class FormulaBuilder:
 
     def parameter(self, name: str, unit: str, description: str, maximum: float | None = None) -> Expression:
         """Return the symbol of a new parameter, which is not negative."""
-        quantity = Quantity(name=name, unit=unit, description=description, minimum=0.0, maximum=maximum)
-        return self._symbol("parameter", quantity)
+        variable = Variable(name=name, unit=unit, description=description, minimum=0.0, maximum=maximum)
+        return self._symbol("parameter", variable)
 
     def state(self, name: str, unit: str, description: str, start: float = 0.0) -> Expression:
         """Return the symbol of a new state, which has its value before the call."""
-        return self._symbol("state", Quantity(name=name, unit=unit, description=description, start=start))
+        return self._symbol("state", Variable(name=name, unit=unit, description=description, start=start))
 
     def show(self, name: str, unit: str, description: str, value: Expression) -> None:
         """Add a value that traces record and the formula itself does not use."""
-        symbol = Quantity(name=name, unit=unit, description=description, visible=True)
+        symbol = Variable(name=name, unit=unit, description=description, visible=True)
         self.keep(self._symbol("state", symbol), value)
 
     def keep(self, state: Expression, value: Expression) -> None:
@@ -113,15 +71,15 @@ class FormulaBuilder:
     ) -> None:
         """Add an output."""
         low, high = within or (None, None)
-        self._outputs[0].append(Quantity(name=name, unit=unit, description=description, minimum=low, maximum=high))
+        self._outputs[0].append(Variable(name=name, unit=unit, description=description, minimum=low, maximum=high))
         self._outputs[1].append(value)
 
-    def formula(self, name: str, description: str) -> Formula:
+    def formula(self, name: str, description: str) -> SampledSystem:
         """Return the complete formula."""
         arguments = [ca.vertcat(*self._symbols[kind][1]) for kind in ("state", "input", "parameter")]
-        following = [self._following[quantity.name] for quantity in self._symbols["state"][0]]
+        following = [self._following[variable.name] for variable in self._symbols["state"][0]]
         results = [ca.densify(ca.vertcat(*each)) for each in (following, self._outputs[1])]
-        return Formula(
+        return SampledSystem(
             name=name,
             description=description,
             states=tuple(self._symbols["state"][0]),
@@ -131,10 +89,10 @@ class FormulaBuilder:
             step=ca.Function("step", [ca.SX(each) for each in arguments], results, {"cse": True}),
         )
 
-    def _symbol(self, kind: str, quantity: Quantity) -> Expression:
-        symbol = ca.SX.sym(quantity.name)
-        quantities, symbols = self._symbols[kind]
-        quantities.append(quantity)
+    def _symbol(self, kind: str, variable: Variable) -> Expression:
+        symbol = ca.SX.sym(variable.name)
+        variables, symbols = self._symbols[kind]
+        variables.append(variable)
         symbols.append(symbol)
         return symbol
 
@@ -175,11 +133,11 @@ class Sampled:
         inputs: Inputs of the next call, shape (number of inputs,).
     """
 
-    def __init__(self, formula: Formula, parameters: Mapping[str, float]) -> None:
+    def __init__(self, formula: SampledSystem, parameters: Mapping[str, float]) -> None:
         """Start at the start values of the states; `parameters` maps the name of every parameter to its value."""
         self.formula = formula
-        self.parameters = np.array([parameters[quantity.name] for quantity in formula.parameters])
-        self.state = np.array([quantity.start for quantity in formula.states])
+        self.parameters = np.array([parameters[variable.name] for variable in formula.parameters])
+        self.state = np.array([variable.start for variable in formula.states])
         self.inputs, self._result = np.zeros(len(formula.inputs)), np.zeros(len(formula.outputs))
         self._following = np.zeros(self.state.size)
         # The buffers of arguments and results are fixed: a call with CasADi's conversions would take ten times as long.
@@ -193,12 +151,12 @@ class Sampled:
                 self._buffer.set_res(place, values.data)
 
     @property
-    def visible(self) -> tuple[tuple[int, Quantity], ...]:
+    def visible(self) -> tuple[tuple[int, Variable], ...]:
         """Index in `state` and description of each visible state; elements of an array are adjacent."""
-        visible = [(i, quantity) for i, quantity in enumerate(self.formula.states) if quantity.visible]
-        names = [quantity.name.partition("[")[0] for _, quantity in visible]
+        visible = [(i, variable) for i, variable in enumerate(self.formula.states) if variable.visible]
+        names = [variable.name.partition("[")[0] for _, variable in visible]
         return tuple(
-            quantity for _, quantity in sorted(zip(names, visible, strict=True), key=lambda pair: names.index(pair[0]))
+            variable for _, variable in sorted(zip(names, visible, strict=True), key=lambda pair: names.index(pair[0]))
         )
 
     @property

@@ -7,10 +7,10 @@ from typing import Literal
 
 import casadi as ca
 
+from railgrip.base.system import SampledSystem, Variable
 from railgrip.controllers import law as laws
-from railgrip.controllers.brake import pressure_for
-from railgrip.controllers.law import Law
-from railgrip.controllers.sampled import Expression, Formula, Quantity, choose
+from railgrip.controllers.law import Law, pressure_for
+from railgrip.controllers.sampled import Expression, choose
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.signals import TRAIN_INPUTS
 
@@ -38,7 +38,7 @@ def with_shared_valves(law: Law, groups: Sequence[Brake], groups_per_valve: Sequ
     The valve fills or vents all of its cylinders at once, and their highest pressures may differ.
     """
     demands, following, symbols = _open_formula(law.formula)
-    parameters = {quantity.name: symbol for quantity, symbol in _pair_quantities(law.formula.parameters, symbols[2])}
+    parameters = {variable.name: symbol for variable, symbol in _pair(law.formula.parameters, symbols[2])}
     shared: list[Expression] = []
     for end, count in zip(accumulate(groups_per_valve), groups_per_valve, strict=True):
         full = [parameters[f"pressure_max[{g + 1}]"] for g in range(end - count, end)]
@@ -62,8 +62,8 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
     """
     demands, following, symbols = _open_formula(law.formula)
     inputs, parameters = (
-        {quantity.name: symbol for quantity, symbol in _pair_quantities(quantities, symbol)}
-        for quantities, symbol in ((law.formula.inputs, symbols[1]), (law.formula.parameters, symbols[2]))
+        {variable.name: symbol for variable, symbol in _pair(variables, symbol)}
+        for variables, symbol in ((law.formula.inputs, symbols[1]), (law.formula.parameters, symbols[2]))
     )
     numbers = range(1, len(groups) + 1)
     missing, available = 0.0, 0.0
@@ -88,21 +88,23 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
     after = carried + share * (missing - carried)
     part = choose(after < available, after / choose(available > 0.0, available, 1.0), 1.0)
     results = [grant + part * margin for grant, margin in zip(grants, spare, strict=True)]
-    state = Quantity(name="missing", unit="N", description="force that groups cannot give, filtered")
+    state = Variable(name="missing", unit="N", description="force that groups cannot give, filtered")
     formula = replace(law.formula, states=(*law.formula.states, state))
     widened = (ca.vertcat(symbols[0], carried), *symbols[1:])
     return _law(law, groups, replace(formula, step=_step(widened, ca.vertcat(following, after), results)))
 
 
-def _open_formula(formula: Formula) -> tuple[list[Expression], Expression, tuple[Expression, Expression, Expression]]:
+def _open_formula(
+    formula: SampledSystem,
+) -> tuple[list[Expression], Expression, tuple[Expression, Expression, Expression]]:
     sizes = (len(formula.states), len(formula.inputs), len(formula.parameters))
     symbols = tuple(ca.SX.sym(name, size) for name, size in zip("xup", sizes, strict=True))
     following, demands = formula.step(*symbols)
     return ca.vertsplit(demands), following, symbols  # pyright: ignore[reportReturnType]
 
 
-def _pair_quantities(quantities: Sequence[Quantity], symbols: Expression) -> list[tuple[Quantity, Expression]]:
-    return [(quantity, symbols[i]) for i, quantity in enumerate(quantities)]
+def _pair(variables: Sequence[Variable], symbols: Expression) -> list[tuple[Variable, Expression]]:
+    return [(variable, symbols[i]) for i, variable in enumerate(variables)]
 
 
 def _step(symbols: Sequence[Expression], following: Expression, demands: Sequence[Expression]) -> ca.Function:
@@ -110,9 +112,9 @@ def _step(symbols: Sequence[Expression], following: Expression, demands: Sequenc
     return ca.Function("step", list(symbols), results, {"cse": True})
 
 
-def _law(law: Law, groups: Sequence[Brake], formula: Formula) -> Law:
+def _law(law: Law, groups: Sequence[Brake], formula: SampledSystem) -> Law:
     brakes = {f"{name}[{g}]" for g in range(1, len(groups) + 1) for name in asdict(groups[0])}
-    values = dict(zip((quantity.name for quantity in law.formula.parameters), law.parameters.tolist(), strict=True))
+    values = dict(zip((variable.name for variable in law.formula.parameters), law.parameters.tolist(), strict=True))
     wrapped = Law(formula, groups, {name: value for name, value in values.items() if name not in brakes})
     wrapped.needs = law.needs
     return wrapped

@@ -8,8 +8,9 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.base.system import SampledSystem
 from railgrip.controllers.parameters import Parameters
-from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled, choose
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Sampled, choose
 from railgrip.vehicle.signals import VALVE_INPUTS
 
 FILL, HOLD, DUMP = 1.0, 0.0, -1.0
@@ -57,7 +58,7 @@ class ValveLogic(Sampled):
         values = {f"supply[{g}]": supply for g, supply in enumerate(supplies, 1)}
         super().__init__(valve_logic(len(supplies), delay), values | asdict(model))
         # A valve may switch at the first command.
-        self.state[[quantity.name.startswith("age") for quantity in self.formula.states]] = model.pulse_min
+        self.state[[variable.name.startswith("age") for variable in self.formula.states]] = model.pulse_min
 
     def command(self, demands: Sequence[float], measured: Sequence[float] | NDArray[np.float64]) -> tuple[float, ...]:
         """Return −1 dump, 0 hold or +1 fill for each group, from demanded and measured pressures [Pa]."""
@@ -67,7 +68,7 @@ class ValveLogic(Sampled):
 
 
 @cache
-def valve_logic(groups: int, delay: int) -> Formula:
+def valve_logic(groups: int, delay: int) -> SampledSystem:
     """Return the formula for a number of groups and a dead time in periods."""
     draft, numbers = FormulaBuilder(), range(1, groups + 1)
     demands, pressures = draft.vector(VALVE_INPUTS, groups)

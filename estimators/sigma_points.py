@@ -26,18 +26,23 @@ class SigmaPoints:
     """Points that represent a belief.
 
     Attributes:
-        points: Shape (p, n).
+        mean: Mean of the belief, shape (n,).
+        units: Points in standard normal coordinates, L⁻¹(point − mean), shape (p, n).
         mean_weights: Weights of the points in a mean, shape (p,), with a sum of 1.
         covariance_weights: Weights of the points in a covariance, shape (p,).
         factor: Lower Cholesky factor L of the covariance, shape (n, n).
-        units: Points in standard normal coordinates, L⁻¹(point − mean), shape (p, n).
     """
 
-    points: Matrix
+    mean: Vector
     units: Matrix
     mean_weights: Vector
     covariance_weights: Vector
     factor: Matrix
+
+    @property
+    def points(self) -> Matrix:
+        """The points, shape (p, n)."""
+        return self.mean + self.units @ self.factor.T
 
 
 def unscented_points(belief: GaussianEstimate) -> SigmaPoints:
@@ -57,7 +62,7 @@ def unscented_points(belief: GaussianEstimate) -> SigmaPoints:
     covariance_weights = mean_weights.copy()
     covariance_weights[0] += 1.0 - ALPHA**2 + BETA
     return SigmaPoints(
-        points=belief.mean + units @ factor.T,
+        mean=belief.mean,
         units=units,
         mean_weights=mean_weights,
         covariance_weights=covariance_weights,
@@ -78,7 +83,7 @@ def cubature_points(belief: GaussianEstimate) -> SigmaPoints:
     units = np.vstack([scaled, -scaled])
     weights = np.full(2 * n, 0.5 / n)
     return SigmaPoints(
-        points=belief.mean + units @ factor.T,
+        mean=belief.mean,
         units=units,
         mean_weights=weights,
         covariance_weights=weights,

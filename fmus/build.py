@@ -15,8 +15,14 @@ from railgrip.base.files import scratch
 from railgrip.base.programs import find_program
 from railgrip.fmus import openmodelica
 from railgrip.fmus.native import confined, toolchain
-from railgrip.fmus.native.digest import compiler_digest, digest
-from railgrip.fmus.native.library import is_trusted, library_of, require_class_name, sources_digest
+from railgrip.fmus.native.library import (
+    compiler_digest,
+    digest,
+    is_trusted,
+    library_of,
+    require_class_name,
+    sources_digest,
+)
 from railgrip.fmus.recipe import Cookbook, Recipe, read_recipes
 
 if TYPE_CHECKING:

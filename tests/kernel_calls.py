@@ -3,10 +3,20 @@
 import numpy as np
 from synthetic import LAYOUT
 
+from railgrip.simulate.loop.driver import released
 from railgrip.simulate.loop.library import kernel
 from railgrip.simulate.loop.sensors import BLOCK, IdealSensors, ServiceSensors, _encoder
 
 KERNEL = kernel(LAYOUT)
+
+
+def phase_of(until="end", **fields):
+    """Return one phase of a driver, which demands nothing but `fields`."""
+    row = released(LAYOUT, 1)
+    row["until"] = getattr(KERNEL.functions, f"AT_{until.upper()}")
+    for name, value in fields.items():
+        row[name] = value
+    return row
 
 
 def drive(driver, sample, truth):

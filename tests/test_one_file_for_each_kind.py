@@ -66,7 +66,6 @@ FAULT = '''
 
     from typing import Literal
 
-    from railgrip.simulate.loop.faults import ReadingFault
     from railgrip.scenario.faults import Fault
 
 
@@ -75,10 +74,10 @@ FAULT = '''
         kind: Literal["slack"]
         share: float
 
-        def of_readings(self, site):
+        def act_on(self, site):
             at = site.layout.reading["wheelset_speed"]
             for place in range(at.start, at.stop):
-                yield ReadingFault(kind="scaled", place=place, value=1.0 - self.share, begin=0, end=10**6)
+                site.faults.add_reading("scaled", place, value=1.0 - self.share, begin=0, end=10**6)
 '''
 
 FILTER = '''

@@ -10,8 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.brake import pressure_for
-from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges
+from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges, pressure_for
 from railgrip.controllers.laws.adhesion_literal import Derivatives, SwitchingTuning, is_rolling
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every
 

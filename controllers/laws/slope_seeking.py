@@ -18,8 +18,7 @@ from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.brake import pressure_for
-from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges, Tuning, pressure_for
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every, within
 from railgrip.vehicle.brake import piston_force
 

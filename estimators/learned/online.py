@@ -10,42 +10,21 @@ from dataclasses import dataclass, field
 import casadi as ca
 import numpy as np
 
+from railgrip.base.system import SampledSystem, Variable
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.ensemble import MIN_DEVIATION, SLOPE_CENTRE, SLOPE_HALF, Ensemble
 from railgrip.estimators.learned.network import Network
 from railgrip.estimators.learned.preprocessing import BOXES, AntiAlias, Chain, Scale, motions
 from railgrip.estimators.learned.spectral import PRODUCTS, SLOWEST, TINY, Spectral, products, ratios
-from railgrip.fmus.native import Variable
 
 SX = ca.SX
 
 
-def variable(*, name: str, unit: str, start: float, description: str) -> Variable:
-    """Return a variable of an online estimator."""
-    return Variable(name=name, unit=unit, start=start, description=description, minimum=None, maximum=None, nominal=1.0)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Online:
-    """An estimator that is called for each sample.
-
-    Attributes:
-        rate: Sampling rate [Hz].
-        step: (state, input) → (state, output).
-    """
-
-    name: str
-    rate: int
-    states: tuple[Variable, ...]
-    inputs: tuple[Variable, ...]
-    outputs: tuple[Variable, ...]
-    step: ca.Function
-
-    def run(self, samples: Array) -> Array:
-        """Return the outputs for successive samples, shape (n, inputs) → (n, outputs)."""
-        state = np.array([s.start for s in self.states])
-        over = self.step.mapaccum("run", len(samples))
-        return np.asarray(over(state, samples.T)[1].full().T, dtype=np.float64)
+def run(system: SampledSystem, samples: Array) -> Array:
+    """Return the outputs of a system without parameters for successive samples, shape (n, inputs) → (n, outputs)."""
+    state = np.array([s.start for s in system.states])
+    over = system.step.mapaccum("run", len(samples))
+    return np.asarray(over(state, samples.T)[1].full().T, dtype=np.float64)
 
 
 @dataclass(slots=True)
@@ -68,7 +47,7 @@ class _Memory:
 
     def online(
         self, name: str, rate: int, inputs: tuple[Variable, ...], sample: SX, outputs: Mapping[Variable, SX]
-    ) -> Online:
+    ) -> SampledSystem:
         """Return the estimator with these states.
 
         Args:
@@ -76,17 +55,20 @@ class _Memory:
             outputs: Variable → its value.
         """
         states = [ca.vertcat(*(values[name_] for name_ in self.before)) for values in (self.before, self.after)]
-        return Online(
+        return SampledSystem(
             name=name,
-            rate=rate,
-            states=tuple(variable(name=name_, unit="", start=0.0, description="") for name_ in self.before),
+            # The description states the rate, because with a longer step the inputs would be held over several samples.
+            description=f"Friction between wheel and rail from accelerations of the axle boxes, {rate} a second",
+            period=1 / rate,
+            # Names of states must differ from those of inputs and outputs.
+            states=tuple(Variable(name=f"memory.{name_}", unit="", description="") for name_ in self.before),
             inputs=inputs,
             outputs=tuple(outputs),
             step=ca.Function("step", [states[0], sample], [states[1], ca.vertcat(*outputs.values())]),
         )
 
 
-def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: str = "longitudinal") -> Online:
+def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: str = "longitudinal") -> SampledSystem:
     """Return the paper's estimator: a new friction after every block, held in between.
 
     Args:
@@ -124,7 +106,7 @@ def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: 
     )
 
 
-def general(slow: AntiAlias, spectral: Spectral, ensemble: Ensemble) -> Online:
+def general(slow: AntiAlias, spectral: Spectral, ensemble: Ensemble) -> SampledSystem:
     """Return the estimator for all speeds: friction with its 90 % interval at the slow rate, held in between.
 
     Inputs are the accelerations, `speed` [m/s], and `direction`, +1 if wheelset 1 leads and −1 if wheelset 4 leads.
@@ -146,8 +128,8 @@ def general(slow: AntiAlias, spectral: Spectral, ensemble: Ensemble) -> Online:
         slow.rate,
         (
             *_boxes(),
-            variable(name="speed", unit="m/s", start=20.0, description="Speed of the vehicle"),
-            variable(name="direction", unit="1", start=1.0, description="+1 wheelset 1 leads, -1 wheelset 4 leads"),
+            Variable(name="speed", unit="m/s", start=20.0, description="Speed of the vehicle"),
+            Variable(name="direction", unit="1", start=1.0, description="+1 wheelset 1 leads, -1 wheelset 4 leads"),
         ),
         sample,
         {output: memory.hold(f"held_{output.name}", value, ready) for output, value in values.items()},
@@ -155,7 +137,7 @@ def general(slow: AntiAlias, spectral: Spectral, ensemble: Ensemble) -> Online:
 
 
 _FRICTION, _LOWER, _UPPER, _KNOWN = (
-    variable(name=name, unit="1", start=0.0, description=description)
+    Variable(name=name, unit="1", start=0.0, description=description)
     for name, description in (
         ("friction", "Friction coefficient"),
         ("lower", "Lower end of the 90 % interval"),
@@ -166,7 +148,7 @@ _FRICTION, _LOWER, _UPPER, _KNOWN = (
 
 
 def _boxes() -> tuple[Variable, ...]:
-    return tuple(variable(name=n, unit="m/s2", start=0.0, description="Acceleration of an axle box") for n in BOXES)
+    return tuple(Variable(name=n, unit="m/s2", start=0.0, description="Acceleration of an axle box") for n in BOXES)
 
 
 def _first(memory: _Memory) -> SX:

@@ -1,4 +1,4 @@
-"""Trained estimators: applied to a whole run or to single samples, stored as a file, and exported as an FMU."""
+"""Trained estimators: applied to a whole run or to single samples, and stored as a file."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 
 from railgrip.base.errors import EstimatorError, InputError
 from railgrip.base.files import read_text
+from railgrip.base.system import SampledSystem
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Network
-from railgrip.estimators.learned.online import Online, general, paper
+from railgrip.estimators.learned.online import general, paper
 from railgrip.estimators.learned.preprocessing import COMBINATIONS, AntiAlias, Chain, Scale, lateral_and_yaw, motions
 from railgrip.estimators.learned.spectral import Spectral
-from railgrip.fmus.native.discrete import Discrete, sources
-from railgrip.fmus.native.package import Source
 
 FORMAT: Final = 1
 """Version of the file format, raised whenever an older reader would misread a newer file."""
@@ -74,7 +73,7 @@ class PaperEstimator:
             sample=self.chain.block * np.arange(1, len(blocks) + 1) - 1, friction=friction, lower=none, upper=none
         )
 
-    def online(self) -> Online:
+    def online(self) -> SampledSystem:
         """Return the same estimator for single samples."""
         return paper(self.chain, self.scale, self.networks, self.inputs)
 
@@ -105,7 +104,7 @@ class GeneralEstimator:
             upper=estimates.upper,
         )
 
-    def online(self) -> Online:
+    def online(self) -> SampledSystem:
         """See `PaperEstimator`."""
         return general(self.slow, self.spectral, self.ensemble)
 
@@ -186,22 +185,3 @@ def _network(content: Mapping[str, Any]) -> Network:
 
 _KIND: Final[Mapping[type, str]] = {PaperEstimator: "paper", GeneralEstimator: "general"}
 _READ: Final[Mapping[str, Callable[[Mapping[str, Any]], Trained]]] = {"paper": _paper, "general": _general}
-
-
-def as_fmu(online: Online) -> Source:
-    """Return C code and modelDescription.xml of an online estimator, for `railgrip.fmus.native.package.pack`."""
-    # Names of states must differ from those of inputs and outputs.
-    states = tuple(replace(state, name=f"memory.{state.name}") for state in online.states)
-    return sources(
-        Discrete(
-            name=online.name,
-            # The description states the rate, because with a longer step the inputs would be held over several samples.
-            description=f"Friction between wheel and rail from accelerations of the axle boxes, {online.rate} a second",
-            period=1 / online.rate,
-            states=states,
-            inputs=online.inputs,
-            parameters=(),
-            outputs=online.outputs,
-            step=online.step,
-        )
-    )

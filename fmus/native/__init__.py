@@ -5,6 +5,6 @@ dae (front end) → expressions, variables, conditions → index, structure → 
 """
 
 from railgrip.fmus.native.equations import lower
-from railgrip.fmus.native.model import Model, Variable
+from railgrip.fmus.native.model import Model
 
-__all__ = ["Model", "Variable", "lower"]
+__all__ = ["Model", "lower"]

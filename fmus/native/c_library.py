@@ -80,7 +80,7 @@ class CLibrary:
         dtype = np.dtype(
             {
                 "names": [field for field, _ in fields],
-                "formats": [_FORMATS.get(description.type.cname, "u8") for _, description in fields],
+                "formats": [_format(description.type) for _, description in fields],
                 "offsets": [description.offset for _, description in fields],
                 "itemsize": self._ffi.sizeof(name),
             }
@@ -172,3 +172,9 @@ class Struct:
             return value.pointer
         address = value.ctypes.data if isinstance(value, np.ndarray) else value
         return self._ffi.cast(kind, address or 0)
+
+
+def _format(kind: Any) -> Any:
+    if kind.kind == "array":
+        return _format(kind.item), (kind.length,)
+    return _FORMATS.get(kind.cname, "u8")

@@ -10,10 +10,9 @@ import casadi as ca
 from railgrip.fmus.native.arrays import SX
 from railgrip.fmus.native.ctext import string_literal, strings, table
 from railgrip.fmus.native.elimination import eliminate
-from railgrip.fmus.native.straight import straight
+from railgrip.fmus.native.functions import fits, interpreter, straight, tape
 from railgrip.fmus.native.structure import Loops
 from railgrip.fmus.native.system import System, column
-from railgrip.fmus.native.tape import fits, interpreter, tape
 from railgrip.fmus.native.variables import Scalar, vector
 
 RUNTIME = Path(__file__).parent / "runtime"

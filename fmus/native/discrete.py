@@ -6,18 +6,18 @@ the function once: outputs at its end follow from the inputs set at its beginnin
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib.metadata import version
 
 import casadi as ca
 
 from railgrip.base.errors import InputError
+from railgrip.base.system import SampledSystem
 from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.ctext import string_literal, table
 from railgrip.fmus.native.description import Writer, document
-from railgrip.fmus.native.model import Variable
+from railgrip.fmus.native.functions import straight
 from railgrip.fmus.native.package import Source, c_identifier
-from railgrip.fmus.native.straight import straight
 
 PARTS = ("discrete.c", "instance.c", "status.c")
 
@@ -37,66 +37,46 @@ class WrittenStep:
     units: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Discrete:
-    """A discrete-time system.
+def sources(system: SampledSystem, waits: int = 0, hidden: frozenset[str] = frozenset()) -> Source:
+    """Return C code and modelDescription.xml of a system, ready for `package.pack`.
 
-    Attributes:
-        name: Model name, from which the C identifier is derived.
-        description: One line.
-        period: Time between calls [s].
-        states, inputs, parameters, outputs: Variables in the order of the function's vectors. Outputs have their start
-            values until the first call. Parameters are set before the first step.
-        step: (state, input, parameter) → (state, output), dense columns; without parameters the third argument may be
-            omitted.
+    Args:
+        system: A system with a period; its step is a casadi.Function or a `WrittenStep`.
         waits: Number of leading inputs of which one must be nonzero for the first period to begin; 0 begins at once.
         hidden: Names of parameters that are not listed in modelDescription.xml.
+
+    Raises:
+        InputError: The period is not positive, names are not unique, or the step has other sizes.
     """
-
-    name: str
-    description: str
-    period: float
-    states: tuple[Variable, ...]
-    inputs: tuple[Variable, ...]
-    parameters: tuple[Variable, ...]
-    outputs: tuple[Variable, ...]
-    step: ca.Function | WrittenStep
-    waits: int = 0
-    hidden: frozenset[str] = field(default=frozenset())
-
-    def __post_init__(self) -> None:
-        """Check the period and the functions.
-
-        Raises:
-            InputError: The period is not positive, names are not unique, or the step has other sizes.
-        """
-        if not self.period > 0:
-            raise InputError(f"{self.name}: the period must be a positive time, got {self.period} s.")
-        names = [v.name for v in (*self.states, *self.inputs, *self.parameters, *self.outputs)]
-        twice = sorted({name for name in names if names.count(name) > 1})
-        if twice:
-            raise InputError(f"{self.name}: more than one variable is named {', '.join(twice)}.")
-        if isinstance(self.step, WrittenStep):
-            return
-        takes = [self.step.numel_in(i) for i in range(self.step.n_in())]
-        gives = [self.step.numel_out(i) for i in range(self.step.n_out())]
-        sizes = [len(self.states), len(self.inputs), len(self.parameters)]
-        if takes + [0] * (3 - len(takes)) != sizes or gives != [len(self.states), len(self.outputs)]:
-            raise InputError(
-                f"{self.name}: a step function takes (state, input, parameter) of {sizes} numbers and gives "
-                f"(state, output) of {[len(self.states), len(self.outputs)]}; this one takes {takes} and gives {gives}."
-            )
-
-
-def sources(system: Discrete) -> Source:
-    """Return C code and modelDescription.xml, ready for `package.pack`."""
+    _check(system)
     identifier = c_identifier(system.name)
-    files = {"model.c": _code(system)} | {part: (RUNTIME / part).read_text(encoding="utf-8") for part in PARTS}
+    files = {"model.c": _code(system, waits)}
+    files |= {part: (RUNTIME / part).read_text(encoding="utf-8") for part in PARTS}
     units: tuple[str, ...] = ("model.c",)
     if isinstance(system.step, WrittenStep):
         files |= system.step.files
         units += system.step.units
-    return Source.of(identifier, files, _xml(system, identifier, units), units)
+    return Source.of(identifier, files, _xml(system, hidden, identifier, units), units)
+
+
+def _check(system: SampledSystem) -> None:
+    if not system.period > 0:
+        raise InputError(f"{system.name}: the period must be a positive time, got {system.period} s.")
+    names = [v.name for v in (*system.states, *system.inputs, *system.parameters, *system.outputs)]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise InputError(f"{system.name}: more than one variable is named {', '.join(twice)}.")
+    step = system.step
+    if isinstance(step, WrittenStep):
+        return
+    takes = [step.numel_in(i) for i in range(step.n_in())]
+    gives = [step.numel_out(i) for i in range(step.n_out())]
+    sizes = [len(system.states), len(system.inputs), len(system.parameters)]
+    if takes + [0] * (3 - len(takes)) != sizes or gives != [len(system.states), len(system.outputs)]:
+        raise InputError(
+            f"{system.name}: a step function takes (state, input, parameter) of {sizes} numbers and gives "
+            f"(state, output) of {[len(system.states), len(system.outputs)]}; this one takes {takes} and gives {gives}."
+        )
 
 
 def straight_step(name: str, step: ca.Function, sizes: Sequence[int]) -> str:
@@ -108,7 +88,7 @@ def straight_step(name: str, step: ca.Function, sizes: Sequence[int]) -> str:
     return straight(ca.Function(name, every, [ca.densify(following), ca.densify(output)], {"cse": True}))
 
 
-def _code(system: Discrete) -> str:
+def _code(system: SampledSystem, waits: int) -> str:
     groups = {"x": system.states, "u": system.inputs, "p": system.parameters, "y": system.outputs}
     sizes = {f"N{name.upper()}": len(group) for name, group in groups.items()}
     if isinstance(system.step, WrittenStep):
@@ -116,7 +96,7 @@ def _code(system: Discrete) -> str:
     else:
         step = straight_step("f_step", system.step, [*sizes.values()][:3])
     numbers = sizes | {
-        "PERIOD": repr(float(system.period)), "WAITS": system.waits, "MODEL_GUID": string_literal("")
+        "PERIOD": repr(float(system.period)), "WAITS": waits, "MODEL_GUID": string_literal("")
     }  # fmt: skip
     return "\n".join(
         [
@@ -132,7 +112,7 @@ def _code(system: Discrete) -> str:
     )
 
 
-def _xml(system: Discrete, identifier: str, units: Sequence[str]) -> str:
+def _xml(system: SampledSystem, hidden: frozenset[str], identifier: str, units: Sequence[str]) -> str:
     w = Writer()
     place = 0
     for group, causality, variability, initial in (
@@ -143,7 +123,7 @@ def _xml(system: Discrete, identifier: str, units: Sequence[str]) -> str:
     ):
         for v in group:
             place += 1
-            if v.name in system.hidden:
+            if v.name in hidden:
                 continue
             bounds = {"min": v.minimum, "max": v.maximum}
             attributes = {"unit": v.unit} if v.unit else {}

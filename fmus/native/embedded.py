@@ -8,10 +8,10 @@ import re
 from collections.abc import Iterator, Sequence
 
 from railgrip.base.errors import InputError
+from railgrip.base.system import SampledSystem, Variable
 from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.ctext import table
-from railgrip.fmus.native.discrete import Discrete, WrittenStep
-from railgrip.fmus.native.model import Variable
+from railgrip.fmus.native.discrete import WrittenStep
 from railgrip.fmus.native.package import c_identifier
 
 _FUNCTION = re.compile(r"^(?!typedef)(?:\w+ )+\*?(\w+)\(.*\);$", re.MULTILINE)
@@ -55,7 +55,7 @@ int {name}_step({name}_State *state, const {name}_Inputs *inputs, {name}_Outputs
 """
 
 
-def sources_of_library(system: Discrete) -> dict[str, str]:
+def sources_of_library(system: SampledSystem) -> dict[str, str]:
     """Return the C code of a system without FMI, file name → text: header, `NAME.c`, further files and `worst_case.c`.
 
     Raises:

@@ -4,8 +4,14 @@ from pathlib import Path
 
 from railgrip.base import cache
 from railgrip.fmus.native import confined
-from railgrip.fmus.native.digest import compiler_digest, digest
-from railgrip.fmus.native.library import LIBRARY, is_trusted, require_class_name, sources_digest
+from railgrip.fmus.native.library import (
+    LIBRARY,
+    compiler_digest,
+    digest,
+    is_trusted,
+    require_class_name,
+    sources_digest,
+)
 from railgrip.fmus.native.model import Model
 
 

@@ -1,11 +1,14 @@
-"""Libraries of Modelica classes on disk."""
+"""Libraries of Modelica classes on disk, and digests over everything that a compiled class depends on."""
 
 import hashlib
 import os
 import re
+from collections.abc import Iterable
+from functools import lru_cache
+from importlib.metadata import version
 from pathlib import Path
 
-from railgrip.base import cache
+from railgrip.base import cache, units
 from railgrip.base.errors import InputError
 from railgrip.base.files import LARGEST_TABLE, read_bytes
 
@@ -56,5 +59,24 @@ def library_of(file: Path) -> Path:
 
 def sources_digest(library: Path) -> str:
     """Return a digest over everything that a class of a library may use: the library itself, and RailBraking."""
-    digest = library_digest(library)
-    return digest if library == LIBRARY else hashlib.sha256(f"{digest} {library_digest(LIBRARY)}".encode()).hexdigest()
+    own = library_digest(library)
+    return own if library == LIBRARY else hashlib.sha256(f"{own} {library_digest(LIBRARY)}".encode()).hexdigest()
+
+
+def digest(parts: Iterable[str]) -> str:
+    """Return the SHA-256 of texts, each followed by a zero byte."""
+    out = hashlib.sha256()
+    for part in parts:
+        out.update(part.encode() + b"\0")
+    return out.hexdigest()
+
+
+@lru_cache(maxsize=1)
+def compiler_digest() -> str:
+    """Return a digest over the source of the built-in compiler and the versions of packages that it uses."""
+    here = Path(__file__).parent
+    files = sorted(file for file in here.rglob("*") if file.suffix in (".py", ".c", ".h", ".toml", ".jinja"))
+    base = Path(units.__file__)
+    files += [base, base.with_name("system.py"), units.DEFINITIONS]
+    packages = [version(name) for name in ("rumoca", "casadi", "numpy", "scipy")]
+    return digest([*packages, *(file.read_text(encoding="utf-8") for file in files)])

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import casadi as ca
 
 from railgrip.base.errors import TranslationError
+from railgrip.base.system import Variable
 from railgrip.fmus.native.arrays import SX
-from railgrip.fmus.native.model import Model, Variable
+from railgrip.fmus.native.model import Model
 from railgrip.fmus.native.system import System, column
 from railgrip.fmus.native.variables import Scalar, vector
 

@@ -4,31 +4,13 @@ import json
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from railgrip.base.system import Variable
+
 if TYPE_CHECKING:
     import casadi as ca
 
 GROUPS = ("states", "inputs", "parameters", "outputs")
 FUNCTIONS = ("derivative", "output", "initial")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Variable:
-    """A scalar variable at the interface of a model.
-
-    Attributes:
-        name: Modelica name, such as `slip[2]`.
-        unit: Modelica unit string, empty if none is declared.
-        start: Start or default value, with every parameter at its default.
-        nominal: Nominal value, 1.0 if none is declared.
-    """
-
-    name: str
-    unit: str
-    start: float
-    description: str
-    minimum: float | None = None
-    maximum: float | None = None
-    nominal: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,8 +1,13 @@
-"""Find other programs in the absolute folders of PATH only, so that a downloaded folder cannot supply programs."""
+"""Other software: programs, found in the absolute folders of PATH only, and versions that a result depends on."""
 
 import os
+import platform
+import re
 import shutil
+from functools import cache
+from importlib.metadata import requires, version
 from pathlib import Path
+from typing import Final
 
 
 def find_program(name: str) -> str | None:
@@ -27,3 +32,18 @@ def environment_of_programs() -> dict[str, str]:
 def _path() -> str:
     folders = os.environ.get("PATH", os.defpath).split(os.pathsep)
     return os.pathsep.join(folder for folder in folders if Path(folder).is_absolute())
+
+
+_PRESENTATION: Final = frozenset(
+    {"jinja2", "markdown-it-py", "matplotlib", "pebble", "pillow", "platformdirs", "plotly", "rich", "typer"}
+)
+"""Required packages that draw, write or organise, and do not affect numbers."""
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Return the versions of Python, of its machine and C library, and of all packages that may affect numbers."""
+    names = [re.split(r"[^\w.-]", entry, maxsplit=1)[0] for entry in requires("railgrip") or () if "extra" not in entry]
+    packages = {name: version(name) for name in ("railgrip", *names) if name not in _PRESENTATION}
+    machine = " ".join(filter(None, (platform.system(), platform.machine(), *platform.libc_ver())))
+    return {"python": platform.python_version(), "machine": machine} | packages

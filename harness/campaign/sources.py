@@ -6,7 +6,7 @@ from importlib import import_module
 from pathlib import Path
 
 from railgrip.base.errors import CompilerMissing
-from railgrip.base.versions import versions
+from railgrip.base.programs import versions
 from railgrip.fmus import openmodelica
 from railgrip.fmus.build import choose
 from railgrip.fmus.native.toolchain import compiler

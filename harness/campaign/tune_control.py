@@ -23,8 +23,7 @@ from scipy.stats.qmc import Sobol
 from railgrip.base import registry
 from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.law import Ranges as LawRanges
-from railgrip.controllers.tuned import SEARCHED, TYPE_TEST, SlipSource, file_of
-from railgrip.controllers.tuned import values as tuned_values
+from railgrip.controllers.parameters import SEARCHED, TYPE_TEST, SlipSource, file_of, tuned_values
 from railgrip.scenario.campaign import PlannedStop, load_campaign
 from railgrip.scenario.merge import merge
 from railgrip.scenario.schema import Scenario

@@ -15,7 +15,7 @@ from railgrip.estimation.spec import Specification
 from railgrip.report.console import remark, say, show_table
 from railgrip.report.table import ReportTable
 from railgrip.rolling_stock.schema import Train
-from railgrip.scenario.json_schema import campaign_schema, extending_schema, scenario_schema, schema_of
+from railgrip.scenario.keys import campaign_schema, extending_schema, scenario_schema, schema_of
 
 FileKind = Literal["scenario", "train", "campaign", "estimation"]
 

@@ -19,7 +19,7 @@ from railgrip.campaign.tune_control import EQUIPMENT, RANGES, Optimum, set_of, t
 from railgrip.campaign.work import work
 from railgrip.campaign.workers import workers as processes
 from railgrip.cli.app import ImportFrom, Workers
-from railgrip.controllers.tuned import SlipSource, file_of
+from railgrip.controllers.parameters import SlipSource, file_of
 from railgrip.report.console import progress, say
 from railgrip.studies.field_test.filtering import divergence_time, equations, filter_of, follow, save_noise, task_of
 from railgrip.studies.field_test.runs import TUNING, runs

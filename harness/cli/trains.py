@@ -11,7 +11,7 @@ from railgrip.report.console import remark, say, show_table
 from railgrip.report.style import save
 from railgrip.rolling_stock.check import findings, stops_by_hand
 from railgrip.rolling_stock.drawing import drawing
-from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.tables import (
     plain_stop,
     sentence_of_equipment,

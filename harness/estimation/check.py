@@ -9,7 +9,7 @@ from railgrip.base.units import unit
 from railgrip.estimation.run import by_name, model_of, start_by_reading, units_of
 from railgrip.estimation.spec import Specification, parameters_for, settings_for
 from railgrip.fmus.native import Model
-from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.load import load
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.vehicle import TrainFile

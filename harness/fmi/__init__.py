@@ -6,20 +6,20 @@
 """
 
 from railgrip.fmi.cosimulation import CoSimulation
-from railgrip.fmi.description import Description, Variable, describe
+from railgrip.fmi.description import Description, FmuVariable, describe
 from railgrip.fmi.exchange import FmuPrediction
 from railgrip.fmi.isolation import IsolatedCoSimulation, open_plant, shared_budget
-from railgrip.fmi.mapping import Binding, Signal, SignalVector, bind
+from railgrip.fmi.mapping import Binding, Port, SignalVector, bind
 
 __all__ = [
     "Binding",
     "CoSimulation",
     "Description",
     "FmuPrediction",
+    "FmuVariable",
     "IsolatedCoSimulation",
-    "Signal",
+    "Port",
     "SignalVector",
-    "Variable",
     "bind",
     "describe",
     "open_plant",

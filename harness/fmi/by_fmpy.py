@@ -66,17 +66,17 @@ class _FmpyPlant(LoadedPlant):
                 getattr(fmu, f"set{channel.carrier}")(block.references, block.plain())
 
     def _receive(self) -> Vector:
-        instance, outputs = self._open(), np.zeros(self._places.size)
+        instance, outputs = self._open(), self._blank.copy()
         with instance.calling(self.time, "reading outputs") as fmu:
             for block in self._receivers:
                 channel, size = block.channel, block.values.size
                 sizes = () if size == len(block.references) else (size,)  # FMI 2.0 has no arrays
                 values = np.array(getattr(fmu, f"get{channel.carrier}")(block.references, *sizes), dtype=np.float64)
-                at = np.searchsorted(self._places, channel.positions)
-                outputs[at] = values[block.places] * channel.gain + channel.shift
-        bad = np.flatnonzero(~np.isfinite(outputs))
-        if bad.size:
-            raise self._not_finite(instance, int(bad[0]), float(outputs[bad[0]]))
+                outputs[channel.positions] = values[block.places] * channel.gain + channel.shift
+        for block in self._receivers:
+            bad = block.channel.positions[~np.isfinite(outputs[block.channel.positions])]
+            if bad.size:
+                raise self._not_finite(instance, int(bad[0]), float(outputs[bad[0]]))
         return outputs
 
     def step(self, inputs: Vector) -> Vector:
@@ -91,7 +91,7 @@ class _FmpyPlant(LoadedPlant):
         with self._remembering():
             self._advance(self._open(), inputs)
             self.sample += 1
-            return self._spread(self._receive())
+            return self._receive()
 
     @abstractmethod
     def _advance(self, instance: Instance, inputs: Vector) -> None:

@@ -31,15 +31,13 @@ class CInterface:
         step: Address of `int set_step_get(void *plan, double time)` in `kernel/set_step_get.c`.
         plan: Address of its first argument.
         inputs: Input vector of the step, shape (Layout.inputs,).
-        outputs: Output vector of the step, with the outputs that the plant has.
-        present: Positions of these outputs among all outputs.
+        outputs: Output vector of the step, NaN for outputs that the plant lacks, shape (Layout.outputs,).
     """
 
     step: int
     plan: int
     inputs: Vector
     outputs: Vector
-    present: NDArray[np.intp]
 
 
 @cache
@@ -58,16 +56,14 @@ class CoSimulation(LoadedPlant):
 
     def _prepare(self, instance: Instance) -> None:
         sending, receiving = self._binding.inputs, self._binding.outputs
-        self._inputs, self._outputs = np.zeros(sending.size), np.zeros(self._places.size)
-        self._is_full = self._places.size == self._blank.size
+        self._inputs, self._outputs = np.zeros(sending.size), self._blank.copy()
         self._keep: list[Any] = []
         library = kernel_library(*_KERNEL)
         to, of = (library.records("Channel", len(side.channels)) for side in (sending, receiving))
         for row, channel in zip(to, sending.channels, strict=True):
-            self._fill(row, channel, instance.address(f"fmi2Set{channel.carrier}"), channel.positions)
+            self._fill(row, channel, instance.address(f"fmi2Set{channel.carrier}"))
         for row, channel in zip(of, receiving.channels, strict=True):
-            places = np.searchsorted(self._places, channel.positions)
-            self._fill(row, channel, instance.address(f"fmi2Get{channel.carrier}"), places)
+            self._fill(row, channel, instance.address(f"fmi2Get{channel.carrier}"))
         self._struct = library.struct(
             "SetStepGet", fmu=instance.component, step=instance.address("fmi2DoStep"), senders=to, receivers=of,
             n_senders=len(to), n_receivers=len(of), n_outputs=self._outputs.size, inputs=self._inputs,
@@ -76,10 +72,10 @@ class CoSimulation(LoadedPlant):
         self._functions = library.functions
         self._step, self._address = _step(), ctypes.c_void_p(self._struct.address)
 
-    def _fill(self, row: np.void, channel: Channel, exchange: int, positions: NDArray[np.intp]) -> None:
+    def _fill(self, row: np.void, channel: Channel, exchange: int) -> None:
         is_integer = channel.carrier != "Real"
         buffer = np.zeros(len(channel.references), dtype=np.intc if is_integer else np.float64)
-        places = np.ascontiguousarray(positions, dtype=np.longlong)
+        places = np.ascontiguousarray(channel.positions, dtype=np.longlong)
         arrays = {"references": channel.references, "positions": places, "buffer": buffer}
         if np.any(channel.gain != 1.0) or np.any(channel.shift != 0.0):
             arrays |= {"gain": np.ascontiguousarray(channel.gain), "shift": np.ascontiguousarray(channel.shift)}
@@ -110,10 +106,10 @@ class CoSimulation(LoadedPlant):
         if outcome:
             self.note_steps(0, outcome)
         self.sample += 1
-        return self._outputs.copy() if self._is_full else self._spread(self._outputs)
+        return self._outputs.copy()
 
     def follow(self, inputs: Vector) -> Vector:
-        """Hold each row of inputs, shape (k, nu), over one period; return the outputs that the FMU has, shape (k, ny).
+        """Hold each row of inputs, shape (k, nu), over one period; return the outputs, shape (k, ny).
 
         Raises:
             FmuError: The shape is wrong, or a value is not finite.
@@ -144,7 +140,6 @@ class CoSimulation(LoadedPlant):
             plan=self._struct.address,
             inputs=self._inputs,
             outputs=self._outputs,
-            present=self._places,
         )
 
     def note_steps(self, steps: int, outcome: int) -> None:

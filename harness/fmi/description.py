@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -17,6 +17,7 @@ from railgrip.base.files import require_regular, scratch
 from railgrip.base.interrupted import postpone_interrupts
 from railgrip.base.limits import FMU_LIMITS, MIB, FmuLimits
 from railgrip.base.names import did_you_mean
+from railgrip.base.system import Variable
 from railgrip.base.units import BASE, Exponents, Unit, unit
 from railgrip.fmi.archive import DESCRIPTION, Outline, copy_of_description, digest, members, outline
 
@@ -38,11 +39,12 @@ _KINDS: Final[dict[str, Kind]] = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Variable:
+class FmuVariable(Variable):
     """One scalar variable of an FMU, or one element of an array of FMI 3.0.
 
+    Its name is that in the FMU, `stiffness[1,3]` of an element. Its start value is NaN if it is not a number.
+
     Attributes:
-        name: Name in the FMU, `brake[2].torque`; of an element `slip[2]` or `stiffness[1,3]`.
         reference: FMI value reference, the same for all elements of an array.
         kind: Kind of value.
         carrier: Type in the names of its get and set functions: Real, or Float64.
@@ -50,30 +52,21 @@ class Variable:
         elements: Size of its array; 1 for a scalar.
         causality: Causality by FMI.
         settable: Whether a value may be set before initialisation.
-        unit: Unit, or None if the FMU declares none or does not define it.
-        unit_name: Name of the unit in the FMU, '' without one; also given if the FMU names a unit without a definition.
+        defined_unit: Definition of its unit, or None if the FMU does not define it.
         relative: Whether it is a difference, to which a unit's offset does not apply.
-        start: Start value as written in the FMU, or None.
-        minimum: Minimum, in its own unit.
-        maximum: Maximum, in its own unit.
-        description: Description by its author, one line.
+        start_text: Start value as written in the FMU, or None.
     """
 
-    name: str
     reference: int
     kind: Kind
     carrier: str
-    element: int
-    elements: int
+    element: int = 0
+    elements: int = 1
     causality: Causality
     settable: bool
-    unit: Unit | None
-    unit_name: str
+    defined_unit: Unit | None
     relative: bool
-    start: str | None
-    minimum: float | None
-    maximum: float | None
-    description: str
+    start_text: str | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,7 +118,7 @@ class Description:
     model: str
     guid: str
     generator: str
-    variables: Mapping[str, Variable]
+    variables: Mapping[str, FmuVariable]
     states: tuple[str, ...]
     derivatives: tuple[str, ...]
     dependencies: Mapping[str, frozenset[str]]
@@ -139,7 +132,7 @@ class Description:
         """Return the names of all variables of one causality, in the FMU's order."""
         return tuple(v.name for v in self.variables.values() if v.causality == causality)
 
-    def variable(self, name: str, wanted_by: str) -> Variable:
+    def variable(self, name: str, wanted_by: str) -> FmuVariable:
         """Return the variable with a name.
 
         Args:
@@ -384,12 +377,17 @@ def _value_of(path: Path, element: Any, attribute: str, text: str | None) -> flo
     return value
 
 
+def _start_of(path: Path, element: Any, text: str | None) -> float:
+    value = _value_of(path, element, "start", text)
+    return math.nan if value is None else value
+
+
 def _elements(
     path: Path, fmi: Version, element: Any, units: Mapping[str, Unit | None], relatives: frozenset[str]
-) -> Iterator[Variable]:
+) -> Iterator[FmuVariable]:
     is_text = element.type in ("String", "Binary")
     texts = [element.start] if element.start is None or is_text or not element.shape else element.start.split()
-    first = _variable(path, fmi, element, units, relatives, texts)
+    first = _variable(path, fmi, element, units, relatives, texts[0])
     if not element.shape:
         yield first
         return
@@ -401,7 +399,9 @@ def _elements(
         )
     for place, index in enumerate(np.ndindex(element.shape)):
         name = f"{element.name}[{','.join(str(i + 1) for i in index)}]"
-        yield replace(first, name=name, element=place, elements=count, start=texts[place % len(texts)])
+        text = texts[place % len(texts)]
+        start = _start_of(path, element, text)
+        yield replace(first, name=name, element=place, elements=count, start=start, start_text=text)
 
 
 def _variable(
@@ -410,8 +410,8 @@ def _variable(
     element: Any,
     units: Mapping[str, Unit | None],
     relatives: frozenset[str],
-    texts: Sequence[str | None],
-) -> Variable:
+    start: str | None,
+) -> FmuVariable:
     reference = int(element.valueReference)
     if not 0 <= reference < _REFERENCES:
         raise FmuError(
@@ -427,16 +427,12 @@ def _variable(
     unit_name = element.unit or (declaration.unit if declaration is not None else None) or ""
     least = element.min if element.min is not None or declaration is None else declaration.min
     most = element.max if element.max is not None or declaration is None else declaration.max
-    for text in texts:
-        _value_of(path, element, "start", text)
     relative = element.name in relatives or bool(declaration is not None and declaration.relativeQuantity)
-    return Variable(
+    return FmuVariable(
         name=element.name,
         reference=reference,
         kind=_KINDS.get(element.type, "Integer"),
         carrier={2: "Integer", 3: "Int64"}[fmi] if element.type == "Enumeration" else element.type,
-        element=0,
-        elements=1,
         causality=element.causality,
         # FMI 2.0.4, §2.2.7: only exact or approximate start values may be changed, constants never. Structural
         # parameters of FMI 3.0 would require another mode, and determine the number of variables.
@@ -444,10 +440,11 @@ def _variable(
         and element.variability != "constant"
         and element.causality != "structuralParameter"
         and element.type != "Binary",
-        unit=units.get(unit_name),
-        unit_name=unit_name,
+        defined_unit=units.get(unit_name),
+        unit=unit_name,
         relative=relative,
-        start=texts[0],
+        start=_start_of(path, element, start),
+        start_text=start,
         minimum=_value_of(path, element, "min", least),
         maximum=_value_of(path, element, "max", most),
         description=element.description or "",

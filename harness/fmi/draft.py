@@ -11,8 +11,8 @@ from scipy.optimize import linear_sum_assignment
 
 from railgrip.base.errors import FmuError
 from railgrip.base.units import unit
-from railgrip.fmi.description import Causality, Description, Variable
-from railgrip.fmi.mapping import Signal
+from railgrip.fmi.description import Causality, Description, FmuVariable
+from railgrip.fmi.mapping import Port
 
 OTHER_NAMES = {
     "pressure_command": "demand brake_demand cylinder_demand pressure_demand pressure_setpoint brake_command p_set "
@@ -60,14 +60,14 @@ class Array:
         is_scalar: Whether it is a variable without an index.
     """
 
-    variables: tuple[Variable, ...]
+    variables: tuple[FmuVariable, ...]
     entry: str | tuple[str, ...]
     name: str
     is_scalar: bool = False
 
 
 def draft_mapping(
-    description: Description, signals: Mapping[str, tuple[Signal, Causality]]
+    description: Description, signals: Mapping[str, tuple[Port, Causality]]
 ) -> dict[str, str | tuple[str, ...]]:
     """Return signal → variable, pattern or list of an FMU, each of which is used once; signals without a match are
     omitted.
@@ -105,8 +105,8 @@ def _add_sign(array: Array, signal: str) -> str | tuple[str, ...]:
 
 def arrays_of(description: Description) -> Iterator[Array]:
     """Yield scalars and arrays: `name[1]`, `name_1`, `name1`, `axle1.name`, also counted from 0, and `front.name`."""
-    numbered: dict[str, dict[int, Variable]] = {}
-    placed: dict[str, list[tuple[str, Variable]]] = {}
+    numbered: dict[str, dict[int, FmuVariable]] = {}
+    placed: dict[str, list[tuple[str, FmuVariable]]] = {}
     for variable in description.variables.values():
         name = variable.name
         yield Array((variable,), name, bare_name(name), is_scalar=True)
@@ -133,7 +133,7 @@ def arrays_of(description: Description) -> Iterator[Array]:
             yield Array(tuple(order), tuple(v.name for v in order), bare_name(key.replace("{place}", "")))
 
 
-def _split_array(pattern: str, elements: Mapping[int, Variable]) -> Iterator[Array]:
+def _split_array(pattern: str, elements: Mapping[int, FmuVariable]) -> Iterator[Array]:
     indices = sorted(elements)
     variables = tuple(elements[index] for index in indices)
     if indices == list(range(1, len(indices) + 1)) and (len(indices) > 1 or "[{i}]" in pattern):
@@ -148,7 +148,7 @@ def bare_name(name: str) -> str:
     return re.sub(r"_+", "_", re.sub(r"[^a-z0-9.]", "_", snake)).strip("_.")
 
 
-def _score(signal: Signal, causality: Causality, array: Array) -> float:
+def _score(signal: Port, causality: Causality, array: Array) -> float:
     # 0 to 1; 0 if size, causality or dimension differ.
     first, count = array.variables[0], len(array.variables)
     fits = first.settable and first.causality != "input" if causality == "parameter" else first.causality == causality
@@ -159,7 +159,7 @@ def _score(signal: Signal, causality: Causality, array: Array) -> float:
     if not (fits and is_size and is_uniform) or first.kind == "String":
         return 0.0
     with suppress(FmuError):
-        theirs = first.unit or (unit(first.unit_name) if first.unit_name else None)
+        theirs = first.defined_unit or (unit(first.unit) if first.unit else None)
         if theirs is not None and theirs.exponents != unit(signal.unit).exponents:
             return 0.0
     words = (signal.name, *OTHER_NAMES.get(signal.name, "").split())

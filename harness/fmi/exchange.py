@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.estimators.model_in_c import ModelInC, Pattern
-from railgrip.fmi.description import Description, Variable
+from railgrip.fmi.description import Description, FmuVariable
 from railgrip.fmi.instance import Instance, unpack
 from railgrip.fmi.parameters import Values, assignments
 from railgrip.fmus.native.c_library import Struct, kernel_library
@@ -352,7 +352,7 @@ class FmuPrediction:
         return self._instance
 
 
-def _real(description: Description, name: str, causality: Literal["input", "output"]) -> Variable:
+def _real(description: Description, name: str, causality: Literal["input", "output"]) -> FmuVariable:
     variable = description.variable(name, "prediction")
     if variable.kind != "Real":
         raise FmuError(f"{description.file}: '{name}' is {variable.kind}, a prediction is made of Real variables.")
@@ -361,8 +361,8 @@ def _real(description: Description, name: str, causality: Literal["input", "outp
     return variable
 
 
-def _require_si(description: Description, variable: Variable) -> None:
-    stated_unit = variable.unit
+def _require_si(description: Description, variable: FmuVariable) -> None:
+    stated_unit = variable.defined_unit
     if stated_unit is not None and (stated_unit.factor != 1.0 or stated_unit.offset != 0.0):
         raise FmuError(
             f"{description.file}: '{variable.name}' of a prediction is in '{stated_unit.name}', but must be in SI; "
@@ -370,5 +370,5 @@ def _require_si(description: Description, variable: Variable) -> None:
         )
 
 
-def _references(variables: Iterable[Variable]) -> NDArray[np.uint32]:
+def _references(variables: Iterable[FmuVariable]) -> NDArray[np.uint32]:
     return np.array([v.reference for v in variables], dtype=np.uint32)

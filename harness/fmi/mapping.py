@@ -25,11 +25,11 @@ from numpy.typing import NDArray
 from railgrip.base.errors import FmuError, UnitError
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import Unit, conversion, turning_of, unit
-from railgrip.fmi.description import Causality, Description, Variable
+from railgrip.fmi.description import Causality, Description, FmuVariable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Signal:
+class Port:
     """A quantity at the interface between the harness and a plant, as the harness defines it.
 
     Attributes:
@@ -150,9 +150,9 @@ class _Target:
 def bind(
     description: Description,
     *,
-    inputs: Sequence[Signal],
-    outputs: Sequence[Signal],
-    parameters: Sequence[Signal] = (),
+    inputs: Sequence[Port],
+    outputs: Sequence[Port],
+    parameters: Sequence[Port] = (),
     table: Mapping[str, object] | None = None,
     where: str = "mapping",
 ) -> Binding:
@@ -195,7 +195,7 @@ def bind(
 
 def _side(
     description: Description,
-    signals: Sequence[Signal],
+    signals: Sequence[Port],
     entries: Mapping[str, object],
     where: str,
     causality: Causality,
@@ -206,7 +206,7 @@ def _side(
     elements: list[str] = []
     absent: list[str] = []
     missing: list[str] = []
-    rows: dict[str, list[tuple[int, Variable, float, float]]] = {}
+    rows: dict[str, list[tuple[int, FmuVariable, float, float]]] = {}
     for signal in signals:
         targets = _targets(signal, entries, where)
         lack = [t.variable for t in targets if t.variable not in description.variables]
@@ -237,7 +237,7 @@ def _side(
     )
 
 
-def _spellings(signal: Signal) -> Iterator[tuple[str, ...]]:
+def _spellings(signal: Port) -> Iterator[tuple[str, ...]]:
     # Tools without arrays write `demand_1` or `demand1`.
     if signal.size == 1:
         yield (signal.name,)
@@ -247,9 +247,9 @@ def _spellings(signal: Signal) -> Iterator[tuple[str, ...]]:
         yield tuple(f"{signal.name}{i}" for i in numbers)
 
 
-def side_of(variables: Sequence[Variable]) -> SignalVector:
+def side_of(variables: Sequence[FmuVariable]) -> SignalVector:
     """Return variables of an FMU as a side with their names and units in the FMU."""
-    rows: dict[str, list[tuple[int, Variable, float, float]]] = {}
+    rows: dict[str, list[tuple[int, FmuVariable, float, float]]] = {}
     for position, variable in enumerate(variables):
         rows.setdefault(variable.carrier, []).append((position, variable, 1.0, 0.0))
     return SignalVector(
@@ -260,7 +260,7 @@ def side_of(variables: Sequence[Variable]) -> SignalVector:
     )
 
 
-def _channel(carrier: str, ties: Sequence[tuple[int, Variable, float, float]]) -> Channel:
+def _channel(carrier: str, ties: Sequence[tuple[int, FmuVariable, float, float]]) -> Channel:
     return Channel(
         carrier=carrier,
         references=np.array([v.reference for _, v, _, _ in ties], dtype=np.uint32),
@@ -274,14 +274,14 @@ def _channel(carrier: str, ties: Sequence[tuple[int, Variable, float, float]]) -
 
 def _tie(
     description: Description,
-    signal: Signal,
+    signal: Port,
     element: str,
     target: _Target,
     where: str,
     causality: Causality,
     *,
     into_fmu: bool,
-) -> tuple[Variable, float, float]:
+) -> tuple[FmuVariable, float, float]:
     variable = description.variable(target.variable, f"{where} {element}")
     file = description.file.name
     readable = causality == "output" and variable.causality in (
@@ -320,30 +320,29 @@ def _tie(
     return (variable, 1.0 / gain, -shift / gain) if into_fmu else (variable, gain, shift)
 
 
-def _unit_of(variable: Variable, target: _Target, ours: Unit, file: str, who: str) -> Unit:
-    unit_of_variable = variable.unit
+def _unit_of(variable: FmuVariable, target: _Target, ours: Unit, file: str, who: str) -> Unit:
+    unit_of_variable = variable.defined_unit
     if target.stated_unit is not None:
         try:
             stated_unit = unit(target.stated_unit)
         except UnitError as error:
             raise FmuError(f"{who}: {error}") from error
-        if variable.unit_name and not (
+        if variable.unit and not (
             unit_of_variable is not None and unit_of_variable.leaves_the_angle_out_of(stated_unit)
         ):
             raise FmuError(
                 f"{who}: unit = '{target.stated_unit}' is stated for '{variable.name}', but {file} already "
-                f"gives '{variable.unit_name}'; leave it out, or use scale if the FMU is wrong."
+                f"gives '{variable.unit}'; leave it out, or use scale if the FMU is wrong."
             )
         return stated_unit
     if unit_of_variable is not None:
         return unit_of_variable
-    if variable.unit_name:
+    if variable.unit:
         try:
-            return unit(variable.unit_name)
+            return unit(variable.unit)
         except UnitError as error:
             raise FmuError(
-                f"{who}: {file} gives '{variable.name}' the unit '{variable.unit_name}' without defining it, "
-                f"and {error}"
+                f"{who}: {file} gives '{variable.name}' the unit '{variable.unit}' without defining it, and {error}"
             ) from error
     if ours.dimension == "1":  # a number, an index or a boolean needs no unit
         return unit("1")
@@ -353,7 +352,7 @@ def _unit_of(variable: Variable, target: _Target, ours: Unit, file: str, who: st
     )
 
 
-def _targets(signal: Signal, entries: Mapping[str, object], where: str) -> tuple[_Target, ...]:
+def _targets(signal: Port, entries: Mapping[str, object], where: str) -> tuple[_Target, ...]:
     who = f"{where} {signal.name}"
     entry = entries.get(signal.name)
     if entry is None:
@@ -374,7 +373,7 @@ def _targets(signal: Signal, entries: Mapping[str, object], where: str) -> tuple
     return tuple(_target(entry, i + 1, signal, who, pattern=signal.size > 0) for i in range(count))
 
 
-def _target(item: object, index: int, signal: Signal, who: str, *, pattern: bool = False) -> _Target:
+def _target(item: object, index: int, signal: Port, who: str, *, pattern: bool = False) -> _Target:
     scale: object = 1.0
     unit_entry: object = None
     name: object = item

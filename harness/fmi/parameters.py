@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import cast
 
 from railgrip.base.errors import FmuError
-from railgrip.fmi.description import Description, Variable
+from railgrip.fmi.description import Description, FmuVariable
 
 Scalar = float | int | bool | str
 Values = Mapping[str, object]
@@ -54,7 +54,7 @@ def assignments(description: Description, values: Values) -> tuple[Assignment, .
     )
 
 
-def start_values(description: Description, variable: Variable) -> list[Scalar]:
+def start_values(description: Description, variable: FmuVariable) -> list[Scalar]:
     """Return the start values of all elements of a variable's array, zeros for missing ones; one value for a scalar."""
     plain: dict[str, Callable[[str], Scalar]] = {
         "Real": float, "Boolean": lambda text: text in ("true", "1"), "String": str, "Binary": str,
@@ -63,8 +63,8 @@ def start_values(description: Description, variable: Variable) -> list[Scalar]:
     values = [number("0")] * variable.elements
     for element in description.variables.values():
         is_in_it = element.reference == variable.reference and element.carrier == variable.carrier
-        if is_in_it and element.start is not None:
-            values[element.element] = number(element.start.strip())
+        if is_in_it and element.start_text is not None:
+            values[element.element] = number(element.start_text.strip())
     return values
 
 
@@ -85,7 +85,7 @@ def _elements(name: str, values: Sequence[object], at: tuple[int, ...]) -> Itera
             yield f"{name}[{','.join(map(str, here))}]", value
 
 
-def _check(variable: Variable, value: object, file: str) -> Scalar:
+def _check(variable: FmuVariable, value: object, file: str) -> Scalar:
     who = f"parameters: '{variable.name}' of {file}"
     if variable.kind == "String":
         if not isinstance(value, str):
@@ -101,7 +101,7 @@ def _check(variable: Variable, value: object, file: str) -> Scalar:
         raise FmuError(f"{who} is a finite number, got {value!r}.")
     if variable.kind != "Real" and value != int(value):
         raise FmuError(f"{who} is a whole number, got {value!r}.")
-    unit = f" {variable.unit_name}" if variable.unit_name not in ("", "1") else ""
+    unit = f" {variable.unit}" if variable.unit not in ("", "1") else ""
     if variable.minimum is not None and value < variable.minimum:
         raise FmuError(f"{who} is at least {variable.minimum:g}{unit}, got {value:g}{unit}.")
     if variable.maximum is not None and value > variable.maximum:

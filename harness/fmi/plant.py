@@ -96,9 +96,6 @@ class LoadedPlant(SteppedPlant, ABC):
         self._folder = folder
         self._instance: Instance | None = None
         self._ready = False  # started, not failed, not closed
-        # Positions of the outputs that the FMU has among all of the binding's.
-        channels = binding.outputs.channels
-        self._places = np.sort(np.concatenate([[], *(c.positions for c in channels)])).astype(np.intp)
         self._blank = np.full(binding.outputs.size, np.nan)
 
     def __enter__(self) -> Self:
@@ -137,7 +134,7 @@ class LoadedPlant(SteppedPlant, ABC):
             self.sample = 0
             outputs = self._receive()
         self._ready = True
-        return self._spread(outputs)
+        return outputs.copy()
 
     @abstractmethod
     def step(self, inputs: Vector) -> Vector:
@@ -160,7 +157,7 @@ class LoadedPlant(SteppedPlant, ABC):
 
     @abstractmethod
     def _receive(self) -> Vector:
-        """Return the outputs that the FMU has."""
+        """Return the outputs, NaN for outputs that the FMU lacks."""
 
     def _open(self) -> Instance:
         if self._failure is not None:
@@ -172,15 +169,8 @@ class LoadedPlant(SteppedPlant, ABC):
     def _not_ready(self) -> Exception:
         return self._failure or RuntimeError(f"a {type(self).__name__} is started before it is stepped, inside 'with'")
 
-    def _spread(self, outputs: Vector) -> Vector:
-        if outputs.size == self._blank.size:
-            return outputs.copy()
-        everything = self._blank.copy()
-        everything[self._places] = outputs
-        return everything
-
     def _not_finite(self, instance: Instance, place: int, value: float) -> PlantFailed:
-        name = self._binding.outputs.elements[self._places[place]]
+        name = self._binding.outputs.elements[place]
         return PlantFailed(instance.failure("not_finite", "", self.time, variable=name, doing=f"{value}"))
 
     @contextmanager

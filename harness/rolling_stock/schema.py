@@ -8,13 +8,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
-from typing import Annotated, Literal, Self
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from railgrip.base.names import did_you_mean
+from railgrip.scenario.file import locate
+from railgrip.scenario.load import read_toml, require_kind, validate_table
 from railgrip.scenario.quantity import UnitRange
-from railgrip.scenario.sanders import Sander
+from railgrip.scenario.surface import Sander
 from railgrip.scenario.table import FASTEST, Length, Name, Table, table_error
 
 # Limits are an order of magnitude beyond the vehicles named in the reasons: a value outside of them has a wrong unit.
@@ -590,3 +593,29 @@ def _require_names(table: str, names: Sequence[str], choice: Mapping[str, Table]
                 f"{where} names '{name}', which is not in [{table}]; it has {', '.join(choice) or 'no entries'}"
                 + did_you_mean(name, choice, before="; ")
             )
+
+
+NAMED = ("vt642", "emu387", "loco_coaches", "tram")
+"""Folder of the trains of this package."""
+
+
+def load_train(path: Path) -> Train:
+    """Return the train of a TOML file, or of this package by its name.
+
+    Raises:
+        ScenarioError: The file is missing, not TOML, or not a train; there is one sentence for each problem, with file
+            and key.
+    """
+    path = locate(path, "trains")
+    table = read_toml(path)
+    require_kind(table, "train", path)
+    return train_of(table, path.name)
+
+
+def train_of(table: dict[str, Any], origin: str) -> Train:
+    """Return the train described by plain tables; `origin` is the name of their source in messages.
+
+    Raises:
+        ScenarioError: The tables do not describe a valid train.
+    """
+    return validate_table(Train, table, directory=Path(), origin=origin)

@@ -1,18 +1,11 @@
 """The table [demand]: the driver's demands of brakes and traction; without it full brake from the start."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
 from functools import lru_cache
-from itertools import cycle
-from math import inf, nan
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, cast
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
-from railgrip.base.errors import ScenarioError
 from railgrip.scenario.curve import TabulatedQuantity, read_columns
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import Number, UnitRange
@@ -157,125 +150,7 @@ class Demand(Table):
             raise table_error(f"file {self.file.entry}: {problem}") from problem
 
 
-_FAINTEST = 1e3
-"""Smallest plausible pressure of a brake cylinder [Pa]: pads touch at some 0.2 bar."""
-
-
 @lru_cache(maxsize=1)
 def _read_profile(path: Path, digest: str) -> TabulatedQuantity:  # pyright: ignore[reportUnusedParameter]
     # Cached by digest, because the file is read for validation and for the stop.
     return read_columns(path, axes={"time": "s"}, name="pressure", si="Pa", span=(0.0, 1e8), example="kPa")
-
-
-EndOfPhase = Literal["end", "time", "duration", "distance", "speed_below", "speed_above"]
-"""Event that ends a phase, named as in the enum of the loop's driver.h; the last phase has no end."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DemandedPhase:
-    """A phase in numbers.
-
-    Attributes:
-        until: Event that ends the phase.
-        limit: Time or duration [s], distance [m] or speed [m/s] that ends it.
-        begin: Time from which pressures change by their slopes [s].
-        pressures: Brake cylinder pressure of each group at `begin` [Pa].
-        slopes: Their change [Pa/s].
-        target: Distance at which to stop [m]; NaN brakes by the pressures.
-        deceleration: Deceleration of the braking curve to the target [m/s²].
-        full_deceleration: Deceleration that the driver expects of full brake [m/s²].
-        force: Maximum force of the traction [N].
-        power: Maximum power of the traction [W]; may be infinite.
-        rate: Maximum rate of change of the force [N/s]; may be infinite.
-    """
-
-    until: EndOfPhase = "end"
-    limit: float = nan
-    begin: float = 0.0
-    pressures: tuple[float, ...]
-    slopes: tuple[float, ...]
-    target: float = nan
-    deceleration: float = nan
-    full_deceleration: float = nan
-    force: float = 0.0
-    power: float = inf
-    rate: float = inf
-
-
-def phases_of(demand: Demand, full: Sequence[float], origin: str) -> tuple[DemandedPhase, ...] | NDArray[np.void]:
-    """Return the phases of a demand on brakes whose full pressures are `full`, shape (groups,) [Pa].
-
-    Those of a file, which may have a million rows, are an array with the fields of `DemandedPhase`.
-
-    Args:
-        full: Full pressure of each group.
-        origin: Name of the scenario, the opening word of messages.
-
-    Raises:
-        ScenarioError: The demand gives pressures for another number of groups, or above the maximum of a brake.
-    """
-    if demand.file is None:
-        return tuple(_convert_phases(demand, full, f"{origin}: [demand.phases"))
-    columns = demand.profile()
-    times, pressures = columns.points, columns.values
-    _require_pressures(pressures.shape[1], float(pressures.max()), full, f"{origin}: [demand] file {demand.file.entry}")
-    return _from_points(times, np.minimum(pressures, full))
-
-
-def _convert_phases(demand: Demand, full: Sequence[float], where: str) -> Iterator[DemandedPhase]:
-    none, rate = (0.0,) * len(full), inf
-    for number, phase in enumerate(demand.phases, start=1):
-        pressures, target = none, {}
-        if phase.pressure is not None:
-            pressures = _of_groups(phase.pressure, full, f"{where}[{number}]] pressure")
-        if phase.stop_at is not None:
-            aim = phase.stop_at
-            target = {"target": aim.distance, "deceleration": aim.deceleration}
-            target |= {"full_deceleration": aim.full_deceleration}
-        if phase.traction is not None:
-            rate = phase.traction.rate or inf
-        yield DemandedPhase(
-            until=phase.until.kind if phase.until else "end",
-            limit=phase.until.limit if phase.until else nan,
-            pressures=pressures,
-            slopes=none,
-            force=phase.traction.force if phase.traction else 0.0,
-            power=(phase.traction.power or inf) if phase.traction else inf,
-            rate=rate,
-            **target,
-        )
-
-
-def _from_points(times: NDArray[np.float64], pressures: NDArray[np.float64]) -> NDArray[np.void]:
-    # Pressures are linear between points and constant outside.
-    none = (0.0,) * pressures.shape[1]
-    constant = DemandedPhase(pressures=none, slopes=none)
-    names = [field.name for field in fields(DemandedPhase)]
-    kinds = {"until": "U13"} | dict.fromkeys(("pressures", "slopes"), f"({len(none)},)f8")
-    phases = np.full(
-        len(times) + 1,
-        np.array(tuple(getattr(constant, name) for name in names), dtype=[(n, kinds.get(n, "f8")) for n in names]),
-    )
-    phases["until"][:-1], phases["limit"][:-1] = "time", times
-    phases["pressures"][0], phases["pressures"][1:] = pressures[0], pressures
-    phases["begin"][1:-1] = times[:-1]
-    phases["slopes"][1:-1] = np.diff(pressures, axis=0) / np.diff(times)[:, None]
-    return phases
-
-
-def _of_groups(entries: Sequence[float | Literal["full"]], full: Sequence[float], where: str) -> tuple[float, ...]:
-    _require_pressures(len(entries), max((entry for entry in entries if entry != "full"), default=0.0), full, where)
-    pressures = [most if entry == "full" else float(entry) for entry, most in zip(cycle(entries), full, strict=False)]
-    return tuple(map(min, pressures, full))
-
-
-def _require_pressures(count: int, highest: float, full: Sequence[float], where: str) -> None:
-    if count not in (1, len(full)):
-        raise ScenarioError(f"{where} is for {count} groups, the vehicle has {len(full)}")
-    if 0.0 < highest < _FAINTEST:
-        raise ScenarioError(
-            f"{where} is {highest:g} Pa at most, at which no brake acts (full brake is {max(full):g} Pa); state the "
-            "unit: '3 bar' in a scenario, 'pressure [kPa]', [bar] or [psi] in the first line of a file"
-        )
-    if highest > max(full):
-        raise ScenarioError(f"{where} asks for {highest:g} Pa, full brake is {max(full):g} Pa; write 'full'")

@@ -1,6 +1,6 @@
 """The tables [[faults]] and [truth]: component faults, and differences of the true train from the nominal one."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Annotated, Any, Final, Literal
 
@@ -58,13 +58,8 @@ class Fault(Table):
         begin = round(self.begin / period)
         return {"begin": begin, "end": max(round(end / period), begin + 1)}
 
-    def of_readings(self, site: Any) -> Iterable[Any]:
-        """Return its `ReadingFault`s of single readings; `site` is a `railgrip.simulate.faults.site.Site`."""
-        return ()
-
-    def of_commands(self, site: Any) -> Iterable[Any]:
-        """Return its `CommandFault`s of single groups."""
-        return ()
+    def act_on(self, site: Any) -> None:
+        """Add its faults of single readings and commands to the stop; see `railgrip.simulate.faults.site.Site`."""
 
 
 def kinds_of_faults() -> dict[str, type[Table]]:

@@ -18,7 +18,7 @@ from railgrip.base import registry
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import short
 from railgrip.scenario.quantity import UnitRange
-from railgrip.scenario.recovery import Recovery
+from railgrip.scenario.surface import Recovery
 from railgrip.scenario.table import optional, table_error
 
 

@@ -9,8 +9,7 @@ from railgrip.scenario.curve import FrictionCurve, read_curve
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.quantity import Magnitude, UnitRange
-from railgrip.scenario.recovery import Recovery
-from railgrip.scenario.sanders import Sand
+from railgrip.scenario.surface import Recovery, Sand
 from railgrip.scenario.table import ONE_OR_EACH, Friction, Length, Table, not_in, optional, table_error
 
 

@@ -30,8 +30,8 @@ from railgrip.scenario.parts import (
     steps_between,
 )
 from railgrip.scenario.profile import LONGEST_RAIL, Adhesion, FromTable
-from railgrip.scenario.sanders import Sander
 from railgrip.scenario.sensors import Sensors
+from railgrip.scenario.surface import Sander
 from railgrip.scenario.table import Name, Seed, Table, optional, table_error
 from railgrip.scenario.track.table import Track, steepest_fall
 from railgrip.scenario.vehicle import LibraryPlant, Start, Vehicle

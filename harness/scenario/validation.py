@@ -3,8 +3,8 @@
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import UnionType
-from typing import Annotated, Any, TypeVar, Union, cast, get_args, get_origin
+from types import MappingProxyType, UnionType
+from typing import Annotated, Any, Final, TypeVar, Union, cast, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -15,7 +15,6 @@ from railgrip.base.names import did_you_mean
 from railgrip.base.units import short
 from railgrip.scenario.file import DIRECTORY
 from railgrip.scenario.kinds import ByKind, kinds_of
-from railgrip.scenario.unsupported import explain_unsupported
 
 _Model = TypeVar("_Model", bound=BaseModel)
 
@@ -159,3 +158,44 @@ def _choice(found: object, expected: str) -> str:
     if sentence := explain_unsupported(str(found)):
         return f"{sentence}; there is {expected}"
     return f"there is {expected}" + did_you_mean(str(found), re.findall(r"\w+", expected), quote="", before="; ")
+
+
+_FOREIGN: Final = "a plant from another tool may have it (`railgrip map`)"
+_CLASS: Final = "a Modelica class of your own may use RailBraking."
+UNSUPPORTED: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
+    {
+        r"ed(_?brakes?)?|electro_?dynamic.*|dynamic_brak.*|regenerat.*|recuperat.*|rheostat.*|blend.*": (
+            "electrodynamic brakes and their blending are",
+            f"give the friction brake alone; {_CLASS}Components.ElectrodynamicBrake and Blending",
+        ),
+        r"hydro_?dynamic.*|retarders?|engine_brakes?": ("hydrodynamic and engine brakes are", _FOREIGN),
+        r".*eddy_?current.*|linear_brakes?|ecb": (
+            "eddy-current brakes are",
+            f"{_FOREIGN}, with its greatest force in [vehicle.formation] track_brakes",
+        ),
+        r".*tread_?brak.*|block_?brak.*|.*brake_?(blocks?|shoes?)|blocks|shoes": (
+            "tread brakes are",
+            "brakes are pads on discs; an equivalent disc brake has the same force at the rim",
+        ),
+        r"park(ing)?_?brak.*|spring_?(applied|loaded)?_brak.*|hand_?brak.*|holding_brak.*": (
+            "parking, spring-applied and hand brakes are",
+            f"leave them out: they do not act in a stop; {_CLASS}Pneumatics.ParkingUnit",
+        ),
+        r"(load_?)?weigh.*|load_?(proportional|dependent|sens).*|empty_load.*": (
+            "brakes that follow the load are",
+            f"write a file for each load, with its pressure_max; {_CLASS}Pneumatics.LoadValve",
+        ),
+        r"wind|head_?wind|cross_?wind|weather|tunnels?": (
+            "wind, weather and tunnels are",
+            "change the drag of the vehicle, and [adhesion] for wet or leaves",
+        ),
+    }
+)
+"""Pattern of a whole key → its meaning, and the alternative."""
+
+
+def explain_unsupported(key: str) -> str:
+    """Return a sentence on a key for unsupported equipment; empty for any other key."""
+    name = re.sub(r"[\s.-]+", "_", key).casefold()
+    found = next((words for pattern, words in UNSUPPORTED.items() if re.fullmatch(pattern, name)), None)
+    return f"{found[0]} not supported in this file; {found[1]}" if found else ""

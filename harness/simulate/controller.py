@@ -8,9 +8,9 @@ import numpy as np
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
 from railgrip.controllers.law import GroupLaw, Law
+from railgrip.controllers.parameters import SEARCHED
 from railgrip.controllers.sampled import Sampled
 from railgrip.controllers.train_level import pass_through, with_redistribution, with_shared_valves
-from railgrip.controllers.tuned import SEARCHED
 from railgrip.controllers.valves import BAND, PULSE_MIN, ValveLogic, ValveModel
 from railgrip.fmi import Description
 from railgrip.scenario.parts import BuiltInLaw as LawTable
@@ -118,7 +118,7 @@ def _group_law(vehicle: VehicleData) -> Law:
     }
     slip = "estimated" if isinstance(scenario.estimator, KalmanFilter) else "read"
     try:
-        tuning = kind.load_tuning(scenario.actuation.kind, slip, table.tuning or SEARCHED, **of_other_tables, **values)
+        tuning = kind.load_tuning(scenario.actuation.kind, slip, table.tuning or SEARCHED, **(of_other_tables | values))
     except ValueError as problem:
         raise ScenarioError(f"{scenario.name}: [controller] {problem}") from problem
     return kind(vehicle.nominal.formation.brakes, tuning)
@@ -133,7 +133,7 @@ def law_states(controller: LoopController) -> LawStates | None:
     if not isinstance(controller, Sampled) or not (visible := controller.visible):
         return None
     places = np.array([place for place, _ in visible], dtype=np.longlong)
-    columns = of_law((quantity.name, quantity.unit, quantity.description) for _, quantity in visible)
+    columns = of_law((variable.name, variable.unit, variable.description) for _, variable in visible)
     return LawStates(columns, controller.state, places)
 
 

@@ -1,12 +1,13 @@
 """Export the controller of a scenario, and its valve logic, as FMUs for other tools."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import casadi as ca
 
-from railgrip.controllers.sampled import Quantity, Sampled
-from railgrip.fmus.native import Variable
-from railgrip.fmus.native.discrete import Discrete, sources
+from railgrip.base.system import SampledSystem, Variable
+from railgrip.controllers.sampled import Sampled
+from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import Source
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.controller import controller_of, valve_logic_of
@@ -35,29 +36,29 @@ def controller_fmu(scenario: Scenario, *, with_valves: bool = True) -> Source:
     groups = vehicle.nominal.formation.brakes
     law, valves = controller_of(vehicle), valve_logic_of(vehicle) if with_valves else None
     assert isinstance(law, Sampled)
-    states = variables(law.formula.states, law.state, _MEMORY)
-    parameters = variables(law.formula.parameters, law.parameters)
+    states = started_at(law.formula.states, law.state, _MEMORY)
+    parameters = started_at(law.formula.parameters, law.parameters)
     # A law that redistributes applies the driver's demand itself, and raises it for some groups.
     limited = law.step if scenario.controller.redistribute else _limit_demands(law, vehicle.layout)
     outputs, step = law.formula.outputs, limited
     if valves is not None:
-        states += variables(valves.formula.states, valves.state, _MEMORY + _VALVES)
-        parameters += variables(valves.formula.parameters, valves.parameters, _VALVES)
+        states += started_at(valves.formula.states, valves.state, _MEMORY + _VALVES)
+        parameters += started_at(valves.formula.parameters, valves.parameters, _VALVES)
         outputs, step = valves.formula.outputs, _in_series(law, limited, valves, vehicle.layout)
     full = {f"driver_demand[{g}]": group.pressure_max for g, group in enumerate(groups, start=1)}
     return sources(
-        Discrete(
+        SampledSystem(
             name=law.formula.name,
             description=law.formula.description,
             period=scenario.periods.controller,
             states=states,
-            inputs=variables(law.formula.inputs, [full.get(variable.name, 0.0) for variable in law.formula.inputs]),
+            inputs=started_at(law.formula.inputs, [full.get(variable.name, 0.0) for variable in law.formula.inputs]),
             parameters=parameters,
-            outputs=variables(outputs, [0.0] * len(outputs)),
+            outputs=started_at(outputs, [0.0] * len(outputs)),
             step=step,
-            waits=int(scenario.start.speed > 0.0),
-            hidden=PERIODS,
-        )
+        ),
+        waits=int(scenario.start.speed > 0.0),
+        hidden=PERIODS,
     )
 
 
@@ -71,19 +72,19 @@ def valves_fmu(scenario: Scenario) -> Source | None:
         return None
     formula = valves.formula
     return sources(
-        Discrete(
+        SampledSystem(
             name=formula.name,
             description=formula.description,
             period=scenario.periods.controller,
-            states=variables(formula.states, valves.state, _MEMORY),
-            inputs=variables(formula.inputs, [0.0] * len(formula.inputs)),
-            parameters=variables(formula.parameters, valves.parameters),
-            outputs=variables(formula.outputs, [0.0] * len(formula.outputs)),
+            states=started_at(formula.states, valves.state, _MEMORY),
+            inputs=started_at(formula.inputs, [0.0] * len(formula.inputs)),
+            parameters=started_at(formula.parameters, valves.parameters),
+            outputs=started_at(formula.outputs, [0.0] * len(formula.outputs)),
             step=valves.step,
-            # Without it, an instant without a demand would be held for the minimum pulse.
-            waits=len(formula.inputs),
-            hidden=PERIODS,
-        )
+        ),
+        # Without it, an instant without a demand would be held for the minimum pulse.
+        waits=len(formula.inputs),
+        hidden=PERIODS,
     )
 
 
@@ -114,16 +115,9 @@ def _in_series(law: Sampled, limited: ca.Function, valves: Sampled, layout: Layo
     return ca.Function("step", [state, inputs, parameter], [ca.vertcat(following, onwards), command])
 
 
-def variables(quantities: Sequence[Quantity], starts: Iterable[float], prefix: str = "") -> tuple[Variable, ...]:
-    """Convert quantities of a formula to variables of an FMU."""
+def started_at(variables: Sequence[Variable], starts: Iterable[float], prefix: str = "") -> tuple[Variable, ...]:
+    """Return variables with other start values, and a prefix to their names."""
     return tuple(
-        Variable(
-            name=prefix + quantity.name,
-            unit=quantity.unit,
-            start=float(start),
-            description=quantity.description,
-            minimum=quantity.minimum,
-            maximum=quantity.maximum,
-        )
-        for quantity, start in zip(quantities, starts, strict=True)
+        replace(variable, name=prefix + variable.name, start=float(start))
+        for variable, start in zip(variables, starts, strict=True)
     )

@@ -46,8 +46,8 @@ def _class_file(class_name: str, library: Path, digest: str, interface: Literal[
 @cache
 def _train_file(path: Path, digest: str, pneumatic: bool, rail: "_Rail") -> Path:  # pyright: ignore[reportUnusedParameter]
     # Imported here: the schema of a train file takes as long to load as numpy, and few scenarios use one.
-    from railgrip.rolling_stock.files import load_train
     from railgrip.rolling_stock.modelica import class_name, class_text
+    from railgrip.rolling_stock.schema import load_train
 
     train = load_train(path)
     name, text = class_name(train, pneumatic=pneumatic), class_text(train, pneumatic=pneumatic)
@@ -227,16 +227,18 @@ def is_trusted(scenario: Scenario) -> bool:
 def parameters_of(description: Description) -> dict[str, float]:
     """Return the start values of an FMU's numeric parameters."""
     return {
-        variable.name: float(variable.start)
+        variable.name: variable.start
         for variable in description.variables.values()
-        if variable.causality == "parameter" and variable.kind in ("Real", "Integer") and variable.start is not None
+        if variable.causality == "parameter"
+        and variable.kind in ("Real", "Integer")
+        and variable.start_text is not None
     }
 
 
 def units_of(description: Description) -> dict[str, Unit | str]:
     """Return the units of an FMU's parameters, `BOOLEAN` for booleans."""
     return {
-        v.name: BOOLEAN if v.kind == "Boolean" else v.unit or v.unit_name
+        v.name: BOOLEAN if v.kind == "Boolean" else v.defined_unit or v.unit
         for v in description.variables.values()
         if v.causality == "parameter"
     }

@@ -19,13 +19,13 @@ _DECISIONS = (*DEMANDED, Signal("command", "group", "1", "command to the valves:
 """Alternative outputs of a controller FMU."""
 
 
-def _bindable(signals: Sequence[Signal], groups: int) -> tuple[fmi.Signal, ...]:
+def _bindable(signals: Sequence[Signal], groups: int) -> tuple[fmi.Port, ...]:
     return tuple(
-        fmi.Signal(name=s.name, unit=s.unit, size=0 if s.extent == "train" else groups, needed=False) for s in signals
+        fmi.Port(name=s.name, unit=s.unit, size=0 if s.extent == "train" else groups, needed=False) for s in signals
     )
 
 
-def controller_signals(groups: int) -> tuple[tuple[fmi.Signal, ...], tuple[fmi.Signal, ...]]:
+def controller_signals(groups: int) -> tuple[tuple[fmi.Port, ...], tuple[fmi.Port, ...]]:
     """Return the inputs that a controller FMU may have, and its alternative outputs, of which it has one."""
     return _bindable(OBSERVED, groups), _bindable(_DECISIONS, groups)
 

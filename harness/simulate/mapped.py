@@ -11,7 +11,7 @@ import numpy as np
 
 from railgrip.base.units import GRAVITY, mistake, mistaken_factor
 from railgrip.controllers.law import FULL_PRESSURE
-from railgrip.fmi import Description, Signal, bind, open_plant, shared_budget
+from railgrip.fmi import Description, Port, bind, open_plant, shared_budget
 from railgrip.fmi.description import Causality
 from railgrip.fmi.draft import draft_mapping, sizes_of
 from railgrip.simulate.files import parameters_of
@@ -53,13 +53,13 @@ class SignalMapping:
     """One signal of [vehicle.map].
 
     Attributes:
-        signal: Signal of the harness.
+        signal: Port of the harness.
         variables: Name, pattern or names in the FMU.
         scale: Value in the harness over value in the FMU, after conversion of units.
         unit: Unit stated for a variable without one; "" if the FMU declares it, or if none is needed.
     """
 
-    signal: Signal
+    signal: Port
     variables: str | tuple[str, ...]
     scale: float
     unit: str
@@ -97,7 +97,7 @@ class MappingDraft:
     """
 
     table: Mapping[str, SignalMapping]
-    missing: Sequence[Signal]
+    missing: Sequence[Port]
     formation: Formation
     declared: frozenset[str] = frozenset()
     nominal: Mapping[str, Sequence[float]] = field(default_factory=dict[str, Sequence[float]])
@@ -155,7 +155,7 @@ def controller_lines(description: Description) -> Iterator[str]:
     drafts: list[dict[str, SignalMapping]] = []
     for groups in sizes_of(description, "output") or (1,):
         inputs, outputs = controller_signals(groups)
-        signals: dict[str, tuple[Signal, Causality]] = {s.name: (s, "input") for s in inputs}
+        signals: dict[str, tuple[Port, Causality]] = {s.name: (s, "input") for s in inputs}
         signals |= {s.name: (s, "output") for s in outputs}
         found = draft_mapping(description, signals)
         drafts.append({name: _entry(description, signals[name][0], variables) for name, variables in found.items()})
@@ -219,7 +219,7 @@ def _nominal_parameters(description: Description, formation: Formation) -> dict[
     values = {
         name: value
         for name, value in parameters_of(description).items()
-        if name in units and description.variables[name].unit_name in ("", units[name])
+        if name in units and description.variables[name].unit in ("", units[name])
     }
     each = with_each(values, formation)
     data = {name: array_of(each, name) for name in meanings_of_brakes()}
@@ -227,9 +227,9 @@ def _nominal_parameters(description: Description, formation: Formation) -> dict[
     return {name: found for name, found in (data | {"wheelset_load": load}).items() if found}
 
 
-def _signals(formation: Formation) -> dict[str, tuple[Signal, Causality]]:
+def _signals(formation: Formation) -> dict[str, tuple[Port, Causality]]:
     inputs, outputs, start = plant_signals(layout_of(formation), pneumatic=False, track_force=False)
-    signals: dict[str, tuple[Signal, Causality]] = {s.name: (s, "input") for s in inputs}
+    signals: dict[str, tuple[Port, Causality]] = {s.name: (s, "input") for s in inputs}
     signals |= {s.name: (s, "output") for s in outputs}
     signals[start.name] = (start, "parameter")
     return signals
@@ -265,12 +265,12 @@ def _some(names: Sequence[str]) -> str:
     return ", ".join([*names[:_NAMED], *(["…"] if len(names) > _NAMED else [])])
 
 
-def _entry(description: Description, signal: Signal, variables: str | tuple[str, ...]) -> SignalMapping:
+def _entry(description: Description, signal: Port, variables: str | tuple[str, ...]) -> SignalMapping:
     names = (variables,) if isinstance(variables, str) else variables
     scale = -1.0 if names[0].startswith("-") else 1.0
     bare = tuple(name.removeprefix("-") for name in names)
     first = description.variables[bare[0].replace("{i}", "1")]
-    unit = "" if first.unit or first.unit_name or signal.unit == "1" else signal.unit
+    unit = "" if first.unit or signal.unit == "1" else signal.unit
     return SignalMapping(signal, bare[0] if isinstance(variables, str) else bare, scale, unit)
 
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from railgrip.base.errors import PlantFailed, ScenarioError
+from railgrip.base.programs import versions
 from railgrip.base.registry import Role
-from railgrip.base.versions import versions
 from railgrip.controllers.sampled import Sampled
 from railgrip.fmi import Description, shared_budget
 from railgrip.report.stop import Stop

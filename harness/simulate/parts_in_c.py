@@ -11,17 +11,18 @@ from numpy.typing import NDArray
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_bytes
 from railgrip.base.outputs import claim
+from railgrip.base.system import SampledSystem, Variable
 from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
-from railgrip.fmus.native import Variable, memory
+from railgrip.fmus.native import memory
 from railgrip.fmus.native.c_library import Struct
-from railgrip.fmus.native.discrete import Discrete, WrittenStep, sources, straight_step
+from railgrip.fmus.native.discrete import WrittenStep, sources, straight_step
 from railgrip.fmus.native.embedded import sources_of_library
 from railgrip.fmus.native.package import Source, c_identifier
 from railgrip.fmus.native.toolchain import FMU_FLAGS, static_library
 from railgrip.scenario.parts import KalmanFilter
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.export import PERIODS, variables
+from railgrip.simulate.export import PERIODS, started_at
 from railgrip.simulate.loop.library import headers, kernel, texts
 from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.loop.parts import Parts, StateEstimator
@@ -60,10 +61,13 @@ class _Role:
 
 def part_fmu(scenario: Scenario, kind: Kind) -> Source:
     """Return C code and modelDescription.xml of a part of a scenario's stop; errors are those of `part_in_c`."""
-    return sources(part_in_c(scenario, kind))
+    system = part_in_c(scenario, kind)
+    # A train that begins to move would only wait for zeros.
+    readings = sum(not variable.name.startswith("driver_demand") for variable in system.inputs)
+    return sources(system, waits=readings if scenario.start.speed else 0, hidden=PERIODS)
 
 
-def part_in_c(scenario: Scenario, kind: Kind) -> Discrete:
+def part_in_c(scenario: Scenario, kind: Kind) -> SampledSystem:
     """Return a part of a scenario's stop as a separate system.
 
     A step is one communication period. Readings are NaN where a sensor has no new one.
@@ -135,7 +139,7 @@ def _with_filter_in_c(scenario: Scenario) -> Scenario:
     return scenario.model_copy(update={"estimator": estimator.model_copy(update={"kind": "compiled"})})
 
 
-def _system(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> Discrete:
+def _system(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> SampledSystem:
     layout, estimator = parts.layout, parts.estimator
     files = headers(layout) | texts(*_UNITS) | {"export.h": "#define EXPORT\n"}
     units: tuple[str, ...] = ()
@@ -171,18 +175,14 @@ def _system(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> Discre
         f"    return sample_{kind}(c, input, parameter, output);",
         "}",
     ]
-    return Discrete(
+    return SampledSystem(
         name=f"{scenario.name}_{kind}",
         description=_DESCRIPTIONS[kind],
         period=parts.clock.period,
-        states=(),
         inputs=tuple(role.given),
         parameters=tuple(role.parameters),
         outputs=tuple(role.shown),
         step=WrittenStep(text="\n".join(text), files=files, units=units),
-        # A train that begins to move would only wait for zeros.
-        waits=sum(not given.name.startswith("driver_demand") for given in role.given) if scenario.start.speed else 0,
-        hidden=PERIODS,
     )
 
 
@@ -287,12 +287,12 @@ def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
             "laws can be exported; choose another kind"
         )
     formulas["onboard->law"] = law
-    parameters = variables(law.formula.parameters, law.parameters)
-    commands = variables(law.formula.outputs, [0.0] * len(law.formula.outputs))
+    parameters = started_at(law.formula.parameters, law.parameters)
+    commands = started_at(law.formula.outputs, [0.0] * len(law.formula.outputs))
     if valves is not None:
         formulas["onboard->valves"] = valves
-        parameters += variables(valves.formula.parameters, valves.parameters, "valves.")
-        commands = variables(valves.formula.outputs, [0.0] * len(valves.formula.outputs))
+        parameters += started_at(valves.formula.parameters, valves.parameters, "valves.")
+        commands = started_at(valves.formula.outputs, [0.0] * len(valves.formula.outputs))
     onboard = {_name(field): formula for field, formula in formulas.items() if field.startswith("onboard")}
     struct.target("onboard").set(
         **{name: kernel(parts.layout).struct("Formula", state=formula.state) for name, formula in onboard.items()}
@@ -313,7 +313,7 @@ def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
 
 
 def _plant_data(layout: Layout, structs: Structs) -> Struct:
-    return structs.plant.copy_with("slip_radius", inputs=np.zeros(layout.inputs))
+    return structs.plant.copy_with("slip_radius", inputs=np.zeros(layout.inputs), outputs=np.zeros(layout.outputs))
 
 
 def _filter_data(scenario: Scenario, parts: Parts, structs: Structs) -> tuple[Struct, dict[str, Sampled]]:
@@ -335,7 +335,7 @@ def _filter_data(scenario: Scenario, parts: Parts, structs: Structs) -> tuple[St
 
 def _select_outputs(layout: Layout, structs: Structs, names: Sequence[str]) -> tuple[list[Variable], str]:
     """Return those of the named plant outputs that exist as inputs, and their positions among all outputs, for C."""
-    absent = np.isnan(structs.plant.view("outputs"))
+    absent = np.isnan(structs.plant.target("outputs"))
     signals = [s for s in layout.signals["output"] if s.name in names and not absent[layout.output[s.name]].any()]
     return _of(signals, layout), _positions("output", signals, layout)
 

@@ -3,14 +3,14 @@
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
 from functools import partial
-from math import inf
+from math import inf, isnan
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.errors import PlantFailed, ScenarioError
 from railgrip.base.units import GRAVITY
-from railgrip.fmi import Binding, Description, Signal, bind, open_plant
+from railgrip.fmi import Binding, Description, Port, bind, open_plant
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track.table import STEEPEST
 from railgrip.scenario.vehicle import LibraryPlant, ModelicaPlant, Nudge, RecipePlant, TrainFile
@@ -31,7 +31,7 @@ NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cyli
 
 def plant_signals(
     layout: Layout, *, pneumatic: bool, track_force: bool
-) -> tuple[tuple[Signal, ...], tuple[Signal, ...], Signal]:
+) -> tuple[tuple[Port, ...], tuple[Port, ...], Port]:
     """Return inputs and outputs of a plant, and the parameter for its initial speed.
 
     Args:
@@ -41,7 +41,7 @@ def plant_signals(
     formation, command = layout.formation, "valve_command" if pneumatic else "pressure_command"
     # In the order of the loop's vector, so that each value arrives at the variable of its name.
     inputs = tuple(
-        Signal(
+        Port(
             name=command if s.name == "command" else s.name,
             unit=s.unit,
             size=0 if s.extent == "train" else formation.width(s.extent),
@@ -50,7 +50,7 @@ def plant_signals(
         for s in plant_inputs(layout, pneumatic=pneumatic)
     )
     outputs = tuple(
-        Signal(
+        Port(
             name=s.name,
             unit=s.unit,
             size=0 if s.extent == "train" else formation.width(s.extent),
@@ -58,7 +58,7 @@ def plant_signals(
         )
         for s in layout.signals["output"]
     )
-    return inputs, outputs, Signal(name="start_speed", unit="m/s", size=0, needed=True)
+    return inputs, outputs, Port(name="start_speed", unit="m/s", size=0, needed=True)
 
 
 def binding_of(vehicle: VehicleData) -> Binding:
@@ -217,9 +217,9 @@ def perturb_parameters(values: Mapping[str, float], description: Description, nu
     nudges: dict[str, float] = {}
     for variable, share in zip(real, shares, strict=True):
         value = values.get(variable.name, variable.start)
-        if value is not None:
+        if not isnan(value):
             least, most = variable.minimum, variable.maximum
-            free = float(value) * (1.0 + float(share))
+            free = value * (1.0 + float(share))
             nudges[variable.name] = min(max(free, -inf if least is None else least), inf if most is None else most)
     return nudges
 

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from railgrip.base.cache import keep
 from railgrip.base.errors import ScenarioError
+from railgrip.base.system import Variable
 from railgrip.estimators.consist import Consist, Part
-from railgrip.fmus.native import Model, Variable, lower
+from railgrip.fmus.native import Model, lower
 from railgrip.vehicle.brake import pressure_of
 from railgrip.vehicle.formation import Formation, carried_mass
 from railgrip.vehicle.parameters import OF_BRAKES, masses_by_name

@@ -1,19 +1,19 @@
 """The rail of a scenario with its sand, and the driver."""
 
-from math import inf
+from collections.abc import Sequence
 
 import numpy as np
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import GRAVITY
-from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.adhesion import position_of, profile_of, reach_of
-from railgrip.scenario.demand import phases_of
 from railgrip.scenario.profile import FromTable
 from railgrip.scenario.schema import Scenario
+from railgrip.scenario.surface import Sander
 from railgrip.scenario.vehicle import TrainFile
-from railgrip.simulate.loop.driver import Driver
-from railgrip.simulate.loop.rail import Field, LoopSander, SandedRail, TabulatedRail
+from railgrip.simulate.loop.driver import Driver, phases_of
+from railgrip.simulate.loop.rail import Field, SandedRail, TabulatedRail
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.formation import Formation
 
@@ -35,11 +35,11 @@ def rail_of(vehicle: VehicleData) -> TabulatedRail:
     sand = None
     if adhesion.sand is not None and (sanders := _sanders(scenario, formation)):
         position_of(scenario, formation)
-        sand = SandedRail(layout, sanders, reach_of(scenario), **dict(adhesion.sand))
+        sand = SandedRail(layout, sanders, reach_of(scenario), adhesion.sand)
     return TabulatedRail(layout, profile_of(scenario, formation), vehicle.track_force, field, sand, vehicle.curves)
 
 
-def _sanders(scenario: Scenario, formation: Formation) -> list[LoopSander]:
+def _sanders(scenario: Scenario, formation: Formation) -> Sequence[Sander]:
     sanders, source = scenario.sanders, scenario.vehicle.source
     if not sanders and isinstance(source, TrainFile):
         sanders = load_train(source.file.path).sanders
@@ -49,16 +49,7 @@ def _sanders(scenario: Scenario, formation: Formation) -> list[LoopSander]:
                 f"{scenario.name}: [sanders[{number}]] is at wheelset {sander.wheelset}, the vehicle has "
                 f"{formation.wheelsets}"
             )
-    return [
-        LoopSander(
-            rate=sander.rate,
-            density=inf if sander.density is None else sander.density,
-            begin=sander.begin + sander.delay,
-            end=inf if sander.end is None else sander.end + sander.delay,
-            wheelset=sander.wheelset - 1,
-        )
-        for sander in sanders
-    ]
+    return sanders
 
 
 def doubts(scenario: Scenario) -> list[str]:
@@ -90,6 +81,6 @@ def driver_of(vehicle: VehicleData) -> Driver:
     brakes, demand = layout.formation.brakes, scenario.demand
     full = np.array([brake.pressure_max for brake in brakes])
     touching = np.array([brake.pressure_of(0.0) for brake in brakes])
-    phases = () if demand is None else phases_of(demand, full.tolist(), scenario.name)
+    phases = None if demand is None else phases_of(layout, demand, full.tolist(), scenario.name)
     binding = not getattr(scenario.controller, "redistribute", False)
     return Driver(layout, scenario.periods.communication, full=full, touching=touching, phases=phases, binding=binding)

@@ -17,7 +17,7 @@ from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import unit
 from railgrip.controllers.law import FULL_PRESSURE, GroupLaw
-from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.faults import TRUTH_KEYS
 from railgrip.scenario.kinds import Custom
 from railgrip.scenario.parts import BuiltInLaw as LawTable
@@ -41,6 +41,7 @@ from railgrip.simulate.roles import require_plant
 from railgrip.trace.contact import Contact
 from railgrip.vehicle.brake import BRAKE, PRESSURE_OF_FORCE, Brake
 from railgrip.vehicle.formation import Formation, carried_mass
+from railgrip.vehicle.motion import air_resistance, resistance_lever
 from railgrip.vehicle.parameters import (
     COUNTS,
     DESCRIPTIVE,
@@ -53,7 +54,6 @@ from railgrip.vehicle.parameters import (
     units_of_nominal_data,
     with_each,
 )
-from railgrip.vehicle.resistance import air_resistance, resistance_lever
 from railgrip.vehicle.signals import CURVE, EXTRA, PLANT, READINGS, SENT, Layout, layout_of
 
 CATALOGUE = "TwoPartTrain"
@@ -100,9 +100,9 @@ class VehicleData:
         values: dict[str, tuple[float, ...]] = {}
         for name, descriptive_unit in DESCRIPTIVE.items():
             declared, entry = array_of(self.fmu_parameters, name), getattr(table, name)
-            if declared and file.variables[f"{name}[1]"].unit_name not in (descriptive_unit, ""):
+            if declared and file.variables[f"{name}[1]"].unit not in (descriptive_unit, ""):
                 raise ScenarioError(
-                    f"{file.file.name}: its parameter {name} is in '{file.variables[f'{name}[1]'].unit_name}'; by that "
+                    f"{file.file.name}: its parameter {name} is in '{file.variables[f'{name}[1]'].unit}'; by that "
                     f"name the harness takes '{descriptive_unit}'"
                 )
             if declared and entry and declared != tuple(entry):
@@ -164,7 +164,7 @@ class VehicleData:
         units = units_of_nominal_data(self.formation)
         values: dict[str, float] = {}
         for name in entries.keys() & self.fmu_parameters.keys():
-            of_fmu = self.file.variables[name].unit
+            of_fmu = self.file.variables[name].defined_unit
             if "[" in name and of_fmu is not None and of_fmu.exponents == unit(units[name]).exponents:
                 values[name] = of_fmu.factor * self.fmu_parameters[name] + of_fmu.offset
         return values

@@ -13,14 +13,14 @@ from railgrip.campaign.work import Work
 from railgrip.fmi import Description
 from railgrip.fmi.cosimulation import CoSimulation
 from railgrip.fmi.description import describe
-from railgrip.fmi.mapping import Signal, bind
+from railgrip.fmi.mapping import Port, bind
 from railgrip.fmus.build import build_class
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable, percent
-from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.modelica import CELLS_OF_A_CAR
+from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.file import locate
 from railgrip.simulate.run import run_stop
@@ -90,7 +90,7 @@ def fronts(cells: int) -> dict[Case, float]:
 
 
 def _front(description: Description, volume: float, conductance: float) -> float:
-    pressures = Signal(name="pressure", unit="Pa", size=_LENGTHS.size, needed=True)
+    pressures = Port(name="pressure", unit="Pa", size=_LENGTHS.size, needed=True)
     binding = bind(description, inputs=[], outputs=[pressures])
     parameters = {"V_branch": volume, "C_accelerator": conductance}
     with CoSimulation(description, binding, period=_PERIOD, parameters=parameters) as pipe:

@@ -12,8 +12,7 @@ from test_console import HEAVY
 from typer.main import get_command
 
 import railgrip as rg
-from railgrip.cli.app import Command, Commands, app
-from railgrip.cli.maintain import maintain
+from railgrip.cli.app import Command, Commands, app, maintain
 from railgrip.report import console
 
 

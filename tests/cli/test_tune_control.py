@@ -15,7 +15,7 @@ from railgrip.campaign.tune_control import EQUIPMENT, RANGES, Optimum, parameter
 from railgrip.cli.main import main
 from railgrip.controllers.law import GroupLaw, Law
 from railgrip.controllers.laws.slip_two_state import SlipLevels
-from railgrip.controllers.tuned import TYPE_TEST, file_of
+from railgrip.controllers.parameters import TYPE_TEST, file_of
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.merge import merge

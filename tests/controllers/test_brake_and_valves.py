@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from wheelset import GROUP
 
-from railgrip.controllers.brake import pressure_for
+from railgrip.controllers.law import pressure_for
 from railgrip.controllers.valves import DUMP, FILL, HOLD, ValveLogic, ValveModel
 from railgrip.vehicle.brake import Brake
 

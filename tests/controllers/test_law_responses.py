@@ -17,7 +17,7 @@ from wheelset import GROUP, observed
 
 from railgrip.base import registry
 from railgrip.controllers.law import GroupLaw
-from railgrip.controllers.tuned import SEARCHED, TYPE_TEST, file_of
+from railgrip.controllers.parameters import SEARCHED, TYPE_TEST, file_of
 
 ACCEPTED = Path(__file__).with_name("law_responses.json")
 SETS = (SEARCHED, "paper", TYPE_TEST)

@@ -1,11 +1,13 @@
 """The laws on a wheelset of three lines: a torque balance on an adhesion curve known in closed form."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 import pytest
 from wheelset import GROUP, SPEED, observed, simulate, state_of
 
+from railgrip.controllers.law import GroupLaw, Tuning
 from railgrip.controllers.laws.adhesion_based import AdhesionBased
 from railgrip.controllers.laws.adhesion_literal import LiteralAdhesionBased
 from railgrip.controllers.laws.full_brake import FullBrake
@@ -355,3 +357,19 @@ def changed(tuning, **values):
 def test_a_tuning_without_meaning_is_refused(make, sentence):
     with pytest.raises(ValueError, match=sentence):
         make()
+
+
+def test_a_parameter_of_a_law_may_have_any_name():
+    """Such as those of the arguments of `load_tuning`."""
+
+    @dataclass(frozen=True, slots=True, kw_only=True)
+    class Names(Tuning):
+        actuation: Annotated[float, "1", "one"]
+        slip: Annotated[float, "1", "two"]
+        name: Annotated[float, "1", "three"]
+
+    class Named(GroupLaw):
+        tuning = Names
+
+    values = {"actuation": 1.0, "slip": 2.0, "name": 3.0}
+    assert Named.load_tuning("ideal", "read", **values) == Names(**values)

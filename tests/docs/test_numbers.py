@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 from typer.main import get_command
 
-from railgrip.cli.app import app
-from railgrip.cli.maintain import maintain
+from railgrip.cli.app import app, maintain
 from railgrip.studies.study import study_named
 
 ROOT = Path(__file__).parents[2]

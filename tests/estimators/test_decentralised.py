@@ -17,8 +17,8 @@ from railgrip.base.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import GaussianEstimate
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.consist import Consist, Part, part_equations
-from railgrip.estimators.decentralised import DecentralisedFilter
 from railgrip.estimators.design import Gate
+from railgrip.estimators.filters.decentralised import DecentralisedFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.fmus.native import lower

@@ -13,7 +13,7 @@ from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import estimate_of
 from railgrip.report.style import save
-from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.schema import load_train
 from railgrip.studies.field_test import figures, filtering
 from railgrip.studies.field_test.filtering import (
     NOISES,

@@ -10,7 +10,7 @@ import pytest
 from tiny_fmu import tied, tiny, xml
 
 from railgrip.base.errors import FmuError, PlantFailed
-from railgrip.fmi import Binding, Description, IsolatedCoSimulation, Signal, bind, describe, open_plant
+from railgrip.fmi import Binding, Description, IsolatedCoSimulation, Port, bind, describe, open_plant
 from railgrip.fmi.by_fmpy import IntegratedModel
 from railgrip.fmi.plant import LoadedPlant
 from railgrip.fmus.native import package
@@ -46,10 +46,10 @@ def ball(folder: Path, description: str = BALL) -> Path:
 def ball_binding(description: Description) -> Binding:
     return bind(
         description,
-        inputs=[Signal(name="lift", unit="m/s2", size=0, needed=True)],
+        inputs=[Port(name="lift", unit="m/s2", size=0, needed=True)],
         outputs=[
-            Signal(name="x", unit="1", size=2, needed=True),
-            Signal(name="bounces", unit="1", size=0, needed=True),
+            Port(name="x", unit="1", size=2, needed=True),
+            Port(name="bounces", unit="1", size=0, needed=True),
         ],
         table={"x": {"variable": "x[{i}]", "unit": "1"}},
     )

@@ -27,8 +27,8 @@ def test_a_description_holds_what_the_xml_says(foundry: Path):
     assert description.names("input") == ("u", "mode")
     assert description.names("parameter") == ("rate", "gain", "label", "allowed")
     rate = description.variables["rate"]
-    assert (rate.reference, rate.kind, rate.minimum, rate.maximum, rate.start) == (3, "Real", 0.1, 10.0, "2")
-    unit = description.variables["x"].unit
+    assert (rate.reference, rate.kind, rate.minimum, rate.maximum, rate.start) == (3, "Real", 0.1, 10.0, 2.0)
+    unit = description.variables["x"].defined_unit
     assert unit is not None
     assert unit.factor == pytest.approx(1 / 3.6, rel=1e-15)
     assert unit.dimension == "m.s-1"
@@ -53,7 +53,7 @@ def test_a_radian_left_out_of_a_definition_is_read_from_the_name(
     """SI's radian is one, FMI's a base unit, and tools differ: OpenModelica's "rad/s" is s⁻¹."""
     definitions = f'<UnitDefinitions>\n<Unit name="{name}"><BaseUnit s="-1" factor="{factor}"/></Unit>'
     text = xml(state_unit=name).replace("<UnitDefinitions>", definitions)
-    unit = describe(tiny(foundry, description=text)).variables["x"].unit
+    unit = describe(tiny(foundry, description=text)).variables["x"].defined_unit
     assert unit is not None
     assert (unit.dimension, unit.factor) == (dimension, factor)
 

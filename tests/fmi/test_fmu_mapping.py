@@ -7,13 +7,13 @@ import pytest
 from tiny_fmu import tiny, xml
 
 from railgrip.base.errors import FmuError, PlantFailed
-from railgrip.fmi import Binding, CoSimulation, Description, Signal, bind, describe
+from railgrip.fmi import Binding, CoSimulation, Description, Port, bind, describe
 
 WHERE = "city.toml: [vehicle.map]"
 
 
-def signal(name: str, unit: str = "1", size: int = 0, *, needed: bool = True) -> Signal:
-    return Signal(name=name, unit=unit, size=size, needed=needed)
+def signal(name: str, unit: str = "1", size: int = 0, *, needed: bool = True) -> Port:
+    return Port(name=name, unit=unit, size=size, needed=needed)
 
 
 def tied(description: Description, table: dict[str, object] | None = None, **more: object) -> Binding:

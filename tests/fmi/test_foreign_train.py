@@ -10,7 +10,7 @@ import pytest
 from synthetic import LAYOUT, TWO_PART_TRAIN
 
 from railgrip.base.errors import FmuError
-from railgrip.fmi import Binding, CoSimulation, Description, Signal, bind, describe
+from railgrip.fmi import Binding, CoSimulation, Description, Port, bind, describe
 from railgrip.fmus.native import package
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit
@@ -27,13 +27,13 @@ MASS, INERTIA, RADIUS, BRAKE = 84e3, 6 * 111.0, 0.38, 6 * 1.9e3 / 1e5  # kg, kg.
 SHAPE = 1.5
 
 SENT = (
-    Signal(name="pressure_command", unit="Pa", size=4, needed=True),
-    Signal(name="mu0", unit="1", size=6, needed=True),
-    Signal(name="track_force", unit="N", size=0, needed=True),
+    Port(name="pressure_command", unit="Pa", size=4, needed=True),
+    Port(name="mu0", unit="1", size=6, needed=True),
+    Port(name="track_force", unit="N", size=0, needed=True),
 )
 NEEDED = ("speed", "distance", "acceleration", "wheelset_speed", "cylinder_pressure")
 ANSWERED = tuple(
-    Signal(
+    Port(
         name=s.name,
         unit=s.unit,
         size=0 if s.extent == "train" else TWO_PART_TRAIN.width(s.extent),
@@ -67,7 +67,7 @@ def binding(foreign: Description) -> Binding:
         foreign,
         inputs=SENT,
         outputs=ANSWERED,
-        parameters=[Signal(name="start_speed", unit="m/s", size=0, needed=True)],
+        parameters=[Port(name="start_speed", unit="m/s", size=0, needed=True)],
         table=table,
         where=f"{SCENARIO.name}: [vehicle.map]",
     )

@@ -16,7 +16,7 @@ from faulty_fmu import faulty_fmu
 
 from railgrip.base.errors import PlantFailed
 from railgrip.base.limits import FMU_LIMITS, FmuLimits
-from railgrip.fmi import IsolatedCoSimulation, Signal, bind, describe, shared_budget
+from railgrip.fmi import IsolatedCoSimulation, Port, bind, describe, shared_budget
 from railgrip.fmi.child import ANSWER, FAILED
 from railgrip.fmi.isolation import KEEPER
 from railgrip.vehicle.signals import PLANT
@@ -33,8 +33,8 @@ def isolated(
     description = describe(plant, limits)
     binding = bind(
         description,
-        inputs=[Signal(name="pressure_command", unit="Pa", size=4, needed=True)],
-        outputs=[Signal(name=s.name, unit=s.unit, size=0, needed=True) for s in SIGNALS],
+        inputs=[Port(name="pressure_command", unit="Pa", size=4, needed=True)],
+        outputs=[Port(name=s.name, unit=s.unit, size=0, needed=True) for s in SIGNALS],
     )
     return IsolatedCoSimulation(description, binding, period=0.01, parameters={}, limits=limits, notify=notify)
 

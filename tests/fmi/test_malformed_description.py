@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tiny_fmu import tiny, xml
 
 from railgrip.base.errors import FmuError, RailgripError
-from railgrip.fmi import Description, Signal, bind, describe
+from railgrip.fmi import Description, Port, bind, describe
 from railgrip.fmi.draft import draft_mapping
 from railgrip.fmi.parameters import assignments
 
@@ -46,7 +46,7 @@ def packed(members: dict[str, bytes], description: str, file: Path) -> Path:
 def use(file: Path) -> Description:
     """Do with an FMU what is done before its code runs."""
     description = describe(file)
-    signals = {name: Signal(name=name, unit=unit, size=0, needed=True) for name, unit in UNITS.items()}
+    signals = {name: Port(name=name, unit=unit, size=0, needed=True) for name, unit in UNITS.items()}
     bind(description, inputs=[signals["u"]], outputs=[signals["x"], signals["y"]])
     assignments(description, {"rate": 5.0, "label": "x", "allowed": 3})
     draft_mapping(description, {"u": (signals["u"], "input"), "x": (signals["x"], "output")})

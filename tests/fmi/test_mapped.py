@@ -9,8 +9,8 @@ import pytest
 from faulty_fmu import faulty_fmu
 
 from railgrip.base.units import conversion, unit
-from railgrip.fmi import Description, Signal, bind, describe
-from railgrip.fmi.description import Variable
+from railgrip.fmi import Description, Port, bind, describe
+from railgrip.fmi.description import FmuVariable
 from railgrip.fmi.draft import arrays_of, draft_mapping
 from railgrip.simulate.mapped import MappingDraft, SignalMapping, _correct, find_mapping
 from railgrip.simulate.trial import GOOD_RAIL, POOR_RAIL, run_trial
@@ -24,10 +24,10 @@ def described(**causalities) -> Description:
     variables = {}
     for causality, names in causalities.items():
         for name in names:
-            variables[name] = Variable(
-                name=name, reference=len(variables), kind="Real", carrier="Real", element=0, elements=1,
-                causality=causality, settable=causality != "output", unit=None, unit_name="", relative=False, start="0",
-                minimum=None, maximum=None, description="",
+            variables[name] = FmuVariable(
+                name=name, reference=len(variables), kind="Real", carrier="Real", causality=causality,
+                settable=causality != "output", unit="", defined_unit=None, relative=False, start_text="0",
+                description="",
             )  # fmt: skip
     return Description(
         file=Path("Train.fmu"), fmi=2, digest="", model="", guid="", generator="",
@@ -37,7 +37,7 @@ def described(**causalities) -> Description:
     )  # fmt: skip
 
 
-WHEELS = Signal(name="wheelset_speed", unit="rad/s", size=3, needed=True)
+WHEELS = Port(name="wheelset_speed", unit="rad/s", size=3, needed=True)
 
 
 @pytest.mark.parametrize(
@@ -73,9 +73,9 @@ def test_arrays_are_found_under_names_of_many_kinds(names, entry):
 
 def test_usual_abbreviations_are_recognised():
     signals = {
-        "pressure_command": (Signal(name="pressure_command", unit="Pa", size=2, needed=True), "input"),
-        "cylinder_pressure": (Signal(name="cylinder_pressure", unit="Pa", size=2, needed=False), "output"),
-        "start_speed": (Signal(name="start_speed", unit="m/s", size=0, needed=False), "parameter"),
+        "pressure_command": (Port(name="pressure_command", unit="Pa", size=2, needed=True), "input"),
+        "cylinder_pressure": (Port(name="cylinder_pressure", unit="Pa", size=2, needed=False), "output"),
+        "start_speed": (Port(name="start_speed", unit="m/s", size=0, needed=False), "parameter"),
     }
     causalities = {"input": ["bcp_cmd_1", "bcp_cmd_2"], "output": ["bcp_1", "bcp_2"], "parameter": ["v_init", "r"]}
     table = draft_mapping(described(**causalities), signals)
@@ -90,8 +90,8 @@ def test_a_gap_in_the_numbers_is_no_array():
 def test_a_variable_is_used_once():
     signals = {
         "wheelset_speed": (WHEELS, "output"),
-        "speed": (Signal(name="speed", unit="m/s", size=0, needed=True), "output"),
-        "slip": (Signal(name="slip", unit="1", size=3, needed=False), "output"),
+        "speed": (Port(name="speed", unit="m/s", size=0, needed=True), "output"),
+        "slip": (Port(name="slip", unit="1", size=3, needed=False), "output"),
     }
     table = draft_mapping(described(output=["v", "omega_1", "omega_2", "omega_3"]), signals)
     assert table == {"wheelset_speed": "omega_{i}", "speed": "v"}
@@ -148,7 +148,7 @@ class Train:
 
 def corrected(factors) -> MappingDraft:
     table = {
-        name: SignalMapping(Signal(name=name, unit=own, size=0, needed=True), name, 1.0, "" if own == "1" else own)
+        name: SignalMapping(Port(name=name, unit=own, size=0, needed=True), name, 1.0, "" if own == "1" else own)
         for name, own in UNITS.items()
     }
 
@@ -198,7 +198,7 @@ def test_units_and_signs_that_a_run_shows_to_be_wrong_are_corrected_and_told(fac
 
 
 def test_a_unit_is_stated_where_the_fmu_has_none_and_scaled_where_it_has():
-    signal = Signal(name="speed", unit="m/s", size=0, needed=True)
+    signal = Port(name="speed", unit="m/s", size=0, needed=True)
     assert SignalMapping(signal, "v", 1.0, "m/s").rescale(1 / 3.6).plain == {"variable": "v", "unit": "km/h"}
     assert SignalMapping(signal, "v", 1.0, "").rescale(1 / 3.6).plain == {
         "variable": "v",

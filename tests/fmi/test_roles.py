@@ -11,10 +11,10 @@ from command_line import done
 from faulty_fmu import faulty_fmu, quick_stop
 
 from railgrip.base.errors import RailgripError
+from railgrip.base.system import SampledSystem, Variable
 from railgrip.fmi import describe
 from railgrip.fmus.build import fmu
-from railgrip.fmus.native import Variable
-from railgrip.fmus.native.discrete import Discrete, sources
+from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
@@ -25,13 +25,13 @@ from railgrip.simulate.roles import role_of
 from railgrip.simulate.run import run_stop
 
 
-def law(*, wheel: str, demand: str, groups: int, pressure: float = 2e5) -> Discrete:
+def law(*, wheel: str, demand: str, groups: int, pressure: float = 2e5) -> SampledSystem:
     """Return a controller that releases a wheel that turns backwards; `{i}` in names is the group."""
     speeds = ca.SX.sym("speeds", groups)
-    variable = partial(Variable, description="", minimum=None, maximum=None, nominal=1.0, start=0.0)
+    variable = partial(Variable, description="", start=0.0)
     numbers = range(1, groups + 1)
     demands = ca.if_else(speeds < 0.0, 0.0, pressure)
-    return Discrete(
+    return SampledSystem(
         name="SlipAlone",
         description="A law that uses wheel speeds alone",
         period=10e-3,

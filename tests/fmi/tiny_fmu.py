@@ -5,7 +5,7 @@ from pathlib import Path
 
 import fmpy
 
-from railgrip.fmi import Binding, Description, Signal, bind
+from railgrip.fmi import Binding, Description, Port, bind
 from railgrip.fmus.native.toolchain import shared_library
 
 GUID = "{7d1c6f0e-tiny}"
@@ -134,8 +134,8 @@ def tied(description: Description) -> Binding:
     plain = {"unit": "1", "size": 0, "needed": True}
     return bind(
         description,
-        inputs=[Signal(name="u", **plain)],
-        outputs=[Signal(name="x", **plain), Signal(name="y", **plain)],
+        inputs=[Port(name="u", **plain)],
+        outputs=[Port(name="x", **plain), Port(name="y", **plain)],
     )
 
 

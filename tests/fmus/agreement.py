@@ -7,7 +7,7 @@ import fmpy
 import numpy as np
 from test_train_fmus import HELD, held
 
-from railgrip.fmi import CoSimulation, Description, Signal, bind
+from railgrip.fmi import CoSimulation, Description, Port, bind
 
 STOP, STEP = 3.0, 0.015
 AT_REST = 1e-12
@@ -60,9 +60,9 @@ def stepped(
 ) -> dict[str, np.ndarray]:
     """Return each output by its name after each millisecond; our own solver is given 1e-8."""
 
-    def signals(causality: str) -> list[Signal]:
+    def signals(causality: str) -> list[Port]:
         return [
-            Signal(name=n, unit=description.variables[n].unit_name or "1", size=0, needed=True)
+            Port(name=n, unit=description.variables[n].unit or "1", size=0, needed=True)
             for n in description.names(causality)
         ]
 

@@ -57,7 +57,7 @@ def test_the_face_is_the_same(pair, name):
         )
         assert sorted(theirs) == sorted(ours)
         for n, v in ours.items():
-            assert (theirs[n].kind, theirs[n].unit_name) == (v.kind, v.unit_name), n
+            assert (theirs[n].kind, theirs[n].unit) == (v.kind, v.unit), n
         if causality == "parameter":
             for n, v in ours.items():
                 assert theirs[n].settable, n

@@ -8,24 +8,22 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
 from railgrip.base.errors import InputError
-from railgrip.fmus.native import Variable
-from railgrip.fmus.native.discrete import Discrete, sources
+from railgrip.base.system import SampledSystem, Variable
+from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import pack
 
 PERIOD = 1 / 5120
 
 
 def variable(name, unit="1", start=0.0):
-    return Variable(
-        name=name, unit=unit, start=start, description=f"About {name}", minimum=None, maximum=None, nominal=1.0
-    )
+    return Variable(name=name, unit=unit, start=start, description=f"About {name}")
 
 
 def leaky_sum(period=PERIOD):
     """x' = a x + u, y = {x', u²}."""
     x, u, a = ca.SX.sym("x"), ca.SX.sym("u"), ca.SX.sym("a")
     following = a * x + u
-    return Discrete(
+    return SampledSystem(
         name="Leaky sum",
         description="For tests",
         period=period,
@@ -135,25 +133,29 @@ def test_the_same_function_gives_the_same_source():
 def test_a_function_of_the_wrong_size_is_refused():
     x = ca.SX.sym("x", 2)
     with pytest.raises(InputError, match=r"takes \[2\] and gives \[2\]"):
-        Discrete(
-            name="wrong", description="", period=1.0, states=(variable("x"),), inputs=(), parameters=(), outputs=(),
-            step=ca.Function("f", [x], [x]),
+        sources(
+            SampledSystem(
+                name="wrong", description="", period=1.0, states=(variable("x"),), outputs=(),
+                step=ca.Function("f", [x], [x]),
+            )
         )  # fmt: skip
 
 
 def test_two_variables_of_one_name_are_refused():
     x, u = ca.SX.sym("x"), ca.SX.sym("u")
     with pytest.raises(InputError, match="more than one variable is named a"):
-        Discrete(
-            name="twice", description="", period=1.0, states=(variable("a"),), inputs=(variable("a"),), parameters=(),
-            outputs=(), step=ca.Function("f", [x, u], [x, ca.SX(0, 1)]),
+        sources(
+            SampledSystem(
+                name="twice", description="", period=1.0, states=(variable("a"),), inputs=(variable("a"),),
+                outputs=(), step=ca.Function("f", [x, u], [x, ca.SX(0, 1)]),
+            )
         )  # fmt: skip
 
 
 def test_numpy_and_the_fmu_agree_on_a_nonlinear_step(tmp_path):
     x, u = ca.SX.sym("x", 2), ca.SX.sym("u", 2)
     f = ca.Function("f", [x, u], [ca.tanh(x + u), ca.if_else(u[0] > 0, x[0], x[1])])
-    system = Discrete(
+    system = SampledSystem(
         name="bend", description="", period=0.1, states=(variable("x[1]"), variable("x[2]")),
         inputs=(variable("u[1]"), variable("u[2]")), parameters=(), outputs=(variable("y"),), step=f,
     )  # fmt: skip

@@ -14,8 +14,7 @@ from railgrip.base.errors import BuildFailed, CompilerMissing
 from railgrip.fmus.native import equations, lower, toolchain
 from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.elimination import MAX_ENTRIES, MAX_PRODUCTS, eliminate
-from railgrip.fmus.native.straight import LONGEST, straight
-from railgrip.fmus.native.tape import interpreter, tape
+from railgrip.fmus.native.functions import LONGEST, interpreter, straight, tape
 
 LARGEST_REAL = sys.float_info.max
 

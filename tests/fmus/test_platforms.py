@@ -18,8 +18,8 @@ from binaries import described
 from fmpy import simulate_fmu
 from fmpy.validation import validate_fmu
 
-from railgrip.fmus.native import Variable
-from railgrip.fmus.native.discrete import Discrete, sources
+from railgrip.base.system import SampledSystem, Variable
+from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.fmi3 import as_fmi_3
 from railgrip.fmus.native.package import FMU_FLAGS, pack
 from railgrip.fmus.native.package import HEADERS as INCLUDED
@@ -41,12 +41,12 @@ def source(request):
     x, u = ca.SX.sym("x"), ca.SX.sym("u")
     of = {
         name: Variable(
-            name=name, unit="1", start=0.0, description=name, minimum=None, maximum=None, nominal=1.0
+            name=name, unit="1", start=0.0, description=name
         )
         for name in ("x", "u", "y")
     }  # fmt: skip
     source = sources(
-        Discrete(
+        SampledSystem(
             name="Sum", description="For tests", period=0.1, states=(of["x"],), inputs=(of["u"],), parameters=(),
             outputs=(of["y"],), step=ca.Function("step", [x, u], [x + u, x + u]),
         )

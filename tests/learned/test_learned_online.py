@@ -37,7 +37,7 @@ def test_the_papers_estimator_is_the_same_online(combination, bias):
     blocks = chain.process(np.stack(motions(raw.T, combination), axis=-1))
     scale, net = Scale.over(blocks), network(draw, blocks.shape[1], bias=bias)
     offline = net(scale(blocks))
-    answer = online.paper(chain, scale, [net], combination).run(raw)
+    answer = online.run(online.paper(chain, scale, [net], combination), raw)
     np.testing.assert_allclose(answer[49::50, 0], offline, rtol=ROUNDING)
     assert np.all(answer[:49, 1] == 0)
     assert np.all(answer[49:, 1] == 1)
@@ -67,7 +67,7 @@ def general_pair(direction, stages):
 @pytest.mark.parametrize(("direction", "stages"), [(1.0, 1), (-1.0, 2)])
 def test_the_general_estimator_is_the_same_online(direction, stages):
     built, offline, entry, slow, spectral = general_pair(direction, stages)
-    answer = built.run(entry)
+    answer = online.run(built, entry)
     first = slow.keep * (2 * spectral.settling_samples + 1) - 1
     np.testing.assert_allclose(answer[first :: slow.keep, 0], offline.friction, rtol=ROUNDING)
     np.testing.assert_allclose(answer[first :: slow.keep, 1], offline.lower, rtol=ROUNDING, atol=1e-12)

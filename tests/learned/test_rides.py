@@ -11,8 +11,9 @@ from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Network
 from railgrip.estimators.learned.preprocessing import AntiAlias, Chain, Scale
 from railgrip.estimators.learned.spectral import Spectral
-from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, as_fmu, load, save
+from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, load, save
 from railgrip.fmi import describe
+from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import pack
 from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.instrumented_car import Pass, Ride, held_speed, in_axes_of_car, ride
@@ -68,7 +69,7 @@ def estimators():
 @pytest.fixture(scope="module")
 def files(estimators, tmp_path_factory):
     folder = tmp_path_factory.mktemp("exported")
-    return {name: pack(as_fmu(one.online()), folder / f"{name}.fmu") for name, one in estimators.items()}
+    return {name: pack(sources(one.online()), folder / f"{name}.fmu") for name, one in estimators.items()}
 
 
 @pytest.fixture(scope="module")

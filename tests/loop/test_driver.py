@@ -2,23 +2,21 @@
 
 import numpy as np
 import pytest
-from kernel_calls import drive
+from kernel_calls import drive, phase_of
 from synthetic import FULL, LAYOUT
 
-from railgrip.scenario.demand import DemandedPhase
 from railgrip.simulate.loop.driver import Driver
 
 PERIOD = 0.01
-NONE = (0.0,) * 4
 TOUCHING = 3e4
 
 
 def phase(pressure=0.0, until="end", limit=np.nan, **changes):
-    return DemandedPhase(until=until, limit=limit, pressures=(pressure,) * 4, slopes=NONE, **changes)
+    return phase_of(until, limit=limit, pressure=pressure, **changes)
 
 
 def driver(*phases):
-    return Driver(LAYOUT, PERIOD, full=FULL, touching=np.full(4, TOUCHING), phases=phases)
+    return Driver(LAYOUT, PERIOD, full=FULL, touching=np.full(4, TOUCHING), phases=np.concatenate(phases))
 
 
 def pressure_at(one, sample, speed=20.0, distance=0.0):
@@ -50,7 +48,7 @@ def test_phases_whose_end_is_past_are_passed_at_once():
 
 
 def test_a_profile_is_a_straight_line():
-    line = DemandedPhase(until="time", limit=2.0, begin=1.0, pressures=(1e5,) * 4, slopes=(5e4,) * 4)
+    line = phase_of("time", limit=2.0, begin=1.0, pressure=1e5, slope=5e4)
     one = driver(phase(1e5, "time", 1.0), line, phase(1.5e5))
     assert [pressure_at(one, k) for k in (0, 100, 150, 199, 200, 300)] == pytest.approx(
         [1e5, 1e5, 1.25e5, 1.495e5, 1.5e5, 1.5e5]

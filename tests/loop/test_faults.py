@@ -6,7 +6,7 @@ from kernel_calls import Encoder, show, transmit
 from synthetic import LAYOUT
 from test_sensors import PERIOD, encoder_readings, instruments
 
-from railgrip.simulate.loop.faults import FREE, CommandFault, Faults, ReadingFault
+from railgrip.simulate.loop.faults import FREE, Faults
 from railgrip.simulate.loop.sensors import MissingTeeth
 
 SPEED = LAYOUT.reading["speed"].start
@@ -15,7 +15,8 @@ SPEED = LAYOUT.reading["speed"].start
 def shown(course, *, valves=True, noise_every=1, **fault):
     """Readings of the train speed with one fault between samples 3 and 6; -1 for none."""
     values = {"place": SPEED, "begin": 3, "end": 6} | fault
-    faults = Faults(LAYOUT, [ReadingFault(**values)], [], valves=valves, noise_every=noise_every)
+    faults = Faults(LAYOUT, valves=valves, noise_every=noise_every)
+    faults.add_reading(**values)
     readings = []
     for k, speed in enumerate(course):
         reading = np.arange(LAYOUT.readings, dtype=float)
@@ -54,17 +55,20 @@ def test_a_sensor_that_is_broken_from_the_start_shows_its_first_reading_only(kin
 
 
 def test_faults_of_one_sensor_act_in_their_order():
-    scaled, biased = (ReadingFault(kind=k, place=SPEED, begin=0, end=9, value=2.0) for k in ("scaled", "biased"))
-    reading = np.full(LAYOUT.readings, 10.0)
-    results = [show(Faults(LAYOUT, order, [], valves=True, noise_every=1), 0, reading)[SPEED]
-               for order in ([scaled, biased], [biased, scaled])]  # fmt: skip
+    results = []
+    for kinds in (("scaled", "biased"), ("biased", "scaled")):
+        faults = Faults(LAYOUT, valves=True, noise_every=1)
+        for kind in kinds:
+            faults.add_reading(kind, SPEED, begin=0, end=9, value=2.0)
+        results.append(show(faults, 0, np.full(LAYOUT.readings, 10.0))[SPEED])
     assert results == [22.0, 24.0]
 
 
 def passed(commands, *, valves, inside=(0.0,) * 20, air=(0.0,) * 20, **fault):
     """Commands that arrive at group 2 with one fault between samples 2 and 5."""
     values = {"group": 1, "begin": 2, "end": 5} | fault
-    faults = Faults(LAYOUT, [], [CommandFault(**values)], valves=valves, noise_every=1)
+    faults = Faults(LAYOUT, valves=valves, noise_every=1)
+    faults.add_command(**values)
     arrived = []
     for k, command in enumerate(commands):
         truth = np.zeros(LAYOUT.outputs)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from kernel_calls import holds
+from kernel_calls import holds, phase_of
 from reference import brake
 from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
 
@@ -23,14 +23,13 @@ from railgrip.controllers.sampled import choose
 from railgrip.controllers.train_level import pass_through, with_redistribution
 from railgrip.controllers.valves import ValveLogic, ValveModel
 from railgrip.scenario.adhesion import FrictionTable
-from railgrip.scenario.demand import DemandedPhase
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.polach import Polach
-from railgrip.scenario.recovery import Recovery
+from railgrip.scenario.surface import Recovery
 from railgrip.scenario.track.table import TrackForce
 from railgrip.simulate.custom import DemandLimits
 from railgrip.simulate.loop.driver import Driver
-from railgrip.simulate.loop.faults import CommandFault, Faults, ReadingFault
+from railgrip.simulate.loop.faults import Faults
 from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.loop.parts import Clock, Parts, StateEstimator
 from railgrip.simulate.loop.plausible import Plausibility, Slowing, slowing_of
@@ -193,18 +192,22 @@ SENSORS = {
 
 
 def parts_of(
-    plant, controller, filter_, *, samples, sensors, valves, every, over_time, start_speed=None, phases=(),
+    plant, controller, filter_, *, samples, sensors, valves, every, over_time, start_speed=None, phases=None,
     field=lambda: None, broken=((), ()), sensing=1, bounds=ANY_TRAIN,
 ):  # fmt: skip
     recorder = Recorder(
         (
             *(*signals.PLANT, *signals.SENT, *signals.READINGS, *signals.DEMANDED),
-            *(signals.DRIVEN if phases else ()),
+            *(() if phases is None else signals.DRIVEN),
             *(signals.ESTIMATES if filter_ else ()),
         ),
         TWO_PART_TRAIN,
         samples + 1,
     )
+    faults = Faults(LAYOUT, valves=valves, noise_every=1)
+    for add, changes in zip((faults.add_reading, faults.add_command), broken, strict=True):
+        for change in changes:
+            add(**change)
     friction = np.random.default_rng(3).uniform(0.02, 0.2, (200, 6))
     return Parts(
         layout=LAYOUT,
@@ -215,7 +218,7 @@ def parts_of(
         controller=controller,
         valves=ValveLogic([3.4e5] * 4, VALVES) if valves else None,
         driver=Driver(LAYOUT, 1e-3, full=FULL, touching=np.full(4, 3e4), phases=phases),
-        faults=Faults(LAYOUT, *broken, valves=valves, noise_every=1) if any(broken) else None,
+        faults=faults or None,
         wheel_radius=RADIUS,
         clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples, sensors=sensing),
         slowing=bounds,
@@ -326,8 +329,8 @@ class Wild:
 @pytest.mark.parametrize("every", [(1, 1), (2, 3)])
 def test_demands_of_a_law_in_python_are_limited_before_what_is_decided_over_the_train(every):
     demands, limits = [], DemandLimits(replace(TWO_PART_TRAIN, brakes=GROUPS))
-    phase = DemandedPhase(pressures=(2e5,) * 4, slopes=(0.0,) * 4)
-    setup = dict(samples=BLOCK, sensors="ideal", valves=False, every=every, over_time=True, phases=(phase,))
+    demand = phase_of(pressure=2e5)
+    setup = dict(samples=BLOCK, sensors="ideal", valves=False, every=every, over_time=True, phases=demand)
     for run in (by_the_loop, brake):
         over = with_redistribution(pass_through(GROUPS), GROUPS, period=1e-3, adhesion_max=0.2)
         parts = replace(parts_of(Plant(), Wild(), None, **setup), limits=limits, train_level=over)
@@ -386,14 +389,14 @@ def test_a_rail_that_slip_changes(reach):
 
 span = st.tuples(st.integers(0, BLOCK), st.integers(1, 400)).map(lambda at: {"begin": at[0], "end": sum(at)})
 broken_sensors = st.builds(
-    lambda kind, place, span, value: ReadingFault(
+    lambda kind, place, span, value: dict(
         kind=kind, place=place, value=value, noise=np.linspace(-1, 1, 77) if kind == "noisy" else None, **span
     ),
     st.sampled_from(["dead", "stuck", "scaled", "biased", "noisy"]),
     st.integers(0, LAYOUT.readings - 1), span, st.sampled_from([0.0, 0.5, 2.0, -1.0]),
 )  # fmt: skip
 broken_brakes = st.builds(
-    lambda kind, group, span, delay, value: CommandFault(
+    lambda kind, group, span, delay, value: dict(
         kind=kind, group=group, delay=delay, value=value, pressure=1e5, **span
     ),
     st.sampled_from(["fixed", "kept", "late", "limited"]),
@@ -430,13 +433,11 @@ def driven(draw):
     phases, ends = [], draw(st.lists(until, max_size=5))
     for kind, limit in [*ends, ("end", np.nan)]:
         aim = {"target": draw(st.floats(1.0, 8.0)), "deceleration": 8.0, "full_deceleration": 10.6}
-        phase = dict(until=kind, limit=limit, begin=draw(st.floats(0.0, 1.0)), pressures=draw(pressures))
-        phase |= dict(slopes=draw(st.tuples(*[st.sampled_from([0.0, 1e4])] * 4)))
+        phase = dict(until=kind, limit=limit, begin=draw(st.floats(0.0, 1.0)), pressure=draw(pressures))
+        phase |= dict(slope=draw(st.tuples(*[st.sampled_from([0.0, 1e4])] * 4)))
         phase |= dict(force=draw(st.floats(0.0, 1e5)), power=draw(st.sampled_from([np.inf, 1e5])))
-        phases.append(
-            DemandedPhase(rate=draw(st.sampled_from([np.inf, 1e5])), **phase, **draw(st.sampled_from([aim, {}])))
-        )
-    return phases
+        phases.append(phase_of(rate=draw(st.sampled_from([np.inf, 1e5])), **phase, **draw(st.sampled_from([aim, {}]))))
+    return np.concatenate(phases)
 
 
 @settings(max_examples=40)

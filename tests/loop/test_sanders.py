@@ -8,15 +8,15 @@ from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate.loop.rail import LoopSander, SandedRail
+from railgrip.scenario.surface import Sand, Sander
+from railgrip.simulate.loop.rail import SandedRail
 from railgrip.simulate.parts import assemble
 from railgrip.simulate.run import run_stop
 
 KG_PER_MIN = 1 / 60
 SAND = {"mu0": 0.2, "density": 6e-3, "left": 0.8}
-ALWAYS = {"begin": 0.0, "end": np.inf}
-FIXED = LoopSander(wheelset=2, rate=2 * KG_PER_MIN, density=np.inf, **ALWAYS)
-VARIABLE = LoopSander(wheelset=2, rate=5 * KG_PER_MIN, density=4e-3, **ALWAYS)
+FIXED = Sander(wheelset=3, rate=2 * KG_PER_MIN, delay=0.0)
+VARIABLE = Sander(wheelset=3, rate=5 * KG_PER_MIN, density=4e-3, delay=0.0)
 SPEED = 20.0
 LAW = "adhesion.sand={mu0=0.2, density='6 g/m', left=0.8}"
 WRITTEN = (LAW, "sanders=[{wheelset=2, rate='2 kg/min', delay='1 s'}]")
@@ -24,7 +24,7 @@ LOW = ("adhesion.mu0=0.03", "adhesion.polach=low", "estimator.kind=none", "contr
 
 
 def rail(*sanders, sand=SAND, mu0=0.02, reach=400.0):
-    return constant_rail(mu0, sand=SandedRail(LAYOUT, sanders, reach, **sand))
+    return constant_rail(mu0, sand=SandedRail(LAYOUT, sanders, reach, Sand(**sand)))
 
 
 def truth(distance, speed=SPEED):
@@ -54,7 +54,7 @@ def test_each_wheelset_behind_a_sander_meets_a_share_less():
 
 def test_sand_of_two_sanders_adds_up():
     met = behind(2 * KG_PER_MIN / SPEED, first=2) + behind(2 * KG_PER_MIN / SPEED, first=4)
-    track = rolled(rail(FIXED, LoopSander(wheelset=4, rate=2 * KG_PER_MIN, density=np.inf, **ALWAYS)), 100.0)
+    track = rolled(rail(FIXED, Sander(wheelset=5, rate=2 * KG_PER_MIN, delay=0.0)), 100.0)
     assert track.mu0 == pytest.approx(law(met), rel=1e-12)
 
 
@@ -72,7 +72,7 @@ def test_all_sand_that_left_the_nozzles_lies_on_the_rail():
 
 
 def test_sand_comes_and_goes_and_stays_where_it_lies():
-    sander = LoopSander(wheelset=0, rate=2 * KG_PER_MIN, density=np.inf, begin=1.5, end=2.5)
+    sander = Sander(wheelset=1, rate=2 * KG_PER_MIN, begin=1.0, end=2.0, delay=0.5)
     met = behind(2 * KG_PER_MIN / SPEED, first=0)
     track = rail(sander)
     found = {}

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from railgrip import cli
-from railgrip.rolling_stock.files import train_of
+from railgrip.rolling_stock.schema import train_of
 
 BEGINNING = Path(cli.__file__).parent / "templates" / "train.toml"
 

@@ -8,8 +8,8 @@ import pytest
 
 from railgrip.base.units import GRAVITY
 from railgrip.rolling_stock.check import findings, stops_by_hand
-from railgrip.rolling_stock.files import NAMED, load_train, train_of
 from railgrip.rolling_stock.modelica import class_name, class_text
+from railgrip.rolling_stock.schema import NAMED, load_train, train_of
 from railgrip.rolling_stock.stopping import by_hand, chain_forces, full_brake_force
 
 

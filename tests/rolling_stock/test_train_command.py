@@ -7,7 +7,7 @@ import pytest
 from matplotlib.patches import Circle
 
 from railgrip.rolling_stock.drawing import drawing
-from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.schema import load_train
 
 PNG, SVG = b"\x89PNG", b"<?xml"
 

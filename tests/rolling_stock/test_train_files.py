@@ -9,7 +9,7 @@ import pytest
 from railgrip.base.errors import ScenarioError
 from railgrip.base.registry import shelf
 from railgrip.rolling_stock.check import findings
-from railgrip.rolling_stock.files import NAMED, load_train, train_of
+from railgrip.rolling_stock.schema import NAMED, load_train, train_of
 
 
 def refused(tables):

@@ -9,12 +9,16 @@ import synthetic
 from synthetic import LAYOUT, LIBRARY
 
 from railgrip.base.errors import ScenarioError
-from railgrip.scenario.demand import phases_of
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.merge import merge
-from railgrip.simulate.loop.driver import Driver
+from railgrip.simulate.loop.driver import Driver, phases_of
+from railgrip.simulate.loop.library import kernel
+from railgrip.vehicle.formation import Formation
+from railgrip.vehicle.signals import layout_of
 
 FULL = (3.4e5, 3.0e5)
+TWO_GROUPS = layout_of(Formation((1, 1)))
+ENDS = kernel(TWO_GROUPS).functions
 
 
 def scenario_with(demand, directory=LIBRARY):
@@ -23,7 +27,7 @@ def scenario_with(demand, directory=LIBRARY):
 
 
 def phases(demand, directory=LIBRARY):
-    return phases_of(scenario_with(demand, directory).demand, FULL, "mine")
+    return phases_of(TWO_GROUPS, scenario_with(demand, directory).demand, FULL, "mine")
 
 
 def test_one_pressure_is_for_all_groups_and_full_is_that_of_each():
@@ -36,23 +40,23 @@ def test_one_pressure_is_for_all_groups_and_full_is_that_of_each():
             ]
         }
     )
-    assert (one.pressures, one.until, one.limit) == ((1.5e5, 1.5e5), "time", 2.0)
-    assert (each.pressures, each.until, each.limit) == ((0.5e5, 3.0e5), "speed_below", 10.0)
-    assert (full.pressures, full.until) == (FULL, "end")
+    assert (*one["pressure"], one["until"], one["limit"]) == (1.5e5, 1.5e5, ENDS.AT_TIME, 2.0)
+    assert (*each["pressure"], each["until"], each["limit"]) == (0.5e5, 3.0e5, ENDS.AT_SPEED_BELOW, 10.0)
+    assert (*full["pressure"], full["until"]) == (*FULL, ENDS.AT_END)
 
 
 def test_a_profile_is_straight_lines_between_its_points(tmp_path):
     (tmp_path / "brake.csv").write_text("time,pressure_1,pressure_2\n1,0,0\n3,1e5,2e5\n4,1e5,0\n")
     before, rise, fall, after = phases({"file": "brake.csv"}, tmp_path)
-    assert (before["limit"], before["pressures"].tolist()) == (1.0, [0.0, 0.0])
-    assert (rise["begin"], rise["limit"], rise["pressures"].tolist()) == (1.0, 3.0, [0.0, 0.0])
-    assert rise["slopes"].tolist() == [0.5e5, 1e5]
-    assert fall["slopes"].tolist() == [0.0, -2e5]
-    assert (after["until"], after["pressures"].tolist()) == ("end", [1e5, 0.0])
+    assert (before["limit"], before["pressure"].tolist()) == (1.0, [0.0, 0.0])
+    assert (rise["begin"], rise["limit"], rise["pressure"].tolist()) == (1.0, 3.0, [0.0, 0.0])
+    assert rise["slope"].tolist() == [0.5e5, 1e5]
+    assert fall["slope"].tolist() == [0.0, -2e5]
+    assert (after["until"], after["pressure"].tolist()) == (ENDS.AT_END, [1e5, 0.0])
     # All else is as in a phase that is written.
     (written,) = phases({"phases": [{"pressure": 0}]})
     for name in ("force", "power", "rate"):
-        assert set(phases({"file": "brake.csv"}, tmp_path)[name]) == {getattr(written, name)}
+        assert set(phases({"file": "brake.csv"}, tmp_path)[name]) == {written[name]}
 
 
 def test_a_long_profile_takes_a_few_calls_a_row(tmp_path):
@@ -69,7 +73,8 @@ def test_a_long_profile_takes_a_few_calls_a_row(tmp_path):
 
         sys.setprofile(note)
         try:
-            drawn = phases_of(scenario_with({"file": f"{rows}.csv"}, tmp_path).demand, synthetic.FULL.tolist(), "mine")
+            demand = scenario_with({"file": f"{rows}.csv"}, tmp_path).demand
+            drawn = phases_of(LAYOUT, demand, synthetic.FULL.tolist(), "mine")
             Driver(LAYOUT, 1e-3, full=synthetic.FULL, touching=np.zeros(4), phases=drawn)
         finally:
             sys.setprofile(None)

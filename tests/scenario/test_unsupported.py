@@ -9,11 +9,10 @@ from pydantic import BaseModel
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.registry import shelf
-from railgrip.rolling_stock.files import train_of
-from railgrip.rolling_stock.schema import Train
-from railgrip.scenario.json_schema import scenario_schema, schema_of
+from railgrip.rolling_stock.schema import Train, train_of
+from railgrip.scenario.keys import scenario_schema, schema_of
 from railgrip.scenario.load import load
-from railgrip.scenario.unsupported import UNSUPPORTED, explain_unsupported
+from railgrip.scenario.validation import UNSUPPORTED, explain_unsupported
 
 KEYS = {
     "ed_brake": "electrodynamic", "electrodynamic_brake": "electrodynamic", "regenerative_brake": "electrodynamic",

@@ -14,7 +14,7 @@ from railgrip.base.errors import RailgripError
 from railgrip.base.registry import shelf
 from railgrip.cli.library import text_of_schema
 from railgrip.estimation.spec import load_specification
-from railgrip.rolling_stock.files import train_of
+from railgrip.rolling_stock.schema import train_of
 from railgrip.scenario.campaign import campaign_of
 from railgrip.scenario.load import scenario_of
 

@@ -7,7 +7,7 @@ from fmpy.validation import validate_fmu
 from synthetic import LIBRARY
 
 from railgrip.base.errors import ScenarioError
-from railgrip.fmi import CoSimulation, Signal, bind, describe
+from railgrip.fmi import CoSimulation, Port, bind, describe
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
 from railgrip.simulate.export import controller_fmu
@@ -24,7 +24,7 @@ def exported(scenario, folder):
     assert validate_fmu(str(path)) == []
     described = describe(path)
     inputs = tuple(
-        Signal(name=name, unit=unit, size=size, needed=True)
+        Port(name=name, unit=unit, size=size, needed=True)
         for name, unit, size in (
             ("speed", "m/s", 0),
             ("acceleration", "m/s2", 0),
@@ -36,9 +36,9 @@ def exported(scenario, folder):
             ("pressure", "Pa", 4),
         )
     )
-    output = Signal(name="demand", unit="Pa", size=4, needed=True)
+    output = Port(name="demand", unit="Pa", size=4, needed=True)
     if scenario.actuation.kind == "pneumatic":
-        output = Signal(name="command", unit="1", size=4, needed=True)
+        output = Port(name="command", unit="1", size=4, needed=True)
     binding = bind(described, inputs=inputs, outputs=(output,), parameters=(), table={}, where="test")
     return CoSimulation(described, binding, period=scenario.periods.controller, parameters={})
 
@@ -109,9 +109,9 @@ def test_the_command_says_where_the_fmu_is(tmp_path, command):
     shown = command("export", PLAIN, *pneumatic, "--out", made)
     assert (shown.code, shown.out.strip()) == (0, str(made))
     described = {v.name: v for v in describe(made).variables.values() if v.causality == "parameter"}
-    assert described["filter_time"].unit_name == described["valves.fill_time"].unit_name == "s"
+    assert described["filter_time"].unit == described["valves.fill_time"].unit == "s"
     assert {v.minimum for v in described.values()} == {0.0}
-    assert all(v.unit_name for v in described.values())
+    assert all(v.unit for v in described.values())
     assert not {"period", "valves.period"} & set(described)
 
 

@@ -8,9 +8,9 @@ from synthetic import LIBRARY
 from table_1 import table_1_scenario
 
 from railgrip.base.errors import FmuError, ScenarioError
+from railgrip.base.system import SampledSystem, Variable
 from railgrip.fmus.build import fmu
-from railgrip.fmus.native import Variable
-from railgrip.fmus.native.discrete import Discrete, sources
+from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
@@ -111,12 +111,12 @@ def test_a_table_that_does_not_fit_an_exported_law_is_refused(override, sentence
         run_stop(plain_with(path, f"controller.{override}"))
 
 
-def lasting(calls: int) -> Discrete:
+def lasting(calls: int) -> SampledSystem:
     """Return a controller that demands 1 bar and has a state that is no number after so many calls and one more."""
     left = ca.SX.sym("left")
     step = ca.Function("step", [left, ca.SX(0, 1), ca.SX(0, 1)], [left - 1.0 / (left > 0), ca.SX.ones(4) * 1e5])
-    variable = partial(Variable, description="", minimum=None, maximum=None, nominal=1.0)
-    return Discrete(
+    variable = partial(Variable, description="")
+    return SampledSystem(
         name="Lasting",
         description="Ends",
         period=1e-3,

@@ -11,7 +11,7 @@ from railgrip import cli
 from railgrip.base.errors import ScenarioError
 from railgrip.report.baseline import ACROSS_COMPILERS
 from railgrip.report.results import OURS, fmu_tools
-from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.outcome import Outcome

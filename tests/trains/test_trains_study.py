@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from railgrip.base.registry import shelf
-from railgrip.rolling_stock.files import load_train, train_of
+from railgrip.rolling_stock.schema import load_train, train_of
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.studies.trains import sanders, stops
 from railgrip.studies.trains.stops import DryStop, Filling, protected_stop, repeat_cars

@@ -58,11 +58,10 @@ EXPORT int exchange(SetStepGet *c, int actions, double time)
         for (long long k = 0; k < c->n_receivers; k++)
             if (failed(c->status = receive(c, c->receivers + (c->at = k))))
                 return GETTING;
-        for (long long i = 0; i < c->n_outputs; i++)
-            if (!isfinite(c->outputs[i])) {
-                c->at = i;
-                return NOT_FINITE;
-            }
+        for (long long k = 0; k < c->n_receivers; k++)
+            for (long long i = 0; i < c->receivers[k].count; i++)
+                if (!isfinite(c->outputs[c->at = c->receivers[k].positions[i]]))
+                    return NOT_FINITE;
     }
     return FINE;
 }

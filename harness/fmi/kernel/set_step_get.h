@@ -28,7 +28,7 @@ typedef struct {
     Channel *senders, *receivers;
     long long n_senders, n_receivers, n_outputs;
     double *inputs;
-    double *outputs;      /* only those that the FMU has */
+    double *outputs;      /* NaN for outputs that the FMU lacks */
     double period, begin; /* begin: time of the FMU at the start */
     long long done;       /* steps of `follow` that succeeded */
     long long status, at; /* of the call that failed; index of its channel or output */

@@ -1,6 +1,6 @@
 """Isolated brakes."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Literal
 
 from railgrip.base.errors import ScenarioError
@@ -9,7 +9,6 @@ from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import optional
 from railgrip.simulate.faults.site import Site, iterate_faults, places
-from railgrip.simulate.loop.faults import CommandFault
 from railgrip.vehicle.formation import Formation
 
 
@@ -21,12 +20,12 @@ class BrakeIsolation(Fault):
     group: Place | None = optional("from 1 on; without it all groups")
     value: Magnitude | None = optional("units of the group, without it all")
 
-    def of_commands(self, site: Site) -> Iterator[CommandFault]:
-        """Yield a command to vent for each group that is isolated as a whole."""
+    def act_on(self, site: Site) -> None:
+        """Vent each group that is isolated as a whole."""
         if self.value is None:
             vented, samples = -1.0 if site.valves else 0.0, self.samples(site.scenario)
             for group in site.groups(self.group):
-                yield CommandFault(kind="fixed", value=vented, group=group, **samples)
+                site.faults.add_command("fixed", group, value=vented, **samples)
 
 
 def isolated_units(scenario: Scenario, formation: Formation, units: Mapping[str, float]) -> dict[str, float]:

@@ -1,6 +1,5 @@
 """Missing teeth of pole wheels."""
 
-from collections.abc import Iterable
 from typing import Literal
 
 from pydantic import Field
@@ -11,7 +10,6 @@ from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import optional
 from railgrip.simulate.faults.site import Site, iterate_faults, places
-from railgrip.simulate.loop.faults import ReadingFault
 from railgrip.simulate.loop.sensors import MissingTeeth
 from railgrip.vehicle.formation import Formation
 
@@ -24,14 +22,13 @@ class ToothFault(Fault):
     group: Place | None = optional("from 1 on; without it all groups")
     value: Magnitude = Field(description="how many")
 
-    def of_readings(self, site: Site) -> Iterable[ReadingFault]:
-        """Check the fault, and return no reading faults: the sensors model their pole wheels themselves.
+    def act_on(self, site: Site) -> None:
+        """Check the fault; the sensors model their pole wheels themselves.
 
         Raises:
             ScenarioError: The sensors have no pole wheels.
         """
         missing_teeth(site.scenario, site.layout.formation, site.scenario.periods.communication)
-        return ()
 
 
 def missing_teeth(scenario: Scenario, formation: Formation, period: float) -> tuple[MissingTeeth, ...]:

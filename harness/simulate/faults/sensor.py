@@ -1,6 +1,5 @@
 """Faults of sensors."""
 
-from collections.abc import Iterator
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
@@ -10,7 +9,7 @@ from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.seed import generator
 from railgrip.scenario.table import optional, table_error
 from railgrip.simulate.faults.site import Site, places
-from railgrip.simulate.loop.faults import ReadingFault, ReadingKind
+from railgrip.simulate.loop.faults import ReadingKind
 
 _MAX_DRAWS = 2**17
 """Length of the noise sequence; it repeats after 131 s."""
@@ -30,16 +29,15 @@ class _SensorFault(Fault):
                 raise table_error(f"has '{name}', but {self.part} takes {choice}")
         return self
 
-    def _of_reading(self, site: Site, kind: ReadingKind, value: float = 0.0) -> Iterator[ReadingFault]:
-        """Yield an elementary fault for each affected reading."""
+    def _change_readings(self, site: Site, kind: ReadingKind, value: float = 0.0) -> None:
         at = site.layout.reading[READ_BY[self.part]]
         what, number = ("wheelset", self.wheelset) if self.part == "deflection_sensor" else ("group", self.group)
         for index in places(number, at.stop - at.start, site.where, what):
             noise = None
             if kind == "noisy":
                 noise = generator(site.scenario.seed, f"faults.{site.number}.{index}").standard_normal(_MAX_DRAWS)
-            place, samples = at.start + index, self.samples(site.scenario)
-            yield ReadingFault(kind=kind, place=place, value=value, noise=noise, **samples)
+            samples = self.samples(site.scenario)
+            site.faults.add_reading(kind, at.start + index, value=value, noise=noise, **samples)
 
 
 class SilentSensor(_SensorFault):
@@ -47,9 +45,9 @@ class SilentSensor(_SensorFault):
 
     kind: Literal["dead", "stuck", "zero"]
 
-    def of_readings(self, site: Site) -> Iterator[ReadingFault]:
-        """Yield a fault for each affected reading; zero is a factor of 0."""
-        return self._of_reading(site, "scaled" if self.kind == "zero" else self.kind)
+    def act_on(self, site: Site) -> None:
+        """Change each affected reading; zero is a factor of 0."""
+        self._change_readings(site, "scaled" if self.kind == "zero" else self.kind)
 
 
 class DistortedReading(_SensorFault):
@@ -60,9 +58,9 @@ class DistortedReading(_SensorFault):
         description="scaled: factor; biased: what is added, in a unit of what is read; noisy: 1σ of what is added"
     )
 
-    def of_readings(self, site: Site) -> Iterator[ReadingFault]:
-        """Yield a fault with this value for each affected reading."""
+    def act_on(self, site: Site) -> None:
+        """Change each affected reading by the value."""
         name = f"reading_{READ_BY[self.part]}"
         units = {signal.name: signal.unit for signal in site.layout.signals["reading"]}
         unit, positive = "1" if self.kind == "scaled" else units[name], self.kind if self.kind == "noisy" else ""
-        return self._of_reading(site, self.kind, amount_of(self.value, unit, site.where, positive))
+        self._change_readings(site, self.kind, amount_of(self.value, unit, site.where, positive))

@@ -22,6 +22,7 @@ class Site:
     Attributes:
         scenario: Scenario of the stop.
         layout: Layout of the vectors of the loop.
+        faults: Faults of single readings and commands, which a fault of the scenario adds to.
         brakes: Nominal brake of each group.
         outputs: Names of the plant's outputs.
         valves: Whether the plant takes valve positions; else it takes pressures.
@@ -31,6 +32,7 @@ class Site:
 
     scenario: Scenario
     layout: Layout
+    faults: Faults
     brakes: Sequence[Brake]
     outputs: frozenset[str]
     valves: bool
@@ -70,17 +72,13 @@ def faults_of(
     Raises:
         ScenarioError: A fault does not fit this vehicle.
     """
-    sites = [
-        Site(
-            scenario=scenario, layout=layout, brakes=brakes, outputs=outputs, valves=valves, number=number,
-            where=f"{scenario.name}: [faults[{number + 1}]]",
-        )
-        for number in range(len(scenario.faults))
-    ]  # fmt: skip
-    pairs = list(zip(scenario.faults, sites, strict=True))
-    readings = [change for fault, site in pairs for change in fault.of_readings(site)]
-    commands = [change for fault, site in pairs for change in fault.of_commands(site)]
-    if not readings and not commands:
-        return None
     every = Fraction(1, 1000) / Fraction(scenario.periods.communication).limit_denominator(10**9)
-    return Faults(layout, readings, commands, valves=valves, noise_every=every)
+    faults = Faults(layout, valves=valves, noise_every=every)
+    for number, fault in enumerate(scenario.faults):
+        fault.act_on(
+            Site(
+                scenario=scenario, layout=layout, faults=faults, brakes=brakes, outputs=outputs, valves=valves,
+                number=number, where=f"{scenario.name}: [faults[{number + 1}]]",
+            )
+        )  # fmt: skip
+    return faults or None

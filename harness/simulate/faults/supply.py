@@ -1,6 +1,5 @@
 """An insufficient supply of air."""
 
-from collections.abc import Iterator
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -10,7 +9,6 @@ from railgrip.scenario.faults import Fault, amount_of
 from railgrip.scenario.quantity import Magnitude, UnitRange
 from railgrip.scenario.table import optional
 from railgrip.simulate.faults.site import Site
-from railgrip.simulate.loop.faults import CommandFault
 
 
 class SupplyLoss(Fault):
@@ -24,11 +22,11 @@ class SupplyLoss(Fault):
         Annotated[float, UnitRange("m3/s", above=0, at_most=1, because="compressors deliver some m3 a minute")] | None
     ) = optional("free air that its compressor delivers; without it, none")
 
-    def of_commands(self, site: Site) -> Iterator[CommandFault]:
-        """Yield a limit of the command to the reservoir's pressure for each group.
+    def act_on(self, site: Site) -> None:
+        """Limit the command to each group to the reservoir's pressure.
 
-        ScenarioError: The plant lacks the output for its air consumption.
-            ScenarioError: The plant does not show how much it takes.
+        Raises:
+            ScenarioError: The plant lacks the output for its air consumption.
         """
         if "air_used" not in site.outputs:
             raise ScenarioError(f"{site.where} empties a reservoir, but the plant does not show the air that it uses")
@@ -36,6 +34,4 @@ class SupplyLoss(Fault):
         samples = self.samples(site.scenario)
         refill = (self.refill or 0.0) * site.scenario.periods.communication
         for group in site.groups(None):
-            yield CommandFault(
-                kind="limited", value=volume, pressure=self.pressure, refill=refill, group=group, **samples
-            )
+            site.faults.add_command("limited", group, value=volume, pressure=self.pressure, refill=refill, **samples)

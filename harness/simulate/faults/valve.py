@@ -1,6 +1,5 @@
 """Faults of valves."""
 
-from collections.abc import Iterator
 from typing import Literal
 
 from pydantic import Field
@@ -10,7 +9,6 @@ from railgrip.scenario.faults import Fault, Place, amount_of
 from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.table import optional
 from railgrip.simulate.faults.site import Site
-from railgrip.simulate.loop.faults import CommandFault
 
 _SLOWEST = 10.0  # s
 _VENT, _HOLD, _FILL = -1.0, 0.0, 1.0
@@ -30,16 +28,17 @@ class StuckValve(_ValveFault):
 
     kind: Literal["filled", "dumped", "held"]
 
-    def of_commands(self, site: Site) -> Iterator[CommandFault]:
-        """Yield a command fixed to a value, or to the last one."""
+    def act_on(self, site: Site) -> None:
+        """Fix the command to a value, or to the last one."""
+        samples = self.samples(site.scenario)
         for group in site.groups(self.group):
-            at = {"group": group, **self.samples(site.scenario)}
             if self.kind == "held" and not site.valves:
-                yield CommandFault(kind="kept", **at)
+                site.faults.add_command("kept", group, **samples)
             else:
                 pressures = {"filled": site.brakes[group].pressure_max, "dumped": 0.0}
                 positions = {"filled": _FILL, "dumped": _VENT, "held": _HOLD}
-                yield CommandFault(kind="fixed", value=(positions if site.valves else pressures)[self.kind], **at)
+                value = (positions if site.valves else pressures)[self.kind]
+                site.faults.add_command("fixed", group, value=value, **samples)
 
 
 class SlowValve(_ValveFault):
@@ -48,8 +47,8 @@ class SlowValve(_ValveFault):
     kind: Literal["slow"]
     value: Magnitude = Field(description="added dead time")
 
-    def of_commands(self, site: Site) -> Iterator[CommandFault]:
-        """Yield a delay of the command for each group.
+    def act_on(self, site: Site) -> None:
+        """Delay the command to each group.
 
         Raises:
             ScenarioError: The delay is so long that the valve should be described as held.
@@ -61,4 +60,4 @@ class SlowValve(_ValveFault):
             )
         delay = round(amount / site.scenario.periods.communication)
         for group in site.groups(self.group):
-            yield CommandFault(kind="late", delay=delay, group=group, **self.samples(site.scenario))
+            site.faults.add_command("late", group, delay=delay, **self.samples(site.scenario))

@@ -1,20 +1,24 @@
 """The driver: demanded brake pressures and traction, phase by phase."""
 
 from collections.abc import Sequence
-from typing import get_args
+from itertools import cycle
+from math import inf, nan
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.scenario.demand import DemandedPhase, EndOfPhase
+from railgrip.base.errors import ScenarioError
+from railgrip.scenario.demand import Demand
 from railgrip.simulate.loop.library import kernel
 from railgrip.vehicle.signals import Layout
 
 Vector = NDArray[np.float64]
+Phases = NDArray[np.void]
+"""Structs `Phase` of driver.h."""
 
-_NUMBERS = (
-    "limit", "begin", "target", "deceleration", "full_deceleration", "force", "power", "rate",
-)  # fmt: skip
+_FAINTEST = 1e3
+"""Smallest plausible pressure of a brake cylinder [Pa]: pads touch at some 0.2 bar."""
 
 
 class Driver:
@@ -35,15 +39,9 @@ class Driver:
     """
 
     def __init__(
-        self,
-        layout: Layout,
-        period: float,
-        *,
-        full: Vector,
-        touching: Vector,
-        phases: Sequence[DemandedPhase] | NDArray[np.void] = (),
+        self, layout: Layout, period: float, *, full: Vector, touching: Vector, phases: Phases | None = None,
         binding: bool = True,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Set up the driver of a vehicle.
 
         Args:
@@ -51,22 +49,85 @@ class Driver:
             period: Period of the samples [s].
             full: Pressure of full brake, shape (groups,) [Pa].
             touching: Pressure at which pads touch the disc, shape (groups,) [Pa].
-            phases: Phases in their order; empty for full brake. Many are faster as an array with the fields of
-                `DemandedPhase`.
+            phases: Phases in their order; None for full brake.
             binding: Whether commands are limited to the driver's demand; else the controller limits itself to it.
         """
-        self.has_phases, self.full = len(phases) > 0, full
-        columns = {
-            name: phases[name] if isinstance(phases, np.ndarray) else [getattr(phase, name) for phase in phases]
-            for name in (*_NUMBERS, "until", "pressures", "slopes")
-        }
-        rows = kernel(layout).records("Phase", len(phases))
-        for name in _NUMBERS:
-            rows[name] = columns[name]
-        functions = kernel(layout).functions
-        code = {until: getattr(functions, f"AT_{until.upper()}") for until in get_args(EndOfPhase)}
-        rows["until"] = [code[until] for until in columns["until"]]
-        tables = {name: np.ascontiguousarray(columns[name], dtype=np.float64) for name in ("pressures", "slopes")}
+        self.has_phases, self.full = phases is not None, full
+        rows = released(layout, 0) if phases is None else phases
         self.struct = kernel(layout).struct("Driver", phases=rows, count=len(rows), period=period, binding=binding,
-            touching=np.array(touching), full=np.array(full), **tables,
+            touching=np.array(touching), full=np.array(full),
         )  # fmt: skip
+
+
+def released(layout: Layout, count: int) -> Phases:
+    """Return phases without a demand and without an end."""
+    phases = kernel(layout).records("Phase", count)
+    for name, value in {"limit": nan, "target": nan, "power": inf, "rate": inf}.items():
+        phases[name] = value
+    return phases
+
+
+def phases_of(layout: Layout, demand: Demand, full: Sequence[float], origin: str) -> Phases:
+    """Return the phases of a demand on brakes whose full pressures are `full`, shape (groups,) [Pa].
+
+    Args:
+        layout: Layout of the vehicle.
+        demand: Table of the scenario.
+        full: Full pressure of each group.
+        origin: Name of the scenario, the opening word of messages.
+
+    Raises:
+        ScenarioError: The demand gives pressures for another number of groups, or above the maximum of a brake.
+    """
+    if demand.file is not None:
+        return _phases_of_profile(layout, demand, full, f"{origin}: [demand] file {demand.file.entry}")
+    phases, rate = released(layout, len(demand.phases)), inf
+    for number, (row, phase) in enumerate(zip(phases, demand.phases, strict=True), start=1):
+        if phase.until is not None:
+            row["until"], row["limit"] = _end(layout, phase.until.kind), phase.until.limit
+        if phase.pressure is not None:
+            row["pressure"] = _of_groups(phase.pressure, full, f"{origin}: [demand.phases[{number}]] pressure")
+        if (aim := phase.stop_at) is not None:
+            row["target"], row["deceleration"] = aim.distance, aim.deceleration
+            row["full_deceleration"] = aim.full_deceleration
+        if phase.traction is not None:
+            rate = phase.traction.rate or inf
+            row["force"], row["power"] = phase.traction.force, phase.traction.power or inf
+        row["rate"] = rate
+    return phases
+
+
+def _end(layout: Layout, kind: str) -> int:
+    return getattr(kernel(layout).functions, f"AT_{kind.upper()}")
+
+
+def _phases_of_profile(layout: Layout, demand: Demand, full: Sequence[float], where: str) -> Phases:
+    # Pressures are linear between points and constant outside.
+    columns = demand.profile()
+    times, pressures = columns.points, columns.values
+    _require_pressures(pressures.shape[1], float(pressures.max()), full, where)
+    pressures = np.minimum(pressures, full)
+    phases = released(layout, len(times) + 1)
+    phases["until"][:-1], phases["limit"][:-1] = _end(layout, "time"), times
+    phases["pressure"][0], phases["pressure"][1:] = pressures[0], pressures
+    phases["begin"][1:-1] = times[:-1]
+    phases["slope"][1:-1] = np.diff(pressures, axis=0) / np.diff(times)[:, None]
+    return phases
+
+
+def _of_groups(entries: Sequence[float | Literal["full"]], full: Sequence[float], where: str) -> list[float]:
+    _require_pressures(len(entries), max((entry for entry in entries if entry != "full"), default=0.0), full, where)
+    pressures = [most if entry == "full" else float(entry) for entry, most in zip(cycle(entries), full, strict=False)]
+    return list(map(min, pressures, full))
+
+
+def _require_pressures(count: int, highest: float, full: Sequence[float], where: str) -> None:
+    if count not in (1, len(full)):
+        raise ScenarioError(f"{where} is for {count} groups, the vehicle has {len(full)}")
+    if 0.0 < highest < _FAINTEST:
+        raise ScenarioError(
+            f"{where} is {highest:g} Pa at most, at which no brake acts (full brake is {max(full):g} Pa); state the "
+            "unit: '3 bar' in a scenario, 'pressure [kPa]', [bar] or [psi] in the first line of a file"
+        )
+    if highest > max(full):
+        raise ScenarioError(f"{where} asks for {highest:g} Pa, full brake is {max(full):g} Pa; write 'full'")

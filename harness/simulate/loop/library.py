@@ -7,8 +7,8 @@ from typing import Final
 
 from railgrip.base.units import GRAVITY
 from railgrip.fmus.native.c_library import CLibrary, Struct
+from railgrip.vehicle.motion import SMALL_SPEED
 from railgrip.vehicle.signals import Layout
-from railgrip.vehicle.slip import SMALL_SPEED
 
 KERNEL: Final = files("railgrip.simulate.loop") / "kernel"
 _HEADERS: Final = ("sensors.h", "plausible.h", "driver.h", "rail.h", "faults.h", "cycle.h", "onboard.h")

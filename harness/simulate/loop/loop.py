@@ -17,6 +17,7 @@ from railgrip.simulate.loop.parts import DirectEstimator, LoopSensors, Parts, St
 from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.simulate.loop.sensors import BLOCK, ServiceSensors, WhiteSensors
 from railgrip.simulate.loop.structs import Structs, structs_of
+from railgrip.vehicle.motion import slip_of
 from railgrip.vehicle.signals import (
     ESTIMATES,
     OBSERVED,
@@ -25,7 +26,6 @@ from railgrip.vehicle.signals import (
     length,
     places,
 )
-from railgrip.vehicle.slip import slip_of
 
 Vector = NDArray[np.float64]
 
@@ -81,7 +81,7 @@ class Loop:
         parts.rail.check_plant(outputs)
         self.structs = structs = structs_of(parts, self._plausibility, inputs, outputs)
         self._cycle, self._plant, self._onboard = (s.pointer for s in (structs.cycle, structs.plant, structs.onboard))
-        self._inputs, self._outputs = structs.plant.target("inputs"), structs.plant.view("outputs")
+        self._inputs, self._outputs = structs.plant.target("inputs"), structs.plant.target("outputs")
         self._reading, self._demand = structs.instruments.view("reading"), structs.onboard.view("demand")
         provides, estimate = frozenset[str](), self._advance_filter
         if isinstance(estimator, StateEstimator):

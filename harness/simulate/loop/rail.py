@@ -1,7 +1,7 @@
 """The rail: friction and track force, and how slip and sand change friction."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.adhesion import FrictionTable
 from railgrip.scenario.polach import Polach
-from railgrip.scenario.recovery import Recovery
+from railgrip.scenario.surface import Recovery, Sand, Sander
 from railgrip.scenario.track.table import TrackForce
 from railgrip.simulate.loop.library import kernel
 from railgrip.vehicle.formation import Formation
@@ -19,24 +19,6 @@ Vector = NDArray[np.float64]
 
 
 _CELL = 0.1  # m; compared with patches of 5 m and bogies of 2 m; a wheelset meets its own energy only through `loss`
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LoopSander:
-    """Strews sand on both rails in front of a wheelset.
-
-    Attributes:
-        rate: Maximum rate of sand on one rail [kg/s].
-        density: Density that is maintained on one rail up to `rate` [kg/m]; infinite for a fixed rate.
-        begin, end: Interval in which sand reaches the rail [s].
-        wheelset: Zero-based number of the wheelset.
-    """
-
-    rate: float
-    density: float
-    begin: float
-    end: float
-    wheelset: int
 
 
 class Field:
@@ -105,26 +87,25 @@ class SandedRail:
         those of the untreated rail, and sand leaves the nozzle at the rate of the present speed.
     """
 
-    def __init__(
-        self, layout: Layout, sanders: Sequence[LoopSander], reach: float, *, mu0: float, density: float, left: float
-    ) -> None:
+    def __init__(self, layout: Layout, sanders: Sequence[Sander], reach: float, sand: Sand) -> None:
         """Create a rail without sand.
 
         Args:
             layout: Layout of the vehicle on it; its formation has the positions of the wheelsets.
             sanders: The sanders of the train.
             reach: Distance that the train may cover [m].
-            mu0: Friction with plenty of sand, at zero slip speed.
-            density: Sand on a rail that closes 63 % of the gap to `mu0` [kg/m].
-            left: Share of the sand that a wheelset leaves.
+            sand: Effect of sand on friction.
         """
         position, self.origin, self.lying = _cells(layout.formation, reach)
         rows = kernel(layout).records("Sander", len(sanders))
-        for name in ("rate", "density", "begin", "end", "wheelset"):
-            rows[name] = [getattr(sander, name) for sander in sanders]
+        for row, sander in zip(rows, sanders, strict=True):
+            row["rate"], row["density"] = sander.rate, inf if sander.density is None else sander.density
+            row["begin"] = sander.begin + sander.delay
+            row["end"] = inf if sander.end is None else sander.end + sander.delay
+            row["wheelset"] = sander.wheelset - 1
         self.struct = kernel(layout).struct(
             "Sand", deposited=self.lying, position=position, sanders=rows, origin=self.origin, length=_CELL,
-            mu0=mu0, density=density, remaining_share=left, count=len(sanders), cells=self.lying.size,
+            mu0=sand.mu0, density=sand.density, remaining_share=sand.left, count=len(sanders), cells=self.lying.size,
         )  # fmt: skip
 
 

@@ -70,8 +70,7 @@ def _plant(parts: Parts, inputs: Vector, outputs: Vector) -> Struct:
     interface = plant.c_interface()
     interface.inputs[:] = inputs
     return kernel(layout).struct("Plant", step=interface.step, interface=interface.plan, inputs=interface.inputs,
-        received=interface.outputs, received_at=interface.present, received_count=interface.present.size,
-        outputs=outputs, slip_radius=radius,
+        outputs=interface.outputs, slip_radius=radius,
     )  # fmt: skip
 
 
@@ -148,7 +147,7 @@ def _formula(layout: Layout, formula: object, inputs: Role) -> Struct:
     if not isinstance(formula, Sampled):
         return kernel(layout).struct("Formula")
     name, expected = formula.formula.name, layout.elements(inputs)
-    found = tuple(quantity.name for quantity in formula.formula.inputs)
+    found = tuple(variable.name for variable in formula.formula.inputs)
     if len(found) != len(expected):
         groups = layout.formation.groups
         raise LoopError(f"{name}: takes {len(found)} inputs, and {len(expected)} belong to {groups} groups.")

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from railgrip.estimators.belief import Array
-from railgrip.fmi import CoSimulation, Description, Signal, bind, describe
+from railgrip.fmi import CoSimulation, Description, Port, bind, describe
 from railgrip.fmus.build import fmu
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track.irregularity import KINDS, TRACKS, Irregularity, realise
@@ -159,7 +159,7 @@ def _bind() -> tuple[Description, Any]:
         "offset": ("m", 4), "creep": ("1", 4), "speed": ("m/s", 0),
     }  # fmt: skip
     input_signals, output_signals = (
-        [Signal(name=name, unit=unit, size=size, needed=True) for name, (unit, size) in interface.items()]
+        [Port(name=name, unit=unit, size=size, needed=True) for name, (unit, size) in interface.items()]
         for interface in (inputs, outputs)
     )
     return description, bind(description, inputs=input_signals, outputs=output_signals, where=f"the car {FMU}")

@@ -31,9 +31,10 @@ from pydantic import Field
 from railgrip.base.errors import FmuError, ScenarioError
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.ensemble import QUANTILE
+from railgrip.estimators.learned.online import run
 from railgrip.estimators.learned.preprocessing import BOXES
 from railgrip.estimators.learned.trained import Trained, load
-from railgrip.fmi import Binding, Description, Signal, bind, describe, open_plant
+from railgrip.fmi import Binding, Description, Port, bind, describe, open_plant
 from railgrip.report.palette import GREEN
 from railgrip.report.style import band, dress, panels
 from railgrip.scenario.load import read_toml, validate_table
@@ -152,9 +153,9 @@ def ride_beside(
 
 def outputs_of(trained: Trained, samples: Mapping[str, Array]) -> dict[str, Array]:
     """Return the outputs of a trained estimator after each sample, by name; `samples` as for `outputs_of_fmu`."""
-    online = trained.online()
-    outputs = online.run(np.column_stack([samples[variable.name] for variable in online.inputs]))
-    return {variable.name: column for variable, column in zip(online.outputs, outputs.T, strict=True)}
+    system = trained.online()
+    outputs = run(system, np.column_stack([samples[variable.name] for variable in system.inputs]))
+    return {variable.name: column for variable, column in zip(system.outputs, outputs.T, strict=True)}
 
 
 def bind_estimator(file: Path) -> tuple[Description, Binding]:
@@ -177,8 +178,8 @@ def bind_estimator(file: Path) -> tuple[Description, Binding]:
         )
     return description, bind(
         description,
-        inputs=[Signal(name=name, unit=INPUTS[name], size=0, needed=True) for name in inputs],
-        outputs=[Signal(name=name, unit="1", size=0, needed=True) for name in outputs],
+        inputs=[Port(name=name, unit=INPUTS[name], size=0, needed=True) for name in inputs],
+        outputs=[Port(name=name, unit="1", size=0, needed=True) for name in outputs],
         where=file.name,
     )
 

@@ -14,7 +14,8 @@ from railgrip.base.files import replacing
 from railgrip.base.names import did_you_mean
 from railgrip.campaign.work import Work, call
 from railgrip.estimators.learned.preprocessing import COMBINATIONS
-from railgrip.estimators.learned.trained import Trained, as_fmu, save
+from railgrip.estimators.learned.trained import Trained, save
+from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import pack
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
@@ -177,7 +178,7 @@ def _files(trained: Mapping[str, Trained]) -> dict[str, Callable[[Path], object]
     files: dict[str, Callable[[Path], object]] = {}
     for name, network in trained.items():
         files[f"{name}.json"] = partial(_write_numbers, network)
-        files[f"{name}.fmu"] = partial(pack, as_fmu(network.online()))
+        files[f"{name}.fmu"] = partial(pack, sources(network.online()))
     return files
 
 

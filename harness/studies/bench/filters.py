@@ -10,8 +10,8 @@ from railgrip.estimation.run import by_name, prediction_of
 from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification, prediction_for, settings_for
 from railgrip.estimators.belief import GaussianEstimate, Vector
 from railgrip.estimators.compiled import CompiledFilter
-from railgrip.estimators.decentralised import DecentralisedFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.filters.decentralised import DecentralisedFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.simulate.files import compile_class

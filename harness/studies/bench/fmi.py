@@ -8,7 +8,7 @@ import numpy as np
 
 from railgrip.fmi.comparison import seconds_in_c, seconds_of_fmpy, seconds_of_ours
 from railgrip.fmi.description import Description, describe
-from railgrip.fmi.mapping import Binding, Signal, bind
+from railgrip.fmi.mapping import Binding, Port, bind
 from railgrip.fmus.build import fmu
 from railgrip.studies.bench import Row
 
@@ -80,16 +80,14 @@ def plant_step(
 def every_real(description: Description, inputs: Mapping[str, float]) -> tuple[Binding, np.ndarray]:
     """Tie every Real input and output of an FMU to itself; return also the inputs, as given or at the start."""
 
-    def signals(names: tuple[str, ...]) -> list[Signal]:
+    def signals(names: tuple[str, ...]) -> list[Port]:
         variables = [description.variables[name] for name in names]
-        return [
-            Signal(name=v.name, unit=v.unit_name or "1", size=0, needed=True) for v in variables if v.kind == "Real"
-        ]
+        return [Port(name=v.name, unit=v.unit or "1", size=0, needed=True) for v in variables if v.kind == "Real"]
 
     binding = bind(
         description, inputs=signals(description.names("input")), outputs=signals(description.names("output"))
     )
     names = binding.inputs.elements
     return binding, np.array(
-        [inputs.get(v.partition("[")[0], float(description.variables[v].start or 0.0)) for v in names]
+        [inputs.get(v.partition("[")[0], float(description.variables[v].start_text or 0.0)) for v in names]
     )

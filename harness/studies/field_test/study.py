@@ -15,7 +15,7 @@ from railgrip.estimators.compiled import CompiledFilter
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable
-from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.track.table import CurveLaw, curve_coefficient
 from railgrip.studies.field_test.figures import (
     GROUP_NAMES,

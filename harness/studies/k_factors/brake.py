@@ -15,8 +15,8 @@ from railgrip.estimators.belief import Array
 from railgrip.studies.k_factors.specification import EXTENTS, Dispersion, Quantity
 from railgrip.vehicle.brake import BRAKE, pad_force
 from railgrip.vehicle.formation import Formation
+from railgrip.vehicle.motion import air_resistance, rolling_resistance
 from railgrip.vehicle.parameters import VehicleParameters
-from railgrip.vehicle.resistance import air_resistance, rolling_resistance
 
 PARTS = 4
 """Integration steps in each step of speed, equal in v²: with eight, the error of the distance is below 1e-4."""

@@ -12,7 +12,7 @@ from scipy.signal import cont2discrete, lfilter
 
 from railgrip.base.units import GRAVITY
 from railgrip.estimators.belief import Array
-from railgrip.fmi import CoSimulation, Description, Signal, bind, describe
+from railgrip.fmi import CoSimulation, Description, Port, bind, describe
 from railgrip.fmus.build import fmu
 from railgrip.scenario.polach import named_set
 from railgrip.scenario.seed import generator
@@ -238,6 +238,6 @@ def wheelset(speed: float, variant: PlantVariant = PLANTS["paper"]) -> Generator
 @cache
 def _bind() -> tuple[Description, Any]:
     description = describe(fmu("LateralWheelset"))
-    inputs = [Signal(name=name, unit=unit, size=0, needed=True) for name, unit in INPUTS.items()]
-    outputs = [Signal(name=name, unit=unit, size=size, needed=True) for name, (unit, size) in OUTPUTS.items()]
+    inputs = [Port(name=name, unit=unit, size=0, needed=True) for name, unit in INPUTS.items()]
+    outputs = [Port(name=name, unit=unit, size=size, needed=True) for name, (unit, size) in OUTPUTS.items()]
     return description, bind(description, inputs=inputs, outputs=outputs, where="the wheelset LateralWheelset")

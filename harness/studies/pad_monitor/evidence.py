@@ -23,8 +23,7 @@ from railgrip.simulate.vehicle import catalogue_counts
 from railgrip.trace.samples import period_of, samples
 from railgrip.vehicle.brake import pad_force, piston_force, pressure_of
 from railgrip.vehicle.formation import Formation
-from railgrip.vehicle.resistance import air_resistance, rolling_resistance
-from railgrip.vehicle.slip import slip_of
+from railgrip.vehicle.motion import air_resistance, rolling_resistance, slip_of
 
 NOMINAL = 0.35
 """Friction at nominal conditions, `mu_nominal` of RailBraking.Friction.PadFriction."""

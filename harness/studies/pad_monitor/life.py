@@ -122,7 +122,7 @@ def demand_table(full: Vector, testing: bool, residual: Vector) -> dict[str, Any
 @cache
 def _nominal() -> dict[str, float]:
     parameters = (v for v in describe(fmu(PLANT)).variables.values() if v.causality == "parameter" and v.kind == "Real")
-    return {v.name: float(v.start) for v in parameters if v.start is not None}
+    return {v.name: v.start for v in parameters if v.start_text is not None}
 
 
 def _stop(

@@ -12,7 +12,7 @@ from railgrip.api import Scenario
 from railgrip.report import palette, style
 from railgrip.scenario.adhesion import FrictionTable
 from railgrip.scenario.polach import named_set
-from railgrip.scenario.recovery import Recovery
+from railgrip.scenario.surface import Recovery
 from railgrip.scenario.track.table import Track, track_force_of
 from railgrip.simulate.loop.rail import Field, TabulatedRail
 from railgrip.simulate.vehicle import VehicleData

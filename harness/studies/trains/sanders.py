@@ -10,7 +10,7 @@ from typing import Annotated, Any, Self
 from pydantic import Field, StrictBool, model_validator
 from scipy.optimize import root_scalar
 
-from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.load import read_toml, scenario_of, validate_table
 from railgrip.scenario.merge import merge

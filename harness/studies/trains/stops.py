@@ -14,9 +14,8 @@ from railgrip.base.errors import ScenarioError
 from railgrip.base.files import scratch
 from railgrip.estimators.belief import Vector
 from railgrip.fmus.build import build_class
-from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.modelica import class_name, class_text
-from railgrip.rolling_stock.schema import BrakePipe, Train
+from railgrip.rolling_stock.schema import BrakePipe, Train, load_train
 from railgrip.rolling_stock.stopping import HandCalculation, by_hand, chain_forces
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.merge import merge

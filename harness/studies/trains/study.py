@@ -17,7 +17,7 @@ from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable, percent
 from railgrip.rolling_stock.drawing import drawing
-from railgrip.rolling_stock.files import NAMED
+from railgrip.rolling_stock.schema import NAMED
 from railgrip.scenario.file import locate
 from railgrip.simulate.run import braking_distance
 from railgrip.studies.study import Study

@@ -27,8 +27,6 @@ static int step_plant(Plant *plant, double time)
 {
     const int failure = plant->step(plant->interface, time);
 
-    for (long long i = 0; !failure && i < plant->received_count; i++)
-        plant->outputs[plant->received_at[i]] = plant->received[i];
     plant->steps += !failure;
     return failure;
 }

@@ -29,12 +29,10 @@ typedef struct {
 typedef struct {
     Step *step; /* see set_step_get.h */
     void *interface;
-    double *inputs;               /* held during the next step */
-    const double *received;       /* outputs that the plant has */
-    const long long *received_at; /* positions of these among all outputs */
-    const double *slip_radius;    /* null: the plant outputs slip; else the radii to compute slip with */
-    double outputs[OUTPUTS];
-    long long received_count, steps; /* steps: those that succeeded */
+    double *inputs;            /* held during the next step */
+    double *outputs;           /* NaN for outputs that it lacks */
+    const double *slip_radius; /* null: the plant outputs slip; else the radii to compute slip with */
+    long long steps;           /* that succeeded */
 } Plant;
 
 /* Instruments of a service train, or outputs with optional errors; if both are null, Python writes `reading`. */

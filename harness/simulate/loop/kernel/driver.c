@@ -50,11 +50,9 @@ EXPORT void drive(Driver *driver, long long sample, const double *outputs)
     }
     const Phase *phase = driver->phases + driver->phase;
     if (isnan(phase->target)) {
-        const double *pressure = driver->pressures + driver->phase * GROUPS,
-                     *slope = driver->slopes + driver->phase * GROUPS;
         const double since = fmax(time - phase->begin, 0.0);
         for (int g = 0; g < GROUPS; g++)
-            driver->pressure[g] = pressure[g] + slope[g] * since;
+            driver->pressure[g] = phase->pressure[g] + phase->slope[g] * since;
     } else {
         const double share = share_to_target(driver, phase, speed, distance);
         for (int g = 0; g < GROUPS; g++)

@@ -12,17 +12,17 @@ typedef struct {
     double begin;                                   /* time from which pressures change by their slopes */
     double target, deceleration, full_deceleration; /* to stop at a target; NaN: by pressures */
     double force, power, rate;                      /* traction: N, W and N/s; power and rate may be infinite */
+    double pressure[GROUPS], slope[GROUPS];         /* demand at `begin` [Pa]; its change [Pa/s] */
     long long until;
 } Phase;
 
 typedef struct {
     const Phase *phases;
-    const double *pressures, *slopes; /* per phase and group [Pa], [Pa/s] */
-    const double *touching, *full;    /* pressure of each group at which pads touch, and at full brake */
-    double period, began, force;      /* began: start of the phase; force: present traction */
-    double pressure[GROUPS];          /* present demand */
-    long long count, phase, braking;  /* braking: whether the curve to the target has been reached */
-    long long binding;                /* whether commands are limited to these pressures */
+    const double *touching, *full;   /* pressure of each group at which pads touch, and at full brake */
+    double period, began, force;     /* began: start of the phase; force: present traction */
+    double pressure[GROUPS];         /* present demand */
+    long long count, phase, braking; /* braking: whether the curve to the target has been reached */
+    long long binding;               /* whether commands are limited to these pressures */
 } Driver;
 
 void drive(Driver *driver, long long sample, const double *outputs);
