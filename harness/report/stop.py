@@ -247,7 +247,7 @@ class Stop:
         """Return a figure (matplotlib) with a column for each group: speed, slip, adhesion, friction and pressure."""
         from railgrip.report.signals_figure import signals_figure  # matplotlib takes half a second to load
 
-        trace = thin(self.trace, int(self.scenario.periods.every("trace")))
+        trace = self.trace if self.samples is None else thin(self.trace, int(self.scenario.periods.every("trace")))
         return signals_figure(trace, self.metrics, self.heading)
 
     def to_pandas(self) -> "pandas.DataFrame":

@@ -33,7 +33,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import run_stop
 from railgrip.studies.study import Study
-from railgrip.studies.type_test.case_set import VERSIONS, AnyCase, CaseSet, case_named
+from railgrip.studies.type_test.case_set import VERSIONS, AnyCase, CaseSet, case_named, count_look, table_of_looks
 from railgrip.studies.type_test.controller_digest import controller_digest
 from railgrip.studies.type_test.design import VALIDATION_SEED
 from railgrip.studies.type_test.entrants import (
@@ -57,7 +57,6 @@ from railgrip.studies.type_test.judge import (
     measure_stop,
     summaries,
 )
-from railgrip.studies.type_test.looks import count_look, table_of_looks
 from railgrip.studies.type_test.shipped import read_shipped, write_shipped
 from railgrip.studies.type_test.track_case import HEADLINES, TRAINS, TrackCase
 
