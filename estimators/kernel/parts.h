@@ -400,7 +400,7 @@ static void eigen(mode *matrix, mode *vector)
 /* Write D + U C U' back with RANK common unknowns: those with the largest effect in units of D.
 
    Removed directions with positive eigenvalues are added to D; those with negative ones, shared knowledge, are dropped.
-   Both leave the covariance at least as large as it was. */
+   Neither reduces the covariance. */
 static int compress(double *block, Belief *b)
 {
     mode gram[LENGTH] = {{0}}, root[LENGTH] = {{0}}, inner[LENGTH] = {{0}}, vector[LENGTH], weight[LENGTH] = {{0}};

@@ -253,7 +253,7 @@ def _of_stops(sides: Sequence[ComparisonSide]) -> Comparison:
     without = [side.name for side in sides if side.trace is None]
     if sides[0].trace is not None:
         courses = {
-            letter: course_of(side.trace, stands=side.stop.outcome is Outcome.STANDSTILL)
+            letter: course_of(side.trace, is_standstill=side.stop.outcome is Outcome.STANDSTILL)
             for letter, side in zip(letters, sides, strict=True)
             if side.trace is not None
         }

@@ -202,7 +202,6 @@ class Stop:
         return repeats if repeats and repeats.belongs(self.digest, self.braking_distance) else None
 
     def __repr__(self) -> str:
-        """Return a summary in five lines."""
         inputs, metrics, start = self.inputs, self.metrics, 3.6 * self.inputs["start"]["speed"]
         kinds = [
             f"{name} {self.classes.get(name, {}).get('class', inputs[name]['kind'])}"

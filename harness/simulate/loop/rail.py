@@ -98,7 +98,7 @@ class SandedRail:
     assumptions of this model.
 
     Attributes:
-        lying: Sand on each cell of either rail, for the wheelsets to come [kg/m].
+        deposited: Sand on each cell of either rail, for the wheelsets to come [kg/m].
         origin: Start of the first cell, behind the last wheelset's initial position [m].
 
     Limits: the rails stay dry, and wheels do not carry sand around. Creep stiffness and the fall with slip speed stay
@@ -118,13 +118,13 @@ class SandedRail:
             density: Sand on a rail that closes 63 % of the gap to `mu0` [kg/m].
             left: Share of the sand that a wheelset leaves.
         """
-        position, self.origin, self.lying = _cells(layout.formation, reach)
+        position, self.origin, self.deposited = _cells(layout.formation, reach)
         rows = kernel(layout).records("Sander", len(sanders))
         for name in ("rate", "density", "begin", "end", "wheelset"):
             rows[name] = [getattr(sander, name) for sander in sanders]
         self.struct = kernel(layout).struct(
-            "Sand", deposited=self.lying, position=position, sanders=rows, origin=self.origin, length=_CELL,
-            mu0=mu0, density=density, remaining_share=left, count=len(sanders), cells=self.lying.size,
+            "Sand", deposited=self.deposited, position=position, sanders=rows, origin=self.origin, length=_CELL,
+            mu0=mu0, density=density, remaining_share=left, count=len(sanders), cells=self.deposited.size,
         )  # fmt: skip
 
 

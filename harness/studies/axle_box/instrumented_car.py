@@ -87,7 +87,6 @@ class Pass:
     length: float = LENGTH
 
     def __post_init__(self) -> None:
-        """Check condition, track and friction."""
         if self.condition not in SURFACES:
             raise ValueError(f"{self.name}: condition '{self.condition}' is unknown; there are {', '.join(SURFACES)}.")
         if self.track not in TRACKS:

@@ -242,6 +242,5 @@ def campaign_of(
 
 
 def _groups(train: Mapping[str, Any]) -> int:
-    """Return the number of groups of a train."""
     bare = scenario_of(merge(train, {"name": "train"}), directory=LIBRARY, origin="--train")
     return VehicleData(bare).formation.groups
