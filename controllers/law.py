@@ -77,7 +77,6 @@ class GroupObservation:
     train: Sequence["GroupObservation"]
 
     def __getattr__(self, name: str) -> Expression:
-        """Return a signal."""
         if name not in self.signals:
             raise AttributeError(f"An observation has no '{name}'; it has {', '.join(self.signals)}.")
         return self.signals[name]

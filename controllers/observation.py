@@ -27,7 +27,7 @@ class Observation(NamedTuple):
         pad_friction: Estimated friction of pads on disc [1]; None without an estimator of it.
         pressure: Brake cylinder pressure, read [Pa].
         driver_demand: Brake cylinder pressure that the driver demands [Pa]. A controller can only lower it: the lower
-            of its own demand and this one is sent.
+            of the two demands is sent.
     """
 
     time: float

@@ -153,7 +153,7 @@ class CompiledFilter(StepInC):
         self.parameters = part("PARAMETERS")
         self._nis = part("SQUARED")
         self.parameters[:] = prediction.parameters
-        self._process_noise, self._reading_noise = by_states("SPREAD"), part("READING_NOISE").reshape(m, m)
+        self._process_noise, self._reading_noise = by_states("PROCESS_NOISE"), part("READING_NOISE").reshape(m, m)
         self._process_noise[:] = design.process_noise
         self._reading_noise[:] = design.reading_noise
         part("PERIOD")[:] = design.period

@@ -243,7 +243,7 @@ def index(who: str, kind: str, name: str, names: tuple[str, ...]) -> int:
     """Return the index of `name` in `names`.
 
     Raises:
-        EstimatorError: There is none; the message lists `names`.
+        EstimatorError: `names` does not contain it; the message lists them.
     """
     try:
         return names.index(name)

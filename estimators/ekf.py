@@ -95,7 +95,7 @@ class GaussianFilter(ABC):
 
         Raises:
             EstimatorError: `inputs` or `readings` has the wrong shape.
-            FilterDiverged: The mean is no longer finite, or the covariance of the readings is not positive
+            FilterDiverged: The mean is not finite, or the covariance of the readings is not positive
                 definite, which happens only if the covariance of the states is not.
         """
         self.design.check(inputs, readings)

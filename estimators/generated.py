@@ -28,9 +28,9 @@ class Code:
 
     Attributes:
         sources: File name → text; every `.c` file is compiled.
-        layout: Part of the block → its slice: MEAN, COVARIANCE, INPUT, READING, PARAMETERS, SPREAD,
+        layout: Part of the block → its slice: MEAN, COVARIANCE, INPUT, READING, PARAMETERS, PROCESS_NOISE,
             READING_NOISE, PERIOD, THRESHOLD, LIMIT_SQUARED are read, MEAN, COVARIANCE, SQUARED, USED, EXPECTED written.
-        width: Length of a row of COVARIANCE and SPREAD; numbers beyond the n-th are zero.
+        width: Length of a row of COVARIANCE and PROCESS_NOISE; numbers beyond the n-th are zero.
     """
 
     sources: dict[str, str]
@@ -51,8 +51,8 @@ def generate(model: ModelInC, gated_states: tuple[int, ...], gating_inputs: tupl
     layout = places(
         {
             "MEAN": n, "COVARIANCE": n * width, "INPUT": model.inputs, "READING": m, "PARAMETERS": model.parameters,
-            "SPREAD": n * width, "READING_NOISE": m * m, "PERIOD": 1, "THRESHOLD": 1, "LIMIT_SQUARED": m, "SQUARED": 1,
-            "USED": m, "EXPECTED": m,
+            "PROCESS_NOISE": n * width, "READING_NOISE": m * m, "PERIOD": 1, "THRESHOLD": 1, "LIMIT_SQUARED": m,
+            "SQUARED": 1, "USED": m, "EXPECTED": m,
         }
     )  # fmt: skip
     kernel = sorted(

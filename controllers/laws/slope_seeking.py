@@ -103,7 +103,7 @@ class SlopeSeeking(GroupLaw):
 
     All groups share one set point. A change of the rail that affects all wheels cancels in the difference. In a single
     group, or in the sum over the train, a loss of friction makes slip rise while adhesion falls, which looks like the
-    far side of a peak. With one group there is no difference, and x and y are those of that group.
+    far side of a peak. With one group, x and y are those of that group.
 
     A wheel that is not braked yet rolls. Any slip read then is an error of radius or speed: its mean is subtracted from
     all later readings. Otherwise wheels worn by 3 % and a radar with an error of 1 % would look like slides. The same
@@ -112,7 +112,7 @@ class SlopeSeeking(GroupLaw):
 
     Start: a wheel with slip below slip_small + creep_small/v rolls, and is braked as far as `adhesion_max` allows.
     Low adhesion alone does not mean rolling: on oil a sliding wheel has hardly any. Standstill: below `speed_min` the
-    slip is no longer known, and the brake is applied as at the start.
+    slip is unknown, and the brake is applied as at the start.
 
     An implausible wheel speed is rejected: an unknown one (NaN), a slip below −5 %, or a slide that does not end
     although the brake is off. Until its wheel speed is plausible again, such a group gets the torque for eight tenths

@@ -148,7 +148,7 @@ class WheelReference(GroupLaw):
 
 
 def _reference(train: Sequence[GroupObservation], started: Expression, least: Expression) -> Expression:
-    # Before the first sample there is no last reference to fall from.
+    # At the first sample there is not yet a reference that could fall.
     fastest = _rolling(train[0])
     for group in train[1:]:
         fastest = choose(_rolling(group) > fastest, _rolling(group), fastest)

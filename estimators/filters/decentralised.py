@@ -77,15 +77,15 @@ class DecentralisedFilter(StepInC):
         first, width, n, m = tables["PART_STATE"], _width(consist), len(design.states), len(design.outputs)
         sizes = {
             "MEAN": n, "COVARIANCE": n * n, "INPUT": len(design.inputs), "READING": m, "USED": m, "SQUARED": 1,
-            "PARAMETERS": consist.parameters.size, "SPREAD": (len(first) - 1) * width * width, "SHARED": n * RANK,
-            "COMMON": RANK, "PUSH": n, "NOISE": n, "READING_NOISE": m, "PERIOD": 1, "THRESHOLD": 1,
+            "PARAMETERS": consist.parameters.size, "PART_COVARIANCE": (len(first) - 1) * width * width,
+            "SHARED": n * RANK, "COMMON": RANK, "PUSH": n, "NOISE": n, "READING_NOISE": m, "PERIOD": 1, "THRESHOLD": 1,
         }  # fmt: skip
         at = places(sizes)
         self._block = block = np.zeros(sum(sizes.values()))
         self.mean, self.covariance = block[at["MEAN"]], block[at["COVARIANCE"]].reshape(n, n)
         self.inputs, self.readings, self.selection = (block[at[name]] for name in ("INPUT", "READING", "USED"))
         self._nis, self._common = block[at["SQUARED"]], block[at["COMMON"]]
-        self._block_diagonal = block[at["SPREAD"]].reshape(-1, width, width)
+        self._block_diagonal = block[at["PART_COVARIANCE"]].reshape(-1, width, width)
         self._directions = block[at["SHARED"]].reshape(n, RANK)
         self._members = [slice(a, b) for a, b in pairwise(first)]
         block[at["PARAMETERS"]] = consist.parameters

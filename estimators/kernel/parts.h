@@ -1,7 +1,7 @@
 /* One step of the decentralised Kalman filter of decentralised.py: cost linear in the parts of a train.
 
    shape.h is generated next to this file: sizes, tables, the layout of `block`, and by CasADi the equations of each kind
-   of part and of the body. Rows of `spread` (D of a part) have WIDTH numbers, rows of `shared` (U) have LENGTH; unused
+   of part and of the body. Rows of `covariance` (D of a part) have WIDTH numbers, rows of `shared` (U) have LENGTH; unused
    ones are zero. All sums run in the order written, so that both widths of vectors give the same bits. Sums of whole
    rows, which take nearly all of the time, are kept in registers by `combine`. */
 
@@ -24,7 +24,7 @@ typedef double mode[LENGTH];
 enum { LONGEST = WIDTH > LENGTH ? WIDTH : LENGTH };
 
 typedef struct {
-    row spread[PARTS][WIDTH]; /* D: covariance of each part alone */
+    row covariance[PARTS][WIDTH]; /* D: covariance of each part alone */
     mode shared[N];           /* U: effect of the common unknowns on each state */
     mode common[LENGTH];      /* C: covariance of the common unknowns, may be indefinite */
     double mean[N], push[N], pull[N], jacobian[PARTS][WIDTH * WIDTH];
@@ -157,20 +157,20 @@ static void transition(double period, int n, const double *jacobian, row *phi)
 }
 
 /* phi D phi' of one part, and its rows of phi U. */
-static void propagate(int n, const row *phi, row *spread, mode *shared)
+static void propagate(int n, const row *phi, row *covariance, mode *shared)
 {
     row turned[WIDTH] = {{0}}, half;
     mode moved[WIDTH];
     for (int i = 0; i < n; i++) {
-        combine(WIDTH, half, ZERO, n, phi[i], spread[0]);
+        combine(WIDTH, half, ZERO, n, phi[i], covariance[0]);
         combine(LENGTH, moved[i], ZERO, n, phi[i], shared[0]);
         for (int j = 0; j < n; j++)
             turned[j][i] = half[j];
     }
     for (int i = 0; i < n; i++) {
-        combine(WIDTH, spread[i], ZERO, n, phi[i], turned[0]);
+        combine(WIDTH, covariance[i], ZERO, n, phi[i], turned[0]);
         for (int j = 0; j < i; j++)
-            spread[i][j] = spread[j][i];
+            covariance[i][j] = covariance[j][i];
     }
     memcpy(shared, moved, n * sizeof *moved);
 }
@@ -206,7 +206,7 @@ static double seen_by(const Belief *b, const double *c, double *product, double 
     for (int p = 0; p < PARTS; p++) {
         const int first = PART_STATE[p], n = PART_STATE[p + 1] - first;
         for (int i = 0; i < n; i++) {
-            product[first + i] = dot(n, b->spread[p][i], c + first);
+            product[first + i] = dot(n, b->covariance[p][i], c + first);
             total += c[first + i] * product[first + i];
         }
     }
@@ -224,7 +224,7 @@ static void predict(double *block, Belief *b, const double *free)
     for (int p = 0; p < PARTS; p++)
         for (int i = 0; i < WIDTH; i++)
             for (int l = 0; l < WIDTH; l++)
-                b->spread[p][i][l] = block[SPREAD + (p * WIDTH + i) * WIDTH + l];
+                b->covariance[p][i][l] = block[PART_COVARIANCE + (p * WIDTH + i) * WIDTH + l];
     memset(b->common, 0, sizeof b->common);
     for (int k = 0; k < RANK; k++)
         b->common[k][k] = block[COMMON + k];
@@ -247,12 +247,12 @@ static void predict(double *block, Belief *b, const double *free)
         row phi[WIDTH];
         const int first = PART_STATE[p], n = PART_STATE[p + 1] - first;
         transition(period, n, b->jacobian[p], phi);
-        propagate(n, (const row *)phi, b->spread[p], b->shared + first);
+        propagate(n, (const row *)phi, b->covariance[p], b->shared + first);
     }
     for (int p = 0; p < PARTS; p++)
         for (int i = PART_STATE[p]; i < PART_STATE[p + 1]; i++) {
             b->shared[i][PUSHED] = period * b->push[i];
-            b->spread[p][i - PART_STATE[p]][i - PART_STATE[p]] += block[NOISE + i] * free[i];
+            b->covariance[p][i - PART_STATE[p]][i - PART_STATE[p]] += block[NOISE + i] * free[i];
         }
 }
 
@@ -271,7 +271,7 @@ static int condition(double *block, Belief *b, double *shift)
             continue;
         const int first = PART_STATE[p], n = PART_STATE[p + 1] - first;
         row k, gain;
-        memcpy(k, b->spread[p][state - first], sizeof k);
+        memcpy(k, b->covariance[p][state - first], sizeof k);
         memcpy(z, b->shared[state], sizeof z);
         const double alone = k[state - first] + block[READING_NOISE + i];
         const double all = alone + through((const mode *)b->common, z, product);
@@ -282,7 +282,7 @@ static int condition(double *block, Belief *b, double *shift)
         divided(WIDTH, gain, k, -alone);
         for (int r = 0; r < n; r++) {
             shift[first + r] -= gain[r] * residual;
-            combine(WIDTH, b->spread[p][r], b->spread[p][r], 1, gain + r, k);
+            combine(WIDTH, b->covariance[p][r], b->covariance[p][r], 1, gain + r, k);
             combine(LENGTH, b->shared[first + r], b->shared[first + r], 1, gain + r, z);
         }
         learn(b->common, product, all);
@@ -338,7 +338,7 @@ static void frozen(const Belief *b, const double *free, row *known)
         through((const mode *)b->common, b->shared[state], product);
         for (int i = first; i < PART_STATE[p + 1]; i++)
             if (free[i] == 0.0)
-                known[g][i - first] = b->spread[p][state - first][i - first] + dot(COLUMNS, product, b->shared[i]);
+                known[g][i - first] = b->covariance[p][state - first][i - first] + dot(COLUMNS, product, b->shared[i]);
     }
 }
 
@@ -355,7 +355,7 @@ static void restore(Belief *b, const double *free, const row *before, double *sh
         shift[state] = 0.0;
         for (int i = first; i < PART_STATE[p + 1]; i++)
             if (free[i] == 0.0)
-                b->spread[p][state - first][i - first] += before[g][i - first] - after[g][i - first];
+                b->covariance[p][state - first][i - first] += before[g][i - first] - after[g][i - first];
     }
 }
 
@@ -400,7 +400,7 @@ static void eigen(mode *matrix, mode *vector)
 /* Write D + U C U' back with RANK common unknowns: those with the largest effect in units of D.
 
    Removed directions with positive eigenvalues are added to D; those with negative ones, shared knowledge, are dropped.
-   Both leave the covariance at least as large as it was. */
+   Neither reduces the covariance. */
 static int compress(double *block, Belief *b)
 {
     mode gram[LENGTH] = {{0}}, root[LENGTH] = {{0}}, inner[LENGTH] = {{0}}, vector[LENGTH], weight[LENGTH] = {{0}};
@@ -412,13 +412,13 @@ static int compress(double *block, Belief *b)
         mode white[WIDTH];
         for (int i = 0; i < n; i++)
             for (int j = 0; j < i; j++)
-                across[j][i] = b->spread[p][i][j];
+                across[j][i] = b->covariance[p][i][j];
         /* D = L L', L by columns in the rows of `factor`; then L white = U */
         for (int j = 0; j < n; j++) {
             for (int k = 0; k < j; k++)
                 before[k] = factor[k][j];
             combine(WIDTH, sum, ZERO, j, before, factor[0]);
-            const double left = b->spread[p][j][j] - sum[j];
+            const double left = b->covariance[p][j][j] - sum[j];
             if (!(left > 0.0))
                 return NOT_DEFINITE;
             for (int i = 0; i < WIDTH; i++)
@@ -492,16 +492,16 @@ static int compress(double *block, Belief *b)
             if (excess > 0.0)
                 for (int i = 0; i < n; i++)
                     for (int j = 0; j < n; j++)
-                        b->spread[p][i][j] += excess * turned[i][l] * turned[j][l];
+                        b->covariance[p][i][j] += excess * turned[i][l] * turned[j][l];
         }
         for (int i = 0; i < n; i++) {
-            double variance = b->spread[p][i][i];
+            double variance = b->covariance[p][i][i];
             for (int k = 0; k < RANK; k++) {
                 variance += inner[order[k]][order[k]] * turned[i][k] * turned[i][k];
                 block[SHARED + (first + i) * RANK + k] = turned[i][k];
             }
             for (int j = 0; j < WIDTH; j++)
-                block[SPREAD + (p * WIDTH + i) * WIDTH + j] = b->spread[p][i][j];
+                block[PART_COVARIANCE + (p * WIDTH + i) * WIDTH + j] = b->covariance[p][i][j];
             block[COVARIANCE + (first + i) * (N + 1)] = variance;
         }
     }

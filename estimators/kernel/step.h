@@ -170,10 +170,10 @@ static void transition(double period, const double *free, double *jacobian, row 
 }
 
 /* phi P phi' + Q, exactly symmetric: the upper triangle, mirrored. */
-static void spread(const double *block, const double *free, const row *phi, row *predicted)
+static void predict_covariance(const double *block, const double *free, const row *phi, row *predicted)
 {
     static const row zero;
-    const row *prior = (const row *)(block + COVARIANCE), *noise = (const row *)(block + SPREAD);
+    const row *prior = (const row *)(block + COVARIANCE), *noise = (const row *)(block + PROCESS_NOISE);
     double factor[PHI_COUNT];
     row turned[N] = {{0}}, sum;
 
@@ -332,6 +332,6 @@ int STEP(double *block)
     if (!all_finite(mean, N))
         return PREDICTED_MEAN_NOT_FINITE;
     transition(block[PERIOD], free, jacobian, phi);
-    spread(block, free, (const row *)phi, predicted);
+    predict_covariance(block, free, (const row *)phi, predicted);
     return condition(block, free, mean, (const row *)predicted);
 }

@@ -133,8 +133,8 @@ def loud_discretes(system: System) -> list[int]:
     """Return the places of the discretes whose change at an event requires another pass over the event equations.
 
     The others keep their value while no clock ticks, and only their own equations read them then: a second pass, in
-    which no clock ticks, would repeat the first. This holds only if nothing else is clocked and if there are no loops,
-    which another Newton step would change.
+    which no clock ticks, would repeat the first. This holds only if nothing else is clocked and without loops, which
+    another Newton step would change.
     """
     every, before = list(range(system.d.numel())), system.previous
     if not system.clocks or system.loops.guesses:

@@ -253,7 +253,7 @@ def _of_stops(sides: Sequence[ComparisonSide]) -> Comparison:
     without = [side.name for side in sides if side.trace is None]
     if sides[0].trace is not None:
         courses = {
-            letter: course_of(side.trace, stands=side.stop.outcome is Outcome.STANDSTILL)
+            letter: course_of(side.trace, is_standstill=side.stop.outcome is Outcome.STANDSTILL)
             for letter, side in zip(letters, sides, strict=True)
             if side.trace is not None
         }
@@ -458,7 +458,7 @@ def _of_campaigns(names: Sequence[str], results: Sequence[Results]) -> Compariso
         question=_common_question([[stop[name] for stop in stops] for name in common]),
         answer=distances,
         overview=distances,
-        sentences=[*_spread(letters, common, stops), *only],
+        sentences=[*_change_sentences(letters, common, stops), *only],
         differences=differences,
         provenance={
             f"{letter}, result of {name}": provenance(stop[name])["scenario digest"]
@@ -491,7 +491,7 @@ def _distances(common: Sequence[str], stops: Sequence[Mapping[str, Stop]]) -> Re
     return ReportTable(rows, forms, ("stop",), "Braking distances")
 
 
-def _spread(letters: str, common: Sequence[str], stops: Sequence[Mapping[str, Stop]]) -> list[str]:
+def _change_sentences(letters: str, common: Sequence[str], stops: Sequence[Mapping[str, Stop]]) -> list[str]:
     """Return a sentence for each further campaign on the differences of all distances."""
     sentences: list[str] = []
     for letter, stop in zip(letters[1:], stops[1:], strict=True):

@@ -170,7 +170,7 @@ def _row(stop: Stop, sbc: Stop | None, tuned: Stop | None, constant: Sequence[st
         draw=int(stop.variants[DRAW]) if DRAW in stop.variants else None,
         reference="published" if sbc is stop else "best tuned" if tuned is stop else None,
         distance_m=distance,
-        repeated=spread_text(stop.conditioning, stop.digest, distance),
+        repeated=range_text(stop.conditioning, stop.digest, distance),
         duration_s=metrics.duration if stop.outcome is Outcome.STANDSTILL else None,
         reduction_vs_sbc=_reduction(distance, sbc, stop),
         reduction_vs_tuned=_reduction(distance, tuned, stop),
@@ -191,21 +191,20 @@ def _row(stop: Stop, sbc: Stop | None, tuned: Stop | None, constant: Sequence[st
     )
 
 
-def spread_text(conditioning: RepeatedDistances | None, digest: str, distance: float | None) -> str:
+def range_text(conditioning: RepeatedDistances | None, digest: str, distance: float | None) -> str:
     """Return median and range of the repeats of a stop, or `STALE` if they are the repeats of another stop.
 
     Args:
         digest: Digest of the scenario of the stop.
         distance: Distance of the stop [m], None without standstill.
-        distance: Of the stop [m], None without standstill.
     """
     if conditioning is None:
         return ""
     if not conditioning.belongs(digest, distance):
         return STALE
     others = "".join(
-        f"; {compiler} {'no stop' if spread is None else f'{spread:.1f} m'}"
-        for compiler, spread in conditioning.compilers.items()
+        f"; {compiler} {'no stop' if other is None else f'{other:.1f} m'}"
+        for compiler, other in conditioning.compilers.items()
     )
     lots = f"; {len(conditioning.lots)} lots of sensors {conditioning.lots_text}" if conditioning.lots else ""
     return f"{conditioning.median:.2f} m ({conditioning.lowest:.2f} – {conditioning.highest:.2f} m){others}{lots}"

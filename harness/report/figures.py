@@ -1,4 +1,4 @@
-"""Figures of a campaign: the friction of its scenarios, the used adhesion, the distances."""
+"""Figures of campaigns and sweeps: friction of scenarios, used adhesion, distances."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -9,13 +9,14 @@ import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullLocator
+from numpy.typing import NDArray
 
 from railgrip.report import palette, style
-from railgrip.report.cases_figure import MAX_CASES, cases_figure
 from railgrip.report.distribution import distributions_of, over_cases
 from railgrip.report.distribution_figure import distribution_figure
 from railgrip.report.row import Row, short_names
-from railgrip.report.signals_figure import signals_figure
 from railgrip.report.stop import Stop
 
 _CONTROLLER_COLOURS = {
@@ -37,6 +38,17 @@ _RAIL_COLOURS = (*palette.LINES, palette.GREY)
 
 _MAX_BARS = 9
 """Maximum number of scenarios side by side, so that a number fits on each bar."""
+
+_MAX_CASES = 60
+"""Maximum number of lines in a figure."""
+
+_MARKERS = "osD^v<>P*X"
+_EDGE: Mapping[str, Any] = {"markeredgecolor": palette.BLACK, "markeredgewidth": 0.5}
+_LINE, _HEADING = 0.27, 0.42  # inches
+_DISTANCE_TICKS = (100, 150, 200, 300, 500, 700, 1000, 1500, 2000, 3000)  # m
+
+_MAX_TICKS = 20
+"""Maximum number of named values along the axis of a sweep."""
 
 
 def friction_figure(stops: Sequence[Stop]) -> Figure:
@@ -176,9 +188,9 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
     cases of a scenario.
     """
     cases = len({row.label for row in rows})
-    if _MAX_BARS < cases <= MAX_CASES:
-        return cases_figure(rows, _bar_colours(rows))
-    if cases > MAX_CASES:
+    if _MAX_BARS < cases <= _MAX_CASES:
+        return _cases_figure(rows, _bar_colours(rows))
+    if cases > _MAX_CASES:
         return distribution_figure(distributions_of(over_cases(rows)), of="stop")
     settings = list(dict.fromkeys((row.actuation, row.sensors, row.polach) for row in rows))
     scenarios = list(dict.fromkeys(row.label for row in rows))
@@ -233,6 +245,108 @@ def _bar_colours(rows: Sequence[Row]) -> dict[str, str]:
     return colours
 
 
-def stop_figure(stop: Stop) -> Figure:
-    """Return the figure of a stop; see `signals_figure`."""
-    return signals_figure(stop.trace, stop.metrics, stop.heading)
+def _cases_figure(rows: Sequence[Row], colours: Mapping[str, str]) -> Figure:
+    """Return a figure of the distances of each case with its friction, and their change against published SBC.
+
+    Args:
+        rows: Stops; one without standstill is a cross at the right edge of both panels.
+        colours: Name of a controller → colour.
+    """
+    has_one_scenario = len({row.scenario for row in rows}) == 1
+    families: dict[tuple[str, str, str], dict[str, list[Row]]] = {}
+    for row in rows:
+        name = _case_name(row.case if has_one_scenario and row.case else row.label, row.friction)
+        families.setdefault(row.setting, {}).setdefault(name, []).append(row)
+    heights = [_HEADING / _LINE + len(cases) for cases in families.values()]
+    drawing = style.figure(12, 1.4 + _LINE * sum(heights))
+    grid = drawing.subplots(len(families), 2, sharex="col", squeeze=False, height_ratios=heights, width_ratios=(3, 2))
+    looks: dict[str, dict[str, Any]] = {
+        name: {"color": colour, "marker": _MARKERS[number % len(_MARKERS)], "markersize": 6.5, "linestyle": ""}
+        for number, (name, colour) in enumerate(colours.items())
+    }
+    before = ("", "")
+    for (metres, changes), ((actuation, sensors, polach), cases) in zip(grid, families.items(), strict=True):
+        equipment = f", actuation {actuation}, sensors {sensors}" if before != (actuation, sensors) else ""
+        before = (actuation, sensors)
+        style.dress(metres, title=f"creep curve {polach.replace('_', ' ')}{equipment}")
+        style.dress(changes)
+        changes.axvline(0.0, color=palette.BLACK, linewidth=0.9)
+        for panel, names in ((metres, list(cases)), (changes, [""] * len(cases))):
+            panel.set_ylim(len(cases) - 0.5, -0.5)
+            panel.set_yticks(range(len(cases)), names, fontsize=9)
+        for line, row in ((line, row) for line, case in enumerate(cases.values()) for row in case):
+            _draw_case(row, line, metres, changes, looks[row.controller_label])
+    metres, changes = grid[-1]
+    metres.set_xscale("log")
+    metres.set_xticks(_DISTANCE_TICKS, [f"{tick}" for tick in _DISTANCE_TICKS])
+    metres.xaxis.set_minor_locator(NullLocator())
+    distances = [row.distance_m for row in rows if row.distance_m is not None]
+    metres.set_xlim(0.95 * min(distances), 1.05 * max(distances))
+    metres.set_xlabel("braking distance [m]")
+    changes.set_xlabel("change against the published SBC [%]")
+    marks = [Line2D([], [], **look, **_EDGE) for look in looks.values()]
+    marks.append(Line2D([], [], color=palette.BLACK, marker="x", linestyle=""))
+    drawing.legend(marks, [*colours, "no standstill"], ncols=3, fontsize=9, loc="outside upper left", frameon=False)
+    return drawing
+
+
+def _draw_case(row: Row, line: int, metres: Axes, changes: Axes, look: Mapping[str, Any]) -> None:
+    if row.distance_m is None:
+        for panel in (metres, changes):
+            cross: dict[str, Any] = {**look, "transform": panel.get_yaxis_transform(), "marker": "x"}
+            panel.plot(1.0, line, clip_on=False, **cross)
+        return
+    metres.plot(row.distance_m, line, **look, **_EDGE)
+    if row.reduction_vs_sbc is not None:
+        changes.plot(-100 * row.reduction_vs_sbc, line, **look, **_EDGE)
+
+
+def _case_name(case: str, friction: str) -> str:
+    name = case.replace("_", " ")
+    return f"{name}, $\\mu_0$ {friction}" if friction else name
+
+
+def sweep_figure(axes: Mapping[str, Sequence[Any]], distances: NDArray[np.float64]) -> Figure:
+    """Return a figure of distances over the longest axis, with a line for each combination of the others, or their
+    median.
+
+    Args:
+        axes: Key → values.
+        distances: Distances in the shape of the axes [m]; NaN without a standstill.
+    """
+    names = list(axes)
+    longest = max(names, key=lambda name: len(axes[name]))
+    others = [name for name in names if name != longest and len(axes[name]) > 1]
+    lines = np.moveaxis(distances, names.index(longest), -1).reshape(-1, len(axes[longest]))
+    drawing, panel = style.panels(9, 4.5)
+    places = np.arange(lines.shape[1])
+    if len(lines) > len(palette.LINES):
+        for line in lines:
+            panel.plot(places, line, ".", color=palette.GREY, ms=3)
+        with np.errstate(all="ignore"):
+            median = np.nanmedian(lines, axis=0)
+        panel.plot(places, median, "o-", color=palette.BLUE, label=f"median over {', '.join(others)}")
+    else:
+        labels = _line_labels([(name, axes[name]) for name in names if name != longest])
+        for line, label, colour in zip(lines, labels, palette.LINES, strict=False):
+            panel.plot(places, line, "o-", color=colour, ms=4, linewidth=1.2, label=label or None)
+    shown = places[:: 1 + (len(places) - 1) // _MAX_TICKS]
+    texts = [_value_text(axes[longest][place]) for place in shown]
+    panel.set_xticks(shown, texts, rotation=30 if max(map(len, texts)) > 8 else 0)
+    style.dress(panel, x=longest, y="braking distance [m]")
+    if others:
+        style.legend(panel)
+    return drawing
+
+
+def _line_labels(axes: Sequence[tuple[str, Sequence[Any]]]) -> list[str]:
+    labels = [""]
+    for name, values in axes:
+        more = [f"{name} {_value_text(value)}" if len(values) > 1 else "" for value in values]
+        labels = [", ".join(filter(None, (label, axis))) for label in labels for axis in more]
+    return labels
+
+
+def _value_text(value: Any) -> str:
+    text = f"{value:g}" if isinstance(value, float) else str(value)
+    return text if len(text) <= 24 else f"{text[:23]}…"

@@ -14,7 +14,7 @@ from railgrip.report.baseline import baseline_deviations
 from railgrip.report.distances import reader_tables, rows_of, write_table
 from railgrip.report.distribution import distributions_of, quantile_table, worst_table
 from railgrip.report.distribution_figure import distribution_figure, exceedance_figure
-from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
+from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure
 from railgrip.report.headline import headline
 from railgrip.report.limits import describe_clauses, limits_of
 from railgrip.report.page import FORMATS, Page
@@ -81,7 +81,7 @@ def write_report(
         notify("stop")
         if stop.has_trace:
             claim(directory, *(f"stop.{form}" for form in formats))
-            style.save_as(stop_figure(stop), directory / PAGE_FILES[1], formats)
+            style.save_as(stop.plot(), directory / PAGE_FILES[1], formats)
         return stop_page(stop).write(directory)
     like = others_like(directory) or "; name the folder of a run or campaign"
     raise RecordError(f"{directory}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}{like}")

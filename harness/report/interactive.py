@@ -51,19 +51,7 @@ def interactive(drawing: Figure) -> Plot:
         plot.add(axes)
     for legend in drawing.legends:
         plot.add_legend(legend, {})
-    if drawing.get_suptitle():
-        plot.annotations.append(_note(drawing.get_suptitle(), 0.005, 1.0, "left", "top", 12))
-    for text in drawing.texts:
-        if text.get_text() != drawing.get_suptitle():
-            plot.annotations.append(
-                _note(
-                    text.get_text(),
-                    *text.get_position(),
-                    text.get_horizontalalignment(),
-                    text.get_verticalalignment(),
-                    9,
-                )
-            )
+    plot.annotations += [_note(text, text.get_position()) for text in drawing.texts if text.get_text()]
     width, height = drawing.get_size_inches()
     layout = {
         "annotations": plot.annotations,
@@ -111,13 +99,8 @@ class _Plot:
             if trace["name"]:
                 names.setdefault(trace["name"], trace)
             self.data.append(trace)
-        for title, x, align in (
-            (axes.get_title(loc="left"), box.x0, "left"),
-            (axes.get_title(), (box.x0 + box.x1) / 2, "center"),
-        ):
-            if title:
-                self.annotations.append(_note(title, x, box.y1, align, "bottom", 11))
-        self.annotations += [_text(text, axes, place) for text in axes.texts if text.get_text()]
+        texts = [text for text in axes.get_children() if isinstance(text, Text)]  # the titles, too
+        self.annotations += [_text(text, axes, place) for text in texts if text.get_text()]
         legend = axes.get_legend()
         if legend is not None:
             self.add_legend(legend, names)
@@ -171,9 +154,11 @@ def _formula(match: re.Match[str]) -> str:
     return formula
 
 
-def _note(text: str, x: float, y: float, across: str, along: str, size: float) -> Plot:
-    return {"text": _plain(text), "x": x, "y": y, "xref": "paper", "yref": "paper", "showarrow": False, "align": across,
-            "xanchor": across, "yanchor": _ANCHORS.get(along, along), "font": {"size": size}}  # fmt: skip
+def _note(text: Text, place: tuple[float, float]) -> Plot:
+    across, along = text.get_horizontalalignment(), text.get_verticalalignment()
+    return {"text": _plain(text.get_text()), "x": place[0], "y": place[1], "xref": "paper", "yref": "paper",
+            "showarrow": False, "align": across, "xanchor": across, "yanchor": _ANCHORS.get(along, along),
+            "font": {"size": 1.2 * float(text.get_fontsize()), "color": to_hex(text.get_color())}}  # fmt: skip
 
 
 def _axis(axes: Axes, letter: str, domain: Sequence[float]) -> Plot:
@@ -321,19 +306,10 @@ def _text(text: Text, axes: Axes, place: Plot) -> Plot:
         point = text.get_transform().transform(text.get_position())
     (x, y), transform = axes.transAxes.inverted().transform(point), axes.transData.inverted()
     is_inside = -0.001 <= x <= 1.001 and -0.001 <= y <= 1.001
-    note = _note(
-        text.get_text(),
-        x,
-        y,
-        text.get_horizontalalignment(),
-        text.get_verticalalignment(),
-        1.2 * float(text.get_fontsize()),
-    )
-    note |= {"xref": f"{place['xaxis']} domain", "yref": f"{place['yaxis']} domain"}
+    note = _note(text, (x, y)) | {"xref": f"{place['xaxis']} domain", "yref": f"{place['yaxis']} domain"}
     if is_inside and text.get_transform() != axes.transAxes:  # moves with the point that it names
         x, y = transform.transform(point)
         note |= {"xref": place["xaxis"], "yref": place["yaxis"]}
         note |= {"x": float(np.log10(x) if axes.get_xscale() == "log" else x)}
         note |= {"y": float(np.log10(y) if axes.get_yscale() == "log" else y)}
-    note["font"]["color"] = to_hex(text.get_color())
     return note | {"xshift": shift[0], "yshift": shift[1]}

@@ -20,8 +20,7 @@ from railgrip.base.errors import InputError
 from railgrip.base.files import write_json, write_text
 from railgrip.base.outputs import claim, discard, recorded_files
 from railgrip.base.programs import environment_of_programs, find_program
-from railgrip.report.escape import as_html, as_markdown
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, as_html, as_markdown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -148,7 +147,7 @@ def write_page(path: Path, template: str, **values: Any) -> Path:
 
 
 def render(template: str, *, is_html: bool = False, **values: Any) -> str:
-    """Return the text of a template; see `railgrip.report.escape` for texts in pages.
+    """Return the text of a template; see `as_html` and `as_markdown` of `railgrip.report.table` for texts.
 
     Args:
         template: Its path in this package, as "report/distances.md.jinja". Values are escaped only in Markdown and HTML

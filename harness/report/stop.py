@@ -145,6 +145,13 @@ class Stop:
         return trace
 
     @property
+    def stored_trace(self) -> xarray.Dataset:
+        """The samples that a file has: one each `periods.trace`."""
+        if self.samples is None:
+            return self.trace
+        return thin(self.samples, int(self.scenario.periods.every("trace")))
+
+    @property
     def has_trace(self) -> bool:
         """Whether the samples were kept."""
         return self.samples is not None or (self._folder / TRACE_FILE).exists()
@@ -195,7 +202,6 @@ class Stop:
         return repeats if repeats and repeats.belongs(self.digest, self.braking_distance) else None
 
     def __repr__(self) -> str:
-        """Return a summary in five lines."""
         inputs, metrics, start = self.inputs, self.metrics, 3.6 * self.inputs["start"]["speed"]
         kinds = [
             f"{name} {self.classes.get(name, {}).get('class', inputs[name]['kind'])}"
@@ -247,8 +253,7 @@ class Stop:
         """Return a figure (matplotlib) with a column for each group: speed, slip, adhesion, friction and pressure."""
         from railgrip.report.signals_figure import signals_figure  # matplotlib takes half a second to load
 
-        trace = thin(self.trace, int(self.scenario.periods.every("trace")))
-        return signals_figure(trace, self.metrics, self.heading)
+        return signals_figure(self.stored_trace, self.metrics, self.heading)
 
     def to_pandas(self) -> "pandas.DataFrame":
         """Return the samples over time [s]; `slip[2]` is the slip of the second group.
@@ -369,7 +374,7 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
     path = directory / TRACE_FILE
     try:
         if keep_trace:
-            write_trace(thin(stop.trace, int(stop.scenario.periods.every("trace"))), path, stop.attributes())
+            write_trace(stop.stored_trace, path, stop.attributes())
             content[_TRACE_DIGEST] = hashlib.sha256(path.read_bytes()).hexdigest()
     except WriteFailed:
         _write_content(content, directory)

@@ -141,8 +141,8 @@ class Scenario(Table):
     def horizon(self) -> float:
         """Maximum duration of a stop [s]: as given, or derived from speed, friction and gradient.
 
-        A locked wheel has at least the share A of the friction, the falling friction at infinite slip velocity (Polach,
-        Wear 258, 2005, 992). The deceleration that follows from the lowest friction of the rail, minus the steepest
+        A locked wheel keeps the share A of the friction or more, its limit at infinite slip velocity (Polach, Wear 258,
+        2005, 992). The deceleration that follows from the lowest friction of the rail, minus the steepest
         gradient, is halved to allow for cylinders that fill and controllers that vent; `_SHORTEST` allows for brakes
         and a driver who demand less than friction permits. If the gradient exceeds the friction, no time suffices and
         the horizon is `_LONGEST`. A train cannot go beyond the range of tabulated friction.

@@ -310,10 +310,7 @@ class _UnitCheck:
     """Compares the first second of a signal with expected values, and names the likely mistake of units."""
 
     def __init__(self, least: float) -> None:
-        """Compare only where the expected magnitude is at least `least`.
-
-        Below it, offsets and noise dominate the ratio.
-        """
+        """Compare only where the expected magnitude reaches `least`; below it, offsets and noise dominate the ratio."""
         self._least, self._since, self._ratios, self._done = least, math.inf, list[Array](), False
 
     def mistake(self, time: float, value: Any, expected: Any) -> str:

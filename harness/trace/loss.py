@@ -98,17 +98,17 @@ class Loss:
         return self.course.speed - np.interp(self.course.place, self.first.place, self.first.speed)
 
 
-def course_of(trace: xarray.Dataset, *, stands: bool) -> StopCourse:
+def course_of(trace: xarray.Dataset, *, is_standstill: bool) -> StopCourse:
     """Return the course of a stop.
 
     Args:
         trace: Trace of the stop.
-        stands: Whether it ended at a standstill; the last speed, which is nearly 0, then counts as 0.
+        is_standstill: Whether it ended at a standstill; the last speed, which is nearly 0, then counts as 0.
     """
     braking = since_brake_demand(trace)
     time, distance = braking["time"].values, braking["distance"].values
     speed = np.minimum.accumulate(braking["speed"].values)
-    if stands:
+    if is_standstill:
         speed[-1] = 0.0
     ends = np.append(np.diff(speed) < 0, True)
     ends[0] = True

@@ -161,7 +161,7 @@ BELIEVED = (
 )
 """States of the estimator."""
 
-SPREAD = (
+DEVIATIONS = (
     Signal("estimate_adhesion_sd", "group", "1", "standard deviation of the estimated adhesion"),
     Signal("estimate_pad_friction_sd", "group", "1", "standard deviation of the estimated pad friction"),
 )
@@ -179,7 +179,7 @@ REFERENCE = (
 )
 """Replacement of a missing radar reading; absent from the trace of a stop whose estimator has no free_wheels."""
 
-ESTIMATES = (*BELIEVED, *SPREAD, *INNOVATION, Signal("estimate_slip", "group", "1", "estimated slip"))
+ESTIMATES = (*BELIEVED, *DEVIATIONS, *INNOVATION, Signal("estimate_slip", "group", "1", "estimated slip"))
 """Estimates; absent from the trace of a stop without an estimator."""
 
 

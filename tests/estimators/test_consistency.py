@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from spread import chi_square_bounds, nees
+from nees import chi_square_bounds, nees
 
 from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import GaussianEstimate

@@ -10,8 +10,8 @@ from functools import cache
 import casadi as ca
 import numpy as np
 import pytest
+from nees import chi_square_bounds, nees
 from small_models import runge_kutta
-from spread import chi_square_bounds, nees
 
 from railgrip.base.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import GaussianEstimate

@@ -36,9 +36,9 @@ from itertools import product
 import casadi as ca
 import numpy as np
 import pytest
+from nees import chi_square_bounds, nees
 from scipy.optimize import root
 from small_models import runge_kutta
-from spread import chi_square_bounds, nees
 
 from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter

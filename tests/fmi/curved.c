@@ -3,7 +3,7 @@
  *   da/dt = -k a + u1,   db/dt = a b + sin c,   dc/dt = b - c^3 + u2,   y1 = a + b c,   y2 = c + u1.
  *
  * Value references: 0-2 a b c, 3-5 their derivatives, 6-7 u, 8-9 y, 10 k, 11 how often values were sent, 12 how often
- * derivatives, values or directional derivatives were asked for. dc/dt is no number where c > 1000.
+ * derivatives, values or directional derivatives were asked for. dc/dt is NaN where c > 1000.
  *
  * With FORGETS defined it does as OpenModelica's FMUs up to 1.27.0: once its derivatives were read it takes its outputs
  * for evaluated, too, until a state or input is set; its directional derivatives are those of the point where it last

@@ -27,7 +27,7 @@
 #define KILLS_PARENT 10     /* having left such a process behind, and refusing to go with its parent */
 #define ALLOCATES 11
 #define OPENS_FILES 12
-#define FORGES 13           /* an answer of its own, on every socket it has */
+#define FORGES 13           /* sends a forged answer on every open socket */
 #define TALKS 14            /* as OpenModelica's FMUs do of their solver */
 #define LOGS 15             /* ten thousand messages a step */
 #define PRINTS 16           /* two megabytes a step */

@@ -13,7 +13,7 @@ from railgrip.base.errors import PlantFailed
 from railgrip.controllers.observation import Observation
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.loop.plausible import Plausibility
-from railgrip.vehicle.signals import BELIEVED, INNOVATION, SPREAD
+from railgrip.vehicle.signals import BELIEVED, DEVIATIONS, INNOVATION
 
 AT, READ = LAYOUT.output, LAYOUT.reading
 
@@ -71,7 +71,7 @@ def brake(parts):
             mean, variance = belief.filter.mean, np.diagonal(belief.filter.covariance)
             of_groups = [belief.wheelset_speed, belief.adhesion, belief.pad_friction]
             recorder.rows[k, recorder.block(BELIEVED)] = mean[np.concatenate([[belief.speed], *of_groups])]
-            recorder.rows[k, recorder.block(SPREAD)] = np.sqrt(variance[np.concatenate(of_groups[1:])])
+            recorder.rows[k, recorder.block(DEVIATIONS)] = np.sqrt(variance[np.concatenate(of_groups[1:])])
             recorder.rows[k, recorder.block(INNOVATION)] = innovation
         if is_due(k, clock.controller):
             seen = observation(parts, k, latest, pressure)

@@ -68,7 +68,7 @@ def test_all_sand_that_left_the_nozzles_lies_on_the_rail():
     """With all of it left, on one rail: rate times time."""
     track = rolled(rail(FIXED, sand=SAND | {"left": 1.0}), 300.0)
     cell = 0.1
-    assert cell * track.sand.lying.sum() == pytest.approx(2 * KG_PER_MIN * 300.0 / SPEED, rel=1e-3)
+    assert cell * track.sand.deposited.sum() == pytest.approx(2 * KG_PER_MIN * 300.0 / SPEED, rel=1e-3)
 
 
 def test_sand_comes_and_goes_and_stays_where_it_lies():

@@ -21,7 +21,7 @@ from railgrip.report.baseline import (
     load_baseline,
     write_baseline,
 )
-from railgrip.report.distances import STALE, rows_of, spread_text
+from railgrip.report.distances import STALE, range_text, rows_of
 from railgrip.report.results import read_results
 from railgrip.report.stop import write_stop
 from railgrip.scenario.campaign import load_campaign
@@ -48,14 +48,14 @@ def test_repeats_without_standstill_are_endless():
     ],
 )
 def test_repeats_of_another_stop_are_called_stale(digest, distance, text):
-    assert spread_text(FIRM, digest, distance) == text
-    assert spread_text(None, digest, distance) == ""
+    assert range_text(FIRM, digest, distance) == text
+    assert range_text(None, digest, distance) == ""
 
 
 def test_a_range_is_told_with_what_the_other_compiler_gives():
     repeats = RepeatedDistances(digest="d", distances=(280.0, 300.0, 324.0), compilers={"native": 290.0})
-    assert spread_text(repeats, "d", 330.0) == "300.00 m (280.00 – 324.00 m); native 290.0 m"
-    assert spread_text(repeats, "d", 336.0) == STALE  # beyond a quarter of the range
+    assert range_text(repeats, "d", 330.0) == "300.00 m (280.00 – 324.00 m); native 290.0 m"
+    assert range_text(repeats, "d", 336.0) == STALE  # beyond a quarter of the range
 
 
 def test_the_stops_of_a_campaign_are_repeated_and_shown_beside_their_distances(tmp_path, write_campaign):
@@ -181,5 +181,5 @@ def test_the_conditioning_of_table_1_is_of_its_stops_or_is_called_stale():
     assert set(repeats_of) <= set(digests)
     for name, one in repeats_of.items():
         assert len(one.distances) >= 20
-        assert digests[name] == one.digest or spread_text(one, digests[name], one.median) == STALE
-        assert spread_text(one, digests[name], 0.5 * one.lowest) == STALE
+        assert digests[name] == one.digest or range_text(one, digests[name], one.median) == STALE
+        assert range_text(one, digests[name], 0.5 * one.lowest) == STALE

@@ -12,7 +12,7 @@ from pages import needs_nothing_else, numbers, plots_of
 from railgrip.base.errors import RecordError
 from railgrip.report import palette, style
 from railgrip.report.distances import rows_of
-from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
+from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure
 from railgrip.report.index import write_report
 from railgrip.report.interactive import interactive
 from railgrip.report.results import read_results
@@ -91,7 +91,7 @@ def test_distances_stand_beside_the_published_ones(folder):
 
 
 def test_the_panels_of_a_stop_have_units_and_share_their_scales(stops):
-    made = stop_figure(stops["trapezoid-ideal-adhesion_based"])
+    made = stops["trapezoid-ideal-adhesion_based"].plot()
     labels = [panel.get_ylabel() for panel in made.axes if panel.get_ylabel()]
     assert labels == ["speed [km/h]", "slip [%]", "adhesion", "pad friction", "cylinder pressure [bar]"]
     assert len(made.axes) == 20
@@ -110,7 +110,7 @@ def test_what_a_plant_hides_has_no_row_and_no_number(tmp_path, write_campaign):
         metrics=replace(stop.metrics, utilisation=float("nan")),
         trace_digest=hashlib.sha256(path.read_bytes()).hexdigest(),
     )
-    made = stop_figure(without_utilisation)
+    made = without_utilisation.plot()
     labels = [panel.get_ylabel() for panel in made.axes if panel.get_ylabel()]
     assert labels == ["speed [km/h]", "slip [%]", "adhesion"]
     assert all(panel.lines for panel in made.axes)

@@ -8,11 +8,10 @@ from railgrip.report.comparison import compare
 from railgrip.report.distances import rows_of
 from railgrip.report.distribution import distributions_of, over_cases
 from railgrip.report.distribution_figure import distribution_figure
-from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
+from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, sweep_figure
 from railgrip.report.interactive import interactive
 from railgrip.report.results import read_results
 from railgrip.report.style import panels, save
-from railgrip.report.sweep_figure import sweep_figure
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +33,7 @@ def comparison(stops, folder):
 
 
 FIGURES = {
-    "stop": lambda stops, folder: stop_figure(stops["trapezoid-service-adhesion_based"]),
+    "stop": lambda stops, folder: stops["trapezoid-service-adhesion_based"].plot(),
     "friction": lambda stops, folder: friction_figure(
         [stops[f"{rail}-ideal-slip_two_state"] for rail in ("trapezoid", "sine_sweep", "random")]
     ),

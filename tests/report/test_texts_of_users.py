@@ -8,9 +8,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
-from railgrip.report.escape import as_html, as_markdown
 from railgrip.report.page import Page, write_page
-from railgrip.report.table import Link, ReportTable
+from railgrip.report.table import Link, ReportTable, as_html, as_markdown
 
 TEXTS = st.text(
     st.sampled_from("<>&\"'`*_[]()!#|~\\-+=.:/ \n\t\r0123456789abcxyz\x00\x85\u2028") | st.characters(codec="utf-8"),

@@ -25,8 +25,8 @@ def trace(decelerations, start=START, coasting=0.0):
     return xarray.Dataset({"speed": ("time", speed), "distance": ("time", distance)}, coords={"time": time})
 
 
-def course(*decelerations, start=START, stands=True) -> StopCourse:
-    return course_of(trace(decelerations, start), stands=stands)
+def course(*decelerations, start=START, is_standstill=True) -> StopCourse:
+    return course_of(trace(decelerations, start), is_standstill=is_standstill)
 
 
 def parts(lost: Loss) -> list[tuple[float, float]]:
@@ -81,7 +81,7 @@ def test_a_slower_start_is_saved_before_the_first_section():
 
 
 def test_a_second_without_brakes_is_lost_at_its_place():
-    first, other = (course_of(trace([(0.0, 1.0)], coasting=time), stands=True) for time in (0.0, 1.0))
+    first, other = (course_of(trace([(0.0, 1.0)], coasting=time), is_standstill=True) for time in (0.0, 1.0))
     assert loss(first, other).total == pytest.approx(START)
     assert parts(loss(first, other))[0] == (0.0, pytest.approx(START, abs=BETWEEN))
     assert loss(other, first).total == pytest.approx(-START)
@@ -92,12 +92,12 @@ def test_the_same_stop_loses_nothing_even_where_it_gains_speed():
     speeds = [20.0, 20.0, 19.0, 19.5, 19.5, 18.0, 10.0, 0.0]
     distance = np.concatenate([[0.0], np.cumsum(speeds[1:])])
     own = xarray.Dataset({"speed": ("time", speeds), "distance": ("time", distance)}, coords={"time": range(8)})
-    lost = loss(course_of(own, stands=True), course_of(own, stands=True))
+    lost = loss(course_of(own, is_standstill=True), course_of(own, is_standstill=True))
     np.testing.assert_allclose(lost.lost, 0.0)
 
 
 def test_of_a_stop_that_still_rolls_only_speeds_that_both_reached_count():
-    lost = loss(course((5.0, 1.0), stands=False), course((0.0, 0.5)))
+    lost = loss(course((5.0, 1.0), is_standstill=False), course((0.0, 0.5)))
     assert lost.course.speed[-1] == pytest.approx(5.0, abs=0.1)
     assert lost.total == pytest.approx((20**2 - 5**2) / 2 * (1 / 0.5 - 1), rel=0.01)
 

@@ -194,6 +194,14 @@ def test_a_trace_whose_distance_is_a_dimension_is_refused(stop, tmp_path):
         require_stop(tmp_path / "trace.nc", trace, groups=trace.sizes["group"])
 
 
+def test_a_stop_that_was_read_is_written_with_all_samples_of_its_file(tmp_path):
+    coarse = [f"periods.{who}=10 ms" for who in ("communication", "estimator", "controller")]
+    write_stop(stop_of(load(LIBRARY / "trapezoid.toml", [*coarse, "periods.trace=50 ms"])), tmp_path / "first")
+    read_stop(tmp_path / "first").write(tmp_path / "second")
+    first, second = (read_stop(tmp_path / folder).trace for folder in ("first", "second"))
+    assert second.identical(first)
+
+
 def test_a_standard_deviation_without_its_estimate_is_refused(stop, tmp_path):
     trace = stop.trace.assign(estimate_adhesion_sd=stop.trace["adhesion"]).drop_vars(
         "estimate_adhesion", errors="ignore"

@@ -34,7 +34,7 @@ def page(stops):
             found.append(replace(stop, controller=OWN, distance_m=1.1 * stop.distance_m))
     own = {OWN: Entrant(description="a controller of a user", role="entrant")}
     again = dict.fromkeys((*entrants(), OWN), "railgrip study type_test --case")
-    return page_of(found, entrants() | own, limits_of(), beside=stops, candidates=[OWN], again=again)
+    return page_of(found, entrants() | own, limits_of(), packaged=stops, candidates=[OWN], again=again)
 
 
 def test_each_case_comes_with_a_stop_of_each_controller(stops):

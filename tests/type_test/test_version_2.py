@@ -9,12 +9,11 @@ from railgrip.base.errors import ScenarioError
 from railgrip.report.limits import limits_of
 from railgrip.studies.study import conduct
 from railgrip.studies.type_test import case_set, study
-from railgrip.studies.type_test.case_set import SEALED, VERSIONS, CaseSet, case_named
+from railgrip.studies.type_test.case_set import SEALED, VERSIONS, CaseSet, case_named, count_look
 from railgrip.studies.type_test.controller_digest import controller_digest
 from railgrip.studies.type_test.entrants import Entrant, campaign_of, entrants, train_of
 from railgrip.studies.type_test.family import AXES, FEWEST, families, losses
 from railgrip.studies.type_test.judge import CaseMeasurement, judgements, summaries
-from railgrip.studies.type_test.looks import count_look
 from railgrip.studies.type_test.shipped import digest_of, read_shipped
 from railgrip.studies.type_test.study import TypeTest, page_of
 from railgrip.studies.type_test.track_case import CLEANING, FASTEST, LOAD, RADIUS, RAILS, TRAINS

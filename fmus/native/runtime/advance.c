@@ -72,7 +72,7 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
             scale = scale > 6 ? 6 : scale < 0.2 ? 0.2 : scale;
             if (rejected && scale > 1) scale = 1;
             grown = h * scale;
-            /* A step that was shortened to the communication point is no reason to reduce the previous step size. */
+            /* A step that was shortened to the communication point does not reduce the step size. */
             s->h = h < 0.999 * s->h && grown < s->h ? s->h : grown;
             /* The importer usually requests the outputs next. With nonlinear loops these must be solved first. */
             int whole = h == rest, shown = whole && !NG;

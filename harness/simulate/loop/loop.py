@@ -19,10 +19,10 @@ from railgrip.simulate.loop.sensors import BLOCK, ServiceSensors, WhiteSensors
 from railgrip.simulate.loop.structs import Structs, structs_of
 from railgrip.vehicle.motion import slip_of
 from railgrip.vehicle.signals import (
+    DEVIATIONS,
     ESTIMATES,
     OBSERVED,
     ONLY_ESTIMATED,
-    SPREAD,
     length,
     places,
 )
@@ -222,7 +222,7 @@ class Loop:
         if not isinstance(estimator, StateEstimator):
             return
         rows, columns = recorder.rows[: recorder.written], recorder.columns
-        variance = rows[:, recorder.block(SPREAD)]
+        variance = rows[:, recorder.block(DEVIATIONS)]
         # Adhesion is force over load. The readings determine only the force, so the load adds its relative error.
         load_error = estimator.load_deviation * rows[:, columns["estimate_adhesion"]]
         rows[:, columns["estimate_adhesion_sd"]] += load_error**2

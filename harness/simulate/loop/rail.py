@@ -80,7 +80,7 @@ class SandedRail:
     assumptions of this model.
 
     Attributes:
-        lying: Sand on each cell of either rail, for the wheelsets to come [kg/m].
+        deposited: Sand on each cell of either rail, for the wheelsets to come [kg/m].
         origin: Start of the first cell, behind the last wheelset's initial position [m].
 
     Limits: the rails stay dry, and wheels do not carry sand around. Creep stiffness and the fall with slip speed stay
@@ -96,7 +96,7 @@ class SandedRail:
             reach: Distance that the train may cover [m].
             sand: Effect of sand on friction.
         """
-        position, self.origin, self.lying = _cells(layout.formation, reach)
+        position, self.origin, self.deposited = _cells(layout.formation, reach)
         rows = kernel(layout).records("Sander", len(sanders))
         for row, sander in zip(rows, sanders, strict=True):
             row["rate"], row["density"] = sander.rate, inf if sander.density is None else sander.density
@@ -104,8 +104,8 @@ class SandedRail:
             row["end"] = inf if sander.end is None else sander.end + sander.delay
             row["wheelset"] = sander.wheelset - 1
         self.struct = kernel(layout).struct(
-            "Sand", deposited=self.lying, position=position, sanders=rows, origin=self.origin, length=_CELL,
-            mu0=sand.mu0, density=sand.density, remaining_share=sand.left, count=len(sanders), cells=self.lying.size,
+            "Sand", deposited=self.deposited, position=position, sanders=rows, origin=self.origin, length=_CELL,
+            mu0=sand.mu0, density=sand.density, remaining_share=sand.left, count=len(sanders), cells=self.deposited.size,
         )  # fmt: skip
 
 

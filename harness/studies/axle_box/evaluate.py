@@ -35,7 +35,6 @@ class Score:
         rmse, mae: RMS and mean absolute error of the estimator, means over its random starts.
         best: Lowest mae over the starts.
         worst: Highest mae over the starts.
-        spread: Standard deviation of mae over the starts.
         mae_of_mean: Mean absolute error of the training's mean label as a constant estimate.
         coverage: Share of labels inside the 90 % interval, for an estimator with interval.
         width: Mean width of that interval.
@@ -47,7 +46,6 @@ class Score:
     mae: float
     best: float
     worst: float
-    spread: float
     mae_of_mean: float
     coverage: float | None = None
     width: float | None = None
@@ -216,7 +214,6 @@ def _figures(errors: Sequence[Array], of_mean: Array) -> Score:
         mae=float(np.mean(absolute)),
         best=min(absolute),
         worst=max(absolute),
-        spread=float(np.std(absolute)),
         mae_of_mean=float(np.abs(of_mean).mean()),
     )
 

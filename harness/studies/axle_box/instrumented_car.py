@@ -48,13 +48,13 @@ SURFACES: Final[Mapping[str, tuple[float, float, float, float]]] = {
 }
 """Polach's k_A, k_S, A and B under each rail-head treatment."""
 
-SLOPE_SPREAD: Final = 0.15
+SLOPE_DEVIATION: Final = 0.15
 """Standard deviation of the logarithm of k_A and k_S from run to run, because applied films vary (estimate)."""
-FRICTION_SPREAD: Final = 0.05
+FRICTION_DEVIATION: Final = 0.05
 """Relative standard deviation of friction along the section, of the size between two readings (estimate)."""
 FRICTION_LENGTH: Final = 10.0
 """Distance over which friction changes along the section, m (estimate)."""
-SPEED_SPREAD: Final = 0.01
+SPEED_DEVIATION: Final = 0.01
 """Relative standard deviation of the held speed from the nominal one (estimate)."""
 RADII: Final = (0.4200, 0.4196, 0.4203, 0.4198)
 """Radii of the wheels, m, which are never equal in one vehicle (estimate)."""
@@ -87,7 +87,6 @@ class Pass:
     length: float = LENGTH
 
     def __post_init__(self) -> None:
-        """Check condition, track and friction."""
         if self.condition not in SURFACES:
             raise ValueError(f"{self.name}: condition '{self.condition}' is unknown; there are {', '.join(SURFACES)}.")
         if self.track not in TRACKS:
@@ -185,12 +184,12 @@ def slope(run: Pass) -> float:
 
 def held_speed(run: Pass) -> float:
     """Return the constant speed of the car, m/s, near the nominal one."""
-    return run.speed * (1 + SPEED_SPREAD * generator(run.seed, f"{run.name}.speed").standard_normal())
+    return run.speed * (1 + SPEED_DEVIATION * generator(run.seed, f"{run.name}.speed").standard_normal())
 
 
 def _surface(run: Pass) -> tuple[float, float, float, float]:
     k_A, k_S, A, B = SURFACES[run.condition]
-    scale = float(np.exp(SLOPE_SPREAD * generator(run.seed, f"{run.name}.surface").standard_normal()))
+    scale = float(np.exp(SLOPE_DEVIATION * generator(run.seed, f"{run.name}.surface").standard_normal()))
     return min(k_A * scale, 1.0), min(k_S * scale, 1.0), A, B
 
 
@@ -224,4 +223,4 @@ def _friction(run: Pass, position: Array, length: float) -> Array:
     white = generator(run.seed, f"{run.name}.friction").standard_normal(grid.size)
     smooth = gaussian_filter1d(white, FRICTION_LENGTH / spacing / 2, mode="wrap")
     smooth = (smooth - smooth.mean()) / smooth.std()
-    return np.asarray(run.friction * (1 + FRICTION_SPREAD * np.interp(position, grid, smooth)), dtype=np.float64)
+    return np.asarray(run.friction * (1 + FRICTION_DEVIATION * np.interp(position, grid, smooth)), dtype=np.float64)

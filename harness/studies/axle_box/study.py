@@ -64,7 +64,6 @@ class AxleBox(Study):
     quick: bool = False
 
     def __post_init__(self) -> None:
-        """Check options against each other."""
         if self.inputs is not None and self.inputs not in COMBINATIONS:
             raise ScenarioError(
                 f"--inputs is '{self.inputs}'; there is {'; '.join(COMBINATIONS)}"

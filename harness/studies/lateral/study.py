@@ -209,7 +209,6 @@ class Lateral(Study):
     prediction: Annotated[Kind, Option(help="Form of the prediction in the filters: FMUs, or their equations.")] = "fmu"
 
     def __post_init__(self) -> None:
-        """Check options against each other."""
         if self.write and self.quick:
             raise ScenarioError("--write is for the full study; leave out --quick.")
 

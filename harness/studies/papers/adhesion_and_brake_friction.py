@@ -16,8 +16,7 @@ from scipy.ndimage import uniform_filter1d
 from railgrip.estimation.judge import errors
 from railgrip.report import palette, style
 from railgrip.report.table import ReportTable
-from railgrip.studies.papers.pages import PaperRow, comparison
-from railgrip.studies.papers.schematic import arrow, canvas, dimension
+from railgrip.studies.papers.pages import PaperRow, arrow, canvas, comparison, dimension
 from railgrip.trace.contact import Contact
 from railgrip.trace.samples import period_of, reading_of, truth_of
 

@@ -17,8 +17,7 @@ from railgrip.simulate.run import run_stop
 from railgrip.studies.papers.creep_curves import CreepCurve
 from railgrip.studies.papers.figure_4 import COUPLED, LAST_RISE, LIMIT, course_of_adhesion
 from railgrip.studies.papers.lyapunov import course_of, violations
-from railgrip.studies.papers.pages import PaperRow
-from railgrip.studies.papers.schematic import arrow, box, canvas
+from railgrip.studies.papers.pages import PaperRow, arrow, box, canvas
 from railgrip.studies.papers.table1 import (
     ABC,
     ADHESION_SMALL,

@@ -1,13 +1,19 @@
-"""Sets of cases: the versions of the type test, their seeds, and the sealed set of a controller."""
+"""Sets of cases: versions of the type test, seeds, the sealed set of a controller, and how often results were read."""
 
+import json
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from types import MappingProxyType
 from typing import Final, Self
 
-from railgrip.base.errors import ScenarioError
+from railgrip.base import cache
+from railgrip.base.errors import RecordError, ScenarioError
+from railgrip.base.files import write_json
 from railgrip.base.units import cut
+from railgrip.report.table import ReportTable
 from railgrip.studies.type_test import design
 from railgrip.studies.type_test.design import Case
 from railgrip.studies.type_test.track_case import TrackCase, track_cases
@@ -54,6 +60,8 @@ SEALED: Final = 48
 """Number of cases of a sealed set."""
 _SEALED_FROM: Final = 10**9
 """Seeds of sealed sets are above those that a name of a case may have: their cases are not run one by one."""
+_LOOKS: Final = Path("type_test") / "looks.json"
+"""File in the cache folder that counts how often results were read."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,3 +124,49 @@ def case_named(name: str) -> AnyCase:
         example = design.cases(design.QUICK)[0].name
         raise ScenarioError(f"--case {cut(name)}: there is no such case; it is named like {example}")
     return found
+
+
+def count_look(case_set: str, digests: Iterable[str]) -> Mapping[str, Mapping[str, int]]:
+    """Count one look at the results of controllers in a set; return set → digest of a controller → number of looks.
+
+    The file has no dates: it is the same for the same looks.
+
+    Raises:
+        RecordError: The file cannot be written.
+    """
+    path = cache.folder() / _LOOKS
+    counts = _counts(path)
+    of_set = counts.setdefault(case_set, {})
+    for digest in digests:
+        of_set[digest] = of_set.get(digest, 0) + 1
+    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    write_json(path, counts)
+    return counts
+
+
+def _counts(path: Path) -> dict[str, dict[str, int]]:
+    """Return the counts in a file; none if it does not exist.
+
+    Raises:
+        RecordError: The file is damaged, so that earlier looks would be lost.
+    """
+    with suppress(FileNotFoundError):
+        try:
+            return json.loads(path.read_text(encoding="utf-8"))
+        except ValueError as problem:
+            raise RecordError(f"{path}: is not a count of looks; move it away to begin a new one") from problem
+    return {}
+
+
+def table_of_looks(counts: Mapping[str, Mapping[str, int]], case_set: str) -> ReportTable:
+    """Return the number of looks at each set and the maximum of one controller; the present set comes first."""
+    rows = [
+        {
+            "set": name,
+            "looks": sum(counts[name].values()),
+            "controllers": len(counts[name]),
+            "maximum of one controller": max(counts[name].values()),
+        }
+        for name in sorted(counts, key=lambda name: (name != case_set, name))
+    ]
+    return ReportTable(rows, left=("set",))

@@ -57,7 +57,6 @@ def _of_law(kind: str) -> Iterable[bytes]:
 
 
 def _module_file(module: str, folders: Sequence[Path]) -> Path:
-    """Return the file of a module, which is not imported."""
     relative = Path(*module.split("."))
     for folder in folders:
         for file in (folder / relative.with_suffix(".py"), folder / relative / "__init__.py"):

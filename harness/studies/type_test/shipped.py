@@ -89,7 +89,6 @@ def _file_of(case_set: CaseSet) -> str:
 
 
 def _set_of(case: AnyCase) -> CaseSet:
-    """Return the set that is in the name of a case."""
     found = CaseSet.of(case.name)
     assert found is not None, case.name
     return found

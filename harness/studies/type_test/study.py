@@ -33,7 +33,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import run_stop
 from railgrip.studies.study import Study
-from railgrip.studies.type_test.case_set import VERSIONS, AnyCase, CaseSet, case_named
+from railgrip.studies.type_test.case_set import VERSIONS, AnyCase, CaseSet, case_named, count_look, table_of_looks
 from railgrip.studies.type_test.controller_digest import controller_digest
 from railgrip.studies.type_test.design import VALIDATION_SEED
 from railgrip.studies.type_test.entrants import (
@@ -57,7 +57,6 @@ from railgrip.studies.type_test.judge import (
     measure_stop,
     summaries,
 )
-from railgrip.studies.type_test.looks import count_look, table_of_looks
 from railgrip.studies.type_test.shipped import read_shipped, write_shipped
 from railgrip.studies.type_test.track_case import HEADLINES, TRAINS, TrackCase
 
@@ -144,12 +143,13 @@ class TypeTest(Study):
         write_description(campaign, work.folder)
         results = read_results(work.folder)
         found = [measure_stop(stop) for stop in results.stops]
-        beside, notes = ([], []) if self.controller is None or self.task else read_shipped(design, train_of(self.train))
+        is_compared = self.controller is not None and not self.task
+        packaged, notes = read_shipped(design, train_of(self.train)) if is_compared else ([], [])
         page = page_of(
             found,
             taking_part,
             judging,
-            beside=beside,
+            packaged=packaged,
             notes=notes,
             candidates=[] if self.controller is None else list(candidates),
             missing=_missing(results),
@@ -173,7 +173,6 @@ class TypeTest(Study):
         return replace(page, screen=(*page.screen, *panels), exit_code=exit_code)
 
     def _require_consistent(self) -> None:
-        """Raise an error for options that exclude each other."""
         if self.write and (self.controller or self.train or self.task or self.case or self.limits):
             raise ScenarioError("--write is for all controllers of railgrip on its train; leave out other options.")
         if self.sealed and (len(self.controller or ()) != 1 or self.case or self.validation or self.write):
@@ -306,7 +305,7 @@ def page_of(
     taking_part: Mapping[str, Entrant],
     limits: AssessmentLimits,
     *,
-    beside: Sequence[CaseMeasurement] = (),
+    packaged: Sequence[CaseMeasurement] = (),
     notes: Sequence[str] = (),
     candidates: Sequence[str] = (),
     missing: Sequence[str] = (),
@@ -321,7 +320,7 @@ def page_of(
         found: Stops that were run; a controller without a stop is omitted.
         taking_part: Entrants by name.
         limits: Limits of the clauses.
-        beside: Packaged stops of controllers that were not run.
+        packaged: Packaged stops of controllers that were not run.
         notes: Sentences on the packaged stops.
         candidates: Controllers that the page is about; all if empty.
         missing: Names of stops without a result.
@@ -331,7 +330,7 @@ def page_of(
         version: Version of the type test.
     """
     run = {(stop.case, stop.controller) for stop in found}
-    from_package = [stop for stop in beside if (stop.case, stop.controller) not in run]
+    from_package = [stop for stop in packaged if (stop.case, stop.controller) not in run]
     stops = judgements([*found, *from_package], taking_part, limits, only_tuned=version == 1)
     board = summaries(stops, taking_part)
     plain = [{name: row[name] for name in _JSON} | row for row in (stop.to_plain() for stop in stops)]

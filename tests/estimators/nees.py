@@ -1,4 +1,4 @@
-"""Errors of a filter in their own claimed spread, and what chance makes of their means."""
+"""Errors of a filter relative to its own covariance, and chi-square bounds of their means."""
 
 import numpy as np
 from scipy.stats import chi2
