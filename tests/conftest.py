@@ -65,9 +65,9 @@ def _saved_figures_are_readable() -> Iterator[None]:
     save = Figure.savefig
 
     def save_and_check(drawing: Any, *arguments: Any, **options: Any) -> None:
-        save(drawing, *arguments, **options)
         if options.get("format", "png") == "png":  # the same one is drawn again for other formats
             assert defects_of(drawing) == [], f"{arguments}: cannot be read"
+        save(drawing, *arguments, **options)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Figure, "savefig", save_and_check)

@@ -16,7 +16,8 @@ TOUCHING = 2.0
 
 def defects_of(drawing: Figure) -> list[str]:
     """Return a sentence for each overlap of texts or legends, each of them cut off, and each panel without data."""
-    drawing.draw_without_rendering()
+    if drawing.stale:  # else it was just drawn to be saved
+        drawing.draw_without_rendering()
     panels = [axes for axes in drawing.axes if axes.get_visible()]
     artists = [artist for artist in chain(drawing.get_children(), *map(_artists, panels)) if _is_shown(artist)]
     names = [_name(artist) for artist in artists]

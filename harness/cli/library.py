@@ -11,7 +11,6 @@ from railgrip.base.errors import InputError
 from railgrip.base.files import write_text
 from railgrip.base.registry import SECTIONS, Kind, meanings
 from railgrip.cli.app import AsJson, print_json
-from railgrip.estimation.spec import Specification
 from railgrip.report.console import remark, say, show_table
 from railgrip.report.table import ReportTable
 from railgrip.rolling_stock.schema import Train
@@ -53,6 +52,8 @@ def text_of_schema(kind: FileKind) -> str:
 
 
 def _estimation_schema() -> dict[str, Any]:
+    from railgrip.estimation.spec import Specification  # loads xarray, which takes as long as all other imports
+
     schema = extending_schema(Specification, "estimation")
     file = {
         "type": "object",

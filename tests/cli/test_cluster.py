@@ -40,8 +40,9 @@ def slowly(scenario, progress=None, notify=lambda sentence: None):
     return run_stop(scenario)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def two_workers():
+    """A cluster that starts another worker for one that is killed."""
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster_here:
         yield cluster_here
 

@@ -41,6 +41,7 @@ def test_a_run_prints_its_distance_and_keeps_its_result(railgrip, project):
     assert (project / "here" / "trace.nc").exists()
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_each_scenario_has_a_folder_of_its_own_and_pages_stay_with_their_stops(railgrip, project):
     faster = ("run", "wet.toml", "--set", "start.speed=100 km/h")
     assert railgrip("run", "wet.toml").code == 0
@@ -62,6 +63,7 @@ def test_a_folder_without_a_digest_is_told_where_the_runs_of_that_name_are(railg
     assert f"has neither campaign.json nor stop.json; there is {folder.relative_to(project)}" in result.err
 
 
+@pytest.mark.usefixtures("in_process", "blank_figures")
 def test_a_stop_is_not_written_into_a_campaign_whose_page_shows_another(railgrip, project):
     assert railgrip("campaign", "pair.toml", "--out", "out").code == 0
     result = railgrip("run", "wet.toml", "--set", "description=break", "--out", "out/wet-sbc")
@@ -141,6 +143,7 @@ def test_a_mistake_of_the_program_is_not_dressed_up(railgrip):
         railgrip("run", "wet.toml", "--set", "description=break")
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_a_campaign_keeps_every_stop_prints_the_table_and_goes_on_where_it_was_left(railgrip, project):
     result = railgrip("campaign", "pair.toml", "--out", "out", "--panels", "abc")
     assert result.code == 0, result.err
@@ -161,7 +164,7 @@ def test_a_campaign_keeps_every_stop_prints_the_table_and_goes_on_where_it_was_l
     assert (project / "out" / "wet-abc" / "trace.nc").read_bytes() == traces
 
 
-@pytest.mark.usefixtures("in_process")
+@pytest.mark.usefixtures("in_process", "blank_figures")
 def test_two_campaigns_in_one_command_have_a_report_each(railgrip, project):
     """The second says itself that it wants no panels: its two stops have no page."""
     text = (project / "pair.toml").read_text(encoding="utf-8")
@@ -215,7 +218,7 @@ def shorten_the_distance(path):
     path.write_text(json.dumps(content), encoding="utf-8")
 
 
-@pytest.mark.usefixtures("in_process")
+@pytest.mark.usefixtures("in_process", "blank_figures")
 @pytest.mark.parametrize(
     ("name", "damage", "sentence"),
     [
@@ -247,6 +250,7 @@ def test_a_report_is_not_made_of_a_result_that_was_changed(railgrip, project):
     assert (result.code, "stop.json: was changed after the stop had written it" in result.err) == (2, True)
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_another_stop_in_a_folder_takes_the_page_of_the_first_with_it(railgrip, project):
     """One that is refused leaves the earlier result as it was: nothing is removed before there is a new one."""
     assert railgrip("run", "wet.toml", "--out", "out").code == 0
@@ -262,7 +266,7 @@ def test_another_stop_in_a_folder_takes_the_page_of_the_first_with_it(railgrip, 
     assert {path.name for path in (project / "out").iterdir()} >= {"index.html", "stop.json", "trace.nc"}
 
 
-@pytest.mark.usefixtures("in_process")
+@pytest.mark.usefixtures("in_process", "blank_figures")
 def test_pages_of_a_campaign_stay_until_it_has_new_results(railgrip, project):
     """Its second run ends by a mistake of the program, so no new page takes the place of the old one."""
     assert railgrip("campaign", "pair.toml", "--out", "out").code == 0
@@ -273,7 +277,7 @@ def test_pages_of_a_campaign_stay_until_it_has_new_results(railgrip, project):
     assert all((project / "out" / name).exists() for name in pages)
 
 
-@pytest.mark.usefixtures("in_process")
+@pytest.mark.usefixtures("in_process", "blank_figures")
 def test_a_stop_a_campaign_and_another_campaign_do_not_share_a_folder(railgrip, project):
     text = (project / "pair.toml").read_text(encoding="utf-8")
     (project / "other.toml").write_text(text.replace('"pair"', '"other"'), encoding="utf-8")
@@ -293,7 +297,7 @@ def test_a_stop_a_campaign_and_another_campaign_do_not_share_a_folder(railgrip, 
 EXPECTED = '\n[[expected]]\nmatch = {{ controller = "{}" }}\noutcome = "horizon"\n'
 
 
-@pytest.mark.usefixtures("in_process")
+@pytest.mark.usefixtures("in_process", "blank_figures")
 @pytest.mark.parametrize(
     ("sliding", "expected", "code", "told"),
     [
@@ -325,7 +329,7 @@ def test_the_exit_code_says_whether_outcomes_are_those_expected_each_time(
         assert all(line.startswith(start) for line, start in zip(complaints, told, strict=True))
 
 
-@pytest.mark.usefixtures("in_process")
+@pytest.mark.usefixtures("in_process", "blank_figures")
 def test_one_refused_stop_does_not_take_the_others_with_it(railgrip, project):
     rewrite(project, 'kind = "slip_two_state"', 'kind = "slip_two_state"\ndescription = "refuse"')
     result = railgrip("campaign", "pair.toml", "--out", "out", "--panels", "abc")
@@ -374,7 +378,7 @@ def baselines(project):
     return path
 
 
-@pytest.mark.usefixtures("in_process")
+@pytest.mark.usefixtures("in_process", "blank_figures")
 def test_a_baseline_is_accepted_with_a_reason_kept_and_missed(railgrip, project, baselines):
     where = ("--baselines", "baselines", "--out", "out")
     new = railgrip("maintain", "regress", *where)

@@ -2,8 +2,7 @@
 
 import json
 import re
-import subprocess
-import sys
+import runpy
 import tomllib
 
 import jsonschema
@@ -22,20 +21,26 @@ def folder(tmp_path_factory, monkeypatch):
     return folder
 
 
-def answer(*arguments):
-    done = subprocess.run([sys.executable, *map(str, arguments)], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+@pytest.fixture
+def answer(command, in_process):
+    """A function that runs a command and returns what it prints."""
+
+    def run(*arguments):
+        done = command(*arguments)
+        assert done.code == 0, done.err
+        return done.out
+
+    return run
 
 
-def test_a_new_scenario_runs(folder):
-    answer("-m", "railgrip", "new", "scenario", "mine.toml")
-    assert "mine: standstill" in answer("-m", "railgrip", "run", "mine.toml")
+def test_a_new_scenario_runs(folder, answer):
+    answer("new", "scenario", "mine.toml")
+    assert "mine: standstill" in answer("run", "mine.toml")
 
 
-def test_what_a_new_scenario_says_behind_a_hash_is_what_holds_without_it(folder):
+def test_what_a_new_scenario_says_behind_a_hash_is_what_holds_without_it(folder, answer):
     """The same scenario with every such line in force."""
-    answer("-m", "railgrip", "new", "scenario", "mine.toml")
+    answer("new", "scenario", "mine.toml")
     text = (folder / "mine.toml").read_text(encoding="utf-8")
     in_force, count = re.subn(r"^# (\[\w+\]|\w+ = )", r"\1", text, flags=re.MULTILINE)
     assert count > 10
@@ -44,34 +49,34 @@ def test_what_a_new_scenario_says_behind_a_hash_is_what_holds_without_it(folder)
     assert load(folder / "other" / "mine.toml") == load(folder / "mine.toml")
 
 
-def test_a_new_campaign_runs(folder):
-    answer("-m", "railgrip", "new", "campaign", "pair.toml")
-    shown = answer("-m", "railgrip", "campaign", "pair.toml", "--set", "start.speed=30 km/h")
+def test_a_new_campaign_runs(folder, answer):
+    answer("new", "campaign", "pair.toml")
+    shown = answer("campaign", "pair.toml", "--set", "start.speed=30 km/h")
     assert "build/pair/index.html" in shown
     assert len(list((folder / "build/pair").glob("*/stop.json"))) == 4
 
 
-def test_a_new_train_runs(folder):
-    answer("-m", "railgrip", "new", "train", "mine.toml")
-    checked = answer("-m", "railgrip", "train", "check", "mine.toml")
+def test_a_new_train_runs(folder, answer):
+    answer("new", "train", "mine.toml")
+    checked = answer("train", "check", "mine.toml")
     assert "mine: 88.0 t" in checked
     assert "by hand (EN 14531-1)" in checked
     (folder / "stop.toml").write_text('extends = "plain"\nvehicle.train = "mine.toml"\nestimator.kind = "none"\n')
     assert "stop: standstill" in answer(
-        "-m", "railgrip", "run", "stop.toml", "--set", "start.speed=30 km/h", "--set", "controller.kind=full_brake"
+        "run", "stop.toml", "--set", "start.speed=30 km/h", "--set", "controller.kind=full_brake"
     )
 
 
 @pytest.mark.parametrize(
-    ("kind", "printed"), [("controller", r"MyPart: standstill, \d"), ("estimator", r"root mean square .*\[0\.0")]
+    ("kind", "printed"), [("controller", r"MyController: standstill, \d"), ("estimator", r"root mean square .*\[0\.0")]
 )
-def test_a_new_part_runs_by_itself_and_in_a_scenario(folder, kind, printed):
-    answer("-m", "railgrip", "new", kind, "my_part.py")
-    assert re.search(printed, answer("my_part.py"))
-    command = re.search(r"^railgrip (run .*)$", (folder / "my_part.py").read_text(encoding="utf-8"), re.MULTILINE)
+def test_a_new_part_runs_by_itself_and_in_a_scenario(folder, answer, capfd, kind, printed):
+    answer("new", kind, f"my_{kind}.py")
+    runpy.run_path(f"my_{kind}.py", run_name="__main__")
+    assert re.search(printed, capfd.readouterr().out)
+    command = re.search(r"^railgrip (run .*)$", (folder / f"my_{kind}.py").read_text(encoding="utf-8"), re.MULTILINE)
     assert command is not None
-    shown = answer("-m", "railgrip", *command[1].split(), "--set", "start.speed=30 km/h")
-    assert "trapezoid: standstill" in shown
+    assert "trapezoid: standstill" in answer(*command[1].split(), "--set", "start.speed=30 km/h")
 
 
 @pytest.mark.parametrize("kind", ["scenario", "train", "campaign"])

@@ -94,14 +94,15 @@ def test_a_relative_temporary_folder_is_left_empty(temporary: str, tmp_path: Pat
     assert not [path for path in tmp_path.rglob("railgrip-*") if path.is_dir()]
 
 
-@pytest.mark.parametrize("folders", [".:{}", ":{}", "{}:.", "{}:", "tools:{}", "./tools:{}"])
-def test_programs_of_the_current_folder_are_not_run(folders: str, tmp_path: Path) -> None:
+def test_programs_of_the_current_folder_are_not_run(tmp_path: Path) -> None:
+    """Relative folders and empty entries come both before and after the others."""
     (tmp_path / "tools").mkdir()
     for folder in (tmp_path, tmp_path / "tools"):
         for name in ("omc", "git", "cc", "gcc", "clang", "ar"):
             (folder / name).write_text(f"#!/bin/sh\ntouch {tmp_path}/ran\n")
             (folder / name).chmod(0o755)
-    done = shell(f"{PROGRAM} {STOP} --out out", tmp_path, PATH=folders.format(os.environ["PATH"]))
+    relative = ".:tools:./tools"
+    done = shell(f"{PROGRAM} {STOP} --out out", tmp_path, PATH=f":{relative}:{os.environ['PATH']}:{relative}:")
     assert done.returncode == 3, done.stderr
     assert "Traceback" not in done.stderr
     assert not (tmp_path / "ran").exists()

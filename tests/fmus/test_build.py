@@ -138,12 +138,12 @@ def ended(*command: str | Path, cwd: Path = ROOT, env: dict[str, str] | None = N
     return done
 
 
-def test_list_shows_every_recipe_whole_where_there_is_no_screen():
-    shown = ended(sys.executable, "-m", "railgrip", "build", "--list")
-    assert shown.returncode == 0
+def test_list_shows_every_recipe_whole_where_there_is_no_screen(command):
+    shown = command("build", "--list")
+    assert shown.code == 0
     for name, recipe in tomllib.loads((ROOT / "fmus" / "recipes.toml").read_text()).items():
-        assert f" {name} " in shown.stdout
-        assert f" {recipe['class']} " in shown.stdout
+        assert f" {name} " in shown.out
+        assert f" {recipe['class']} " in shown.out
 
 
 def test_the_program_imports_nothing_from_the_current_folder(tmp_path):
@@ -155,10 +155,10 @@ def test_the_program_imports_nothing_from_the_current_folder(tmp_path):
     assert not (tmp_path / "ran").exists()
 
 
-def test_the_command_line_ends_wrong_questions_with_a_sentence_and_2():
-    done = ended(sys.executable, "-m", "railgrip", "build", "Nothing")
-    assert done.returncode == 2
-    assert "has no FMU named 'Nothing'" in done.stderr
+def test_the_command_line_ends_wrong_questions_with_a_sentence_and_2(command):
+    done = command("build", "Nothing")
+    assert done.code == 2
+    assert "has no FMU named 'Nothing'" in done.err
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """rumoca keeps parsed files in a cache that it does not check; railgrip does without it."""
 
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -30,18 +31,25 @@ def python(code: str, cache: Path) -> "subprocess.CompletedProcess[str]":
     )
 
 
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of caches in which rumoca has kept the library."""
+    folder = tmp_path_factory.mktemp("filled")
+    assert python(FILL, folder).returncode == 0
+    return folder
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="it ends with a window of the system there")
 @pytest.mark.parametrize("damage", DAMAGES)
-def test_a_damaged_file_in_the_cache_of_rumoca_changes_nothing(tmp_path: Path, damage: str) -> None:
-    assert python(FILL, tmp_path).returncode == 0
+def test_a_damaged_file_in_the_cache_of_rumoca_changes_nothing(filled: Path, tmp_path: Path, damage: str) -> None:
+    shutil.copytree(filled, tmp_path, dirs_exist_ok=True)
     files = [path for path in tmp_path.rglob("*.bin") if path.is_file()]
     assert len(files) > 10, "rumoca keeps its cache elsewhere now"
     for file in files:
         file.write_bytes(DAMAGES[damage](file.read_bytes()))
     damaged = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-    for _ in range(2):
-        done = python(READ, tmp_path)
-        assert (done.returncode, done.stdout.strip()) == (0, CLASS), done.stderr[-500:]
+    done = python(READ, tmp_path)
+    assert (done.returncode, done.stdout.strip()) == (0, CLASS), done.stderr[-500:]
     left = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     assert left == damaged, "railgrip writes nothing into it"
 

@@ -58,15 +58,15 @@ def test_a_drawn_train_stops_in_the_loop_as_the_quasi_static_one(vt642, availabl
 def test_brute_force_finds_the_same_k_at_one_in_ten_thousand(vt642, monkeypatch):
     """10⁷ draws, failures drawn like everything else; one step of speed in one part, on both sides, for speed.
 
-    Of trains without a failure, 99.9 % of all, every other one is braked and counts for two: they decide the quantile
-    of one in a thousand, those with failures the rarer ones.
+    Of trains without a failure, 99.9 % of all, every eighth one is braked and counts for eight: they decide the
+    quantile of one in a thousand, those with failures the rarer ones.
     """
     specification, scenario, _ = vt642
     monkeypatch.setattr(brake_module, "PARTS", 1)
     specification = specification.model_copy(update={"speed_steps": ()})
     brake = brake_of_scenario(specification, scenario)
     result = quasi_static(specification, brake)
-    random, count, chunk, share = np.random.default_rng(11), 10_000_000, 4_000, 2
+    random, count, chunk, share = np.random.default_rng(11), 10_000_000, 4_000, 8
     failures = specification.failures
     unit, valve = failures.isolated_unit, failures.stuck_valve
     together = unit.common_cause.beta * unit.probability

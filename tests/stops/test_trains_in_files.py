@@ -147,13 +147,13 @@ def test_accelerators_hasten_the_brake_of_a_long_train(coaches, tmp_path):
 
     Cells of 9.6 m let the foot of a front with accelerators run ahead by some per cent. Only with accelerators does the
     front reach the 250 m/s of UIC 540.
-    The pipe is that of sixteen coaches, in eight of twice the length and of an accelerator twice as wide: a quarter of
-    what sixteen take to build.
+    The pipe is that of ten coaches, in five of twice the length and with accelerators twice as wide: a quarter of what
+    ten take to build.
     """
     fillings, limits = [], load(Path("plain")).resolved()["limits"] | {"horizon": "10 s"}  # all are full after 8
     for keys in ({}, {"accelerator": "quick"}):
         name = "".join(("pipe", *keys))
-        vehicle = coaches(name, 8, 48, **keys)
+        vehicle = coaches(name, 5, 48, **keys)
         file = tmp_path / vehicle["train"]
         file.write_text(file.read_text(encoding="utf-8").replace("2e-7 m3/(s.Pa)", "4e-7 m3/(s.Pa)"), encoding="utf-8")
         stop = run_stop(dry(vehicle, "120 km/h", tmp_path, limits=limits))
