@@ -105,7 +105,8 @@ class SandedRail:
             row["wheelset"] = sander.wheelset - 1
         self.struct = kernel(layout).struct(
             "Sand", deposited=self.deposited, position=position, sanders=rows, origin=self.origin, length=_CELL,
-            mu0=sand.mu0, density=sand.density, remaining_share=sand.left, count=len(sanders), cells=self.deposited.size,
+            mu0=sand.mu0, density=sand.density, remaining_share=sand.left, count=len(sanders),
+            cells=self.deposited.size,
         )  # fmt: skip
 
 
