@@ -20,7 +20,7 @@ from railgrip.fmus.native.functions import in_c
 RANK = 9
 """Number of common unknowns: on the two-part train, deviations are within 0.1 % of those of the central filter."""
 
-_SOURCES = ("dispatch.c", "plain.c", "wide.c")
+_SOURCES = ("dispatch.c", "lanes.h", "plain.c", "wide.c")
 
 
 class DecentralisedFilter(StepInC):
