@@ -1,4 +1,4 @@
-/* Rows of numbers in vectors of LANE_BYTES. The length of a row is a constant, at most WIDEST.
+/* Rows of numbers in vectors of LANE_BYTES. The length of a row is a constant, WIDEST or less.
 
    Sums run in the order written, so that all widths of vectors give the same bits, and stay in registers. */
 #ifndef LANES_H
