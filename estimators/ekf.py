@@ -9,9 +9,8 @@ from scipy.linalg import get_lapack_funcs
 
 from railgrip.base.errors import FilterDiverged
 from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector, seal
-from railgrip.estimators.design import FilterDesign, Gate
+from railgrip.estimators.design import FilterContext, FilterDesign, Gate
 from railgrip.estimators.discretisation import ORDER, Order, advance, transition
-from railgrip.estimators.kind import FilterContext
 from railgrip.estimators.prediction import Prediction
 
 (POSV,) = get_lapack_funcs(("posv",), dtype=np.float64)

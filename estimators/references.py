@@ -6,8 +6,7 @@ from typing import Self
 import numpy as np
 
 from railgrip.estimators.belief import Vector
-from railgrip.estimators.design import index
-from railgrip.estimators.kind import FilterContext
+from railgrip.estimators.design import FilterContext, index
 
 
 class TorqueBalanceEstimator(ABC):

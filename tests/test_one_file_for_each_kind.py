@@ -85,7 +85,7 @@ FILTER = '''
 
     import numpy as np
 
-    from railgrip.estimators.kind import FilterKind
+    from railgrip.estimators.design import FilterKind
 
 
     class Stubborn(FilterKind):

@@ -1,7 +1,7 @@
 """The filter in C, compiled together with the equations of its prediction: the fastest form."""
 
 from railgrip.estimators.compiled import CompiledFilter
-from railgrip.estimators.kind import FilterContext, FilterKind
+from railgrip.estimators.design import FilterContext, FilterKind
 
 
 class Compiled(FilterKind):

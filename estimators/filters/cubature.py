@@ -1,7 +1,7 @@
 """The cubature Kalman filter in numpy."""
 
+from railgrip.estimators.design import FilterContext, FilterKind
 from railgrip.estimators.ekf import NumpyFilter
-from railgrip.estimators.kind import FilterContext, FilterKind
 from railgrip.estimators.sigma_points import CubatureKalmanFilter
 
 

@@ -1,6 +1,6 @@
 """Disturbance observer of each wheelset: a reference."""
 
-from railgrip.estimators.kind import FilterContext, FilterKind
+from railgrip.estimators.design import FilterContext, FilterKind
 from railgrip.estimators.references import DisturbanceEstimator
 
 

@@ -1,6 +1,6 @@
 """Force balance of each wheelset with a low-pass: a reference."""
 
-from railgrip.estimators.kind import FilterContext, FilterKind
+from railgrip.estimators.design import FilterContext, FilterKind
 from railgrip.estimators.references import ForceBalanceEstimator
 
 

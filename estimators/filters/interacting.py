@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector
+from railgrip.estimators.design import FilterContext, FilterKind
 from railgrip.estimators.ekf import ExtendedKalmanFilter, GaussianFilter, Innovation
-from railgrip.estimators.kind import FilterContext, FilterKind
 
 NOISE_FACTORS: Final = (1.0 / 9.0, 9.0)
 """Process noise of adhesion in each model over that of the filter: a third and three times the standard deviation, the

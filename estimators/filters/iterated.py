@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 from railgrip.estimators.belief import GaussianEstimate, Vector
+from railgrip.estimators.design import FilterContext, FilterKind
 from railgrip.estimators.ekf import ExtendedKalmanFilter, Innovation, NumpyFilter
-from railgrip.estimators.kind import FilterContext, FilterKind
 
 ITERATIONS: Final = 10
 """Maximum number of linearisations; Gauss-Newton converges quadratically near the solution."""

@@ -1,7 +1,7 @@
 """The filter in numpy: the reference."""
 
+from railgrip.estimators.design import FilterContext, FilterKind
 from railgrip.estimators.ekf import ExtendedKalmanFilter, NumpyFilter
-from railgrip.estimators.kind import FilterContext, FilterKind
 
 
 class Python(FilterKind):

@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 
 from railgrip.estimators.belief import GaussianEstimate, Vector
+from railgrip.estimators.design import FilterContext, FilterKind
 from railgrip.estimators.ekf import ExtendedKalmanFilter, Innovation, NumpyFilter
-from railgrip.estimators.kind import FilterContext, FilterKind
 
 MEMORY: Final = 200
 """Readings over which the variance is averaged with exponential weights: its relative standard deviation is then

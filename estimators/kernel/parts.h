@@ -17,11 +17,11 @@ enum { FINE = 0, PREDICTED_MEAN_NOT_FINITE = 1, NOT_DEFINITE = 2, MEAN_NOT_FINIT
 /* Columns of U: RANK that are kept, and three that a step adds. */
 enum { PULLED = RANK, PUSHED = RANK + 1, WEIGHED = RANK + 2, COLUMNS = RANK + 3 };
 
-typedef double lane __attribute__((vector_size(LANE_BYTES), aligned(8), may_alias));
 typedef double row[WIDTH];
 typedef double mode[LENGTH];
 
-enum { LONGEST = WIDTH > LENGTH ? WIDTH : LENGTH };
+#define WIDEST (WIDTH > LENGTH ? WIDTH : LENGTH)
+#include "lanes.h"
 
 typedef struct {
     row covariance[PARTS][WIDTH]; /* D: covariance of each part alone */
@@ -30,32 +30,14 @@ typedef struct {
     double mean[N], push[N], pull[N], jacobian[PARTS][WIDTH * WIDTH];
 } Belief;
 
-/* sum = start + factor[0] rows[0] + factor[1] rows[1] + ..., `count` of them. Rows have `length` numbers, a constant;
-   `sum` may be `start`. */
+/* sum = start + factor[0] rows[0] + factor[1] rows[1] + ..., `count` of them. */
 static inline void combine(int length, double *sum, const double *start, int count, const double *factor,
                            const double *rows)
 {
-    const int lanes = length * 8 / LANE_BYTES;
-    lane total[LONGEST * 8 / LANE_BYTES];
-    for (int l = 0; l < lanes; l++)
-        total[l] = ((const lane *)start)[l];
-    for (int k = 0; k < count; k++) {
-        const lane *term = (const lane *)(rows + k * length);
-        const double times = factor[k];
-        for (int l = 0; l < lanes; l++)
-            total[l] += times * term[l];
-    }
-    for (int l = 0; l < lanes; l++)
-        ((lane *)sum)[l] = total[l];
+    combine_lanes(0, LANES(length), length, sum, start, count, factor, 0, rows);
 }
 
-static inline void divided(int length, double *quotient, const double *values, double by)
-{
-    for (int l = 0; l < length * 8 / LANE_BYTES; l++)
-        ((lane *)quotient)[l] = ((const lane *)values)[l] / by;
-}
-
-static const double ZERO[LONGEST];
+static const double ZERO[WIDEST];
 
 /* Inputs of a part: its pressures, and zero acceleration, in which the equations are linear. */
 static void inputs_of(int part, const double *block, double *inputs)
@@ -175,26 +157,18 @@ static void propagate(int n, const row *phi, row *covariance, mode *shared)
     memcpy(shared, moved, n * sizeof *moved);
 }
 
-static double dot(int count, const double *a, const double *b)
-{
-    double total = 0.0;
-    for (int i = 0; i < count; i++)
-        total += a[i] * b[i];
-    return total;
-}
-
 /* C z; returns z' C z. */
 static double through(const mode *common, const double *z, double *product)
 {
     combine(LENGTH, product, ZERO, COLUMNS, z, common[0]);
-    return dot(COLUMNS, z, product);
+    return dot(COLUMNS, z, 0, product);
 }
 
 /* C - k k' / by */
 static void learn(mode *common, const double *k, double by)
 {
     mode factor;
-    divided(LENGTH, factor, k, -by);
+    divide(LENGTH, factor, k, -by);
     for (int i = 0; i < COLUMNS; i++)
         combine(LENGTH, common[i], common[i], 1, factor + i, k);
 }
@@ -206,7 +180,7 @@ static double seen_by(const Belief *b, const double *c, double *product, double 
     for (int p = 0; p < PARTS; p++) {
         const int first = PART_STATE[p], n = PART_STATE[p + 1] - first;
         for (int i = 0; i < n; i++) {
-            product[first + i] = dot(n, b->covariance[p][i], c + first);
+            product[first + i] = dot(n, b->covariance[p][i], 0, c + first);
             total += c[first + i] * product[first + i];
         }
     }
@@ -278,8 +252,8 @@ static int condition(double *block, Belief *b, double *shift)
         if (!(alone > 0.0 && all > 0.0))
             return NOT_DEFINITE;
         const double residual = block[READING + i] - b->mean[state] - shift[state];
-        const double innovation = residual - dot(COLUMNS, z, eta);
-        divided(WIDTH, gain, k, -alone);
+        const double innovation = residual - dot(COLUMNS, z, 0, eta);
+        divide(WIDTH, gain, k, -alone);
         for (int r = 0; r < n; r++) {
             shift[first + r] -= gain[r] * residual;
             combine(WIDTH, b->covariance[p][r], b->covariance[p][r], 1, gain + r, k);
@@ -312,7 +286,7 @@ static int condition(double *block, Belief *b, double *shift)
         const double all = alone + through((const mode *)b->common, z, product);
         if (!(all > 0.0))
             return NOT_DEFINITE;
-        const double innovation = block[READING + i] - acceleration - dot(N, pull, shift) - dot(COLUMNS, z, eta);
+        const double innovation = block[READING + i] - acceleration - dot(N, pull, 0, shift) - dot(COLUMNS, z, 0, eta);
         for (int j = 0; j < N; j++)
             b->shared[j][WEIGHED] = own[j];
         product[WEIGHED] = 1.0;
@@ -323,7 +297,7 @@ static int condition(double *block, Belief *b, double *shift)
         block[USED + i] = 1.0;
     }
     for (int i = 0; i < N; i++)
-        shift[i] += dot(COLUMNS, b->shared[i], eta);
+        shift[i] += dot(COLUMNS, b->shared[i], 0, eta);
     return FINE;
 }
 
@@ -338,7 +312,7 @@ static void frozen(const Belief *b, const double *free, row *known)
         through((const mode *)b->common, b->shared[state], product);
         for (int i = first; i < PART_STATE[p + 1]; i++)
             if (free[i] == 0.0)
-                known[g][i - first] = b->covariance[p][state - first][i - first] + dot(COLUMNS, product, b->shared[i]);
+                known[g][i - first] = b->covariance[p][state - first][i - first] + dot(COLUMNS, product, 0, b->shared[i]);
     }
 }
 
@@ -423,12 +397,12 @@ static int compress(double *block, Belief *b)
                 return NOT_DEFINITE;
             for (int i = 0; i < WIDTH; i++)
                 across[j][i] -= sum[i];
-            divided(WIDTH, factor[j], across[j], sqrt(left));
+            divide(WIDTH, factor[j], across[j], sqrt(left));
             factor[j][j] = sqrt(left);
             for (int k = 0; k < j; k++)
                 before[k] = -before[k];
             combine(LENGTH, white[j], b->shared[first + j], j, before, white[0]);
-            divided(LENGTH, white[j], white[j], factor[j][j]);
+            divide(LENGTH, white[j], white[j], factor[j][j]);
         }
         for (int k = 0; k < COLUMNS; k++) {
             row column;
@@ -458,7 +432,7 @@ static int compress(double *block, Belief *b)
         mode product;
         through((const mode *)b->common, root[k], product);
         for (int j = 0; j <= k; j++)
-            inner[k][j] = inner[j][k] = dot(COLUMNS, root[j], product);
+            inner[k][j] = inner[j][k] = dot(COLUMNS, root[j], 0, product);
     }
     eigen(inner, vector);
     for (int k = 0; k < COLUMNS; k++) {

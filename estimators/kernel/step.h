@@ -17,45 +17,35 @@
 
 enum { FINE = 0, PREDICTED_MEAN_NOT_FINITE = 1, READINGS_NOT_DEFINITE = 2, MEAN_NOT_FINITE = 3, MODEL_FAILED = 4 };
 
-typedef double lane __attribute__((vector_size(LANE_BYTES), aligned(8), may_alias));
 typedef double row[WIDTH];
-#define LANES (WIDTH * 8 / LANE_BYTES)
 
-/* sum = start + factor[0] rows[at[0]] + factor[1] rows[at[1]] + ..., of the vectors `from` to `to` of a row, which are
-   constants; `sum` may be `start`. */
-static inline void combine_part(int from, int to, double *sum, const double *start, int count, const double *factor,
-                                const int *at, const row *rows)
-{
-    lane total[LANES];
-    for (int l = from; l < to; l++)
-        total[l] = ((const lane *)start)[l];
-    for (int k = 0; k < count; k++) {
-        const lane *term = (const lane *)rows[at[k]];
-        const double times = factor[k];
-        for (int l = from; l < to; l++)
-            total[l] += times * term[l];
-    }
-    for (int l = from; l < to; l++)
-        ((lane *)sum)[l] = total[l];
-}
+#define WIDEST WIDTH
+#include "lanes.h"
 
+/* `combine_lanes` of whole rows, and of one part of them. */
 static inline void combine(double *sum, const double *start, int count, const double *factor, const int *at,
                            const row *rows)
 {
-    combine_part(0, LANES, sum, start, count, factor, at, rows);
+    combine_lanes(0, LANES(WIDTH), WIDTH, sum, start, count, factor, at, rows[0]);
+}
+
+static inline void combine_part(int from, int to, double *sum, const double *start, int count, const double *factor,
+                                const int *at, const row *rows)
+{
+    combine_lanes(from, to, WIDTH, sum, start, count, factor, at, rows[0]);
 }
 
 /* Range of columns of row i in one half of a symmetric matrix, rounded to quarters of a row. */
-#define QUARTER(i) ((i) * 8 / LANE_BYTES * 4 / LANES)
+#define QUARTER(i) ((i) * 8 / LANE_BYTES * 4 / LANES(WIDTH))
 
 static void combine_from(int i, double *sum, const double *start, int count, const double *factor, const int *at,
                          const row *rows)
 {
     switch (QUARTER(i)) {
-    case 0: combine_part(0, LANES, sum, start, count, factor, at, rows); break;
-    case 1: combine_part(LANES / 4, LANES, sum, start, count, factor, at, rows); break;
-    case 2: combine_part(2 * LANES / 4, LANES, sum, start, count, factor, at, rows); break;
-    case 3: combine_part(3 * LANES / 4, LANES, sum, start, count, factor, at, rows); break;
+    case 0: combine_part(0, LANES(WIDTH), sum, start, count, factor, at, rows); break;
+    case 1: combine_part(LANES(WIDTH) / 4, LANES(WIDTH), sum, start, count, factor, at, rows); break;
+    case 2: combine_part(2 * LANES(WIDTH) / 4, LANES(WIDTH), sum, start, count, factor, at, rows); break;
+    case 3: combine_part(3 * LANES(WIDTH) / 4, LANES(WIDTH), sum, start, count, factor, at, rows); break;
     }
 }
 
@@ -63,10 +53,10 @@ static void combine_to(int i, double *sum, const double *start, int count, const
                        const row *rows)
 {
     switch (QUARTER(i)) {
-    case 0: combine_part(0, (LANES + 3) / 4, sum, start, count, factor, at, rows); break;
-    case 1: combine_part(0, (2 * LANES + 3) / 4, sum, start, count, factor, at, rows); break;
-    case 2: combine_part(0, (3 * LANES + 3) / 4, sum, start, count, factor, at, rows); break;
-    case 3: combine_part(0, LANES, sum, start, count, factor, at, rows); break;
+    case 0: combine_part(0, (LANES(WIDTH) + 3) / 4, sum, start, count, factor, at, rows); break;
+    case 1: combine_part(0, (2 * LANES(WIDTH) + 3) / 4, sum, start, count, factor, at, rows); break;
+    case 2: combine_part(0, (3 * LANES(WIDTH) + 3) / 4, sum, start, count, factor, at, rows); break;
+    case 3: combine_part(0, LANES(WIDTH), sum, start, count, factor, at, rows); break;
     }
 }
 
@@ -76,21 +66,6 @@ static inline void add_one(double *values, int i)
     const int each = LANE_BYTES / 8;
     static const double ONE[2 * LANE_BYTES / 8] = {[LANE_BYTES / 8 - 1] = 1.0};
     ((lane *)values)[i / each] += *(const lane *)(ONE + each - 1 - i % each);
-}
-
-static void divide(double *values, double by)
-{
-    for (int l = 0; l < LANES; l++)
-        ((lane *)values)[l] /= by;
-}
-
-/* sum of factor[k] values[at[k]] */
-static double dot(int count, const double *factor, const int *at, const double *values)
-{
-    double total = 0.0;
-    for (int k = 0; k < count; k++)
-        total += factor[k] * values[at[k]];
-    return total;
 }
 
 static int all_finite(const double *x, int count)
@@ -270,13 +245,13 @@ static int condition(double *block, const double *free, const double *mean, cons
         white[a] /= S[a][a];
         block[SQUARED] += white[a] * white[a];
         combine(gain[a], PH[a], a, minus, all, gain);
-        divide(gain[a], S[a][a]);
+        divide(WIDTH, gain[a], gain[a], S[a][a]);
     }
     for (int a = r - 1; a >= 0; a--) {
         for (int b = a + 1; b < r; b++)
             minus[b] = -S[b][a];
         combine(gain[a], gain[a], r - a - 1, minus + a + 1, all + a + 1, gain);
-        divide(gain[a], S[a][a]);
+        divide(WIDTH, gain[a], gain[a], S[a][a]);
         for (int i = 0; i < N; i++)
             gain[a][i] *= free[i];
     }
@@ -301,7 +276,7 @@ static int condition(double *block, const double *free, const double *mean, cons
         row known;
         combine(known, zero, count, H + first, H_COLUMN + first, turned);
         combine(excess[a], zero, related[a], R[a], relative[a], gain);
-        for (int l = 0; l < LANES; l++)
+        for (int l = 0; l < LANES(WIDTH); l++)
             ((lane *)excess[a])[l] -= ((const lane *)known)[l];
     }
     for (int j = 0; j < N; j++) {

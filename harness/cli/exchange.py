@@ -16,12 +16,12 @@ from railgrip.fmus.native.package import pack
 from railgrip.fmus.native.toolchain import TARGETS
 from railgrip.report.console import remark, say
 from railgrip.scenario.load import load
-from railgrip.simulate.export import controller_fmu
+from railgrip.simulate.export.controller import controller_fmu
+from railgrip.simulate.export.parts import part_fmu, write_library
+from railgrip.simulate.export.plant import plant_fmu
+from railgrip.simulate.export.ssp import write_ssp
 from railgrip.simulate.mapped import controller_lines, find_mapping
-from railgrip.simulate.parts_in_c import part_fmu, write_library
-from railgrip.simulate.plant_fmu import plant_fmu
 from railgrip.simulate.roles import require_role, role_of
-from railgrip.simulate.ssp import write_ssp
 
 Part = Literal["onboard", "controller", "plant", "track", "sensors", "estimator"]
 """Part of a scenario to export as an FMU."""

@@ -14,8 +14,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.base.names import did_you_mean
 from railgrip.controllers.free_wheel import FreeWheel
 from railgrip.estimators.consist import Consist
-from railgrip.estimators.design import Gate
-from railgrip.estimators.kind import FilterContext, FilterKind
+from railgrip.estimators.design import FilterContext, FilterKind, Gate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
 from railgrip.fmi import Description, FmuPrediction

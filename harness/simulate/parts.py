@@ -28,6 +28,7 @@ from railgrip.simulate.faults.site import faults_of
 from railgrip.simulate.importing import origin_of, part_of, table_of
 from railgrip.simulate.loop.loop import Ending, Loop
 from railgrip.simulate.loop.parts import Clock, Instruments, LoopController, LoopPlant, Parts, StateEstimator
+from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.simulate.plant import fmu_plant, python_plant
 from railgrip.simulate.rail import doubts, driver_of, rail_of
 from railgrip.simulate.vehicle import VehicleData
@@ -185,8 +186,7 @@ def assemble(
             wheel_radius=radius,
             law=law,
             clock=clock,
-            slowing=vehicle.slowing,
-            start_speed=scenario.start.speed,
+            plausibility=Plausibility(layout, clock.period, scenario.start.speed, vehicle.slowing),
             stop_speed=scenario.limits.stop_speed,
             recorder=Recorder(signals, formation, min(capacity or clock.samples + 1, clock.samples + 1)),
         )

@@ -17,8 +17,7 @@ from railgrip.scenario.vehicle import LibraryPlant, ModelicaPlant, Nudge, Recipe
 from railgrip.simulate import custom
 from railgrip.simulate.files import is_trusted, parameters_of
 from railgrip.simulate.loop.parts import LoopPlant
-from railgrip.simulate.readback import V_SMALL, probe_outputs, require_curve, require_radius
-from railgrip.simulate.trial import findings, on_both_rails
+from railgrip.simulate.trial import V_SMALL, findings, on_both_rails, probe_outputs, require_curve, require_radius
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.parameters import COUNTS, DESCRIPTIVE
 from railgrip.vehicle.signals import Layout, plant_inputs

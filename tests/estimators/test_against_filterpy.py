@@ -18,13 +18,12 @@ from small_models import DENSITY, FIRST_MEAN, FIRST_VARIANCE, OSCILLATOR, PERIOD
 
 from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import GaussianEstimate
-from railgrip.estimators.design import Gate
+from railgrip.estimators.design import FilterContext, Gate
 from railgrip.estimators.discretisation import advance, transition
 from railgrip.estimators.ekf import ExtendedKalmanFilter, NumpyFilter
 from railgrip.estimators.filters.interacting import InteractingFilters
 from railgrip.estimators.filters.iterated import IteratedKalmanFilter
 from railgrip.estimators.filters.sage_husa import SageHusaFilter
-from railgrip.estimators.kind import FilterContext
 from railgrip.estimators.observability import posterior_bound
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.references import DisturbanceEstimator, ForceBalanceEstimator

@@ -18,9 +18,9 @@ from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate.export import controller_fmu
+from railgrip.simulate.export.controller import controller_fmu
+from railgrip.simulate.export.parts import part_fmu
 from railgrip.simulate.mapped import find_mapping
-from railgrip.simulate.parts_in_c import part_fmu
 from railgrip.simulate.roles import role_of
 from railgrip.simulate.run import run_stop
 

@@ -12,7 +12,6 @@ from synthetic import LAYOUT
 from railgrip.base.errors import PlantFailed
 from railgrip.controllers.observation import Observation
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.vehicle.signals import BELIEVED, DEVIATIONS, INNOVATION
 
 AT, READ = LAYOUT.output, LAYOUT.reading
@@ -31,7 +30,6 @@ def brake(parts):
     inputs, demand, command, driver_demand = np.zeros(LAYOUT.inputs), np.zeros(4), np.zeros(4), np.zeros(4)
     parts.rail.write_inputs(inputs)
     truth = parts.plant.start(inputs)
-    plausibility = Plausibility(LAYOUT, clock.period, parts.start_speed, parts.slowing)
     latest = fresh = None
     innovation, moved, pressure = (0.0, 0.0), False, parts.driver.full
     for k in range(clock.samples + 1):
@@ -39,7 +37,7 @@ def brake(parts):
             truth = parts.plant.step(inputs) if k else truth
         except PlantFailed:
             return Outcome.PLANT_FAILED, k
-        if not holds(plausibility, k, truth, inputs):
+        if not holds(parts.plausibility, k, truth, inputs):
             return Outcome.IMPLAUSIBLE, k
         recorder.rows[k, recorder.block(LAYOUT.signals["output"])] = truth
         recorder.rows[k, recorder.block(LAYOUT.signals["input"])] = inputs

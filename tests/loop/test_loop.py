@@ -12,7 +12,7 @@ from railgrip.scenario.track.table import TrackForce
 from railgrip.simulate.loop.driver import Driver
 from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.loop.parts import Clock, Parts, StateEstimator
-from railgrip.simulate.loop.plausible import UNBOUNDED
+from railgrip.simulate.loop.plausible import UNBOUNDED, Plausibility
 from railgrip.simulate.loop.rail import TabulatedRail
 from railgrip.simulate.loop.sensors import IdealSensors
 from railgrip.trace.recorder import Recorder
@@ -74,8 +74,7 @@ def brake(plant, *, sensors=None, estimator=None, samples=5000, every=1):
         driver=Driver(LAYOUT, PERIOD, full=FULL, touching=np.zeros(4)),
         wheel_radius=(0.4,) * 4,
         clock=Clock(period=PERIOD, estimator=every, controller=1, samples=samples),
-        slowing=UNBOUNDED,
-        start_speed=plant.speed,
+        plausibility=Plausibility(LAYOUT, PERIOD, plant.speed, UNBOUNDED),
         stop_speed=0.05,
         recorder=recorder,
     )

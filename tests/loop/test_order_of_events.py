@@ -221,8 +221,7 @@ def parts_of(
         faults=faults or None,
         wheel_radius=RADIUS,
         clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples, sensors=sensing),
-        slowing=bounds,
-        start_speed=start_speed or plant.speed,
+        plausibility=Plausibility(LAYOUT, 1e-3, start_speed or plant.speed, bounds),
         stop_speed=0.1,
         recorder=recorder,
     )

@@ -22,7 +22,7 @@ from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.by_hand import Bench
-from railgrip.simulate.export import controller_fmu
+from railgrip.simulate.export.controller import controller_fmu
 from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle import VehicleData

@@ -10,7 +10,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.fmi import CoSimulation, Port, bind, describe
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
-from railgrip.simulate.export import controller_fmu
+from railgrip.simulate.export.controller import controller_fmu
 from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle import VehicleData

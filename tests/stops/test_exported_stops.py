@@ -18,10 +18,10 @@ from railgrip.base.errors import ScenarioError
 from railgrip.fmus.native.fmi3 import as_fmi_3
 from railgrip.fmus.native.package import archive_bytes
 from railgrip.scenario.load import load
-from railgrip.simulate.parts_in_c import part_fmu
-from railgrip.simulate.plant_fmu import plant_fmu
+from railgrip.simulate.export.parts import part_fmu
+from railgrip.simulate.export.plant import plant_fmu
+from railgrip.simulate.export.ssp import write_ssp
 from railgrip.simulate.run import run_stop
-from railgrip.simulate.ssp import write_ssp
 
 braking_distance = runpy.run_path(str(Path(__file__).parents[2] / "docs/examples/loop_in_fmpy.py"))["braking_distance"]
 FAST = ("limits.horizon=40 s", "estimator.kind=compiled", "start.speed=25 km/h")

@@ -14,7 +14,6 @@ from railgrip.fmi import CoSimulation
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.loop.library import kernel
 from railgrip.simulate.loop.parts import DirectEstimator, LoopSensors, Parts, StateEstimator
-from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.simulate.loop.sensors import BLOCK, ServiceSensors, WhiteSensors
 from railgrip.simulate.loop.structs import Structs, structs_of
 from railgrip.vehicle.motion import slip_of
@@ -74,12 +73,11 @@ class Loop:
         self._parts, self._progress = parts, progress
         layout, estimator = parts.layout, parts.estimator
         self._functions = functions = kernel(layout).functions
-        self._plausibility = Plausibility(layout, parts.clock.period, parts.start_speed, parts.slowing)
         inputs = np.zeros(layout.inputs)
         parts.rail.write_inputs(inputs)
         outputs = parts.plant.start(inputs)
         parts.rail.check_plant(outputs)
-        self.structs = structs = structs_of(parts, self._plausibility, inputs, outputs)
+        self.structs = structs = structs_of(parts, inputs, outputs)
         self._cycle, self._plant, self._onboard = (s.pointer for s in (structs.cycle, structs.plant, structs.onboard))
         self._inputs, self._outputs = structs.plant.target("inputs"), structs.plant.target("outputs")
         self._reading, self._demand = structs.instruments.view("reading"), structs.onboard.view("demand")
@@ -190,7 +188,7 @@ class Loop:
         if due == functions.STANDING:
             return Outcome.STANDSTILL, f"Stopped after {distance:.2f} m and {time:.3f} s."
         if due == functions.NOT_PLAUSIBLE:
-            return Outcome.IMPLAUSIBLE, self._plausibility.reason(time)
+            return Outcome.IMPLAUSIBLE, self._parts.plausibility.reason(time)
         if due == functions.DIVERGED:
             return Outcome.DIVERGED, f"{self._failure_of_the_filter()} At {time:.3f} s."
         if due == functions.NO_COMMAND:

@@ -12,7 +12,7 @@ from railgrip.controllers.observation import Observation
 from railgrip.controllers.sampled import Sampled
 from railgrip.simulate.loop.driver import Driver
 from railgrip.simulate.loop.faults import Faults
-from railgrip.simulate.loop.plausible import Slowing
+from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.simulate.loop.rail import TabulatedRail
 from railgrip.simulate.loop.sensors import IdealSensors, ServiceSensors
 from railgrip.trace.recorder import Recorder
@@ -211,8 +211,7 @@ class Parts:
         wheel_radius: Nominal radii for a slip from readings [m].
         law: Recorded states of the controller, or None.
         clock: Periods and horizon.
-        slowing: Bounds of the plant's deceleration by other causes than adhesion.
-        start_speed: Requested speed of the plant at the start [m/s].
+        plausibility: Checks of the plant's outputs.
         stop_speed: Speed below which the train has stopped [m/s]; a train that starts at rest must first have been
             faster, or brakes must be demanded.
         recorder: Written from row 0 on; holds clock.samples + 1 rows.
@@ -232,7 +231,6 @@ class Parts:
     wheel_radius: tuple[float, ...]
     law: LawStates | None = None
     clock: Clock
-    slowing: Slowing
-    start_speed: float
+    plausibility: Plausibility
     stop_speed: float
     recorder: Recorder

@@ -16,7 +16,6 @@ from railgrip.fmus.native.functions import in_c
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.simulate.loop.library import every, kernel, texts
 from railgrip.simulate.loop.parts import Parts, StateEstimator, Vector
-from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.simulate.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
 from railgrip.vehicle.signals import BELIEVED, ESTIMATES, Layout, Role, length
 
@@ -37,12 +36,11 @@ class Structs:
     record: Struct
 
 
-def structs_of(parts: Parts, plausibility: Plausibility, inputs: Vector, outputs: Vector) -> Structs:
+def structs_of(parts: Parts, inputs: Vector, outputs: Vector) -> Structs:
     """Return the structs of a stop; functions of parts in Python are null.
 
     Args:
         parts: Parts of the stop; the plant has been started.
-        plausibility: Checks of the plant's outputs.
         inputs: Inputs with which the plant has been started.
         outputs: Outputs at the start.
 
@@ -52,8 +50,8 @@ def structs_of(parts: Parts, plausibility: Plausibility, inputs: Vector, outputs
     clock, driver = parts.clock, parts.driver
     plant, instruments, filter_ = _plant(parts, inputs, outputs), _instruments(parts), _filter(parts)
     onboard, record = _onboard(parts), _record(parts)
-    cycle = kernel(parts.layout).struct("Cycle", plant=plant, plausibility=plausibility.struct, rail=parts.rail.struct,
-        driver=driver.struct if driver.has_phases else None, instruments=instruments,
+    cycle = kernel(parts.layout).struct("Cycle", plant=plant, plausibility=parts.plausibility.struct,
+        rail=parts.rail.struct, driver=driver.struct if driver.has_phases else None, instruments=instruments,
         faults=parts.faults and parts.faults.struct, filter=filter_, onboard=onboard, record=record,
         period=clock.period, stop_speed=parts.stop_speed, samples=clock.samples, block=BLOCK,
     )  # fmt: skip

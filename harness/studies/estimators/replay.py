@@ -13,8 +13,8 @@ from railgrip.base import registry
 from railgrip.estimation.run import READ_STATES, FilterData, Settings, by_name, filter_data, model_of, prediction_of
 from railgrip.estimators.belief import Array, Matrix, Vector
 from railgrip.estimators.consistency import nis_ratio
+from railgrip.estimators.design import FilterContext, FilterKind
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.kind import FilterContext, FilterKind
 from railgrip.estimators.observability import posterior_bound
 from railgrip.estimators.smoother import smooth
 from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate

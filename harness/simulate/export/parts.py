@@ -22,7 +22,7 @@ from railgrip.fmus.native.package import Source, c_identifier
 from railgrip.fmus.native.toolchain import FMU_FLAGS, static_library
 from railgrip.scenario.parts import KalmanFilter
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.export import PERIODS, started_at
+from railgrip.simulate.export.controller import PERIODS, started_at
 from railgrip.simulate.loop.library import headers, kernel, texts
 from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.loop.parts import Parts, StateEstimator

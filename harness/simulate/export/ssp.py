@@ -11,10 +11,10 @@ from railgrip.base.files import write_bytes
 from railgrip.fmus.native.package import Source, archive_bytes, zip_files
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle import FmuFile
-from railgrip.simulate.export import controller_fmu, valves_fmu
-from railgrip.simulate.parts_in_c import part_fmu
+from railgrip.simulate.export.controller import controller_fmu, valves_fmu
+from railgrip.simulate.export.parts import part_fmu
+from railgrip.simulate.export.plant import plant_fmu
 from railgrip.simulate.plant import binding_of, values_of
-from railgrip.simulate.plant_fmu import plant_fmu
 from railgrip.simulate.vehicle import VehicleData
 
 _NAMESPACES = {
