@@ -60,7 +60,7 @@ def braking_of(run: xarray.Dataset, course: CourseTable) -> Braking:
     if first >= onset:
         raise EstimationError(
             f"{who}: braking began {(onset - last) * period:.2f} s after driving; "
-            f"the filter knows no traction and needs {COASTING:g} s of coasting before."
+            f"the filter does not model traction and needs {COASTING:g} s of coasting before."
         )
     with_force = with_signals(run, {"track_force": (force, "N")})
     return Braking(recording=with_force.isel(time=slice(first, None)), motion=motion, brake=onset - first)

@@ -144,7 +144,7 @@ def inspect_recording(
     clock, series, texts = _read(path, time, decimal)
     findings = [finding for name, column in series.items() for finding in _findings(name, column)]
     if not findings:
-        raise EstimationError(f"{path.name}: has no column with two numbers beside its time; name another recording.")
+        raise EstimationError(f"{path.name}: has no column with two numbers besides its time; name another recording.")
     wanted = _required_signals(specification)
     recognised = _recognise(findings, wanted)
     period = min(finding.period for finding in recognised.values() or findings)
@@ -247,7 +247,7 @@ def _is_called_time(name: str) -> bool:
 def _clock_line(clock: TimeColumn, path: Path) -> str:
     unit_of_time, remark = clock.unit, ""
     if unit_of_time is None:
-        unit_of_time, remark = "s", f"  # {path.name} does not tell: seconds are assumed"
+        unit_of_time, remark = "s", f"  # {path.name} does not state it: seconds are assumed"
     return f"time = {{ column = {_toml(clock.column)}, unit = {_toml(unit_of_time)} }}{remark}"
 
 

@@ -263,7 +263,7 @@ def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
 
 def _noise_elsewhere(path: Path, noise: dict[str, Any]) -> object:
     if set(noise) != {"file"} or not isinstance(noise["file"], str):
-        raise EstimationError(f"{path.name}: [noise] file stands for the whole table; write nothing beside its name.")
+        raise EstimationError(f"{path.name}: [noise] file replaces the whole table; remove the other keys.")
     other = path.parent / noise["file"]
     table = read_toml(other)
     if "noise" not in table:

@@ -161,8 +161,8 @@ def _of_train(trial: Trial, poor: Trial, speed: float, slowing: Slowing) -> Iter
     most = POOR_RAIL * GRAVITY + slowing.most(speed) + _CLOSE
     sentence = (
         f"does not bound the brakes: they slow the train by {braking:.3g} m/s2 with friction of {GOOD_RAIL:g} and by "
-        f"{poor.deceleration:.3g} m/s2 with {POOR_RAIL:g}, where {most:.3g} and less is expected; brakes on the rail "
-        "itself stand in [vehicle.formation] track_brakes"
+        f"{poor.deceleration:.3g} m/s2 with {POOR_RAIL:g}, where {most:.3g} or less is expected; give brakes on the "
+        "rail itself in [vehicle.formation] track_brakes"
     )
     yield SignalCheck(signal="mu0", good=poor.deceleration <= most, sentence=sentence)
     loss, integral = v[-1] - v[last], float(np.trapezoid(a[last:], dx=trial.period))
@@ -175,7 +175,7 @@ def _of_group(trial: Trial, g: int, radius: float, pressure: float) -> Iterator[
     last = trial.coasting - 1
     v, wheel, slip = (trial.output(name)[last, at] for name, at in (("speed", 0), ("wheelset_speed", g), ("slip", g)))
     rolling = v / wheel if wheel else math.inf
-    words = f"m of radius by speed over wheel speed; controller and estimator believe {radius:.6g} m"
+    words = f"m of radius by speed over wheel speed; controller and estimator assume {radius:.6g} m"
     near = abs(rolling / radius - 1) <= _WEAR
     hint = "" if near else _hint(radius / rolling)
     if not near and not hint:

@@ -214,7 +214,7 @@ def _convert_unit(
         is_same = stated.exponents == unit_of_column.exponents
         advice = "" if is_same else f", or {factor_for(stated, target)}"
         raise EstimationError(
-            f"{where}: the file says it is in '{file_unit}', the map says '{text}'; correct the map{advice}."
+            f"{where}: its unit in the file is '{file_unit}', in the map '{text}'; correct the map{advice}."
         )
     return text, gain, shift
 
@@ -243,7 +243,7 @@ def _si(where: str, magnitude: Magnitude, target: str) -> float:
     except ValueError as problem:
         raise EstimationError(f"{where} {problem}") from problem
     if not abs(value) < _LARGEST:
-        raise EstimationError(f"{where} is {value:g} {target}, which nothing measures.")
+        raise EstimationError(f"{where} is {value:g} {target}, which is not a measurable value.")
     return value
 
 

@@ -84,7 +84,7 @@ def test_recorded_files_give_the_evidence_of_the_stops_themselves(tmp_path):
     pd.DataFrame(columns).to_csv(folder / "stop-1.csv", index=False)
     result = CliRunner().invoke(app, ["monitor", str(folder), "--map", str(tmp_path / "map.toml")])
     assert result.exit_code == 0, result.output
-    assert "1 stops do not tell the temperature of their discs" in " ".join(result.output.split())
+    assert "1 stops do not have the temperature of their discs" in " ".join(result.output.split())
     read = recording_for(load_specification(tmp_path / "map.toml"), folder / "stop-1.csv").recording
     cold = np.full(4, 313.15)
     through, direct = evidence_of(read, cold), evidence_of(recording, cold)

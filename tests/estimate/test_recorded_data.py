@@ -384,7 +384,7 @@ def test_the_unit_of_the_header_is_used_and_must_agree_with_the_map(tmp_path):
     path = csv(tmp_path, stop().rename(columns={"v": "v [km/h]"}))
     speed = reading_of(taken(path, columns={"speed": {"column": "v [km/h]"}}).recording, "speed")
     assert speed[0] == pytest.approx(20.0, abs=0.05)
-    with pytest.raises(EstimationError, match=r"the file says it is in 'km/h', the map says 'm/s'; correct the map\.$"):
+    with pytest.raises(EstimationError, match=r"its unit in the file is 'km/h', in the map 'm/s'; correct the map\.$"):
         taken(path, columns={"speed": {"column": "v [km/h]", "unit": "m/s"}})
 
 
@@ -409,7 +409,7 @@ def test_a_cell_that_is_not_a_number_is_refused(tmp_path):
 
 def test_missing_damaged_and_unknown_files_are_refused(tmp_path):
     (tmp_path / "run.xls").write_text("")
-    with pytest.raises(EstimationError, match=r"'\.xls' is no format that is read here"):
+    with pytest.raises(EstimationError, match=r"'\.xls' is not a supported format"):
         taken(tmp_path / "run.xls")
     with pytest.raises(EstimationError, match="there is no such file"):
         taken(tmp_path / "run.csv")

@@ -228,7 +228,7 @@ def test_a_second_header_line_has_the_units(tmp_path, row, decimal):
     assert reading_of(recording, "pad_force")[0] == pytest.approx(12.5e3)
     assert not inspect_recording(path, Path("rig_own")).unrecognised
     written["columns"]["speed"]["unit"] = "m/s"
-    with pytest.raises(EstimationError, match="the file says it is in 'km/h', the map says 'm/s'"):
+    with pytest.raises(EstimationError, match="its unit in the file is 'km/h', in the map 'm/s'"):
         read_recording(
             path,
             validate_table(DataTable, written, directory=Path(), origin="run.toml"),

@@ -84,7 +84,7 @@ def score(task: FilterTask, estimate: FilterRecord) -> Figures:
     """
     if task.truth is None:
         name = task.braking.recording.attrs.get("name", "")
-        raise EstimationError(f"{name}: there is no truth to compare with; simulate the run.")
+        raise EstimationError(f"{name}: it has no true values to compare with; simulate the run.")
     terms = terms_of(task, estimate)
     after = slice(task.braking.brake + round(SETTLED / task.data.period), None)
     of_pads, of_adhesions = slice(1 + GROUPS, 1 + 2 * GROUPS), slice(1 + 2 * GROUPS, None)

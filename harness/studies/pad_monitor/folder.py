@@ -76,7 +76,7 @@ def stops_in(
             sentences.append(f"{place.name}: left out: {problem}")
     if assumptions:
         sentences.append(
-            f"{assumptions} stops do not tell the temperature of their discs; {UNKNOWN_TEMPERATURE - 273.15:.0f} °C is "
+            f"{assumptions} stops do not have the temperature of their discs; {UNKNOWN_TEMPERATURE - 273.15:.0f} °C is "
             "assumed at their beginning, 0.7 ‰ of friction a kelvin."
         )
     return evidence, sentences
