@@ -47,7 +47,7 @@ def extending_schema(model: type[BaseModel], kind: str) -> dict[str, Any]:
     change = changes.pop(f"{_CHANGE}{name}")
     change["properties"]["extends"] = {
         "type": "string",
-        "description": f"{kind} that this one extends: a name from the library, or a path from this file's folder",
+        "description": f"{kind} that this one is laid over: a name from the library, or a path from this file's folder",
     }
     return {
         "$schema": dialect,

@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Final
 
 _FOREIGN: Final = "a plant from another tool may have it (`railgrip map`)"
-_CLASS: Final = "a user-defined Modelica class may use RailBraking."
+_CLASS: Final = "a Modelica class of your own may use RailBraking."
 UNSUPPORTED: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
     {
         r"ed(_?brakes?)?|electro_?dynamic.*|dynamic_brak.*|regenerat.*|recuperat.*|rheostat.*|blend.*": (

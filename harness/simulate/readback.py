@@ -64,14 +64,14 @@ def probe_outputs(
     return np.array(rows)
 
 
-def require_radius(file: str, layout: Layout, rows: Matrix, expected: tuple[float, ...], v_small: float) -> None:
+def require_radius(file: str, layout: Layout, rows: Matrix, believed: tuple[float, ...], v_small: float) -> None:
     """Compare the radius of each group's contacts with the expected one [m].
 
     Args:
         file: Name of the FMU.
         layout: Layout of the plant's vectors.
         rows: Outputs of the plant, one row per sample.
-        expected: Expected radius of each group [m].
+        believed: Expected radius of each group [m].
         v_small: Speed below which slip is regularised [m/s].
 
     Raises:
@@ -82,7 +82,7 @@ def require_radius(file: str, layout: Layout, rows: Matrix, expected: tuple[floa
     if not np.all(w > 0.0):
         return  # at rest no speed reveals a radius; the same FMU is checked when it starts moving
     found = (v - slip * np.sqrt(v**2 + v_small**2)) / w
-    for g, (here, there) in enumerate(zip(found.tolist(), expected, strict=True)):
+    for g, (here, there) in enumerate(zip(found.tolist(), believed, strict=True)):
         if abs(here / there - 1.0) > RADIUS_TOLERANCE:
             raise FmuError(
                 f"{file}: the contacts of group {g + 1} have a wheel radius of {here:.6g} m by slip[{g + 1}], speed "
