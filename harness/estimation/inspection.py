@@ -19,8 +19,7 @@ from railgrip.base.units import conversion, short, turning_of, unit
 from railgrip.estimation.check import ACCELERATION, UNITS_OF_RUN, signals_of
 from railgrip.estimation.spec import ModelParameter, Specification, load_specification, model_parameters
 from railgrip.fmi.draft import OTHER_NAMES, bare_name, likeness
-from railgrip.scenario.file import is_file
-from railgrip.trace.files import (
+from railgrip.recording.files import (
     Columns,
     Series,
     name_without_unit,
@@ -30,7 +29,8 @@ from railgrip.trace.files import (
     unit_at_end,
     unit_in_brackets,
 )
-from railgrip.trace.table import DataTable, TimeColumn
+from railgrip.recording.table import DataTable, TimeColumn
+from railgrip.scenario.file import is_file
 
 _NAMES = {
     "time": "t zeit timestamp zeitstempel datetime date datum uhrzeit seconds elapsed",

@@ -12,7 +12,7 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.estimators.belief import Vector
-from railgrip.trace.samples import reading_of, unit_of
+from railgrip.recording.samples import reading_of, unit_of
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,10 +11,10 @@ import railgrip.scenario
 from railgrip.cli.main import app
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import load_specification
+from railgrip.recording.samples import reading_of
 from railgrip.studies.pad_monitor.evidence import evidence_of
 from railgrip.studies.pad_monitor.folder import stops_in
 from railgrip.studies.pad_monitor.life import Life, live
-from railgrip.trace.samples import reading_of
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 

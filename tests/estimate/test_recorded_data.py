@@ -15,13 +15,13 @@ from scipy.io import savemat
 from railgrip.base.errors import EstimationError
 from railgrip.base.units import unit
 from railgrip.estimation.plausible import check_signals
+from railgrip.recording.cleaning import find_repeats, spikes
+from railgrip.recording.flag import Flag, summary
+from railgrip.recording.grid import input_on_grid, on_grid
+from railgrip.recording.read import FileRecording, read_recording
+from railgrip.recording.samples import reading_of, unit_of
+from railgrip.recording.table import Column, DataTable
 from railgrip.scenario.load import validate_table
-from railgrip.trace.cleaning import find_repeats, spikes
-from railgrip.trace.flag import Flag, summary
-from railgrip.trace.grid import input_on_grid, on_grid
-from railgrip.trace.read import FileRecording, read_recording
-from railgrip.trace.samples import reading_of, unit_of
-from railgrip.trace.table import Column, DataTable
 
 UNITS = {"speed": "m/s", "wheelset_speed": "rad/s", "pad_force": "N", "disc_temperature": "K", "mu_b": "1"}
 INPUTS, OUTPUTS = ["pad_force"], ["speed", "wheelset_speed", "disc_temperature"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railgrip.base.errors import EstimationError
-from railgrip.trace.samples import period_of, recording_of, samples, truth_of
+from railgrip.recording.samples import period_of, recording_of, samples, truth_of
 
 
 def recorded(**changes):

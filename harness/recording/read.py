@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from railgrip.base.errors import EstimationError, UnitError
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import Unit, conversion, short, unit
+from railgrip.recording.cleaning import Treatment, clean
+from railgrip.recording.files import Series, read_series, unit_at_end
+from railgrip.recording.flag import Flag, flags_of, summary
+from railgrip.recording.grid import gaps_of, input_on_grid, on_grid
+from railgrip.recording.samples import recording_of
+from railgrip.recording.table import Column, DataTable, factor_for
 from railgrip.scenario.quantity import Magnitude
-from railgrip.trace.cleaning import Treatment, clean
-from railgrip.trace.files import Series, read_series, unit_at_end
-from railgrip.trace.flag import Flag, flags_of, summary
-from railgrip.trace.grid import gaps_of, input_on_grid, on_grid
-from railgrip.trace.samples import recording_of
-from railgrip.trace.table import Column, DataTable, factor_for
 
 Vector = NDArray[np.float64]
 

@@ -27,8 +27,8 @@ from railgrip.base.errors import EstimationError, InputError, UnitError
 from railgrip.base.files import LARGEST_TABLE, require_regular
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import conversion, cut, short, unit
-from railgrip.trace.delimited import SPELLINGS, read_delimited
-from railgrip.trace.table import DataTable
+from railgrip.recording.delimited import SPELLINGS, read_delimited
+from railgrip.recording.table import DataTable
 
 Vector = NDArray[np.float64]
 
