@@ -285,7 +285,7 @@ def estimation_page() -> None:
         Specification,
         "An estimation file is a TOML file that decides how a filter runs over a recording: the model, its noises, the "
         "start, and where the recording comes from. Quantities are written as in a [scenario file](scenario.md). "
-        "`extends` names an estimation of the library or a file, over which this one is laid. `railgrip inspect FILE` "
+        "`extends` names an estimation of the library or a file, which this one extends. `railgrip inspect FILE` "
         "proposes `[data]` for a recording; `railgrip estimate FILE` runs an estimation.",
     )
 

@@ -102,7 +102,7 @@ def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None) -
         if messages:
             how = "" if derivatives or "cs" in recipe.interfaces else " without directional derivatives"
             words = _excerpt(messages[0], log)
-            warnings.warn(f"OpenModelica built {recipe.class_name}{how}, but says:\n{words}", stacklevel=2)
+            warnings.warn(f"OpenModelica built {recipe.class_name}{how}, but reports:\n{words}", stacklevel=2)
         return path
     words = _excerpt(messages[-1], log)
     raise BuildFailed(f"OpenModelica could not build {recipe.class_name}:\n{words}")

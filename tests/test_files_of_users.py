@@ -17,6 +17,7 @@ from railgrip.estimation.spec import load_specification
 from railgrip.estimators.learned.trained import load as load_trained
 from railgrip.fmi import describe
 from railgrip.fmus.native.library import library_digest
+from railgrip.recording.files import read_mf4, read_table
 from railgrip.report.marked import page_text
 from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.adhesion import profile_of
@@ -24,7 +25,6 @@ from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.load import load
 from railgrip.simulate.files import plant_description
-from railgrip.trace.files import read_mf4, read_table
 
 SECONDS = 5.0
 """Time that a refusal may take, with imports on a busy machine; a file that is waited for is never refused."""

@@ -80,7 +80,7 @@ def _silent_use(path: Path, texts: dict[str, str]) -> Iterator[str]:
     class_text = texts[short(path, path)]
     foreign = path.name == "package.mo" and path.parent.name != "RailBraking"
     if foreign and "RailBraking" not in class_text and any("RailBraking." in text for text in texts.values()):
-        yield f"{short(path, path)}: to use RailBraking it must say annotation(uses(RailBraking))"
+        yield f"{short(path, path)}: to use RailBraking it must have annotation(uses(RailBraking))"
 
 
 def _syntax(name: str, text: str) -> Iterator[str]:

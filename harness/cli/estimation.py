@@ -29,10 +29,10 @@ from railgrip.estimation.spec import (
     model_parameters,
     prediction_for,
 )
+from railgrip.recording.samples import knows
 from railgrip.report.console import complain, progress, remark, say, show_table
 from railgrip.report.estimation import information, write_estimates_figure
 from railgrip.report.table import Form, ReportTable, share
-from railgrip.trace.samples import knows
 
 OUT = Path("build/estimate")
 

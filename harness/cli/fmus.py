@@ -26,7 +26,9 @@ def build_command(
     compiler: Annotated[str, typer.Option(help="auto, openmodelica or native.")] = "auto",
     library: Annotated[
         Path | None,
-        typer.Option(help="Folder, package.mo or .mo file of your own class, whose name replaces the names of FMUs."),
+        typer.Option(
+            help="Folder, package.mo or .mo file of a user-defined class, whose name replaces the names of FMUs."
+        ),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="File for its FMU; CLASS.fmu unless given.")] = None,
     listing: Annotated[bool, typer.Option("--list", help="List the recipes and the existing FMUs.")] = False,
@@ -51,7 +53,7 @@ def build_command(
             raise InputError("--library is for one class; name it, as in `build --library MyLib MyLib.MyTrain`.")
         _build_class(names[0], library, choice, out)
     elif out is not None:
-        raise InputError("--out is for a class of a --library of your own; recipes are copied to build/fmus.")
+        raise InputError("--out is for a class of your --library; recipes are copied to build/fmus.")
     else:
         with progress("building"):
             for artifact in build(names or (), choice):

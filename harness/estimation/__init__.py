@@ -5,7 +5,7 @@ file, and has the inputs and outputs of a prediction under the prediction's name
 `cylinder_pressure[1]`. True states of the plant, which the filter must not use, are in `true_<state>`, for `judge`
 only.
 
-    from railgrip.trace.samples import recording_of
+    from railgrip.recording.samples import recording_of
     from railgrip.estimation.run import Settings, estimate, prediction_of
     from railgrip.estimation.judge import judge
 

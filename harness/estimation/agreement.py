@@ -27,7 +27,7 @@ from railgrip.base.units import GRAVITY, mistake, unit
 from railgrip.estimation.run import by_name, model_of
 from railgrip.estimation.spec import Specification, equations_for, parameters_for
 from railgrip.estimators.belief import Vector
-from railgrip.trace.samples import has_reading, period_of, samples
+from railgrip.recording.samples import has_reading, period_of, samples
 
 Mask = NDArray[np.bool_]
 

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from railgrip.base.errors import EstimationError
 from railgrip.estimation.motion import Motion, motion_of
 from railgrip.estimation.spec import CourseTable
+from railgrip.recording.samples import has_reading, period_of, readings_in, samples, with_signals
 from railgrip.scenario.track.geodesy import Place, local
 from railgrip.scenario.track.table import force_along
-from railgrip.trace.samples import has_reading, period_of, readings_in, samples, with_signals
 
 FILLED = 2e4
 """Cylinder pressure [Pa] above which a brake counts as applied; an empty cylinder reads about 0.01 bar."""
@@ -60,7 +60,7 @@ def braking_of(run: xarray.Dataset, course: CourseTable) -> Braking:
     if first >= onset:
         raise EstimationError(
             f"{who}: braking began {(onset - last) * period:.2f} s after driving; "
-            f"the filter knows no traction and needs {COASTING:g} s of coasting before."
+            f"the filter does not model traction and needs {COASTING:g} s of coasting before."
         )
     with_force = with_signals(run, {"track_force": (force, "N")})
     return Braking(recording=with_force.isel(time=slice(first, None)), motion=motion, brake=onset - first)

@@ -9,12 +9,12 @@ from railgrip.base.units import unit
 from railgrip.estimation.run import by_name, model_of, start_by_reading, units_of
 from railgrip.estimation.spec import Specification, parameters_for, settings_for
 from railgrip.fmus.native import Model
+from railgrip.recording.read import TRUTH, require_signals
+from railgrip.recording.samples import dimension_of
 from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.load import load
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.vehicle import TrainFile
-from railgrip.trace.read import TRUTH, require_signals
-from railgrip.trace.samples import dimension_of
 
 _ALWAYS = {"driving": "1", "braking": "1"}
 """Signals of a run that must be complete if a file has them."""

@@ -19,8 +19,7 @@ from railgrip.base.units import conversion, short, turning_of, unit
 from railgrip.estimation.check import ACCELERATION, UNITS_OF_RUN, signals_of
 from railgrip.estimation.spec import ModelParameter, Specification, load_specification, model_parameters
 from railgrip.fmi.draft import OTHER_NAMES, bare_name, likeness
-from railgrip.scenario.file import is_file
-from railgrip.trace.files import (
+from railgrip.recording.files import (
     Columns,
     Series,
     name_without_unit,
@@ -30,7 +29,8 @@ from railgrip.trace.files import (
     unit_at_end,
     unit_in_brackets,
 )
-from railgrip.trace.table import DataTable, TimeColumn
+from railgrip.recording.table import DataTable, TimeColumn
+from railgrip.scenario.file import is_file
 
 _NAMES = {
     "time": "t zeit timestamp zeitstempel datetime date datum uhrzeit seconds elapsed",
@@ -144,7 +144,7 @@ def inspect_recording(
     clock, series, texts = _read(path, time, decimal)
     findings = [finding for name, column in series.items() for finding in _findings(name, column)]
     if not findings:
-        raise EstimationError(f"{path.name}: has no column with two numbers beside its time; name another recording.")
+        raise EstimationError(f"{path.name}: has no column with two numbers besides its time; name another recording.")
     wanted = _required_signals(specification)
     recognised = _recognise(findings, wanted)
     period = min(finding.period for finding in recognised.values() or findings)
@@ -247,7 +247,7 @@ def _is_called_time(name: str) -> bool:
 def _clock_line(clock: TimeColumn, path: Path) -> str:
     unit_of_time, remark = clock.unit, ""
     if unit_of_time is None:
-        unit_of_time, remark = "s", f"  # {path.name} does not tell: seconds are assumed"
+        unit_of_time, remark = "s", f"  # {path.name} does not state it: seconds are assumed"
     return f"time = {{ column = {_toml(clock.column)}, unit = {_toml(unit_of_time)} }}{remark}"
 
 

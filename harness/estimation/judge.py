@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.errors import EstimationError
 from railgrip.estimators.belief import Array, Vector
-from railgrip.trace.samples import truth_of
+from railgrip.recording.samples import truth_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,7 @@ from railgrip.estimation.run import by_name, units_of
 from railgrip.estimation.spec import Specification, equations_for, estimate_of, settings_for
 from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.observability import Observability, along, observability
-from railgrip.trace.samples import knows, period_of, samples, truth_of, with_signals
+from railgrip.recording.samples import knows, period_of, samples, truth_of, with_signals
 
 Point = tuple[str, float, Observability]
 """A sample with its rank: the reason for its choice, its time [s], and rank, order and undetermined states."""

@@ -12,7 +12,7 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.estimators.belief import Vector
-from railgrip.trace.samples import reading_of, unit_of
+from railgrip.recording.samples import reading_of, unit_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +72,7 @@ def check_estimates(estimates: xarray.Dataset) -> list[str]:
         if bounds is not None:
             mean, sd = (estimates[what].sel(state=state).values for what in ("mean", "sd"))
             beyond = (mean + 2.0 * sd < bounds.low) | (mean - 2.0 * sd > bounds.high)
-            what = f"the filter believes in {state} of"
+            what = f"the filter assumes {state} of"
             sentences += _sentences(what, "readings and model do not fit.", mean, beyond, estimates, bounds, "")
     return sentences
 

@@ -22,7 +22,7 @@ from railgrip.fmus.build import build_class, fmu
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.native.library import LIBRARY
 from railgrip.fmus.recipe import read_recipes
-from railgrip.trace.samples import period_of, samples
+from railgrip.recording.samples import period_of, samples
 
 Kind = Literal["fmu", "compiled"]
 """Form of the prediction in a filter: its FMU through FMI 2.0, or the equations of its class as C in the filter."""

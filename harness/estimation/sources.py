@@ -21,15 +21,15 @@ from railgrip.estimation.check import require_consistent, signals_of
 from railgrip.estimation.run import model_of
 from railgrip.estimation.spec import Specification
 from railgrip.estimators.belief import Vector
+from railgrip.recording.read import FileRecording, read_recording
+from railgrip.recording.samples import evenly, recording_of, with_signals
 from railgrip.scenario.load import load
 from railgrip.scenario.quantity import Magnitude, in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.simulate.run import trace_of
 from railgrip.trace.netcdf import FILE_NAME, read_trace
-from railgrip.trace.read import FileRecording, read_recording
 from railgrip.trace.recorder import thin
-from railgrip.trace.samples import evenly, recording_of, with_signals
 
 
 def recording_of_estimation(

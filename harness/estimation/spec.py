@@ -48,14 +48,14 @@ from railgrip.base.names import did_you_mean
 from railgrip.estimation.run import Kind, Settings, equations_of, estimate, model_of, prediction_of, units_of
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
+from railgrip.recording.samples import period_of
+from railgrip.recording.table import DataTable
 from railgrip.scenario.file import locate
 from railgrip.scenario.load import Tables, read_toml, require_kind, require_straight, validate_table
 from railgrip.scenario.merge import nest, read_overrides
 from railgrip.scenario.quantity import Magnitude, NotNegative, Number, UnitRange, in_units
 from railgrip.scenario.table import Duration, Length, Mass, Name, Parameters, Seed, Table, table_error
 from railgrip.scenario.track.table import CurveLaw
-from railgrip.trace.samples import period_of
-from railgrip.trace.table import DataTable
 
 Positive = Annotated[Number, Field(gt=0.0)]
 
@@ -263,7 +263,7 @@ def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
 
 def _noise_elsewhere(path: Path, noise: dict[str, Any]) -> object:
     if set(noise) != {"file"} or not isinstance(noise["file"], str):
-        raise EstimationError(f"{path.name}: [noise] file stands for the whole table; write nothing beside its name.")
+        raise EstimationError(f"{path.name}: [noise] file replaces the whole table; remove the other keys.")
     other = path.parent / noise["file"]
     table = read_toml(other)
     if "noise" not in table:

@@ -277,7 +277,7 @@ def _description(
     for d in derivatives:
         if d.derivative is None:
             raise FmuError(
-                f"{path}: ModelStructure lists '{d.name}' as a derivative, which does not say of what state."
+                f"{path}: ModelStructure lists '{d.name}' as a derivative, but it does not declare the state."
             )
     event_indicators = int(xml.numberOfEventIndicators or 0)
     if not 0 <= event_indicators <= limits.variables:

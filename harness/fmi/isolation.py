@@ -101,7 +101,7 @@ class IsolatedCoSimulation(SteppedPlant):
         """
         if os.name != "posix":
             raise FmuError(
-                f"{description.file.name}: an FMU cannot have a process of its own on this system; "
+                f"{description.file.name}: an FMU cannot run in a separate process on this system; "
                 f"set trust = true under {table} to load it into this one."
             )
         super().__init__(description, binding, period, parameters, begin)
@@ -183,7 +183,7 @@ class IsolatedCoSimulation(SteppedPlant):
                 return
             _, words = self._how_it_ended(*report)
         name = self._description.file.name
-        self._notify(f"{name}: when it was terminated and freed after the last step, {words}; the results stand.")
+        self._notify(f"{name}: when it was terminated and freed after the last step, {words}; the results are valid.")
 
     def start(self, inputs: Vector) -> Vector:
         """Initialise with `inputs` applied and return the outputs at the start time.
@@ -353,9 +353,8 @@ def open_plant(
 def notice(description: Description, table: str) -> str:
     """Return the notice that an FMU is isolated and therefore slower, with the table in which to declare trust."""
     return (
-        f"{description.file.name} comes from outside and runs in a process of its own, so that a "
-        f"crash in it cannot take the stop along; set trust = true under {table} to load it into this one, "
-        "which is faster."
+        f"{description.file.name} is foreign and runs in a separate process, so that a crash in it does not end the "
+        f"stop; set trust = true under {table} to load it into this one, which is faster."
     )
 
 

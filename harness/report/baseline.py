@@ -95,7 +95,7 @@ class AcceptedValue(Table):
     valve_strokes: Annotated[StrictInt, Field(ge=0)] | None = None
     reason: Annotated[str, Field(min_length=1)]
     compilers: dict[str, Number] = Field(default={}, description="compiler → value with its plant, where it differs")
-    figures: dict[str, AcceptedFigure] = Field(default={}, description="figure beside the distance → accepted value")
+    figures: dict[str, AcceptedFigure] = Field(default={}, description="further figure → accepted value")
 
     @model_validator(mode="after")
     def _whole_range(self) -> Self:

@@ -268,7 +268,7 @@ def _of_stops(sides: Sequence[ComparisonSide]) -> Comparison:
         headlines=[side.headline for side in sides],
         question=_question([side.question for side in sides]),
         answer=_answer(sides, flat_figures, "Figures of each group and wheelset"),
-        overview=_answer(sides, _means, "What differs in the results"),
+        overview=_answer(sides, _means, "Differences of the results"),
         along=along,
         sentences=sentences,
         provenance={
@@ -347,7 +347,7 @@ def _question(questions: Sequence[Mapping[str, Any]]) -> ReportTable:
         if any(question.get(key) != questions[0].get(key) for question in questions)
         for unit in [unit_of(key)]
     ]
-    return ReportTable(rows, left=("key", *letters, "unit"), title="What differs in the scenarios")
+    return ReportTable(rows, left=("key", *letters, "unit"), title="Differences of the scenarios")
 
 
 def unit_of(key: str) -> str:
@@ -524,4 +524,4 @@ def _common_question(pairs: Sequence[Sequence[Stop]]) -> ReportTable:
             for letter in letters:
                 if known[letter] != row[letter]:
                     known[letter] = _ALIKE
-    return ReportTable(list(rows.values()), left=("key", *letters, "unit"), title="What differs in the scenarios")
+    return ReportTable(list(rows.values()), left=("key", *letters, "unit"), title="Differences of the scenarios")

@@ -11,8 +11,8 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from railgrip.recording.samples import knows, reading_of, truth_of, unit_of
 from railgrip.report import palette, style
-from railgrip.trace.samples import knows, reading_of, truth_of, unit_of
 
 _COLOURS = (palette.BLUE, palette.ORANGE, palette.GREEN, palette.PURPLE, palette.SKY, palette.VERMILION)
 _STATE_COLOURS = (

@@ -32,8 +32,8 @@ _LEGEND: Mapping[str, Callable[[Row], object]] = {
     "slip, and with other ones, the best law over all stops of the same actuation and sensors.": (
         lambda row: row.reduction_vs_sbc
     ),
-    "Where stops were repeated with the plant's parameters moved in the seventh digit, median and range stand beside "
-    "the distance.": lambda row: row.repeated,
+    "Where stops were repeated with the plant's parameters moved in the seventh digit, median and range are given next "
+    "to the distance.": lambda row: row.repeated,
     "In brackets: intervals that hold 95 %.": lambda row: row.draw is not None,
     "A filter that states its errors correctly has a NIS, the median squared innovation over the expected one, near 1, "
     "and a true adhesion or pad friction outside of ±2σ of its estimate for 5 % of the time; of all groups the largest "

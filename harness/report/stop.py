@@ -311,9 +311,7 @@ def require_no_campaign(directory: Path) -> None:
     """
     parent = directory.absolute().parent
     if (parent / CAMPAIGN_FILE).exists():
-        raise RecordError(
-            f"{directory}: belongs to the campaign in {parent}; name another folder for a stop of its own"
-        )
+        raise RecordError(f"{directory}: belongs to the campaign in {parent}; name another folder for a single stop")
 
 
 def require_no_result(directory: Path) -> None:
@@ -323,7 +321,7 @@ def require_no_result(directory: Path) -> None:
         RecordError: It is one.
     """
     if any((directory / name).exists() for name in (STOP_FILE, CAMPAIGN_FILE)):
-        raise RecordError(f"{directory}: holds a result with a page of its own; name another folder")
+        raise RecordError(f"{directory}: holds a result with its own page; name another folder")
 
 
 def require_place(directory: Path) -> None:

@@ -111,8 +111,8 @@ def _grid(scenario: Scenario, formation: Formation) -> tuple[float, Array]:
     if not scenario.runs_over_distance:
         if adhesion.patch:
             raise ScenarioError(
-                f"{scenario.name}: [adhesion.patch] lies on the rail, and the profile it lies on runs over time: "
-                "let it run over distance"
+                f"{scenario.name}: [adhesion.patch] has a place on the rail, but the profile is over time; use a "
+                "profile over distance"
             )
         step = scenario.periods.communication
         return step, step * np.arange(round(scenario.horizon / step) + 2, dtype=np.float64)[:, None]
@@ -181,7 +181,7 @@ def position_of(scenario: Scenario, formation: Formation) -> Array:
         recovers = "[adhesion] has recovery" if scenario.adhesion.cleaning is not None else "[[sanders]] lay sand"
         what = "[adhesion] runs over distance" if scenario.runs_over_distance else recovers
         raise ScenarioError(
-            f"{scenario.name}: {what}, and the plant does not say where its wheelsets are: "
+            f"{scenario.name}: {what}, and the plant does not declare the positions of its wheelsets: "
             "give [vehicle.formation] wheelset_position, how far each is behind the leading one"
         )
     return formation.position

@@ -81,14 +81,14 @@ class CampaignFile(Table):
     """
 
     name: Name = Field(description="of the campaign and of the folder of its results")
-    description: str = Field(default="", description="what it is about, for its page")
+    description: str = Field(default="", description="subject, for the page")
     scenarios: Annotated[
         tuple[str, ...],
         Field(min_length=1, description="files relative to the folder of this file, or names of the package"),
     ]
     axes: dict[str, dict[str, dict[str, Any] | str]] = Field(
         default={},
-        description="axis → variant → tables, or a file of them, from this one's folder, or a name of our equipment",
+        description="axis → variant → tables, a file of them from the folder of this file, or a name of equipment",
     )
     sweep: dict[str, Annotated[tuple[Any, ...], Field(min_length=1)]] = Field(default={}, description="key → values")
     draws: Draws | None = Field(default=None, description="seeds with each of which stops are made")
@@ -109,7 +109,7 @@ class CampaignFile(Table):
         default=None, description="file that `railgrip maintain conditioning` writes, from this one's folder"
     )
     permitted_distance: Annotated[float, UnitRange("m", above=0)] | None = Field(
-        default=None, description="distance that a stop may take; the page says how often draws exceed it"
+        default=None, description="greatest distance of a stop; the page has the share of draws that exceed it"
     )
     panels: Panels = Field(default="all", description="which stops get a page with their panels")
 
@@ -197,7 +197,7 @@ def campaign_of(table: Mapping[str, Any], path: Path, overrides: Sequence[str] =
     for key, values in campaign.sweep.items():
         axes[key] = {_spell(value): nest({key: value}) for value in values}
         if len(axes[key]) < len(values):
-            raise ScenarioError(f"{path.name}: [sweep] {key} has a value twice; each is a stop of its own")
+            raise ScenarioError(f"{path.name}: [sweep] {key} has a value twice; each value is a separate stop")
     _require_variants(path, campaign, axes)
     last = read_overrides(overrides)
     stops = _with_expected(path, campaign.expected, tuple(_stops(path, campaign, _combine(path, campaign, axes), last)))

@@ -53,9 +53,7 @@ class Traction(Table):
     """A force that pushes the whole train, like the track force; it does not load the wheelsets."""
 
     force: Annotated[float, UnitRange("N", at_least=0, at_most=LARGEST_FORCE)] = Field(description="most, forward")
-    power: Annotated[float, UnitRange("W", above=0, at_most=1e9)] | None = optional(
-        "most of it, where there is a limit"
-    )
+    power: Annotated[float, UnitRange("W", above=0, at_most=1e9)] | None = optional("its maximum, if it is limited")
     rate: Annotated[float, UnitRange("N/s", above=0, at_most=1e9)] | None = optional(
         "most that the force changes by, also after the end of the phase; at once where there is none"
     )

@@ -112,7 +112,7 @@ class Truth(Table):
         "brake rigging",
     )
     gradient: Annotated[float, UnitRange("1", above=-STEEPEST, below=STEEPEST)] = Field(
-        default=0.0, description="slope of the whole track beside that of [track], positive uphill"
+        default=0.0, description="slope of the whole track in addition to that of [track], positive uphill"
     )
 
     def factors(self) -> dict[str, tuple[float, ...]]:

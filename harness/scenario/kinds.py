@@ -71,7 +71,7 @@ class ByKind:
             raise PydanticCustomError("union_tag_not_found", "has no kind")
         kind = cast("Mapping[str, object]", entry)["kind"]
         if (table := self.table_of(kind)) is None:
-            expected = ", ".join(self.ours()) + (", or module:Class of your own" if self.role else "")
+            expected = ", ".join(self.ours()) + (", or your module:Class" if self.role else "")
             raise PydanticCustomError("union_tag_invalid", "no kind", {"tag": str(kind), "expected_tags": expected})
         return table.model_validate(entry, context=info.context)
 

@@ -34,7 +34,7 @@ def parse_toml(text: str) -> dict[str, Any]:
     except ValueError as problem:
         if isinstance(problem, tomllib.TOMLDecodeError):
             raise
-        raise tomllib.TOMLDecodeError("it has a number of thousands of digits, or a date that is none") from None
+        raise tomllib.TOMLDecodeError("it has a number of thousands of digits, or an invalid date") from None
     return table
 
 

@@ -42,12 +42,10 @@ class KalmanFilter(Table):
         "prediction class, such as TrainPrediction or TrainPredictionReduced; without one it is made from "
         "the vehicle's nominal data"
     )
-    library: NamedFile | None = optional(
-        "for a model of one's own: the package.mo of its library, or the .mo file it stands in"
-    )
+    library: NamedFile | None = optional("for a user-defined model: the package.mo of its library, or its .mo file")
     file: NamedFile | None = optional(
-        "a prediction of one's own as a Model Exchange FMU 2.0, for kind fmu: states v, w, mu_b and alpha, inputs "
-        "cylinder_pressure and, if it likes, track_force, outputs named as readings, all in SI"
+        "a user-defined prediction as a Model Exchange FMU 2.0, for kind fmu: states v, w, mu_b and alpha, inputs "
+        "cylinder_pressure and optionally track_force, outputs named as readings, all in SI"
     )
     trust: StrictBool = optional("load that FMU into this process, where its code runs", default=False)
     noise: str | None = optional(
@@ -59,7 +57,7 @@ class KalmanFilter(Table):
         "from how many standard deviations of what was expected on a reading is left out, by its name", default={}
     )
     free_wheels: StrictBool = optional(
-        "let the speed of a wheel that rolls, its brake off, stand for that of the train while the radar is silent",
+        "use the speed of a rolling, unbraked wheel as that of the train while the radar is silent",
         default=False,
     )
     load_deviation: Annotated[float, UnitRange("1", at_least=0, at_most=1)] = optional(

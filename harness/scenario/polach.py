@@ -68,7 +68,7 @@ class Polach(BaseModel):
     ]
     temperature_loss: Annotated[
         float, UnitRange("1/K", at_least=0, at_most=1e-2, because="friction falls over some hundred kelvin")
-    ] = optional("share of friction that the contact loses per kelvin of its own heat", default=0.0)
+    ] = optional("share of friction that the contact loses per kelvin of its temperature rise", default=0.0)
     recovery: Recovery | None = optional("how slip cleans the rail, where [adhesion] has no recovery")
 
     @model_validator(mode="before")

@@ -218,7 +218,7 @@ _PLAUSIBLE: Mapping[str, tuple[float, float, str]] = {
     "m": (-1e5, 1e5, "no stop is longer than 100 km"),
     "s": (0.0, 1e5, "no stop lasts a day"),
     "m/s": (-160.0, 160.0, "no train on wheels has been faster than 159.7 m/s"),
-    "m/s2": (-1e3, 1e3, "a hundred times the acceleration of gravity is no braking"),
+    "m/s2": (-1e3, 1e3, "more than a hundred times the acceleration of gravity is not braking"),
     "Pa": (-1e8, 1e8, "pneumatics and hydraulics of brakes stay below 1000 bar"),
     "N": (-1e7, 1e7, "a thousand tonnes rest on no axle, brake or spring"),
     "N.m": (-1e7, 1e7, "no wheelset takes a torque of 10 MN.m"),

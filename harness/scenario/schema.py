@@ -75,7 +75,7 @@ class Scenario(Table):
     """All inputs of a stop."""
 
     name: Name = Field(description="of the scenario and of the folder of its results; that of the file without it")
-    description: str = Field(default="", description="what it is about, in a line, for tables and pages")
+    description: str = Field(default="", description="subject in a line, for tables and pages")
     seed: Seed = Field(default=1, description="of all random draws: rail, sensors, faults")
     vehicle: Vehicle
     start: Start
@@ -85,11 +85,11 @@ class Scenario(Table):
     sensors: Sensors = Field(
         default={"kind": "ideal"},
         validate_default=True,
-        description="what stands between the plant and those who see it",
+        description="sensors between the plant and the parts on board",
     )
     actuation: Actuation = Actuation(kind="ideal")
     estimator: Estimator = Field(
-        default=NoEstimator(kind="none"), description="what is believed about the train from its readings"
+        default=NoEstimator(kind="none"), description="estimator of the train's states from the readings"
     )
     controller: Controller = Field(description="the law that demands brake pressures")
     periods: Periods = Periods()

@@ -51,7 +51,7 @@ class FormationTable(Table):
         default=(), description="static force of each wheelset on the rail"
     )
     track_brakes: Annotated[float, UnitRange("N", at_least=0, at_most=1e7)] = optional(
-        "greatest force of brakes that act on the rail itself, magnetic or eddy current; train files say it",
+        "greatest force of brakes that act on the rail itself, magnetic or eddy current; train files have it",
         default=0.0,
     )
     brakes: Parameters = Field(
@@ -126,20 +126,20 @@ class Vehicle(Table):
     plant: str | NamedFile | None = optional(
         "an FMU recipe of this project, the path of an .fmu from the scenario's folder, or module:Class"
     )
-    model: ModelicaClass | None = optional("in place of `plant`: a Modelica class of one's own, full name")
-    library: NamedFile | None = optional("the package.mo of its library, or the .mo file it stands in")
+    model: ModelicaClass | None = optional("in place of `plant`: a user-defined Modelica class, full name")
+    library: NamedFile | None = optional("the package.mo of its library, or its .mo file")
     train: NamedFile | None = optional(
-        "in place of `plant`: a train of this project, such as emu387, or a train file of one's own"
+        "in place of `plant`: a train of this project, such as emu387, or the path of a train file"
     )
     parameters: Parameters = Field(default={}, description="the plant's parameters that differ from its own values")
     map: dict[str, MapEntry] = Field(
         default={}, description="our name → variable of a foreign FMU: text with {i} for arrays, list, or table"
     )
     trust: StrictBool = Field(
-        default=False, description="load an FMU of one's own into this process: faster, but a crash in it ends the run"
+        default=False, description="load your FMU into this process: faster, but a crash in it ends the run"
     )
     formation: FormationTable | None = Field(
-        default=None, description="of a plant that does not say which wheelsets turn as one and where they are"
+        default=None, description="of a plant that does not declare coupling and positions of its wheelsets"
     )
     nudge: Nudge | None = Field(default=None, description="moves all real parameters of the plant a little")
 
@@ -184,9 +184,7 @@ class Vehicle(Table):
         plants = sum(source is not None for source in (self.plant, self.model, self.train))
         if plants != 1:
             wrong = "has two plants" if plants else "has no plant"
-            raise table_error(
-                f"{wrong}; give 'plant', or 'model' and 'library' of a Modelica class of your own, or 'train'"
-            )
+            raise table_error(f"{wrong}; give 'plant', or 'model' and 'library' of your Modelica class, or 'train'")
         return self
 
     @property

@@ -88,7 +88,7 @@ def _add_train_level(vehicle: VehicleData, law: Law) -> Law:
             )
         if scenario.demand is None:
             raise ScenarioError(
-                f"{scenario.name}: [controller] redistribute has nothing to give where full brake is demanded from "
+                f"{scenario.name}: [controller] redistribute has no effect where full brake is demanded from "
                 "every group; write a [demand] below it"
             )
         law = with_redistribution(
@@ -107,7 +107,7 @@ def _group_law(vehicle: VehicleData) -> Law:
     table = scenario.controller
     kind = _law_named(table.kind) if isinstance(table, LawTable) else None
     if kind is None or not isinstance(table, LawTable):
-        raise ScenarioError(f"{scenario.name}: [controller] kind '{table.kind}' is no law of this project")
+        raise ScenarioError(f"{scenario.name}: [controller] kind '{table.kind}' is not a built-in law")
     train = units_of_nominal_data(vehicle.formation)
     parameters = {name: value for name, value in table.parameters.items() if name not in train}
     values = in_units("[controller.parameters]", parameters, kind.tuning.units())

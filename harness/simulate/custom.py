@@ -161,7 +161,7 @@ class _KnownBrake(Brake):
         if name in BRAKE and math.isnan(value):
             keys = " and ".join(f"{key} ({meaning})" for key, meaning in meanings_of_brakes({name}).items())
             raise ScenarioError(
-                f"[vehicle.formation] brakes lacks {keys}, which the plant does not say; write it there"
+                f"[vehicle.formation] brakes lacks {keys}, which the plant does not declare; give it there"
             )
         return value
 
@@ -493,7 +493,7 @@ class CustomPlant:
         by_name = _by_its_names(outputs)
         if by_name is None or self._output_names.symmetric_difference(by_name):
             raise PlantFailed(
-                f"{_place(self._part, 'step')} returned {_short(outputs)}, not what it showed at the start, "
+                f"{_place(self._part, 'step')} returned {_short(outputs)}, at the start it returned "
                 f"{', '.join(sorted(self._output_names))}.{_when(self._time)}"
             )
         return self._vector("step", by_name)

@@ -122,7 +122,7 @@ def foreign_controller(
         names = ", ".join(dict.fromkeys(name.partition("[")[0] for name in binding.unused))
         notify(
             f"{description.file.name}: nothing drives its {names} ([estimator] kind is '{scenario.estimator.kind}'): "
-            "what it starts with stays."
+            "the start value remains."
         )
     context = open_plant(
         description,

@@ -129,8 +129,8 @@ def _require_unchanged_rail(scenario: Scenario) -> None:
     changes = {"[adhesion.recovery]": scenario.adhesion.cleaning is not None, "[[sanders]]": bool(scenario.sanders)}
     for table in (table for table, present in changes.items() if present):
         raise ScenarioError(
-            f"{scenario.name}: [controller] ideal_bound is the best stop on a rail that lies as it is, and with "
-            f"{table} what a wheelset finds depends on how those ahead have run over it: leave one of them out"
+            f"{scenario.name}: [controller] ideal_bound is the best stop on a rail that slip does not change, and with "
+            f"{table} the friction at a wheelset depends on the slip of those ahead: remove one of them"
         )
 
 

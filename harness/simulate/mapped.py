@@ -110,7 +110,7 @@ class MappingDraft:
         yield "[vehicle.map]"
         yield from self.map_lines()
         for signal in self.missing:
-            yield f"# {signal.name} = ?  # needed, in {signal.unit}: nothing like it was found"
+            yield f"# {signal.name} = ?  # needed, in {signal.unit}: no similar variable was found"
         if self.missing:
             yield f"# not used: {_some(self.unused) or 'none'}"
             yield "# add the missing lines; without a short run, units that the FMU does not declare are assumptions"

@@ -168,8 +168,8 @@ def _of_train(trial: Trial, poor: Trial, speed: float, slowing: Slowing) -> Iter
     most = POOR_RAIL * GRAVITY + slowing.most(speed) + _CLOSE
     sentence = (
         f"does not bound the brakes: they slow the train by {braking:.3g} m/s2 with friction of {GOOD_RAIL:g} and by "
-        f"{poor.deceleration:.3g} m/s2 with {POOR_RAIL:g}, where {most:.3g} and less is expected; brakes on the rail "
-        "itself stand in [vehicle.formation] track_brakes"
+        f"{poor.deceleration:.3g} m/s2 with {POOR_RAIL:g}, where {most:.3g} or less is expected; give brakes on the "
+        "rail itself in [vehicle.formation] track_brakes"
     )
     yield SignalCheck(signal="mu0", good=poor.deceleration <= most, sentence=sentence)
     loss, integral = v[-1] - v[last], float(np.trapezoid(a[last:], dx=trial.period))
@@ -182,7 +182,7 @@ def _of_group(trial: Trial, g: int, radius: float, pressure: float) -> Iterator[
     last = trial.coasting - 1
     v, wheel, slip = (trial.output(name)[last, at] for name, at in (("speed", 0), ("wheelset_speed", g), ("slip", g)))
     rolling = v / wheel if wheel else math.inf
-    words = f"m of radius by speed over wheel speed; controller and estimator believe {radius:.6g} m"
+    words = f"m of radius by speed over wheel speed; controller and estimator assume {radius:.6g} m"
     near = abs(rolling / radius - 1) <= _WEAR
     hint = "" if near else _hint(radius / rolling)
     if not near and not hint:
@@ -272,14 +272,14 @@ def probe_outputs(
     return np.array(rows)
 
 
-def require_radius(file: str, layout: Layout, rows: Matrix, believed: tuple[float, ...], v_small: float) -> None:
+def require_radius(file: str, layout: Layout, rows: Matrix, expected: tuple[float, ...], v_small: float) -> None:
     """Compare the radius of each group's contacts with the expected one [m].
 
     Args:
         file: Name of the FMU.
         layout: Layout of the plant's vectors.
         rows: Outputs of the plant, one row per sample.
-        believed: Expected radius of each group [m].
+        expected: Expected radius of each group [m].
         v_small: Speed below which slip is regularised [m/s].
 
     Raises:
@@ -290,7 +290,7 @@ def require_radius(file: str, layout: Layout, rows: Matrix, believed: tuple[floa
     if not np.all(w > 0.0):
         return  # at rest no speed reveals a radius; the same FMU is checked when it starts moving
     found = (v - slip * np.sqrt(v**2 + v_small**2)) / w
-    for g, (here, there) in enumerate(zip(found.tolist(), believed, strict=True)):
+    for g, (here, there) in enumerate(zip(found.tolist(), expected, strict=True)):
         if abs(here / there - 1.0) > RADIUS_TOLERANCE:
             raise FmuError(
                 f"{file}: the contacts of group {g + 1} have a wheel radius of {here:.6g} m by slip[{g + 1}], speed "

@@ -384,7 +384,7 @@ class VehicleData:
             return np.array([[self.changes.get(name, value) for name, value in curves[0].items()]])
         for name in curves[0].keys() & self.scenario.vehicle.parameters.keys():
             raise ScenarioError(
-                f"{self.scenario.name}: [vehicle.parameters] {name} is of one creep curve, [adhesion] lays several; "
+                f"{self.scenario.name}: [vehicle.parameters] {name} is for one creep curve, [adhesion] has several; "
                 "leave it out, or change all of them by [truth] creep"
             )
         factors = self.scenario.truth.factors()

@@ -25,6 +25,7 @@ from railgrip.estimation.spec import (
     settings_for,
 )
 from railgrip.estimators.observability import along
+from railgrip.recording.samples import evenly, period_of, reading_of, samples, truth_of, with_signals
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding, extreme, mean
 from railgrip.report.page import Page
@@ -38,7 +39,6 @@ from railgrip.studies.papers import adhesion_and_brake_friction as published
 from railgrip.studies.papers.adhesion_and_brake_friction import LIMIT, RECOVERY
 from railgrip.studies.papers.pages import write_results
 from railgrip.studies.study import Study
-from railgrip.trace.samples import evenly, period_of, reading_of, samples, truth_of, with_signals
 
 Mask = NDArray[np.bool_]
 

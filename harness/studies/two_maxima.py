@@ -183,7 +183,7 @@ class TwoMaxima(Study):
             title="Two maxima of adhesion over slip",
             question="Which slip stops a train earlier, where slip cleans and heats the contact?",
             answer="On the wet rail and on leaves, adhesion has one maximum with the film alone, rises until the "
-            "wheel locks with cleaning alone, and has two maxima with cleaning and heat. The table says which of "
+            "wheel locks with cleaning alone, and has two maxima with cleaning and heat. The table shows which of "
             "them a law should hold.",
             template="studies/two_maxima.md.jinja",
             values={"stops": stops, "flash": flash},

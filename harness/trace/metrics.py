@@ -95,7 +95,7 @@ class Metrics:
     nis_ratio: Annotated[
         float | None, "1", "median squared innovation of the estimator over its expected median; 1 if consistent"
     ]
-    estimator_lost: Annotated[float | None, "s", "when innovations said that the estimator's belief means nothing"]
+    estimator_lost: Annotated[float | None, "s", "from when on, by its innovations, the estimate has no meaning"]
     speed_rmse: Annotated[Each | None, "m/s", "RMS error of the estimated speed above 10 km/h"]
     speed_error: Annotated[float, "1", "RMS error of the reading of the speed over the RMS of its true value"] = (
         math.nan
@@ -130,7 +130,7 @@ class Metrics:
                 "The estimator is overconfident: its median squared innovation is "
                 f"{self.nis_ratio:.1f} times the expected one."
             )
-        offsets = " Offsets of the pressure transducers, which no reading shows, are not part of σ."
+        offsets = " Offsets of the pressure transducers, which the readings do not reveal, are not part of σ."
         for what, shares, cause in (
             ("adhesion", self.adhesion_outside, ""),
             ("pad friction", self.pad_friction_outside, offsets),

@@ -141,7 +141,7 @@ def _require_trace(path: Path, variables: dict[str, _Variable], attributes: dict
                 "transpose it"
             )
         if len(set(dimensions)) < len(dimensions) or (name in dimensions and len(dimensions) > 1):
-            raise RecordError(f"{path}: variable '{name}' has axes without a dimension of their own")
+            raise RecordError(f"{path}: variable '{name}' has axes without their own dimension")
         for dimension, size in zip(dimensions, values.shape, strict=True):
             if sizes.setdefault(dimension, size) != size:
                 raise RecordError(

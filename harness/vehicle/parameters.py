@@ -146,7 +146,7 @@ class VehicleParameters:
         if lacking:
             raise ScenarioError(
                 f"[vehicle.formation] lacks {' and '.join(lacking)}, which controller, estimator or driver need and "
-                "the plant does not say: write them there, a value for all or a list; `railgrip map` prints the lines "
+                "the plant does not declare: give them there, one value or a list; `railgrip map` prints the lines "
                 "of an FMU"
             )
 

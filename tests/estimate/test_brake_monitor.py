@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from railgrip.recording.samples import reading_of, truth_of, with_signals
 from railgrip.report.style import save
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
 from railgrip.studies.pad_monitor.folder import stops_in
@@ -11,7 +12,6 @@ from railgrip.studies.pad_monitor.page import draw, group_names
 from railgrip.studies.pad_monitor.study import Assessment, assessment_of
 from railgrip.studies.pad_monitor.watch import MonitorDesign, threshold_for, watch
 from railgrip.trace.netcdf import FILE_NAME, write_trace
-from railgrip.trace.samples import reading_of, truth_of, with_signals
 
 DESIGN = MonitorDesign()
 

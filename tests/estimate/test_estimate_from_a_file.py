@@ -13,7 +13,7 @@ from railgrip.estimation.check import check_mass
 from railgrip.estimation.run import estimate
 from railgrip.estimation.sources import recording_for, recording_of_estimation
 from railgrip.estimation.spec import LIBRARY, load_specification, prediction_for, settings_for
-from railgrip.trace.samples import recording_of
+from railgrip.recording.samples import recording_of
 
 MAP = """
 [data]

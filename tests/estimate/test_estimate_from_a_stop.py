@@ -12,8 +12,8 @@ from railgrip.base.errors import EstimationError, InputError
 from railgrip.cli.main import app
 from railgrip.estimation.spec import LIBRARY
 from railgrip.estimators.tuning import NOISE_SETS
+from railgrip.recording.samples import reading_of, readings_in, unit_of
 from railgrip.trace.netcdf import read_trace, write_trace
-from railgrip.trace.samples import reading_of, readings_in, unit_of
 
 SPECIFICATION = LIBRARY / "stop.toml"
 

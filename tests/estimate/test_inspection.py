@@ -16,7 +16,7 @@ from railgrip.cli.main import app
 from railgrip.estimation.inspection import Inspection, inspect_recording
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import load_specification
-from railgrip.trace.samples import reading_of
+from railgrip.recording.samples import reading_of
 
 T = np.arange(1000) * 0.01
 RNG = np.random.default_rng(1)

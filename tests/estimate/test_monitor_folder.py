@@ -11,10 +11,10 @@ import railgrip.scenario
 from railgrip.cli.main import app
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import load_specification
+from railgrip.recording.samples import reading_of
 from railgrip.studies.pad_monitor.evidence import evidence_of
 from railgrip.studies.pad_monitor.folder import stops_in
 from railgrip.studies.pad_monitor.life import Life, live
-from railgrip.trace.samples import reading_of
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 
@@ -84,7 +84,7 @@ def test_recorded_files_give_the_evidence_of_the_stops_themselves(tmp_path):
     pd.DataFrame(columns).to_csv(folder / "stop-1.csv", index=False)
     result = CliRunner().invoke(app, ["monitor", str(folder), "--map", str(tmp_path / "map.toml")])
     assert result.exit_code == 0, result.output
-    assert "1 stops do not tell the temperature of their discs" in " ".join(result.output.split())
+    assert "1 stops do not have the temperature of their discs" in " ".join(result.output.split())
     read = recording_for(load_specification(tmp_path / "map.toml"), folder / "stop-1.csv").recording
     cold = np.full(4, 313.15)
     through, direct = evidence_of(read, cold), evidence_of(recording, cold)

@@ -15,13 +15,13 @@ from scipy.io import savemat
 from railgrip.base.errors import EstimationError
 from railgrip.base.units import unit
 from railgrip.estimation.plausible import check_signals
+from railgrip.recording.cleaning import find_repeats, spikes
+from railgrip.recording.flag import Flag, summary
+from railgrip.recording.grid import input_on_grid, on_grid
+from railgrip.recording.read import FileRecording, read_recording
+from railgrip.recording.samples import reading_of, unit_of
+from railgrip.recording.table import Column, DataTable
 from railgrip.scenario.load import validate_table
-from railgrip.trace.cleaning import find_repeats, spikes
-from railgrip.trace.flag import Flag, summary
-from railgrip.trace.grid import input_on_grid, on_grid
-from railgrip.trace.read import FileRecording, read_recording
-from railgrip.trace.samples import reading_of, unit_of
-from railgrip.trace.table import Column, DataTable
 
 UNITS = {"speed": "m/s", "wheelset_speed": "rad/s", "pad_force": "N", "disc_temperature": "K", "mu_b": "1"}
 INPUTS, OUTPUTS = ["pad_force"], ["speed", "wheelset_speed", "disc_temperature"]
@@ -384,7 +384,7 @@ def test_the_unit_of_the_header_is_used_and_must_agree_with_the_map(tmp_path):
     path = csv(tmp_path, stop().rename(columns={"v": "v [km/h]"}))
     speed = reading_of(taken(path, columns={"speed": {"column": "v [km/h]"}}).recording, "speed")
     assert speed[0] == pytest.approx(20.0, abs=0.05)
-    with pytest.raises(EstimationError, match=r"the file says it is in 'km/h', the map says 'm/s'; correct the map\.$"):
+    with pytest.raises(EstimationError, match=r"its unit in the file is 'km/h', in the map 'm/s'; correct the map\.$"):
         taken(path, columns={"speed": {"column": "v [km/h]", "unit": "m/s"}})
 
 
@@ -409,7 +409,7 @@ def test_a_cell_that_is_not_a_number_is_refused(tmp_path):
 
 def test_missing_damaged_and_unknown_files_are_refused(tmp_path):
     (tmp_path / "run.xls").write_text("")
-    with pytest.raises(EstimationError, match=r"'\.xls' is no format that is read here"):
+    with pytest.raises(EstimationError, match=r"'\.xls' is not a supported format"):
         taken(tmp_path / "run.xls")
     with pytest.raises(EstimationError, match="there is no such file"):
         taken(tmp_path / "run.csv")

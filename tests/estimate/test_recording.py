@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railgrip.base.errors import EstimationError
-from railgrip.trace.samples import period_of, recording_of, samples, truth_of
+from railgrip.recording.samples import period_of, recording_of, samples, truth_of
 
 
 def recorded(**changes):
@@ -59,5 +59,5 @@ def test_signals_of_different_lengths_are_refused():
 
 def test_only_recorded_truth_is_available():
     assert truth_of(recorded(), "v")[0] == 20.0
-    with pytest.raises(EstimationError, match="does not know the true mu_b"):
+    with pytest.raises(EstimationError, match="does not have the true mu_b"):
         truth_of(recorded(), "mu_b")

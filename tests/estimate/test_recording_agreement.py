@@ -22,7 +22,7 @@ from railgrip.cli.main import app
 from railgrip.estimation.agreement import disagreements
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import LIBRARY, load_specification
-from railgrip.trace.samples import recording_of
+from railgrip.recording.samples import recording_of
 
 PERIOD, G = 0.02, 9.81
 MASS, INERTIA, RADIUS, UNITS, R_FRICTION, DRAG = 40e3, 130.0, 0.46, 2.0, 0.25, 1.2 / 2 * 0.9 * 10.0

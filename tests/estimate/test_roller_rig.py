@@ -8,6 +8,7 @@ import xarray
 
 from railgrip.estimation.judge import judge
 from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
+from railgrip.recording.samples import reading_of, recording_of, truth_of
 from railgrip.report.style import save
 from railgrip.scenario.load import load
 from railgrip.simulate.vehicle import VehicleData
@@ -23,7 +24,6 @@ from railgrip.studies.roller_rig import (
     recording_of_rig,
     tunings,
 )
-from railgrip.trace.samples import reading_of, recording_of, truth_of
 
 
 def shortened(name, horizon, **changes):

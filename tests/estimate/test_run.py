@@ -9,7 +9,7 @@ from scipy.linalg import expm
 from railgrip.base.errors import EstimationError, EstimatorError
 from railgrip.estimation.judge import judge
 from railgrip.estimation.run import Settings, by_name, estimate, prediction_of, units_of
-from railgrip.trace.samples import recording_of
+from railgrip.recording.samples import recording_of
 
 PERIOD = 0.01
 EQUATION_20 = {"w": 10.0, "v": 1e-5, "mu_b": 1e-3, "alpha": 1e-1}

@@ -84,7 +84,7 @@ def test_noises_may_come_from_a_file(tmp_path):
     path.write_text(before + '[noise]\nfile = "tuned.toml"\n[start]' + after.partition("[start]")[2])
     assert load_specification(path).noise == load_specification(LIBRARY / "rig_own.toml").noise
     path.write_text(path.read_text().replace('"tuned.toml"', '"tuned.toml"\nkind = "density"'))
-    with pytest.raises(EstimationError, match=r"mine\.toml: \[noise\] file stands for the whole table"):
+    with pytest.raises(EstimationError, match=r"mine\.toml: \[noise\] file replaces the whole table"):
         load_specification(path)
     path.write_text(path.read_text().replace('"tuned.toml"\nkind = "density"', '"lost.toml"'))
     with pytest.raises(ScenarioError, match=r"lost\.toml"):

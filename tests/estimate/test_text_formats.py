@@ -13,13 +13,13 @@ from hypothesis import strategies as st
 from railgrip.base.errors import EstimationError
 from railgrip.base.units import conversion, unit
 from railgrip.estimation.inspection import inspect_recording
+from railgrip.recording.delimited import read_delimited
+from railgrip.recording.files import unit_at_end
+from railgrip.recording.read import read_recording
+from railgrip.recording.samples import reading_of
+from railgrip.recording.table import DataTable
 from railgrip.scenario.curve import read_curve
 from railgrip.scenario.load import validate_table
-from railgrip.trace.delimited import read_delimited
-from railgrip.trace.files import unit_at_end
-from railgrip.trace.read import read_recording
-from railgrip.trace.samples import reading_of
-from railgrip.trace.table import DataTable
 
 PERIOD = 0.01
 SAMPLES = 40
@@ -228,7 +228,7 @@ def test_a_second_header_line_has_the_units(tmp_path, row, decimal):
     assert reading_of(recording, "pad_force")[0] == pytest.approx(12.5e3)
     assert not inspect_recording(path, Path("rig_own")).unrecognised
     written["columns"]["speed"]["unit"] = "m/s"
-    with pytest.raises(EstimationError, match="the file says it is in 'km/h', the map says 'm/s'"):
+    with pytest.raises(EstimationError, match="its unit in the file is 'km/h', in the map 'm/s'"):
         read_recording(
             path,
             validate_table(DataTable, written, directory=Path(), origin="run.toml"),

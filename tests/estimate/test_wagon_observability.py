@@ -7,7 +7,7 @@ from railgrip.estimation.observable import observe
 from railgrip.estimation.run import equations_of
 from railgrip.estimation.spec import LIBRARY, load_specification
 from railgrip.estimators.observability import observability, readings_and_rates
-from railgrip.trace.samples import recording_of
+from railgrip.recording.samples import recording_of
 
 G = 9.81
 M, J, R_WHEEL, R_FRICTION, UNITS, H, A = 40e3, 130.0, 0.46, 0.25, 2.0, 1.5, 9.0

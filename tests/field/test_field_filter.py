@@ -12,6 +12,7 @@ from railgrip.estimation.braking import brake_mask, braking_of, traction_mask
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import estimate_of
+from railgrip.recording.samples import reading_of, truth_of, with_signals
 from railgrip.report.style import save
 from railgrip.rolling_stock.schema import load_train
 from railgrip.studies.field_test import figures, filtering
@@ -31,7 +32,6 @@ from railgrip.studies.field_test.runs import run as run_case
 from railgrip.studies.field_test.score import common_factor, score, terms_of, track_score
 from railgrip.studies.field_test.study import noise_table
 from railgrip.studies.field_test.tune import Search, limits, tune, value
-from railgrip.trace.samples import reading_of, truth_of, with_signals
 
 
 @pytest.fixture(scope="module")

@@ -94,5 +94,5 @@ def test_a_stranger_is_isolated_and_its_owner_is_told(foundry: Path):
         plant = open_plant(description, binding, period=PERIOD, parameters={}, trusted=trust, notify=messages.append)
         assert isinstance(plant, kind)
         assert len(messages) == count
-    assert "well.fmu comes from outside" in messages[0]
+    assert "well.fmu is foreign" in messages[0]
     assert "set trust = true under [vehicle]" in messages[0]

@@ -169,7 +169,7 @@ def test_its_scenario_runs_from_file_to_stop_in_a_process_of_its_own(foreign: De
         for trust in ("false", "true")
     ]
     assert len(messages) == 1
-    assert "ForeignTrain.fmu comes from outside" in messages[0]
+    assert "ForeignTrain.fmu is foreign" in messages[0]
     alone, here = stops
     assert alone.outcome is Outcome.STANDSTILL
     assert alone.fmus["ForeignTrain.fmu"] == foreign.digest

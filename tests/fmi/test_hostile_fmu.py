@@ -143,7 +143,7 @@ def test_a_crash_at_the_end_is_told_and_leaves_the_results(foundry: Path, scratc
         assert plant.step(np.zeros(4))[0] == pytest.approx(0.2), "20 m/s for 10 ms"
     assert sentences == [
         f"{misbehaviour.lower()}.fmu: when it was terminated and freed after the last step, its process was ended by "
-        "SIGABRT; the results stand."
+        "SIGABRT; the results are valid."
     ]
     assert list(scratch.iterdir()) == []
 

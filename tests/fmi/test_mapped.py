@@ -226,5 +226,5 @@ def test_the_printed_tables_are_toml_that_binds(foundry: Path):
 def test_what_is_not_found_is_told_with_its_unit(foundry: Path):
     description = describe(faulty_fmu(foundry, names={"speed": "quantity_12"}))
     lines = list(find_mapping(description, wheelsets_per_group=(), speed=20.0, period=1e-3).lines())
-    assert "# speed = ?  # needed, in m/s: nothing like it was found" in lines
+    assert "# speed = ?  # needed, in m/s: no similar variable was found" in lines
     assert any(line.startswith("# not used: ") and "quantity_12" in line for line in lines)

@@ -114,7 +114,7 @@ def test_the_fmu_it_made_is_put_in_place(omc, tmp_path):
 
 def test_an_error_beside_an_fmu_is_told(omc, tmp_path):
     omc("printf 'an fmu' > Lib_FMUs_Plant.fmu", "echo '\"Error: Internal error createFMIModelDerivatives failed'")
-    with pytest.warns(UserWarning, match=r"built Lib\.FMUs\.Plant, but says:\nError: .*createFMIModelDerivatives"):
+    with pytest.warns(UserWarning, match=r"built Lib\.FMUs\.Plant, but reports:\nError: .*createFMIModelDerivatives"):
         openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
 
 

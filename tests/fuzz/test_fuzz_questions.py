@@ -18,14 +18,14 @@ from synthetic import LAYOUT, TWO_PART_TRAIN
 
 import railgrip.scenario
 from railgrip.base.errors import ScenarioError
+from railgrip.recording.read import read_recording
+from railgrip.recording.samples import reading_of
+from railgrip.recording.table import DataTable
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.campaign import campaign_of
 from railgrip.scenario.load import load, scenario_of, validate_table
 from railgrip.scenario.merge import merge
 from railgrip.scenario.track.table import track_force_of
-from railgrip.trace.read import read_recording
-from railgrip.trace.samples import reading_of
-from railgrip.trace.table import DataTable
 
 ROOM = Path(railgrip.scenario.__file__).parent
 SCENARIOS = [path for path in sorted((ROOM / "library").glob("*.toml")) if path.stem != "foreign_train"]

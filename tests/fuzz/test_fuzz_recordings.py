@@ -19,7 +19,7 @@ from railgrip.base.units import conversion, unit
 from railgrip.estimation.inspection import inspect_recording
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import estimate_of, load_specification
-from railgrip.trace.delimited import SPELLINGS
+from railgrip.recording.delimited import SPELLINGS
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 

@@ -10,6 +10,7 @@ from railgrip.base.errors import EstimationError, ScenarioError
 from railgrip.campaign.work import work
 from railgrip.estimators.learned.online import BOXES
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
+from railgrip.recording.table import DataTable
 from railgrip.report.page import render
 from railgrip.studies.axle_box.evaluate import TrainingRecipe
 from railgrip.studies.axle_box.recordings import (
@@ -21,7 +22,6 @@ from railgrip.studies.axle_box.recordings import (
     read_labels,
     read_recordings_file,
 )
-from railgrip.trace.table import DataTable
 
 RATE = 5120
 SECONDS = 6.4

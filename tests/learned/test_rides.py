@@ -156,7 +156,7 @@ def test_over_a_ride_an_estimator_is_the_same_online_and_offline(kind, estimator
 def test_an_fmu_rides_in_a_process_of_its_own_unless_it_is_trusted(trusted, files):
     sentences = []
     outputs_of_fmu(*bind_estimator(files["paper"]), RATE, still(), trusted=trusted, notify=sentences.append)
-    assert ["runs in a process of its own" in sentence for sentence in sentences] == [True] * (not trusted)
+    assert ["runs in a separate process" in sentence for sentence in sentences] == [True] * (not trusted)
     assert all("trust = true under [estimator]" in sentence for sentence in sentences)
 
 

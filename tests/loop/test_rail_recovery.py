@@ -163,7 +163,11 @@ def test_slip_that_cleans_stops_earlier_and_half_the_period_changes_little(contr
     ("scenario", "changes", "words"),
     [
         ("trapezoid", [WRITTEN], "conditioning.fraction = 0"),
-        ("plain", [WRITTEN, "controller.kind=ideal_bound", "estimator.kind=none"], "how those ahead have run over it"),
+        (
+            "plain",
+            [WRITTEN, "controller.kind=ideal_bound", "estimator.kind=none"],
+            "depends on the slip of those ahead",
+        ),
         ("plain", ["adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='2 m'}"], "recovery] rate"),
         ("plain", ["adhesion.recovery={mu0=0.3, A=0.4, B=0.6}"], "recovery"),
         ("plain", [WRITTEN, "limits.horizon=950 s"], "shorten"),
@@ -182,7 +186,7 @@ def test_a_plant_without_loads_or_places_is_refused():
         rail().check_plant(shown)
     constant_rail(0.1).check_plant(shown)
     nowhere = replace(TWO_PART_TRAIN, wheelset_position=())
-    with pytest.raises(ScenarioError, match=r"has recovery, and the plant does not say where"):
+    with pytest.raises(ScenarioError, match=r"has recovery, and the plant does not declare the positions"):
         position_of(load(LIBRARY / "plain.toml", [WRITTEN]), nowhere)
 
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 import xarray
 
+from railgrip.recording.samples import recording_of
 from railgrip.report.marked import with_tables
 from railgrip.scenario.load import load
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.papers import adhesion_and_brake_friction as page
 from railgrip.studies.papers.pages import FOLDER, measures_of
 from railgrip.studies.roller_rig import recording_of_rig
-from railgrip.trace.samples import recording_of
 
 PROJECT = Path(__file__).parents[2]
 PERIOD = 0.005

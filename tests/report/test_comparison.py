@@ -165,7 +165,7 @@ def test_the_command_prints_tables_or_json_and_writes_a_page(slip, adhesion, tmp
     assert content == json.loads((tmp_path / "build/compare/a-b/comparison.json").read_text(encoding="utf-8"))
     assert {row["figure"]: row["unit"] for row in content["answer"]}["distance"] == "m"
     refused = command("compare", "runs/a", "runs/b", "--out", "runs/a")
-    assert (refused.code, "runs/a: holds a result with a page of its own" in refused.err) == (2, True)
+    assert (refused.code, "runs/a: holds a result with its own page" in refused.err) == (2, True)
 
 
 def test_comparing_loads_no_matplotlib_until_it_is_drawn(slip, adhesion, monkeypatch):

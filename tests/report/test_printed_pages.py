@@ -82,7 +82,7 @@ def test_no_heading_is_stranded_at_the_end_of_a_page(folder, tmp_path, space):
     gap = f'<div style="height:{space}px"></div>'
     moved.write_text(page.read_text(encoding="utf-8").replace("<h2>Results</h2>", f"{gap}<h2>Results</h2>"))
     texts, _ = printed(moved, tmp_path)
-    below = bare("Of several values, the first is that of the leading group or wheelset.")
+    below = bare("If a figure has several values, the first is that of the leading group or wheelset.")
     assert any(below in text for text in texts)
     assert [text[-80:] for text in texts if text.endswith(("Results", "Provenance", "Scenario", below))] == []
 

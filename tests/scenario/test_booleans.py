@@ -10,6 +10,7 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 from synthetic import LIBRARY
 
 import railgrip.estimation
+import railgrip.recording
 import railgrip.rolling_stock
 import railgrip.scenario
 import railgrip.simulate
@@ -24,6 +25,7 @@ from railgrip.simulate.vehicle import VehicleData
 
 PACKAGES = (
     railgrip.estimation,
+    railgrip.recording,
     railgrip.rolling_stock,
     railgrip.scenario,
     railgrip.simulate,

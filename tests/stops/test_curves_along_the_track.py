@@ -128,7 +128,7 @@ def test_an_error_of_the_creep_curve_that_is_unknown_onboard_scales_all_curves()
     ("overrides", "sentence"),
     [
         (("adhesion.polach_of_wheelset=['dry', 'dry']",), r"polach_of_wheelset is for 2 wheelsets, the vehicle has 6"),
-        ((PATCH, "vehicle.parameters={k_A=0.5}"), r"\[vehicle.parameters\] k_A is of one creep curve.*leave it out"),
+        ((PATCH, "vehicle.parameters={k_A=0.5}"), r"\[vehicle.parameters\] k_A is for one creep curve.*leave it out"),
         ((PATCH.replace("leaf", "leafs"),), "polach is 'leafs', which is not a Polach set"),
     ],
 )

@@ -147,9 +147,7 @@ class Track(Table):
     @model_validator(mode="after")
     def _one_course_in_order(self) -> Self:
         if self.plan is not None and (self.gradient or self.curve):
-            raise table_error(
-                "has a plan, which says all gradients and curves, and gradient or curve beside it; keep one"
-            )
+            raise table_error("has a plan, which has all gradients and curves, as well as gradient or curve; keep one")
         for name, sections in (("gradient", self.gradient), ("curve", self.curve)):
             begins = [section.begin for section in sections]
             if begins != sorted(set(begins)):

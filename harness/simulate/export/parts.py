@@ -283,8 +283,8 @@ def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
     law, valves = parts.controller, parts.valves
     if not isinstance(law, Sampled):
         raise ScenarioError(
-            f"{scenario.name}: [controller] kind '{scenario.controller.kind}' is no law of this project, and only "
-            "laws can be exported; choose another kind"
+            f"{scenario.name}: [controller] kind '{scenario.controller.kind}' is not a built-in law, and only "
+            "these can be exported; choose another kind"
         )
     formulas["onboard->law"] = law
     parameters = started_at(law.formula.parameters, law.parameters)

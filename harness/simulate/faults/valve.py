@@ -56,7 +56,7 @@ class SlowValve(_ValveFault):
         amount = amount_of(self.value, "s", site.where, self.kind)
         if amount > _SLOWEST:
             raise ScenarioError(
-                f"{site.where} delays a valve by {amount:g} s; at most {_SLOWEST:g} s make sense, else it is held"
+                f"{site.where} delays a valve by {amount:g} s; at most {_SLOWEST:g} s are possible; use 'held'"
             )
         delay = round(amount / site.scenario.periods.communication)
         for group in site.groups(self.group):

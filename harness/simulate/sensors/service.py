@@ -22,7 +22,7 @@ from railgrip.vehicle.signals import Layout
 _PERIOD = 1e-3
 """Sampling period of the instruments of a train in service [s]."""
 
-_OFF = "a sensor so far off is none"
+_OFF = "an error of this size is a failure"
 SpeedError = Annotated[float, UnitRange("m/s", at_least=0, at_most=100, because=_OFF)]
 AccelerationError = Annotated[float, UnitRange("m/s2", at_least=0, at_most=1000, because=_OFF)]
 TravelError = Annotated[float, UnitRange("m", at_least=0, at_most=1, because=_OFF)]

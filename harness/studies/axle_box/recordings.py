@@ -1,6 +1,6 @@
 """A user's own runs: a folder of recordings, a table of labels and a column map, judged with the splits of the paper.
 
-Recordings are read by `railgrip.trace.read` (csv, parquet, mat, mf4; units, gaps, outliers, frozen sensors). Their
+Recordings are read by `railgrip.recording.read` (csv, parquet, mat, mf4; units, gaps, outliers, frozen sensors). Their
 signals are `left[1]` … `left[4]` and `right[1]` … `right[4]`, longitudinal accelerations of the axle boxes,
 `lateral[1]` … `lateral[4]`, all in axes of the car, and `speed`.
 
@@ -24,16 +24,16 @@ from railgrip.campaign.work import Work, call
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.preprocessing import BOXES, COMBINATIONS
 from railgrip.estimators.learned.trained import Trained
+from railgrip.recording.flag import Flag, summary
+from railgrip.recording.read import FileRecording, read_recording
+from railgrip.recording.samples import reading_of
+from railgrip.recording.table import Column, DataTable, TimeColumn
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.table import Name, Table, one_of
 from railgrip.studies.axle_box.evaluate import Score, TrainingRecipe, average, best_of, judge, within_runs, without_each
 from railgrip.studies.axle_box.reduction import SETTLED, SLOW, SPECTRAL, LabelledRun, Readings, reduce
 from railgrip.studies.axle_box.results import tables_of_recordings
 from railgrip.studies.axle_box.training import estimators_of, general
-from railgrip.trace.flag import Flag, summary
-from railgrip.trace.read import FileRecording, read_recording
-from railgrip.trace.samples import reading_of
-from railgrip.trace.table import Column, DataTable, TimeColumn
 
 
 class RunsTable(Table):

@@ -69,7 +69,9 @@ class EstimatorTable(Table):
     file: str = Field(
         description=".json of `railgrip study axle_box`, or an FMU; from the working directory or this file's folder"
     )
-    trust: bool = Field(default=False, description="load an FMU into this process; otherwise it has one of its own")
+    trust: bool = Field(
+        default=False, description="load an FMU into this process; otherwise it runs in a separate process"
+    )
 
 
 class RideFile(Table):

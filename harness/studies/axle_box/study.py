@@ -70,7 +70,7 @@ class AxleBox(Study):
                 + did_you_mean(self.inputs, COMBINATIONS, before="; ")
             )
         if self.file is not None and self.quick:
-            raise ScenarioError("--quick is for the simulated runs of the study; leave it out with runs of your own.")
+            raise ScenarioError("--quick is for the simulated runs of the study; leave it out with your own runs.")
         if self.write and (self.quick or self.file is not None):
             raise ScenarioError("--write is for the full study on simulated runs; leave out --quick and FILE.toml.")
 
@@ -119,7 +119,7 @@ class AxleBox(Study):
             title=f"Friction from axle-box accelerations: {len(runs)} runs",
             question="Can friction be estimated from these accelerations of an axle box, on runs that no training saw?",
             answer="The tables have the mean absolute error with each run left out once, in brackets that of always "
-            "saying the mean label. A network that was trained on a part of the same run only recognises it.",
+            "estimating the mean label. A network that was trained on a part of the same run only recognises it.",
             template="studies/axle_box/recordings.md.jinja",
             values={**tables, "count": len(runs), "remarks": remarks},
             files=_files(trained),

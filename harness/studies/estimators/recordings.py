@@ -12,10 +12,10 @@ import xarray
 
 import railgrip.scenario
 from railgrip.estimation.sources import stop_read
+from railgrip.recording.samples import with_signals
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.merge import merge
 from railgrip.studies.type_test.design import FAULTS, Case, cases, ranks
-from railgrip.trace.samples import with_signals
 
 COUNT, QUICK = 48, 4
 """Number of cases of each set, and of a quick run."""

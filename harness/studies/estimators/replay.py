@@ -18,10 +18,10 @@ from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.observability import posterior_bound
 from railgrip.estimators.smoother import smooth
 from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
+from railgrip.recording.samples import truth_of
 from railgrip.simulate.estimator import RELEASED_PADS
 from railgrip.simulate.prediction import release_pressure
 from railgrip.studies.estimators.recordings import GROUPS, RecordingCase, recording_of_case
-from railgrip.trace.samples import truth_of
 
 MODEL: Final = "TrainPredictionReduced"
 """Prediction of all estimators but those of `OTHER_MODELS`: 13 states, so that a step in numpy takes milliseconds."""

@@ -77,7 +77,7 @@ class Estimators(Study):
         best = tables["leaderboard"].rows[0]
         return Page(
             title="How well adhesion can be known",
-            question="Which estimator knows adhesion best, and does it know how well?",
+            question="Which estimator has the smallest error of adhesion, and is its claimed error true?",
             answer=(
                 f"The smallest median RMSE of adhesion over {count} recordings is {best['median RMSE']:.4f}, of "
                 f"{best['estimator']}. The prediction, if it were true, would permit {bound:.4f}."

@@ -10,6 +10,7 @@ from matplotlib.patches import Circle, Rectangle
 
 from railgrip.estimation.braking import Braking, brake_mask, traction_mask
 from railgrip.estimators.compiled import FilterRecord
+from railgrip.recording.samples import reading_of
 from railgrip.report import palette, style
 from railgrip.rolling_stock.drawing import drawing as train_drawing
 from railgrip.rolling_stock.schema import Train
@@ -17,7 +18,6 @@ from railgrip.studies.field_test.filtering import GROUPS, FilterTask
 from railgrip.studies.field_test.published import ADHESIONS, OSCILLATION, OVERBRAKING, PRESSURES, START_SPEED, TIMES
 from railgrip.studies.field_test.runs import FieldRun
 from railgrip.studies.field_test.score import R_WHEEL, Sweep
-from railgrip.trace.samples import reading_of
 
 MB1, JTB1 = 0, 1
 NOMINAL = 0.35

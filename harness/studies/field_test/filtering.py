@@ -24,8 +24,8 @@ from railgrip.estimators.belief import Array, GaussianEstimate
 from railgrip.estimators.compiled import CompiledFilter, FilterRecord
 from railgrip.estimators.consistency import loss_step
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
+from railgrip.recording.samples import knows, period_of, truth_of
 from railgrip.scenario.load import read_toml, validate_table
-from railgrip.trace.samples import knows, period_of, truth_of
 
 NOISES = Path(__file__).parent / "library"
 """Folder of the tuned noises."""

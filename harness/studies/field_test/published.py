@@ -9,6 +9,7 @@ from scipy.ndimage import uniform_filter1d
 from railgrip.estimation.braking import brake_mask, traction_mask
 from railgrip.estimators.belief import Array
 from railgrip.estimators.compiled import FilterRecord
+from railgrip.recording.samples import reading_of
 from railgrip.report import style
 from railgrip.report.table import ReportTable
 from railgrip.rolling_stock.schema import Train
@@ -16,7 +17,6 @@ from railgrip.studies.field_test.filtering import GROUPS, FilterTask
 from railgrip.studies.field_test.runs import FieldRun
 from railgrip.studies.field_test.score import R_WHEEL
 from railgrip.studies.papers.pages import PaperRow, comparison
-from railgrip.trace.samples import reading_of
 
 TIMES = {
     "first drive ends": 20.0, "second drive begins": 38.0, "second drive ends": 70.0, "braking begins": 80.0,

@@ -13,10 +13,10 @@ from railgrip.campaign.work import Work
 from railgrip.estimation.judge import rms
 from railgrip.estimators.belief import Array
 from railgrip.estimators.compiled import CompiledFilter, FilterRecord
+from railgrip.recording.samples import reading_of, truth_of
 from railgrip.scenario.schema import Scenario
 from railgrip.studies.field_test.filtering import GROUPS, FilterTask, Noise, filter_of, follow, prediction, task_of
 from railgrip.studies.field_test.runs import TEST, FieldRun, run
-from railgrip.trace.samples import reading_of, truth_of
 
 R_WHEEL = 0.38
 """Weight of |Δω| against |Δv| [m]: rim speeds count like the speed of the train."""
@@ -84,7 +84,7 @@ def score(task: FilterTask, estimate: FilterRecord) -> Figures:
     """
     if task.truth is None:
         name = task.braking.recording.attrs.get("name", "")
-        raise EstimationError(f"{name}: there is no truth to compare with; simulate the run.")
+        raise EstimationError(f"{name}: it has no true values to compare with; simulate the run.")
     terms = terms_of(task, estimate)
     after = slice(task.braking.brake + round(SETTLED / task.data.period), None)
     of_pads, of_adhesions = slice(1 + GROUPS, 1 + 2 * GROUPS), slice(1 + 2 * GROUPS, None)

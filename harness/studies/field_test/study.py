@@ -12,6 +12,7 @@ from typer import Option
 from railgrip.base.units import GRAVITY
 from railgrip.campaign.work import Work
 from railgrip.estimators.compiled import CompiledFilter
+from railgrip.recording.samples import truth_of
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable
@@ -55,7 +56,6 @@ from railgrip.studies.field_test.score import (
 from railgrip.studies.field_test.tune import limits
 from railgrip.studies.papers.pages import write_results
 from railgrip.studies.study import Study
-from railgrip.trace.samples import truth_of
 
 TRAIN = Path("vt642")
 TUNED = {"equation (14)": "paper", "with consistency": "consistent"}

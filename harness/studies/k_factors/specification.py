@@ -32,7 +32,7 @@ class _Dispersion(Table):
     """Keys of every entry of [[dispersion]]."""
 
     quantity: Quantity
-    per: Extent = Field(description="what has a draw of its own")
+    per: Extent = Field(description="what is drawn separately")
     source: Annotated[str, Field(min_length=3)]
 
     def _deviation(self, name: str) -> float:

@@ -54,7 +54,7 @@ class KFactors(Study):
 
     file: Annotated[Path, Argument(metavar="FILE.toml", help="Dispersion and failures.")] = Path("vt642")
     overrides: list[str] | None = None
-    loop: Annotated[bool, Option("--loop", help="Also stops with the controller, as [loop] says.")] = False
+    loop: Annotated[bool, Option("--loop", help="Also run stops with the controller, see [loop].")] = False
     write: Annotated[bool, Option("--write", help="Write table and sentences into docs/k_factors.md.")] = False
     import_from: list[Path] | None = None
 

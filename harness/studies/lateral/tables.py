@@ -331,7 +331,7 @@ def levels(results: Sequence[LateralResult]) -> list[tuple[str, ReportTable, str
 def _level(runs: Sequence[dict[str, tuple[float | None, float | None]]]) -> tuple[ReportTable, str]:
     conditions = [condition for condition in CONDITIONS if condition.name in runs[0]]
     spreads = {c: [median_interval(run[c.name][k] for run in runs) for k in (0, 1)] for c in conditions}
-    columns = ("condition", "true μ0", "believed: median [interval]", "rms error")
+    columns = ("condition", "true μ0", "estimated: median [interval]", "rms error")
     table = ReportTable.of(columns, [(c.name, f"{c.mu0:g}", *spreads[c]) for c in conditions], str)
     right = [c.name for c in conditions if spreads[c][1].median < LEVEL_TOLERANCE]
     far = [

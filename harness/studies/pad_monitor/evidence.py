@@ -19,8 +19,8 @@ from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.discretisation import advance
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native import lower
+from railgrip.recording.samples import period_of, samples
 from railgrip.simulate.vehicle import catalogue_counts
-from railgrip.trace.samples import period_of, samples
 from railgrip.vehicle.brake import pad_force, piston_force, pressure_of
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.motion import air_resistance, rolling_resistance, slip_of

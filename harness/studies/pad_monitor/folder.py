@@ -10,10 +10,10 @@ from railgrip.base.records import inside
 from railgrip.estimation.agreement import require_agreement
 from railgrip.estimation.sources import complete_trace, recording_for
 from railgrip.estimation.spec import Specification, parameters_for
+from railgrip.recording.files import FORMATS
+from railgrip.recording.samples import evenly
 from railgrip.studies.pad_monitor.evidence import MODEL, Evidence, evidence_of, formation
-from railgrip.trace.files import FORMATS
 from railgrip.trace.netcdf import FILE_NAME, read_trace
-from railgrip.trace.samples import evenly
 
 TEMPERATURE = "reading_disc_temperature"
 """Variable (time, group) of a trace with the temperature of the discs [K]; its first sample is used."""
@@ -76,7 +76,7 @@ def stops_in(
             sentences.append(f"{place.name}: left out: {problem}")
     if assumptions:
         sentences.append(
-            f"{assumptions} stops do not tell the temperature of their discs; {UNKNOWN_TEMPERATURE - 273.15:.0f} °C is "
+            f"{assumptions} stops do not have the temperature of their discs; {UNKNOWN_TEMPERATURE - 273.15:.0f} °C is "
             "assumed at their beginning, 0.7 ‰ of friction a kelvin."
         )
     return evidence, sentences

@@ -18,12 +18,12 @@ from railgrip.base.units import GRAVITY
 from railgrip.estimators.belief import Vector
 from railgrip.fmi import describe
 from railgrip.fmus.build import fmu
+from railgrip.recording.samples import recording_of
 from railgrip.scenario.load import scenario_of
 from railgrip.scenario.merge import merge
 from railgrip.scenario.seed import generator
 from railgrip.simulate.run import trace_of
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, formation
-from railgrip.trace.samples import recording_of
 
 PLANT = "TwoPartTrain"
 PERIOD = 0.04  # s; the solver of the plant steps finer, and half the readings of 0.02 s widen the evidence by √2

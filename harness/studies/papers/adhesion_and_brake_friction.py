@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from railgrip.estimation.judge import errors
+from railgrip.recording.samples import period_of, reading_of, truth_of
 from railgrip.report import palette, style
 from railgrip.report.table import ReportTable
 from railgrip.studies.papers.pages import PaperRow, arrow, canvas, comparison, dimension
 from railgrip.trace.contact import Contact
-from railgrip.trace.samples import period_of, reading_of, truth_of
 
 Vector = NDArray[np.float64]
 

@@ -33,7 +33,7 @@ class SanderDistance(Table):
 
     sanders: str
     measured: Metres
-    at_least: StrictBool = Field(default=False, description="whether the trial only says that it was longer")
+    at_least: StrictBool = Field(default=False, description="whether the trial only states that it was longer")
     laid: tuple[dict[str, Any], ...]
 
 

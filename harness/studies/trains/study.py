@@ -146,7 +146,7 @@ def page_of(
     drawings = {stop.train.name: f"figures/{stop.train.name}.png" for stop in stops}
     return Page(
         title="Trains against reality",
-        question="Do the trains of this project stop as a calculation by hand and published distances say?",
+        question="Do the built-in trains stop in the distances of the hand calculation and of publications?",
         answer=_answer(stops),
         template="studies/trains/trains.md.jinja",
         values={
@@ -184,7 +184,7 @@ def _answer(stops: Sequence[DryStop]) -> str:
     differences = [100 * (stop.distance / stop.hand.distance - 1) for stop in stops]
     return (
         f"{len(stops)} dry emergency stops differ from the calculation by hand of EN 14531-1 by "
-        f"{min(differences):+.1f} to {max(differences):+.1f} %. Published distances stand beside them below."
+        f"{min(differences):+.1f} to {max(differences):+.1f} %. The tables below also have published distances."
     )
 
 

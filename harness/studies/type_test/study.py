@@ -93,7 +93,7 @@ class TypeTest(Study):
     against: Annotated[
         str | None, Option(help="A controller of the test: distances of the others over its own, case by case.")
     ] = None
-    quick: Annotated[bool, Option(help="A tenth of the cases: shows where a controller stands.")] = False
+    quick: Annotated[bool, Option(help="A tenth of the cases, for a first result.")] = False
     validation: Annotated[bool, Option(help="Other cases, for a finished controller: do not tune on them.")] = False
     count: Annotated[int | None, Option("--cases", min=1, max=10000, help="Number of cases.")] = None
     version: Annotated[

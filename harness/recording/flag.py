@@ -16,7 +16,7 @@ TREATMENTS: dict[Kind, str] = {
     "spike": "off from its neighbours; left out",
     "range": "outside the range that the map allows; left out",
     "zero": "reads exactly zero, a locked wheel or a dead sensor; kept",
-    "time": "instants that repeat or are no number; rows left out",
+    "time": "instants that repeat or are not numbers; rows left out",
     "timing": "samples moved to the nearest instant of the grid",
 }
 """Meaning and treatment of each kind."""

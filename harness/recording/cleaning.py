@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
-from railgrip.trace.flag import Flag, flags_of, intervals
+from railgrip.recording.flag import Flag, flags_of, intervals
 
 Vector = NDArray[np.float64]
 

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from railgrip.base.errors import EstimationError, UnitError
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import Unit, conversion, short, unit
+from railgrip.recording.cleaning import Treatment, clean
+from railgrip.recording.files import Series, read_series, unit_at_end
+from railgrip.recording.flag import Flag, flags_of, summary
+from railgrip.recording.grid import gaps_of, input_on_grid, on_grid
+from railgrip.recording.samples import recording_of
+from railgrip.recording.table import Column, DataTable, factor_for
 from railgrip.scenario.quantity import Magnitude
-from railgrip.trace.cleaning import Treatment, clean
-from railgrip.trace.files import Series, read_series, unit_at_end
-from railgrip.trace.flag import Flag, flags_of, summary
-from railgrip.trace.grid import gaps_of, input_on_grid, on_grid
-from railgrip.trace.samples import recording_of
-from railgrip.trace.table import Column, DataTable, factor_for
 
 Vector = NDArray[np.float64]
 
@@ -214,7 +214,7 @@ def _convert_unit(
         is_same = stated.exponents == unit_of_column.exponents
         advice = "" if is_same else f", or {factor_for(stated, target)}"
         raise EstimationError(
-            f"{where}: the file says it is in '{file_unit}', the map says '{text}'; correct the map{advice}."
+            f"{where}: its unit in the file is '{file_unit}', in the map '{text}'; correct the map{advice}."
         )
     return text, gain, shift
 
@@ -243,7 +243,7 @@ def _si(where: str, magnitude: Magnitude, target: str) -> float:
     except ValueError as problem:
         raise EstimationError(f"{where} {problem}") from problem
     if not abs(value) < _LARGEST:
-        raise EstimationError(f"{where} is {value:g} {target}, which nothing measures.")
+        raise EstimationError(f"{where} is {value:g} {target}, which is not a measurable value.")
     return value
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.trace.flag import Flag, Kind
+from railgrip.recording.flag import Flag, Kind
 
 Vector = NDArray[np.float64]
 

@@ -27,8 +27,8 @@ from railgrip.base.errors import EstimationError, InputError, UnitError
 from railgrip.base.files import LARGEST_TABLE, require_regular
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import conversion, cut, short, unit
-from railgrip.trace.delimited import SPELLINGS, read_delimited
-from railgrip.trace.table import DataTable
+from railgrip.recording.delimited import SPELLINGS, read_delimited
+from railgrip.recording.table import DataTable
 
 Vector = NDArray[np.float64]
 
@@ -113,9 +113,7 @@ def read_table(
         case ".mat":
             return _mat(path)
         case suffix:
-            raise EstimationError(
-                f"{path.name}: '{suffix}' is no format that is read here; there is {', '.join(FORMATS)}."
-            )
+            raise EstimationError(f"{path.name}: '{suffix}' is not a supported format; there is {', '.join(FORMATS)}.")
 
 
 def _require_file(path: Path) -> None:
@@ -325,7 +323,7 @@ def read_mf4(path: Path, columns: Sequence[str] | None = None) -> dict[str, Seri
             places = file.channels_db[name]
             if len(places) > 1:
                 raise EstimationError(
-                    f"{path.name}: there are {len(places)} channels '{name}'; give each a name of its own."
+                    f"{path.name}: there are {len(places)} channels '{name}'; give each its own name."
                 )
             signal = file.get(name)
             values = np.asarray(signal.samples)

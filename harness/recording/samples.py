@@ -189,7 +189,7 @@ def truth_of(trace: xarray.Dataset, state: str) -> Vector:
     values = _truth(trace, state)
     if values is None:
         raise EstimationError(
-            f"recording '{_name(trace)}' does not know the true {state}; only simulated ones do, and those that tell."
+            f"recording '{_name(trace)}' does not have the true {state}; only recordings that include it do."
         )
     return values
 
