@@ -75,6 +75,15 @@ def _saved_figures_are_readable() -> Iterator[None]:
 
 
 @pytest.fixture
+def blank_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Write empty files in place of figures, where a test is not about them: drawing takes longer than a campaign."""
+    from matplotlib.figure import Figure
+
+    monkeypatch.setattr(Figure, "draw_without_rendering", lambda drawing: None)
+    monkeypatch.setattr(Figure, "savefig", lambda drawing, file, **options: Path(file).write_bytes(b""))
+
+
+@pytest.fixture
 def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the folder of a cache that starts empty and is used by nobody else, child processes included."""
     folder = tmp_path / "cache"
