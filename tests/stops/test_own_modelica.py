@@ -1,8 +1,6 @@
 """A plant or prediction of the user's own Modelica: compiled on the way, kept by content, or refused."""
 
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -135,26 +133,24 @@ def test_what_was_compiled_here_is_trusted_whoever_compiled_it(mine, compiler, m
     assert not is_trusted(load(Path("trapezoid"), [f"vehicle.plant={foreign}"]))
 
 
-def test_the_command_builds_one_class_into_a_file(tmp_path, own_cache):
-    def build(*arguments: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", "railgrip", "build", *arguments]
-        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-
+@pytest.mark.usefixtures("own_cache")
+def test_the_command_builds_one_class_into_a_file(tmp_path, monkeypatch, command):
+    monkeypatch.chdir(tmp_path)
     library = ("--library", str(EXAMPLES / "SimpleTrain"))
-    done = build(*library, "SimpleTrain.Car", "--out", "here/MyCar.fmu")
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("here/MyCar.fmu  built")
+    done = command("build", *library, "SimpleTrain.Car", "--out", "here/MyCar.fmu")
+    assert done.code == 0, done.err
+    assert done.out.startswith("here/MyCar.fmu  built")
     assert (tmp_path / "here" / "MyCar.fmu").is_file()
-    assert "current" in build(*library, "SimpleTrain.Car").stdout
+    assert "current" in command("build", *library, "SimpleTrain.Car").out
     assert (tmp_path / "Car.fmu").is_file()
     for wrong, sentence in (
         (library, "--library is for one class"),
         (("--library", "Nowhere", "X"), "X: there is no Modelica library Nowhere"),
         (("--out", "x.fmu", "Wagon"), "--out is for a class"),
     ):
-        refused = build(*wrong)
-        assert refused.returncode == 2
-        assert sentence in refused.stderr
+        refused = command("build", *wrong)
+        assert refused.code == 2
+        assert sentence in refused.err
 
 
 @pytest.mark.parametrize("kind", ["compiled", "fmu"])
