@@ -61,7 +61,7 @@ WARM = {"temperature_loss": 8.3e-4}
     ("name", "changes"),
     [
         ("wagon", {}),
-        ("plain", {"vehicle.plant": None, "vehicle.train": "emu387"}),
+        ("plain", {"vehicle.plant": None, "vehicle.train": "tram"}),
         ("plain", {"actuation.kind": "pneumatic", "vehicle.plant": "TwoPartTrainPneumatic"}),
     ],
 )
