@@ -283,7 +283,7 @@ def test_a_train_of_arrays_by_fmi_3_is_mapped_and_stops(tmp_path: Path):
             "vehicle.formation.brakes.p_max=3 bar",
             "vehicle.formation.wheelset_load=[98.1e3, 98.1e3, 98.1e3, 98.1e3]",
         ]
-        dry = ["adhesion.mu0=0.3", "start.speed=10 km/h", "controller.kind=full_brake"]
+        dry = ["adhesion.mu0=0.3", "start.speed=5 km/h", "controller.kind=full_brake"]
         stop = run_stop(load(scenario, [*brakes, *dry]))
         assert stop.outcome is Outcome.STANDSTILL, stop.reason
         distances.append(stop.metrics.distance)
