@@ -118,7 +118,7 @@ def test_a_time_event_is_taken_when_it_is_due(foundry: Path):
     np.testing.assert_allclose(rows[:, 1], -G * time + np.maximum(time - at, 0), atol=1e-5)
 
 
-def test_an_element_of_an_array_is_a_parameter_and_the_others_keep_their_start_values(foundry: Path):
+def test_an_element_of_an_array_can_be_set_alone(foundry: Path):
     description = describe(ball(foundry))
     assert [description.variables[f"x[{i}]"].reference for i in (1, 2)] == [1, 1]
     assert description.states == ("x[1]", "x[2]")

@@ -166,7 +166,7 @@ def test_a_law_that_locks_wheels_is_not_recommended(campaign):
     assert "largest reduction" not in text
 
 
-def test_a_longer_law_that_keeps_all_clauses_is_named_before_a_shorter_one_that_locks(campaign):
+def test_a_law_that_keeps_all_clauses_is_named_before_one_that_locks(campaign):
     results = locked(harmless(read_results(campaign())), "abc", 9.3)
     reference, changes = changes_of(results)
     text = headline(rows_of(results), reference, changes)

@@ -37,7 +37,7 @@ def mine(tmp_path: Path) -> Path:
     return tmp_path / "mine" / "freight_train.toml"
 
 
-def test_a_class_is_compiled_when_it_runs_and_again_when_a_file_of_its_library_changes(mine, own_cache):
+def test_a_class_is_compiled_again_when_its_library_changes(mine, own_cache):
     first = load(mine, SHORT)
     before = plant_description(first)
     assert before.file.is_relative_to(own_cache.resolve())
@@ -229,7 +229,7 @@ def test_the_valve_predictor_and_the_tracking_bound_know_the_valves_of_the_plant
     assert (_Tracking(slow, recorder)._ahead, _Tracking(other, recorder)._ahead) == (0.11, 0.12)
 
 
-def test_valves_that_a_plant_hides_are_those_of_the_file_or_of_the_catalogue_train(tmp_path):
+def test_hidden_valves_are_those_of_the_file_or_the_catalogue_train(tmp_path):
     catalogue = {"T_fill": 0.4, "T_vent": 0.2, "dead_fill": 0.05, "dead_vent": 0.04}
     brakes = {"T_fill": "0.3 s", "dead_fill": "20 ms"}
     assert with_valves(tmp_path, {"plant": "own:Train"}).nominal.valves == catalogue

@@ -57,7 +57,7 @@ def test_values_are_inside_their_ranges():
         assert case.speed * case.horizon < 20e3  # m, the longest tabulated rail
 
 
-def test_a_pair_of_faults_is_of_two_parts_and_of_the_groups_of_the_train():
+def test_a_pair_of_faults_is_of_two_parts_of_the_train():
     pairs = [case for case in CASES if len(case.faults) == 2]
     assert pairs
     for case in pairs:
@@ -89,8 +89,11 @@ def test_sets_have_no_case_in_common():
     assert not sets[0] & sets[2]
 
 
-def test_every_case_is_a_scenario_of_its_train_and_cleaned_rails_have_no_pointwise_bound(monkeypatch):
-    """Groups are counted in the files of the trains: their plants, which have the same, take long to build."""
+def test_every_case_is_a_scenario_of_its_train(monkeypatch):
+    """Only rails that slip does not clean have a pointwise bound.
+
+    Groups are counted in the files of the trains, because their plants take long to build.
+    """
     files = {name: load_train(Path(name)) for name in FASTEST}
     count = lambda table: len(files[table["vehicle"]["train"]].groups) if "train" in table["vehicle"] else 4
     monkeypatch.setattr("railgrip.studies.type_test.entrants._groups", count)
@@ -211,7 +214,7 @@ def test_the_page_shows_families_the_bound_and_the_looks(stops):
     assert page.values["losses"].rows
 
 
-def test_shipped_results_of_version_2_are_of_all_its_controllers_or_say_how_to_renew_them():
+def test_shipped_results_have_all_controllers_or_say_how_to_renew_them():
     design = CaseSet(version=2, count=SECOND.quick, seed=SECOND.test).cases()
     found, (sentence,) = read_shipped(design, train_of(None))
     if not found:
