@@ -22,10 +22,11 @@ settings.load_profile("busy")
 
 LONGEST = {
     "test_trains_in_files.py", "test_wheel.py", "test_any_formation.py", "test_modelica_validation.py",
-    "test_train_fmus.py", "test_signals.py", "test_curves_along_the_track.py", "test_brake.py", "test_gallery.py",
-    "test_platforms.py", "test_exported_stops.py",
+    "test_ideal_bound.py", "test_curves_along_the_track.py", "test_exported_stops.py", "test_brake_equipment.py",
+    "test_own_modelica.py", "test_command_line.py", "test_code_blocks.py", "test_gallery.py", "test_site.py",
+    "test_signals.py", "test_process_environment.py", "test_train_fmus.py", "test_any_step.py", "test_brake.py",
 }  # fmt: skip
-"""Files of twenty seconds and more."""
+"""Files of fifteen seconds and more."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -72,6 +73,15 @@ def _saved_figures_are_readable() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Figure, "savefig", save_and_check)
         yield
+
+
+@pytest.fixture
+def blank_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Write empty files in place of figures, where a test is not about them: drawing takes longer than a campaign."""
+    from matplotlib.figure import Figure
+
+    monkeypatch.setattr(Figure, "draw_without_rendering", lambda drawing: None)
+    monkeypatch.setattr(Figure, "savefig", lambda drawing, file, **options: Path(file).write_bytes(b""))
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ def test_the_best_constant_has_no_skill_and_any_other_less():
     assert rmse_over_constant(truth, truth) == pytest.approx([0.0, 0.0])
 
 
-def test_the_95_percent_error_of_the_best_constant_is_that_of_the_best_of_many():
+def test_the_best_constant_has_the_smallest_95_percent_error():
     truth = np.random.default_rng(2).gamma(2.0, 0.02, (2001, 1))
     tried = [np.quantile(np.abs(truth - c), 0.95) for c in np.linspace(0.0, 0.2, 2001)]
     assert error_95_of_constant(truth)[0] == pytest.approx(min(tried), rel=5e-3)

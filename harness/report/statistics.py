@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from typing import Any, Final, cast
 
 import numpy as np
-from scipy import stats
 
 CONFIDENCE: Final = 0.95
 
@@ -42,6 +41,8 @@ def relative_change(value: float, reference: float) -> float:
 
 def share_interval(count: int, of: int) -> tuple[float, float]:
     """Return the interval of a share; Clopper and Pearson, Biometrika 26 (1934)."""
+    from scipy import stats  # takes half a second to load, which most campaigns do not need
+
     # scipy's stubs lack attributes that its documentation has, here and below.
     interval = cast("Any", stats.binomtest(count, of).proportion_ci(CONFIDENCE, method="exact"))
     return float(interval.low), float(interval.high)
@@ -57,6 +58,8 @@ def order_interval(values: Sequence[float], share: float) -> tuple[float, float]
 
     Source: Conover, Practical Nonparametric Statistics (1999), section 3.2.
     """
+    from scipy import stats
+
     interval = cast("Any", stats.quantile_test(values, q=0, p=share)).confidence_interval(CONFIDENCE)
     low, high = float(interval.low), float(interval.high)
     return None if math.isnan(low) or math.isnan(high) else (low, high)

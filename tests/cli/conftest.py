@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 import synthetic_runner
-from matplotlib.figure import Figure
 
 import railgrip.scenario
 
@@ -45,13 +44,6 @@ def project(tmp_path):
     (tmp_path / "pair.toml").write_text(CAMPAIGN.format(scenario="wet.toml"), encoding="utf-8")
     (tmp_path / "program.py").write_text(PROGRAM, encoding="utf-8")
     return tmp_path
-
-
-@pytest.fixture
-def blank_figures(monkeypatch):
-    """Write empty files in place of figures, where a test is not about them: drawing takes longer than a campaign."""
-    monkeypatch.setattr(Figure, "draw_without_rendering", lambda drawing: None)
-    monkeypatch.setattr(Figure, "savefig", lambda drawing, file, **options: Path(file).write_bytes(b""))
 
 
 @pytest.fixture

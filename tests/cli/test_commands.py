@@ -33,7 +33,7 @@ def _as_before():
 
 
 @pytest.mark.parametrize("path", ALL, ids=" ".join)
-def test_the_help_of_a_command_begins_with_its_summary_and_cites_no_file_of_the_repository(path, command):
+def test_the_help_of_a_command_begins_with_its_summary(path, command):
     loaded = ALL[path].load(path[-1])
     assert " ".join(loaded.help.split()).startswith(ALL[path].summary)
     shown = command(*path, "--help")

@@ -91,7 +91,7 @@ def test_an_installed_part_is_listed(railgrip, tmp_path_factory, monkeypatch):
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
-def test_a_name_of_another_kind_or_a_mistyped_one_is_refused_with_what_to_do(railgrip, arguments, sentence):
+def test_a_wrong_name_is_refused_with_what_to_do(railgrip, arguments, sentence):
     result = railgrip(*arguments)
     assert result.code == 2
     assert sentence in result.err

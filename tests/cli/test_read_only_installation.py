@@ -51,7 +51,7 @@ def guarded(code: str, folder: Path, *arguments: str) -> subprocess.CompletedPro
     )
 
 
-def test_the_first_stop_of_a_user_writes_into_the_cache_and_the_current_folder_only(tmp_path):
+def test_a_first_stop_writes_only_to_the_cache_and_current_folder(tmp_path):
     done = guarded(
         "from railgrip.__main__ import main; main(['run', 'rig_slide', '--out', 'out', '--set', 'limits.horizon=1 s'])",
         tmp_path,

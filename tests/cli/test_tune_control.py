@@ -84,7 +84,7 @@ def parameters_in(law: Law, names: Iterable[str]) -> dict[str, float]:
 
 
 @pytest.mark.parametrize(("law", "actuation", "slip"), [case for case in CASES if case[0].startswith("slip_")])
-def test_a_scenario_takes_the_levels_of_its_actuation_and_of_how_it_knows_the_slip(law, actuation, slip):
+def test_levels_depend_on_actuation_and_source_of_slip(law, actuation, slip):
     def levels(tuning: str):
         controller = law_with(actuation, slip, kind=law, tuning=tuning)
         return parameters_in(controller, ("low", "high", "hold"))

@@ -149,7 +149,7 @@ def test_the_watchdog_ends_venting_for_a_while():
     assert len(applied) == pytest.approx(100, abs=2)
 
 
-def test_after_long_sliding_the_last_group_is_released_to_show_how_fast_the_train_is():
+def test_the_last_group_is_released_after_long_sliding():
     law = WheelReference([GROUP, GROUP], REFERENCE)
     wheels(law, SPEED, SPEED)
     wheels(law, 0.95 * SPEED, 0.915 * SPEED, count=100)  # while the reference still falls, slip is more than it is then

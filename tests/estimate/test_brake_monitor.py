@@ -177,7 +177,7 @@ def test_the_index_claims_the_uncertainty_it_has():
     assert 0.2 < np.mean(squares) < 1.1
 
 
-def test_a_pressure_read_too_high_makes_the_pads_look_as_much_worse_as_the_evidence_allows_for(stops):
+def test_a_pressure_read_too_high_costs_the_pads_what_the_evidence_allows(stops):
     """The same stop read with the offset of one deviation, one transducer after the other."""
     recording, temperature = stops[0]
     plain = evidence_of(recording, temperature)

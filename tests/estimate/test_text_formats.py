@@ -107,7 +107,7 @@ def test_a_file_of_any_format_reads_back_to_the_same_values(tmp_path_factory, fi
         ("speed", "m/s", None),
     ],
 )
-def test_a_unit_at_the_end_of_a_name_counts_if_it_measures_what_is_wanted(name, target, expected):
+def test_a_unit_at_the_end_of_a_name_counts_if_it_fits(name, target, expected):
     assert unit_at_end(name, target) == expected
 
 

@@ -284,7 +284,7 @@ def test_readings_that_are_missing_bring_nothing():
     assert np.all(filter_.covariance.diagonal()[known] > before[known])
 
 
-def test_a_reading_that_is_no_number_it_can_use_leaves_the_belief_as_it_was():
+def test_an_unusable_reading_leaves_the_estimate_unchanged():
     true = case("two-part", "service")
     filter_ = true.decentralised()
     filter_.inputs[:], filter_.readings[:] = true.held[0], true.seen[0, 0]

@@ -80,6 +80,7 @@ def test_the_smoother_is_surer_than_the_filter_and_the_bound_positive(short):
     assert len(bound_of(short)) == len(states())
 
 
+@pytest.mark.usefixtures("in_process")
 def test_a_small_run_writes_page_tables_and_json(tmp_path):
     study = Estimators(estimator=["fmu"], count=2)
     with work("estimators", tmp_path, workers=1) as job:

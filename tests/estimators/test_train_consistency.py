@@ -227,7 +227,7 @@ def test_mean_nees_nis_and_whiteness_lie_in_their_chi_square_bounds(model, senso
 @pytest.mark.parametrize("factor", [0.1, 10.0])
 @pytest.mark.parametrize("wrong", ["process", "reading"])
 @pytest.mark.parametrize(("model", "sensors"), TUNINGS)
-def test_a_filter_that_takes_noise_for_a_tenth_or_for_ten_times_fails_every_check(model, sensors, wrong, factor):
+def test_a_filter_with_a_tenth_or_ten_times_the_noise_fails(model, sensors, wrong, factor):
     """Each check can fail: with either noise ten times too small it errs more than it says, or else less. Surprises
     repeat in both cases, because it weighs readings wrongly.
 

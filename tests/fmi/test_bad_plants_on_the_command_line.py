@@ -110,7 +110,7 @@ def test_a_plant_that_never_stops_ends_at_the_horizon(railgrip: Railgrip, foundr
         ),
     ],
 )
-def test_a_map_or_radius_that_does_not_fit_is_found_by_a_short_run_before_the_stop(
+def test_a_short_run_finds_a_wrong_map_or_radius(
     railgrip: Railgrip, foundry: Path, more: str, defined: tuple[str, ...], sentence: str
 ):
     result = railgrip(faulty_fmu(foundry, defined=defined), more=f"[vehicle.map]\n{more}")

@@ -24,7 +24,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Path, str], Fmu
         if (library, class_name) not in cache:
             folder = tmp_path_factory.mktemp(class_name.replace(".", "_"))
             source = sources(explicit(read(class_name, library)), interfaces=("me", "cs"))
-            path = pack(source, folder / f"{class_name.rpartition('.')[2]}.fmu", flags=("-O1",))
+            path = pack(source, folder / f"{class_name.rpartition('.')[2]}.fmu", flags=("-O0",))
             unpacked = Path(fmpy.extract(str(path), str(folder / "unpacked")))
             cache[library, class_name] = Fmu(path, unpacked, fmpy.read_model_description(str(path)))
         return cache[library, class_name]

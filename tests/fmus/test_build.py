@@ -199,7 +199,7 @@ def house(tmp_path):
     ],
     ids=["build", "run"],
 )
-def test_a_class_that_does_not_compile_ends_both_command_lines_with_file_line_and_2(house, command):
+def test_a_class_that_does_not_compile_is_reported_with_file_and_line(house, command):
     file = house / "railgrip" / "modelica" / "RailBraking" / "Vehicles" / "PartialTrain.mo"
     text = file.read_text()
     file.write_text(text.replace("der(air) = air_flow;", "der(air) = air_flwo;"))

@@ -213,7 +213,7 @@ def file_of(tmp_path, text):
 
 
 @pytest.mark.parametrize("form", LENIENT)
-def test_what_the_front_end_takes_and_modelica_does_not_is_refused_with_file_and_line(tmp_path, form):
+def test_invalid_modelica_is_refused_with_file_and_line(tmp_path, form):
     text, sentence = LENIENT[form]
     with pytest.raises(InputError, match=rf"P\.mo:\d+: .*{sentence}"):
         read("P.X", file_of(tmp_path, text), complete=True)

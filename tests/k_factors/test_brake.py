@@ -55,6 +55,7 @@ def test_a_drawn_train_stops_in_the_loop_as_the_quasi_static_one(vt642, availabl
     assert brake.ratios(available, standard[None, :])[0, -1] == pytest.approx(ratio, rel=0.5 * PER_DRAW)
 
 
+@pytest.mark.usefixtures("few_rates")
 def test_brute_force_finds_the_same_k_at_one_in_ten_thousand(vt642, monkeypatch):
     """10⁷ draws, failures drawn like everything else; one step of speed in one part, on both sides, for speed.
 
@@ -159,6 +160,7 @@ def test_a_brake_that_has_lost_everything_is_slowed_by_its_resistance(brake):
     assert left == pytest.approx(exact, rel=0.005)  # four parts of a step
 
 
+@pytest.mark.usefixtures("few_rates")
 def test_intervals_shrink_with_the_runs(vt642):
     specification, _, brake = vt642
     effort = specification.estimate.model_copy(update={"runs": 20, "samples": 60})

@@ -16,6 +16,7 @@ def files(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
+@pytest.mark.usefixtures("few_rates")
 def test_the_same_file_gives_the_same_bytes_but_for_seconds(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     page = tmp_path / "docs" / "k_factors.md"
@@ -44,8 +45,8 @@ def test_the_same_file_gives_the_same_bytes_but_for_seconds(tmp_path, capsys, mo
     assert f"| 3 | 0.001 | {k:.4f} " in written
 
 
-@pytest.mark.usefixtures("in_process", "own_cache")
-def test_stops_in_the_loop_agree_with_the_quasi_static_brake_and_go_on_where_they_stopped(tmp_path):
+@pytest.mark.usefixtures("in_process", "own_cache", "few_rates")
+def test_stops_in_the_loop_agree_with_the_quasi_static_brake(tmp_path):
     study = tmp_path / "short.toml"
     text = (LIBRARY / "vt642.toml").read_text(encoding="utf-8").replace("vt642_dry.toml", "stop.toml")
     study.write_text(text.replace('["40 km/h", "80 km/h"]', "[]").replace("samples = 1000", "samples = 40"), "utf-8")

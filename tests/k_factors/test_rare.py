@@ -111,6 +111,7 @@ def test_a_linear_gaussian_brake_with_binomial_failures_has_its_closed_quantiles
             assert 2 * one.low - one.value <= exact <= 2 * one.high - one.value
 
 
+@pytest.mark.usefixtures("few_rates")
 def test_intervals_hold_the_truth_as_often_as_they_say():
     brake, seeds, levels = LinearBrake(), 40, (0, 2, 5, 9)
     exact = [brake.quantile(PROBABILITIES[level], ISOLATED) for level in levels]
@@ -183,11 +184,13 @@ def test_the_quantile_of_a_mixture_lies_between_those_of_its_parts(first, second
     assert result <= min([v for v in [*first, *second] if v > quantiles[1]], default=quantiles[1])
 
 
+@pytest.mark.usefixtures("few_rates")
 def test_k_falls_with_the_confidence_level():
     for output in quasi_static(specification(), LinearBrake()).k:
         assert all(after.value < before.value for before, after in pairwise(output))
 
 
+@pytest.mark.usefixtures("few_rates")
 def test_the_same_seed_gives_the_same_k_and_another_one_does_not():
     first, again, other = (quasi_static(specification(seed=seed), LinearBrake()).k for seed in (5, 5, 6))
     assert first == again

@@ -75,6 +75,8 @@ def test_runs_without_a_value_count_as_infinite():
     assert result.low == 1.0
 
 
+@pytest.mark.filterwarnings("ignore:overflow encountered")  # of a filter that diverges
+@pytest.mark.usefixtures("in_process")
 def test_a_repeated_study_takes_its_runs_from_the_cache_and_writes_a_page(tmp_path):
     """A study of two runs: same results from the cache, one page, one figure for each test and plant."""
     never_run = 25.0 + 1e-9 * time.time_ns() % 1e-3

@@ -92,7 +92,7 @@ def test_the_report_has_every_row(study):
         assert not name.startswith("bias") or f"| {name}: MAE | {row[60].mae:.4f}{mark} |" in page
 
 
-def test_the_rule_of_dry_or_not_has_two_labels_and_is_judged_like_the_estimator(study):
+def test_the_rule_of_dry_or_not_is_judged_like_the_estimator(study):
     """0.30 and 0.35 are the dry rails at 60 mph, the other four are covered; labels are means of the design."""
     sets = passes(SIZE)
     rule = dry_or_not(sets)

@@ -326,7 +326,7 @@ class Wild:
 
 
 @pytest.mark.parametrize("every", [(1, 1), (2, 3)])
-def test_demands_of_a_law_in_python_are_limited_before_what_is_decided_over_the_train(every):
+def test_demands_are_limited_before_the_train_level_decides(every):
     demands, limits = [], DemandLimits(replace(TWO_PART_TRAIN, brakes=GROUPS))
     demand = phase_of(pressure=2e5)
     setup = dict(samples=BLOCK, sensors="ideal", valves=False, every=every, over_time=True, phases=demand)
@@ -583,7 +583,7 @@ def test_track_brakes_brake_beyond_friction():
     assert braked(both, friction=0.03) < 0.01
 
 
-def test_a_mass_that_is_not_known_bounds_a_push_by_nothing_and_a_pull_by_half_of_it():
+def test_an_unknown_mass_bounds_no_push_and_halves_a_pull():
     """On a gradient the force is known and the mass is not: the plant may be as light as half, or heavy without end."""
     unknown = slowing_of(84e3, is_known=False)
     assert braked(lambda v: 9.81 * 0.05, friction=0.05, force=20e3, bounds=unknown) == 1.0

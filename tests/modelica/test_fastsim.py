@@ -40,7 +40,7 @@ def test_small_creepage_has_kalkers_stiffness_and_large_full_friction():
     assert closed_form(rise_of(8 / 3)) == pytest.approx(1.0, rel=1e-6)
 
 
-def test_polachs_force_is_above_the_simplified_theory_in_partial_slip_and_below_it_close_to_full_slip():
+def test_polach_is_above_fastsim_in_partial_slip_and_below_it_near_full_slip():
     """Polach bounds stress by Hertz's ellipsoid, Kalker by a paraboloid, which is lower at the edges of the contact."""
     ratio = of_library(EPSILONS) / [creep_force(rise_of(epsilon)) for epsilon in EPSILONS]
     assert np.all(np.abs(ratio - 1) < 0.085)

@@ -136,7 +136,7 @@ EXTENT = re.compile(r"extent=\{\{(-?\d+), (-?\d+)\}, \{(-?\d+), (-?\d+)\}\}")
 
 
 @pytest.mark.parametrize("path", DRAWN, ids=identify)
-def test_a_class_has_an_icon_and_a_diagram_in_which_its_components_have_a_place(path: Path) -> None:
+def test_a_class_has_an_icon_and_places_its_components(path: Path) -> None:
     """Places lie inside the diagram and do not cover each other."""
     source = text(path)
     assert "  extends Icons." in source or ("Icon(" in code(path) and "%name" in source)

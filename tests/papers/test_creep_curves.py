@@ -16,7 +16,7 @@ def of_rails():
     return rails()
 
 
-def test_heat_alone_has_one_maximum_cleaning_alone_ends_at_the_lock_and_both_have_two(of_causes):
+def test_only_heat_and_cleaning_together_have_two_maxima(of_causes):
     heated, cleaned, both = of_causes
     assert len(heated.maxima) == 1
     (first, _), (second, _) = cleaned.maxima
@@ -38,7 +38,7 @@ def test_wet_rail_and_leaves_have_two_distinct_maxima_and_fall_before_the_wheel_
         assert curve.adhesion[-1] < 0.75 * high
 
 
-def test_the_slip_of_the_first_maximum_falls_with_speed_and_leaves_have_the_higher_second_one(of_rails):
+def test_the_first_maximum_falls_with_speed_and_leaves_have_the_higher_second(of_rails):
     by_label = {curve.label: curve.maxima for curve in of_rails}
     for rail in RAILS:
         firsts = [by_label[f"{rail}, {speed} km/h"][0][0] for speed in SPEEDS]

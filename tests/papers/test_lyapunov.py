@@ -75,7 +75,7 @@ def test_the_slope_changes_as_equation_15_says(stop):
     assert rms(stop.sigma_rate - predicted) < 0.02 * rms(stop.sigma_rate)
 
 
-def test_the_lyapunov_function_falls_where_the_brake_obeys_equation_9_and_rises_where_it_does_not(stop):
+def test_the_lyapunov_function_falls_exactly_where_equation_9_holds(stop):
     """The filter of the law delays it, so that the brake has the other sign for a part of the stop, and V rises."""
     change = stop.sigma * stop.sigma_rate
     obeys = (stop.sigma < 0) == stop.released

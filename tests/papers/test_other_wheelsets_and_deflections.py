@@ -17,7 +17,7 @@ from railgrip.studies.papers.study import PAGE
 PROJECT = Path(__file__).parents[2]
 
 
-def test_used_adhesion_is_that_of_each_wheelset_over_the_peak_of_its_group_up_to_the_limit():
+def test_used_adhesion_is_relative_to_the_peak_of_the_group():
     time = np.arange(0.0, 25.0)
     trace = xarray.Dataset(
         {

@@ -145,7 +145,7 @@ def finding(value, repeated=None):
     )
 
 
-def test_a_chaotic_stop_is_accepted_as_the_range_of_its_repeats_and_kept_anywhere_in_it(tmp_path):
+def test_a_chaotic_stop_is_kept_within_the_range_of_its_repeats(tmp_path):
     repeats = RepeatedDistances(digest="d", distances=(280.0, 300.0, 320.0))
     before = Baseline(campaign="c", accepted={"x": AcceptedValue(value=319, unit="m", tolerance=0.3, reason="First.")})
     after = accept(before, finding(319.0, repeats), "A range.")

@@ -101,14 +101,15 @@ def test_a_draw_without_a_standstill_is_longer_than_any_other():
     assert texts[0]["draws"] == "5, 2 without stop"
 
 
-@pytest.fixture
-def folder(tmp_path, write_campaign):
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, write_campaign):
     from synthetic import LIBRARY
 
-    file = tmp_path / "drawn.toml"
+    folder = tmp_path_factory.mktemp("drawn")
+    file = folder / "drawn.toml"
     file.write_text(DRAWS.format(library=LIBRARY.as_posix()), encoding="utf-8")
-    write_campaign(tmp_path, lambda _: True, file=file)
-    return tmp_path
+    write_campaign(folder, lambda _: True, file=file)
+    return folder
 
 
 def test_controllers_are_compared_with_the_published_and_with_the_best_tuned_sbc(folder):

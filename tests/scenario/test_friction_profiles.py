@@ -48,7 +48,7 @@ def test_a_trapezoid_is_high_falls_stays_low_and_rises():
         assert friction_at(found, time, 0.0) == pytest.approx(np.full(6, mu0), abs=1e-12)
 
 
-def test_a_sine_sweep_starts_at_its_mean_with_its_first_frequency_and_ends_with_its_last():
+def test_a_sine_sweep_goes_from_its_first_to_its_last_frequency():
     found = profile("sine_sweep", *PLAIN)
     time = np.arange(0, 60, 1e-3)
     mu0 = found.table(time, time)[:, 0]

@@ -50,7 +50,7 @@ def test_stops_with_valves_take_any_step_and_hardly_move(step, error):
     assert median(step) == pytest.approx(median("1 ms"), rel=error)
 
 
-def test_half_a_step_moves_stops_of_slope_seeking_by_less_than_a_twentieth_of_a_percent():
+def test_half_a_step_hardly_moves_stops_of_slope_seeking():
     """In the mean over six lots of instruments; its standard error is some 0.012 %, that of 0.03 % of one stop."""
     example = runpy.run_path(str(Path(__file__).parents[2] / "docs/examples/halved_step.py"))
     half = example["moved"]("plain", "slope_seeking", lots=6)["half the step"]

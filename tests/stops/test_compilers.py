@@ -42,7 +42,7 @@ def from_openmodelica(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("from_openmodelica")
-def test_the_fmu_estimator_predicts_with_the_compiler_of_the_plant_and_the_result_names_it(tmp_path, monkeypatch):
+def test_the_fmu_estimator_uses_the_compiler_of_the_plant(tmp_path, monkeypatch):
     short = [
         "limits.horizon=0.1 s",
         "estimator.kind=fmu",

@@ -7,7 +7,7 @@ from railgrip.simulate.files import description_of, parameters_of, recipe_file
 from railgrip.simulate.plant import perturb_parameters
 
 
-def test_every_real_parameter_is_moved_by_less_than_was_asked_and_the_same_seed_moves_it_the_same():
+def test_a_nudge_is_small_and_repeats_with_its_seed():
     plant = description_of(recipe_file("TwoPartTrain"))
     given = {"k_A": 1.0, "k_primary": 2e6}  # k_A is at its largest: dry rail
     moved, again, other = (perturb_parameters(given, plant, Nudge(relative=1e-7, seed=seed)) for seed in (1, 1, 2))

@@ -1,8 +1,6 @@
 """A plant or prediction of the user's own Modelica: compiled on the way, kept by content, or refused."""
 
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -39,7 +37,7 @@ def mine(tmp_path: Path) -> Path:
     return tmp_path / "mine" / "freight_train.toml"
 
 
-def test_a_class_is_compiled_when_it_runs_and_again_when_a_file_of_its_library_changes(mine, own_cache):
+def test_a_class_is_compiled_again_when_its_library_changes(mine, own_cache):
     first = load(mine, SHORT)
     before = plant_description(first)
     assert before.file.is_relative_to(own_cache.resolve())
@@ -135,26 +133,24 @@ def test_what_was_compiled_here_is_trusted_whoever_compiled_it(mine, compiler, m
     assert not is_trusted(load(Path("trapezoid"), [f"vehicle.plant={foreign}"]))
 
 
-def test_the_command_builds_one_class_into_a_file(tmp_path, own_cache):
-    def build(*arguments: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", "railgrip", "build", *arguments]
-        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-
+@pytest.mark.usefixtures("own_cache")
+def test_the_command_builds_one_class_into_a_file(tmp_path, monkeypatch, command):
+    monkeypatch.chdir(tmp_path)
     library = ("--library", str(EXAMPLES / "SimpleTrain"))
-    done = build(*library, "SimpleTrain.Car", "--out", "here/MyCar.fmu")
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("here/MyCar.fmu  built")
+    done = command("build", *library, "SimpleTrain.Car", "--out", "here/MyCar.fmu")
+    assert done.code == 0, done.err
+    assert done.out.startswith("here/MyCar.fmu  built")
     assert (tmp_path / "here" / "MyCar.fmu").is_file()
-    assert "current" in build(*library, "SimpleTrain.Car").stdout
+    assert "current" in command("build", *library, "SimpleTrain.Car").out
     assert (tmp_path / "Car.fmu").is_file()
     for wrong, sentence in (
         (library, "--library is for one class"),
         (("--library", "Nowhere", "X"), "X: there is no Modelica library Nowhere"),
         (("--out", "x.fmu", "Wagon"), "--out is for a class"),
     ):
-        refused = build(*wrong)
-        assert refused.returncode == 2
-        assert sentence in refused.stderr
+        refused = command("build", *wrong)
+        assert refused.code == 2
+        assert sentence in refused.err
 
 
 @pytest.mark.parametrize("kind", ["compiled", "fmu"])
@@ -233,7 +229,7 @@ def test_the_valve_predictor_and_the_tracking_bound_know_the_valves_of_the_plant
     assert (_Tracking(slow, recorder)._ahead, _Tracking(other, recorder)._ahead) == (0.11, 0.12)
 
 
-def test_valves_that_a_plant_hides_are_those_of_the_file_or_of_the_catalogue_train(tmp_path):
+def test_hidden_valves_are_those_of_the_file_or_the_catalogue_train(tmp_path):
     catalogue = {"T_fill": 0.4, "T_vent": 0.2, "dead_fill": 0.05, "dead_vent": 0.04}
     brakes = {"T_fill": "0.3 s", "dead_fill": "20 ms"}
     assert with_valves(tmp_path, {"plant": "own:Train"}).nominal.valves == catalogue

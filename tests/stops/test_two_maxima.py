@@ -27,7 +27,7 @@ def test_the_train_stops_and_its_energy_becomes_heat_with_each_switch(stops):
         assert energy_error(stop) < 1e-6
 
 
-def test_adhesion_in_the_slide_of_a_full_brake_has_two_maxima_with_cleaning_and_heat_alone(stops):
+def test_a_slide_has_two_maxima_only_with_cleaning_and_heat(stops):
     for (_, causes), stop in stops.items():
         peaks = maxima_of_slide(*first_slide(stop))
         assert len(peaks) == COUNTS[causes]
@@ -61,7 +61,7 @@ WARM = {"temperature_loss": 8.3e-4}
     ("name", "changes"),
     [
         ("wagon", {}),
-        ("plain", {"vehicle.plant": None, "vehicle.train": "emu387"}),
+        ("plain", {"vehicle.plant": None, "vehicle.train": "tram"}),
         ("plain", {"actuation.kind": "pneumatic", "vehicle.plant": "TwoPartTrainPneumatic"}),
     ],
 )

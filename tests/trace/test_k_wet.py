@@ -21,7 +21,7 @@ distances = st.lists(st.floats(100.0, 1000.0), min_size=2, max_size=6)
 
 
 @given(dry=distances, wet=distances, scale=st.floats(0.5, 2.0))
-def test_k_is_a_ratio_between_equal_stops_one_and_the_other_way_round_its_inverse(dry, wet, scale):
+def test_k_is_one_for_equal_stops_and_inverts_when_exchanged(dry, wet, scale):
     k, same = k_wet(dry, wet, SPEED, TIME), k_wet(dry, dry, SPEED, TIME)
     back = k_wet(wet, dry, SPEED, TIME)
     larger = k_wet([scale * d for d in dry], [scale * w for w in wet], SPEED, scale * TIME)
@@ -40,7 +40,7 @@ def test_the_interval_holds_the_true_k_as_often_as_it_says():
     assert binom.ppf(1e-4, count, 0.94) <= hits <= binom.ppf(1 - 1e-4, count, 0.97)
 
 
-def test_the_equivalent_time_of_a_first_order_build_up_is_dead_time_and_time_constant():
+def test_the_equivalent_time_is_dead_time_plus_time_constant():
     time = np.linspace(0.0, 20.0, 20_001)
     pressure = np.where(time < 0.4, 0.0, 3.4e5 * (1 - np.exp(-(time - 0.4) / 0.5)))
     assert equivalent_time(time, pressure) == pytest.approx(0.9, abs=1e-4)

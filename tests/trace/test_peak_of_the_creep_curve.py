@@ -65,7 +65,7 @@ def test_a_curve_that_only_rises_peaks_at_the_locked_wheel():
     assert each[0, 0] == 0.1
 
 
-def test_the_compiled_contact_is_that_of_the_model_for_its_wheel_and_for_a_curve_at_each_point():
+def test_the_compiled_contact_equals_the_model_at_each_point():
     model, random = compile_class("RailBraking.FMUs.ContactPoint"), np.random.default_rng(3)
     shape = {"k_A": 0.3, "k_S": 0.1, "A_falling": 0.4, "B_falling": 0.6}
     contact = compiled_contact(model, {"r_wheel": 0.31}, shape)
