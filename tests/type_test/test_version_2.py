@@ -9,7 +9,7 @@ import pytest
 
 from railgrip.base.errors import ScenarioError
 from railgrip.report.limits import limits_of
-from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.schema import load_train
 from railgrip.studies.study import conduct
 from railgrip.studies.type_test import case_set, study
 from railgrip.studies.type_test.case_set import SEALED, VERSIONS, CaseSet, case_named, count_look
