@@ -24,7 +24,7 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.fmus.native import Model
-from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.vehicle import TrainFile
 from railgrip.simulate.files import compile_class
 from railgrip.simulate.vehicle import VehicleData

@@ -94,7 +94,7 @@ def test_every_case_is_a_scenario_of_its_train(monkeypatch):
     Groups are counted in the files of the trains, because their plants take long to build.
     """
     files = {name: load_train(Path(name)) for name in FASTEST}
-    count = lambda table: len(files[table["vehicle"]["train"]].groups) if "train" in table["vehicle"] else 4
+    count = lambda scenario: len(files[scenario.vehicle.train.path.stem].groups) if scenario.vehicle.train else 4
     monkeypatch.setattr("railgrip.studies.type_test.entrants._groups", count)
     design = CASES[:48]
     trains = {name: train_of(name) for name in FASTEST}
@@ -103,7 +103,7 @@ def test_every_case_is_a_scenario_of_its_train(monkeypatch):
     names = {stop.name for stop in stops}
     for case in design:
         assert f"{case.name}-fuzzy_slip" in names
-        assert (f"{case.name}-ideal_bound" in names) == (case.cleaning == "none")
+        assert (f"{case.name}-ideal_bound" in names) == (case.cleaning == "none" and case.mechanics == "simple")
     case = next(case for case in design if case.train == "vt642")
     stop = next(stop for stop in stops if stop.name == f"{case.name}-fuzzy_slip")
     assert stop.scenario.resolved()["vehicle"]["train"] == "vt642"
@@ -150,7 +150,7 @@ def test_a_sealed_set_is_of_one_controller(options):
 def test_a_sealed_set_is_run_with_the_baselines_and_shows_no_single_case(tmp_path, monkeypatch):
     few = {name: entrants(2)[name] for name in ("dry", "slip_two_state", "fuzzy_slip")}
     counted = SimpleNamespace(folder=lambda: tmp_path / "cache")  # FMUs and filters are those of the other tests
-    monkeypatch.setattr("railgrip.studies.type_test.looks.cache", counted)
+    monkeypatch.setattr("railgrip.studies.type_test.case_set.cache", counted)
     monkeypatch.setattr(case_set, "SEALED", 1)
     monkeypatch.setattr(study, "entrants", lambda version=1: few)
     test = TypeTest(version=2, sealed=True, controller=["fuzzy_slip"])

@@ -17,6 +17,7 @@ from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.file import OtherFileString
 from railgrip.scenario.load import read_scenario, read_toml, scenario_of, validate_table
 from railgrip.scenario.merge import merge
+from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Table
 from railgrip.simulate.files import has_contacts_of_library
 from railgrip.simulate.vehicle import VehicleData
@@ -213,16 +214,15 @@ def campaign_of(
     Raises:
         ScenarioError: A combination is not a valid scenario.
     """
-    known = {name: _vehicle(table) for name, table in {**trains, "": train}.items()}
+    known = {name: _bare(table) for name, table in {**trains, "": train}.items()}
+    groups = {name: _groups(scenario) for name, scenario in known.items()}
     stops: list[PlannedStop] = []
     for case in design:
         of_train = case.train if case.train in trains else ""
-        vehicle = known[of_train]
-        groups = vehicle.formation.groups
-        tables = {"name": "type-test"} | case.tables(groups)
+        tables = {"name": "type-test"} | case.tables(groups[of_train])
         of_case = merge(trains.get(of_train, train), tables)
-        of_case = merge(of_case, case.fault_tables(groups))
-        if not has_contacts_of_library(vehicle.scenario):
+        of_case = merge(of_case, case.fault_tables(groups[of_train]))
+        if not has_contacts_of_library(known[of_train]):
             of_case["truth"].pop("mechanics", None)
         for name, entrant in taking_part.items():
             if not case.has_bound and entrant.tables["controller"]["kind"] in registry.ANALYSES:
@@ -246,5 +246,9 @@ def campaign_of(
     return Campaign(name="type_test", description="", stops=tuple(stops), references=(), panels="none")
 
 
-def _vehicle(train: Mapping[str, Any]) -> VehicleData:
-    return VehicleData(scenario_of(merge(train, {"name": "train"}), directory=LIBRARY, origin="--train"))
+def _bare(train: Mapping[str, Any]) -> Scenario:
+    return scenario_of(merge(train, {"name": "train"}), directory=LIBRARY, origin="--train")
+
+
+def _groups(train: Scenario) -> int:
+    return VehicleData(train).formation.groups

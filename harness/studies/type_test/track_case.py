@@ -104,8 +104,8 @@ class TrackCase:
 
     @property
     def has_bound(self) -> bool:
-        """Whether the pointwise bound holds: not where slip changes the rail."""
-        return self.cleaning == "none"
+        """Whether the pointwise bound holds: slip does not change the rail, and the rigging has no hysteresis."""
+        return self.cleaning == "none" and self.mechanics == "simple"
 
     @property
     def mechanics(self) -> str:
