@@ -22,7 +22,7 @@ Expression = Any
 class FormulaBuilder:
     """A formula under construction: symbols are created by name, and results are assigned to names.
 
-    draft = Draft()
+    draft = FormulaBuilder()
     slip = draft.input("slip[1]", "1", "slip")
     ...
     draft.output("demand[1]", "Pa", "demanded pressure", choose(slip > high, 0.0, full))

@@ -279,11 +279,13 @@ class FilterKind:
 
     Attributes:
         prediction: Form of its model: equations in CasADi, an FMU, or coupled parts of a train.
+        filter: Type of the filter; it has `of_context`.
     """
 
     prediction: ClassVar[Literal["equations", "fmu", "parts"]] = "equations"
+    filter: ClassVar[Any]
 
     @classmethod
     def start(cls, task: FilterContext) -> Any:
         """Return the filter with its first estimate, a `railgrip.simulate.loop.parts.Filter`."""
-        raise NotImplementedError
+        return cls.filter.of_context(task)

@@ -1,6 +1,6 @@
 """Disturbance observer of each wheelset: a reference."""
 
-from railgrip.estimators.design import FilterContext, FilterKind
+from railgrip.estimators.design import FilterKind
 from railgrip.estimators.references import DisturbanceEstimator
 
 
@@ -8,8 +8,4 @@ class DisturbanceObserver(FilterKind):
     """Adhesion as the disturbance of an observer of the wheelset speed, over an FMU."""
 
     prediction = "fmu"
-
-    @classmethod
-    def start(cls, task: FilterContext) -> DisturbanceEstimator:
-        """Return the estimator with its first belief."""
-        return DisturbanceEstimator.of_context(task)
+    filter = DisturbanceEstimator

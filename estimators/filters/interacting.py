@@ -150,8 +150,4 @@ class Interacting(FilterKind):
     """Extended Kalman filters that differ by the process noise of adhesion, over an FMU."""
 
     prediction = "fmu"
-
-    @classmethod
-    def start(cls, task: FilterContext) -> InteractingFilters:
-        """Return the filter with its first estimate."""
-        return InteractingFilters.of_context(task)
+    filter = InteractingFilters

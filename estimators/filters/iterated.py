@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 from railgrip.estimators.belief import GaussianEstimate, Vector
-from railgrip.estimators.design import FilterContext, FilterKind
-from railgrip.estimators.ekf import ExtendedKalmanFilter, Innovation, NumpyFilter
+from railgrip.estimators.design import FilterKind
+from railgrip.estimators.ekf import ExtendedKalmanFilter, Innovation
 
 ITERATIONS: Final = 10
 """Maximum number of linearisations; Gauss-Newton converges quadratically near the solution."""
@@ -41,8 +41,4 @@ class Iterated(FilterKind):
     """An extended Kalman filter that iterates its update, over an FMU."""
 
     prediction = "fmu"
-
-    @classmethod
-    def start(cls, task: FilterContext) -> NumpyFilter:
-        """Return the filter with its first estimate."""
-        return IteratedKalmanFilter.of_context(task)
+    filter = IteratedKalmanFilter

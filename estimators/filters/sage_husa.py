@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 
 from railgrip.estimators.belief import GaussianEstimate, Vector
-from railgrip.estimators.design import FilterContext, FilterKind
-from railgrip.estimators.ekf import ExtendedKalmanFilter, Innovation, NumpyFilter
+from railgrip.estimators.design import FilterKind
+from railgrip.estimators.ekf import ExtendedKalmanFilter, Innovation
 
 MEMORY: Final = 200
 """Readings over which the variance is averaged with exponential weights: its relative standard deviation is then
@@ -48,8 +48,4 @@ class SageHusa(FilterKind):
     """An extended Kalman filter that adapts its reading noise, over an FMU."""
 
     prediction = "fmu"
-
-    @classmethod
-    def start(cls, task: FilterContext) -> NumpyFilter:
-        """Return the filter with its first estimate."""
-        return SageHusaFilter.of_context(task)
+    filter = SageHusaFilter

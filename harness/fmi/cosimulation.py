@@ -5,7 +5,6 @@ differ. All buffers and addresses are created once.
 """
 
 import ctypes
-from dataclasses import dataclass
 from functools import cache
 from typing import Any, Final
 
@@ -23,23 +22,6 @@ Vector = NDArray[np.float64]
 _KERNEL: Final = ("railgrip.fmi", "set_step_get")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CInterface:
-    """Interface of a plant's communication step for C.
-
-    Attributes:
-        step: Address of `int set_step_get(void *plan, double time)` in `kernel/set_step_get.c`.
-        plan: Address of its first argument.
-        inputs: Input vector of the step, shape (Layout.inputs,).
-        outputs: Output vector of the step, NaN for outputs that the plant lacks, shape (Layout.outputs,).
-    """
-
-    step: int
-    plan: int
-    inputs: Vector
-    outputs: Vector
-
-
 @cache
 def _step() -> Any:
     """Return the library's function for calls from Python.
@@ -52,11 +34,21 @@ def _step() -> Any:
 
 
 class CoSimulation(LoadedPlant):
-    """A co-simulation FMU 2.0 in this process, stepped in C."""
+    """A co-simulation FMU 2.0 in this process, stepped in C.
+
+    A loop in C calls `int set_step_get(void *plan, double time)` of `kernel/set_step_get.c` itself, and reports to
+    `note_steps`.
+
+    Attributes:
+        inputs: Inputs of the next step, shape (inputs of the binding,).
+        outputs: Outputs of the last step, NaN for those that the FMU lacks, shape (outputs of the binding,).
+        entry: Address of `set_step_get`.
+        plan: Address of its first argument.
+    """
 
     def _prepare(self, instance: Instance) -> None:
         sending, receiving = self._binding.inputs, self._binding.outputs
-        self._inputs, self._outputs = np.zeros(sending.size), self._blank.copy()
+        self.inputs, self.outputs = np.zeros(sending.size), self._blank.copy()
         self._keep: list[Any] = []
         library = kernel_library(*_KERNEL)
         to, of = (library.records("Channel", len(side.channels)) for side in (sending, receiving))
@@ -66,11 +58,13 @@ class CoSimulation(LoadedPlant):
             self._fill(row, channel, instance.address(f"fmi2Get{channel.carrier}"))
         self._struct = library.struct(
             "SetStepGet", fmu=instance.component, step=instance.address("fmi2DoStep"), senders=to, receivers=of,
-            n_senders=len(to), n_receivers=len(of), n_outputs=self._outputs.size, inputs=self._inputs,
-            outputs=self._outputs, period=self._period, begin=self._begins,
+            n_senders=len(to), n_receivers=len(of), n_outputs=self.outputs.size, inputs=self.inputs,
+            outputs=self.outputs, period=self._period, begin=self._begins,
         )  # fmt: skip
         self._functions = library.functions
         self._step, self._address = _step(), ctypes.c_void_p(self._struct.address)
+        self.entry = ctypes.cast(self._step, ctypes.c_void_p).value or 0
+        self.plan = self._struct.address
 
     def _fill(self, row: np.void, channel: Channel, exchange: int) -> None:
         is_integer = channel.carrier != "Real"
@@ -85,12 +79,12 @@ class CoSimulation(LoadedPlant):
             row[name] = array.ctypes.data
 
     def _send(self, inputs: Vector) -> None:
-        self._inputs[:] = inputs
+        self.inputs[:] = inputs
         self._require_fine(self._functions.exchange(self._struct.pointer, self._functions.SET, 0.0))
 
     def _receive(self) -> Vector:
         self._require_fine(self._functions.exchange(self._struct.pointer, self._functions.GET, 0.0))
-        return self._outputs
+        return self.outputs
 
     def step(self, inputs: Vector) -> Vector:
         """Hold `inputs` over one period and return the outputs at its end.
@@ -101,12 +95,12 @@ class CoSimulation(LoadedPlant):
         # Called once per simulated millisecond: each line here takes a measurable share of a stop.
         if not self._ready:
             raise self._not_ready()
-        self._inputs[:] = inputs
+        self.inputs[:] = inputs
         outcome = self._step(self._address, self.sample * self._period)
         if outcome:
             self.note_steps(0, outcome)
         self.sample += 1
-        return self._outputs.copy()
+        return self.outputs.copy()
 
     def follow(self, inputs: Vector) -> Vector:
         """Hold each row of inputs, shape (k, nu), over one period; return the outputs, shape (k, ny).
@@ -117,13 +111,13 @@ class CoSimulation(LoadedPlant):
         """
         if not self._ready:
             raise self._not_ready()
-        rows, width = np.ascontiguousarray(inputs, dtype=np.float64), self._inputs.size
+        rows, width = np.ascontiguousarray(inputs, dtype=np.float64), self.inputs.size
         if rows.ndim != 2 or rows.shape[1] != width or not np.all(np.isfinite(rows)):
             found = f"shape {rows.shape}" if rows.ndim != 2 or rows.shape[1] != width else "a value that is none"
             raise FmuError(f"follow: expects rows of {width} finite inputs, got {found}.")
         library, outputs, plan = (
             kernel_library(*_KERNEL),
-            np.empty((len(rows), self._outputs.size)),
+            np.empty((len(rows), self.outputs.size)),
             self._struct.pointer,
         )
         given, shown = library.doubles(rows), library.doubles(outputs)
@@ -131,19 +125,8 @@ class CoSimulation(LoadedPlant):
         self.note_steps(plan.done, outcome)
         return outputs
 
-    def c_interface(self) -> CInterface:
-        """Return the interface by which a loop in C steps this plant; the loop then reports to `note_steps`."""
-        if not self._ready:
-            raise self._not_ready()
-        return CInterface(
-            step=ctypes.cast(self._step, ctypes.c_void_p).value or 0,
-            plan=self._struct.address,
-            inputs=self._inputs,
-            outputs=self._outputs,
-        )
-
     def note_steps(self, steps: int, outcome: int) -> None:
-        """Record steps taken through `c_interface`, and the last return value of `set_step_get`, 0 for success.
+        """Record steps taken by a loop in C, and the last return value of `set_step_get`, 0 for success.
 
         Raises:
             PlantFailed: The steps ended early.
@@ -159,7 +142,7 @@ class CoSimulation(LoadedPlant):
         instance, plan = self._open(), self._struct.pointer
         with self._remembering():
             if outcome == self._functions.NOT_FINITE:
-                raise self._not_finite(instance, plan.at, float(self._outputs[plan.at]))
+                raise self._not_finite(instance, plan.at, float(self.outputs[plan.at]))
             call, doing = "fmi2DoStep", ""
             if outcome != self._functions.STEPPING:
                 is_setting = outcome == self._functions.SETTING

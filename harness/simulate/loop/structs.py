@@ -65,10 +65,9 @@ def _plant(parts: Parts, inputs: Vector, outputs: Vector) -> Struct:
     radius = None if has_slip else np.array(layout.formation.wheel_radius, dtype=np.float64)
     if not isinstance(plant, CoSimulation):
         return kernel(layout).struct("Plant", inputs=inputs, outputs=outputs, slip_radius=radius)
-    interface = plant.c_interface()
-    interface.inputs[:] = inputs
-    return kernel(layout).struct("Plant", step=interface.step, interface=interface.plan, inputs=interface.inputs,
-        outputs=interface.outputs, slip_radius=radius,
+    plant.inputs[:] = inputs
+    return kernel(layout).struct("Plant", step=plant.entry, interface=plant.plan, inputs=plant.inputs,
+        outputs=plant.outputs, slip_radius=radius,
     )  # fmt: skip
 
 
