@@ -189,7 +189,7 @@ class ServiceSensors:
 
         Noise is drawn from `random`.
         """
-        groups, remembered = layout.formation.groups, math.ceil(instruments.speed_latency) + 1
+        groups, past_count = layout.formation.groups, math.ceil(instruments.speed_latency) + 1
         self._random, self._draws, sampling = random, samples, period / samples
         intact = (MissingTeeth(),) * groups
         encoders = [_encoder(layout, instruments, sampling, random, of) for of in instruments.missing_teeth or intact]
@@ -200,18 +200,18 @@ class ServiceSensors:
         self._noise = np.empty((BLOCK, self.deviation.size))
         self.struct = kernel(layout).struct("Service", encoder=encoders, noise=self._noise,
             offset_steps=instruments.pressure_offset / instruments.pressure_step,
-            past=np.empty(remembered), remembered=remembered, period=period,
+            past_speed=np.empty(past_count), past_count=past_count, period=period,
             acceleration_bias=instruments.acceleration_bias, pressure_step=instruments.pressure_step,
             pressure_share=sampling / (instruments.pressure_lag + sampling), samples=samples,
             block=BLOCK, speed_every=every(layout, instruments.speed_every), speed_latency=instruments.speed_latency,
             speed_factor=instruments.speed_factor, speed_factors=instruments.speed_factor.size,
         )  # fmt: skip
         if instruments.gravity is not None:
-            self.struct.set(gravity=_course(layout, instruments.gravity))
+            self.struct.set(gravity=_track_quantity(layout, instruments.gravity))
         if (rail := instruments.rail) is not None:
             self.struct.set(
-                rail=_course(layout, rail.height), position=rail.position, shift=rail.state, forward=rail.forward,
-                back=rail.back,
+                rail=_track_quantity(layout, rail.height), position=rail.position, filter_state=rail.state,
+                forward=rail.forward, back=rail.back,
             )  # fmt: skip
 
     def draw(self) -> None:
@@ -238,12 +238,12 @@ def _encoder(
     return kernel(layout).struct(
         "Encoder", teeth=teeth, pulses=instruments.pulses, pitch=pitch, clock=instruments.clock,
         period=period, angle=float(random.uniform(0.0, pitch)), stamp=-1.0,
-        silence=pitch * instruments.wheel_radius / max(instruments.cut_off, 1e-3),
+        timeout=pitch * instruments.wheel_radius / max(instruments.cut_off, 1e-3),
         missing=missing.count, begin=missing.begin, end=missing.end,
     )  # fmt: skip
 
 
-def _course(layout: Layout, course: TrackQuantity) -> Struct:
+def _track_quantity(layout: Layout, quantity: TrackQuantity) -> Struct:
     return kernel(layout).struct(
-        "Course", values=course.values, begin=course.begin, step=course.step, count=course.values.size
+        "TrackQuantity", values=quantity.values, begin=quantity.begin, step=quantity.step, count=quantity.values.size
     )
