@@ -27,7 +27,7 @@ class Observation(NamedTuple):
         pad_friction: Estimated friction of pads on disc [1]; None without an estimator of it.
         pressure: Brake cylinder pressure, read [Pa].
         driver_demand: Brake cylinder pressure that the driver demands [Pa]. A controller can only lower it: the lower
-            of the two demands is sent.
+            of the two demands is sent, unless force is redistributed; see `railgrip.controllers.train_level`.
     """
 
     time: float

@@ -58,7 +58,8 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
     A group provides the lower of the driver's demand and its law's. The missing force, filtered with
     `T_REDISTRIBUTION`, is demanded from the groups whose laws allow more than the driver demands, each by the same
     share of its reserve, up to its highest pressure and to `adhesion_max` of its load. With full brake there is no
-    reserve. The results already respect the driver's limit.
+    reserve. The loop must not limit the results to the driver's demand again: single groups exceed it, the train does
+    not.
     """
     demands, following, symbols = _open_formula(law.formula)
     inputs, parameters = _by_name(law.formula.inputs, symbols[1]), _by_name(law.formula.parameters, symbols[2])
@@ -68,7 +69,7 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
     for g, demand in enumerate(demands, start=1):
         brake = {name: parameters[f"{name}[{g}]"] for name in asdict(groups[0])}
         estimated = inputs[f"pad_friction[{g}]"]
-        # False for NaN, without an estimator.
+        # The condition is false for NaN, the input without an estimator.
         friction = choose(estimated > 0.0, estimated, PAD_FRICTION)
         # Force at the rail per pressure; the spring force cancels in differences of pressure.
         gain = brake["units"] * friction * brake["friction_radius"] * brake["rigging"] * brake["piston_area"]

@@ -52,7 +52,7 @@ class ConstantSlip(GroupLaw):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+        """Return the function for the demand of one group."""
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             return slip_control(draft, group, tuning, tuning["slip"])

@@ -97,7 +97,7 @@ class ExtremumSeeking(GroupLaw):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+        """Return the function for the demand of one group."""
         turn = draft.state("turn", "1", "phase of the dither over a whole turn")
         following = turn + tuning["frequency"] * tuning["period"]
         draft.keep(turn, choose(following >= 1.0, following - 1.0, following))

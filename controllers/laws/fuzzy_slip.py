@@ -77,7 +77,7 @@ class FuzzySlip(GroupLaw):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+        """Return the function for the demand of one group."""
         filters = Derivatives(draft, tuning)
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:

@@ -89,7 +89,7 @@ class PerturbObserve(GroupLaw):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+        """Return the function for the demand of one group."""
         period, interval = tuning["period"], tuning["interval"]
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:

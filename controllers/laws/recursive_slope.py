@@ -95,7 +95,7 @@ class RecursiveSlope(GroupLaw):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+        """Return the function for the demand of one group."""
         period = tuning["period"]
         turn = draft.state("turn", "1", "phase of the excitation over a whole turn")
         following = turn + tuning["frequency"] * period

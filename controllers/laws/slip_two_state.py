@@ -53,7 +53,7 @@ class SlipTwoState(GroupLaw):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+        """Return the function for the demand of one group."""
         low, high, speed_min, hold = (tuning[name] for name in ("low", "high", "speed_min", "hold"))
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:

@@ -85,7 +85,7 @@ class WheelReference(GroupLaw):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+        """Return the function for the demand of one group."""
         period = tuning["period"]
         before = draft.state("reference", "m/s", "reference speed")
         started = draft.state("started", "1", "1 once there is a sample before this one")
