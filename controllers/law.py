@@ -1,12 +1,10 @@
-"""Common parts of control laws: observations, demands, and the brake data of the groups as parameters."""
+"""Common parts of control laws: symbols of the observation and of the brake data, tuning, and the law as an object."""
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from itertools import groupby
 from math import isfinite
-from operator import itemgetter
 from pathlib import Path
 from typing import ClassVar
 
@@ -18,6 +16,7 @@ from railgrip.vehicle.brake import BRAKE, Brake, pressure_of
 from railgrip.vehicle.signals import OBSERVED, Signal
 
 NOT_SEEN = float("nan")
+"""Input of a law for an estimate that no component provides."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,7 +67,7 @@ class GroupObservation:
         index: Number of the group as in FMI, 1 for the leading one.
         signals: Signals of the group and of the train, by name.
         brake: The group's brake data by name.
-        train: Observations of all groups, leading group first; complete when the demands are formed.
+        train: Observations of all groups, leading group first; the list is complete before the first demand is formed.
     """
 
     index: int
@@ -82,12 +81,12 @@ class GroupObservation:
         return self.signals[name]
 
     def label(self, name: str) -> str:
-        """Return the name of this group's element of an array."""
+        """Return the name of this group's element of an array, such as `slip[2]`."""
         return f"{name}[{self.index}]"
 
 
 Demand = Callable[[FormulaBuilder, GroupObservation], Expression]
-"""Returns the demanded pressure [Pa] of one group, keeping its states in the draft."""
+"""Returns the demanded pressure [Pa] of one group, and declares the group's states in the draft."""
 
 
 def law(
@@ -111,10 +110,11 @@ def law(
     inputs = dict(zip((signal.name for signal in observed), draft.vector(observed, groups), strict=True))
     demand = demand_with(draft)
     train: list[GroupObservation] = []
-    for g in range(groups):
-        brake = {name: draft.parameter(f"{name}[{g + 1}]", unit, text) for name, (unit, text) in BRAKE.items()}
-        signals = {name: symbols[min(g, len(symbols) - 1)] for name, symbols in inputs.items()}
-        train.append(GroupObservation(index=g + 1, signals=signals, brake=brake, train=train))
+    for g in range(1, groups + 1):
+        brake = {datum: draft.parameter(f"{datum}[{g}]", unit, meaning) for datum, (unit, meaning) in BRAKE.items()}
+        # A signal of the train has one symbol, which all groups share.
+        signals = {signal: symbols[min(g, len(symbols)) - 1] for signal, symbols in inputs.items()}
+        train.append(GroupObservation(index=g, signals=signals, brake=brake, train=train))
     demands = [demand(draft, group) for group in train]
     for g, demanded in enumerate(demands, start=1):
         draft.output(f"demand[{g}]", "Pa", "demanded brake cylinder pressure", demanded)
@@ -133,12 +133,16 @@ class Law(Sampled):
     def __init__(self, formula: SampledSystem, groups: Sequence[Brake], parameters: Mapping[str, float]) -> None:
         """Control `groups`; `parameters` has the values by name, except for the brake data of the groups."""
         super().__init__(formula, by_name(groups) | {name: float(value) for name, value in parameters.items()})
-        elements = enumerate(variable.name.partition("[")[0] for variable in formula.inputs)
-        numbers = {name: [i for i, _ in of_name] for name, of_name in groupby(elements, key=itemgetter(1))}
-        self._places = tuple((name, slice(places[0], places[-1] + 1)) for name, places in numbers.items())
+        names = [variable.name.partition("[")[0] for variable in formula.inputs]
+        first = {name: names.index(name) for name in names}
+        self._places = tuple((name, slice(start, start + names.count(name))) for name, start in first.items())
 
     def decide(self, observation: Observation, demand: Sequence[float] | None = None) -> tuple[float, ...]:
         """Return the demanded pressure of each group [Pa].
+
+        Args:
+            observation: Readings and estimates.
+            demand: Demands of another controller [Pa], for a law with the input `demand`.
 
         Raises:
             ValueError: The observation lacks an estimate that the law needs.
@@ -153,11 +157,11 @@ class Law(Sampled):
 
 
 Ranges = Mapping[tuple[str, SlipSource], Mapping[str, tuple[float, float]]]
-"""(Kind of actuation, source of the slip) → range of each searched parameter, on a logarithmic scale."""
+"""(Kind of actuation, source of the slip) → range of each searched parameter; the search uses its logarithm."""
 
 
 FULL_PRESSURE = frozenset({"pressure_max", "wheel_radius"})
-"""Brake data of a law that demands only zero or full pressure, or shares of it; every law needs the radius for slip."""
+"""Brake data of a law that demands shares of the full pressure; slip is computed from readings with the radius."""
 
 
 class GroupLaw(Law):
@@ -168,7 +172,8 @@ class GroupLaw(Law):
         tuning: Type of its parameters.
         ranges: Ranges in which `railgrip maintain tune-control` searches.
         brake_data: Fields of `Brake` that it uses; a foreign train has to provide only these.
-        valve_band: Half width of the band in which valves hold under this law [Pa]; None for that of `ValveLogic`.
+        valve_band: Half width of the band in which valves hold under this law [Pa]; None for
+            `railgrip.controllers.valves.BAND`.
     """
 
     description: ClassVar[str]
@@ -183,7 +188,7 @@ class GroupLaw(Law):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Declare states that all groups share in the draft, and return the demand of one group; see `law`."""
+        """Declare in the draft the states that all groups share, and return the function for one group; see `law`."""
         raise NotImplementedError
 
     @classmethod
@@ -198,7 +203,7 @@ class GroupLaw(Law):
 
     @classmethod
     def load_tuning(cls, actuation: str, slip: SlipSource, name: str = SEARCHED, /, **others: float) -> Tuning:
-        """Return the parameters of one of the law's sets; without a file they are those of its type.
+        """Return the parameters of one of the law's sets; without a file, the defaults of `tuning`.
 
         Args:
             actuation: Kind of actuation, "ideal" or "pneumatic".
@@ -221,7 +226,7 @@ def by_name(groups: Sequence[Brake]) -> dict[str, float]:
     return {f"{name}[{g}]": value for g, group in enumerate(groups, 1) for name, value in asdict(group).items()}
 
 
-_PAD_FRICTION = 0.1, 0.6
+_PAD_FRICTION_LIMITS = 0.1, 0.6
 """Limits of pad friction, with a margin: UIC 541-3 has 0.35 to 0.45, ±20 % between lots; wet pads lose up to 30 %."""
 
 
@@ -234,7 +239,8 @@ def pressure_for(torque: Expression, pad_friction: Expression, brake: Mapping[st
 
     Source: Schwarz, Lüdicke, Heckmann (2019), eq. (3), solved for p_c.
     """
-    pad_force = torque / (brake["units"] * within(pad_friction, *_PAD_FRICTION) * brake["friction_radius"])
+    pad_force = torque / (brake["units"] * within(pad_friction, *_PAD_FRICTION_LIMITS) * brake["friction_radius"])
     pressure = pressure_of(pad_force, **{name: brake[name] for name in ("piston_area", "spring_force", "rigging")})
     full = brake["pressure_max"]
+    # Not `within`: NaN, as before the first estimate, must give full pressure.
     return choose(pressure <= 0.0, 0.0, choose(pressure < full, pressure, full))

@@ -18,8 +18,8 @@ class Observation(NamedTuple):
         time: Time since braking began [s].
         speed: Speed of the train [m/s]; estimated if an estimator provides it, else read.
         acceleration: Acceleration of the train, read, negative in braking [m/s²].
-        wheelset_speed: Rotational speed of the wheelsets [rad/s], estimated or read like `speed`; NaN if the standard
-            deviation of the estimate exceeds 1 m/s at the rim.
+        wheelset_speed: Rotational speed of the wheelsets [rad/s], estimated or read like `speed`; NaN while the
+            estimate is lost, that is, its standard deviation exceeds 1 m/s at the rim.
         slip: 1 − rω/v, 0 rolling, 1 locked [1].
         slip_is_estimated: Whether the slip comes from an estimator; else it follows from the speeds read and the
             nominal radii.
@@ -27,7 +27,7 @@ class Observation(NamedTuple):
         pad_friction: Estimated friction of pads on disc [1]; None without an estimator of it.
         pressure: Brake cylinder pressure, read [Pa].
         driver_demand: Brake cylinder pressure that the driver demands [Pa]. A controller can only lower it: the lower
-            of the two demands is sent.
+            of the two demands is sent, unless force is redistributed; see `railgrip.controllers.train_level`.
     """
 
     time: float

@@ -2,8 +2,8 @@
 
 The sets are TOML files next to each law, with values from a search or a paper. A file has a table for each kind of
 actuation and source of the slip, such as `[pneumatic.estimated]`, or only values, which apply to all of them.
-Parameters that are in no set follow from physics or from a regulation; their values are the defaults of the law's
-parameters.
+Parameters that are not in any set follow from physics or from a regulation; their values are the defaults of the
+dataclass.
 """
 
 import tomllib
@@ -40,7 +40,8 @@ SEARCHED = "searched"
 """Name of the set that `railgrip maintain tune-control` writes on the training rails."""
 
 TYPE_TEST = "type_test"
-"""Name of the set from the training cases of the type test, for laws whose other set belongs to the papers' tables."""
+"""Name of the set searched on the training cases of the type test, for laws whose `SEARCHED` set must stay as it is
+because tables that compare them with the papers use it."""
 
 
 def file_of(kind: str, name: str) -> str:
@@ -49,21 +50,22 @@ def file_of(kind: str, name: str) -> str:
 
 
 def tuned_values(file: Path, name: str, actuation: str, slip: SlipSource) -> Mapping[str, float]:
-    """Return the values of the set `name` in a file.
+    """Return the values of the set `name` in a file for an actuation and a source of the slip.
+
+    Without a table for this source of the slip, the actuation's first table is used. Without one for this actuation, a
+    file of `SEARCHED` values is used with its first actuation.
 
     Raises:
-        ValueError: It has no values for this actuation; only `SEARCHED` may be used for another actuation.
+        ValueError: The set has another name than `SEARCHED`, and no values for this actuation.
     """
     sets = tomllib.loads(file.read_text(encoding="utf-8"))
     if not any(isinstance(entry, dict) for entry in sets.values()):
         return sets
     if actuation not in sets and name != SEARCHED:
-        known = ", ".join(
-            f"{tuned_set} actuation and {source} slip" for tuned_set, of_one in sets.items() for source in of_one
-        )
-        kind = file.name.partition(".")[0]
+        known = ", ".join(f"{kind} actuation and {source} slip" for kind, sources in sets.items() for source in sources)
+        law = file.name.partition(".")[0]
         raise ValueError(
-            f"tuning '{name}': {kind} has no set for {actuation} actuation and {slip} slip; there is {known}"
+            f"tuning '{name}': {law} has no set for {actuation} actuation and {slip} slip; there is {known}"
         )
     by_slip = sets.get(actuation, next(iter(sets.values())))
     return by_slip.get(slip, next(iter(by_slip.values())))

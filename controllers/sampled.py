@@ -1,9 +1,11 @@
-"""A sampled function with states: the form of every law here, as a CasADi graph.
+"""Sampled functions with states as CasADi graphs: the form of every law, of the valve logic and of `FreeWheel`.
 
-It is written once and runs in Python, in C in the loop, and as an FMU in other tools, with the same results.
+Such a function is written once and runs in Python, in C in the loop, and as an FMU in other tools, with the same
+results. Conditions select values instead of branches: `choose` takes the place of `if`.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import reduce
 from typing import Any
 
 import casadi as ca
@@ -20,28 +22,27 @@ Expression = Any
 
 
 class FormulaBuilder:
-    """A formula under construction: symbols are created by name, and results are assigned to names.
+    """A formula under construction: it creates symbols of inputs, parameters and states, and collects the results.
 
     draft = FormulaBuilder()
     slip = draft.input("slip[1]", "1", "slip")
-    ...
-    draft.output("demand[1]", "Pa", "demanded pressure", choose(slip > high, 0.0, full))
-    return draft.formula("SlipBased", "two-level control")
+    full = draft.parameter("full", "Pa", "full pressure")
+    draft.output("demand[1]", "Pa", "demanded pressure", choose(slip > 0.15, 0.0, full))
+    return draft.formula("Release", "Releases the brake above 15 % slip")
     """
 
     def __init__(self) -> None:
-        self._symbols: dict[str, tuple[list[Variable], list[Expression]]] = {
-            kind: ([], []) for kind in ("state", "input", "parameter")
-        }
+        kinds = ("state", "input", "parameter", "output")
+        self._variables: dict[str, list[Variable]] = {kind: [] for kind in kinds}
+        self._expressions: dict[str, list[Expression]] = {kind: [] for kind in kinds}
         self._following: dict[str, Expression] = {}
-        self._outputs: tuple[list[Variable], list[Expression]] = ([], [])
 
     def input(self, name: str, unit: str, description: str) -> Expression:
         """Return the symbol of a new input."""
         return self._symbol("input", Variable(name=name, unit=unit, description=description))
 
     def vector(self, signals: Iterable[Signal], groups: int) -> list[list[Expression]]:
-        """Return the symbols of new inputs, one for the train or for each group, for each signal."""
+        """Return the symbols of new inputs: for each signal a list, with one symbol for the train or one per group."""
         formation = Formation((1,) * groups)
         return [
             [self.input(name, signal.unit, signal.meaning) for name in names_of(signal, formation)]
@@ -54,13 +55,13 @@ class FormulaBuilder:
         return self._symbol("parameter", variable)
 
     def state(self, name: str, unit: str, description: str, start: float = 0.0) -> Expression:
-        """Return the symbol of a new state, which has its value before the call."""
+        """Return the symbol of a new state, its value before the call; `keep` sets the value after it."""
         return self._symbol("state", Variable(name=name, unit=unit, description=description, start=start))
 
     def show(self, name: str, unit: str, description: str, value: Expression) -> None:
-        """Add a value that traces record and the formula itself does not use."""
-        symbol = Variable(name=name, unit=unit, description=description, visible=True)
-        self.keep(self._symbol("state", symbol), value)
+        """Add a value that traces record, as a state that the formula itself does not use."""
+        variable = Variable(name=name, unit=unit, description=description, visible=True)
+        self.keep(self._symbol("state", variable), value)
 
     def keep(self, state: Expression, value: Expression) -> None:
         """Set the value of a state after the call."""
@@ -69,32 +70,37 @@ class FormulaBuilder:
     def output(
         self, name: str, unit: str, description: str, value: Expression, within: tuple[float, float] | None = None
     ) -> None:
-        """Add an output."""
+        """Add an output with its value; `within` declares its limits, but does not apply them."""
         low, high = within or (None, None)
-        self._outputs[0].append(Variable(name=name, unit=unit, description=description, minimum=low, maximum=high))
-        self._outputs[1].append(value)
+        self._add("output", Variable(name=name, unit=unit, description=description, minimum=low, maximum=high), value)
 
     def formula(self, name: str, description: str) -> SampledSystem:
-        """Return the complete formula."""
-        arguments = [ca.vertcat(*self._symbols[kind][1]) for kind in ("state", "input", "parameter")]
-        following = [self._following[variable.name] for variable in self._symbols["state"][0]]
-        results = [ca.densify(ca.vertcat(*each)) for each in (following, self._outputs[1])]
+        """Return the complete formula.
+
+        Raises:
+            KeyError: `keep` was not called for a state.
+        """
+        variables, expressions = self._variables, self._expressions
+        arguments = [ca.vertcat(*expressions[kind]) for kind in ("state", "input", "parameter")]
+        following = [self._following[variable.name] for variable in variables["state"]]
+        results = [ca.densify(ca.vertcat(*each)) for each in (following, expressions["output"])]
         return SampledSystem(
             name=name,
             description=description,
-            states=tuple(self._symbols["state"][0]),
-            inputs=tuple(self._symbols["input"][0]),
-            parameters=tuple(self._symbols["parameter"][0]),
-            outputs=tuple(self._outputs[0]),
+            states=tuple(variables["state"]),
+            inputs=tuple(variables["input"]),
+            parameters=tuple(variables["parameter"]),
+            outputs=tuple(variables["output"]),
             step=ca.Function("step", [ca.SX(each) for each in arguments], results, {"cse": True}),
         )
 
     def _symbol(self, kind: str, variable: Variable) -> Expression:
-        symbol = ca.SX.sym(variable.name)
-        variables, symbols = self._symbols[kind]
-        variables.append(variable)
-        symbols.append(symbol)
-        return symbol
+        return self._add(kind, variable, ca.SX.sym(variable.name))
+
+    def _add(self, kind: str, variable: Variable, expression: Expression) -> Expression:
+        self._variables[kind].append(variable)
+        self._expressions[kind].append(expression)
+        return expression
 
 
 def choose(condition: Expression, this: Expression, otherwise: Expression) -> Expression:
@@ -104,23 +110,17 @@ def choose(condition: Expression, this: Expression, otherwise: Expression) -> Ex
 
 def every(*conditions: Expression) -> Expression:
     """Return whether all conditions hold."""
-    result = conditions[0]
-    for condition in conditions[1:]:
-        result = ca.logic_and(result, condition)
-    return result
+    return reduce(ca.logic_and, conditions)
+
+
+def either(*conditions: Expression) -> Expression:
+    """Return whether at least one condition holds."""
+    return reduce(ca.logic_or, conditions)
 
 
 def within(value: Expression, low: Expression, high: Expression) -> Expression:
     """Return a value limited to its bounds; `low` for NaN."""
     return choose(value > low, choose(value < high, value, high), low)
-
-
-def either(*conditions: Expression) -> Expression:
-    """Return whether at least one condition holds."""
-    result = conditions[0]
-    for condition in conditions[1:]:
-        result = ca.logic_or(result, condition)
-    return result
 
 
 class Sampled:
@@ -134,7 +134,7 @@ class Sampled:
     """
 
     def __init__(self, formula: SampledSystem, parameters: Mapping[str, float]) -> None:
-        """Start at the start values of the states; `parameters` maps the name of every parameter to its value."""
+        """Start at the start values of the states; `parameters` has the value of every parameter by name."""
         self.formula = formula
         self.parameters = np.array([parameters[variable.name] for variable in formula.parameters])
         self.state = np.array([variable.start for variable in formula.states])
@@ -152,12 +152,10 @@ class Sampled:
 
     @property
     def visible(self) -> tuple[tuple[int, Variable], ...]:
-        """Index in `state` and description of each visible state; elements of an array are adjacent."""
+        """Index in `state` and variable of each visible state; elements of an array are adjacent, as in a trace."""
         visible = [(i, variable) for i, variable in enumerate(self.formula.states) if variable.visible]
         names = [variable.name.partition("[")[0] for _, variable in visible]
-        return tuple(
-            variable for _, variable in sorted(zip(names, visible, strict=True), key=lambda pair: names.index(pair[0]))
-        )
+        return tuple(sorted(visible, key=lambda state: names.index(state[1].name.partition("[")[0])))
 
     @property
     def step(self) -> ca.Function:

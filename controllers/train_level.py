@@ -2,23 +2,25 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
+from functools import reduce
 from itertools import accumulate
+from operator import add
 from typing import Literal
 
 import casadi as ca
 
 from railgrip.base.system import SampledSystem, Variable
-from railgrip.controllers import law as laws
-from railgrip.controllers.law import Law, pressure_for
+from railgrip.controllers.law import Law, by_name, pressure_for
+from railgrip.controllers.law import law as formula_of_law
 from railgrip.controllers.sampled import Expression, choose
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.signals import TRAIN_INPUTS
 
 Choice = Literal["lowest", "mean"]
-"""Demand of groups that share a valve: the lowest, that of the group with the largest slip; or the mean."""
+"""Demand of groups that share a valve: the lowest of their demands, or the mean."""
 
 PAD_FRICTION = 0.35
-"""Friction assumed for pads whose friction is not estimated."""
+"""Friction assumed for pads whose friction is not estimated: the nominal value of the built-in trains."""
 
 T_REDISTRIBUTION = 0.3
 """Time constant [s] of the demand on other groups, longer than a pulse of a slip controller."""
@@ -26,7 +28,7 @@ T_REDISTRIBUTION = 0.3
 
 def pass_through(groups: Sequence[Brake]) -> Law:
     """Return a law whose input `demand` is also its output."""
-    formula = laws.law(
+    formula = formula_of_law(
         "PassThrough", "Demands its input", len(groups), lambda _: lambda _, group: group.demand, TRAIN_INPUTS
     )
     return Law(formula, groups, {})
@@ -38,17 +40,15 @@ def with_shared_valves(law: Law, groups: Sequence[Brake], groups_per_valve: Sequ
     The valve fills or vents all of its cylinders at once, and their highest pressures may differ.
     """
     demands, following, symbols = _open_formula(law.formula)
-    parameters = {variable.name: symbol for variable, symbol in _pair(law.formula.parameters, symbols[2])}
+    parameters = _by_name(law.formula.parameters, symbols[2])
     shared: list[Expression] = []
     for end, count in zip(accumulate(groups_per_valve), groups_per_valve, strict=True):
-        full = [parameters[f"pressure_max[{g + 1}]"] for g in range(end - count, end)]
-        shares = [demands[g] / most for g, most in zip(range(end - count, end), full, strict=True)]
-        agreed = shares[0]
-        for share in shares[1:]:
-            agreed = agreed + share if choice == "mean" else choose(agreed < share, agreed, share)
-        agreed = agreed / count if choice == "mean" else agreed
+        members = range(end - count, end)
+        full = [parameters[f"pressure_max[{g + 1}]"] for g in members]
+        shares = [demands[g] / pressure for g, pressure in zip(members, full, strict=True)]
+        share = reduce(add, shares) / count if choice == "mean" else reduce(_lower, shares)
         # With one group per valve the demand must not change by rounding.
-        shared += [agreed * most for most in full] if count > 1 else [demands[end - 1]]
+        shared += [share * pressure for pressure in full] if count > 1 else [demands[end - 1]]
     return _law(law, groups, replace(law.formula, step=_step(symbols, following, shared)))
 
 
@@ -58,53 +58,55 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
     A group provides the lower of the driver's demand and its law's. The missing force, filtered with
     `T_REDISTRIBUTION`, is demanded from the groups whose laws allow more than the driver demands, each by the same
     share of its reserve, up to its highest pressure and to `adhesion_max` of its load. With full brake there is no
-    reserve. The results already respect the driver's limit.
+    reserve. The loop must not limit the results to the driver's demand again: single groups exceed it, the train does
+    not.
     """
     demands, following, symbols = _open_formula(law.formula)
-    inputs, parameters = (
-        {variable.name: symbol for variable, symbol in _pair(variables, symbol)}
-        for variables, symbol in ((law.formula.inputs, symbols[1]), (law.formula.parameters, symbols[2]))
-    )
-    numbers = range(1, len(groups) + 1)
+    inputs, parameters = _by_name(law.formula.inputs, symbols[1]), _by_name(law.formula.parameters, symbols[2])
     missing, available = 0.0, 0.0
-    grants: list[Expression] = []
-    spare: list[Expression] = []
-    for g, demand in zip(numbers, demands, strict=True):
+    granted: list[Expression] = []
+    reserves: list[Expression] = []
+    for g, demand in enumerate(demands, start=1):
         brake = {name: parameters[f"{name}[{g}]"] for name in asdict(groups[0])}
         estimated = inputs[f"pad_friction[{g}]"]
+        # The condition is false for NaN, the input without an estimator.
         friction = choose(estimated > 0.0, estimated, PAD_FRICTION)
+        # Force at the rail per pressure; the spring force cancels in differences of pressure.
         gain = brake["units"] * friction * brake["friction_radius"] * brake["rigging"] * brake["piston_area"]
         gain = gain / brake["wheel_radius"]
         request = inputs[f"driver_demand[{g}]"]
-        grant = choose(demand < request, demand, request)
-        most = pressure_for(adhesion_max * brake["load"] * brake["wheel_radius"], friction, brake)
-        most = choose(demand < most, demand, most)
-        margin = choose(most > request, most - request, 0.0)
-        missing, available = missing + gain * (request - grant), available + gain * margin
-        grants.append(grant)
-        spare.append(margin)
-    carried = ca.SX.sym("missing")
-    share = period / (T_REDISTRIBUTION + period)
-    after = carried + share * (missing - carried)
-    part = choose(after < available, after / choose(available > 0.0, available, 1.0), 1.0)
-    results = [grant + part * margin for grant, margin in zip(grants, spare, strict=True)]
+        grant = _lower(demand, request)
+        limit = _lower(demand, pressure_for(adhesion_max * brake["load"] * brake["wheel_radius"], friction, brake))
+        reserve = choose(limit > request, limit - request, 0.0)
+        missing, available = missing + gain * (request - grant), available + gain * reserve
+        granted.append(grant)
+        reserves.append(reserve)
+    last = ca.SX.sym("missing")
+    filtered = last + period / (T_REDISTRIBUTION + period) * (missing - last)
+    share = choose(filtered < available, filtered / choose(available > 0.0, available, 1.0), 1.0)
+    results = [grant + share * reserve for grant, reserve in zip(granted, reserves, strict=True)]
     state = Variable(name="missing", unit="N", description="force that groups cannot give, filtered")
     formula = replace(law.formula, states=(*law.formula.states, state))
-    widened = (ca.vertcat(symbols[0], carried), *symbols[1:])
-    return _law(law, groups, replace(formula, step=_step(widened, ca.vertcat(following, after), results)))
+    extended = (ca.vertcat(symbols[0], last), *symbols[1:])
+    return _law(law, groups, replace(formula, step=_step(extended, ca.vertcat(following, filtered), results)))
+
+
+def _lower(this: Expression, other: Expression) -> Expression:
+    return choose(this < other, this, other)
 
 
 def _open_formula(
     formula: SampledSystem,
 ) -> tuple[list[Expression], Expression, tuple[Expression, Expression, Expression]]:
+    """Return the demands, the states after the call, and the symbols of states, inputs and parameters."""
     sizes = (len(formula.states), len(formula.inputs), len(formula.parameters))
     symbols = tuple(ca.SX.sym(name, size) for name, size in zip("xup", sizes, strict=True))
     following, demands = formula.step(*symbols)
     return ca.vertsplit(demands), following, symbols  # pyright: ignore[reportReturnType]
 
 
-def _pair(variables: Sequence[Variable], symbols: Expression) -> list[tuple[Variable, Expression]]:
-    return [(variable, symbols[i]) for i, variable in enumerate(variables)]
+def _by_name(variables: Sequence[Variable], symbols: Expression) -> dict[str, Expression]:
+    return {variable.name: symbols[i] for i, variable in enumerate(variables)}
 
 
 def _step(symbols: Sequence[Expression], following: Expression, demands: Sequence[Expression]) -> ca.Function:
@@ -113,7 +115,8 @@ def _step(symbols: Sequence[Expression], following: Expression, demands: Sequenc
 
 
 def _law(law: Law, groups: Sequence[Brake], formula: SampledSystem) -> Law:
-    brakes = {f"{name}[{g}]" for g in range(1, len(groups) + 1) for name in asdict(groups[0])}
+    # The data of `groups` replace those that the law was made with.
+    brakes = by_name(groups)
     values = dict(zip((variable.name for variable in law.formula.parameters), law.parameters.tolist(), strict=True))
     wrapped = Law(formula, groups, {name: value for name, value in values.items() if name not in brakes})
     wrapped.needs = law.needs

@@ -14,11 +14,12 @@ from railgrip.controllers.sampled import Expression, FormulaBuilder, Sampled, ch
 from railgrip.vehicle.signals import VALVE_INPUTS
 
 FILL, HOLD, DUMP = 1.0, 0.0, -1.0
+"""Commands; a valve that dumps vents its cylinders."""
 
 BAND = 6e3
-"""Half width [Pa] of the band in which valves hold: the shortest pulse, 20 ms, fills or vents some 15 kPa at medium
-pressure, so that it would skip a band narrower than half of that. On the training rails a half width of 3 to 12 kPa
-changes the mean distance of adhesion-based control by 0.2 %."""
+"""Half width [Pa] of the band in which valves hold. At medium pressure the shortest pulse, 20 ms, fills or vents some
+15 kPa, and would skip a much narrower band. On the training rails a half width of 3 to 12 kPa changes the mean distance
+of adhesion-based control by 0.2 %."""
 
 PULSE_MIN = 20e-3
 """Shortest time [s] between two switchings of a valve: valves in service have minimum pulses of 20-40 ms."""
@@ -26,7 +27,7 @@ PULSE_MIN = 20e-3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ValveModel(Parameters):
-    """Data of valves and brake cylinders that the valve logic assumes, each with its unit and meaning.
+    """Data of valves and brake cylinders that the valve logic assumes.
 
     Filling is towards the supply pressure, venting towards zero gauge pressure; the band is around the demand.
     """
@@ -48,7 +49,7 @@ class ValveLogic(Sampled):
     """
 
     def __init__(self, supplies: Sequence[float], model: ValveModel) -> None:
-        """Create the valves of all groups.
+        """Start with valves that hold.
 
         Args:
             supplies: Pressure behind the fill valve of each group, the highest that its cylinders reach [Pa].
@@ -69,9 +70,10 @@ class ValveLogic(Sampled):
 
 @cache
 def valve_logic(groups: int, delay: int) -> SampledSystem:
-    """Return the formula for a number of groups and a dead time in periods."""
+    """Return the formula for a number of groups and a dead time of `delay` periods."""
     draft, numbers = FormulaBuilder(), range(1, groups + 1)
     demands, pressures = draft.vector(VALVE_INPUTS, groups)
+    # The dead time is not a parameter of the formula: it determines the number of states.
     period, fill_time, vent_time, band, pulse_min = (
         draft.parameter(name, *meaning) for name, meaning in ValveModel.meanings().items() if name != "dead_time"
     )
@@ -81,20 +83,22 @@ def valve_logic(groups: int, delay: int) -> SampledSystem:
         command = draft.state(f"command[{g}]", "1", "last command", start=HOLD)
         age = draft.state(f"age[{g}]", "s", "since it changed")
         under_way = [draft.state(f"under_way[{g},{i}]", "1", "a command on its way", HOLD) for i in range(1, delay + 1)]
+        predicted = pressure
         for acting in under_way:
-            filled = pressure + (supply - pressure) * period / fill_time
-            vented = pressure - pressure * period / vent_time
-            pressure = choose(acting == FILL, filled, choose(acting == DUMP, vented, pressure))
-        tracking = choose(pressure < demand - band, FILL, choose(pressure > demand + band, DUMP, HOLD))
-        choice = choose(demand <= 0.0, DUMP, choose(demand >= supply, FILL, tracking))
+            filled = predicted + (supply - predicted) * period / fill_time
+            vented = predicted - predicted * period / vent_time
+            predicted = choose(acting == FILL, filled, choose(acting == DUMP, vented, predicted))
+        tracking = choose(predicted < demand - band, FILL, choose(predicted > demand + band, DUMP, HOLD))
+        requested = choose(demand <= 0.0, DUMP, choose(demand >= supply, FILL, tracking))
         older = age + period
         # Ages are sums of periods: the tolerance keeps rounding from adding a period to the shortest pulse.
-        changed = choose(older >= pulse_min - 1e-9, choice, command)
-        draft.keep(age, choose(changed == command, older, 0.0))
-        draft.keep(command, changed)
-        for place, following in zip(under_way, [*under_way[1:], changed], strict=False):
+        sent = choose(older >= pulse_min - 1e-9, requested, command)
+        draft.keep(age, choose(sent == command, older, 0.0))
+        draft.keep(command, sent)
+        # A shift register, oldest command first; without dead time it is empty.
+        for place, following in zip(under_way, [*under_way[1:], sent], strict=False):
             draft.keep(place, following)
-        commands.append(changed)
+        commands.append(sent)
     for g, command in zip(numbers, commands, strict=True):
         draft.output(f"command[{g}]", "1", "-1 dump, 0 hold, 1 fill", command, within=(DUMP, FILL))
     return draft.formula("ValveLogic", "Tracks demanded pressures with fill, hold and dump valves")

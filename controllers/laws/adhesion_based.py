@@ -3,7 +3,7 @@
 The law as printed is in `railgrip.controllers.laws.adhesion_literal`. Here it is sliding mode with equivalent control:
 the estimated adhesion gives the pressure that would keep the slip constant (the equivalent control, from the torque
 balance of the wheelset), and the sign of ṡ·α̇ decides only whether to demand slightly more or less. The paper allows
-this: L may depend on the states to compensate f_s (end of §3.2).
+this: L may be a function of the states to compensate their influence (end of §3.2).
 """
 
 from collections.abc import Mapping
@@ -17,7 +17,7 @@ from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, eit
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PeakSeekingTuning(SwitchingTuning):
-    """Parameters of peak seeking; one set serves every scenario.
+    """Parameters of peak seeking.
 
     With a `margin` of zero the law seeks the peak itself; with a small positive one a rise of adhesion along the track
     is not mistaken for an effect of the slip. The guard keeps the true adhesion below `adhesion_max` if the estimate
@@ -39,24 +39,27 @@ class PeakSeekingTuning(SwitchingTuning):
 class AdhesionBased(GroupLaw):
     """Sliding-mode peak seeking with equivalent control.
 
-    Per group, with a = α̂ and ˙ the filtered derivative:
+    Per group, with the estimated adhesion α and the slip s, both low-pass filtered, and their derivatives:
 
         σ = (ṡ/s)·(α̇/α − margin·ṡ/s)                     switching function, eq. (10) in relative rates
-        T_eq = α̂ F_z r − J (1−s) v̇/r                     torque at which ṡ = 0
-        p = p(T_eq + L·sgn σ),  L = rise or fall · T_eq, limited to J·slip_rate_max·s·v/r
+        T_eq = α F_z r − J (1−s) v̇/r                     torque at which ṡ = 0
+        p = p(T_eq + L·sgn σ)                            eq. (11), limited to adhesion_max − adhesion_guard
+        L = rise·T_eq or fall·T_eq                       limited to J·slip_rate_max·s·v/r
 
     The relative rates make the law independent of the scale of the adhesion curve, whose peak may be anywhere between
     0.5 % and 40 % slip. Eq. (12) neglects ∂α/∂v·v̇, and does not have ∂α/∂μ0·μ̇0 because the paper's α does not depend
     on time: a rising μ0 would increase the slip without end, which `margin`, and finally `slip_vent`, prevents.
 
     Start: a wheel with slip below slip_small + creep_small/v or adhesion below `adhesion_small` is rolling. It is
-    braked as far as `adhesion_max` allows: the torque for this adhesion, by the estimated pad friction, is the cap.
-    The bound must exceed the error of the slip at every speed. Below that error there is nothing to seek: the wheel
-    does not slide, ṡ·α̇ is noise, and T_eq keeps the present pressure. A speed that is too high by δ looks like a slip
-    of δ/v: an accelerometer with an error of 0.12 m/s² causes an error of 0.05 m/s in the filter's speed, 0.2 % of slip
-    at 80 km/h and 1 % at 18 km/h. A bound in slip alone that suits one of these speeds mistakes a rolling wheel for a
-    sliding one at the other, and the law stays at a low pressure. Standstill: below `speed_min` the slip is not known
-    well enough to seek, and the brake is applied as at the start.
+    braked as far as `adhesion_max` allows, with the pressure that gives this torque at the estimated pad friction.
+
+    The bound on slip must exceed the error of the slip at every speed. Below that error the wheel does not slide: ṡ·α̇
+    is noise, and T_eq only keeps the present pressure. A speed that is too high by δ looks like a slip of δ/v: an
+    accelerometer with an error of 0.12 m/s² causes an error of 0.05 m/s in the filter's speed, 0.2 % of slip at 80 km/h
+    and 1 % at 18 km/h. A bound in slip alone that suits one of these speeds mistakes a rolling wheel for a sliding one
+    at the other, and the law stays at a low pressure.
+
+    Standstill: below `speed_min` the slip is not known well enough to seek, and the brake is applied as at the start.
     """
 
     description = "Adhesion-based wheel-slide protection, peak seeking"
@@ -93,7 +96,7 @@ class AdhesionBased(GroupLaw):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+        """Return the function for the demand of one group."""
         filters = Derivatives(draft, tuning)
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
@@ -113,27 +116,27 @@ class AdhesionBased(GroupLaw):
             still = every(-tuning["slip_rate_min"] < s_rate, s_rate < tuning["slip_rate_min"])
             rising = either(still, s_rate * (a_rate - tuning["margin"] * s_rate) > 0.0)
             # Right after a reversal σ is still the response to the previous direction: a direction lasts for `dwell`.
-            rest = wait - tuning["period"]
-            turned = choose(rest > 0.0, upwards, rising)
-            waits = choose(turned != upwards, tuning["dwell"], rest)
+            remaining = wait - tuning["period"]
+            direction = choose(remaining > 0.0, upwards, rising)
+            new_wait = choose(direction != upwards, tuning["dwell"], remaining)
 
             # Equivalent control: ṡ = 0 in eq. (3), with J ω̇ = F_x r − T and ω̇ = (1 − s) v̇/r at constant slip.
             unit_torque = brake["load"] * radius  # torque per adhesion
             inertial = -inertia * (1.0 - group.slip) * group.acceleration / radius
             # Below speed_min a wheel may lock: then the contact carries all of the brake torque.
             limit = (tuning["adhesion_max"] - tuning["adhesion_guard"]) * unit_torque + choose(creeping, 0.0, inertial)
-            balance = adhesion * unit_torque + inertial
+            equivalent = adhesion * unit_torque + inertial
             # L·sgn σ of eq. (11), with L proportional to T_eq. An additional torque ΔT changes the slip at the rate
             # ΔT r/(J v), which is limited to slip_rate_max·s: at low speed the slip would otherwise leap over the peak.
-            reached = choose(turned, tuning["rise"], tuning["fall"]) * balance
-            reach = inertia * tuning["slip_rate_max"] * slip * group.speed / radius
-            extra = choose(reached > reach, reach, reached)
-            goal = choose(turned, balance + extra, balance - extra)
+            extra = choose(direction, tuning["rise"], tuning["fall"]) * equivalent
+            extra_max = inertia * tuning["slip_rate_max"] * slip * group.speed / radius
+            extra = choose(extra > extra_max, extra_max, extra)
+            goal = choose(direction, equivalent + extra, equivalent - extra)
             torque = choose(rolling, limit, choose(goal < limit, goal, limit))
 
             # A vented group was beyond the peak, so it continues downwards; one that rolled starts upwards.
-            draft.keep(upwards, choose(venting, 0.0, choose(rolling, 1.0, turned)))
-            draft.keep(wait, choose(either(venting, rolling), wait, waits))
+            draft.keep(upwards, choose(venting, 0.0, choose(rolling, 1.0, direction)))
+            draft.keep(wait, choose(either(venting, rolling), wait, new_wait))
             return choose(venting, 0.0, pressure_for(torque, group.pad_friction, brake))
 
         return demand

@@ -46,9 +46,9 @@ class LiteralTuning(SwitchingTuning):
 class LiteralAdhesionBased(GroupLaw):
     """The law as printed, eq. (11): full pressure while ṡ·α̇ > 0, zero pressure while it is negative.
 
-    Three guards are added, each of which can be switched off. A rolling wheel is braked fully, unless `slip_small`,
-    `creep_small` and `adhesion_small` are zero. Below `speed_min` the brake is applied. While ṡ·α̇ = 0 the last pressure
-    is held, unless `hold` is zero.
+    This project adds three guards, each of which can be switched off. A rolling wheel is braked fully, unless
+    `slip_small`, `creep_small` and `adhesion_small` are zero. Below `speed_min` the brake is applied. While ṡ·α̇ = 0 the
+    last pressure is held, unless `hold` is zero.
 
     Source: Schwarz, Posielek, Goetjes (2021), §3.2, with the limit α ≤ adhesion_max of the same section.
     """
@@ -74,7 +74,7 @@ class LiteralAdhesionBased(GroupLaw):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+        """Return the function for the demand of one group."""
         filters = Derivatives(draft, tuning)
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
@@ -102,7 +102,7 @@ class LiteralAdhesionBased(GroupLaw):
 def is_rolling(
     tuning: Mapping[str, Expression], speed: Expression, slip: Expression, adhesion: Expression
 ) -> Expression:
-    """Return whether the wheel rolls, so that no peak can be sought: slip within its error, or adhesion too small."""
+    """Return whether the wheel rolls, so that it cannot seek a peak: slip within its error, or adhesion too small."""
     slip_small = tuning["slip_small"] + tuning["creep_small"] / speed
     return either(slip < slip_small, adhesion < tuning["adhesion_small"])
 
@@ -117,7 +117,7 @@ class Derivatives:
         draft.keep(self._started, 1.0)
 
     def follow(self, draft: FormulaBuilder, name: str, sample: Expression) -> tuple[Expression, Expression]:
-        """Return the filtered value of a sample and its rate."""
+        """Return the filtered value of a sample, kept as the state `name`, and its rate per second."""
         before = draft.state(name, "1", "filtered value")
         step = self._share * (sample - before)
         # Without this the first sample would look like a jump from zero.

@@ -52,7 +52,7 @@ class ConstantSlip(GroupLaw):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+        """Return the function for the demand of one group."""
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             return slip_control(draft, group, tuning, tuning["slip"])
@@ -63,11 +63,18 @@ class ConstantSlip(GroupLaw):
 def slip_control(
     draft: FormulaBuilder, group: GroupObservation, tuning: Mapping[str, Expression], slip: Expression
 ) -> Expression:
-    """Return the pressure [Pa] that PI control to `slip` demands, with the parameters of `ConstantSlipTuning`."""
+    """Return the pressure [Pa] that PI control to a set slip demands.
+
+    Args:
+        draft: Formula that gets the integral as a state.
+        group: Observation of the group.
+        tuning: Parameters, among them `period`, `gain`, `integral_time` and `speed_min` of `ConstantSlipTuning`.
+        slip: Set slip.
+    """
     full, controlling = group.brake["pressure_max"], group.speed >= tuning["speed_min"]
     integral = draft.state(group.label("integral"), "1", "share of the full pressure", start=1.0)
-    push = tuning["gain"] * (1.0 - group.slip / slip)
+    proportional = tuning["gain"] * (1.0 - group.slip / slip)
     # The bounds prevent windup while the slip stays below the set slip although the pressure is full.
-    following = within(integral + push * tuning["period"] / tuning["integral_time"], 0.0, 1.0)
+    following = within(integral + proportional * tuning["period"] / tuning["integral_time"], 0.0, 1.0)
     draft.keep(integral, choose(controlling, following, integral))
-    return choose(controlling, full * within(push + following, 0.0, 1.0), full)
+    return choose(controlling, full * within(proportional + following, 0.0, 1.0), full)

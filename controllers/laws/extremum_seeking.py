@@ -16,7 +16,8 @@ from railgrip.vehicle.brake import Brake
 class ExtremumSeekingTuning(Tuning):
     """Parameters of extremum seeking.
 
-    The peak is sought between `slip_least` and `slip_most`; wheels that hardly brake carry no information on the rail.
+    The peak is sought between `slip_least` and `slip_most`. `adhesion_small`: wheels that hardly brake carry no
+    information on the rail.
     """
 
     period: Annotated[float, "s", "between two decisions"]
@@ -59,13 +60,13 @@ class ExtremumSeekingTuning(Tuning):
 
 
 class ExtremumSeeking(GroupLaw):
-    """Perturb and observe with a sinusoidal dither, washout and demodulation; an inner PI loop controls the slip.
+    """Extremum seeking with sinusoidal dither, washout and demodulation; an inner PI loop controls the slip.
 
     Per group, with estimated adhesion α:
 
         s_set = ŝ (1 + dither·sin ωt)                    set slip of the inner loop
         η̇ = (α − η)/washout_time                         slow part of the adhesion
-        ŝ̇/ŝ = climb · 2/dither · (α − η)/η · sin ωt      the mean of the right side is climb · d ln α/d ln s
+        ŝ̇/ŝ = climb · 2/dither · (α − η)/η · sin ωt      within ±frequency; its mean is climb · d ln α/d ln s
 
     Source: Krstić and Wang, Stability of extremum seeking feedback for general nonlinear dynamic systems, Automatica 36
     (2000) 595; for brakes Ariyur and Krstić, Real-Time Optimization by Extremum-Seeking Control (2003), ch. 7. Relative
@@ -96,10 +97,10 @@ class ExtremumSeeking(GroupLaw):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+        """Return the function for the demand of one group."""
         turn = draft.state("turn", "1", "phase of the dither over a whole turn")
-        onwards = turn + tuning["frequency"] * tuning["period"]
-        draft.keep(turn, choose(onwards >= 1.0, onwards - 1.0, onwards))
+        following = turn + tuning["frequency"] * tuning["period"]
+        draft.keep(turn, choose(following >= 1.0, following - 1.0, following))
         wave = ca.sin(2.0 * ca.pi * turn)
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
@@ -109,14 +110,14 @@ class ExtremumSeeking(GroupLaw):
             ready = group.adhesion >= tuning["adhesion_small"]
             share = tuning["period"] / (tuning["washout_time"] + tuning["period"])
             # Washout: without it the level of α, which the dither does not change, would dominate the product below.
-            follows = choose(started, steady + share * (group.adhesion - steady), group.adhesion)
+            mean = choose(started, steady + share * (group.adhesion - steady), group.adhesion)
             # Demodulation: the mean of sin² is 1/2, hence the factor 2/dither.
-            answer = (group.adhesion - follows) / follows * wave * 2.0 / tuning["dither"]
-            # A step of the rail is not a response to the dither: one wave must not double the slip.
-            rate = within(tuning["climb"] * answer, -tuning["frequency"], tuning["frequency"])
+            elasticity = (group.adhesion - mean) / mean * wave * 2.0 / tuning["dither"]
+            # A step of the rail is not a response to the dither: it must not double the slip within half a wave.
+            rate = within(tuning["climb"] * elasticity, -tuning["frequency"], tuning["frequency"])
             moved = within(slip * (1.0 + rate * tuning["period"]), tuning["slip_least"], tuning["slip_most"])
             draft.keep(slip, choose(ready, moved, slip))
-            draft.keep(steady, choose(ready, follows, steady))
+            draft.keep(steady, choose(ready, mean, steady))
             draft.keep(started, choose(ready, 1.0, 0.0))
             return slip_control(draft, group, tuning, slip * (1.0 + tuning["dither"] * wave))
 

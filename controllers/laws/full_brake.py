@@ -14,5 +14,5 @@ class FullBrake(GroupLaw):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return full pressure."""
+        """Return a function for full pressure."""
         return lambda draft, group: group.brake["pressure_max"]

@@ -13,14 +13,14 @@ _RULES: Final = (
     (0.5, 0.0, -0.5),
     (0.0, -0.5, -1.0),
 )
-"""Rate of the pressure: above 0 over `fill_rate`, below over `vent_rate`.
+"""Rate of the pressure that each rule concludes: a share of `fill_rate` if positive, of `vent_rate` if negative.
 
 Rows: slip small, medium, large. Columns: the wheel regains speed, keeps the deceleration of the train, loses speed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FuzzySlipTuning(Tuning):
-    """Parameters of fuzzy slip control: the places of the fuzzy sets, and the rates of the rules."""
+    """Parameters of fuzzy slip control: the positions of the fuzzy sets, and the rates of the rules."""
 
     period: Annotated[float, "s", "between two decisions"]
     filter_time: Annotated[float, "s", "time constant of the filter that differentiates the wheel speed"] = 0.05
@@ -35,7 +35,7 @@ class FuzzySlipTuning(Tuning):
     POSITIVE: ClassVar[frozenset[str]] = frozenset({"period", "slip_medium", "deceleration", "vent_rate"})
 
     def __post_init__(self) -> None:
-        """Refuse parameters without a meaning.
+        """Check the parameters.
 
         Raises:
             ValueError: See `Tuning`; or the fuzzy sets of the slip are not in order below 1.
@@ -49,17 +49,17 @@ class FuzzySlipTuning(Tuning):
 
 
 class FuzzySlip(GroupLaw):
-    """Rules of Sugeno's kind with constant conclusions, on slip and on the deceleration of the wheel.
+    """Zero-order Takagi-Sugeno control: rules with constant conclusions, on slip and deceleration of the wheel.
 
-    Per group, with memberships that are linear between the places of three sets of each quantity and have the sum 1:
+    Per group, with three fuzzy sets of each quantity, whose memberships μ are piecewise linear and have the sum 1:
 
-        ṗ = Σᵢⱼ μᵢ(s) μⱼ(−r ω̇ + v̇) qᵢⱼ,  qᵢⱼ of the table of rules, over fill_rate or vent_rate
+        ṗ/p_max = Σᵢⱼ μᵢ(s) μⱼ(−r ω̇ + v̇) qᵢⱼ,  qᵢⱼ from the table of rules, times fill_rate or vent_rate
 
     Sources: Takagi and Sugeno, Fuzzy identification of systems and its applications to modeling and control, IEEE
     Trans. SMC 15 (1985) 116; for the slip of railway wheels, Djukić, Rusov, Mitrović, Obradović and Šalinić, Fuzzy
     model for braking force maximization, J. Theor. Appl. Mech. 50 (2012), for air brakes, and Tian, Daniel, Liu and
-    Meehan, Computers in Railways XIV (2014) 885, for traction. Table and places of the sets are of this project, in
-    their form; places and rates are searched.
+    Meehan, Computers in Railways XIV (2014) 885, for traction. The table of rules is this project's; positions of the
+    sets and rates are searched.
     """
 
     description = "Wheel-slide protection by fuzzy rules on slip and deceleration"
@@ -77,7 +77,7 @@ class FuzzySlip(GroupLaw):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+        """Return the function for the demand of one group."""
         filters = Derivatives(draft, tuning)
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
@@ -85,19 +85,18 @@ class FuzzySlip(GroupLaw):
             share = draft.state(group.label("share"), "1", "demand over the full pressure", start=1.0)
             rolling = group.wheelset_speed * group.brake["wheel_radius"]
             _, rate = filters.follow(draft, group.label("rolling"), rolling)
-            beyond = within((group.acceleration - rate) / tuning["deceleration"], -1.0, 1.0)
-            above = within((group.slip / tuning["slip_medium"] - 1.0) / (tuning["slip_ratio"] - 1.0), 0.0, 1.0)
-            below = within(1.0 - group.slip / tuning["slip_medium"], 0.0, 1.0)
-            of_slip = (below, 1.0 - below - above, above)
-            of_wheel = (within(-beyond, 0.0, 1.0), 1.0 - within(beyond, 0.0, 1.0) - within(-beyond, 0.0, 1.0),
-                        within(beyond, 0.0, 1.0))  # fmt: skip
-            change = sum(
-                weight * other * rule * (tuning["fill_rate"] if rule > 0.0 else tuning["vent_rate"])
-                for weight, rules in zip(of_slip, _RULES, strict=True)
-                for other, rule in zip(of_wheel, rules, strict=True)
+            excess = within((group.acceleration - rate) / tuning["deceleration"], -1.0, 1.0)
+            gains, loses = within(-excess, 0.0, 1.0), within(excess, 0.0, 1.0)
+            large = within((group.slip / tuning["slip_medium"] - 1.0) / (tuning["slip_ratio"] - 1.0), 0.0, 1.0)
+            small = within(1.0 - group.slip / tuning["slip_medium"], 0.0, 1.0)
+            slip_sets, speed_sets = (small, 1.0 - small - large, large), (gains, 1.0 - loses - gains, loses)
+            pressure_rate = sum(
+                slip_set * speed_set * rule * (tuning["fill_rate"] if rule > 0.0 else tuning["vent_rate"])
+                for slip_set, rules in zip(slip_sets, _RULES, strict=True)
+                for speed_set, rule in zip(speed_sets, rules, strict=True)
                 if rule
             )
-            demanded = within(share + change * tuning["period"], 0.0, 1.0)
+            demanded = within(share + pressure_rate * tuning["period"], 0.0, 1.0)
             draft.keep(share, choose(protecting, demanded, 1.0))
             return choose(protecting, full * demanded, full)
 

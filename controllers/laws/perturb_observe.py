@@ -1,4 +1,4 @@
-"""Perturb and observe: the set slip goes on in steps while adhesion rises, and turns back when it falls."""
+"""Perturb and observe: the set slip changes in steps, which change their direction when adhesion has fallen."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,7 +14,8 @@ from railgrip.vehicle.brake import Brake
 class PerturbObserveTuning(Tuning):
     """Parameters of perturb and observe.
 
-    Peaks are between `slip_least` and `slip_most`; a wheel that is hardly braked says nothing about the rail.
+    Peaks are between `slip_least` and `slip_most`. `adhesion_small`: a wheel that is hardly braked carries no
+    information on the rail.
     """
 
     period: Annotated[float, "s", "between two decisions"]
@@ -33,7 +34,7 @@ class PerturbObserveTuning(Tuning):
     POSITIVE: ClassVar[frozenset[str]] = frozenset({"period", "slip_start", "slip_least", "interval", "integral_time"})
 
     def __post_init__(self) -> None:
-        """Refuse parameters without a meaning.
+        """Check the parameters.
 
         Raises:
             ValueError: See `Tuning`; or slips are not in order, or an interval has no sample to average.
@@ -61,9 +62,9 @@ class PerturbObserve(GroupLaw):
         s_set ← s_set (1 + step)^d                               perturb
 
     Source: perturb and observe for maximum adhesion tracking, Abouzeid, Guerrero, Lejarza, Muniategui, Endemaño and
-    Briz, Advanced maximum adhesion tracking strategies in railway traction drives, arXiv:2406.13650 (2024), there of
-    the slip velocity in traction. The relative steps of the slip are of this project: peaks are anywhere between 0.5 %
-    and 40 % slip.
+    Briz, Advanced maximum adhesion tracking strategies in railway traction drives, arXiv:2406.13650 (2024), where it
+    perturbs the slip velocity in traction. The relative steps of the slip are this project's, because peaks are
+    anywhere between 0.5 % and 40 % slip.
     """
 
     description = "Wheel-slide protection by perturb and observe"
@@ -88,7 +89,7 @@ class PerturbObserve(GroupLaw):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+        """Return the function for the demand of one group."""
         period, interval = tuning["period"], tuning["interval"]
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
@@ -99,20 +100,21 @@ class PerturbObserve(GroupLaw):
             before = draft.state(group.label("before"), "1", "mean adhesion of the interval before")
             upwards = draft.state(group.label("upwards"), "1", "1 while the slip is increased", start=1.0)
             ready = every(group.adhesion >= tuning["adhesion_small"], group.speed >= tuning["speed_min"])
-            now = clock + period
-            averages = choose(now > tuning["settling"] * interval, 1.0, 0.0)
-            added, counted = total + choose(averages, group.adhesion, 0.0), count + averages
-            steps = every(now >= interval, counted > 0.0)
-            mean = added / counted
-            goes_on = choose(mean >= before, upwards, 1.0 - upwards)
-            factor = choose(goes_on, 1.0 + tuning["step"], 1.0 / (1.0 + tuning["step"]))
+            elapsed = clock + period
+            averaging = choose(elapsed > tuning["settling"] * interval, 1.0, 0.0)
+            new_total, new_count = total + choose(averaging, group.adhesion, 0.0), count + averaging
+            due = every(elapsed >= interval, new_count > 0.0)
+            mean = new_total / new_count
+            direction = choose(mean >= before, upwards, 1.0 - upwards)
+            factor = choose(direction, 1.0 + tuning["step"], 1.0 / (1.0 + tuning["step"]))
             stepped = within(slip * factor, tuning["slip_least"], tuning["slip_most"])
-            draft.keep(slip, choose(ready, choose(steps, stepped, slip), slip))
-            draft.keep(clock, choose(ready, choose(steps, 0.0, now), 0.0))
-            draft.keep(total, choose(ready, choose(steps, 0.0, added), 0.0))
-            draft.keep(count, choose(ready, choose(steps, 0.0, counted), 0.0))
-            draft.keep(before, choose(ready, choose(steps, mean, before), before))
-            draft.keep(upwards, choose(ready, choose(steps, goes_on, upwards), upwards))
+            # While the adhesion cannot be compared, the set slip stays, and the interval begins again.
+            draft.keep(slip, choose(ready, choose(due, stepped, slip), slip))
+            draft.keep(clock, choose(ready, choose(due, 0.0, elapsed), 0.0))
+            draft.keep(total, choose(ready, choose(due, 0.0, new_total), 0.0))
+            draft.keep(count, choose(ready, choose(due, 0.0, new_count), 0.0))
+            draft.keep(before, choose(ready, choose(due, mean, before), before))
+            draft.keep(upwards, choose(ready, choose(due, direction, upwards), upwards))
             return slip_control(draft, group, tuning, slip)
 
         return demand

@@ -17,7 +17,7 @@ class RecursiveSlopeTuning(Tuning):
     """Parameters of tracking by recursive least squares.
 
     Peaks are between `slip_least` and `slip_most`. `covariance_max` limits the growth of the covariance while the slip
-    does not change.
+    does not change. `adhesion_small`: wheels that hardly brake carry no information on the rail.
     """
 
     period: Annotated[float, "s", "between two decisions"]
@@ -41,10 +41,10 @@ class RecursiveSlopeTuning(Tuning):
     )
 
     def __post_init__(self) -> None:
-        """Refuse parameters without a meaning.
+        """Check the parameters.
 
         Raises:
-            ValueError: See `Tuning`; or slips are not in order, or the excitation reaches the whole slip.
+            ValueError: See `Tuning`; or slips are not in order, or the excitation is not smaller than the set slip.
         """
         Tuning.__post_init__(self)
         if not self.slip_least <= self.slip_start <= self.slip_most < 1.0:
@@ -60,15 +60,15 @@ class RecursiveSlope(GroupLaw):
     """Gradient tracking of the maximum adhesion; PI control holds the slip.
 
     Per group, with x and y the high-pass filtered relative slip s/s_set and relative adhesion α/ᾱ, the elasticity
-    e = d ln α/d ln s follows from recursive least squares with forgetting λ:
+    e = d ln α/d ln s follows from recursive least squares with the forgetting factor λ = memory/(memory + period):
 
-        K = P x/(λ + P x²),  e ← e + K (y − e x),  P ← min((1 − K x) P/λ, covariance_max)
+        K = P x/(λ + P x²),  e ← e + K (y − e x) within ±1,  P ← min((1 − K x) P/λ, covariance_max)
         ṡ_set/s_set = climb·e,  and slip control is given s_set (1 + dither·sin ωt)
 
     Sources: the gradient method of maximum adhesion tracking as reviewed by Abouzeid, Guerrero, Lejarza, Muniategui,
     Endemaño and Briz, arXiv:2406.13650 (2024); the slope of the friction curve, calculated while braking, as the
     reference of slip control, Automatika 60 (2019) 413; the recursion, Ljung, System Identification (1999), §11.2.
-    Relative quantities are of this project, as in `railgrip.controllers.laws.extremum_seeking`.
+    Relative quantities are this project's, as in `railgrip.controllers.laws.extremum_seeking`.
     """
 
     description = "Wheel-slide protection on the slope from recursive least squares"
@@ -95,35 +95,35 @@ class RecursiveSlope(GroupLaw):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+        """Return the function for the demand of one group."""
         period = tuning["period"]
         turn = draft.state("turn", "1", "phase of the excitation over a whole turn")
-        onwards = turn + tuning["frequency"] * period
-        draft.keep(turn, onwards - ca.floor(onwards))
+        following = turn + tuning["frequency"] * period
+        draft.keep(turn, following - ca.floor(following))
         wave = ca.sin(2.0 * ca.pi * turn)
         share = period / (tuning["washout_time"] + period)
         forgetting = tuning["memory"] / (tuning["memory"] + period)
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             slip = draft.state(group.label("set_slip"), "1", "set slip without the excitation")
-            steady_slip = draft.state(group.label("steady_slip"), "1", "low-pass filtered slip")
-            steady = draft.state(group.label("steady_adhesion"), "1", "low-pass filtered adhesion")
-            slope = draft.state(group.label("elasticity"), "1", "estimate of d ln α/d ln s")
+            last_slip = draft.state(group.label("steady_slip"), "1", "low-pass filtered slip")
+            last_adhesion = draft.state(group.label("steady_adhesion"), "1", "low-pass filtered adhesion")
+            elasticity = draft.state(group.label("elasticity"), "1", "estimate of d ln α/d ln s")
             covariance = draft.state(group.label("covariance"), "1", "covariance of the estimate over the noise")
             started = draft.state(group.label("started"), "1", "1 once the filters have a sample")
             ready = every(group.adhesion >= tuning["adhesion_small"], group.speed >= tuning["speed_min"])
-            mean_slip = choose(started, steady_slip + share * (group.slip - steady_slip), group.slip)
-            mean = choose(started, steady + share * (group.adhesion - steady), group.adhesion)
-            x, y = (group.slip - mean_slip) / slip, (group.adhesion - mean) / mean
-            correction = covariance * x / (forgetting + covariance * x * x)
-            estimate = within(slope + correction * (y - slope * x), -1.0, 1.0)
-            grown = within((1.0 - correction * x) * covariance / forgetting, 0.0, tuning["covariance_max"])
+            mean_slip = choose(started, last_slip + share * (group.slip - last_slip), group.slip)
+            mean_adhesion = choose(started, last_adhesion + share * (group.adhesion - last_adhesion), group.adhesion)
+            x, y = (group.slip - mean_slip) / slip, (group.adhesion - mean_adhesion) / mean_adhesion
+            gain = covariance * x / (forgetting + covariance * x * x)
+            estimate = within(elasticity + gain * (y - elasticity * x), -1.0, 1.0)
+            new_covariance = within((1.0 - gain * x) * covariance / forgetting, 0.0, tuning["covariance_max"])
             moved = slip * (1.0 + tuning["climb"] * estimate * period)
             draft.keep(slip, choose(ready, within(moved, tuning["slip_least"], tuning["slip_most"]), slip))
-            draft.keep(steady_slip, choose(ready, mean_slip, steady_slip))
-            draft.keep(steady, choose(ready, mean, steady))
-            draft.keep(slope, choose(ready, estimate, slope))
-            draft.keep(covariance, choose(ready, grown, covariance))
+            draft.keep(last_slip, choose(ready, mean_slip, last_slip))
+            draft.keep(last_adhesion, choose(ready, mean_adhesion, last_adhesion))
+            draft.keep(elasticity, choose(ready, estimate, elasticity))
+            draft.keep(covariance, choose(ready, new_covariance, covariance))
             draft.keep(started, choose(ready, 1.0, 0.0))
             return slip_control(draft, group, tuning, slip * (1.0 + tuning["dither"] * wave))
 

@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar, Final
 from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose
 
-_SEARCHED: Final = {"low": (8e-3, 0.3), "high_over_low": (1.1, 10.0)}
+_RANGES: Final = {"low": (8e-3, 0.3), "high_over_low": (1.1, 10.0)}
 """From below nearly all published peaks to beyond them; sensors do not resolve bands narrower than 10 % of a level."""
 
 
@@ -49,11 +49,11 @@ class SlipTwoState(GroupLaw):
     description = "Slip-based two-level wheel-slide protection"
     brake_data = FULL_PRESSURE
     tuning = SlipLevels
-    ranges: ClassVar[Ranges] = dict.fromkeys(product(("ideal", "pneumatic"), ("read", "estimated")), _SEARCHED)
+    ranges: ClassVar[Ranges] = dict.fromkeys(product(("ideal", "pneumatic"), ("read", "estimated")), _RANGES)
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+        """Return the function for the demand of one group."""
         low, high, speed_min, hold = (tuning[name] for name in ("low", "high", "speed_min", "hold"))
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:

@@ -228,7 +228,7 @@ _NOTHING = 5e-3
 """Adhesion below which the rail does not turn a wheel: bearings take 0.001, and the estimate's noise is some 0.002."""
 
 _REGAINED = 0.2  # s, averaging time of the slip of a wheel that rolls again
-_ANY_SPEED = 1e6  # rad/s
+_ANY_SPEED = 1e6  # rad/s, beyond every speed; comparisons with it are false for NaN
 _BACKWARDS = -0.05  # a braked wheel cannot run this much faster than the train
 _DRAWN = 0.25
 """Minimum adhesion of a sliding wheel over that of the other wheels: creep curves fall to 0.4 of their peak."""
@@ -302,7 +302,7 @@ def _wheels(
     turned = group.adhesion > _DRAWN * mean
     doubted = draft.state(group.label("doubted"), "s", "for how long the wheel speed has been impossible")
     impossible = either(
-        ca.logic_not(group.wheelset_speed > -_ANY_SPEED),  # not known
+        ca.logic_not(group.wheelset_speed > -_ANY_SPEED),  # NaN: not known
         slip < _BACKWARDS,
         every(slip > t["slip_vent"], either(doubted >= _DOUBTED, every(pads_off, ca.logic_not(turned)))),
     )

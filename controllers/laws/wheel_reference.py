@@ -1,7 +1,4 @@
-"""A law based on published descriptions of common practice: its reference speed comes from wheel speeds alone.
-
-It does not use the speed over ground; its criteria are slip and deceleration of a wheel.
-"""
+"""A law based on published descriptions of common practice: its reference speed comes from wheel speeds alone."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,8 +12,8 @@ from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, eit
 class WheelReferenceTuning(Tuning):
     """Parameters of the law.
 
-    An axle may be vented for 5 to 10 s before it has to brake again, and protection is off in the last kilometres per
-    hour.
+    `vent_max`: an axle may be vented for 5 to 10 s before it has to brake again. `speed_min`: protection is off in the
+    last kilometres per hour.
     """
 
     period: Annotated[float, "s", "between two decisions"]
@@ -58,11 +55,12 @@ class WheelReference(GroupLaw):
     """Vent, hold and fill by slip and deceleration of each group against a reference speed from the wheels alone.
 
     The reference is the speed of the fastest wheel, but falls no faster than `deceleration_max`. If every wheel slides,
-    the reference falls with them; therefore the last group is released for `test_time` after a slide of `test_after`,
-    so that its wheels roll. A group is vented above `slip_high`, or above `slip_low` while it decelerates by more than
-    `deceleration`. It is held above `slip_low`, or below it while it decelerates by more than that. Otherwise it is
-    filled, after a slide at the rate `rise`. A watchdog ends venting after `vent_max`. Below `speed_min` the brake is
-    applied.
+    it falls below the train's speed; therefore the last group is released for `test_time` after a slide of
+    `test_after`, so that its wheels roll.
+
+    A group is vented above `slip_high`, or above `slip_low` while it decelerates by more than `deceleration`. It is
+    held above `slip_low`, or below it while it decelerates by more than that. Otherwise it is filled, after a slide at
+    the rate `rise`. A watchdog ends venting after `vent_max`. Below `speed_min` the brake is applied.
 
     The law uses wheel speeds and cylinder pressures only: no radar, accelerometer or estimator.
 
@@ -87,7 +85,7 @@ class WheelReference(GroupLaw):
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+        """Return the function for the demand of one group."""
         period = tuning["period"]
         before = draft.state("reference", "m/s", "reference speed")
         started = draft.state("started", "1", "1 once there is a sample before this one")
@@ -99,9 +97,9 @@ class WheelReference(GroupLaw):
         slides: list[Expression] = []
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
+            # The reference needs all groups, whose observations are known from the first call on.
             if not references:
-                least = before - tuning["deceleration_max"] * period
-                references.append(_reference(group.train, started, least))
+                references.append(_reference(group.train, started, before - tuning["deceleration_max"] * period))
                 draft.keep(before, choose(references[0] > 0.0, references[0], 0.0))
             (reference,) = references
             full, rolling = group.brake["pressure_max"], _rolling(group)
@@ -113,46 +111,49 @@ class WheelReference(GroupLaw):
 
             step = period / (tuning["filter_time"] + period) * (rolling - filtered)
             draft.keep(filtered, choose(started, filtered + step, rolling))
-            decelerates = choose(started, -step / period, 0.0)
+            deceleration = choose(started, -step / period, 0.0)
             slip = choose(reference > tuning["speed_min"], 1.0 - rolling / reference, 0.0)
-            quickly, high, low = (
-                decelerates > tuning["deceleration"],
+            decelerating, above_high, above_low = (
+                deceleration > tuning["deceleration"],
                 slip > tuning["slip_high"],
                 slip > tuning["slip_low"],
             )
             protecting = reference >= tuning["speed_min"]
-            vents = either(high, every(low, quickly))
-            released = every(testing, group.index == len(group.train))
-            holds = either(low, quickly)
-            slides.append(every(protecting, either(vents, low)))
+            vent_criterion = either(above_high, every(above_low, decelerating))
+            test_release = every(testing, group.index == len(group.train))
+            hold_criterion = either(above_low, decelerating)
+            slides.append(every(protecting, either(vent_criterion, above_low)))
 
-            venting = every(protecting, either(vents, released), vented < tuning["vent_max"])
+            venting = every(protecting, either(vent_criterion, test_release), vented < tuning["vent_max"])
             draft.keep(vented, _watchdog(vented, venting, tuning))
 
             # After a slide the pressure rises from its value at the end of the slide, not from zero.
-            holding = every(holds, vented < tuning["vent_max"])
-            climbed = target + tuning["rise"] * period
-            let_in = choose(either(venting, holding), group.pressure / full, choose(climbed < 1.0, climbed, 1.0))
-            draft.keep(target, choose(protecting, let_in, 1.0))
-            pressure = choose(venting, 0.0, full * let_in)
+            holding = every(hold_criterion, vented < tuning["vent_max"])
+            risen = target + tuning["rise"] * period
+            new_target = choose(either(venting, holding), group.pressure / full, choose(risen < 1.0, risen, 1.0))
+            draft.keep(target, choose(protecting, new_target, 1.0))
+            pressure = choose(venting, 0.0, full * new_target)
 
-            if group.index == len(group.train):
-                sliding_now = either(*slides)
-                draft.keep(idle, choose(sliding_now, 0.0, idle + period))
-                counts = choose(idle < 2.0, sliding + period, 0.0)  # slides come and go within seconds
+            if group.index == len(group.train):  # the slides of all groups are known
+                draft.keep(idle, choose(either(*slides), 0.0, idle + period))
+                # Slides come and go within seconds: a shorter pause does not end the count.
+                counted = choose(idle < _PAUSE, sliding + period, 0.0)
                 over = sliding >= tuning["test_after"] + tuning["test_time"]
-                draft.keep(sliding, choose(every(protecting, started), choose(over, 0.0, counts), 0.0))
+                draft.keep(sliding, choose(every(protecting, started), choose(over, 0.0, counted), 0.0))
             return choose(protecting, pressure, full)
 
         return demand
 
 
-def _reference(train: Sequence[GroupObservation], started: Expression, least: Expression) -> Expression:
-    # At the first sample there is not yet a reference that could fall.
+_PAUSE = 2.0  # s, longest time without a slide within one period of sliding
+
+
+def _reference(train: Sequence[GroupObservation], started: Expression, minimum: Expression) -> Expression:
     fastest = _rolling(train[0])
     for group in train[1:]:
         fastest = choose(_rolling(group) > fastest, _rolling(group), fastest)
-    return choose(started, choose(fastest > least, fastest, least), fastest)
+    # The minimum follows from the last reference, which does not exist at the first sample.
+    return choose(started, choose(fastest > minimum, fastest, minimum), fastest)
 
 
 def _watchdog(vented: Expression, venting: Expression, tuning: Mapping[str, Expression]) -> Expression:

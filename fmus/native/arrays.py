@@ -70,6 +70,7 @@ def _product(a: Array, b: Array) -> Array:
 
 
 def _plain(function: Callable[[Array, Array], Any]) -> Callable[[Array, Array], Array]:
+    # numpy applies an operator to the elements of object arrays itself.
     return lambda a, b: as_array(function(a, b))
 
 
@@ -102,7 +103,7 @@ _FUNCTIONS = "sqrt exp log log10 sin cos tan asin acos atan sinh cosh tanh sign 
 ELEMENTWISE: dict[str, Callable[..., Array]] = {name: each(getattr(ca, name)) for name in _FUNCTIONS.split()} | {
     "abs": each(ca.fabs),
     "integer": each(ca.floor),
-    "no_event": lambda a: a,
+    "no_event": lambda a: a,  # the front end lists only relations outside it as causes of events
     "atan2": each(ca.atan2, 2),
     "mod": each(lambda a, b: a - ca.floor(a / b) * b, 2),
     "rem": each(lambda a, b: a - _truncation(a / b) * b, 2),

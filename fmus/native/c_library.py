@@ -146,7 +146,7 @@ class Struct:
                     yield entry
 
     def pointers(self) -> dict[int, str]:
-        """Return the index of each word that is a pointer, also to a function → its field, `Type.field`."""
+        """Return the index of each word that is a pointer, to data or a function → its field, `Type.field`."""
         return dict(self._pointers(self._ffi.typeof(self._name), 0))
 
     def _pointers(self, kind: Any, begin: int) -> Iterator[tuple[int, str]]:

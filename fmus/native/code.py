@@ -32,8 +32,9 @@ class ValueLayout:
     """Places of the values of an FMU: a value reference is an index in one array of doubles.
 
     Attributes:
-        outputs: Algebraic variables declared `output`; `locals` the other ones.
-        settings: Names of what the runtime itself offers, at the end.
+        outputs: Algebraic variables declared `output`; `locals` are the other ones.
+        free: Number of parameters that may be set, which come first; the others are computed from them.
+        settings: Names of the settings and counters of the runtime, at the end.
     """
 
     states: list[Scalar]
@@ -275,7 +276,7 @@ def nominal(s: Scalar) -> float:
 
 
 def _model_functions(system: System, interfaces: Sequence[str]) -> str:
-    # Rare functions are interpreted, which compiles faster. With clocks the event equations are evaluated at each tick.
+    # Rare functions are interpreted, which compiles faster. With clocks f_event is not rare: each tick calls it.
     rare = RARE if system.clocks else RARE | {"f_event"}
     texts = [tape(f) if f.name() in rare and fits(f) else straight(f) for f in functions(system, interfaces)]
     return "\n".join(["#include <math.h>", *interpreter(), *texts])

@@ -1,4 +1,4 @@
-"""Places of Modelica errors: the front end names the element, but in a library seldom file and line."""
+"""Places of errors in Modelica code, for which the front end often names only the element, without file and line."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -9,7 +9,7 @@ import rumoca
 from railgrip.base.errors import InputError
 from railgrip.base.files import read_bytes
 
-_MOST = 3
+_MAXIMUM_PLACES = 3
 """Maximum number of places in a message."""
 
 
@@ -22,14 +22,14 @@ def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
         class_name: Name of the class to translate.
     """
     texts = _texts(path)
-    syntax = [place for name, text in texts.items() for place in _syntax(name, text)]
+    syntax = [place for name, text in texts.items() for place in _syntax_errors(name, text)]
     if syntax:
-        return tuple(syntax[:_MOST])
+        return tuple(syntax[:_MAXIMUM_PLACES])
     name = class_name.rpartition(".")[2]
     if not any(re.search(rf"\b(?:model|block|class)\s+{name}\b", text) for text in texts.values()):
         return (f"no file of it declares {name}",)
-    words = re.findall(r"unresolved[^']*'([^']+)'", message)
-    return (*_silent_use(path, texts), *tuple(_uses(words, texts))[:_MOST])
+    names = re.findall(r"unresolved[^']*'([^']+)'", message)
+    return (*_undeclared_use(path, texts), *tuple(_lines_with(names, texts))[:_MAXIMUM_PLACES])
 
 
 def _texts(path: Path) -> dict[str, str]:
@@ -62,7 +62,7 @@ def nested_arrays(message: str, path: Path, class_name: str) -> tuple[str, ...]:
     """
     if "typed semantic owner" not in message and "member slice" not in message:
         return ()
-    every, outside = list[str](), list[str]()
+    every, not_in_comprehension = list[str](), list[str]()
     for name, text in _texts(path).items():
         for match in _REFERENCE.finditer(text):
             subscripts = re.findall(r"\[([^\]]*)\]\.", f"{match[0]}.")
@@ -71,19 +71,21 @@ def nested_arrays(message: str, path: Path, class_name: str) -> tuple[str, ...]:
             if is_indexed or is_slice:
                 line = text.count("\n", 0, match.start()) + 1
                 every.append(f"{name}:{line}: {class_name}: {match[0]} {_ADVICE}")
+                # The `for` of a comprehension follows its expression; that of an equation precedes it.
                 if not re.search(r"\bfor\s+\w+\s+in\b", text[match.end() :].partition(";")[0]):
-                    outside.append(every[-1])
-    return tuple((outside or every)[:_MOST])  # a comprehension fails only inside a for equation
+                    not_in_comprehension.append(every[-1])
+    # A comprehension fails only inside a for equation, so it is reported only if nothing else can be the cause.
+    return tuple((not_in_comprehension or every)[:_MAXIMUM_PLACES])
 
 
-def _silent_use(path: Path, texts: dict[str, str]) -> Iterator[str]:
+def _undeclared_use(path: Path, texts: dict[str, str]) -> Iterator[str]:
     class_text = texts[short(path, path)]
     foreign = path.name == "package.mo" and path.parent.name != "RailBraking"
     if foreign and "RailBraking" not in class_text and any("RailBraking." in text for text in texts.values()):
         yield f"{short(path, path)}: to use RailBraking it must have annotation(uses(RailBraking))"
 
 
-def _syntax(name: str, text: str) -> Iterator[str]:
+def _syntax_errors(name: str, text: str) -> Iterator[str]:
     for problem in rumoca.validate_source(text):
         if problem.rule == "syntax-error":
             what = re.search(r"× (.+)", problem.message)
@@ -92,17 +94,17 @@ def _syntax(name: str, text: str) -> Iterator[str]:
             return
 
 
-def _uses(words: Iterable[str], texts: dict[str, str]) -> Iterator[str]:
-    for word in dict.fromkeys(words):
-        pattern = re.compile(rf"(?<![\w.]){re.escape(word)}(?!\w)")
-        for name, text in texts.items():
+def _lines_with(names: Iterable[str], texts: dict[str, str]) -> Iterator[str]:
+    for name in dict.fromkeys(names):
+        pattern = re.compile(rf"(?<![\w.]){re.escape(name)}(?!\w)")
+        for file, text in texts.items():
             for number, line in enumerate(text.splitlines(), start=1):
                 if pattern.search(line):
-                    yield f"{name}:{number}: {line.strip()}"
+                    yield f"{file}:{number}: {line.strip()}"
 
 
-_NESTING = 200
-"""Maximum depth of brackets; rumoca's parser overflows its stack at a few thousand."""
+_DEEPEST = 200
+"""Maximum depth of nested brackets; rumoca's parser overflows its stack at a few thousand."""
 _TOKENS = re.compile(r"""//[^\n]*|/\*.*?\*/|"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[(\[{]|[)\]}]""", re.DOTALL)
 
 
@@ -125,9 +127,9 @@ def require_readable(path: Path) -> None:
         depth = 0
         for token in _TOKENS.finditer(text):
             depth += 1 if token[0] in "([{" else -1 if token[0] in ")]}" else 0
-            if depth > _NESTING:
+            if depth > _DEEPEST:
                 line = text.count("\n", 0, token.start()) + 1
-                raise InputError(f"{file}:{line}: more than {_NESTING} nested brackets; declare parts as variables.")
+                raise InputError(f"{file}:{line}: more than {_DEEPEST} nested brackets; declare parts as variables.")
 
 
 def short(file: Path, path: Path) -> str:

@@ -9,8 +9,11 @@ from railgrip.fmus.native.arrays import SX
 from railgrip.fmus.native.dae import Binding, Dae, Node
 from railgrip.fmus.native.expressions import ExpressionBuilder, Site, site
 
-# lhs − rhs with the sign that is positive where the relation holds
+# Factor of lhs − rhs with which it is positive where the relation holds.
 SIGN = {"less": -1, "less_equal": -1, "greater": 1, "greater_equal": 1}
+
+_DEPTH = 30
+"""Depth to which CasADi compares two expressions; if they are equal only below it, both are kept."""
 
 
 @dataclass(slots=True)
@@ -37,14 +40,14 @@ class Relations:
 
 
 def find_relations(
-    dae: Dae, evaluate: ExpressionBuilder, settle: Callable[[list[SX]], list[SX]], parameters: SX
+    dae: Dae, evaluate: ExpressionBuilder, with_numbers: Callable[[list[SX]], list[SX]], parameters: SX
 ) -> Relations:
     """Collect the relations of a class and make `evaluate` use their memory.
 
     Args:
         dae: The class.
         evaluate: Builder of expressions, which uses the symbols in `memory` afterwards.
-        settle: Replaces constants by their numbers.
+        with_numbers: Function that replaces constants by their numbers.
         parameters: Symbols on which an instant may depend.
     """
     conditions = dae.systems["conditions"]
@@ -57,34 +60,35 @@ def find_relations(
         sites += [(root, root["expression"], point) for point in dae.iterate(root["domain"])]
     place: dict[Site, SX] = {}
     for root, expression, binding in sites:
-        (live,) = settle([evaluate.live(expression, binding).item()])
-        number = next((k for k, other in enumerate(out.live) if ca.is_equal(other, live, 30)), None)
+        (live,) = with_numbers([evaluate.live(expression, binding).item()])
+        number = next((k for k, other in enumerate(out.live) if ca.is_equal(other, live, _DEPTH)), None)
         if number is None:
             number = len(out.live)
             operation = dae.expressions[expression]["operation"]
             sign = SIGN.get(operation.get("operator", ""))
-            indicator = live - 0.5
+            indicator = live - 0.5  # of a relation that is not an inequality
             if sign:
                 sides = [evaluate(operation[k], binding).item() for k in ("lhs", "rhs")]
-                (indicator,) = settle([sign * (sides[0] - sides[1])])
+                (indicator,) = with_numbers([sign * (sides[0] - sides[1])])
             out.live.append(live)
             out.indicator.append(indicator)
             out.memory.append(SX.sym(f"relation{number}"))
         place[site(expression, binding)] = out.memory[number]
         if not binding and "id" in root:
             out.slot[root["id"]] = number
-    out.instants = _instants(dae, evaluate, settle, parameters)
+    out.instants = _declared_instants(dae, evaluate, with_numbers, parameters)
     for k, indicator in enumerate(out.indicator):
         instant = _instant(indicator, evaluate.time, parameters)
         if instant is None:
             out.crossings.append(k)
         else:
-            _add(out.instants, instant)
+            _add_once(out.instants, instant)
     evaluate.remember(place)
     return out
 
 
 def _instant(difference: SX, time: SX, parameters: SX) -> SX | None:
+    # The time at which the difference is zero, if it is linear in time and otherwise depends on parameters alone.
     if not ca.depends_on(difference, time):
         return None
     slope = ca.jacobian(difference, time)
@@ -95,13 +99,13 @@ def _instant(difference: SX, time: SX, parameters: SX) -> SX | None:
     return ca.densify(-rest / slope)
 
 
-def _add(instants: list[SX], instant: SX) -> None:
-    if not any(ca.is_equal(instant, other, 30) for other in instants):
+def _add_once(instants: list[SX], instant: SX) -> None:
+    if not any(ca.is_equal(instant, other, _DEPTH) for other in instants):
         instants.append(instant)
 
 
-def _instants(
-    dae: Dae, evaluate: ExpressionBuilder, settle: Callable[[list[SX]], list[SX]], parameters: SX
+def _declared_instants(
+    dae: Dae, evaluate: ExpressionBuilder, with_numbers: Callable[[list[SX]], list[SX]], parameters: SX
 ) -> list[SX]:
     out: list[SX] = []
     for event in dae.systems["events"]["time_events"]:
@@ -113,10 +117,10 @@ def _instants(
             if operation["kind"] != "binary" or operation["operator"] not in SIGN or node["binder_domain"] is not None:
                 continue
             lhs, rhs = (evaluate(operation[k]).item() for k in ("lhs", "rhs"))
-            instant = _instant(settle([lhs - rhs])[0], evaluate.time, parameters)
+            instant = _instant(with_numbers([lhs - rhs])[0], evaluate.time, parameters)
             if instant is not None:
                 linear = True
-                _add(out, instant)
+                _add_once(out, instant)
         if not linear:
             raise dae.refuse(
                 f"a time event that is not linear in time is not supported: {dae.text(event['provenance'])}",

@@ -1,8 +1,8 @@
 """Translation of a user's classes in a separate process, with limits of time and memory.
 
 rumoca crashes if expressions are nested deeper than its stack allows, and a few characters of Modelica can declare more
-variables than any memory has room for. In a separate process such a class results in an error message. Classes of this
-project are translated in the caller's process.
+variables than fit into memory. In a separate process such a class results in an error message. Classes of this project
+are translated in the caller's process.
 """
 
 import json
@@ -20,7 +20,7 @@ from typing import Any, Final, NoReturn
 from railgrip.base.errors import InputError, TranslationError
 
 _TASKS: Final = {"translate": "railgrip.fmus.build", "lower": "railgrip.fmus.native.equations"}
-"""Functions that the process calls, by the module that has them; arguments and result are JSON."""
+"""Task → module whose function TASK_here the process calls; arguments and result are JSON."""
 
 _ADVICE: Final = "make it smaller, or build it with OpenModelica (--compiler openmodelica)"
 
@@ -40,8 +40,8 @@ class TranslationLimits:
 
 LIMITS = TranslationLimits()
 
-_AT_A_LIMIT: Final = [-getattr(signal, name) for name in ("SIGXCPU", "SIGKILL") if hasattr(signal, name)]
-"""Exit codes of a process that the system ended; Windows has no such signals."""
+_KILLED: Final = [-getattr(signal, name) for name in ("SIGXCPU", "SIGKILL") if hasattr(signal, name)]
+"""Exit codes of a process that the system ended at a limit of time or memory; Windows has no such signals."""
 
 
 def call(task: str, class_name: str, library: Path, **arguments: Any) -> Any:
@@ -63,14 +63,14 @@ def call(task: str, class_name: str, library: Path, **arguments: Any) -> Any:
         done = subprocess.run(
             [sys.executable, "-I", "-c", start],
             input=json.dumps(request | {"arguments": arguments}).encode(),
-            env=os.environ,  # see `toolchain`
+            env=os.environ,  # not the environment of C, in which `dae` hides the user's cache folder from rumoca
             capture_output=True,
             check=False,
             timeout=LIMITS.seconds,
             start_new_session=True,  # Ctrl-C interrupts only this process, which then ends the other
         )
     except subprocess.TimeoutExpired:
-        raise _beyond(class_name, f"takes more than {LIMITS.seconds} s to translate") from None
+        raise _too_large(class_name, f"takes more than {LIMITS.seconds} s to translate") from None
     if done.returncode:
         raise _process_failure(class_name, done.returncode, done.stderr.decode(errors="replace"))
     sys.stderr.write(done.stderr.decode(errors="replace"))  # warnings
@@ -80,17 +80,17 @@ def call(task: str, class_name: str, library: Path, **arguments: Any) -> Any:
     return answer["result"]
 
 
-def _beyond(class_name: str, what: str) -> TranslationError:
+def _too_large(class_name: str, what: str) -> TranslationError:
     return TranslationError(f"{class_name} {what}; {_ADVICE}.")
 
 
-def _process_failure(class_name: str, code: int, words: str) -> TranslationError:
-    if code in _AT_A_LIMIT:
-        return _beyond(class_name, f"takes more than {LIMITS.seconds} s to translate, or too much memory")
-    if "memory" in words:  # Rust aborts, C++ throws bad_alloc: both messages contain it
-        return _beyond(class_name, f"takes more than {LIMITS.memory_mib} MiB to translate")
+def _process_failure(class_name: str, code: int, message: str) -> TranslationError:
+    if code in _KILLED:
+        return _too_large(class_name, f"takes more than {LIMITS.seconds} s to translate, or too much memory")
+    if "memory" in message:  # Rust aborts, C++ throws bad_alloc: both messages contain it
+        return _too_large(class_name, f"takes more than {LIMITS.memory_mib} MiB to translate")
     end = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-    return _beyond(
+    return _too_large(
         class_name, f"has an expression that is too long or nested too deeply: its compiler ended with {end}"
     )
 
@@ -115,20 +115,20 @@ def _answer(task: str, class_name: str, library: Path, arguments: dict[str, Any]
     except InputError as error:
         return {"kind": type(error).__name__, "refusal": str(error)}
     except MemoryError:
-        _give_up("out of memory")
+        _exit_with("out of memory")
     except RecursionError:
         problem = "an expression that is too long or nested too deeply, or a function that calls itself"
         return {"kind": "TranslationError", "refusal": f"{class_name} has {problem}."}
     except Exception as error:
         if "bad_alloc" in str(error):
-            _give_up("out of memory")
-        words = f"{type(error).__name__}: {error}".strip().splitlines()[-1]
-        problem = f"the built-in compiler fails on this class ({words}); simplify it, or build it with OpenModelica"
+            _exit_with("out of memory")
+        last_line = f"{type(error).__name__}: {error}".strip().splitlines()[-1]
+        problem = f"the built-in compiler fails on this class ({last_line}); simplify it, or build it with OpenModelica"
         return {"kind": "TranslationError", "refusal": f"{class_name}: {problem}."}
 
 
-def _give_up(words: str) -> NoReturn:
-    os.write(2, words.encode())
+def _exit_with(message: str) -> NoReturn:
+    os.write(2, message.encode())
     os._exit(1)
 
 
@@ -143,7 +143,7 @@ def _limit(seconds: int, memory_mib: int) -> None:
         (resource.RLIMIT_AS, memory_mib << 20),
         (resource.RLIMIT_CORE, 0),
     ):
-        _, most = resource.getrlimit(what)
-        value = limit if most == resource.RLIM_INFINITY else min(limit, most)
+        _, maximum = resource.getrlimit(what)
+        value = limit if maximum == resource.RLIM_INFINITY else min(limit, maximum)
         with suppress(ValueError, OSError):  # macOS cannot limit the address space
             resource.setrlimit(what, (value, value))

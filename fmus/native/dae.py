@@ -102,12 +102,12 @@ class Dae:
         return " ".join(text[span["start"] : span["end"]].decode(errors="replace").split())
 
     def refuse(self, construct: str, provenance: Node | None) -> TranslationError:
-        """Return the error for an unsupported construct."""
+        """Return the error for an unsupported construct, for the caller to raise."""
         return TranslationError(f"{self.where(provenance)}: {self.class_name}: {construct}")
 
     @cached_property
     def by_span(self) -> dict[tuple[int, int, int], list[Node]]:
-        """Expression nodes by their place in the source."""
+        """Expression nodes by source id, begin and end of their text, by which alone time events refer to them."""
         nodes: dict[tuple[int, int, int], list[Node]] = {}
         for node in self.expressions:
             span = node["provenance"]["span"]
@@ -133,7 +133,7 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
         path = path / "package.mo"
     if not path.is_file():
         raise InputError(f"{class_name}: there is no Modelica file {path}.")
-    # Not the name of an existing folder, because rumoca would read the other files in it.
+    # rumoca reads all files in the folder of a file, so a single file has a name in a folder that does not exist.
     alias = f"single-file/{path.name}"
     if path.parent != LIBRARY:
         require_readable(path)
@@ -198,7 +198,7 @@ def _content(template: str) -> Node:
 
 
 def _part(text: str, key: str) -> Node:
-    # The text after the first object of that name, most of it, is not parsed.
+    # Only the first object of that name is parsed; it is a small part of the text.
     name = f'"{key}":'
     return json.JSONDecoder().raw_decode(text, text.index(name) + len(name))[0]
 
@@ -208,9 +208,9 @@ _last = threading.local()
 
 
 def _session(library: Path) -> rumoca.Session:
-    # Reading a library takes longer than flattening most of its classes, so a session is used again. A session does not
-    # read a changed file again, so the digest decides.
-    state = (library, sources_digest(library))
-    if getattr(_last, "state", None) != state:
-        _last.state, _last.session = state, rumoca.Session(roots=[str(LIBRARY)])
+    # Reading a library takes longer than flattening most of its classes, so a session is reused while no file of the
+    # library changes; it would not read a changed file again.
+    key = (library, sources_digest(library))
+    if getattr(_last, "key", None) != key:
+        _last.key, _last.session = key, rumoca.Session(roots=[str(LIBRARY)])
     return _last.session

@@ -69,18 +69,26 @@ def _check(system: SampledSystem) -> None:
     step = system.step
     if isinstance(step, WrittenStep):
         return
-    takes = [step.numel_in(i) for i in range(step.n_in())]
-    gives = [step.numel_out(i) for i in range(step.n_out())]
+    arguments = [step.numel_in(i) for i in range(step.n_in())]
+    results = [step.numel_out(i) for i in range(step.n_out())]
     sizes = [len(system.states), len(system.inputs), len(system.parameters)]
-    if takes + [0] * (3 - len(takes)) != sizes or gives != [len(system.states), len(system.outputs)]:
+    result_sizes = [len(system.states), len(system.outputs)]
+    # The last arguments may be omitted if they are empty.
+    if arguments + [0] * (3 - len(arguments)) != sizes or results != result_sizes:
         raise InputError(
             f"{system.name}: a step function takes (state, input, parameter) of {sizes} numbers and gives "
-            f"(state, output) of {[len(system.states), len(system.outputs)]}; this one takes {takes} and gives {gives}."
+            f"(state, output) of {result_sizes}; this one takes {arguments} and gives {results}."
         )
 
 
 def straight_step(name: str, step: ca.Function, sizes: Sequence[int]) -> str:
-    """Return C code of a step (state, input, parameter) → (state, output), whose last argument may be omitted."""
+    """Return C code of a step (state, input, parameter) → (state, output), whose last arguments may be omitted.
+
+    Args:
+        name: Name of the C function.
+        step: The step.
+        sizes: Numbers of states, inputs and parameters.
+    """
     # Expanded to scalar operations, and with all three inputs, so that no argument is a null pointer.
     every = [ca.SX.sym(argument, size) for argument, size in zip("xup", sizes, strict=True)]
     arguments = every[: step.n_in()]

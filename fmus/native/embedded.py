@@ -76,7 +76,8 @@ def sources_of_library(system: SampledSystem) -> dict[str, str]:
         memory=words[1],
         structs="\n\n".join(_struct(f"{name}_{kind}", variables) for kind, variables in structs.items()),
     )
-    # Prefixed, so that functions of the loop cannot clash with functions of the program.
+    # Prefixed, so that functions of the loop cannot clash with functions of the program. `step_plain` is declared in
+    # `step.text`, not in a header.
     headers = "\n".join(text for file, text in step.files.items() if file.endswith(".h"))
     functions = sorted({*_FUNCTION.findall(headers), "step_plain"})
     prefix = "".join(f"#define {function} {name}_{function}\n" for function in functions)

@@ -29,7 +29,7 @@ def lower(class_name: str, modelica_path: Path | None = None) -> Model:
     require_class_name(class_name)
     library = LIBRARY if modelica_path is None else Path(modelica_path)
     if not library.exists():
-        lower_here(class_name, library)  # raises the error
+        lower_here(class_name, library)  # raises the error for a missing file, before anything reads it
     key, name = digest([class_name, sources_digest(library), compiler_digest()]), f"{class_name}.json"
     file = cache.find("models", key, name)
     if file is None:

@@ -21,7 +21,7 @@ from railgrip.fmus.native.arrays import (
 )
 from railgrip.fmus.native.dae import Binding, Dae, Node
 
-# A variable has one store of symbols, however an expression refers to it.
+# Kind of a reference → kind of the symbols, where they differ. During an event a state has its value before reinit.
 STORE = {
     "discrete_real": "discrete",
     "discrete_value": "discrete",
@@ -101,6 +101,7 @@ class ExpressionBuilder:
         return frame.memo[expression]
 
     def _compute(self, expression: int, frame: Frame) -> Array:
+        # A node of kind K is evaluated by the method _K(operation, node, frame).
         node = self.dae.expressions[expression]
         operation = node["operation"]
         method = getattr(self, f"_{operation['kind']}", None)
@@ -169,6 +170,7 @@ class ExpressionBuilder:
         return np.stack(values).astype(object).reshape(self.dae.extents(operation["domain"]) + values[0].shape)
 
     def _subscripts(self, base: Array, operation: Node, node: Node, frame: Frame) -> tuple[Any, ...] | SX:
+        # Indices from zero if they are numbers, else Modelica's index of a vector, from one.
         places: list[Any] = []
         for subscript in operation["subscripts"]:
             if subscript["kind"] == "whole":
@@ -187,7 +189,8 @@ class ExpressionBuilder:
         places = self._subscripts(base, operation, node, frame)
         if isinstance(places, tuple):
             return as_array(base[places])
-        out = base[0]  # selection; beyond the bounds the nearest element, because the C code cannot raise an error here
+        # Beyond the bounds the nearest element is selected, because the C code cannot raise an error here.
+        out = base[0]
         for j in range(1, len(base)):
             out = choose(places >= j + 0.5, base[j], out)
         return array([out])
@@ -235,13 +238,14 @@ class ExpressionBuilder:
             return frame.definitions[number]
         function = frame.function
         assert function is not None
+        # A fold is a for loop: from its initial definitions, each step computes the parameters of the next.
         for fold in function["folds"]:
             if number in fold["output_definitions"]:
                 current = [self._definition(k, frame) for k in fold["initial_definitions"]]
                 for point in self.dae.iterate(fold["domain"]):
-                    turn = frame.at(point)
-                    turn.definitions.update(zip(fold["parameter_definitions"], current, strict=True))
-                    current = [self._definition(k, turn) for k in fold["update_definitions"]]
+                    step = frame.at(point)
+                    step.definitions.update(zip(fold["parameter_definitions"], current, strict=True))
+                    current = [self._definition(k, step) for k in fold["update_definitions"]]
                 frame.definitions.update(zip(fold["output_definitions"], current, strict=True))
                 return frame.definitions[number]
         definition = function["definitions"][number]

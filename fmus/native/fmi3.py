@@ -25,14 +25,15 @@ def as_fmi_3(source: Source) -> Source:
         "fmi3.c": (RUNTIME / "fmi3.c").read_text(encoding="utf-8"),
         "model.c": source.files["model.c"] + '#include "fmi3.c"\n',
     }
-    made = Source.of(source.identifier, files, _convert_description(ET.fromstring(source.xml)), source.units)
-    build = _build_description(made.identifier, made.units)
-    return replace(made, files=made.files | {"buildDescription.xml": build}, is_fmi_3=True)
+    converted = Source.of(source.identifier, files, _convert_description(ET.fromstring(source.xml)), source.units)
+    build = _build_description(converted.identifier, converted.units)
+    # Added after the GUID is computed: the build description follows from the rest.
+    return replace(converted, files=converted.files | {"buildDescription.xml": build}, is_fmi_3=True)
 
 
 def _convert_description(root: ET.Element) -> str:
-    head = dict(root.attrib) | {"fmiVersion": "3.0", "guid": ""}
-    head = {name: text for name, text in head.items() if name not in ("guid", "numberOfEventIndicators")}
+    removed = ("guid", "numberOfEventIndicators")
+    head = {name: text for name, text in root.attrib.items() if name not in removed} | {"fmiVersion": "3.0"}
     interface = root.find("CoSimulation")
     assert interface is not None
     flags = {_FLAGS[name]: text for name, text in interface.attrib.items() if name in _FLAGS}

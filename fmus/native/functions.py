@@ -1,8 +1,8 @@
 """CasADi functions as C: straight-line code, tables for an interpreter, or the code of CasADi's own generator.
 
 CasADi's generator writes each function in one piece, and the time of C compilers grows faster than the length of a
-function. It also allows any argument or result to be NULL; in an FMU none is, and the tests would take longer than the
-operations. Straight-line code is divided into parts; the tables (`runtime/tape.c`) compile faster still.
+function. Its code also tests whether an argument or result is NULL, which never happens in an FMU; these tests would
+take longer than the operations. Straight-line code is divided into parts; tables (`runtime/tape.c`) compile faster.
 """
 
 import re
@@ -74,14 +74,14 @@ def operation_names() -> dict[int, str]:
 
 
 def in_c(functions: Sequence[ca.Function]) -> tuple[dict[str, int], str]:
-    """Return the sizes of work arrays as macros, and C of the functions with `call`, which calls any of them."""
+    """Return the sizes of work arrays by macro, and CasADi's C code of functions; its `call` calls any of them."""
     generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
     for function in functions:
         generator.add(function)
     sizes = {
         "ARGUMENTS": max(function.sz_arg() for function in functions),
         "RESULTS": max(function.sz_res() for function in functions),
-        # One more than needed, since C knows no empty arrays.
+        # One entry more, because C has no empty arrays.
         "WHOLE": 1 + max(function.sz_iw() for function in functions),
         "WORK": 1 + max(function.sz_w() for function in functions),
     }
@@ -95,7 +95,7 @@ class _Value:
     Attributes:
         text: Its name in C.
         storage: Expression from which another part reads it; for a constant the same as `text`.
-        parts: Parts that use it.
+        parts: Parts that compute or use it; if there are several, it is stored.
     """
 
     text: str

@@ -76,9 +76,11 @@ def reduce_index(
     for first in range(len(equations)):
         system.assign(first)
     symbols, derivative_of = system.symbols, system.derivative_of
-    own_cost = [*cost, *[0.001] * (len(symbols) - n)]
-    price = [1.0 + own_cost[i] if i in derivative_of else 0.5 for i in range(len(symbols))]
-    unknown_places = _select_unknowns(system.contains, symbols, price, derivative_of.keys(), owner)
+    # A symbol without a derivative must be solved for, so it costs less than any with one. Among the latter, those that
+    # are not states of the model are demoted first, so they cost less than any RELUCTANCE.
+    demotion_cost = [*cost, *[0.001] * (len(symbols) - n)]
+    weight = [1.0 + demotion_cost[i] if i in derivative_of else 0.5 for i in range(len(symbols))]
+    unknown_places = _select_unknowns(system.contains, symbols, weight, derivative_of.keys(), owner)
     state_places = [v for v in range(len(symbols)) if v not in unknown_places]
     return IndexOne(
         equations=system.equations,
@@ -193,14 +195,14 @@ class _Pantelides:
 
 
 def _select_unknowns(
-    contains: Sequence[set[int]], symbols: Sequence[SX], price: Sequence[float], differentiated: Set[int], owner: str
+    contains: Sequence[set[int]], symbols: Sequence[SX], weight: Sequence[float], differentiated: Set[int], owner: str
 ) -> set[int]:
     # The unknowns of a matching are solved for; the cheapest matching therefore demotes the cheapest states. Every
     # symbol without a derivative must be among them.
     rows, columns = zip(*[(e, v) for e, symbols_of in enumerate(contains) for v in symbols_of], strict=True)
-    weight = csr_matrix(([price[v] for v in columns], (rows, columns)), shape=(len(contains), len(symbols)))
+    weights = csr_matrix(([weight[v] for v in columns], (rows, columns)), shape=(len(contains), len(symbols)))
     try:
-        _, matching = min_weight_full_bipartite_matching(weight)
+        _, matching = min_weight_full_bipartite_matching(weights)
     except ValueError as error:
         raise TranslationError(f"{owner}: structurally singular after index reduction.") from error
     places = set(matching.tolist())

@@ -27,7 +27,8 @@ _SIMPLE = ("Real", "Integer", "Boolean", "String")
 _ATTRIBUTES = frozenset(  # section 4.9
     ("value", "quantity", "unit", "displayUnit", "min", "max", "start", "fixed", "nominal", "unbounded", "stateSelect")
 )
-_LISTED = 3
+_MAXIMUM_FINDINGS = 3
+"""Maximum number of findings in a message."""
 
 
 def require_strict(model: Any, class_name: str, sources: Sources) -> None:
@@ -81,8 +82,8 @@ def require_values(class_name: str, variables: Mapping[str, Node], sources: Sour
 def _refuse(what: str, findings: Iterable[str]) -> None:
     every = list(dict.fromkeys(findings))
     if every:
-        more = [f"and {len(every) - _LISTED} more"] if len(every) > _LISTED else []
-        raise TranslationError("\n  ".join([f"{what}:", *every[:_LISTED], *more]))
+        more = [f"and {len(every) - _MAXIMUM_FINDINGS} more"] if len(every) > _MAXIMUM_FINDINGS else []
+        raise TranslationError("\n  ".join([f"{what}:", *every[:_MAXIMUM_FINDINGS], *more]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +154,7 @@ class _Element:
     redeclared: bool = False
 
     @property
-    def unread_clause(self) -> list[str]:
+    def lost_in_clause(self) -> list[str]:
         """Names that the constraining clause modifies and the declaration does not: lost unless it is redeclared."""
         if self.redeclared or self.is_class:
             return []
@@ -162,6 +163,12 @@ class _Element:
 
 @dataclass(frozen=True)
 class _Checker:
+    """Checks of a tree of declarations; methods that yield strings yield findings with file and line.
+
+    In these, `rank` is the number of dimensions, `outside` is whether modifiers come from outside the modified class,
+    which excludes protected elements, and `depth` is the level of nested modifiers.
+    """
+
     tree: Node
     sources: Sources
     _elements: dict[str, dict[str, _Element]] = field(default_factory=dict[str, dict[str, _Element]])
@@ -207,7 +214,7 @@ class _Checker:
             inherited |= self.elements(base)
         for name in class_.components.keys() & inherited.keys():
             mine, theirs = self.elements(class_)[name], inherited[name]
-            if not mine.node["is_redeclare"] and _shape(mine.node) != _shape(theirs.node):
+            if not mine.node["is_redeclare"] and _compared_parts(mine.node) != _compared_parts(theirs.node):
                 yield self._locate(
                     mine.node, f"{name} is inherited from {theirs.owner.name} and declared again, differently (7.1)"
                 )
@@ -220,17 +227,17 @@ class _Checker:
         modifiers = element.modifiers
         if element.type is None:
             if element.simple:
-                yield from self._attributes(class_, modifiers, f"{name}", element.rank)
+                yield from self._attributes(class_, modifiers, name, element.rank)
             return
         if modifiers and element.type.definition["is_final"]:
             yield self._locate(node, f"{name} modifies the class {element.type.name}, which is final (7.2.6)")
         yield from self._modifiers(class_, modifiers, element.type, rank=element.rank, outside=True, depth=0)
-        yield from self._unread(node, name, element.type, modifiers)
+        yield from self._lost_modifiers(node, name, element.type, modifiers)
 
     def _local_class(self, class_: _Class, inner: _Class) -> Iterator[str]:
         definition = inner.definition
         short = inner.name.rpartition(".")[2]
-        if definition["constrainedby"] and re.search(r"\bconstrainedby\s+[\w.]+\s*\(", self._declaration(definition)):
+        if definition["constrainedby"] and re.search(r"\bconstrainedby\s+[\w.]+\s*\(", self._text_of(definition)):
             yield self._locate(
                 definition,
                 f"modifiers in the constraining clause of the class {short} are lost in the built-in compiler (7.3.2); "
@@ -334,7 +341,7 @@ class _Checker:
         if element.clause is not None and not element.is_class:
             for m in element.modifiers:
                 written = m.value if m.value is not None and not m.inner else m.node
-                if _plain(written) != _plain(element.clause.get(m.name)):
+                if _without_places(written) != _without_places(element.clause.get(m.name)):
                     yield self._locate(
                         element.node,
                         f"'{m.name}' is modified on the declaration of {name} and not, or otherwise, in its "
@@ -343,17 +350,17 @@ class _Checker:
                     )
         if new is not None:
             yield from self._modifiers(scope, modifier.inner, new, rank=element.rank, outside=True, depth=depth + 1)
-            yield from self._unread(modifier.node, name, new, modifier.inner)
+            yield from self._lost_modifiers(modifier.node, name, new, modifier.inner)
 
-    def _unread(self, node: Node, name: str, used: _Class, modifiers: Sequence[_Modifier]) -> Iterator[str]:
+    def _lost_modifiers(self, node: Node, name: str, used: _Class, modifiers: Sequence[_Modifier]) -> Iterator[str]:
         # rumoca reads a constraining clause only where the class is redeclared.
         redeclared = {m.name for m in modifiers if m.type}
         for part, element in self.elements(used).items():
-            if element.unread_clause and part not in redeclared:
+            if element.lost_in_clause and part not in redeclared:
                 yield self._locate(
                     node,
                     f"{name} does not redeclare '{part}' of {used.name}: the built-in compiler would lose the "
-                    f"modifiers of its constraining clause, {', '.join(element.unread_clause)} (7.3.2); redeclare it, "
+                    f"modifiers of its constraining clause, {', '.join(element.lost_in_clause)} (7.3.2); redeclare it, "
                     "or write them on its declaration as well",
                 )
 
@@ -364,13 +371,14 @@ class _Checker:
                 yield self._locate(modifier.node, f"'{modifier.name}' is not an attribute of {name} (4.9)")
             yield from self._rank(scope, modifier, 0 if modifier.each else rank)
 
-    def _rank(self, scope: _Class, modifier: _Modifier, wanted: int) -> Iterator[str]:
+    def _rank(self, scope: _Class, modifier: _Modifier, required: int) -> Iterator[str]:
         found = None if modifier.value is None else self.rank(modifier.value, scope)
-        if found is not None and found != wanted:
+        if found is not None and found != required:
             what = ("a scalar", "a vector", "a matrix")[min(found, 2)]
-            hint = "; write `each`" if found < wanted and not modifier.each else ""
+            hint = "; write `each`" if found < required and not modifier.each else ""
             yield self._locate(
-                modifier.node, f"'{modifier.name}' is given {what} where {wanted} dimensions are required (7.2.5){hint}"
+                modifier.node,
+                f"'{modifier.name}' is given {what} where {required} dimensions are required (7.2.5){hint}",
             )
 
     def _duplicates(self, modifiers: Sequence[_Modifier]) -> Iterator[str]:
@@ -408,7 +416,7 @@ class _Checker:
                     elements[modifier.name] = replace(
                         element,
                         type=self.resolve(modifier.type, class_),
-                        replaceable=self._says_replaceable(modifier),
+                        replaceable=self._is_replaceable(modifier),
                         redeclared=True,
                     )
             found |= elements
@@ -520,7 +528,7 @@ class _Checker:
             type_ = element.type
         return rank
 
-    def _says_replaceable(self, modifier: _Modifier) -> bool:
+    def _is_replaceable(self, modifier: _Modifier) -> bool:
         # rumoca's tree omits `replaceable` in a redeclaration of an extends clause.
         span = modifier.node["span"]
         text = self.sources[span["source"]][1][: span["start"]].decode(errors="replace")
@@ -528,9 +536,9 @@ class _Checker:
             re.search(r"\breplaceable\s+(?:\w+\s+)*[\w.]*\s*$", text.rpartition(",")[2].rpartition("(")[2]) is not None
         )
 
-    def _declaration(self, modifiers: Node) -> str:
-        # rumoca's tree omits the modifiers of the constraining clause.
-        place = modifiers["location"]
+    def _text_of(self, definition: Node) -> str:
+        # Its declaration as it is written: rumoca's tree omits the modifiers of the constraining clause.
+        place = definition["location"]
         _, text = self.sources.get(place["source"], ("", b""))
         return text[place["start"] :].partition(b";")[0].decode(errors="replace")
 
@@ -604,13 +612,13 @@ def _join_name(name: Node | None) -> str:
     return ".".join(part["text"] for part in name["name"]) if name else ""
 
 
-def _shape(node: Node) -> Any:
+def _compared_parts(node: Node) -> Any:
     keys = ("type_def_id", "shape_expr", "binding", "variability", "causality", "modifiers", "is_protected")
-    return _plain({key: node.get(key) for key in keys})
+    return _without_places({key: node.get(key) for key in keys})
 
 
-def _plain(tree: Any) -> Any:
+def _without_places(tree: Any) -> Any:
     if isinstance(tree, dict):
         skipped = ("span", "location", "token_number", "def_id")
-        return {key: _plain(value) for key, value in tree.items() if key not in skipped}
-    return [_plain(value) for value in tree] if isinstance(tree, list) else tree
+        return {key: _without_places(value) for key, value in tree.items() if key not in skipped}
+    return [_without_places(value) for value in tree] if isinstance(tree, list) else tree

@@ -1,4 +1,4 @@
-"""CasADi functions of states, inputs and free parameters from a flat class."""
+"""A system in explicit form as CasADi functions of time, states, inputs and the parameters that may be set."""
 
 from collections.abc import Sequence
 
@@ -18,18 +18,19 @@ def model_of(system: System) -> Model:
     Raises:
         TranslationError: It has events, discrete variables or nonlinear loops.
     """
-    hindrances = {
+    unsupported = {
         "relations that cause events (write noEvent(...) or smooth(...))": system.relation.numel(),
         "discrete variables": system.d.numel(),
         "time events": system.instants.numel() + len(system.clocks),
         "nonlinear algebraic loops": len(system.loops.guesses) + len(system.start_loops.guesses),
     }
-    parts = [f"{count} {what}" for what, count in hindrances.items() if count]
+    parts = [f"{count} {what}" for what, count in unsupported.items() if count]
     if parts:
         raise TranslationError(f"{system.class_name} is not a plain differential equation: it has {', '.join(parts)}.")
     v = system.variables
     free = vector(v.free)
     arguments = [system.time, system.x, system.u, free]
+    # In one column, because each substitution has a fixed cost.
     values = column([system.derivative, output_values(system), system.start])
     if v.dependent:
         values = ca.substitute(values, vector(v.dependent), column(v.dependent_values))

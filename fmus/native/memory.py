@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from railgrip.fmus.native.c_library import WORD, Struct
 
-_LONGEST_GAP = 4
-"""Maximum number of zeros between two runs of words that are written as one."""
+_MAXIMUM_GAP = 4
+"""Maximum distance of two nonzero words in one run: up to three zeros are shorter in C than a new run."""
 
 _POINTING = """
 typedef char pointers_have_8_bytes[sizeof(void *) == 8 ? 1 : -1];
@@ -26,7 +26,13 @@ static void point(unsigned long long *memory)
 
 @dataclass(frozen=True, slots=True)
 class _Region:
-    """A struct, or an array that a pointer refers to: its address in this process, its words, and the pointers."""
+    """A struct, or an array that a pointer refers to.
+
+    Attributes:
+        address: Address in this process.
+        words: Content.
+        pointers: Index of each word that is a pointer → its field, `Type.field`.
+    """
 
     address: int
     words: NDArray[np.uint64]
@@ -49,14 +55,15 @@ def in_c(root: Struct, headers: Iterable[str]) -> str:
     """
     regions = [*_regions(root, set())]
     constants = _constants(headers)
-    arrows = [
+    # A pointer: its region, word and field, and the region that it points into with the offset there [bytes].
+    links = [
         (number, word, field, target, int(region.words[word]) - regions[target].address)
         for number, region in enumerate(regions)
         for word, field in region.pointers.items()
         for target, other in enumerate(regions)
         if 0 <= int(region.words[word]) - other.address < WORD * other.words.size
     ]
-    changing = {0} | {target for _, _, field, target, _ in arrows if field not in constants}
+    changing = {0} | {target for _, _, field, target, _ in links if field not in constants}
     places, tables, words = dict[int, str](), list[str](), list[NDArray[np.uint64]]()
     for number, region in enumerate(regions):
         if number in changing or region.pointers:
@@ -68,7 +75,7 @@ def in_c(root: Struct, headers: Iterable[str]) -> str:
             tables.append(_table("unsigned long long", f"table_{number}", map(hex, region.words.tolist())))
     lines = [
         f"    aim({places[number]} + {word}, (const char *)({places[target]}) + {offset});"
-        for number, word, _, target, offset in arrows
+        for number, word, _, target, offset in links
     ]
     return "\n".join([*tables, *_write_words(np.concatenate(words)), _POINTING, *lines, "}", ""])
 
@@ -82,7 +89,7 @@ def _regions(struct: Struct, known: set[int]) -> Iterator[_Region]:
         if isinstance(target, Struct):
             yield from _regions(target, known)
             continue
-        while isinstance(target.base, np.ndarray):
+        while isinstance(target.base, np.ndarray):  # views of one array share one region
             target = target.base
         if target.ctypes.data not in known:
             known.add(target.ctypes.data)
@@ -110,7 +117,7 @@ def _constants(headers: Iterable[str]) -> set[str]:
 def _write_words(words: NDArray[np.uint64]) -> list[str]:
     # Long runs of zeros are omitted, because `lay` clears the memory first.
     used = np.flatnonzero(words)
-    runs = np.split(used, np.flatnonzero(np.diff(used) > _LONGEST_GAP) + 1)
+    runs = np.split(used, np.flatnonzero(np.diff(used) > _MAXIMUM_GAP) + 1)
     spans = [(int(run[0]), int(run[-1]) + 1) for run in runs if run.size]
     return [
         f"#define MEMORY {words.size}",

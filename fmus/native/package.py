@@ -35,7 +35,7 @@ class Source:
         identifier: Name of the library inside, a C identifier.
         files: C file name → text.
         xml: modelDescription.xml.
-        units: Names of the files that are compiled.
+        units: Names of the translation units, the files that are compiled; the others are included in them.
         is_fmi_3: Whether it is an FMU for FMI 3, else for FMI 2.
     """
 
@@ -48,6 +48,7 @@ class Source:
     @classmethod
     def of(cls, identifier: str, files: dict[str, str], xml: str, units: tuple[str, ...] = ("model.c",)) -> "Source":
         """Return the sources with a GUID that is a digest over all of them, in `model.c` and in the XML."""
+        # Sources that were derived from others have a GUID already, which must not enter the digest.
         model = re.sub(r'#define MODEL_GUID ".*"', '#define MODEL_GUID ""', files["model.c"])
         files = files | {"model.c": model}
         xml = re.sub(r'(guid|instantiationToken)="[^"]*"', r'\1=""', xml, count=1)
@@ -64,13 +65,13 @@ class Source:
 
 
 def platform_folder() -> str:
-    """Return FMI 2.0's name of this platform, such as linux64."""
+    """Return this platform's folder in FMI 2.0, such as linux64."""
     system = {"Linux": "linux", "Darwin": "darwin", "Windows": "win"}[platform.system()]
     return f"{system}{8 * struct.calcsize('P')}"
 
 
 def tuple_of_platform() -> str:
-    """Return FMI 3.0's name of this platform, such as x86_64-linux."""
+    """Return this platform's folder in FMI 3.0, its platform tuple, such as x86_64-linux."""
     machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine().lower())
     return f"{machine}-{platform.system().lower()}"
 
@@ -108,12 +109,12 @@ def c_identifier(name: str) -> str:
 def pack(source: Source, path: Path, *, flags: tuple[str, ...] = FMU_FLAGS, platforms: Sequence[str] = ()) -> Path:
     """Write an FMU to a file; arguments and errors are those of `archive_bytes`."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    half = path.with_suffix(f".{os.getpid()}.part")  # two processes may build it at the same time
+    part = path.with_suffix(f".{os.getpid()}.part")  # two processes may build it at the same time
     try:
-        half.write_bytes(archive_bytes(source, flags=flags, platforms=platforms))
-        half.replace(path)
+        part.write_bytes(archive_bytes(source, flags=flags, platforms=platforms))
+        part.replace(path)
     finally:
-        half.unlink(missing_ok=True)
+        part.unlink(missing_ok=True)
     return path
 
 

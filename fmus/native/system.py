@@ -195,6 +195,7 @@ def _at_events(
     blocks, running = list(loops.blocks), set(loops.guesses)
     event_equations, event_states = _event_equations(dae, evaluate, v, conditions, states)
     assertions = _assertions(dae, evaluate, conditions)
+    # `conditions.edge_conditions` is complete only now: the event equations add to it.
     targets = v.with_numbers([
         vector(v.discretes),
         column(event_states),
@@ -362,8 +363,8 @@ def _event_equations(
                     branches.setdefault(slot[scalar.name], []).append((active, SX(element), where))
     equations: list[Equation] = []
     for i, scalar in enumerate(v.discretes):
-        value, where = v.previous[i], dae.class_name
-        for active, element, where in reversed(branches.get(i, [])):  # noqa: B007 - the first branch has priority
+        value, where = v.previous[i], branches[i][0][2] if i in branches else dae.class_name
+        for active, element, _ in reversed(branches.get(i, [])):  # reversed, so that the first branch has priority
             value = choose(active, element, value)
         equations.append(Equation(scalar.symbol - value, where))
     after = [s.symbol for s in states]

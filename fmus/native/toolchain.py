@@ -102,18 +102,18 @@ def shared_library(
     include: Sequence[Path] = (),
     flags: Sequence[str] = (),
 ) -> Path:
-    """Return C sources as a shared library in the user's cache, compiled unless that very build is there.
+    """Return the path of a shared library in the user's cache, compiled unless the same build is already there.
 
     Args:
-        sources: File name to text.
-        name: Of the library, without suffix.
-        units: The files to compile; every `.c` when empty. The others are there to be included.
-        include: Folders with further headers; they are taken to change only with their path.
-        flags: Added after `FLAGS`.
+        sources: C sources, file name → text.
+        name: Name of the library, without suffix.
+        units: Names of the files to compile, every `.c` when empty; the other files are included in these.
+        include: Folders with further headers; a change of their content alone does not cause a new build.
+        flags: Further flags, after `FLAGS`.
 
     Raises:
-        CompilerMissing: There is no C compiler.
-        BuildFailed: The compiler reports an error; the message carries its first lines.
+        CompilerMissing: No C compiler was found.
+        BuildFailed: The compiler reports an error; the message contains its first lines.
         InputError: The cache cannot be used.
     """
     cc, file = compiler(), name + SUFFIX
@@ -135,10 +135,10 @@ def binary(
     flags: Sequence[str] = (),
     target: Platform | None = None,
 ) -> bytes:
-    """Return the shared library that C sources compile to; other arguments and errors are those of `shared_library`.
+    """Return the content of a shared library, compiled; other arguments and errors are those of `shared_library`.
 
     Args:
-        target: What it is for, if not this machine.
+        target: Platform of the library; this machine when absent.
     """
     cc = compiler() if target is None else _compiler_for(target)
     with scratch("build") as folder:
@@ -150,19 +150,20 @@ def binary(
         files = units or sorted(file for file in sources if file.endswith(".c"))
         options = [option for option in _options(include, flags) if _suits(suffix, option)]
         linking = _linking() if target is None else ("-lm", "-s")
-        code, words = _run([*cc.command, *options, *files, "-o", output, *linking], folder, name)
+        code, errors = _run([*cc.command, *options, *files, "-o", output, *linking], folder, name)
         if code:
-            raise BuildFailed(f"{' '.join(cc.command)} could not compile {name}:\n{_head(words)}")
+            raise BuildFailed(f"{' '.join(cc.command)} could not compile {name}:\n{_head(errors)}")
         return (folder / output).read_bytes()
 
 
 def static_library(sources: Mapping[str, str], name: str, *, units: Sequence[str], flags: Sequence[str] = ()) -> bytes:
-    """Return C sources as a static library for this machine; arguments and errors are those of `shared_library`.
+    """Return the content of a static library for this machine; arguments and errors are those of `shared_library`.
 
     Raises:
-        CompilerMissing: There is no C compiler, or it comes without `ar`.
+        CompilerMissing: No C compiler was found, or no `ar`.
     """
     cc = compiler()
+    # zig contains both: `zig ar` belongs to `zig cc`.
     archiver = (*cc.command[:-1], "ar") if cc.command[-1:] == _ZIG[-1:] else (find_program("ar") or "",)
     if not archiver[0]:
         raise CompilerMissing("a static library takes the program `ar`, which comes with the C compiler (binutils).")
@@ -175,9 +176,9 @@ def static_library(sources: Mapping[str, str], name: str, *, units: Sequence[str
             [*cc.command, *options, "-c", *units],
             [*archiver, "rcs", f"lib{name}.a", *objects],
         ):
-            code, words = _run(command, folder, name)
+            code, errors = _run(command, folder, name)
             if code:
-                raise BuildFailed(f"{' '.join(command[:1])} could not make lib{name}.a:\n{_head(words)}")
+                raise BuildFailed(f"{command[0]} could not make lib{name}.a:\n{_head(errors)}")
         return (folder / f"lib{name}.a").read_bytes()
 
 
@@ -210,7 +211,7 @@ def _run(command: Sequence[str], folder: Path, name: str) -> tuple[int, str]:
         start_new_session=True,
     ) as process:
         try:
-            _, words = process.communicate(timeout=LONGEST)
+            _, errors = process.communicate(timeout=LONGEST)
         except BaseException as end:
             if hasattr(os, "killpg"):
                 os.killpg(process.pid, signal.SIGKILL)
@@ -222,7 +223,7 @@ def _run(command: Sequence[str], folder: Path, name: str) -> tuple[int, str]:
                     "fewer elements."
                 ) from None
             raise
-        return process.returncode, words
+        return process.returncode, errors
 
 
 def _options(include: Sequence[Path], flags: Sequence[str]) -> list[str]:
@@ -247,4 +248,4 @@ def _probe(command: tuple[str, ...]) -> Compiler:
 
 
 def _head(text: str) -> str:
-    return "\n".join(text.splitlines()[:12])
+    return "\n".join(text.splitlines()[:12])  # later errors usually follow from the first

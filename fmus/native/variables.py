@@ -22,6 +22,8 @@ class Scalar:
     Attributes:
         kind: parameter, constant, input, state, algebraic or discrete.
         type: real, integer, boolean or enumeration.
+        attributes: Attributes of the whole declared variable, which may be an array.
+        position: Index among the elements of that array, row by row.
         start: Value before initialisation, with every parameter at its default.
         expression: Symbolic binding (parameters) or start (others), or None.
         fixed: Whether the start value is an initial condition.
@@ -48,6 +50,7 @@ class Scalar:
 
     def bound(self, name: str) -> float | None:
         """Return the attribute minimum, maximum or nominal if it is a number, else None."""
+        # One value, or one for each element.
         values = self.attributes.get(f"{name}_values")
         if not values or values[min(self.position, len(values) - 1)] is None:
             return None
@@ -139,16 +142,20 @@ def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Ar
 def settle(
     dae: Dae, of_id: dict[int, list[Scalar]], symbols: dict[tuple[str, int], Array], evaluate: ExpressionBuilder
 ) -> ModelVariables:
-    """Find start values and sort parameters into free, dependent and structural ones."""
+    """Return the variables of a class, with their start values, and its parameters as free, dependent or structural.
+
+    Raises:
+        TranslationError: A structural parameter depends on a parameter that can be set.
+    """
     for v in dae.variables:
         _start(v, of_id[v["id"]], evaluate)
     every = [s for scalars in of_id.values() for s in scalars]
     by_kind = {kind: [s for s in every if s.kind == kind] for kind in KINDS}
 
     # Constants and structural parameters come first, because the bindings of all others may depend on them.
-    numeric = by_kind["constant"] + [p for p in by_kind["parameter"] if _is_structural(p)]
-    values = _numbers(dae, numeric)
-    constants = vector(numeric), ca.vertcat(*values) if values else SX(0, 1)
+    structural = by_kind["constant"] + [p for p in by_kind["parameter"] if _is_structural(p)]
+    values = _evaluate_structural(dae, structural)
+    constants = vector(structural), ca.vertcat(*values) if values else SX(0, 1)
     parameters = [p for p in by_kind["parameter"] if not _is_structural(p)]
     # One substitution for all, because each call has a fixed cost.
     symbolic = [p for p in parameters if p.expression is not None and not is_number(p.expression)]
@@ -158,7 +165,7 @@ def settle(
             p.expression = expression
     free = [p for p in parameters if p.expression is None or is_number(p.expression)]
     dependent = [p for p in symbolic if not is_number(p.binding)]
-    dependent, dependent_values = _in_order(dependent)
+    dependent, dependent_values = _sort_dependent(dependent)
     out = ModelVariables(
         of_id=of_id,
         symbols=symbols,
@@ -197,8 +204,9 @@ def _start(v: Node, scalars: list[Scalar], evaluate: ExpressionBuilder) -> None:
             s.start = float(values[i])
 
 
-def _numbers(dae: Dae, scalars: list[Scalar]) -> list[SX]:
+def _evaluate_structural(dae: Dae, scalars: list[Scalar]) -> list[SX]:
     values = [s.binding for s in scalars]
+    # They may depend on each other in any order; a chain of dependences is not longer than their number.
     names, out = vector(scalars), ca.vertcat(*values) if values else SX(0, 1)
     for _ in range(len(scalars) + 1):
         if not out.numel() or not ca.depends_on(out, names):
@@ -214,7 +222,7 @@ def _numbers(dae: Dae, scalars: list[Scalar]) -> list[SX]:
     return [SX(s.start) for s in scalars]
 
 
-def _in_order(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
+def _sort_dependent(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
     if not dependent:  # CasADi cannot infer the type of an empty list
         return [], []
     before: dict[int, set[int]] = {i: set() for i in range(len(dependent))}

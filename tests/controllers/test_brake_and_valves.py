@@ -20,7 +20,7 @@ def test_pressure_is_the_inverse_of_the_brake_equation(pressure, friction):
     assert pressure_for(torque, friction, JACOBS) == pytest.approx(pressure, rel=1e-12)
 
 
-def test_pressure_stays_between_none_and_full():
+def test_pressure_stays_between_zero_and_full():
     assert pressure_for(1e9, 0.35, JACOBS) == 2e5
     assert pressure_for(-1e9, 0.35, JACOBS) == 0.0
 
@@ -33,7 +33,7 @@ def test_pressure_stays_between_none_and_full():
         ({"spring_force": -1.0}, "spring_force must not be negative, got -1.0"),
     ],
 )
-def test_a_brake_that_cannot_be_is_refused(change, sentence):
+def test_impossible_brake_data_are_refused(change, sentence):
     with pytest.raises(ValueError, match=sentence):
         Brake(**(JACOBS | change))
 
@@ -67,7 +67,7 @@ def test_valves_bring_the_pressure_to_the_demand_and_then_rest(demand, start):
     assert np.count_nonzero(np.diff(commands[300:])) <= 2
 
 
-def test_full_and_no_demand_go_straight_through():
+def test_full_and_zero_demands_are_sent_at_once():
     logic = ValveLogic([3.4e5], VALVES)
     assert logic.command([3.4e5], [3.39e5])[0] == FILL
     logic = ValveLogic([3.4e5], VALVES)
@@ -75,7 +75,7 @@ def test_full_and_no_demand_go_straight_through():
 
 
 @given(demands=st.lists(st.floats(0, 3.4e5), min_size=50, max_size=50))
-def test_no_pulse_is_shorter_than_the_valves_can(demands):
+def test_no_pulse_is_shorter_than_the_minimum(demands):
     logic = ValveLogic([3.4e5], VALVES)
     commands = [logic.command([demand], [1.7e5])[0] for demand in demands]
     changes = np.flatnonzero(np.diff(commands)) + 1

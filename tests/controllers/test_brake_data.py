@@ -25,7 +25,7 @@ def demands(law: type[GroupLaw], brakes: tuple[Brake, ...], formation: Formation
 
 
 @pytest.mark.parametrize("name", LAWS)
-def test_a_law_does_not_use_other_data_of_its_brakes_than_it_says(name):
+def test_a_law_uses_only_the_brake_data_that_it_declares(name):
     """What nobody gives is NaN, which would show in whatever it takes part in."""
     law = registry.part(registry.LAWS, name, GroupLaw)
     unused = {field.name for field in fields(Brake)} - law.brake_data

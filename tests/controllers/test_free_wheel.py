@@ -1,4 +1,4 @@
-"""The speed that a rolling wheel shows while the radar is silent: formulas of a made-up train of two groups."""
+"""Speed from a rolling wheel while the radar is silent: the formula for an invented train of two groups."""
 
 import math
 
@@ -26,7 +26,7 @@ def watch():
 
 
 def over(watch, seconds, speed, rims, pressures):
-    """What it returns at the last of so many seconds; rims [m/s] are numbers or functions of time."""
+    """Return the outputs after a number of seconds; rims [m/s] are numbers or functions of time."""
     for k in range(1, round(seconds / PERIOD) + 1):
         now = [rim(k * PERIOD) if callable(rim) else rim for rim in rims]
         last = watch.call([speed, *(rim / RADIUS for rim in now), *pressures])
@@ -34,19 +34,19 @@ def over(watch, seconds, speed, rims, pressures):
 
 
 def given_within(watch, seconds, rims, pressures):
-    """The speeds that it gave meanwhile, the radar silent."""
+    """Return the speeds that are given within a number of seconds while the radar is silent."""
     given = [over(watch, PERIOD, NAN, rims, pressures)[0] for _ in range(round(seconds / PERIOD))]
     return [speed for speed in given if not math.isnan(speed)]
 
 
 @given(st.lists(st.floats(0.0, 60.0), min_size=1, max_size=50))
-def test_a_radar_that_shows_something_is_what_counts(readings):
+def test_a_radar_reading_is_used_whenever_there_is_one(readings):
     watch = FreeWheel((GROUP, GROUP), PERIOD)
     for reading in readings:
         assert watch.call([reading, 10.0, 20.0, OFF, ON]) == (reading, 0.0, 0.0)
 
 
-def test_a_released_wheel_stands_in_after_the_silence(watch):
+def test_a_released_wheel_replaces_the_radar_after_the_silence(watch):
     over(watch, 3.0, 20.0, (20.0, 18.0), (ON, ON))
     assert not given_within(watch, VALUES.silence - 0.02, (20.0, 18.0), (OFF, ON))
     speeds = given_within(watch, 1.0, (20.0, 18.0), (OFF, ON))
@@ -60,31 +60,31 @@ def test_a_brake_must_have_been_off_for_a_while(watch):
     assert given_within(watch, 0.2, (20.0, 18.0), (OFF, ON))
 
 
-def test_a_wheel_that_spins_up_is_no_reference(watch):
+def test_a_wheel_that_spins_up_is_not_a_reference(watch):
     over(watch, 3.0, NAN, (10.0, 9.0), (ON, ON))
     rising = lambda t: 10.0 + 0.5 * t
     for k in range(200):
-        # The filter has to see the rise first: for three of its time constants nothing may be said.
+        # No speed may be given during the time constants that the filter takes to follow the rise.
         speed = over(watch, PERIOD, NAN, (rising(k * PERIOD), 9.0), (OFF, ON))[0]
         assert math.isnan(speed)
 
 
-def test_a_dead_sensor_of_a_released_wheel_is_none_either(watch):
+def test_a_released_wheel_with_a_dead_sensor_is_not_a_reference(watch):
     over(watch, 3.0, NAN, (0.0, 18.0), (ON, ON))
     assert not given_within(watch, 2.0, (0.0, 18.0), (OFF, ON))
     over(watch, 3.0, NAN, (NAN, 18.0), (ON, ON))
     assert not given_within(watch, 2.0, (NAN, 18.0), (OFF, ON))
 
 
-def test_a_released_wheel_that_is_slower_than_a_braked_one_is_none(watch):
-    """Its sensor counts too few teeth: nothing that brakes makes a wheel faster than one that rolls."""
+def test_a_released_wheel_slower_than_a_braked_one_is_not_a_reference(watch):
+    """Its sensor counts too few teeth: a braked wheel cannot be faster than one that rolls."""
     over(watch, 3.0, NAN, (9.0, 18.0), (ON, ON))
     assert not given_within(watch, 2.0, (9.0, 18.0), (OFF, ON))
     assert given_within(watch, 2.0, (9.0, 8.0), (OFF, ON))
 
 
-def test_where_no_law_releases_a_group_each_is_in_its_turn(watch):
-    """In vain here: pressures do not follow, so no wheel rolls."""
+def test_groups_are_released_in_turn_if_the_law_releases_none(watch):
+    """These releases yield no speed: the pressures do not follow, so no wheel rolls."""
     order, last = [], (0.0, 0.0)
     for _ in range(round(30.0 / PERIOD)):
         _, *released = over(watch, PERIOD, NAN, (15.0, 15.0), (ON, ON))
@@ -92,11 +92,11 @@ def test_where_no_law_releases_a_group_each_is_in_its_turn(watch):
             order.append(released.index(1.0))
         assert sum(released) <= 1.0
         last = tuple(released)
-    # 5 s without, 7 s of release, and again: three begin in 30 s, the rear one first.
+    # 5 s without a speed, 7 s of release, and again: three releases begin in 30 s, that of the rear group first.
     assert order == [1, 0, 1]
 
 
-def test_a_release_ends_with_the_speed_that_it_shows(watch):
+def test_a_test_release_ends_when_it_yields_a_speed(watch):
     over(watch, 1.0, 15.0, (15.0, 12.0), (ON, ON))
     assert over(watch, VALUES.test_after + 0.02, NAN, (15.0, 15.0), (ON, ON))[1:] == (0.0, 1.0)
     assert over(watch, 0.4, NAN, (15.0, 15.0), (ON, OFF))[1:] == (0.0, 1.0)

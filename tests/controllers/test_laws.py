@@ -28,7 +28,7 @@ def peak_seeking(**changes):
 
 
 @pytest.mark.parametrize(("peak_slip", "patience"), [(0.01, 1.0), (0.03, 1.0), (0.1, 2.0), (0.2, 4.0)])
-def test_peak_seeking_finds_the_peak_wherever_it_lies(peak_slip, patience):
+def test_peak_seeking_finds_the_peak_wherever_it_is(peak_slip, patience):
     """At least 96 % of α* on average: the margin costs 0.1 %, hunting a few percent; slip levels that are fixed at
     10-15 % use 16 % of a peak at 1 % slip (the curve above: 2·x/(1 + x²) at x = 12.5). A broad peak takes longer to
     climb: at 20 % the slip answers a torque with J v/(r² dF/ds) = 0.25 s, and `rise` adds 15 % of torque."""
@@ -52,7 +52,7 @@ def test_peak_seeking_survives_a_rail_that_suddenly_gets_worse():
 
 
 @pytest.mark.parametrize("peak_slip", [0.003, 0.03])
-def test_adhesion_stays_below_what_may_be_used(peak_slip):
+def test_adhesion_stays_below_its_limit(peak_slip):
     """A rail of 0.3 with α_max 0.15; 0.005 for the pressure's lag of 20 ms. On the steeper curve the limit is reached
     at a slip so small that the wheel counts as rolling."""
     _, adhesion = simulate(peak_seeking(), 3.0, peak=lambda time, group: 0.3, peak_slip=peak_slip)
@@ -61,7 +61,7 @@ def test_adhesion_stays_below_what_may_be_used(peak_slip):
 
 
 @pytest.mark.parametrize("error", [0.9, 1.1])
-def test_peak_seeking_bears_a_wrong_pad_friction(error):
+def test_peak_seeking_tolerates_a_wrong_pad_friction(error):
     """10 % either way is what pads spread; the torque it believes in is wrong by that."""
 
     class Mistaken:
@@ -129,7 +129,7 @@ def test_full_brake_ignores_every_slip():
 
 
 @pytest.mark.parametrize("law", [AdhesionBased([GROUP], PEAK_SEEKING), LiteralAdhesionBased([GROUP], PRINTED)])
-def test_adhesion_based_control_wants_an_estimate(law):
+def test_adhesion_based_control_requires_an_estimate(law):
     with pytest.raises(ValueError, match="needs an estimator"):
         law.decide(observed(0, SPEED, 0, (0.0,), None, None, (0.0,)))
 
@@ -152,7 +152,7 @@ def climber(**changes):
 
 
 @pytest.mark.parametrize("peak_slip", [0.005, 0.01, 0.03, 0.1, 0.2, 0.4])
-def test_the_set_point_climbs_to_the_peak_wherever_it_lies(peak_slip):
+def test_the_set_point_climbs_to_the_peak_wherever_it_is(peak_slip):
     """At least 85 % of α*, over a factor of 80 in slip: this curve, 2x/(1 + x²), leaves that at x = 0.56 and 1.8.
 
     From nothing the set point climbs at `rise_rate`, e-fold in 0.7 s, and over the top until the window has forgotten
@@ -178,7 +178,7 @@ class Held:
 
 @pytest.mark.parametrize("groups", [1, 2])
 @pytest.mark.parametrize("peak_slip", [0.1, 0.2, 0.3])
-def test_slip_does_not_stand_still_within_the_band_of_the_valves(peak_slip, groups):
+def test_the_slip_does_not_stay_small_within_the_band_of_the_valves(peak_slip, groups):
     """On a broad curve a wheel at 1.6 % of slip draws a tenth to a half, and what it is short of is less than a band.
 
     Without the integral of slip below its set point this is 0.50, 0.16 and 0.11. What remains from 0.9 to 1 is the
@@ -189,7 +189,7 @@ def test_slip_does_not_stand_still_within_the_band_of_the_valves(peak_slip, grou
     assert adhesion[5000:].mean() > 0.9 * 0.06
 
 
-def test_a_rail_that_changes_is_no_slope():
+def test_a_change_of_the_rail_is_not_mistaken_for_a_slope():
     """Friction that swings by 20 % in 0.7 s under both wheelsets, on a curve whose peak is far beyond.
 
     Slip rises as friction falls: seen from one wheelset that is a falling curve, and it brakes too little. The
@@ -209,7 +209,7 @@ def test_a_rail_that_changes_is_no_slope():
     assert used(1) < used(2) - 0.05
 
 
-def test_a_patch_under_one_wheelset_after_the_other_is_no_slope():
+def test_a_patch_passed_by_one_wheelset_after_the_other_is_not_mistaken_for_a_slope():
     """Friction of 0.06 that is 0.02 in patches; the second wheelset comes to each of them 0.7 s after the first.
 
     The difference of both sees a fall of adhesion by two thirds while slip rises by more: an elasticity of −0.9 that no
@@ -225,7 +225,7 @@ def test_a_patch_under_one_wheelset_after_the_other_is_no_slope():
 
 
 @pytest.mark.parametrize(("estimate", "possible"), [(-0.009, 0.1), (0.05, 0.1), (0.35, 0.35), (1.6, 0.6)])
-def test_pads_have_no_friction_below_zero(estimate, possible):
+def test_an_impossible_pad_friction_is_limited(estimate, possible):
     """A filter to which a sensor lies may say so; the brake would stay off, and nothing would ever tell it better."""
 
     def demand(pad_friction):
@@ -235,7 +235,7 @@ def test_pads_have_no_friction_below_zero(estimate, possible):
 
 
 @pytest.mark.parametrize("error", [-0.03, 0.03])
-def test_a_worn_wheel_is_no_slide(error):
+def test_a_worn_wheel_is_not_mistaken_for_a_slide(error):
     """A radius wrong by 3 % shows as 3 % of slip at once; the law measures it before the brake is on."""
 
     class Worn:
@@ -280,7 +280,7 @@ def test_a_wheel_whose_speed_cannot_be_true_follows_the_others(lie):
     assert law.decide(again)[0] != pytest.approx(followed, rel=0.1)
 
 
-def test_wheels_that_nothing_brakes_or_turns_tell_the_speed_after_a_radar_has_lied():
+def test_wheels_that_are_neither_braked_nor_turned_correct_a_wrong_radar_speed():
     """A speed that is believed 25 % too high makes all wheels seem to slide by 20 %; released, they roll."""
     law = SlopeSeeking([GROUP, GROUP], replace(SLOPE, period=1e-2))
     braked = 0.9 * GROUP.pressure_max
@@ -310,7 +310,7 @@ def test_the_slip_of_a_rolling_wheel_is_averaged():
     assert np.abs(np.array(offsets[100:]) - 0.02).max() < 0.003
 
 
-def test_next_to_no_adhesion_is_not_rolling():
+def test_a_wheel_that_slides_with_hardly_any_adhesion_is_not_rolling():
     """On oil a wheel that slides at 40 % draws 0.008; full brake would lock it."""
     law = climber()
     for k in range(3):
@@ -354,7 +354,7 @@ def changed(tuning, **values):
         (changed(SLOPE, slip_most=1.5), "0 < slip_small < slip_most < 1"),
     ],
 )
-def test_a_tuning_without_meaning_is_refused(make, sentence):
+def test_an_invalid_tuning_is_refused(make, sentence):
     with pytest.raises(ValueError, match=sentence):
         make()
 

@@ -65,7 +65,7 @@ def test_extremum_seeking_goes_to_the_peak_from_either_side(peak_slip):
     assert state_of(law, "set_slip[1]") == pytest.approx(peak_slip, rel=0.3)
 
 
-def test_extremum_seeking_stays_where_adhesion_does_not_answer():
+def test_extremum_seeking_stays_where_adhesion_does_not_respond():
     law = ExtremumSeeking([GROUP], SEEKING)
     for _ in range(5000):
         law.decide(observed(0.0, SPEED, 0.0, (0.04,), (0.05,), (0.35,), (FULL,)))
@@ -185,7 +185,7 @@ def test_below_its_lowest_speed_the_reference_leaves_the_brake_alone():
         (lambda: replace(SEEKING, dither=1.0), "ExtremumSeeking: dither is a share of the set slip, below 1"),
     ],
 )
-def test_a_tuning_that_means_nothing_is_refused(change, sentence):
+def test_an_invalid_tuning_is_refused(change, sentence):
     with pytest.raises(ValueError, match=sentence):
         change()
 

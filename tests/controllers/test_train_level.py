@@ -1,4 +1,4 @@
-"""What is decided over the demands of single groups: valves that several share, and force that others give."""
+"""Decisions for the whole train: valves that several groups share, and redistribution of force."""
 
 from dataclasses import replace
 
@@ -36,7 +36,7 @@ def slip_based() -> Law:
 
 
 def force(pressures: np.ndarray) -> float:
-    """Of all brakes at the rim, with pads as taken for where they are not estimated."""
+    """Return the force of all brakes at the rims [N], with the pad friction that is assumed without an estimate."""
     per_pascal = GROUP.units * PAD_FRICTION * GROUP.friction_radius * GROUP.rigging * GROUP.piston_area
     return float(np.sum(pressures)) * per_pascal / GROUP.wheel_radius
 
@@ -57,14 +57,14 @@ def test_a_valve_for_each_group_changes_nothing():
 
 
 def settled(law: Law, now: Observation) -> np.ndarray:
-    """Its demands after five seconds of the same."""
+    """Return the demands after five seconds with the same observation."""
     for _ in range(5000):
         demands = law.decide(now)
     return np.array(demands)
 
 
-def test_what_a_sliding_group_cannot_give_others_give():
-    """The force of all is what the driver asks for, each by the same share of what it has left."""
+def test_other_groups_give_the_force_that_a_sliding_group_cannot():
+    """The total force is the driver's demand; each other group adds the same share of its reserve."""
     now = observed((0.2, 0.01, 0.01), 0.5)
     law = with_redistribution(slip_based(), GROUPS, period=1e-3, adhesion_max=0.3)
     demands = settled(law, now)
@@ -92,7 +92,7 @@ def test_with_full_brake_or_without_slip_there_is_nothing_to_redistribute():
         assert demands == pytest.approx(lower)
 
 
-def test_it_holds_for_a_law_without_memory():
+def test_redistribution_works_over_a_law_without_states():
     now = observed((0.2, 0.01, 0.01), 0.5)
     law = with_redistribution(FullBrake(GROUPS), GROUPS, period=1e-3, adhesion_max=0.3)
     assert settled(law, now) == pytest.approx(now.driver_demand)
@@ -107,7 +107,7 @@ def test_it_holds_for_a_law_without_memory():
     ],
     ids=["lowest", "mean", "redistribution"],
 )
-def test_over_any_controller_it_is_what_it_is_inside_a_law(over):
+def test_over_any_controller_the_result_equals_that_inside_a_law(over):
     """To the last bit: the controller below may be a law, a class or an FMU."""
     inside, law, outside = over(slip_based()), slip_based(), over(pass_through(GROUPS))
     random = np.random.default_rng(3)

@@ -17,18 +17,18 @@ Vector = NDArray[np.float64]
 Phases = NDArray[np.void]
 """Structs `Phase` of driver.h."""
 
-_FAINTEST = 1e3
-"""Smallest plausible pressure of a brake cylinder [Pa]: pads touch at some 0.2 bar."""
+_MIN_PRESSURE = 1e3
+"""Smallest plausible pressure of a brake cylinder [Pa], far below the 0.2 bar at which pads touch."""
 
 
 class Driver:
     """Demands full brake from the first instant on, or follows its phases.
 
     Distance and speed are those of the plant: a scenario states where an event happens, not where a driver assumes it.
-        To stop at a target, the demand is 0 until a = v²/(2 d), with d the remaining distance to the target, reaches
-        the deceleration a0 of the curve. Then the demand is the share (a + 2 (a - a0)) / `full_deceleration` of the
-        force of full brake, which corrects for a train that decelerates other than expected. Beyond the target it is
-        full brake.
+
+    To stop at a target, the demand is 0 until a = v²/(2 d), with d the remaining distance to the target, reaches the
+    deceleration a0 of the braking curve. Then it is the share (a + 2 (a - a0)) / `full_deceleration` of the force of
+    full brake, which corrects for a train that decelerates other than expected. Beyond the target it is full brake.
 
     The formulas are in `kernel/driver.c`.
 
@@ -60,7 +60,7 @@ class Driver:
 
 
 def released(layout: Layout, count: int) -> Phases:
-    """Return phases without a demand and without an end."""
+    """Return `count` phases without brake demand, traction and end."""
     phases = kernel(layout).records("Phase", count)
     for name, value in {"limit": nan, "target": nan, "power": inf, "rate": inf}.items():
         phases[name] = value
@@ -68,13 +68,13 @@ def released(layout: Layout, count: int) -> Phases:
 
 
 def phases_of(layout: Layout, demand: Demand, full: Sequence[float], origin: str) -> Phases:
-    """Return the phases of a demand on brakes whose full pressures are `full`, shape (groups,) [Pa].
+    """Return the phases of a demand.
 
     Args:
         layout: Layout of the vehicle.
         demand: Table of the scenario.
-        full: Full pressure of each group.
-        origin: Name of the scenario, the opening word of messages.
+        full: Pressure of full brake, shape (groups,) [Pa]; pressures are limited to it.
+        origin: Name of the scenario, with which messages begin.
 
     Raises:
         ScenarioError: The demand gives pressures for another number of groups, or above the maximum of a brake.
@@ -91,7 +91,7 @@ def phases_of(layout: Layout, demand: Demand, full: Sequence[float], origin: str
             row["target"], row["deceleration"] = aim.distance, aim.deceleration
             row["full_deceleration"] = aim.full_deceleration
         if phase.traction is not None:
-            rate = phase.traction.rate or inf
+            rate = phase.traction.rate or inf  # also of the phases that follow, in which the force falls to 0
             row["force"], row["power"] = phase.traction.force, phase.traction.power or inf
         row["rate"] = rate
     return phases
@@ -117,14 +117,15 @@ def _phases_of_profile(layout: Layout, demand: Demand, full: Sequence[float], wh
 
 def _of_groups(entries: Sequence[float | Literal["full"]], full: Sequence[float], where: str) -> list[float]:
     _require_pressures(len(entries), max((entry for entry in entries if entry != "full"), default=0.0), full, where)
-    pressures = [most if entry == "full" else float(entry) for entry, most in zip(cycle(entries), full, strict=False)]
-    return list(map(min, pressures, full))
+    # One entry is for all groups.
+    each = zip(cycle(entries), full, strict=False)
+    return [limit if entry == "full" else min(float(entry), limit) for entry, limit in each]
 
 
 def _require_pressures(count: int, highest: float, full: Sequence[float], where: str) -> None:
     if count not in (1, len(full)):
         raise ScenarioError(f"{where} is for {count} groups, the vehicle has {len(full)}")
-    if 0.0 < highest < _FAINTEST:
+    if 0.0 < highest < _MIN_PRESSURE:
         raise ScenarioError(
             f"{where} is {highest:g} Pa at most, at which no brake acts (full brake is {max(full):g} Pa); state the "
             "unit: '3 bar' in a scenario, 'pressure [kPa]', [bar] or [psi] in the first line of a file"

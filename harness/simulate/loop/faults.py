@@ -81,7 +81,7 @@ class Faults:
         """
         ring = np.zeros(delay + 1)
         self._add("command", kind, ring, place=group, begin=begin, end=end, value=value, pressure=pressure,
-            free=FREE, refill=refill,
+            free_pressure=FREE, refill=refill,
         )  # fmt: skip
 
     def _add(self, changed: str, kind: str, ring: Vector | None, **numbers: float) -> None:
@@ -91,6 +91,6 @@ class Faults:
             row[name] = number
         if ring is not None:
             self._rings.append(np.ascontiguousarray(ring))
-            row["past"], row["count"] = self._rings[-1].ctypes.data, ring.size
+            row["ring"], row["count"] = self._rings[-1].ctypes.data, ring.size
         rows = self._rows[changed] = np.concatenate([self._rows[changed], row])
         self.struct.set(**{f"{changed}s": rows, f"{changed}_count": len(rows)})

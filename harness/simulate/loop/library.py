@@ -13,7 +13,7 @@ from railgrip.vehicle.signals import Layout
 KERNEL: Final = files("railgrip.simulate.loop") / "kernel"
 _HEADERS: Final = ("sensors.h", "plausible.h", "driver.h", "rail.h", "faults.h", "cycle.h", "onboard.h")
 _PHYSICS: Final = f"#define GRAVITY {GRAVITY}\n#define SMALL_SPEED {SMALL_SPEED}\n"
-"""Constants in SI units, for the C code; the declarations of the headers do not use them."""
+"""Constants in SI units for the C code. `kernel` omits them, because cffi accepts only integer macros."""
 
 
 @cache
@@ -30,7 +30,7 @@ def kernel(layout: Layout) -> CLibrary:
 
 
 def every(layout: Layout, steps: Fraction | int) -> Struct:
-    """Return `Every` of sensors.h for a part that is due once per number of steps, which need not be whole."""
+    """Return `Every` of sensors.h for a part whose period is a number of steps, not necessarily whole."""
     return kernel(layout).struct("Every", steps=steps.numerator, turns=steps.denominator)
 
 

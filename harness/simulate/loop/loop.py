@@ -47,14 +47,14 @@ class Ending:
 class Loop:
     """One stop: it ends at standstill, at the horizon, or when a part fails in a way that is a result.
 
-    The order of events in a sample is that of `kernel/cycle.c`. If the parts have no controller, the caller decides:
+    The order of events in a sample is that of `kernel/cycle.c`. A caller may decide in place of a controller in Python:
 
         for observation in loop.decisions():
             loop.demand(pressures)
 
     Attributes:
         ending: End of the stop; None before.
-        structs: Structs of cycle.h, with the parts that are in C.
+        structs: Structs of `kernel/cycle.h`, on which the functions in C work.
     """
 
     def __init__(self, parts: Parts, progress: Callable[[float], None] | None = None) -> None:
@@ -81,17 +81,17 @@ class Loop:
         self._cycle, self._plant, self._onboard = (s.pointer for s in (structs.cycle, structs.plant, structs.onboard))
         self._inputs, self._outputs = structs.plant.target("inputs"), structs.plant.target("outputs")
         self._reading, self._demand = structs.instruments.view("reading"), structs.onboard.view("demand")
-        provides, estimate = frozenset[str](), self._advance_filter
+        provided, step_estimator = frozenset[str](), self._advance_filter
         if isinstance(estimator, StateEstimator):
-            provides = frozenset(("slip", *ONLY_ESTIMATED))
+            provided = frozenset(("slip", *ONLY_ESTIMATED))
         elif estimator is not None:
-            provides, estimate = frozenset(estimator.provides), _Direct(structs, estimator, parts).step
-        self._observe = _observer(structs, parts, provides)
+            provided, step_estimator = frozenset(estimator.provides), _EstimateWriter(structs, estimator, parts).step
+        self._observe = _observer(structs, parts, provided)
         self._steps = {
             functions.BLOCK_DUE: self._begin_block,
             functions.PLANT_DUE: self._step_plant,
             functions.SENSORS_DUE: self._read_sensors,
-            functions.ESTIMATOR_DUE: estimate,
+            functions.ESTIMATOR_DUE: step_estimator,
             functions.LIMITS_DUE: self._limit,
         }
 
@@ -151,7 +151,7 @@ class Loop:
 
     def _begin_block(self) -> None:
         sensors, sample = self._parts.sensors, self._cycle.sample
-        # The noise of a block is used up: drawing a block at once is faster than drawing at each reading.
+        # All noise has been used. Drawing a block at once is faster than drawing at each reading.
         if isinstance(sensors, WhiteSensors | ServiceSensors) and sample % (BLOCK * self._parts.clock.sensors) == 0:
             sensors.draw()
         if self._progress is not None and sample > 0:
@@ -168,7 +168,7 @@ class Loop:
         limits = self._parts.limits
         assert limits is not None
         self._demand[:] = limits.limit(self._demand, self._observe())
-        # Once this is set, the cycle itself checks demands, and calls Python only for those beyond the limits.
+        # Once this is set, the cycle checks the demands, and returns to Python only for those beyond the limits.
         self._onboard.is_pascal = limits.is_pascal
 
     def _advance_filter(self) -> None:
@@ -203,8 +203,9 @@ class Loop:
 
     def _failure_of_the_filter(self) -> str:
         estimator = self._parts.estimator
-        if self._cycle.failure == self._functions.NEGATIVE_VARIANCE or not isinstance(estimator, StateEstimator):
+        if self._cycle.failure == self._functions.NEGATIVE_VARIANCE:
             return "The estimator diverged: a variance is negative or not a number."
+        assert isinstance(estimator, StateEstimator)
         assert isinstance(estimator.filter, StepInC)
         return estimator.filter.failure(self._cycle.failure)
 
@@ -223,15 +224,15 @@ class Loop:
         variance = rows[:, recorder.block(DEVIATIONS)]
         # Adhesion is force over load. The readings determine only the force, so the load adds its relative error.
         load_error = estimator.load_deviation * rows[:, columns["estimate_adhesion"]]
-        rows[:, columns["estimate_adhesion_sd"]] += load_error**2
+        rows[:, columns["estimate_adhesion_sd"]] += load_error**2  # still a variance
         np.sqrt(variance, out=variance)
         speed = rows[:, columns["estimate_speed"]]
-        rolling = np.asarray(estimator.wheel_radius) * rows[:, columns["estimate_wheelset_speed"]]
-        rows[:, columns["estimate_slip"]] = slip_of(speed, rolling)
+        rim_speed = np.asarray(estimator.wheel_radius) * rows[:, columns["estimate_wheelset_speed"]]
+        rows[:, columns["estimate_slip"]] = slip_of(speed, rim_speed)
 
 
-class _Direct:
-    """An estimator that returns quantities, and the arrays in which the cycle finds them."""
+class _EstimateWriter:
+    """Steps an estimator that returns quantities, and writes them to the arrays in which the cycle finds them."""
 
     def __init__(self, structs: Structs, estimator: DirectEstimator, parts: Parts) -> None:
         provided = [signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimator.provides]
@@ -251,29 +252,29 @@ class _Direct:
                 self._replacement[self._observed[name]] = values[name]
 
 
-def _observer(structs: Structs, parts: Parts, provides: frozenset[str]) -> Callable[[], Observation]:
-    """Return a function for the last observation of the cycle, with the estimates of each group that are provided.
+def _observer(structs: Structs, parts: Parts, provided: frozenset[str]) -> Callable[[], Observation]:
+    """Return a function that returns the last observation of the cycle; estimates that are not `provided` are None.
 
     It is called at each decision of a part in Python, so constants of a stop are looked up once, here.
     """
     cycle, values, period = structs.cycle.pointer, structs.onboard.view("observation"), parts.clock.period
-    constant = {"slip_is_estimated": "slip" in provides} | dict.fromkeys(ONLY_ESTIMATED - provides)
-    template: list[Any] = [constant.get(name) for name in Observation._fields]
+    constants = {"slip_is_estimated": "slip" in provided} | dict.fromkeys(ONLY_ESTIMATED - provided)
+    template: list[Any] = [constants.get(name) for name in Observation._fields]
     time = Observation._fields.index("time")
-    of_train, of_groups = list[tuple[int, int]](), list[tuple[int, slice]]()
+    scalars, vectors = list[tuple[int, int]](), list[tuple[int, slice]]()
     for signal in OBSERVED:
         field, place = Observation._fields.index(signal.name), parts.layout.places["observation"][signal.name]
         if signal.extent == "train":
-            of_train.append((field, place.start))
-        elif signal.name not in constant:
-            of_groups.append((field, place))
+            scalars.append((field, place.start))
+        elif signal.name not in constants:
+            vectors.append((field, place))
 
     def observe() -> Observation:
         vector, fields = np.frombuffer(values.tobytes()), template.copy()  # read-only, because several parts read it
         fields[time] = cycle.sample * period
-        for field, first in of_train:
-            fields[field] = vector.item(first)
-        for field, place in of_groups:
+        for field, index in scalars:
+            fields[field] = vector.item(index)
+        for field, place in vectors:
             fields[field] = vector[place]
         return Observation(*fields)
 

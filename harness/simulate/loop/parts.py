@@ -31,7 +31,7 @@ class LoopPlant(Protocol):
     """
 
     def start(self, inputs: Vector) -> Vector:
-        """Initialise with `inputs` applied and return the outputs at the start time."""
+        """Start with `inputs`; return the outputs at the start time."""
         ...
 
     def step(self, inputs: Vector) -> Vector:
@@ -58,8 +58,8 @@ Instruments = LoopSensors | IdealSensors | ServiceSensors
 class Filter(Protocol):
     """An estimate of the train's state that is updated in place: the arrays stay the same, their values change.
 
-    A filter on values becomes one by `railgrip.estimators.ekf.NumpyFilter`; a `railgrip.estimators.compiled.StepInC` is
-    stepped from C.
+    `railgrip.estimators.ekf.NumpyFilter` makes one of a filter that maps estimates to estimates; a
+    `railgrip.estimators.compiled.StepInC` is stepped from C.
 
     Attributes:
         mean: Mean of the state, shape (n,).
@@ -144,7 +144,7 @@ class LoopLimits(Protocol):
     """Limits on the demands of a controller that is not built-in.
 
     Attributes:
-        most: Maximum pressure of each group [Pa]; demands from 0 to this are not checked once `is_pascal` is set.
+        most: Maximum pressure of each group [Pa]; once `is_pascal` is set, `limit` is called only beyond 0 to this.
         is_pascal: Whether the demands have been large enough to be in Pa.
     """
 
@@ -152,7 +152,7 @@ class LoopLimits(Protocol):
     is_pascal: bool
 
     def limit(self, demands: Vector, observation: Observation) -> Vector:
-        """Return demands limited to the range of the cylinders [Pa]; ControllerFailed ends the stop."""
+        """Return demands limited to the pressures of the cylinders [Pa]; ControllerFailed ends the stop."""
         ...
 
 
@@ -178,9 +178,9 @@ class Clock:
     A part is due at the first sample at or after each multiple of its period.
 
     Attributes:
-        estimator: Period of the estimator in communication periods; need not be a whole number.
-        estimator: Communication periods in a period of the estimator, not necessarily a whole number.
-        controller: The same for the controller.
+        period: Communication period [s].
+        estimator: Period of the estimator in communication periods, not necessarily a whole number.
+        controller: Period of the controller, as for the estimator.
         samples: Number of communication periods until the horizon.
         sensors: Communication periods between two readings; in between no reading is new.
     """
@@ -204,17 +204,17 @@ class Parts:
         estimator: None if the controller sees readings only.
         controller: The law; the caller of the loop may decide in its place.
         limits: Limits on the controller's demands; None for built-in laws.
-        train_level: Decisions for the whole train over a law in Python.
+        train_level: From observation and demands of a law in Python to demands that suit the train as a whole.
         valves: From demanded and read pressures to valve commands; None sends the demands directly.
         driver: Maximum demand, and traction.
         faults: Faults of sensors and brakes, which change readings and commands; None for an intact train.
         wheel_radius: Nominal radii for a slip from readings [m].
-        law: Recorded states of the controller, or None.
+        law: States of the controller that are recorded, or None.
         clock: Periods and horizon.
         plausibility: Checks of the plant's outputs.
         stop_speed: Speed below which the train has stopped [m/s]; a train that starts at rest must first have been
             faster, or brakes must be demanded.
-        recorder: Written from row 0 on; holds clock.samples + 1 rows.
+        recorder: Written from row 0 on; has clock.samples + 1 rows, or fewer, of which the last one is overwritten.
     """
 
     layout: Layout

@@ -1,4 +1,4 @@
-"""Checks of a plant's outputs against its inputs and against physics; bounds and their reasons are in plausible.c.
+"""Checks of a plant's outputs against its inputs and against physics; `kernel/plausible.c` gives bounds and reasons.
 
 The tolerances permit these errors in the braking distance: 0.2 % by the start speed; 0.2 % by a speed that falls faster
 than adhesion, track force, running resistance and track brakes allow, in any interval of time, and 0.1 % by that bound;
@@ -8,8 +8,6 @@ acceleration, which estimators and controllers read, agrees with the speed to 0.
 For quantities that a plant may not output, the bound allows rolling resistance of 0.02 m/s2 and a drag area of 12 m2.
 It does not detect a plant that brakes less than adhesion allows; `railgrip.simulate.trial` runs a foreign plant at two
 levels of friction before its stop.
-
-The checks are in `kernel/plausible.c`.
 """
 
 from dataclasses import dataclass
@@ -19,8 +17,8 @@ from railgrip.simulate.loop.library import kernel
 from railgrip.vehicle.signals import Layout
 
 _ROLLING = 0.02  # m/s2; freight trains roll with some 2 N/kN, and most of it acts through the wheels
-_AIR = 7.2  # N/(m/s)2; 12 m2 of drag area, more than a blunt locomotive has, in air of 1.2 kg/m3
-_AIR_OF_LENGTH = 2e-5  # 1/m, over the mass; of a train of 400 m and 400 t it is 8 N/(m/s)2
+_DRAG = 7.2  # N/(m/s)2; 12 m2 of drag area, more than a blunt locomotive has, in air of 1.2 kg/m3
+_DRAG_OF_LENGTH = 2e-5  # 1/m; drag along the train over its mass: 8 N/(m/s)2 for 400 m and 400 t
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,7 +59,7 @@ def slowing_of(mass: float, *, is_known: bool, drag: float = 0.0, track_brakes: 
         lightest=lightest,
         heaviest=mass if is_known else inf,
         constant=_ROLLING + track_brakes / lightest,
-        quadratic=max(drag, _AIR) / mass + _AIR_OF_LENGTH,
+        quadratic=max(drag, _DRAG) / mass + _DRAG_OF_LENGTH,
     )
 
 
@@ -79,7 +77,8 @@ _CHECKS = {
     "ADHESION": ("adhesion", "", "the rail gives {expected}"),
 }
 """Signal, unit and expectation of each check, by its name in the enum of plausible.h."""
-_EACH = ("slip", "adhesion")
+_VECTORS = ("slip", "adhesion")
+"""Signals with an element for each group or wheelset."""
 
 
 class Plausibility:
@@ -99,7 +98,7 @@ class Plausibility:
         """Return a sentence on the check that failed at a time [s], with the value and the bounds."""
         failed = self.struct.pointer
         signal, unit, why = next(_CHECKS[name] for name in _CHECKS if getattr(self._functions, name) == failed.check)
-        name = f"{signal}[{failed.element + 1}]" if signal in _EACH else signal
+        name = f"{signal}[{failed.element + 1}]" if signal in _VECTORS else signal
         span = f"{failed.lower:.6g} to {failed.upper:.6g}{unit and f' {unit}'}"
         value = f"{failed.value:.6g}{unit and f' {unit}'}"
         return (

@@ -17,8 +17,11 @@ from railgrip.vehicle.signals import Layout
 
 Vector = NDArray[np.float64]
 
+_CELL = 0.1
+"""Length of a cell [m]: short compared with a bogie, of some 2 m, and with patches of friction, of some 5 m.
 
-_CELL = 0.1  # m; compared with patches of 5 m and bogies of 2 m; a wheelset meets its own energy only through `loss`
+The effect of a wheelset's own energy, W, does not depend on it.
+"""
 
 
 class Field:
@@ -52,7 +55,7 @@ class Field:
         Args:
             layout: Layout of the vehicle on it; its formation has the positions of the wheelsets.
             clean: Friction of the cleaned rail, and the rate of cleaning.
-            falling: Fall of friction with slip speed in the plant's contact.
+            falling: Creep curve of the plant's contact, whose A and B are the fall of friction with slip speed.
             reach: Distance that the train may cover [m].
         """
         formation = layout.formation
@@ -68,7 +71,7 @@ class SandedRail:
     """Sand on the rail, cell by cell, and the resulting friction.
 
     A sander deposits d = min(rate / v, density) on each metre of either rail in front of its wheelset at speed v. A
-    wheelset that meets d, deposited there or left by those ahead, has the friction
+    wheelset that meets d, deposited there or left by those ahead, has the maximum friction
 
         mu0 + (1 − e^(−d / density)) max(mu0_sand − mu0, 0)
 
@@ -111,8 +114,9 @@ class SandedRail:
 
 
 def _cells(formation: Formation, reach: float) -> tuple[Vector, float, Vector]:
+    """Return positions of wheelsets, start of the first cell, and zeros for all cells up to one beyond `reach`."""
     position = formation.position
-    assert position is not None  # or the friction profile has refused it
+    assert position is not None  # `railgrip.simulate.rail` requires it
     origin = -float(position[-1]) - _CELL
     return position, origin, np.zeros(int((reach - origin) / _CELL) + 2)
 

@@ -13,9 +13,8 @@ from railgrip.vehicle.signals import Layout
 
 Vector = NDArray[np.float64]
 
-
 BLOCK = 1024
-"""Samples between two draws of noise."""
+"""Number of readings whose noise is drawn at once."""
 
 
 class IdealSensors:
@@ -49,7 +48,7 @@ class WhiteSensors:
         random: np.random.Generator,
         draws: int = 1,
     ) -> None:
-        """Draw noise of a standard deviation for each entry from `random`, in blocks, so that the seed determines it.
+        """Set up the sensors; `random` draws the noise, of the standard deviation of each entry.
 
         See `draw_block` for `draws`.
         """
@@ -80,7 +79,7 @@ class MissingTeeth:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TrackQuantity:
-    """A quantity along the track, linear between even places and constant beyond its ends.
+    """A quantity along the track, linear between equidistant places and constant beyond its ends.
 
     Attributes:
         begin, step: First place, and distance between places [m].
@@ -185,14 +184,14 @@ class ServiceSensors:
         random: np.random.Generator,
         samples: int = 1,
     ) -> None:
-        """Set up the sensors of a vehicle, read every `period` [s], in which the instruments take `samples`.
+        """Set up the sensors of a vehicle, read every `period` [s], in which the instruments take `samples` samples.
 
         Noise is drawn from `random`.
         """
-        groups, remembered = layout.formation.groups, math.ceil(instruments.speed_latency) + 1
+        groups, past_count = layout.formation.groups, math.ceil(instruments.speed_latency) + 1
         self._random, self._draws, sampling = random, samples, period / samples
         intact = (MissingTeeth(),) * groups
-        encoders = [_encoder(layout, instruments, sampling, random, of) for of in instruments.missing_teeth or intact]
+        encoders = [_encoder(layout, instruments, sampling, random, gap) for gap in instruments.missing_teeth or intact]
         self.deviation = np.array(
             [instruments.speed_noise, instruments.acceleration_noise]
             + [instruments.deflection_noise] * layout.formation.wheelsets
@@ -200,18 +199,18 @@ class ServiceSensors:
         self._noise = np.empty((BLOCK, self.deviation.size))
         self.struct = kernel(layout).struct("Service", encoder=encoders, noise=self._noise,
             offset_steps=instruments.pressure_offset / instruments.pressure_step,
-            past=np.empty(remembered), remembered=remembered, period=period,
+            past_speed=np.empty(past_count), past_count=past_count, period=period,
             acceleration_bias=instruments.acceleration_bias, pressure_step=instruments.pressure_step,
             pressure_share=sampling / (instruments.pressure_lag + sampling), samples=samples,
             block=BLOCK, speed_every=every(layout, instruments.speed_every), speed_latency=instruments.speed_latency,
             speed_factor=instruments.speed_factor, speed_factors=instruments.speed_factor.size,
         )  # fmt: skip
         if instruments.gravity is not None:
-            self.struct.set(gravity=_course(layout, instruments.gravity))
+            self.struct.set(gravity=_track_quantity(layout, instruments.gravity))
         if (rail := instruments.rail) is not None:
             self.struct.set(
-                rail=_course(layout, rail.height), position=rail.position, shift=rail.state, forward=rail.forward,
-                back=rail.back,
+                rail=_track_quantity(layout, rail.height), position=rail.position, filter_state=rail.state,
+                forward=rail.forward, back=rail.back,
             )  # fmt: skip
 
     def draw(self) -> None:
@@ -221,7 +220,7 @@ class ServiceSensors:
 
 
 def draw_block(noise: NDArray[np.float64], random: np.random.Generator, draws: int) -> None:
-    """Fill rows of noise with the first of every `draws` rows that `random` draws.
+    """Fill `noise`, whose rows are readings, with the first of every `draws` rows that `random` draws.
 
     Noise is drawn at the period of the instruments, so a loop that reads only some of their samples gets the same noise
     at the same instants.
@@ -233,17 +232,18 @@ def _encoder(
     layout: Layout, instruments: ServiceInstruments, period: float, random: np.random.Generator, missing: MissingTeeth
 ) -> Struct:
     pitch = 2.0 * np.pi / instruments.pulses
-    # Errors of the tooth positions, not of the gaps: the positions close after one revolution by construction.
+    # Errors of the tooth positions, not of the gaps: the positions close after one revolution by construction. A gap is
+    # the difference of two positions, so its variance is twice theirs.
     teeth = instruments.pitch_error * pitch / np.sqrt(2.0) * random.standard_normal(instruments.pulses)
     return kernel(layout).struct(
         "Encoder", teeth=teeth, pulses=instruments.pulses, pitch=pitch, clock=instruments.clock,
         period=period, angle=float(random.uniform(0.0, pitch)), stamp=-1.0,
-        silence=pitch * instruments.wheel_radius / max(instruments.cut_off, 1e-3),
+        timeout=pitch * instruments.wheel_radius / max(instruments.cut_off, 1e-3),  # finite without a cut-off
         missing=missing.count, begin=missing.begin, end=missing.end,
     )  # fmt: skip
 
 
-def _course(layout: Layout, course: TrackQuantity) -> Struct:
+def _track_quantity(layout: Layout, quantity: TrackQuantity) -> Struct:
     return kernel(layout).struct(
-        "Course", values=course.values, begin=course.begin, step=course.step, count=course.values.size
+        "TrackQuantity", values=quantity.values, begin=quantity.begin, step=quantity.step, count=quantity.values.size
     )

@@ -37,7 +37,7 @@ class Structs:
 
 
 def structs_of(parts: Parts, inputs: Vector, outputs: Vector) -> Structs:
-    """Return the structs of a stop; functions of parts in Python are null.
+    """Return the structs of a stop; the functions of parts in Python are null pointers.
 
     Args:
         parts: Parts of the stop; the plant has been started.
@@ -136,10 +136,10 @@ def _record(parts: Parts) -> Struct:
 
 
 def _formula(layout: Layout, formula: object, inputs: Role) -> Struct:
-    """Return a formula for the cycle, which passes it a vector of inputs; an empty one if `formula` is not in C.
+    """Return the struct `Formula`; its function is null if `formula` is not a sampled system.
 
     Raises:
-        LoopError: The inputs of the formula are not those of the vector, in the same order.
+        LoopError: The inputs of the formula are not the elements of the vector `inputs`, in the same order.
     """
     if not isinstance(formula, Sampled):
         return kernel(layout).struct("Formula")

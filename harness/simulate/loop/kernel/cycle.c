@@ -33,10 +33,12 @@ static int step_plant(Plant *plant, double time)
 
 static int is_brake_demanded(const Driver *driver)
 {
-    for (int g = 0; driver && g < GROUPS; g++)
+    if (!driver)
+        return 1; /* full brake */
+    for (int g = 0; g < GROUPS; g++)
         if (driver->pressure[g] != 0.0)
             return 1;
-    return !driver;
+    return 0;
 }
 
 /* A train that starts at rest has not stopped until it has moved or is braked. */
@@ -48,7 +50,7 @@ static int is_standing(Cycle *c)
     return speed <= c->stop_speed && (c->has_moved || is_brake_demanded(c->driver));
 }
 
-/* Record the plant's outputs and inputs, and the demands behind the inputs. */
+/* Record the plant's outputs and inputs, and the demands that led to these inputs. */
 static void record_plant(const Cycle *c, double *row)
 {
     const Record *record = c->record;
@@ -75,8 +77,8 @@ static void record_estimate(const Cycle *c, double *row)
 static int is_within_limits(const Onboard *onboard)
 {
     for (int g = 0; g < GROUPS; g++)
-        if (!(onboard->demand[g] >= 0.0 &&
-              onboard->demand[g] <= onboard->limit[g])) /* negated, so that NaN is outside */
+        /* Negated, so that NaN is outside. */
+        if (!(onboard->demand[g] >= 0.0 && onboard->demand[g] <= onboard->limit[g]))
             return 0;
     return onboard->is_pascal;
 }
@@ -99,11 +101,11 @@ EXPORT int cycle(Cycle *c)
 
     for (;; c->sample++, c->stage = BEGIN) {
         const long long k = c->sample, last = c->record->capacity - 1;
-        const int decides = due(onboard->controller_every, k);
+        const int decides = is_due(onboard->controller_every, k);
         double *row = c->record->rows + (k < last ? k : last) * c->record->width;
 
-        /* Each case stores the next stage before it may return, so that the call after a part in Python resumes behind
-           it. */
+        /* Each case stores the next stage before it returns to a part in Python, so that the next call resumes after
+           that part. */
         switch (c->stage) {
         case BEGIN:
             if (k > c->samples)
@@ -146,7 +148,7 @@ EXPORT int cycle(Cycle *c)
                     return ESTIMATOR_DUE;
                 if ((c->failure = c->filter->advance(c->filter->memory)))
                     return DIVERGED;
-            } else if (onboard->has_estimator && due(onboard->estimator_every, k)) {
+            } else if (onboard->has_estimator && is_due(onboard->estimator_every, k)) {
                 observe(c);
                 return ESTIMATOR_DUE;
             }
@@ -159,7 +161,7 @@ EXPORT int cycle(Cycle *c)
             if (c->filter && k == 0)
                 read_states(c);
             record_estimate(c, row);
-            c->record->written = k + 1; /* already here: a controller that fails now must not cost the row */
+            c->record->written = k + 1; /* now, so that the row is kept if the controller fails */
             c->stage = LIMIT_DEMAND;
             if (decides) {
                 observe(c);
@@ -178,14 +180,14 @@ EXPORT int cycle(Cycle *c)
         case SEND_COMMAND:
             if (decides && onboard->train_level.call)
                 decide_for_train(onboard);
-            if (decides && !command(c))
+            if (decides && !compute_command(c))
                 return NO_COMMAND;
             copy(plant->inputs + INPUT_COMMAND, onboard->command, GROUPS);
             if (c->faults)
                 change_command(c->faults, k, plant->outputs, plant->inputs + INPUT_COMMAND);
             if (is_standing(c))
                 return STANDING;
-            write_rail(c);
+            update_rail_inputs(c);
         }
     }
 }

@@ -9,9 +9,9 @@
 #include "rail.h"
 #include "sensors.h"
 
-typedef int Step(void *, double);
-typedef int Advance(double *);
-typedef void Call(double *, const double *, const double *, double *);
+typedef int Step(void *interface, double time);
+typedef int Advance(double *memory);
+typedef void Call(double *state, const double *input, const double *parameter, double *output);
 
 /* Why `cycle` returned: a part in Python is due, or the stop has ended. */
 enum { BLOCK_DUE, PLANT_DUE, SENSORS_DUE, ESTIMATOR_DUE, CONTROLLER_DUE, LIMITS_DUE };
@@ -32,7 +32,7 @@ typedef struct {
     double *inputs;            /* held during the next step */
     double *outputs;           /* NaN for outputs that it lacks */
     const double *slip_radius; /* null: the plant outputs slip; else the radii to compute slip with */
-    long long steps;           /* that succeeded */
+    long long steps;           /* number of steps that succeeded */
 } Plant;
 
 /* Instruments of a service train, or outputs with optional errors; if both are null, Python writes `reading`. */
@@ -52,7 +52,7 @@ typedef struct {
     double *inputs, *readings; /* of the next step */
     const double *mean, *covariance;
     const double *squared_innovation, *selection; /* of the last step; selection: 1 for every reading that it used */
-    const long long *reading_at, *state_at;       /* positions in a reading; of estimates among the states */
+    const long long *reading_at, *state_at;       /* positions of `readings` in a reading; of estimates in `mean` */
     Formula reference_speed;                      /* from wheels, for a silent radar */
     double reference[REFERENCES];
     double reading[READINGS];     /* newest readings since the last step */
@@ -65,28 +65,28 @@ typedef struct {
     Formula train_level; /* decisions for the whole train, over a law in Python */
     Formula valves;
     const double *limit;        /* maximum pressures for the demands of a law in Python; null: no limit */
-    const double *radius;       /* of the wheels of each group */
-    const double *full;         /* pressures of full brake, the demand without a driver */
+    const double *radius;       /* wheel radius of each group that the estimator assumes, else the nominal one */
+    const double *full;         /* pressures of full brake, the driver's demand if `driver` is null */
     double reading[READINGS];   /* newest reading of every sensor */
     double estimate[ESTIMATES]; /* standard deviations as variances until the end of the stop */
     double observation[OBSERVATIONS];
-    double replacement[OBSERVATIONS]; /* estimates in place of the observation; NaN: it is kept */
+    double replacement[OBSERVATIONS]; /* estimates that replace parts of the observation; NaN: no replacement */
     double demand[GROUPS], command[GROUPS];
     double driver_demand[GROUPS]; /* at the last decision */
     long long has_reading, has_estimator;
-    long long is_pascal; /* whether a demand has shown the unit Pa; until then Python checks all */
+    long long is_pascal; /* whether a demand was large enough to be in Pa; until then Python checks every demand */
     Every estimator_every, controller_every;
 } Onboard;
 
 typedef struct {
     double *rows;
-    const double *law_state; /* of these states the elements `law_state_at` are recorded */
+    const double *law_state; /* the elements `law_state_at` are recorded */
     const long long *law_state_at;
-    long long width, capacity; /* columns of a row; rows, of which the last serves all samples beyond */
+    long long width, capacity; /* columns; rows, of which the last is overwritten by all later samples */
     /* First columns, -1 if absent. */
     long long output, input, reading, estimate, demand, driver_demand, traction, reference, law;
     long long estimate_count, law_count;
-    long long written;
+    long long written; /* number of samples recorded */
 } Record;
 
 typedef struct {
@@ -101,8 +101,9 @@ typedef struct {
     Record *record;
     double period, stop_speed;
     long long block, samples; /* samples between two calls for noise; samples until the horizon */
-    long long stage, sample, failure;
-    long long has_moved; /* whether the train has been faster than stop_speed */
+    long long stage, sample;  /* where `cycle` resumes; see cycle.c */
+    long long failure;        /* code of the plant or filter that failed */
+    long long has_moved;      /* whether the train has been faster than stop_speed */
 } Cycle;
 
 int cycle(Cycle *c);

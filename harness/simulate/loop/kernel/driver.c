@@ -1,4 +1,4 @@
-/* Demands of the driver; the purpose is described in driver.py. */
+/* The driver of driver.h; driver.py describes it. */
 
 #include <math.h>
 
@@ -9,7 +9,7 @@ static int has_ended(const Driver *driver, const Phase *phase, double time, doub
 {
     switch (phase->until) {
     case AT_TIME: return time > phase->limit - 0.5 * driver->period;
-    case AT_DURATION: return time - driver->began > phase->limit - 0.5 * driver->period;
+    case AT_DURATION: return time - driver->phase_start > phase->limit - 0.5 * driver->period;
     case AT_DISTANCE: return distance >= phase->limit;
     case AT_SPEED_BELOW: return speed <= phase->limit;
     case AT_SPEED_ABOVE: return speed >= phase->limit;
@@ -30,13 +30,14 @@ static double share_to_target(Driver *driver, const Phase *phase, double speed, 
 
     if (remaining <= 0.0)
         return 1.0;
-    const double needed = 0.5 * speed * speed / remaining;
-    if (needed >= phase->deceleration)
-        driver->braking = 1;
-    const double required = needed + CORRECTION * (needed - phase->deceleration);
-    return driver->braking ? fmin(required / phase->full_deceleration, 1.0) : 0.0;
+    const double deceleration = 0.5 * speed * speed / remaining;
+    if (deceleration >= phase->deceleration)
+        driver->is_on_curve = 1;
+    const double corrected = deceleration + CORRECTION * (deceleration - phase->deceleration);
+    return driver->is_on_curve ? fmin(corrected / phase->full_deceleration, 1.0) : 0.0;
 }
 
+/* Update the driver's brake demand and traction for a sample. */
 EXPORT void drive(Driver *driver, long long sample, const double *outputs)
 {
     const double time = (double)sample * driver->period, speed = outputs[OUTPUT_SPEED],
@@ -45,21 +46,21 @@ EXPORT void drive(Driver *driver, long long sample, const double *outputs)
     while (driver->phase + 1 < driver->count &&
            has_ended(driver, driver->phases + driver->phase, time, speed, distance)) {
         driver->phase++;
-        driver->began = time;
-        driver->braking = 0;
+        driver->phase_start = time;
+        driver->is_on_curve = 0;
     }
     const Phase *phase = driver->phases + driver->phase;
     if (isnan(phase->target)) {
-        const double since = fmax(time - phase->begin, 0.0);
+        const double elapsed = fmax(time - phase->begin, 0.0);
         for (int g = 0; g < GROUPS; g++)
-            driver->pressure[g] = phase->pressure[g] + phase->slope[g] * since;
+            driver->pressure[g] = phase->pressure[g] + phase->slope[g] * elapsed;
     } else {
         const double share = share_to_target(driver, phase, speed, distance);
         for (int g = 0; g < GROUPS; g++)
             driver->pressure[g] =
                 share > 0.0 ? driver->touching[g] + share * (driver->full[g] - driver->touching[g]) : 0.0;
     }
-    const double required = speed > 0.0 ? fmin(phase->force, phase->power / speed) : phase->force;
-    const double step = phase->rate * driver->period;
-    driver->force = fmin(fmax(required, driver->force - step), driver->force + step);
+    const double traction = speed > 0.0 ? fmin(phase->force, phase->power / speed) : phase->force;
+    const double max_change = phase->rate * driver->period;
+    driver->force = fmin(fmax(traction, driver->force - max_change), driver->force + max_change);
 }

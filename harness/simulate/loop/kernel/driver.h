@@ -18,11 +18,11 @@ typedef struct {
 
 typedef struct {
     const Phase *phases;
-    const double *touching, *full;   /* pressure of each group at which pads touch, and at full brake */
-    double period, began, force;     /* began: start of the phase; force: present traction */
-    double pressure[GROUPS];         /* present demand */
-    long long count, phase, braking; /* braking: whether the curve to the target has been reached */
-    long long binding;               /* whether commands are limited to these pressures */
+    const double *touching, *full;       /* pressure of each group at which pads touch, and at full brake */
+    double period, phase_start, force;   /* force: present traction */
+    double pressure[GROUPS];             /* present demand */
+    long long count, phase, is_on_curve; /* is_on_curve: whether the curve to the target has been reached */
+    long long binding;                   /* whether commands are limited to `pressure` */
 } Driver;
 
 void drive(Driver *driver, long long sample, const double *outputs);

@@ -20,7 +20,7 @@ static void write_plant_outputs(Plant *plant, const double *input)
     complete_slip(plant);
 }
 
-/* Write the part's outputs from a vector; return the position behind them. */
+/* Write the part's outputs from a vector; return the position after them. */
 static double *write_outputs(double *output, const double *vector)
 {
     static const int place[] = {OUTPUT_PLACES};
@@ -38,13 +38,13 @@ static int sample_track(Cycle *c, const double *input, const double *parameter, 
     write_plant_outputs(c->plant, input);
     if (c->driver)
         drive(c->driver, c->sample, c->plant->outputs);
-    write_rail(c);
+    update_rail_inputs(c);
     copy(write_outputs(output, c->plant->inputs), c->driver ? c->driver->pressure : c->onboard->full, GROUPS);
     return 0;
 }
 
-/* A number between 0 and 1, a function of seed and place: SplitMix64 (Steele, Lea and Flood, OOPSLA 2014), its state by
-   place. */
+/* Return the random number between 0 and 1 at a place in the sequence of SplitMix64 (Steele, Lea and Flood, OOPSLA
+   2014), without computing those before it. */
 static double uniform(unsigned long long seed, unsigned long long place)
 {
     unsigned long long z = seed + (place + 1) * 0x9e3779b97f4a7c15ull;
@@ -54,7 +54,7 @@ static double uniform(unsigned long long seed, unsigned long long place)
     return ((double)((z ^ (z >> 31)) >> 11) + 0.5) * 0x1p-53;
 }
 
-/* Draw the noise of one sample with the Box-Muller transform. */
+/* Draw the noise of one sample, normally distributed, with the Box-Muller transform. */
 static void draw(double *noise, long long sample, double seed)
 {
     static const double deviation[] = {DEVIATIONS};
@@ -111,22 +111,22 @@ static int sample_estimator(Cycle *c, const double *input, const double *paramet
     return 0;
 }
 
-/* All onboard parts: from readings and the driver's demand to commands and the estimate behind them. */
+/* All onboard parts: from readings and the driver's demand to commands and the estimate. */
 static int sample_onboard(Cycle *c, const double *input, const double *parameter, double *output)
 {
-    Driver driver = {.binding = BINDING};
+    Driver driver = {.binding = BINDING}; /* holds the demand for `observe` and `compute_command` */
     Onboard *onboard = c->onboard;
 
     if (update_filter(c, input))
         return 1;
-    if (due(onboard->controller_every, c->sample)) {
+    if (is_due(onboard->controller_every, c->sample)) {
         copy(driver.pressure, input + READINGS, GROUPS);
         c->driver = &driver;
         observe(c);
         onboard->law.parameter = parameter;
         onboard->valves.parameter = parameter + LAW_PARAMETERS;
         evaluate(&onboard->law, onboard->observation, onboard->demand);
-        if (!command(c))
+        if (!compute_command(c))
             return 1;
         c->driver = 0;
     }

@@ -5,7 +5,7 @@
 #include "faults.h"
 #include "vectors.h"
 
-static const double NEARLY_OPEN = 0.5; /* command at which a fill valve opens */
+static const double MIN_FILL = 0.5; /* valve command that counts as fill: commands are -1 vent, 0 hold, 1 fill */
 
 /* Apply the faults of sensors to a reading, in their order. */
 EXPORT void change_reading(Faults *faults, long long sample, double *reading)
@@ -13,12 +13,14 @@ EXPORT void change_reading(Faults *faults, long long sample, double *reading)
     for (long long i = 0; i < faults->reading_count; i++) {
         Fault *fault = faults->readings + i;
         double *entry = reading + fault->place;
+        const int active = sample >= fault->begin && sample < fault->end;
         if (isnan(*entry))
             continue;
-        /* Without a reading before the fault, the first one under it serves as the last one. */
-        if (sample < fault->begin || sample >= fault->end || isnan(fault->last)) {
+        /* A sensor that is faulty from the start delivers its first reading, even if it is dead: the parts start with
+           a reading of every sensor. */
+        if (!active || isnan(fault->last)) {
             fault->last = *entry;
-            if (sample < fault->begin || sample >= fault->end || fault->kind == DEAD)
+            if (!active || fault->kind == DEAD)
                 continue;
         }
         switch (fault->kind) {
@@ -27,22 +29,22 @@ EXPORT void change_reading(Faults *faults, long long sample, double *reading)
         case SCALED: *entry *= fault->value; break;
         case BIASED: *entry += fault->value; break;
         case NOISY:
-            *entry += fault->value * fault->past[turn(faults->noise_every, sample - fault->begin) % fault->count];
+            *entry += fault->value * fault->ring[turn(faults->noise_every, sample - fault->begin) % fault->count];
             break;
         }
     }
 }
 
-/* Return the pressure of a reservoir after one more sample of its compressor. */
+/* Return the pressure of a reservoir, isothermal, after one more sample of its compressor. */
 static double reservoir_pressure(Fault *fault, const double *outputs)
 {
     const double drawn = outputs[OUTPUT_AIR_USED] - fault->last;
 
     fault->refilled = fmin(fault->refilled + fault->refill, drawn);
-    return fault->pressure - (drawn - fault->refilled) * fault->free / fault->value;
+    return fault->pressure - (drawn - fault->refilled) * fault->free_pressure / fault->value;
 }
 
-/* Apply the faults of brakes to the commands, so that they become those that reach the plant. */
+/* Apply the faults of brakes to the commands on their way to the plant. */
 EXPORT void change_command(Faults *faults, long long sample, const double *outputs, double *command)
 {
     for (long long i = 0; i < faults->command_count; i++) {
@@ -62,9 +64,9 @@ EXPORT void change_command(Faults *faults, long long sample, const double *outpu
                 fault->last = sent;
             break;
         case LATE:
-            fault->past[sample % fault->count] = sent;
+            fault->ring[sample % fault->count] = sent;
             if (active)
-                *entry = fault->past[(sample + 1) % fault->count];
+                *entry = fault->ring[(sample + 1) % fault->count];
             break;
         case LIMITED:
             if (!active) {
@@ -79,7 +81,7 @@ EXPORT void change_command(Faults *faults, long long sample, const double *outpu
                          limit = fmax(reservoir_pressure(fault, outputs), inside);
             if (!faults->valves)
                 *entry = fmin(sent, limit);
-            else if (sent >= NEARLY_OPEN && limit <= inside)
+            else if (sent >= MIN_FILL && limit <= inside)
                 *entry = 0.0;
             break;
         }

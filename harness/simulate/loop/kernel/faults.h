@@ -10,11 +10,11 @@ enum { DEAD, STUCK, SCALED, BIASED, NOISY }; /* kinds for a reading */
 enum { FIXED, KEPT, LATE, LIMITED };         /* kinds for a command */
 
 typedef struct {
-    double value;            /* factor; offset; command; volume of a reservoir [m3] */
-    double pressure, free;   /* of the full reservoir [Pa]; at which free air is counted [Pa] */
-    double last;             /* last reading or command before the fault; free air used before it [m3] */
-    double refill, refilled; /* free air that the compressor delivers per sample; in total [m3] */
-    double *past;            /* LATE: `count` commands, a ring; NOISY: `count` samples of noise */
+    double value;                   /* factor; offset; command; volume of a reservoir [m3] */
+    double pressure, free_pressure; /* of the full reservoir, gauge; at which free air is counted, absolute [Pa] */
+    double last;                    /* last reading or command before the fault; free air used before it [m3] */
+    double refill, refilled;        /* free air that the compressor delivers per sample; in total [m3] */
+    double *ring;                   /* LATE: `count` commands, a ring; NOISY: `count` samples of noise */
     long long kind, place, begin, end, count; /* place: in the reading, or the group; samples, `end` excluded */
 } Fault;
 

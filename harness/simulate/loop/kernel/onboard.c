@@ -22,7 +22,9 @@ void complete_slip(Plant *plant)
 {
     double *outputs = plant->outputs;
 
-    for (int g = 0; plant->slip_radius && g < GROUPS; g++)
+    if (!plant->slip_radius)
+        return;
+    for (int g = 0; g < GROUPS; g++)
         outputs[OUTPUT_SLIP + g] =
             slip_of(outputs[OUTPUT_SPEED], plant->slip_radius[g] * outputs[OUTPUT_WHEELSET_SPEED + g]);
 }
@@ -43,7 +45,8 @@ void read_sensors(Instruments *instruments, long long sample, const double *outp
     }
 }
 
-/* Store the newest reading of every sensor, and the readings that are new since the last step of the filter. */
+/* Store the newest reading of every sensor, and those that are new since the last step of the filter. The first reading
+   only starts the filter's inputs: its initial estimate belongs to the same instant. */
 void store_readings(Cycle *c)
 {
     const double *reading = c->instruments->reading;
@@ -72,7 +75,7 @@ void store_readings(Cycle *c)
 /* Whether the filter takes a step; not at sample 0, whose estimate is the initial one. */
 int filter_is_due(const Cycle *c)
 {
-    return c->filter && c->sample > 0 && due(c->onboard->estimator_every, c->sample);
+    return c->filter && c->sample > 0 && is_due(c->onboard->estimator_every, c->sample);
 }
 
 /* Write the readings for the next step of the filter. */
@@ -99,7 +102,7 @@ static double variance(const Filter *filter, int estimate)
     return filter->covariance[state * filter->row + state];
 }
 
-/* Read the estimates that are states of the filter, and their variances. */
+/* Read the estimates that are states of the filter, and variances in place of the standard deviations. */
 void read_states(Cycle *c)
 {
     double *estimate = c->onboard->estimate;
@@ -119,7 +122,7 @@ int read_estimate(Cycle *c)
     Filter *filter = c->filter;
 
     filter->has_reading = 0;
-    /* After the step: these pressures act during the next period. */
+    /* Only now, because these pressures act during the next period. */
     copy(filter->inputs, c->onboard->reading + READING_CYLINDER_PRESSURE, GROUPS);
     read_states(c);
     for (long long i = 0; i < filter->reading_count; i++)
@@ -132,8 +135,8 @@ int read_estimate(Cycle *c)
     return 1;
 }
 
-/* Whether the filter has lost a wheelset: its standard deviation at the rim exceeds the maximum, as if its sensor is
-   silent. */
+/* Whether the filter has lost a wheelset, for example after its sensor has failed: the standard deviation of its rim
+   speed exceeds the maximum, which docs/faults.md states. */
 static int is_lost(const Cycle *c, int group)
 {
     static const double MAX_DEVIATION = 1.0; /* m/s */
@@ -142,7 +145,7 @@ static int is_lost(const Cycle *c, int group)
     return variance(c->filter, ESTIMATE_WHEELSET_SPEED + group) > deviation * deviation;
 }
 
-/* Write the observation: the filter's estimates if there is a filter, else the newest readings. */
+/* Write the observation from the estimates of a filter, else from the newest readings. */
 void observe(Cycle *c)
 {
     const Onboard *onboard = c->onboard;
@@ -181,8 +184,8 @@ static int all_finite(const double *values)
     return isfinite(sum);
 }
 
-/* Convert demands to commands; return whether the commands are finite. */
-int command(Cycle *c)
+/* Limit the demands to the driver's, and convert them to commands; return whether the commands are finite. */
+int compute_command(Cycle *c)
 {
     Onboard *onboard = c->onboard;
     double input[VALVE_INPUTS], *limited = onboard->valves.call ? input + VALVE_INPUT_DEMAND : onboard->command;
@@ -207,7 +210,7 @@ int command(Cycle *c)
 }
 
 /* Write friction, creep curves and force of track and traction to the inputs of the plant. */
-void write_rail(Cycle *c)
+void update_rail_inputs(Cycle *c)
 {
     advance_rail(c->rail, (double)c->sample * c->period, c->plant->outputs);
     write_rail_inputs(c->rail, c->plant->inputs);

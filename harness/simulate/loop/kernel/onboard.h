@@ -13,8 +13,8 @@ void read_states(Cycle *c);
 int read_estimate(Cycle *c);
 void observe(Cycle *c);
 void replace_by_estimates(Onboard *onboard);
-int command(Cycle *c);
-void write_rail(Cycle *c);
+int compute_command(Cycle *c);
+void update_rail_inputs(Cycle *c);
 void evaluate(const Formula *formula, const double *input, double *output);
 
 #endif

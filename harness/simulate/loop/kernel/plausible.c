@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "plausible.h"
+#include "vectors.h"
 
 /* Share of the required speed; the error of the distance is twice that, 0.2 %. The floor is for starts at rest. */
 static const double SPEED_SHARE = 1e-3, SPEED_FLOOR = 1e-3; /* 1, m/s */
@@ -52,8 +53,8 @@ static int is_around(Plausibility *checks, int check, double value, double expec
     return is_within(checks, check, 0, value, expected - tolerance, expected + tolerance);
 }
 
-/* Return the maximum deceleration [m/s2] under held inputs: mean friction over the wheelset loads, track force, and
-   running resistance and track brakes. If a plant does not output its loads, the maximum friction replaces the mean. */
+/* Return the maximum deceleration [m/s2] under held inputs: by mean friction weighted with the wheelset loads, by track
+   force, and by running resistance and track brakes. Without positive loads, the highest friction replaces the mean. */
 static double max_deceleration(const Plausibility *checks, double speed, const double *outputs, const double *inputs)
 {
     const double force = inputs[INPUT_TRACK_FORCE];
@@ -61,7 +62,7 @@ static double max_deceleration(const Plausibility *checks, double speed, const d
 
     for (int i = 0; i < WHEELSETS; i++) {
         const double friction = inputs[INPUT_MU0 + i], wheelset_load = outputs[OUTPUT_WHEELSET_LOAD + i];
-        load += wheelset_load < 0.0 ? 0.0 / 0.0 : wheelset_load;
+        load += wheelset_load < 0.0 ? NOTHING : wheelset_load; /* a negative load cannot be a weight */
         weighted += friction * wheelset_load;
         highest = fmax(highest, friction);
     }
@@ -85,8 +86,8 @@ static int is_motion_plausible(Plausibility *checks, long long sample, const dou
 
     checks->max_speed = fmax(checks->max_speed, speed);
     const double tolerance = SPEED_SHARE * checks->max_speed + SPEED_FLOOR;
-    /* The higher of two bounds: a plant may use an input a sample late. Time spent below the bound earns no credit for
-       later. */
+    /* Cumulative sums that never fall below 0: a change within the bound does not permit a larger one later. The bound
+       is the higher of two, because a plant may use an input a sample late. */
     checks->fall = fmax(checks->fall - change - fmax(bound, checks->deceleration) * checks->period, 0.0);
     checks->rise = fmax(checks->rise + change - MAX_ACCELERATION * checks->period, 0.0);
     checks->deceleration = bound;
@@ -94,7 +95,9 @@ static int is_motion_plausible(Plausibility *checks, long long sample, const dou
         checks->speed_error += 0.5 * checks->period * (checks->acceleration + acceleration) - (speed - checks->speed);
     checks->acceleration = acceleration;
     checks->max_acceleration = fmax(checks->max_acceleration, fabs(acceleration));
+    /* Integral of the acceleration and change of speed, both over the time since the start: a message in m/s2. */
     const double mean = (speed - checks->start_speed) / time;
+    /* speed + fall and speed - rise are the lowest and highest speed within the bounds. */
     return is_around(checks, SPEED, speed, speed + checks->fall, tolerance) &&
            is_around(checks, SPEED, speed, speed - checks->rise, tolerance) &&
            is_around(checks, ACCELERATION, mean + checks->speed_error / time, mean,
@@ -106,7 +109,7 @@ static int is_motion_plausible(Plausibility *checks, long long sample, const dou
 EXPORT int plausible(Plausibility *checks, long long sample, const double *outputs, const double *inputs)
 {
     const double speed = outputs[OUTPUT_SPEED], distance = outputs[OUTPUT_DISTANCE];
-    const double one_sample = checks->period * checks->start_speed;
+    const double sample_travel = checks->period * checks->start_speed;
 
     if (sample == 0) {
         checks->origin = distance;
@@ -116,13 +119,13 @@ EXPORT int plausible(Plausibility *checks, long long sample, const double *outpu
         checks->deceleration = max_deceleration(checks, speed, outputs, inputs);
         if (!is_around(checks, START_SPEED, speed, checks->start_speed,
                        SPEED_SHARE * checks->start_speed + SPEED_FLOOR) ||
-            !is_around(checks, START_DISTANCE, distance, 0.0, one_sample + DISTANCE_STEP))
+            !is_around(checks, START_DISTANCE, distance, 0.0, sample_travel + DISTANCE_STEP))
             return 0;
     } else {
         checks->travel += 0.5 * checks->period * (checks->speed + speed);
         if (!is_motion_plausible(checks, sample, outputs, inputs) ||
             !is_around(checks, DISTANCE, distance, checks->origin + checks->travel,
-                       DISTANCE_SHARE * checks->travel + one_sample + DISTANCE_STEP))
+                       DISTANCE_SHARE * checks->travel + sample_travel + DISTANCE_STEP))
             return 0;
     }
     checks->speed = speed;

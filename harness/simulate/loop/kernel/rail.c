@@ -10,77 +10,79 @@ static double friction_factor(double A, double B, double slip_speed)
     return (1.0 - A) * exp(-B * slip_speed) + A;
 }
 
-/* Move wheelset w to a place, with its slip energy per metre there: add its energy to the cells that it has left. */
-static void move_wheelset(Recovery *recovery, int w, double place, double loss)
+/* Move wheelset w to a location, with its slip energy per metre there: add its energy to the cells that it has left. */
+static void move_wheelset(Recovery *recovery, int w, double location, double loss)
 {
-    const double mean = 0.5 * (recovery->loss[w] + loss);
+    const double mean = 0.5 * (recovery->loss[w] + loss); /* trapezoidal rule over the distance */
 
     recovery->loss[w] = loss;
-    if (place <= recovery->place[w])
+    if (location <= recovery->location[w])
         return;
     while (recovery->cell[w] + 1 < recovery->cells) {
         const double end = recovery->origin + (double)(recovery->cell[w] + 1) * recovery->length;
-        if (place < end)
+        if (location < end)
             break;
-        recovery->energy_own[w] += mean * (end - recovery->place[w]);
+        recovery->energy_own[w] += mean * (end - recovery->location[w]);
         recovery->energy[recovery->cell[w]++] += recovery->energy_own[w] / recovery->length;
         recovery->energy_own[w] = 0.0;
-        recovery->place[w] = end;
+        recovery->location[w] = end;
         recovery->energy_ahead[w] = recovery->energy[recovery->cell[w]];
     }
-    recovery->energy_own[w] += mean * (place - recovery->place[w]);
-    recovery->place[w] = place;
+    recovery->energy_own[w] += mean * (location - recovery->location[w]);
+    recovery->location[w] = location;
 }
 
-static void clean_rail(Recovery *recovery, const double *outputs, double *mu0)
+/* Set the friction that slip leaves under each wheelset: f of `Field` in rail.py. */
+static void apply_recovery(Recovery *recovery, const double *outputs, double *mu0)
 {
     const double speed = outputs[OUTPUT_SPEED], distance = outputs[OUTPUT_DISTANCE];
 
     for (int w = 0; w < WHEELSETS; w++) {
         const double slip = fmax(outputs[OUTPUT_SLIP + recovery->group[w]], 0.0);
+        /* W = F s of one of the two wheels. */
         const double loss = 0.5 * fmax(outputs[OUTPUT_ADHESION + w], 0.0) * outputs[OUTPUT_WHEELSET_LOAD + w] * slip;
-        const double place = distance - recovery->position[w];
-        if (!recovery->begun) {
-            recovery->place[w] = place;
-            recovery->cell[w] = (long long)fmax((place - recovery->origin) / recovery->length, 0.0);
+        const double location = distance - recovery->position[w];
+        if (!recovery->has_started) {
+            recovery->location[w] = location;
+            recovery->cell[w] = (long long)fmax((location - recovery->origin) / recovery->length, 0.0);
             recovery->loss[w] = loss;
         }
-        move_wheelset(recovery, w, place, loss);
-        const double share = 1.0 - exp(-recovery->rate * (recovery->energy_ahead[w] + loss));
+        move_wheelset(recovery, w, location, loss);
+        const double lambda = 1.0 - exp(-recovery->rate * (recovery->energy_ahead[w] + loss));
         const double slip_speed = slip * fmax(speed, 0.0),
                      factor = friction_factor(recovery->A[w], recovery->B[w], slip_speed);
         const double untreated = mu0[w] * factor,
                      clean = recovery->clean * friction_factor(recovery->clean_A, recovery->clean_B, slip_speed);
         /* Converted to friction at zero slip speed: the plant's contact reduces its input mu0 by its own law. */
-        mu0[w] = fmin((untreated + share * (fmax(clean, untreated) - untreated)) / factor, 1.0);
+        mu0[w] = fmin((untreated + lambda * (fmax(clean, untreated) - untreated)) / factor, 1.0);
     }
-    recovery->begun = 1;
+    recovery->has_started = 1;
 }
 
-/* Strew sand in front of wheelsets, and raise friction by the sand that each of them meets. */
+/* Deposit sand in front of wheelsets, and raise friction by the sand that each of them meets, as in `SandedRail`. */
 static void apply_sand(Sand *sand, double time, const double *outputs, double *mu0)
 {
-    static const double SLOWEST = 1e-3; /* m/s, below which the sand of a metre would have no bound */
-    const double speed = fmax(outputs[OUTPUT_SPEED], SLOWEST);
+    static const double MIN_SPEED = 1e-3; /* m/s; at rest, the sand on a metre would be infinite */
+    const double speed = fmax(outputs[OUTPUT_SPEED], MIN_SPEED);
 
     for (int w = 0; w < WHEELSETS; w++) {
         const double reached = floor((outputs[OUTPUT_DISTANCE] - sand->position[w] - sand->origin) / sand->length);
         const long long cell = (long long)fmin(fmax(reached, 0.0), (double)(sand->cells - 1));
-        double strewn = 0.0;
+        double new_sand = 0.0;
 
-        if (!sand->begun)
+        if (!sand->has_started)
             sand->cell[w] = cell;
         for (const Sander *sander = sand->sanders; sander < sand->sanders + sand->count; sander++)
             if (sander->wheelset == w && time >= sander->begin && time < sander->end)
-                strewn += fmin(sander->rate / speed, sander->density);
+                new_sand += fmin(sander->rate / speed, sander->density);
         while (sand->cell[w] < cell) {
             double *deposited = sand->deposited + ++sand->cell[w];
-            sand->density_ahead[w] = *deposited + strewn;
+            sand->density_ahead[w] = *deposited + new_sand;
             *deposited = sand->remaining_share * sand->density_ahead[w];
         }
         mu0[w] += (1.0 - exp(-sand->density_ahead[w] / sand->density)) * fmax(sand->mu0 - mu0[w], 0.0);
     }
-    sand->begun = 1;
+    sand->has_started = 1;
 }
 
 /* Set the creep curve at each wheelset from a point of the grid. */
@@ -101,16 +103,15 @@ static void set_curves(Rail *rail, long long point)
 EXPORT void advance_rail(Rail *rail, double time, const double *outputs)
 {
     const double distance = outputs[OUTPUT_DISTANCE], last = (double)(rail->points - 1);
-    const double place = fmin(fmax((rail->over_time ? time : distance) / rail->grid + 0.5, 0.0), last);
-    const double *nearest = rail->friction + (long long)place * WHEELSETS;
+    const long long nearest = (long long)fmin(fmax((rail->over_time ? time : distance) / rail->grid + 0.5, 0.0), last);
     long long section = rail->section;
 
     for (int w = 0; w < WHEELSETS; w++)
-        rail->mu0[w] = nearest[w];
+        rail->mu0[w] = rail->friction[nearest * WHEELSETS + w];
     if (rail->curve_at)
-        set_curves(rail, (long long)place);
+        set_curves(rail, nearest);
     if (rail->recovery)
-        clean_rail(rail->recovery, outputs, rail->mu0);
+        apply_recovery(rail->recovery, outputs, rail->mu0);
     if (rail->sand)
         apply_sand(rail->sand, time, outputs, rail->mu0);
     while (section + 1 < rail->sections && rail->begins[section + 1] <= distance)
@@ -119,7 +120,7 @@ EXPORT void advance_rail(Rail *rail, double time, const double *outputs)
         section--;
     rail->section = section;
     rail->force = rail->forces[section];
-    if (rail->rates[section] != 0.0)
+    if (rail->rates[section] != 0.0) /* a constant section may begin at minus infinity */
         rail->force += rail->rates[section] * (distance - rail->begins[section]);
 }
 

@@ -5,37 +5,38 @@
 #include "export.h"
 #include "layout.h"
 
+/* Symbols are those of `Field` in rail.py. */
 typedef struct {
-    double *energy;                           /* per cell: slip energy dissipated in it, per wheel of each pair [J/m] */
-    const double *position;                   /* distance of each wheelset behind the leading one */
-    const long long *group;                   /* group of each wheelset */
-    double origin, length;                    /* start of the first cell; length of a cell */
-    double rate;                              /* rate of the recovery [m/J] */
-    double clean, clean_A, clean_B;           /* friction of the clean rail, and its fall with slip speed */
-    double A[WHEELSETS], B[WHEELSETS];        /* the same fall for the untreated rail, at each wheelset */
-    double place[WHEELSETS], loss[WHEELSETS]; /* at the last sample: place, and slip energy [J/m] */
-    double energy_ahead[WHEELSETS];           /* energy in the present cell by the wheelsets ahead [J/m] */
-    double energy_own[WHEELSETS];             /* energy in the present cell by this wheelset [J] */
+    double *energy;                              /* slip energy dissipated in each cell, per wheel of each pair [J/m] */
+    const double *position;                      /* distance of each wheelset behind the leading one */
+    const long long *group;                      /* group of each wheelset */
+    double origin, length;                       /* start of the first cell; length of a cell */
+    double rate;                                 /* tau [m/J] */
+    double clean, clean_A, clean_B;              /* friction of the clean rail, and its fall with slip speed */
+    double A[WHEELSETS], B[WHEELSETS];           /* the same fall for the untreated rail, at each wheelset */
+    double location[WHEELSETS], loss[WHEELSETS]; /* at the last sample: place on the track [m]; W, per wheel [J/m] */
+    double energy_ahead[WHEELSETS];              /* E: energy in the present cell by the wheelsets ahead [J/m] */
+    double energy_own[WHEELSETS];                /* energy in the present cell by this wheelset [J] */
     long long cell[WHEELSETS];
-    long long cells, begun;
+    long long cells, has_started; /* has_started: whether `location`, `cell` and `loss` are set */
 } Recovery;
 
 typedef struct {
-    double rate, density; /* per rail: maximum rate [kg/s], and the density kept up to that [kg/m] */
+    double rate, density; /* per rail: maximum rate [kg/s]; density kept while the rate suffices [kg/m] */
     double begin, end;    /* interval in which sand reaches the rail [s] */
-    long long wheelset;   /* behind the sand */
+    long long wheelset;   /* in front of which the sand falls */
 } Sander;
 
 typedef struct {
-    double *deposited;      /* per cell: sand for the wheelsets to come [kg/m] */
+    double *deposited;      /* of each cell: sand for the wheelsets to come [kg/m] */
     const double *position; /* distance of each wheelset behind the leading one */
     const Sander *sanders;
     double origin, length;           /* start of the first cell; length of a cell */
-    double mu0, density;             /* friction with plenty of sand; sand for 63 % of the gain */
+    double mu0, density;             /* friction with plenty of sand; sand for 1 - 1/e of the gain */
     double remaining_share;          /* sand behind a wheelset, as a share of the sand ahead of it */
     double density_ahead[WHEELSETS]; /* sand in the present cell [kg/m] */
     long long cell[WHEELSETS];
-    long long count, cells, begun; /* count: number of sanders */
+    long long count, cells, has_started; /* count: number of sanders */
 } Sand;
 
 typedef struct {
@@ -43,10 +44,10 @@ typedef struct {
     const double *curves;                  /* k_A, k_S, A, B of each creep curve */
     const unsigned char *curve_at;         /* index of the curve: points x WHEELSETS; null: the plant has a fixed one */
     const double *begins, *forces, *rates; /* track force: linear in sections */
-    double grid, force;
+    double grid, force;                    /* spacing of the grid [m, or s with over_time]; present track force */
     double mu0[WHEELSETS];
     double curve[4 * WHEELSETS];                    /* k_A of each wheelset, then k_S, A, B */
-    long long points, over_time, sections, section; /* section: the last one */
+    long long points, over_time, sections, section; /* section: the present one */
     Recovery *recovery;                             /* null: slip does not change friction */
     Sand *sand;                                     /* null: no sander */
 } Rail;

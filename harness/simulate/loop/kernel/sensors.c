@@ -10,7 +10,7 @@ long long turn(Every every, long long step)
     return step * every.turns / every.steps;
 }
 
-int due(Every every, long long step)
+int is_due(Every every, long long step)
 {
     return step * every.turns % every.steps < every.turns;
 }
@@ -21,15 +21,17 @@ static double tooth(const Encoder *encoder, long long count)
     return (double)count * encoder->pitch + encoder->teeth[count % encoder->pulses];
 }
 
+/* Return the reading of an encoder whose wheel turns at a speed [rad/s]; NaN without a new one. `ServiceSensors`
+   in sensors.py describes it. */
 EXPORT double read_encoder(Encoder *encoder, long long sample, double speed)
 {
     const double time = (double)sample * encoder->period;
 
     if (sample == 0)
         return encoder->speed = speed; /* the encoder has been running before the stop began */
-    const double before = encoder->angle, turned = 0.5 * (encoder->speed + speed) * encoder->period;
+    const double start = encoder->angle, turned = 0.5 * (encoder->speed + speed) * encoder->period;
     encoder->speed = speed;
-    encoder->angle = before + turned;
+    encoder->angle = start + turned;
     long long last = (long long)(encoder->angle / encoder->pitch);
     /* The error is a small share of the pitch, so only neighbours can be due. */
     while (last > encoder->count && tooth(encoder, last) > encoder->angle)
@@ -38,39 +40,46 @@ EXPORT double read_encoder(Encoder *encoder, long long sample, double speed)
     while (last > encoder->count && last % encoder->pulses < missing)
         last--;
     if (last <= encoder->count) {
-        const int silent = encoder->stamp >= 0.0 && time - encoder->stamp > encoder->silence;
+        const int silent = encoder->stamp >= 0.0 && time - encoder->stamp > encoder->timeout;
         return silent ? 0.0 : NOTHING;
     }
-    const double moment = time - encoder->period * (1.0 - (tooth(encoder, last) - before) / turned);
-    const double stamp = rint(moment / encoder->clock) * encoder->clock, previous = encoder->stamp;
-    long long passed = last - encoder->count;
+    /* The speed counts as constant within a sample. */
+    const double crossing = time - encoder->period * (1.0 - (tooth(encoder, last) - start) / turned);
+    const double stamp = rint(crossing / encoder->clock) * encoder->clock, previous = encoder->stamp;
+    long long pitches = last - encoder->count;
     for (long long count = encoder->count + 1; missing && count < last; count++)
-        passed -= count % encoder->pulses < missing;
+        pitches -= count % encoder->pulses < missing;
     encoder->stamp = stamp;
     encoder->count = last;
     if (previous < 0.0 || stamp <= previous)
         return NOTHING;
-    return (double)passed * encoder->pitch / (stamp - previous);
+    return (double)pitches * encoder->pitch / (stamp - previous);
 }
 
-static double at(const Course *course, double distance)
+static double interpolate(double from, double to, long long part, long long parts)
 {
-    const double place = fmin(fmax((distance - course->begin) / course->step, 0.0), (double)(course->count - 1));
-    const long long before = (long long)place, after = before + 1 < course->count ? before + 1 : before;
-
-    return course->values[before] + (place - (double)before) * (course->values[after] - course->values[before]);
+    return part < parts ? from + (to - from) * (double)part / (double)parts : to;
 }
 
-/* Deflection that the rail under a wheelset causes: the frame follows long waves, and does not follow short ones. */
+static double value_at(const TrackQuantity *quantity, double distance)
+{
+    const double place = fmin(fmax((distance - quantity->begin) / quantity->step, 0.0), (double)(quantity->count - 1));
+    const long long before = (long long)place, after = before + 1 < quantity->count ? before + 1 : before;
+
+    return quantity->values[before] + (place - (double)before) * (quantity->values[after] - quantity->values[before]);
+}
+
+/* Deflection that the rail under a wheelset causes: the frame follows long waves, and does not follow short ones. The
+   digital filter is in transposed direct form II, as in scipy.signal.lfilter. */
 static double deflection_by_rail(Service *service, int wheelset, double distance)
 {
-    double *shift = service->shift + 2 * wheelset;
-    const double height = at(&service->rail, distance - service->position[wheelset]),
-                 moved = service->forward[0] * height + shift[0];
+    double *state = service->filter_state + 2 * wheelset;
+    const double height = value_at(&service->rail, distance - service->position[wheelset]),
+                 deflection = service->forward[0] * height + state[0];
 
-    shift[0] = service->forward[1] * height - service->back[0] * moved + shift[1];
-    shift[1] = service->forward[2] * height - service->back[1] * moved;
-    return moved;
+    state[0] = service->forward[1] * height - service->back[0] * deflection + state[1];
+    state[1] = service->forward[2] * height - service->back[1] * deflection;
+    return deflection;
 }
 
 /* The newest reading of an encoder since the last sample; the wheel's speed is interpolated linearly in between. */
@@ -82,7 +91,7 @@ static double read_newest(Encoder *encoder, long long sample, long long samples,
     if (sample == 0)
         return read_encoder(encoder, 0, speed);
     for (long long i = 1; i <= samples; i++) {
-        const double now = i < samples ? before + (speed - before) * (double)i / (double)samples : speed;
+        const double now = interpolate(before, speed, i, samples);
         const double reading = read_encoder(encoder, (sample - 1) * samples + i, now);
         if (!isnan(reading))
             newest = reading;
@@ -93,35 +102,36 @@ static double read_newest(Encoder *encoder, long long sample, long long samples,
 /* The output of a transducer with lag; the pressure is interpolated linearly between samples. */
 static double lag_pressure(Service *service, int g, long long sample, double pressure)
 {
+    double *lagged = service->lagged_pressure + g;
+
     if (sample == 0)
-        service->pressure[g] = service->before[g] = pressure;
+        *lagged = service->last_pressure[g] = pressure;
     for (long long i = 1; sample && i <= service->samples; i++) {
-        const double now = i < service->samples ? service->before[g] + (pressure - service->before[g]) * (double)i /
-                                                                           (double)service->samples
-                                                : pressure;
-        service->pressure[g] = service->pressure[g] + (now - service->pressure[g]) * service->pressure_share;
+        const double now = interpolate(service->last_pressure[g], pressure, i, service->samples);
+        *lagged += (now - *lagged) * service->pressure_share;
     }
-    service->before[g] = pressure;
-    return service->pressure[g];
+    service->last_pressure[g] = pressure;
+    return *lagged;
 }
 
+/* Write the reading of a sample; entries without a new reading are NaN. */
 EXPORT void read_service(Service *service, long long sample, const double *outputs, double *reading)
 {
     const double *noise = service->noise + sample % service->block * NOISES;
-    const long long ring = service->remembered, whole = (long long)service->speed_latency;
-    const double between = service->speed_latency - (double)whole;
-    double acceleration = outputs[OUTPUT_ACCELERATION] + service->acceleration_bias + noise[1];
+    const long long count = service->past_count, whole = (long long)service->speed_latency;
+    const double fraction = service->speed_latency - (double)whole;
+    double acceleration = outputs[OUTPUT_ACCELERATION] + service->acceleration_bias + noise[NOISE_ACCELERATION];
 
     if (service->gravity.count)
-        acceleration += at(&service->gravity, outputs[OUTPUT_DISTANCE]);
-    service->past[sample % ring] = outputs[OUTPUT_SPEED];
+        acceleration += value_at(&service->gravity, outputs[OUTPUT_DISTANCE]);
+    service->past_speed[sample % count] = outputs[OUTPUT_SPEED];
     reading[READING_SPEED] = NOTHING;
-    if (due(service->speed_every, sample) && (double)sample >= service->speed_latency) {
+    if (is_due(service->speed_every, sample) && (double)sample >= service->speed_latency) {
         const double factor = service->speed_factor[turn(service->speed_every, sample) % service->speed_factors];
-        double speed = service->past[(sample - whole) % ring];
-        if (between > 0.0)
-            speed += between * (service->past[(sample - whole - 1) % ring] - speed);
-        const double delayed = speed * factor + noise[0];
+        double speed = service->past_speed[(sample - whole) % count];
+        if (fraction > 0.0)
+            speed += fraction * (service->past_speed[(sample - whole - 1) % count] - speed);
+        const double delayed = speed * factor + noise[NOISE_SPEED];
         /* The latency is known from the data sheet, and the sensor's own electronics extrapolates its reading. */
         reading[READING_SPEED] = delayed + acceleration * service->speed_latency * service->period;
     }
@@ -133,7 +143,7 @@ EXPORT void read_service(Service *service, long long sample, const double *outpu
             rint(pressure / service->pressure_step + service->offset_steps[g]) * service->pressure_step;
     }
     for (int w = 0; w < WHEELSETS; w++) {
-        reading[READING_DEFLECTION + w] = outputs[OUTPUT_DEFLECTION + w] + noise[2 + w];
+        reading[READING_DEFLECTION + w] = outputs[OUTPUT_DEFLECTION + w] + noise[NOISE_DEFLECTION + w];
         if (service->rail.count)
             reading[READING_DEFLECTION + w] += deflection_by_rail(service, w, outputs[OUTPUT_DISTANCE]);
     }
