@@ -120,4 +120,6 @@ def _law(law: Law, groups: Sequence[Brake], formula: SampledSystem) -> Law:
     values = dict(zip((variable.name for variable in law.formula.parameters), law.parameters.tolist(), strict=True))
     wrapped = Law(formula, groups, {name: value for name, value in values.items() if name not in brakes})
     wrapped.needs = law.needs
+    # The states of the law come first. Their start values may follow from its parameters, not from the formula.
+    wrapped.state[: law.state.size] = law.state
     return wrapped

@@ -7,6 +7,7 @@ import pytest
 
 from railgrip.controllers.law import Law
 from railgrip.controllers.laws.full_brake import FullBrake
+from railgrip.controllers.laws.recursive_slope import RecursiveSlope
 from railgrip.controllers.laws.slip_two_state import SlipLevels, SlipTwoState
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.train_level import (
@@ -98,7 +99,7 @@ def test_redistribution_works_over_a_law_without_states():
     assert settled(law, now) == pytest.approx(now.driver_demand)
 
 
-@pytest.mark.parametrize(
+OVER_THE_TRAIN = pytest.mark.parametrize(
     "over",
     [
         lambda law: with_shared_valves(law, GROUPS, (1, 2), "lowest"),
@@ -107,6 +108,7 @@ def test_redistribution_works_over_a_law_without_states():
     ],
     ids=["lowest", "mean", "redistribution"],
 )
+@OVER_THE_TRAIN
 def test_over_any_controller_the_result_equals_that_inside_a_law(over):
     """To the last bit: the controller below may be a law, a class or an FMU."""
     inside, law, outside = over(slip_based()), slip_based(), over(pass_through(GROUPS))
@@ -114,3 +116,10 @@ def test_over_any_controller_the_result_equals_that_inside_a_law(over):
     for _ in range(200):
         now = observed(tuple(random.uniform(0.0, 0.2, 3)), random.uniform(0.1, 1.0))
         assert outside.decide(now, law.decide(now)) == inside.decide(now)
+
+
+@OVER_THE_TRAIN
+def test_a_law_begins_with_the_states_of_its_parameters(over):
+    law = RecursiveSlope(GROUPS, RecursiveSlope.load_tuning("pneumatic", "estimated", period=10e-3))
+    assert np.any(law.state != [state.start for state in law.formula.states])
+    assert over(law).state[: law.state.size] == pytest.approx(law.state)
