@@ -135,7 +135,8 @@ monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely t
 	$(PROGRAM) study pad_monitor
 
 fuzz: $(DEV)  ## wrong questions by the thousand: mutated scenarios, campaigns, files, overrides, recordings, results (half an hour)
-	RAILGRIP_FUZZ=1000 $(RUN) -m pytest tests/fuzz tests/test_api_arguments.py tests/fmi/test_malformed_description.py
+	RAILGRIP_FUZZ=1000 $(RUN) -m pytest tests/fuzz tests/test_api_arguments.py tests/fmi/test_malformed_description.py \
+	  tests/stops/test_ideal_bound.py
 
 TYPED := build/typed/railgrip
 

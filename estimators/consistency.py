@@ -10,13 +10,14 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import gammaincinv
 
 from railgrip.base.errors import EstimatorError
 
 
 def _chi_square(probability: float, degrees: NDArray[np.float64]) -> NDArray[np.float64]:
-    # scipy.stats has these quantiles, but takes a second to import.
+    # scipy.stats has these quantiles, but takes a second to import; stops without estimates do without both.
+    from scipy.special import gammaincinv
+
     different, place = np.unique(degrees, return_inverse=True)  # many steps use the same few numbers of readings
     return (2.0 * gammaincinv(different / 2.0, probability))[place]
 

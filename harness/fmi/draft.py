@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from railgrip.base.errors import FmuError
 from railgrip.base.units import unit
@@ -76,6 +75,8 @@ def draft_mapping(
         description: Description of the FMU.
         signals: Signals of the harness, and the causality of such variables in the FMU.
     """
+    from scipy.optimize import linear_sum_assignment  # a fifth of the start of a stop, which needs it for no plant
+
     arrays = list(arrays_of(description))
     names = list(signals)
     score = np.array([[_score(*signals[name], array) for array in arrays] for name in names])

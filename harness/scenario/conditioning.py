@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 from pydantic import Field
-from scipy.special import stdtrit
 
 from railgrip.base.errors import InputError, ScenarioError
 from railgrip.base.files import read_bytes
@@ -100,6 +99,8 @@ class RepeatedDistances(Table):
         count = len(repeats)
         if count < 2:
             return None
+        from scipy.special import stdtrit  # takes a tenth of the start of a stop, and few have repeats
+
         quantile = float(stdtrit(count - 1, (1.0 + certainty) / 2.0))
         reach = quantile * float(np.std(repeats, ddof=1)) * math.sqrt(1.0 + 1.0 / count)
         tolerance = max(abs(float(np.mean(repeats)) - value) + reach, ROUNDING * abs(value), NOTHING)

@@ -11,7 +11,6 @@ from math import exp, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import stdtrit
 
 Array = NDArray[np.float64]
 
@@ -98,5 +97,7 @@ def k_wet(dry: Sequence[float], wet: Sequence[float], speed: float, time: float,
     half = 0.0
     if both > 0.0:
         count = both**2 / sum(variance**2 / n for variance, n in zip(variances, freedom, strict=True))
+        from scipy.special import stdtrit  # see `railgrip.scenario.conditioning`
+
         half = float(stdtrit(count, (1 + confidence) / 2)) * sqrt(both)
     return Interval(value, value * exp(-half), value * exp(half))

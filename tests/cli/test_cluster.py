@@ -43,7 +43,7 @@ def slowly(scenario, progress=None, notify=lambda sentence: None):
 @pytest.fixture(scope="module")
 def two_workers():
     """A cluster that starts another worker for one that is killed."""
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster_here:
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster_here:
         yield cluster_here
 
 
@@ -117,7 +117,7 @@ def test_who_does_not_answer_and_workers_with_threads_are_refused(monkeypatch):
     with pytest.raises(InputError, match="no Dask scheduler answers there"), cluster("tcp://127.0.0.1:1"):
         pass
     with (
-        LocalCluster(n_workers=1, threads_per_worker=2, dashboard_address=None) as cluster_here,
+        LocalCluster(n_workers=1, threads_per_worker=2, dashboard_address=":0") as cluster_here,
         pytest.raises(InputError, match="a worker has 2 threads"),
         cluster(cluster_here.scheduler_address),
     ):
@@ -130,7 +130,7 @@ def test_a_scheduler_without_workers_is_told_of_and_not_waited_for_for_ever(proj
     monkeypatch.setattr("railgrip.campaign.workers._WITHOUT_WORKERS", 3.0)
     (project / "few.toml").write_text(LINES, encoding="utf-8")
     campaign = load_campaign(project / "few.toml")
-    with LocalCluster(n_workers=0, threads_per_worker=1, dashboard_address=None) as cluster_here:
+    with LocalCluster(n_workers=0, threads_per_worker=1, dashboard_address=":0") as cluster_here:
         address = cluster_here.scheduler_address
         begin = time.monotonic()
         with pytest.raises(RailgripError, match="has had no worker for 3 s; start some with `dask worker") as end:

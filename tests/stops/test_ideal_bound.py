@@ -1,5 +1,6 @@
 """The best possible stop is found on any grid, and one that the horizon cuts off says so."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,8 @@ from railgrip.simulate.ideal import ideal_stop
 from railgrip.simulate.run import run_stop
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
+DRAWS = 30 if "RAILGRIP_FUZZ" in os.environ else 12
+"""Random scenarios in `make fuzz`, and in `make test`."""
 
 
 def bound(name, period, *changes):
@@ -108,7 +111,7 @@ def drawn(number):
     [
         (BETWEEN_SLIDES, "soap", 70.0, 0.0, "ideal_tracking"),
         (CREEPING, "soap", 155.0, 0.006, "ideal_tracking"),
-        *map(drawn, range(30)),
+        *map(drawn, range(DRAWS)),
     ],
 )
 def test_no_stop_is_shorter_than_the_bound(rail, curve, speed, gradient, kind):

@@ -100,7 +100,7 @@ def test_a_train_file_has_one_central_filter_in_three_ways():
 def coaches(tmp_path):
     """Return a scenario's [vehicle] of coaches behind a brake pipe, the second one without a distributor."""
 
-    def vehicle(name, count=4, metres=24, **keys):
+    def vehicle(name, count=3, metres=24, **keys):
         # Axles that turn as one are half of what a plant takes to build, and nothing to its air.
         text = BEGINNING.replace("NAME", name).replace("coupled = false", "coupled = true")
         begin, resistance, cars = text.index("[command]"), text.index("[resistance]"), text.index("[[cars]]")
@@ -132,7 +132,7 @@ def test_position_r_goes_low_at_its_changeover_speed(coaches, tmp_path):
     assert pressure[high] == pytest.approx(full, rel=1e-2)
     falling = np.argmax((pressure[:, 0] < 0.995 * full) & (stop.trace["time"].values > 8))
     assert 3.6 * speed[falling] == pytest.approx(50, abs=0.2)
-    assert pressure[-1] == pytest.approx([full / 2 if i != 1 else full for i in range(4)], rel=1e-2)
+    assert pressure[-1] == pytest.approx([full / 2 if i != 1 else full for i in range(3)], rel=1e-2)
     by_calculation = by_hand(load_train(tmp_path / "staged.toml"), 120 / 3.6).distance
     assert stop.metrics.distance == pytest.approx(by_calculation, rel=0.03)
 
