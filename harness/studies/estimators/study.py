@@ -39,8 +39,8 @@ FACTORS_FILE: Final = Path("harness/studies/estimators/library/noises.toml")
 
 REFERENCES: Final = (CONSTANT, FORCE_BALANCE)
 ESTIMATORS: Final = (
-    "fmu", "iterated", "unscented", "cubature", "sage_husa", "interacting", "disturbance_observer", *OTHER_MODELS,
-    *LAGS,
+    "fmu", "iterated", "unscented", "cubature", "particle", "sage_husa", "interacting", "disturbance_observer",
+    *OTHER_MODELS, *LAGS,
 )  # fmt: skip
 """Estimators besides the references: kinds of a scenario, other predictions, and smoothers."""
 
