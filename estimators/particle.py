@@ -12,7 +12,7 @@ from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.interacting import combine, log_likelihood
 from railgrip.estimators.kind import FilterContext
 
-PARTICLES: Final = 24
+PARTICLES: Final = 12
 """Number of particles of a scenario; every one costs as much as an extended Kalman filter."""
 
 RESAMPLE_BELOW: Final = 0.5
@@ -51,7 +51,7 @@ class ParticleFilter:
         weights: Of the particles after the last step, shape (count,).
 
     Raises:
-        EstimatorError: There are no particles or no sampled states.
+        EstimatorError: Particles or sampled states are missing.
 
     Source: Schön, Gustafsson, Nordlund, Marginalized Particle Filters for Mixed Linear/Nonlinear State-Space Models,
     IEEE Trans. Signal Processing 53 (2005) 2279.

@@ -58,6 +58,6 @@ def noise_of(estimator: str, sensors: Sensors, factors: Mapping[str, float] | No
 
 
 def factors_of(estimator: str, sensors: Sensors) -> Mapping[str, float]:
-    """Return the factors of an estimator from the file; empty where it has none."""
+    """Return the factors of an estimator from the file; empty if the file lacks it."""
     text = (files("railgrip.studies.estimators") / "library" / FILE).read_text(encoding="utf-8")
     return tomllib.loads(text).get(estimator if estimator in SEARCHED else "fmu", {}).get(sensors, {})

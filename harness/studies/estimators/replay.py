@@ -10,13 +10,14 @@ from typing import Final
 import numpy as np
 import xarray
 
-from railgrip.base import registry
+from railgrip.base.errors import FilterDiverged
 from railgrip.estimation.run import READ_STATES, FilterData, Settings, by_name, filter_data, model_of, prediction_of
+from railgrip.estimation.several import run_kind
 from railgrip.estimators.belief import Array, Matrix, Vector
 from railgrip.estimators.bound import posterior_bound
 from railgrip.estimators.consistency import nis_ratio
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.kind import FilterContext, FilterKind
+from railgrip.estimators.kind import FilterContext
 from railgrip.estimators.prediction import PredictionInC
 from railgrip.estimators.smoother import smooth
 from railgrip.estimators.tuning import NoiseSet, pad_gate
@@ -135,24 +136,16 @@ def replay(case: RecordingCase, estimator: str, noise: NoiseSet | None = None) -
     return replace(found, variance=variance)
 
 
-def _filtered(context: FilterContext, data: FilterData, estimator: str) -> Replay:
-    filter_ = registry.part(registry.FILTERS, estimator, FilterKind).start(context)
-    count, n = data.readings.shape[0], data.mean.size
-    mean, variance = np.empty((count + 1, n)), np.empty((count + 1, n))
-    nis, degrees = np.empty(count), np.empty(count)
-    mean[0], variance[0] = filter_.mean, np.diagonal(filter_.covariance)
-    begin = process_time()
-    for k in range(count):
-        filter_.inputs[:], filter_.readings[:] = data.inputs[k], data.readings[k]
-        filter_.advance()
-        mean[k + 1], variance[k + 1] = filter_.mean, np.diagonal(filter_.covariance)
-        nis[k], degrees[k] = filter_.squared_innovation, filter_.selection.sum()
-    duration = process_time() - begin
+def _filtered(context: FilterContext, data: FilterData, kind: str) -> Replay:
+    run = run_kind(kind, context, data)
+    if run.ended:
+        raise FilterDiverged(run.ended)
+    nis = run.squared_innovation
     return Replay(
-        mean=mean,
-        variance=variance,
-        nis_ratio=nis_ratio(nis, degrees) if nis.any() else None,
-        microseconds=1e6 * duration / count,
+        mean=run.mean,
+        variance=run.variance,
+        nis_ratio=nis_ratio(nis, run.degrees) if nis.any() else None,
+        microseconds=run.microseconds,
     )
 
 

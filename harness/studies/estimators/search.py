@@ -57,16 +57,22 @@ def evaluate(estimator: str, sensors: Sensors, cases: Sequence[RecordingCase], f
 
 
 def search(case: SearchCase) -> dict[str, float]:
-    """Return the factors that minimise `evaluate`: each in turn up or down by a step, as long as the budget lasts."""
+    """Return the factors that minimise `evaluate`: each in turn up or down by a step, as long as the budget lasts.
+
+    A factor without any effect is tried once.
+    """
     estimator, sensors, cases = case
-    factors: dict[str, float] = {name: 1.0 for name in FACTORS}
-    best, count = evaluate(estimator, sensors, cases, factors), 1
+    factors: dict[str, float] = dict.fromkeys(FACTORS, 1.0)
+    best, count, idle = evaluate(estimator, sensors, cases, factors), 1, set[str]()
     for step, name in product(STEPS, FACTORS):
-        for change in (step, 1.0 / step):
+        for change in () if name in idle else (step, 1.0 / step):
             if count >= BUDGET:
                 return factors
             trial = factors | {name: factors[name] * change}
             value, count = evaluate(estimator, sensors, cases, trial), count + 1
+            if value == best:
+                idle.add(name)
+                break
             if value < best - SMALLEST_GAIN:
                 factors, best = trial, value
                 break
