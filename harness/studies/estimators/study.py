@@ -133,14 +133,16 @@ class Estimators(Study):
         return tuple(dict.fromkeys((*REFERENCES, *chosen)))
 
     def headlines(self, work: Work) -> list[Finding]:
-        """Return the errors of adhesion of references and fast filters in two recordings."""
+        """Return errors of adhesion of references and fast filters in two recordings, and the coverage of the EKF."""
         names = (*REFERENCES, "fmu", "interacting", "disturbance_observer", "disturbed")
         design = recording_cases(2, SEEDS["test"])
         results = results_of(work, design, recording_cases(2, SEEDS["training"]), names)
-        return [
+        errors = [
             mean(f"{name}: adhesion RMSE", float(np.mean([one.rmse["adhesion"] for one in cases])))
             for name, cases in results.items()
         ]
+        coverage = float(np.mean([one.coverage["adhesion"] for one in results["fmu"]]))
+        return [*errors, mean("fmu: adhesion coverage", coverage)]
 
 
 def results_of(
