@@ -3,7 +3,7 @@
 import hashlib
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, Final
 
 import numpy as np
@@ -91,7 +91,8 @@ def errors_of(case: EstimatorCase) -> CaseErrors:
         unknown.update(digest=digest, diverged=True, rmse=nothing, coverage=nothing)
         return CaseErrors(**unknown)
     trace = with_estimates(recording, states(estimator), found.mean, found.variance)
-    return _judge(trace, digest, nis=found.nis_ratio, microseconds=found.microseconds)
+    errors = _judge(trace, digest, nis=found.nis_ratio, microseconds=found.microseconds)
+    return replace(errors, step_delay=math.nan) if estimator == CONSTANT else errors
 
 
 def _digest(trace: xarray.Dataset) -> str:

@@ -16,7 +16,7 @@ from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.statistics import finite
 from railgrip.report.table import ReportTable
-from railgrip.studies.estimators.judge import CONSTANT, FORCE_BALANCE, bounds_of, errors_of, truths_of
+from railgrip.studies.estimators.judge import bounds_of, errors_of, truths_of
 from railgrip.studies.estimators.own import is_class, is_fmu, name_of, require_file
 from railgrip.studies.estimators.recordings import (
     COUNT,
@@ -30,14 +30,21 @@ from railgrip.studies.estimators.recordings import (
 )  # fmt: skip
 from railgrip.studies.estimators.replay import LAGS, OTHER_MODELS
 from railgrip.studies.estimators.search import search, search_cases, write_factors
-from railgrip.studies.estimators.tables import Results, by_family, consistency, leaderboard, others
+from railgrip.studies.estimators.tables import (
+    REFERENCES,
+    Results,
+    by_family,
+    consistency,
+    leaderboard,
+    others,
+    targets,
+)  # fmt: skip
 from railgrip.studies.study import Study
 
 PAGE: Final = Path("docs/estimators_compared.md")
 FACTORS_FILE: Final = Path("harness/studies/estimators/library/noises.toml")
 """From the folder of the project, where the command runs, as `PAGE`."""
 
-REFERENCES: Final = (CONSTANT, FORCE_BALANCE)
 ESTIMATORS: Final = (
     "fmu", "iterated", "unscented", "cubature", "particle", "sage_husa", "interacting", "disturbance_observer",
     *OTHER_MODELS, *LAGS,
@@ -81,6 +88,7 @@ class Estimators(Study):
             "families": by_family(results, design),
             "coverage": by_family(results, design, "coverage"),
             "others": others(results),
+            "targets": targets(results, design, bound),
         }
         if self.write:
             write_tables(PAGE, tables)

@@ -11,8 +11,11 @@ from railgrip.report.statistics import median_interval
 from railgrip.report.table import ReportTable, share
 from railgrip.studies.estimators.judge import CONSTANT, FORCE_BALANCE, CaseErrors
 from railgrip.studies.estimators.recordings import FAMILIES, RecordingCase, family_of
+from railgrip.studies.estimators.replay import LAGS
 
 Measure = Literal["rmse", "coverage"]
+
+REFERENCES: Final = (CONSTANT, FORCE_BALANCE)
 
 RESAMPLES: Final = 2000
 RESAMPLING_SEED: Final = 8
@@ -95,21 +98,47 @@ def others(results: Results) -> ReportTable:
 
 
 def by_family(results: Results, design: Sequence[RecordingCase], measure: Measure = "rmse") -> ReportTable:
-    """Return the median RMSE of adhesion, or its mean coverage, in each family of cases."""
-    families = [(field, value) for field in FAMILIES for value in sorted({family_of(case, field) for case in design})]
+    """Return the median RMSE of adhesion, or its mean coverage, of each estimator in each family of cases."""
+    middle = np.nanmedian if measure == "rmse" else np.nanmean
+    values = {name: np.array([getattr(one, measure)["adhesion"] for one in cases]) for name, cases in results.items()}
+    claiming = {name: errors for name, errors in values.items() if not np.isnan(errors).all()}
     rows: list[dict[str, Any]] = []
-    for name, cases in results.items():
-        values = np.array([getattr(one, measure)["adhesion"] for one in cases])
-        if measure == "coverage" and np.isnan(values).all():
-            continue
-        row: dict[str, Any] = {"estimator": name}
-        for field, value in families:
-            inside = values[[family_of(case, field) == value for case in design]]
-            middle = np.nanmedian if measure == "rmse" else np.nanmean
-            row[value] = math.nan if np.isnan(inside).all() else float(middle(inside))
-        rows.append(row)
+    for field in FAMILIES:
+        families = [family_of(case, field) for case in design]
+        for family in sorted(set(families)):
+            inside = [one == family for one in families]
+            row: dict[str, Any] = {"family": family, "cases": sum(inside)}
+            for name, errors in claiming.items():
+                row[name] = math.nan if np.isnan(errors[inside]).all() else float(middle(errors[inside]))
+            rows.append(row)
     form, title = ("{:.4f}", "Median RMSE") if measure == "rmse" else ("{:.2f}", "Coverage")
-    return ReportTable(rows, dict.fromkeys((value for _, value in families), form), title=f"{title} by family")
+    return ReportTable(rows, dict.fromkeys(claiming, form), ("family",), title=f"{title} by family")
+
+
+def targets(results: Results, design: Sequence[RecordingCase], bound: float) -> ReportTable:
+    """Return the targets and the values of the estimator on board with the smallest median RMSE.
+
+    Args:
+        results: Errors by estimator.
+        design: The cases.
+        bound: Median over the cases of the Cramér-Rao bound of adhesion for the prediction of `fmu`.
+    """
+    rows = {str(row["estimator"]): row for row in leaderboard(results).rows}
+    name = next(each for each in rows if each not in (*REFERENCES, *LAGS))
+    coverage = [row[name] for row in by_family(results, design, "coverage").rows if name in row]
+    found = [
+        (
+            "RMSE of fmu over the bound",
+            "at most 1.2",
+            rows["fmu"]["median RMSE"] / bound if "fmu" in rows else math.nan,
+        ),
+        ("skill over the force balance", "at least 0.6", rows[name]["over force balance"]),
+        ("lowest coverage of a family", "at least 0.90", min(coverage, default=math.nan)),
+        ("highest coverage of a family", "at most 0.98", max(coverage, default=math.nan)),
+        ("skill of pad friction over the constant", "above 0", skill(results[name], results[CONSTANT], "pad_friction")),
+        ("processor time of a step [µs]", "at most 15", rows[name]["step"]),
+    ]
+    return ReportTable.of(("target", "required", name), found, "{:.2f}", left=2, title="Targets")
 
 
 def skill(cases: Sequence[CaseErrors], reference: Sequence[CaseErrors] | None, target: str = "adhesion") -> float:
@@ -126,7 +155,7 @@ def skill_interval(cases: Sequence[CaseErrors], reference: Sequence[CaseErrors] 
     draws = np.random.default_rng(RESAMPLING_SEED).integers(len(squares), size=(RESAMPLES, len(squares)))
     sums = squares[draws].sum(axis=1)
     low, high = np.quantile(1.0 - sums[:, 0] / sums[:, 1], (0.025, 0.975))
-    return f"{low:.2f} to {high:.2f}"
+    return f"{low:.2f} to {high:.2f}".replace("-", "−")
 
 
 def _squares(cases: Sequence[CaseErrors], reference: Sequence[CaseErrors] | None, target: str) -> Matrix:
