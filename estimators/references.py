@@ -126,8 +126,9 @@ class ForceBalanceEstimator(TorqueBalanceEstimator):
         return np.where(is_new, change, 0.0)
 
     def delay(self) -> Vector:
-        """Return ∫h² dt of the error h = exp(−ωt) after a step."""
-        return 0.5 / self.corner
+        """Return T Σ h², k = 1, 2, …, of the error h = mᵏ after a step, with m = exp(−ωT)."""
+        square = np.exp(-2.0 * self.corner * self._period)
+        return self._period * square / (1.0 - square)
 
     def rate_variance(self) -> Vector:
         """Return the noise gain of the difference quotient followed by the low-pass."""
@@ -152,8 +153,12 @@ class DisturbanceEstimator(TorqueBalanceEstimator):
         return (1.0 - memory) ** 2 * error / (self._period * self._effect)
 
     def delay(self) -> Vector:
-        """Return ∫h² dt of the error h = (1 + ωt) exp(−ωt) after a step."""
-        return 1.25 / self.corner
+        """Return T Σ h², k = 1, 2, …, of the error h = (1 + (1 − m) k) mᵏ after a step, with m = exp(−ωT)."""
+        memory = np.exp(-self.corner * self._period)
+        square, rate = memory**2, 1.0 - memory
+        rest = 1.0 - square
+        sums = square / rest, square / rest**2, square * (1.0 + square) / rest**3  # of m²ᵏ, k m²ᵏ, k² m²ᵏ
+        return self._period * (sums[0] + 2.0 * rate * sums[1] + rate**2 * sums[2])
 
     def rate_variance(self) -> Vector:
         """Return the noise gain of the rate of a g-h filter."""

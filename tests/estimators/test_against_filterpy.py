@@ -342,13 +342,17 @@ def test_a_reference_finds_a_constant_adhesion(wheel, kind):
 
 
 @pytest.mark.parametrize("kind", [ForceBalanceEstimator, DisturbanceEstimator])
-def test_the_deviation_of_a_reference_is_that_of_its_noise(wheel, kind):
+def test_the_deviation_of_a_reference_is_that_of_noise_and_delay(wheel, kind):
+    """Adhesion is a random walk, read with noise through the speed of a wheel without torque."""
     reference, random, found = kind.of_context(wheel_context(wheel)), np.random.default_rng(2), []
+    effect = 14_500.0 * 9.81 * 0.38 / 209.0
+    speed, adhesion = 30.0 / 0.38, 0.0
     for _ in range(20_000):
-        # The noise of a wheel that rolls at a constant speed under no torque.
-        reference.readings[:] = [30.0, 30.0 / 0.38 + 0.01 * random.standard_normal()]
+        adhesion += np.sqrt(1e-2 * 0.01) * random.standard_normal()
+        speed += 0.01 * effect * adhesion
+        reference.readings[:] = [30.0, speed + 0.01 * random.standard_normal()]
         reference.advance()
-        found.append(reference.mean[3])
+        found.append(reference.mean[3] - adhesion)
     # Some thousand independent values: 2 %, and twice that.
     assert np.std(found[1000:]) == pytest.approx(np.sqrt(reference.covariance[3, 3]), rel=0.05)
 
