@@ -1,6 +1,7 @@
 """Recordings of the study of estimators are even, equal for all estimators, and judged by known errors."""
 
 import json
+import tomllib
 from collections import Counter
 from dataclasses import replace
 
@@ -14,10 +15,18 @@ from railgrip.estimation.run import model_of
 from railgrip.fmus.build import fmu
 from railgrip.studies.estimators.claims import LOAD_DEVIATION, with_unmodelled
 from railgrip.studies.estimators.judge import CONSTANT, FORCE_BALANCE, errors_of, step_delay, truths_of
-from railgrip.studies.estimators.noises import FACTORS
-from railgrip.studies.estimators.recordings import DEMANDS, SEEDS, SENSORS, recording_cases, recording_of_case
+from railgrip.studies.estimators.noises import FACTORS, noise_of
+from railgrip.studies.estimators.recordings import (
+    DEMANDS,
+    FAMILIES,
+    SEEDS,
+    SENSORS,
+    family_of,
+    recording_cases,
+    recording_of_case,
+)
 from railgrip.studies.estimators.replay import LAGS, MODEL, bound_of, replay, states
-from railgrip.studies.estimators.search import BUDGET, interval_score, search
+from railgrip.studies.estimators.search import BUDGET, interval_score, search, write_factors
 from railgrip.studies.estimators.study import ESTIMATORS, FAST, Estimators
 from railgrip.studies.estimators.tables import leaderboard, skill
 
@@ -198,3 +207,31 @@ def test_a_larger_load_uncertainty_is_claimed_where_no_state_has_it(short):
     extra = found.variance - modelled(short, found)
     np.testing.assert_allclose(extra[:, alpha], (LOAD_DEVIATION * found.mean[:, alpha]) ** 2, atol=1e-15)
     assert np.all(extra[:, states().index("v")] == 0.0)
+
+
+def test_factors_are_read_as_they_were_written(tmp_path):
+    found = {
+        ("fmu", "ideal"): {"all": 3.0, "alpha": 0.5},
+        ("fmu", "worn"): {"all": 1.0},
+        ("loaded", "worn"): {"d": 9.0},
+    }
+    write_factors(tmp_path / "noises.toml", found)
+    tables = tomllib.loads((tmp_path / "noises.toml").read_text(encoding="utf-8"))
+    assert {(name, sensors): row for name, rows in tables.items() for sensors, row in rows.items()} == found
+
+
+def test_the_common_factor_multiplies_every_deviation_and_no_other_factor_does():
+    plain, common, one = (noise_of("fmu", "service", factors) for factors in ({}, {"all": 3.0}, {"alpha": 3.0}))
+    for field in ("process", "readings", "start"):
+        before, after = getattr(plain, field), getattr(common, field)
+        assert after == {name: pytest.approx(3.0 * value) for name, value in before.items()}
+    assert one.process == {**plain.process, "alpha": pytest.approx(3.0 * plain.process["alpha"])}
+    assert (one.readings, one.start) == (plain.readings, plain.start)
+
+
+def test_every_case_belongs_to_one_family_of_each_axis_and_the_loads_differ():
+    design = recording_cases(24, SEEDS["test"])
+    for field in FAMILIES:
+        counts = Counter(family_of(case, field) for case in design)
+        assert len(counts) > 1
+        assert min(counts.values()) >= 3
