@@ -259,7 +259,7 @@ class FilterContext:
         prediction: The model, in the form that `FilterKind.prediction` declares.
         process_noise, reading_noise: Noises of the prediction's states and outputs.
         period: Period of a step [s].
-        gate: States that are frozen while an input is small.
+        gate: States that are frozen while an input is small, or None.
         outlier_limit: Largest innovation of each reading that is used, in standard deviations; None uses every reading.
         mean, covariance: Estimate before the first step.
     """
@@ -268,7 +268,7 @@ class FilterContext:
     process_noise: Vector
     reading_noise: Vector
     period: float
-    gate: Gate
+    gate: Gate | None
     outlier_limit: list[float] | None
     mean: Vector
     covariance: Vector

@@ -17,8 +17,8 @@ class TorqueBalanceEstimator(ABC):
     from the same noises: it is that of the stationary Kalman filter for a random walk of adhesion, seen in white noise
     of the wheelset speed. No number is tuned.
 
-    The standard deviation of adhesion includes the noise of the wheelset speed and the first deviation of pad friction,
-    but neither the delay of the low-pass nor errors of the load.
+    The standard deviation of adhesion includes the noise of the wheelset speed, the first deviation of pad friction
+    and the delay, if adhesion is a random walk.
 
     Args:
         context: Prediction, with states v, w[i], alpha[i] and mu_b[i], noises and first belief; gate and outlier limit
@@ -54,8 +54,8 @@ class TorqueBalanceEstimator(ABC):
         self._effect = slope[self._wheels, self._adhesions]
         self._speed_noise = context.process_noise[self._speed], context.reading_noise[self._speed_reading]
         self._wheel_variance = context.reading_noise[self._wheel_readings]
-        walk = context.process_noise[self._adhesions]
-        self.corner = (self._effect**2 * walk / (self._wheel_variance * self._period)) ** 0.25
+        self._walk = context.process_noise[self._adhesions]
+        self.corner = (self._effect**2 * self._walk / (self._wheel_variance * self._period)) ** 0.25
         self._pads = places("state", "mu_b", states)
         self._pad_variance = context.covariance[self._pads]
 
@@ -75,6 +75,7 @@ class TorqueBalanceEstimator(ABC):
         by_state = self._prediction.derivative_jacobian(self.mean, self.inputs)
         by_pads = by_state[self._wheels, self._pads] / self._effect
         variance = self.rate_variance() * self._wheel_variance / self._effect**2 + by_pads**2 * self._pad_variance
+        variance += self._walk * self.delay()
         self.covariance[self._adhesions, self._adhesions] = variance
 
     def _advance_speed(self, acceleration: float) -> None:
@@ -99,6 +100,10 @@ class TorqueBalanceEstimator(ABC):
         """
 
     @abstractmethod
+    def delay(self) -> Vector:
+        """Return the variance of the error by delay over the density of a random walk of adhesion [s]."""
+
+    @abstractmethod
     def rate_variance(self) -> Vector:
         """Return the variance of the estimated acceleration of the wheels over that of their speeds [1/s²]."""
 
@@ -118,6 +123,11 @@ class ForceBalanceEstimator(TorqueBalanceEstimator):
         self.mean[self._wheels] = np.where(is_new, seen, self.mean[self._wheels])
         self._elapsed = np.where(is_new, self._period, self._elapsed + self._period)
         return np.where(is_new, change, 0.0)
+
+    def delay(self) -> Vector:
+        """Return T Σ h², k = 1, 2, …, of the error h = mᵏ after a step, with m = exp(−ωT)."""
+        square = np.exp(-2.0 * self.corner * self._period)
+        return self._period * square / (1.0 - square)
 
     def rate_variance(self) -> Vector:
         """Return the noise gain of the difference quotient followed by the low-pass."""
@@ -140,6 +150,14 @@ class DisturbanceEstimator(TorqueBalanceEstimator):
         error = np.where(np.isfinite(seen), seen - ahead, 0.0)
         self.mean[self._wheels] = ahead + (1.0 - memory**2) * error
         return (1.0 - memory) ** 2 * error / (self._period * self._effect)
+
+    def delay(self) -> Vector:
+        """Return T Σ h², k = 1, 2, …, of the error h = (1 + (1 − m) k) mᵏ after a step, with m = exp(−ωT)."""
+        memory = np.exp(-self.corner * self._period)
+        square, rate = memory**2, 1.0 - memory
+        rest = 1.0 - square
+        sums = square / rest, square / rest**2, square * (1.0 + square) / rest**3  # of m²ᵏ, k m²ᵏ, k² m²ᵏ
+        return self._period * (sums[0] + 2.0 * rate * sums[1] + rate**2 * sums[2])
 
     def rate_variance(self) -> Vector:
         """Return the noise gain of the rate of a g-h filter."""

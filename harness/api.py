@@ -285,7 +285,11 @@ def load(folder: str | Path) -> "Stop | Sweep":
 
 
 def estimate(
-    recording: "xarray.Dataset | str | Path", model: str | Path = "stop", changes: Mapping[str, Any] | None = None
+    recording: "xarray.Dataset | str | Path",
+    model: str | Path = "stop",
+    changes: Mapping[str, Any] | None = None,
+    *,
+    filters: Iterable[str] = (),
 ) -> "Estimates":
     """Return the estimates of a filter at every sample of a recording: `mean` and `sd` of its states, innovations, NIS.
 
@@ -296,6 +300,8 @@ def estimate(
             of the model's file describes.
         model: Estimation file with model, noises and start, or the name of one in the library, such as "wagon".
         changes: As for `Scenario.load`.
+        filters: Kinds of filters, such as `["fmu", "unscented"]`, for estimates next to each other with the dimension
+            `filter`; empty for the extended Kalman filter without it.
 
     Raises:
         ScenarioError: The file is not an estimation.
@@ -307,15 +313,16 @@ def estimate(
     from railgrip.report.estimates import as_estimates
 
     specification = load_specification(_path(model, "model"), _changes(changes))
+    kinds = tuple(filters)
     if isinstance(recording, str | Path):
         recording_file = recording_of_estimation(specification, data=Path(recording))
-        return as_estimates(estimate_of(specification, recording_file))
+        return as_estimates(estimate_of(specification, recording_file, kinds))
     if not _is_over_time(recording):
         raise EstimationError(
             f"recording is {short(recording)}; expected is a trace over time, such as stop.trace, or the path of a file"
         )
     require_consistent(specification)
-    return as_estimates(estimate_of(specification, complete_trace(specification, recording)))
+    return as_estimates(estimate_of(specification, complete_trace(specification, recording), kinds))
 
 
 def inspect(

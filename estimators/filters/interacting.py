@@ -108,7 +108,7 @@ class InteractingFilters:
             filter_.condition(forecast, self.inputs, innovation)
             for filter_, forecast, innovation in zip(self._filters, forecasts, innovations, strict=True)
         ]
-        logarithms = np.log(expected) + [_log_likelihood(innovation) for innovation in innovations]
+        logarithms = np.log(expected) + [log_likelihood(innovation) for innovation in innovations]
         weights = np.exp(logarithms - logarithms.max())
         self.probabilities = weights / weights.sum()
         belief = combine(self._beliefs, self.probabilities)
@@ -139,7 +139,7 @@ def combine(beliefs: Sequence[GaussianEstimate], weights: Vector) -> GaussianEst
     return replace(beliefs[0], mean=mean, covariance=within + (deviations.T * weights) @ deviations)
 
 
-def _log_likelihood(innovation: Innovation) -> float:
+def log_likelihood(innovation: Innovation) -> float:
     """Return the logarithm of the density of the innovation, without the constant that all filters share."""
     if innovation.rows.size == 0:
         return 0.0

@@ -27,6 +27,7 @@ from railgrip.scenario.load import load
 from railgrip.scenario.quantity import Magnitude, in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
+from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import trace_of
 from railgrip.trace.netcdf import FILE_NAME, read_trace
 from railgrip.trace.recorder import thin
@@ -106,15 +107,18 @@ def recording_for(specification: Specification, path: Path) -> FileRecording:
     return read_recording(path, specification.data, units, inputs, outputs)
 
 
-def stop_read(scenario: Scenario, name: str = "", import_from: Sequence[Path] = ()) -> xarray.Dataset:
+def stop_read(
+    scenario: Scenario, name: str = "", import_from: Sequence[Path] = (), *, objects: CustomParts | None = None
+) -> xarray.Dataset:
     """Return the trace of a stop on the grid of [periods] trace as a recording, by default named after the scenario.
 
-    Classes that the scenario names are imported from the folders `import_from`.
+    Classes that the scenario names are imported from the folders `import_from`, unless `objects` replace parts.
 
     Raises:
         ScenarioError: The stop fails.
     """
-    return evenly(thin(trace_of(scenario, import_from), int(scenario.periods.every("trace"))), name or scenario.name)
+    trace = trace_of(scenario, import_from, objects=objects)
+    return evenly(thin(trace, int(scenario.periods.every("trace"))), name or scenario.name)
 
 
 def recording_of_stop(

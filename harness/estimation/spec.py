@@ -46,6 +46,7 @@ from pydantic import Field, PrivateAttr, model_validator
 from railgrip.base.errors import EstimationError
 from railgrip.base.names import did_you_mean
 from railgrip.estimation.run import Kind, Settings, equations_of, estimate, model_of, prediction_of, units_of
+from railgrip.estimation.several import estimate_several
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
 from railgrip.recording.samples import period_of
@@ -367,10 +368,11 @@ def settings_for(specification: Specification, period: float) -> Settings:
     )
 
 
-def estimate_of(specification: Specification, recording: xarray.Dataset) -> xarray.Dataset:
+def estimate_of(specification: Specification, recording: xarray.Dataset, filters: Sequence[str] = ()) -> xarray.Dataset:
     """Return the estimates of an estimation's filter at every sample of a recording; see `run.estimate`.
 
-    The attribute `parameters` is JSON: name, value, unit and origin of each parameter of the model.
+    With names of kinds in `filters`, those of several filters; see `several.estimate_several`. The attribute
+    `parameters` is JSON: name, value, unit and origin of each parameter of the model.
 
     Raises:
         EstimationError: The recording does not fit the model.
@@ -379,12 +381,13 @@ def estimate_of(specification: Specification, recording: xarray.Dataset) -> xarr
         {"name": each.name, "value": each.value, "unit": each.unit, "origin": each.origin}
         for each in model_parameters(specification)
     ]
-    return estimate(
-        recording,
-        prediction_for(specification),
-        settings_for(specification, period_of(recording)),
-        units=units_of(specification.model.class_),
-    ).assign_attrs(estimation=specification.name, parameters=json.dumps(parameters))
+    prediction, settings = prediction_for(specification), settings_for(specification, period_of(recording))
+    units = units_of(specification.model.class_)
+    if filters:
+        estimates = estimate_several(recording, prediction, settings, filters, units=units)
+    else:
+        estimates = estimate(recording, prediction, settings, units=units)
+    return estimates.assign_attrs(estimation=specification.name, parameters=json.dumps(parameters))
 
 
 def _gate(specification: Specification, gate: GateTable) -> Gate:

@@ -19,6 +19,8 @@ class Estimates(xarray.Dataset):
     def plot(self, recording: xarray.Dataset | None = None) -> "Figure":  # pyright: ignore[reportIncompatibleVariableOverride] - a dataset's own plots need names of axes
         """Return a figure (matplotlib) of states ± 2 standard deviations and of the consistency of innovations.
 
+        Of several filters, select one: `estimates.sel(filter="fmu").plot()`.
+
         Args:
             recording: Recording with the true states, which are drawn with the estimates, such as `stop.trace`.
         """
@@ -27,7 +29,8 @@ class Estimates(xarray.Dataset):
         return estimates_figure(xarray.Dataset() if recording is None else recording, self, ())
 
     def __repr__(self) -> str:
-        if not {"time", "state"} <= set(self.sizes) or not {"mean", "sd"} <= set(self) or not self.sizes["time"]:
+        is_of_one = "filter" not in self.sizes and {"time", "state"} <= set(self.sizes)
+        if not is_of_one or not {"mean", "sd"} <= set(self) or not self.sizes["time"]:
             return super().__repr__()
         states = [str(state) for state in self["state"].values]
         mean, sd = (self[name].values[-1] for name in ("mean", "sd"))

@@ -50,6 +50,7 @@ _NOISE_PREFIX = {
     "TrainPredictionDisturbed": "disturbed",
     "TrainPredictionLoaded": "loaded",
     "TrainPredictionReduced": "reduced",
+    "TrainPredictionReducedDisturbed": "reduced_disturbed",
 }
 
 

@@ -108,6 +108,8 @@ OVER_THE_TRAIN = pytest.mark.parametrize(
     ],
     ids=["lowest", "mean", "redistribution"],
 )
+
+
 @OVER_THE_TRAIN
 def test_over_any_controller_the_result_equals_that_inside_a_law(over):
     """To the last bit: the controller below may be a law, a class or an FMU."""

@@ -13,6 +13,7 @@ from filterpy.kalman import (
     UnscentedKalmanFilter as ReferenceUnscented,
 )
 from filterpy.kalman.CubatureKalmanFilter import spherical_radial_sigmas
+from filterpy.monte_carlo import systematic_resample as reference_resample
 from scipy.optimize import minimize
 from small_models import DENSITY, FIRST_MEAN, FIRST_VARIANCE, OSCILLATOR, PERIOD, READING, oscillator, small_model
 
@@ -23,6 +24,7 @@ from railgrip.estimators.discretisation import advance, transition
 from railgrip.estimators.ekf import ExtendedKalmanFilter, NumpyFilter
 from railgrip.estimators.filters.interacting import InteractingFilters
 from railgrip.estimators.filters.iterated import IteratedKalmanFilter
+from railgrip.estimators.filters.particle import ParticleFilter, systematic_resample
 from railgrip.estimators.filters.sage_husa import SageHusaFilter
 from railgrip.estimators.observability import posterior_bound
 from railgrip.estimators.prediction import CasadiPrediction
@@ -339,13 +341,17 @@ def test_a_reference_finds_a_constant_adhesion(wheel, kind):
 
 
 @pytest.mark.parametrize("kind", [ForceBalanceEstimator, DisturbanceEstimator])
-def test_the_deviation_of_a_reference_is_that_of_its_noise(wheel, kind):
+def test_the_deviation_of_a_reference_is_that_of_noise_and_delay(wheel, kind):
+    """Adhesion is a random walk, read with noise through the speed of a wheel without torque."""
     reference, random, found = kind.of_context(wheel_context(wheel)), np.random.default_rng(2), []
+    effect = 14_500.0 * 9.81 * 0.38 / 209.0
+    speed, adhesion = 30.0 / 0.38, 0.0
     for _ in range(20_000):
-        # The noise of a wheel that rolls at a constant speed under no torque.
-        reference.readings[:] = [30.0, 30.0 / 0.38 + 0.01 * random.standard_normal()]
+        adhesion += np.sqrt(1e-2 * 0.01) * random.standard_normal()
+        speed += 0.01 * effect * adhesion
+        reference.readings[:] = [30.0, speed + 0.01 * random.standard_normal()]
         reference.advance()
-        found.append(reference.mean[3])
+        found.append(reference.mean[3] - adhesion)
     # Some thousand independent values: 2 %, and twice that.
     assert np.std(found[1000:]) == pytest.approx(np.sqrt(reference.covariance[3, 3]), rel=0.05)
 
@@ -421,3 +427,55 @@ def test_no_filter_of_the_pendulum_is_better_than_the_posterior_bound(pendulum):
     # 300 draws of some ten independent instants each determine a mean square to 3 %; three times that.
     assert np.all(squares > 0.9 * expected)
     assert np.all(squares < 1.5 * expected)  # within 0.6 rad the sine is nearly straight, and the bound nearly reached
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_systematic_resampling_keeps_the_particles_of_filterpy(seed):
+    weights = np.random.default_rng(seed).dirichlet(np.full(40, 0.3))
+    np.random.seed(seed)
+    uniform = np.random.random()
+    np.random.seed(seed)
+    np.testing.assert_array_equal(systematic_resample(weights, uniform), reference_resample(weights))
+
+
+def walk():
+    """A position whose rate is a random walk; the position is read."""
+    model = small_model(
+        "x rate", "u", "p", "y", f=lambda t, x, u, p: [x[1] + u[0], ca.SX(0)], h=lambda t, x, u, p: [x[0] + 0.0 * p[0]]
+    )
+    return CasadiPrediction(model, {"p": 0.0})
+
+
+def test_particles_of_a_known_state_are_the_kalman_filter():
+    prediction = walk()
+    filter_ = ExtendedKalmanFilter(prediction, [1e-3, 0.0], [1e-2], 0.1)
+    first = filter_.start([0.0, 1.0], [0.5, 1e-30])
+    stepped = ParticleFilter(filter_, [1], first, 7, seed=1)
+    for reading in np.random.default_rng(2).normal(size=50):
+        stepped.inputs[:], stepped.readings[:] = 0.3, reading
+        stepped.advance()
+        first = filter_.step(first, np.array([0.3]), np.array([reading]))
+        np.testing.assert_allclose(stepped.mean, first.mean, rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(stepped.covariance, first.covariance, rtol=1e-12, atol=1e-14)
+
+
+def test_many_particles_approximate_the_kalman_filter():
+    prediction = walk()
+    filter_ = ExtendedKalmanFilter(prediction, [1e-3, 1e-2], [1e-2], 0.1)
+    belief = filter_.start([0.0, 0.0], [0.1, 0.2])
+    stepped = ParticleFilter(filter_, [1], belief, 400, seed=1)
+    errors = []
+    for k in range(40):
+        reading = np.array([0.05 * k])
+        stepped.inputs[:], stepped.readings[:] = 0.0, reading
+        stepped.advance()
+        belief = filter_.step(belief, np.zeros(1), reading)
+        errors.append((stepped.mean - belief.mean) / belief.deviation)
+    # The error of a mean of 400 draws is 1/20 of a deviation; weights and resampling double it.
+    assert np.sqrt(np.mean(np.square(errors))) < 0.15
+
+
+def test_a_particle_filter_needs_particles_and_sampled_states():
+    filter_ = ExtendedKalmanFilter(walk(), [1e-3, 1e-2], [1e-2], 0.1)
+    with pytest.raises(EstimatorError, match="sampled states and particles"):
+        ParticleFilter(filter_, [], filter_.start([0.0, 0.0], [0.1, 0.2]), 4, seed=1)

@@ -1,18 +1,34 @@
 """Recordings of the study of estimators are even, equal for all estimators, and judged by known errors."""
 
 import json
+import tomllib
 from collections import Counter
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray
 
 from railgrip.base.errors import InputError
 from railgrip.campaign.work import work
-from railgrip.studies.estimators.judge import CONSTANT, FORCE_BALANCE, errors_of, leaderboard, skill, truths_of
-from railgrip.studies.estimators.recordings import DEMANDS, SEEDS, SENSORS, recording_cases, recording_of_case
-from railgrip.studies.estimators.replay import LAGS, bound_of, replay, states
+from railgrip.estimation.run import model_of
+from railgrip.fmus.build import fmu
+from railgrip.studies.estimators.claims import LOAD_DEVIATION, with_unmodelled
+from railgrip.studies.estimators.judge import CONSTANT, FORCE_BALANCE, errors_of, step_delay, truths_of
+from railgrip.studies.estimators.noises import FACTORS, noise_of
+from railgrip.studies.estimators.recordings import (
+    DEMANDS,
+    FAMILIES,
+    SEEDS,
+    SENSORS,
+    family_of,
+    recording_cases,
+    recording_of_case,
+)
+from railgrip.studies.estimators.replay import LAGS, MODEL, bound_of, replay, states
+from railgrip.studies.estimators.search import BUDGET, interval_score, search, write_factors
 from railgrip.studies.estimators.study import ESTIMATORS, FAST, Estimators
+from railgrip.studies.estimators.tables import leaderboard, skill
 
 CONSTANTS = (("adhesion", 0.05), ("pad_friction", 0.35))
 
@@ -73,9 +89,16 @@ def test_all_estimators_get_the_same_readings_and_are_ranked(short):
     assert set(LAGS) <= set(results) <= {CONSTANT, FORCE_BALANCE, *ESTIMATORS}
 
 
+def modelled(case, found):
+    """Variances without those of errors in no equation, which follow from the mean."""
+    arguments = recording_of_case(case), states(), found.mean
+    unmodelled = with_unmodelled(*arguments, np.zeros_like(found.variance), case.sensors, model_of(MODEL))
+    return found.variance - unmodelled
+
+
 def test_the_smoother_is_surer_than_the_filter_and_the_bound_positive(short):
-    filtered, smoothed = replay(short, "fmu"), replay(short, "smoother")
-    assert np.all(smoothed.variance <= filtered.variance * (1.0 + 1e-6))
+    filtered, smoothed = (modelled(short, replay(short, name)) for name in ("fmu", "smoother"))
+    assert np.all(smoothed <= filtered * (1.0 + 1e-6))
     assert np.all(bound_of(short) > 0.0)
     assert len(bound_of(short)) == len(states())
 
@@ -97,3 +120,119 @@ def test_an_unknown_estimator_is_refused_with_the_next_name(tmp_path):
         Estimators(estimator=["unscentd"]).page(job)
     with work("estimators", tmp_path) as job, pytest.raises(InputError, match="--write"):
         Estimators(estimator=["fmu"], write=True).page(job)
+
+
+OWN = """
+import numpy as np
+import railgrip as rg
+
+class Drag:
+    provides = ("adhesion", "adhesion_sd", "speed")
+
+    def start(self, first, formation):
+        self.groups = formation.groups
+
+    def step(self, observation):
+        same = np.full(self.groups, -observation.acceleration / 9.81)
+        return rg.Estimate(adhesion=same, adhesion_sd=np.full(self.groups, 0.02), speed=0.5 * observation.speed)
+"""
+
+
+def test_a_users_class_gets_the_same_readings_and_is_judged(short, tmp_path):
+    (tmp_path / "drag.py").write_text(OWN, encoding="utf-8")
+    errors = errors_of((short, f"{tmp_path / 'drag.py'}:Drag", CONSTANTS))
+    recording = recording_of_case(short)
+    assert errors.digest == errors_of((short, CONSTANT, CONSTANTS)).digest
+    moving = recording["speed"].values > 10 / 3.6
+    expected = -recording["reading_acceleration"].values[moving, np.newaxis] / 9.81
+    truth = recording["group_adhesion"].values[moving]
+    # The estimator sees the reading of the period before.
+    assert errors.rmse["adhesion"] == pytest.approx(np.sqrt(np.mean((expected - truth) ** 2)), rel=0.1)
+    speed = recording["speed"].values[moving]
+    assert errors.rmse["speed"] == pytest.approx(np.sqrt(np.mean((0.5 * speed) ** 2)), rel=0.05)
+    assert 0.0 < errors.coverage["adhesion"] <= 1.0
+    assert np.isnan(errors.rmse["pad_friction"])
+
+
+def test_a_users_prediction_fmu_is_the_filter_with_that_prediction(short):
+    file = fmu(MODEL)
+    own, same = replay(short, str(file)), replay(short, "fmu")
+    np.testing.assert_array_equal(own.mean, same.mean)
+
+
+def test_an_estimator_without_a_file_is_refused(tmp_path):
+    for argument, message in (("none.py:Drag", "there is no file"), ("a.txt:Drag", "FILE.py:CLASS")):
+        with work("estimators", tmp_path) as job, pytest.raises(InputError, match=message):
+            Estimators(estimator=[argument]).page(job)
+
+
+def test_the_delay_after_a_step_is_that_of_a_shifted_estimate():
+    time = np.arange(400) * 0.01
+    truth = np.where(time < 2.0, 0.1, 0.05)[:, np.newaxis]
+    estimate = np.where(time < 2.07, 0.1, 0.05)[:, np.newaxis]
+    trace = xarray.Dataset(
+        {
+            "group_adhesion": (("time", "group"), truth),
+            "estimate_adhesion": (("time", "group"), estimate),
+            "speed": ("time", np.full(400, 20.0)),
+        },
+        coords={"time": time},
+    )
+    assert step_delay(trace) == pytest.approx(0.07)
+    assert np.isnan(step_delay(trace.drop_vars("estimate_adhesion")))
+
+
+def test_the_search_never_returns_worse_factors(monkeypatch):
+    """A quadratic in the logarithms, with its minimum at all = 3."""
+    count = Counter()
+
+    def cost(estimator, sensors, cases, factors):
+        count["evaluations"] += 1
+        return sum(np.log(value / (3.0 if name == "all" else 1.0)) ** 2 for name, value in factors.items())
+
+    monkeypatch.setattr("railgrip.studies.estimators.search.evaluate", cost)
+    factors = search(("fmu", "ideal", ()))
+    assert factors == dict.fromkeys(FACTORS, 1.0) | {"all": 3.0}
+    assert count["evaluations"] <= BUDGET
+
+
+def test_the_interval_score_is_smallest_for_the_true_deviation():
+    error = np.random.default_rng(1).normal(size=20_000)
+    scores = [interval_score(error, np.full(error.size, sd)) for sd in (0.8, 1.0, 1.25)]
+    assert scores[1] == min(scores)
+
+
+def test_a_larger_load_uncertainty_is_claimed_where_no_state_has_it(short):
+    found = replay(short, "fmu")
+    alpha = states().index("alpha[1]")
+    extra = found.variance - modelled(short, found)
+    np.testing.assert_allclose(extra[:, alpha], (LOAD_DEVIATION * found.mean[:, alpha]) ** 2, atol=1e-15)
+    assert np.all(extra[:, states().index("v")] == 0.0)
+
+
+def test_factors_are_read_as_they_were_written(tmp_path):
+    found = {
+        ("fmu", "ideal"): {"all": 3.0, "alpha": 0.5},
+        ("fmu", "worn"): {"all": 1.0},
+        ("loaded", "worn"): {"d": 9.0},
+    }
+    write_factors(tmp_path / "noises.toml", found)
+    tables = tomllib.loads((tmp_path / "noises.toml").read_text(encoding="utf-8"))
+    assert {(name, sensors): row for name, rows in tables.items() for sensors, row in rows.items()} == found
+
+
+def test_the_common_factor_multiplies_every_deviation_and_no_other_factor_does():
+    plain, common, one = (noise_of("fmu", "service", factors) for factors in ({}, {"all": 3.0}, {"alpha": 3.0}))
+    for field in ("process", "readings", "start"):
+        before, after = getattr(plain, field), getattr(common, field)
+        assert after == {name: pytest.approx(3.0 * value) for name, value in before.items()}
+    assert one.process == {**plain.process, "alpha": pytest.approx(3.0 * plain.process["alpha"])}
+    assert (one.readings, one.start) == (plain.readings, plain.start)
+
+
+def test_every_case_belongs_to_one_family_of_each_axis_and_the_loads_differ():
+    design = recording_cases(24, SEEDS["test"])
+    for field in FAMILIES:
+        counts = Counter(family_of(case, field) for case in design)
+        assert len(counts) > 1
+        assert min(counts.values()) >= 3

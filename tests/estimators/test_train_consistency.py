@@ -62,11 +62,13 @@ MODELS = {
     "TrainPredictionReduced": "reduced",
     "TrainPredictionDisturbed": "disturbed",
     "TrainPredictionLoaded": "loaded",
+    "TrainPredictionReducedDisturbed": "reduced_disturbed",
 }
 TUNINGS = (
     *product(("TrainPrediction", "TrainPredictionReduced"), ("ideal", "service")),
     ("TrainPredictionDisturbed", "service"),
     ("TrainPredictionLoaded", "service"),
+    ("TrainPredictionReducedDisturbed", "service"),
 )
 BRAKING = ("held", "one group released")
 CONFIDENCE = 1.0 - 0.05 / (len(TUNINGS) * len(BRAKING) * (len(INSTANTS) + 2))

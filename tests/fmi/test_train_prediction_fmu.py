@@ -19,7 +19,9 @@ from railgrip.fmus.native.system import explicit
 LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
 
 
-@pytest.fixture(scope="module", params=["TrainPrediction", "TrainPredictionReduced", "TrainPredictionDisturbed"])
+@pytest.fixture(scope="module", params=[
+    "TrainPrediction", "TrainPredictionReduced", "TrainPredictionDisturbed", "TrainPredictionReducedDisturbed"
+])  # fmt: skip
 def catalogue(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Description:
     name = f"RailBraking.Predictions.{request.param}"
     file = tmp_path_factory.mktemp("prediction") / f"{request.param}.fmu"
@@ -67,12 +69,12 @@ def points(start: np.ndarray, states: tuple[str, ...]) -> Iterator[tuple[np.ndar
 def closed_form(state: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return derivative and outputs of the two-part train, from equation (7) of the paper and its data, one by one.
 
-    Of 13 states (loads are static), 25, or 27 (d and bias last); complex numbers go through, for derivatives.
+    Of 13 states (loads are static), 15, 25, or 27 (d and bias last); complex numbers go through, for derivatives.
     """
-    size = state.size
+    size, is_disturbed = state.size, state.size in (15, 27)
     v, w, mu_b, alpha = state[0], state[1:5], state[5:9], state[9:13]
-    dz, ddz = (state[13:19], state[19:25]) if size > 13 else (np.zeros(6), np.zeros(6))
-    d, bias = state[25:] if size == 27 else (0.0, 0.0)
+    dz, ddz = (state[13:19], state[19:25]) if size > 15 else (np.zeros(6), np.zeros(6))
+    d, bias = state[-2:] if is_disturbed else (0.0, 0.0)
     r, g, mass = 0.38, 9.81, np.array([13400, 14100, 14500, 14500, 14100, 13400])
     spring = 2.4e6 * dz + 2.4e4 * ddz
     static = g * mass
@@ -95,9 +97,9 @@ def closed_form(state: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarra
         nose_down = brake[b] + axles * (0.55 - r) - (axles + frame * a) * (0.55 - 0.40)
         bounce, pitch = -(front + rear) / frame, (nose_down - (front - rear) * base / 2) / inertia
         heave[2 * b : 2 * b + 2] = bounce + pitch * base / 2, bounce - pitch * base / 2
-    moving, none = ([ddz, heave], np.zeros(4)) if size > 13 else ([], np.zeros(4))
-    derivative = np.concatenate([[a], spin, none, none, *moving, np.zeros(size - 25 if size == 27 else 0)])
-    return derivative, np.concatenate([[v], w, *([dz] if size > 13 else []), [a + bias]])
+    moving, none = ([ddz, heave], np.zeros(4)) if size > 15 else ([], np.zeros(4))
+    derivative = np.concatenate([[a], spin, none, none, *moving, np.zeros(2 if is_disturbed else 0)])
+    return derivative, np.concatenate([[v], w, *([dz] if size > 15 else []), [a + bias]])
 
 
 def complex_step(x: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -118,10 +120,10 @@ def test_the_fmu_is_the_equations_written_out(
     """Derivatives, outputs and Jacobians, at states drawn all over a stop."""
     with opened(catalogue, differentiation) as fmu:
         names = ["v", *(f"{name}[{i}]" for name in ("w", "mu_b", "alpha") for i in range(1, 5))]
-        names += [f"{name}[{i}]" for name in ("dz", "ddz") for i in range(1, 7)] if len(fmu.states) > 13 else []
-        names += ["d", "bias"] if len(fmu.states) == 27 else []
+        names += [f"{name}[{i}]" for name in ("dz", "ddz") for i in range(1, 7)] if len(fmu.states) > 15 else []
+        names += ["d", "bias"] if len(fmu.states) in (15, 27) else []
         assert sorted(fmu.states) == sorted(names)
-        deflections = [f"deflection[{i}]" for i in range(1, 7)] if len(names) > 13 else []
+        deflections = [f"deflection[{i}]" for i in range(1, 7)] if len(names) > 15 else []
         assert fmu.inputs == (*(f"cylinder_pressure[{i}]" for i in range(1, 5)), "track_force")
         assert fmu.outputs == ("speed", *(f"wheelset_speed[{i}]" for i in range(1, 5)), *deflections, "acceleration")
         order, back = [fmu.states.index(name) for name in names], [names.index(name) for name in fmu.states]

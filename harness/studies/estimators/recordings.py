@@ -1,7 +1,7 @@
 """The recordings: stops of the two-part train, spread evenly over what an estimator may meet."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
@@ -15,10 +15,13 @@ from railgrip.estimation.sources import stop_read
 from railgrip.recording.samples import with_signals
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.merge import merge
-from railgrip.studies.type_test.design import FAULTS, Case, cases, ranks
+from railgrip.scenario.schema import Scenario
+from railgrip.studies.type_test.case_set import AnyCase
+from railgrip.studies.type_test.design import cases, ranks
+from railgrip.studies.type_test.track_case import TrackCase, track_cases
 
-COUNT, QUICK = 48, 4
-"""Number of cases of each set, and of a quick run."""
+COUNT, QUICK, TRAINING = 48, 4, 24
+"""Number of cases of each set, of a quick run, and of a search of noises."""
 
 SEEDS: Final = MappingProxyType({"training": 31, "test": 32, "sealed": 33})
 """Seeds of the sets: numbers are searched on the first, reported on the second, and the third is for a finished
@@ -69,14 +72,20 @@ coasting before the brake."""
 
 WORN: Final[Mapping[str, Any]] = MappingProxyType(
     {
-        "wheel": {"pitch_error": "0.6 %"},
-        "speed": {"noise": "0.2 m/s", "scale_error": "0.6 %"},
+        "wheel": {"pulses": 80, "pitch_error": "0.6 %"},
+        "speed": {"noise": "0.2 m/s", "scale_error": "0.6 %", "latency": "100 ms"},
         "acceleration": {"noise": "0.06 m/s**2", "bias": "0.1 m/s**2"},
         "deflection": {"noise": "0.4 mm"},
         "pressure": {"error": "1 %"},
     }
 )
-"""Noise, scale, pitch and bias errors of worn sensors, twice those of equipment/service.toml."""
+"""Worn sensors: twice the errors and the latency of equipment/service.toml, and fewer pulses."""
+
+INERTIAS: Final = (1.0, 0.9, 1.1)
+"""Inertia of the wheelsets over that of the predictions: wheels wear by some 10 % of it."""
+
+_INERTIA: Final = (222.0, 209.0, 209.0, 222.0)
+"""Of the groups in the predictions [kg·m²]."""
 
 _ROOT = Path(railgrip.scenario.__file__).parent
 
@@ -86,43 +95,54 @@ class RecordingCase:
     """A stop that is recorded.
 
     Attributes:
-        stop: Rail, train and fault, a case of the type test with other speeds and seeds.
+        stop: Rail, train and faults: a case of version 1 or 2 of the type test.
         sensors: Quality of the sensors; with ideal ones the actuation is ideal, else there are valves.
         demand: Key of `DEMANDS`.
         over: Whether friction changes over time or along the track.
+        inertia: Inertia of the wheelsets over that of the predictions.
     """
 
-    stop: Case
+    stop: AnyCase
     sensors: Sensors
     demand: str
     over: Literal["time", "distance"]
+    inertia: float
 
 
 def recording_cases(count: int, seed: int) -> tuple[RecordingCase, ...]:
     """Return a number of cases, the same ones for the same seed.
 
-    Sensors, demand and dimension of the friction are further axes, each as even as those of the type test.
+    The first half is of version 1 of the type test, the second of version 2. Sensors, demand, dimension of the friction
+    and inertia are further axes, each as even as those of the type test; in version 2 the rail decides the dimension.
     """
     choices: list[RecordingCase] = []
-    for stop, (first, second, third) in zip(cases(count, seed), ranks(count, 3, seed), strict=True):
+    stops = (*cases((count + 1) // 2, seed), *track_cases(count // 2, seed))
+    for stop, (first, second, third, fourth) in zip(stops, ranks(count, 4, seed), strict=True):
         choices.append(
             RecordingCase(
-                stop=stop,
+                stop=replace(stop, train="") if isinstance(stop, TrackCase) else stop,
                 sensors=SENSORS[int(first * len(SENSORS))],
                 demand=tuple(DEMANDS)[int(second * len(DEMANDS))],
                 over="distance" if third > 0.5 else "time",
+                inertia=INERTIAS[int(fourth * len(INERTIAS))],
             )
         )
     return tuple(choices)
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=16)  # a search of noises repeats the cases of a class of sensors
 def recording_of_case(case: RecordingCase) -> xarray.Dataset:
     """Run the stop of a case and return its trace on the grid of the estimators.
 
     The controller uses no estimate, so that the recording does not depend on an estimator. The force of the track is
     unknown on board, its reading is 0.
     """
+    trace = stop_read(scenario_of_case(case), case.stop.name)
+    return with_signals(trace, {"track_force": (np.zeros(trace.sizes["time"]), "N")})
+
+
+def scenario_of_case(case: RecordingCase) -> Scenario:
+    """Return the scenario of a case, without an estimator."""
     table = read_toml(_ROOT / "library" / "trapezoid.toml")
     if case.sensors != "ideal":
         table = merge(table, read_toml(_ROOT / "equipment" / "service.toml"))
@@ -130,6 +150,7 @@ def recording_of_case(case: RecordingCase) -> xarray.Dataset:
     table |= {
         "adhesion": _along(tables.pop("adhesion"), case),
         "estimator": {"kind": "none"},
+        "vehicle": table["vehicle"] | {"parameters": {f"J[{g}]": case.inertia * J for g, J in enumerate(_INERTIA, 1)}},
         "controller": {"kind": "slip_three_state"},
         "periods": {"communication": "1 ms", "estimator": "10 ms", "controller": "10 ms", "trace": "10 ms"},
     }
@@ -137,20 +158,20 @@ def recording_of_case(case: RecordingCase) -> xarray.Dataset:
         table = merge(table, {"sensors": WORN})
     if DEMANDS[case.demand]:
         table["demand"] = DEMANDS[case.demand]
-    table = merge(merge(table, tables | {"limits": {"horizon": f"{LENGTH} s"}}), FAULTS[_fault(case)])
-    trace = stop_read(scenario_of(table, directory=_ROOT / "library", origin=case.stop.name), case.stop.name)
-    return with_signals(trace, {"track_force": (np.zeros(trace.sizes["time"]), "N")})
+    table = merge(merge(table, tables | {"limits": {"horizon": f"{LENGTH} s"}}), _faults(case))
+    return scenario_of(table, directory=_ROOT / "library", origin=case.stop.name)
 
 
-def _fault(case: RecordingCase) -> str:
-    """Return the fault of a case; ideal actuation has neither valves nor an air supply that may fail."""
-    needs_valves = case.stop.fault in {"valve held", "valve slow", "supply sagging"}
-    return "none" if needs_valves and case.sensors == "ideal" else case.stop.fault
+def _faults(case: RecordingCase) -> dict[str, Any]:
+    """Return the tables of the faults; ideal actuation has neither valves nor an air supply that may fail."""
+    rows = case.stop.fault_tables(GROUPS).get("faults", ())
+    kept = [row for row in rows if case.sensors != "ideal" or row["part"] not in ("valve", "supply")]
+    return {"faults": kept} if kept else {}
 
 
 def _along(adhesion: dict[str, Any], case: RecordingCase) -> dict[str, Any]:
     """Return [adhesion] over time or distance; a second is the distance of half the speed at the start."""
-    if case.over == "time" or "over" not in adhesion:
+    if case.over == "time" or "over" not in adhesion or isinstance(case.stop, TrackCase):
         return adhesion
     metres = {
         key: f"{float(value.removesuffix(' s')) * case.stop.speed / 2:.1f} m"
@@ -158,3 +179,29 @@ def _along(adhesion: dict[str, Any], case: RecordingCase) -> dict[str, Any]:
         if isinstance(value, str) and value.endswith(" s")
     }
     return adhesion | metres | {"over": "distance"}
+
+
+FAMILIES: Final = ("sensors", "demand", "load", "gradient", "rail", "faults", "inertia")
+"""Axes of the cases by which results are summarised."""
+
+_KNOWN_LOAD, _LEVEL = 0.03, 0.002
+"""Relative deviation of the load below which it counts as known, and slope below which the track counts as level."""
+
+
+def family_of(case: RecordingCase, field: str) -> str:
+    """Return the value of an axis of `FAMILIES` for a case."""
+    match field:
+        case "load":
+            load = case.stop.tables(GROUPS)["truth"]["load"]
+            return "load known" if abs(load - 1.0) < _KNOWN_LOAD else "load low" if load < 1.0 else "load high"
+        case "gradient":
+            return "sloping" if abs(case.stop.slope) > _LEVEL else "level"
+        case "rail":
+            cleaning = isinstance(case.stop, TrackCase) and case.stop.cleaning != "none"
+            return "cleaned" if cleaning else "even" if case.stop.rail == "even" else "varying"
+        case "faults":
+            return "fault" if _faults(case) else "no fault"
+        case "inertia":
+            return "inertia known" if case.inertia == 1.0 else "inertia off"
+        case _:
+            return str(getattr(case, field))

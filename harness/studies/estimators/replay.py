@@ -1,33 +1,44 @@
 """Estimators over a recording: every one gets the same inputs and readings, through the same prediction FMU."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
 from time import process_time
 from typing import Final
 
 import numpy as np
 import xarray
 
-from railgrip.base import registry
+from railgrip.base.errors import FilterDiverged
 from railgrip.estimation.run import READ_STATES, FilterData, Settings, by_name, filter_data, model_of, prediction_of
+from railgrip.estimation.several import run_kind
 from railgrip.estimators.belief import Array, Matrix, Vector
 from railgrip.estimators.consistency import nis_ratio
-from railgrip.estimators.design import FilterContext, FilterKind
+from railgrip.estimators.design import FilterContext
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.observability import posterior_bound
+from railgrip.estimators.prediction import PredictionInC
 from railgrip.estimators.smoother import smooth
-from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
-from railgrip.recording.samples import truth_of
+from railgrip.estimators.tuning import NoiseSet, pad_gate
+from railgrip.fmi import FmuPrediction, describe
+from railgrip.recording.samples import knows, truth_of
 from railgrip.simulate.estimator import RELEASED_PADS
 from railgrip.simulate.prediction import release_pressure
+from railgrip.studies.estimators.claims import with_unmodelled
+from railgrip.studies.estimators.noises import noise_of
+from railgrip.studies.estimators.own import is_fmu
 from railgrip.studies.estimators.recordings import GROUPS, RecordingCase, recording_of_case
 
-MODEL: Final = "TrainPredictionReduced"
-"""Prediction of all estimators but those of `OTHER_MODELS`: 13 states, so that a step in numpy takes milliseconds."""
+MODEL: Final = "TrainPredictionReducedDisturbed"
+"""Prediction of all estimators but those of `OTHER_MODELS`: 15 states, so that a step in numpy takes milliseconds."""
 
-OTHER_MODELS: Final = {"disturbed": "TrainPredictionDisturbed", "loaded": "TrainPredictionLoaded"}
-"""Extended Kalman filters on other predictions: with track force and bias as states, and with the load too."""
+OTHER_MODELS: Final = {
+    "reduced": "TrainPredictionReduced",
+    "disturbed": "TrainPredictionDisturbed",
+    "loaded": "TrainPredictionLoaded",
+}
+"""Extended Kalman filters on other predictions: without track force and bias, with suspension, with load too."""
 
 LAGS: Final[dict[str, int | None]] = {"smoother": None, "fixed_lag": 10}
 """Offline estimators → number of later samples that they use; None for all."""
@@ -39,7 +50,7 @@ class Replay:
 
     Attributes:
         mean: Shape (k + 1, n), in the order of the prediction's states; the first row is the start.
-        variance: Of each state, shape (k + 1, n).
+        variance: Variance of each state, errors in no equation included, shape (k + 1, n).
         nis_ratio: Median of the normalised innovation squared over its expected one; None without innovations.
         microseconds: Processor time of a step [µs].
     """
@@ -53,25 +64,34 @@ class Replay:
 _prediction = cache(prediction_of)
 
 
+@cache
+def _own_prediction(file: str) -> tuple[FmuPrediction, dict[str, float]]:
+    """Return the prediction in a user's FMU, and the start values of its states."""
+    description = describe(Path(file))
+    inputs, outputs = description.names("input"), description.names("output")
+    own = FmuPrediction(description, parameters={}, states=description.states, inputs=inputs, outputs=outputs).open()
+    return own, dict(zip(own.states, own.start.tolist(), strict=True))
+
+
+def _prediction_of(estimator: str) -> PredictionInC:
+    own = is_fmu(estimator)
+    return _own_prediction(estimator)[0] if own else _prediction(OTHER_MODELS.get(estimator, MODEL))
+
+
 def states(estimator: str = "") -> tuple[str, ...]:
     """Return the names of the states of an estimator's prediction."""
-    return _prediction(OTHER_MODELS.get(estimator, MODEL)).states
+    return _prediction_of(estimator).states
 
 
-def _noise(case: RecordingCase, model: str) -> NoiseSet:
-    """Return the noises of a prediction; those with disturbances have noises of service sensors only."""
-    if model == MODEL:
-        return NOISE_SETS["reduced_ideal" if case.sensors == "ideal" else "reduced_service"]
-    return NOISE_SETS[f"{model.removeprefix('TrainPrediction').lower()}_service"]
-
-
-def _task(case: RecordingCase, name: str = MODEL) -> tuple[FilterContext, FilterData]:
+def _task(case: RecordingCase, estimator: str, noise: NoiseSet) -> tuple[FilterContext, FilterData]:
     """Return model, noises and first belief for an estimator, and the data of its steps."""
-    prediction, model = _prediction(name), model_of(name)
-    noise = _noise(case, name)
+    prediction = _prediction_of(estimator)
+    model = model_of(OTHER_MODELS.get(estimator, MODEL))
     process, readings = noise.process_noise(prediction.states), noise.reading_noise(prediction.outputs)
     start = noise.start_covariance(prediction.states)
     values = {variable.name: variable.start for variable in (*model.parameters, *model.states)}
+    if is_fmu(estimator):
+        values |= _own_prediction(estimator)[1]
     settings = Settings(
         process=dict(zip(prediction.states, process, strict=True)),
         readings=dict(zip(prediction.outputs, readings, strict=True)),
@@ -92,37 +112,40 @@ def _task(case: RecordingCase, name: str = MODEL) -> tuple[FilterContext, Filter
     return context, data
 
 
-def replay(case: RecordingCase, estimator: str) -> Replay:
-    """Return the estimates of a kind of `railgrip.estimators.filters`, or of one of `LAGS` or `OTHER_MODELS`.
+def replay(case: RecordingCase, estimator: str, noise: NoiseSet | None = None) -> Replay:
+    """Return the estimates of a kind of `railgrip.estimators.filters`, of `LAGS`, `OTHER_MODELS`, or an FMU.
+
+    Args:
+        case: The recording.
+        estimator: Name of the estimator.
+        noise: Its noises; None for those of `railgrip.studies.estimators.noises`.
 
     Raises:
         FilterDiverged: The filter diverged.
         ScenarioError: The kind does not exist.
     """
-    context, data = _task(case, OTHER_MODELS.get(estimator, MODEL))
+    context, data = _task(case, estimator, noise_of(estimator, case.sensors) if noise is None else noise)
     if estimator in LAGS:
-        return _smoothed(context, data, LAGS[estimator])
-    return _filtered(context, data, "fmu" if estimator in OTHER_MODELS else estimator)
+        found = _smoothed(context, data, LAGS[estimator])
+    else:
+        is_kind = estimator not in OTHER_MODELS and not is_fmu(estimator)
+        found = _filtered(context, data, estimator if is_kind else "fmu")
+    model = model_of(OTHER_MODELS.get(estimator, MODEL))
+    recording, names = recording_of_case(case), context.prediction.states
+    variance = with_unmodelled(recording, names, found.mean, found.variance, case.sensors, model)
+    return replace(found, variance=variance)
 
 
-def _filtered(context: FilterContext, data: FilterData, estimator: str) -> Replay:
-    filter_ = registry.part(registry.FILTERS, estimator, FilterKind).start(context)
-    count, n = data.readings.shape[0], data.mean.size
-    mean, variance = np.empty((count + 1, n)), np.empty((count + 1, n))
-    nis, degrees = np.empty(count), np.empty(count)
-    mean[0], variance[0] = filter_.mean, np.diagonal(filter_.covariance)
-    begin = process_time()
-    for k in range(count):
-        filter_.inputs[:], filter_.readings[:] = data.inputs[k], data.readings[k]
-        filter_.advance()
-        mean[k + 1], variance[k + 1] = filter_.mean, np.diagonal(filter_.covariance)
-        nis[k], degrees[k] = filter_.squared_innovation, filter_.selection.sum()
-    duration = process_time() - begin
+def _filtered(context: FilterContext, data: FilterData, kind: str) -> Replay:
+    run = run_kind(kind, context, data)
+    if run.ended:
+        raise FilterDiverged(run.ended)
+    nis = run.squared_innovation
     return Replay(
-        mean=mean,
-        variance=variance,
-        nis_ratio=nis_ratio(nis, degrees) if nis.any() else None,
-        microseconds=1e6 * duration / count,
+        mean=run.mean,
+        variance=run.variance,
+        nis_ratio=nis_ratio(nis, run.degrees) if nis.any() else None,
+        microseconds=run.microseconds,
     )
 
 
@@ -143,11 +166,13 @@ def _smoothed(context: FilterContext, data: FilterData, lag: int | None) -> Repl
 def bound_of(case: RecordingCase) -> Vector:
     """Return the posterior Cramér-Rao bound of each state as a root mean square over the recording, shape (n,).
 
-    It is that of the prediction linearised along the true states, with its noises and without its gate.
+    It is that of the prediction linearised along the true states, with the noises of `fmu` and without its gate. Track
+    force and bias, which enter the prediction linearly, are 0 there.
     """
-    context, data = _task(case)
+    context, data = _task(case, "fmu", noise_of("fmu", case.sensors))
     recording = recording_of_case(case)
-    truth: Array = np.column_stack([truth_of(recording, name) for name in context.prediction.states])
+    columns = [truth_of(recording, name) if knows(recording, name) else None for name in context.prediction.states]
+    truth: Array = np.column_stack([np.zeros(recording.sizes["time"]) if one is None else one for one in columns])
     bound = posterior_bound(
         context.prediction,
         context.process_noise,

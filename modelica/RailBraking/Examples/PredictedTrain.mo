@@ -11,9 +11,14 @@ model PredictedTrain "Comparison of the prediction models of a train braked at a
   Predictions.TrainPredictionLoaded loaded(alpha_start={0.12, 0.08, 0.08, 0.12}, payload(start=0.1))
     "With suspension, of a load that it estimates"
     annotation(Placement(transformation(extent={{-60, -80}, {-20, -40}})));
+  Predictions.TrainPredictionReducedDisturbed reducedDisturbed(
+    alpha_start={0.12, 0.08, 0.08, 0.12}, d(start=-0.05)) "Without suspension, on a rising gradient that it estimates"
+    annotation(Placement(transformation(extent={{20, 40}, {60, 80}})));
 equation
   disturbed.cylinder_pressure = {3e5, 2e5, 2e5, 3e5};
   disturbed.track_force = 0;
+  reducedDisturbed.cylinder_pressure = {3e5, 2e5, 2e5, 3e5};
+  reducedDisturbed.track_force = 0;
   loaded.cylinder_pressure = {3e5, 2e5, 2e5, 3e5};
   loaded.track_force = 0;
   full.cylinder_pressure = {3e5, 2e5, 2e5, 3e5};

@@ -1,0 +1,85 @@
+"""Estimators of users in the study: a class in Python, or a prediction FMU in the extended Kalman filter."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import xarray
+
+from railgrip.base.errors import InputError
+from railgrip.controllers.observation import Observation
+from railgrip.estimation.sources import stop_read
+from railgrip.estimators.belief import Vector
+from railgrip.scenario.kinds import Custom
+from railgrip.simulate.custom import Estimate, Estimator
+from railgrip.simulate.importing import part_of
+from railgrip.simulate.parts import CustomParts
+from railgrip.studies.estimators.recordings import RecordingCase, scenario_of_case
+from railgrip.vehicle.formation import Formation
+
+_SPEEDS: Final = ("speed", "wheelset_speed", "slip")
+"""Estimates that a controller uses in place of readings."""
+
+
+def is_class(estimator: str) -> bool:
+    """Return whether an argument of `--estimator` is FILE.py:CLASS."""
+    return ":" in estimator
+
+
+def is_fmu(estimator: str) -> bool:
+    """Return whether an argument of `--estimator` is the prediction FMU of a user."""
+    return Path(estimator).suffix == ".fmu"
+
+
+def name_of(estimator: str) -> str:
+    """Return the name of an estimator in tables: its class, the name of its FMU, or the name itself."""
+    return Path(estimator).stem if is_fmu(estimator) else estimator.rpartition(":")[2]
+
+
+def require_file(estimator: str) -> None:
+    """Raise `InputError` unless the file of a user's estimator exists and has a suffix of its kind."""
+    file = Path(estimator.rpartition(":")[0] or estimator)
+    if is_class(estimator) and file.suffix != ".py":
+        raise InputError(f"--estimator {estimator}: expected FILE.py:CLASS, the file of a class in Python.")
+    if not file.is_file():
+        raise InputError(f"--estimator {estimator}: there is no file {file}.")
+
+
+def trace_with_class(case: RecordingCase, estimator: str) -> xarray.Dataset:
+    """Return the recording of a case with the estimates of a user's class, which runs in the loop of the stop.
+
+    Its speeds do not reach the controller, so that the readings are those of all other estimators.
+
+    Raises:
+        ScenarioError: The class cannot be imported, or the estimator fails.
+    """
+    file = Path(estimator.rpartition(":")[0]).resolve()
+    own = _WithoutSpeeds(part_of(Custom(kind=f"{file.stem}:{name_of(estimator)}"), "estimators", (file.parent,)))
+    recording = stop_read(scenario_of_case(case), case.stop.name, objects=CustomParts(estimator=own))
+    if own.speeds:
+        time, speeds = np.array(list(own.speeds.items())).T
+        recording["estimate_speed"] = ("time", _held(time, speeds, recording["time"].values))
+    return recording
+
+
+class _WithoutSpeeds:
+    """A user's estimator whose speeds are kept here, by time [s], and not given to the controller."""
+
+    def __init__(self, estimator: Estimator) -> None:
+        self._estimator, self.speeds = estimator, dict[float, float]()
+        self.provides = tuple(name for name in estimator.provides if name not in _SPEEDS)
+
+    def start(self, first: Observation, formation: Formation) -> None:
+        self._estimator.start(first, formation)
+
+    def step(self, observation: Observation) -> Estimate:
+        estimate = self._estimator.step(observation)
+        if estimate.speed is not None:
+            self.speeds[observation.time] = estimate.speed
+        return replace(estimate, **dict.fromkeys(_SPEEDS))
+
+
+def _held(time: Vector, values: Vector, at: Vector) -> Vector:
+    """Return the last of the values at other times, the first one before it."""
+    return values[np.maximum(np.searchsorted(time, at + 1e-9, side="right") - 1, 0)]
