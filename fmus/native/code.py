@@ -123,7 +123,7 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
              system.last_conditions, system.ticks, system.guesses],
             [system.event_discretes, system.event_states, system.event_relations, system.event_conditions],
         ),
-        ("f_parameters", [free], [dependent, _with(system.instants, v.dependent, dependent)]),
+        ("f_parameters", [free], [dependent, _substitute_dependent(system.instants, v.dependent, dependent)]),
         ("f_start", at_start, [system.start]),
         ("f_start_loop", at_start, _newton(start)),
     ]  # fmt: skip
@@ -154,7 +154,7 @@ def _newton(loops: Loops) -> list[SX]:
     return [column([table[name] for name in loops.guesses]) for table in (loops.updates, loops.residuals)]
 
 
-def _with(expressions: SX, dependent: Sequence[Scalar], values: SX) -> SX:
+def _substitute_dependent(expressions: SX, dependent: Sequence[Scalar], values: SX) -> SX:
     return ca.substitute(expressions, vector(dependent), values) if dependent and expressions.numel() else expressions
 
 

@@ -144,8 +144,8 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
             else:
                 model = rumoca.Session(roots=[str(LIBRARY)]).loads(read_text(path), model=class_name, filename=alias)
             template = model.codegen(str(FRONT)).files[0].content
-            flat = _part(model.to_json("flat", pretty=False), "variables")
-            files = _part(model.to_json("dae", pretty=False), "source_map")["files"]
+            flat = _first_object(model.to_json("flat", pretty=False), "variables")
+            files = _first_object(model.to_json("dae", pretty=False), "source_map")["files"]
     except (rumoca.RumocaError, RuntimeError) as error:
         # `codegen` raises RuntimeError, and its message begins with the name of the template.
         message = str(error).replace(alias, str(path)).rpartition("_dae.json': ")[2]
@@ -153,7 +153,7 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
             raise TranslationError("\n".join(nested)) from error
         hints = "".join(f"\n  {place}" for place in places(message, path, class_name))
         raise InputError(f"{class_name} does not compile ({path}): {message}{hints}") from error
-    content = _content(template)
+    content = _parse_template(template)
     schema = (content["schema"]["name"], content["schema"]["version"])
     if schema != SCHEMA:
         raise InputError(
@@ -188,7 +188,7 @@ def _without_cache_of_rumoca() -> Generator[None]:
                 os.unsetenv(_CACHE_OF_RUMOCA)
 
 
-def _content(template: str) -> Node:
+def _parse_template(template: str) -> Node:
     try:
         return json.loads(template, strict=False)  # a text may contain a tab or any other control character
     except json.JSONDecodeError:
@@ -197,7 +197,7 @@ def _content(template: str) -> Node:
         return json.loads(re.sub(r"\\(.)", lambda m: others.get(m[1], m[0]), template), strict=False)
 
 
-def _part(text: str, key: str) -> Node:
+def _first_object(text: str, key: str) -> Node:
     # Only the first object of that name is parsed; it is a small part of the text.
     name = f'"{key}":'
     return json.JSONDecoder().raw_decode(text, text.index(name) + len(name))[0]

@@ -33,11 +33,11 @@ static int call(Function *function, const double **arguments, double **results)
 }
 """
 
-_OF_ONE = (
+_UNARY = (
     "sqrt", "exp", "expm1", "log", "log1p", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh",
     "asinh", "acosh", "atanh", "erf", "fabs", "floor", "ceil",
 )  # fmt: skip
-_OF_TWO = ("atan2", "hypot", "copysign", "fmod", "remainder", "fmin", "fmax")
+_BINARY = ("atan2", "hypot", "copysign", "fmod", "remainder", "fmin", "fmax")
 
 IN_C = {
     "OP_ASSIGN": "x",
@@ -61,8 +61,8 @@ IN_C = {
     "OP_AND": "x && y",
     "OP_OR": "x || y",
     "OP_IF_ELSE_ZERO": "x ? y : 0",
-    **{f"OP_{name.upper()}": f"{name}(x)" for name in _OF_ONE},
-    **{f"OP_{name.upper()}": f"{name}(x, y)" for name in _OF_TWO},
+    **{f"OP_{name.upper()}": f"{name}(x)" for name in _UNARY},
+    **{f"OP_{name.upper()}": f"{name}(x, y)" for name in _BINARY},
 }
 """Name of an operation → C expression of its value; x and y are the operands."""
 

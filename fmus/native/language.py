@@ -137,7 +137,7 @@ class _Element:
         simple: Whether it is a scalar or array of a simple type.
         rank: Number of array dimensions.
         modifiers: Modifiers of its declaration.
-        clause: Modifiers of an explicit constraining clause, name → expression; None without one.
+        constraint_modifiers: Modifiers of an explicit constraining clause, name → expression; None without one.
         redeclared: Whether an extends clause redeclares it.
     """
 
@@ -150,7 +150,7 @@ class _Element:
     protected: bool
     replaceable: bool
     modifiers: tuple[_Modifier, ...]
-    clause: Mapping[str, Node] | None
+    constraint_modifiers: Mapping[str, Node] | None
     redeclared: bool = False
 
     @property
@@ -158,7 +158,7 @@ class _Element:
         """Names that the constraining clause modifies and the declaration does not: lost unless it is redeclared."""
         if self.redeclared or self.is_class:
             return []
-        return sorted((self.clause or {}).keys() - {m.name for m in self.modifiers})
+        return sorted((self.constraint_modifiers or {}).keys() - {m.name for m in self.modifiers})
 
 
 @dataclass(frozen=True)
@@ -256,7 +256,7 @@ class _Checker:
         if constraint is None:
             return
         allowed = self.elements(constraint)
-        for modified in element.clause or {}:
+        for modified in element.constraint_modifiers or {}:
             if modified not in allowed:
                 yield self._locate(
                     element.node, f"the constraining clause of {name} modifies '{modified}', which {constraint.name} "
@@ -286,7 +286,7 @@ class _Checker:
         constraint = original.node["constrainedby"]
         bound = self.resolve(_join_name(constraint), original.owner) if constraint else original.type
         yield from self._subtype(element.node, name, element.type, bound)
-        if original.clause or (original.clause is None and original.modifiers):
+        if original.constraint_modifiers or (original.constraint_modifiers is None and original.modifiers):
             yield self._locate(
                 element.node,
                 f"the redeclaration of {name} would lose the modifiers of its constraining type in the built-in "
@@ -338,10 +338,10 @@ class _Checker:
                 f"the redeclaration of '{name}' would lose the modifiers of its declaration in the built-in compiler "
                 f"(7.3.2); write them on components of type {name}",
             )
-        if element.clause is not None and not element.is_class:
+        if element.constraint_modifiers is not None and not element.is_class:
             for m in element.modifiers:
                 written = m.value if m.value is not None and not m.inner else m.node
-                if _without_places(written) != _without_places(element.clause.get(m.name)):
+                if _without_places(written) != _without_places(element.constraint_modifiers.get(m.name)):
                     yield self._locate(
                         element.node,
                         f"'{m.name}' is modified on the declaration of {name} and not, or otherwise, in its "
@@ -441,7 +441,7 @@ class _Checker:
             protected=node["is_protected"],
             replaceable=node["is_replaceable"],
             modifiers=_modifiers(node["modifiers"], node["each"], node["redeclare"]),
-            clause=named if node["constrainedby"] else None,
+            constraint_modifiers=named if node["constrainedby"] else None,
         )
 
     def _class_element(self, inner: _Class, owner: _Class) -> _Element:
@@ -458,7 +458,7 @@ class _Checker:
             modifiers=()
             if definition["is_long"]
             else tuple(m for clause in definition["extends"] for m in _extends_modifiers(clause)),
-            clause={} if definition["constrainedby"] else None,
+            constraint_modifiers={} if definition["constrainedby"] else None,
         )
 
     def _simple(self, class_: _Class | None) -> tuple[bool, int]:

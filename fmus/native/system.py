@@ -152,8 +152,10 @@ def explicit(dae: Dae) -> System:
         [column([derivative for _, derivative in index_one.states]), vector(algebraics),
          column([relations.indicator[k] for k in relations.crossings])], loops, dae.class_name,
     )  # fmt: skip
-    start, calculated = _start(dae, evaluate, v, states, index_one, start_loops)
-    event_values, assertions = _at_events(dae, evaluate, v, conditions, states, index_one, loops)
+    start, calculated = _solve_start(dae, evaluate, v, states, index_one, start_loops)
+    (discretes, reinitialised, live, levels), assertions = _at_events(
+        dae, evaluate, v, conditions, states, index_one, loops
+    )
     return System(
         class_name=dae.class_name,
         time=time,
@@ -171,10 +173,10 @@ def explicit(dae: Dae) -> System:
         clocks=clocks,
         ticks=column(ticks),
         previous=column(v.previous),
-        event_discretes=column([event_values[0]]),
-        event_states=column([event_values[1]]),
-        event_relations=column([event_values[2]]),
-        event_conditions=column([event_values[3]]),
+        event_discretes=column([discretes]),
+        event_states=column([reinitialised]),
+        event_relations=column([live]),
+        event_conditions=column([levels]),
         last_conditions=column(conditions.last),
         loops=loops,
         start_loops=start_loops,
@@ -303,7 +305,7 @@ def _split_states(
     return states, [*v.algebraics, *former]
 
 
-def _start(
+def _solve_start(
     dae: Dae,
     evaluate: ExpressionBuilder,
     v: ModelVariables,

@@ -148,7 +148,7 @@ def settle(
         TranslationError: A structural parameter depends on a parameter that can be set.
     """
     for v in dae.variables:
-        _start(v, of_id[v["id"]], evaluate)
+        _set_start(v, of_id[v["id"]], evaluate)
     every = [s for scalars in of_id.values() for s in scalars]
     by_kind = {kind: [s for s in every if s.kind == kind] for kind in KINDS}
 
@@ -180,7 +180,7 @@ def settle(
         derivatives=[s for (store, _), symbols_ in symbols.items() if store == "derivative" for s in symbols_.flat],
         previous=[s for (store, _), symbols_ in symbols.items() if store == "pre" for s in symbols_.flat],
     )
-    _default_values(every, out)
+    _set_default_starts(every, out)
     return out
 
 
@@ -190,7 +190,7 @@ def _is_structural(p: Scalar) -> bool:
     return p.type != "real" or (not p.attributes["tunable"] and p.expression is not None and is_number(p.expression))
 
 
-def _start(v: Node, scalars: list[Scalar], evaluate: ExpressionBuilder) -> None:
+def _set_start(v: Node, scalars: list[Scalar], evaluate: ExpressionBuilder) -> None:
     a = v["attributes"]
     has_binding = a["binding"] is not None and scalars and scalars[0].kind in ("parameter", "constant", "input")
     expression, values = (a["binding"], a["binding_values"]) if has_binding else (a["start"], a["start_values"])
@@ -234,7 +234,7 @@ def _sort_dependent(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
     return order, list(values)
 
 
-def _default_values(every: list[Scalar], v: ModelVariables) -> None:
+def _set_default_starts(every: list[Scalar], v: ModelVariables) -> None:
     symbols = ca.vertcat(v.constants[0], vector(v.free), vector(v.dependent))
     free = ca.vertcat(*[SX(p.start) for p in v.free])
     dependent = ca.vertcat(*v.dependent_values)

@@ -95,7 +95,7 @@ def _filter(parts: Parts) -> Struct | None:
     reference[layout.places["reference"]["speed"]] = np.nan
     states = [getattr(estimator, signal.name.removeprefix("estimate_")) for signal in BELIEVED]
     struct = kernel(layout).struct("Filter", mean=filter_.mean, covariance=filter_.covariance,
-        row=filter_.covariance.strides[0] // filter_.covariance.itemsize, inputs=filter_.inputs,
+        stride=filter_.covariance.strides[0] // filter_.covariance.itemsize, inputs=filter_.inputs,
         readings=filter_.readings, selection=filter_.selection, squared_innovation=np.zeros(1), reference=reference,
         reading_at=np.ascontiguousarray(estimator.reading_places, dtype=np.longlong),
         reading_count=estimator.reading_places.size, state_at=np.hstack(states).astype(np.longlong),

@@ -55,9 +55,9 @@ typedef struct {
     const long long *reading_at, *state_at;       /* positions of `readings` in a reading; of estimates in `mean` */
     Formula reference_speed;                      /* from wheels, for a silent radar */
     double reference[REFERENCES];
-    double reading[READINGS];     /* newest readings since the last step */
-    long long has_reading;        /* whether there are any since the last step */
-    long long reading_count, row; /* row: distance between rows of the covariance */
+    double new_reading[READINGS];    /* newest readings since the last step */
+    long long has_new_reading;       /* whether there are any since the last step */
+    long long reading_count, stride; /* stride: distance between rows of the covariance */
 } Filter;
 
 typedef struct {

@@ -65,11 +65,11 @@ void store_readings(Cycle *c)
         if (is_new)
             onboard->reading[i] = reading[i];
         /* A filter that is slower than the sensors must not lose readings between its steps. */
-        if (filter && (is_new || !filter->has_reading))
-            filter->reading[i] = reading[i];
+        if (filter && (is_new || !filter->has_new_reading))
+            filter->new_reading[i] = reading[i];
     }
     if (filter)
-        filter->has_reading = 1;
+        filter->has_new_reading = 1;
 }
 
 /* Whether the filter takes a step; not at sample 0, whose estimate is the initial one. */
@@ -85,21 +85,21 @@ void prepare_filter(Cycle *c)
 
     if (filter->reference_speed.call) {
         double input[REFERENCE_INPUTS];
-        input[REFERENCE_INPUT_SPEED] = filter->reading[READING_SPEED];
+        input[REFERENCE_INPUT_SPEED] = filter->new_reading[READING_SPEED];
         copy(input + REFERENCE_INPUT_WHEELSET_SPEED, c->onboard->reading + READING_WHEELSET_SPEED, GROUPS);
         copy(input + REFERENCE_INPUT_PRESSURE, c->onboard->reading + READING_CYLINDER_PRESSURE, GROUPS);
         evaluate(&filter->reference_speed, input, filter->reference);
-        filter->reading[READING_SPEED] = filter->reference[REFERENCE_SPEED];
+        filter->new_reading[READING_SPEED] = filter->reference[REFERENCE_SPEED];
     }
     for (long long i = 0; i < filter->reading_count; i++)
-        filter->readings[i] = filter->reading[filter->reading_at[i]];
+        filter->readings[i] = filter->new_reading[filter->reading_at[i]];
 }
 
 static double variance(const Filter *filter, int estimate)
 {
     const long long state = filter->state_at[estimate];
 
-    return filter->covariance[state * filter->row + state];
+    return filter->covariance[state * filter->stride + state];
 }
 
 /* Read the estimates that are states of the filter, and variances in place of the standard deviations. */
@@ -121,7 +121,7 @@ int read_estimate(Cycle *c)
     double *estimate = c->onboard->estimate, count = 0.0;
     Filter *filter = c->filter;
 
-    filter->has_reading = 0;
+    filter->has_new_reading = 0;
     /* Only now, because these pressures act during the next period. */
     copy(filter->inputs, c->onboard->reading + READING_CYLINDER_PRESSURE, GROUPS);
     read_states(c);

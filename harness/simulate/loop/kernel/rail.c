@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "rail.h"
+#include "vectors.h"
 
 /* Friction at a slip speed, relative to friction at zero slip speed. */
 static double friction_factor(double A, double B, double slip_speed)
@@ -106,8 +107,7 @@ EXPORT void advance_rail(Rail *rail, double time, const double *outputs)
     const long long nearest = (long long)fmin(fmax((rail->over_time ? time : distance) / rail->grid + 0.5, 0.0), last);
     long long section = rail->section;
 
-    for (int w = 0; w < WHEELSETS; w++)
-        rail->mu0[w] = rail->friction[nearest * WHEELSETS + w];
+    copy(rail->mu0, rail->friction + nearest * WHEELSETS, WHEELSETS);
     if (rail->curve_at)
         set_curves(rail, nearest);
     if (rail->recovery)
@@ -127,11 +127,9 @@ EXPORT void advance_rail(Rail *rail, double time, const double *outputs)
 /* Write the rail inputs of the plant for the last position of the train. */
 EXPORT void write_rail_inputs(const Rail *rail, double *inputs)
 {
-    for (int w = 0; w < WHEELSETS; w++)
-        inputs[INPUT_MU0 + w] = rail->mu0[w];
+    copy(inputs + INPUT_MU0, rail->mu0, WHEELSETS);
     inputs[INPUT_TRACK_FORCE] = rail->force;
 #ifdef INPUT_CURVE_K_A
-    for (int i = 0; i < 4 * WHEELSETS; i++)
-        inputs[INPUT_CURVE_K_A + i] = rail->curve[i];
+    copy(inputs + INPUT_CURVE_K_A, rail->curve, 4 * WHEELSETS);
 #endif
 }

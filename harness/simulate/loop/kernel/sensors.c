@@ -5,7 +5,7 @@
 #include "sensors.h"
 #include "vectors.h"
 
-long long turn(Every every, long long step)
+long long turn_at(Every every, long long step)
 {
     return step * every.turns / every.steps;
 }
@@ -127,7 +127,7 @@ EXPORT void read_service(Service *service, long long sample, const double *outpu
     service->past_speed[sample % count] = outputs[OUTPUT_SPEED];
     reading[READING_SPEED] = NOTHING;
     if (is_due(service->speed_every, sample) && (double)sample >= service->speed_latency) {
-        const double factor = service->speed_factor[turn(service->speed_every, sample) % service->speed_factors];
+        const double factor = service->speed_factor[turn_at(service->speed_every, sample) % service->speed_factors];
         double speed = service->past_speed[(sample - whole) % count];
         if (fraction > 0.0)
             speed += fraction * (service->past_speed[(sample - whole - 1) % count] - speed);

@@ -48,7 +48,7 @@ typedef struct {
 
 /* Number of the turn that is in progress at a step, and whether a turn begins at it: the first step at or after each
    multiple of the period. */
-long long turn(Every every, long long step);
+long long turn_at(Every every, long long step);
 int is_due(Every every, long long step);
 
 double read_encoder(Encoder *encoder, long long sample, double speed);
