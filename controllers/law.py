@@ -183,8 +183,15 @@ class GroupLaw(Law):
     valve_band: ClassVar[float | None] = None
 
     def __init__(self, groups: Sequence[Brake], tuning: Tuning = NO_PARAMETERS) -> None:
-        """Control all `groups` with the same `tuning`."""
-        super().__init__(self.formula_for(len(groups)), groups, asdict(tuning))
+        """Control all `groups` with the same `tuning`; their positions are not known."""
+        unknown = {f"position[{g}]": NOT_SEEN for g in range(1, len(groups) + 1)}
+        super().__init__(self.formula_for(len(groups)), groups, asdict(tuning) | unknown)
+
+    def place(self, positions: Sequence[float]) -> None:
+        """Set the distance of each group behind the leading wheelset [m], if the law uses it."""
+        of_group = {f"position[{g}]": position for g, position in enumerate(positions, start=1)}
+        for i, quantity in enumerate(self.formula.parameters):
+            self.parameters[i] = of_group.get(quantity.name, self.parameters[i])
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:

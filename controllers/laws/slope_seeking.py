@@ -11,7 +11,7 @@ the equivalent control from the torque balance of the wheelset as in `AdhesionBa
 shrinking by it, are this project's.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
 from typing import Annotated, ClassVar
@@ -145,65 +145,7 @@ class SlopeSeeking(GroupLaw):
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return the demand of one group."""
-        t = tuning
-        started = draft.state("started", "1", "1 once there is a sample before this one")
-        draft.keep(started, 1.0)
-        train: list[_Wheels] = []
-        targets: list[tuple[Expression, Expression]] = []  # of each group, and its rate
-
-        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
-            if not train:
-                train.extend(_wheels(draft, each, t, started) for each in group.train)
-                targets.extend(_targets(draft, train, t))
-            target = targets[group.index - 1]
-            signals, brake, speed = train[group.index - 1], group.brake, group.speed
-            radius = brake["wheel_radius"]
-            inertia = brake["inertia"]
-            creeping = speed < t["speed_min"]
-            rolling = either(ca.logic_not(signals.sliding), creeping)
-
-            # Torque balance of the wheelset, J ω̇ = F_x r − T, for ṡ = ṡ* + gain (s* − s + i).
-            unit_torque = brake["load"] * radius  # torque per adhesion
-            inertial = -inertia * (1.0 - signals.slip) * group.acceleration / radius
-            balance = group.adhesion * unit_torque + inertial
-            # Below speed_min a wheel may lock: then the contact carries all of the brake torque.
-            limit = (t["adhesion_max"] - t["adhesion_guard"]) * unit_torque + choose(creeping, 0.0, inertial)
-            torque_per_rate = inertia * speed / radius  # of slip
-            error = target[0] - signals.slip
-            last = draft.state(group.label("error"), "s", "integral of the slip's distance below its set point")
-            integral = choose(every(ca.logic_not(rolling), error > 0.0), last + error * t["period"], 0.0)
-            draft.keep(last, integral)
-            # Upwards the extra torque is limited, downwards not: in a deep slide adhesion is low, and a small share of
-            # its torque would not end the slide.
-            extra = ca.fmin(torque_per_rate * (target[1] + t["gain"] * error), t["share_added"] * balance)
-            goal = balance + extra + torque_per_rate * t["gain"] / _PATIENCE * integral
-            torque = choose(rolling, limit, ca.fmin(goal, limit))
-            venting = every(signals.slip > t["slip_vent"], speed >= t["speed_min"])
-            controlled = choose(venting, 0.0, pressure_for(torque, group.pad_friction, brake))
-            # A wheel whose speed is unknown is braked by the adhesion of the others.
-            others = [each for each in train if each is not signals]
-            compared = either(0.0, *(each.valid for each in others))
-            following = every(ca.logic_not(signals.valid), compared, speed >= t["speed_min"])
-            mode = choose(rolling, _ROLLING, choose(venting, _VENTING, _SEEKING))
-            draft.show(group.label("mode"), "1", _MODES, choose(following, _FOLLOWING, mode))
-            draft.show(group.label("slip_target"), "1", "slip that is sought, dither included", target[0])
-            before = draft.state(
-                group.label("pad_friction"), "1", "pad friction when the wheel speed was last credible"
-            )
-            pad_friction = choose(either(signals.credible, before <= 0.0), group.pad_friction, before)
-            draft.keep(before, pad_friction)
-            if not others:
-                return controlled
-            loads = [each.group.brake["load"] for each in others]
-            share = _mean([(each.valid, each.adhesion) for each in others], loads)
-            followed = pressure_for(_FOLLOWED * share * unit_torque, pad_friction, brake)
-            # Within their band the valves hold a pressure that is slightly too high: a wheel without a speed reading
-            # would lock unnoticed as soon as the rail gets worse.
-            most = pressure_for(share * unit_torque, pad_friction, brake)
-            followed = choose(group.pressure > most, 0.0, followed)
-            return choose(following, followed, controlled)
-
-        return demand
+        return seek(draft, tuning, slope_targets)
 
 
 _UNBRAKED = 0.9
@@ -247,7 +189,7 @@ _MODES = "what rules the group: 0 rolls, 1 seeks slip, 2 vented, 3 its speed is 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Wheels:
+class Wheels:
     """Signals of one group that the law derives from its observation.
 
     Attributes:
@@ -273,15 +215,86 @@ class _Wheels:
     sliding: Expression
 
 
-def _mean(values: Sequence[tuple[Expression, Expression]], weights: Sequence[Expression]) -> Expression:
+Target = tuple[Expression, Expression]
+"""Slip that a group seeks, and its rate [1/s]."""
+
+TargetsOf = Callable[[FormulaBuilder, Sequence[Wheels], Mapping[str, Expression]], list[Target]]
+
+
+def seek(draft: FormulaBuilder, t: Mapping[str, Expression], targets_of: TargetsOf) -> Demand:
+    """Return the demand of one group that brings its slip to a target.
+
+    Args:
+        draft: Formula that gets the states.
+        t: Parameters, those of `SlopeTuning`.
+        targets_of: Forms the slip that each group seeks, and its rate [1/s].
+    """
+    started = draft.state("started", "1", "1 once there is a sample before this one")
+    draft.keep(started, 1.0)
+    train: list[Wheels] = []
+    targets: list[Target] = []
+
+    def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
+        if not train:
+            train.extend(_wheels(draft, each, t, started) for each in group.train)
+            targets.extend(targets_of(draft, train, t))
+        target = targets[group.index - 1]
+        signals, brake, speed = train[group.index - 1], group.brake, group.speed
+        radius = brake["wheel_radius"]
+        inertia = brake["inertia"]
+        creeping = speed < t["speed_min"]
+        rolling = either(ca.logic_not(signals.sliding), creeping)
+
+        # Torque balance of the wheelset, J ω̇ = F_x r − T, for ṡ = ṡ* + gain (s* − s + i).
+        unit_torque = brake["load"] * radius  # torque per adhesion
+        inertial = -inertia * (1.0 - signals.slip) * group.acceleration / radius
+        balance = group.adhesion * unit_torque + inertial
+        # Below speed_min a wheel may lock: then the contact carries all of the brake torque.
+        limit = (t["adhesion_max"] - t["adhesion_guard"]) * unit_torque + choose(creeping, 0.0, inertial)
+        torque_per_rate = inertia * speed / radius  # of slip
+        error = target[0] - signals.slip
+        last = draft.state(group.label("error"), "s", "integral of the slip's distance below its set point")
+        integral = choose(every(ca.logic_not(rolling), error > 0.0), last + error * t["period"], 0.0)
+        draft.keep(last, integral)
+        # Upwards the extra torque is limited, downwards not: in a deep slide adhesion is low, and a small share of
+        # its torque would not end the slide.
+        extra = ca.fmin(torque_per_rate * (target[1] + t["gain"] * error), t["share_added"] * balance)
+        goal = balance + extra + torque_per_rate * t["gain"] / _PATIENCE * integral
+        torque = choose(rolling, limit, ca.fmin(goal, limit))
+        venting = every(signals.slip > t["slip_vent"], speed >= t["speed_min"])
+        controlled = choose(venting, 0.0, pressure_for(torque, group.pad_friction, brake))
+        # A wheel whose speed is unknown is braked by the adhesion of the others.
+        others = [each for each in train if each is not signals]
+        compared = either(0.0, *(each.valid for each in others))
+        following = every(ca.logic_not(signals.valid), compared, speed >= t["speed_min"])
+        mode = choose(rolling, _ROLLING, choose(venting, _VENTING, _SEEKING))
+        draft.show(group.label("mode"), "1", _MODES, choose(following, _FOLLOWING, mode))
+        draft.show(group.label("slip_target"), "1", "slip that is sought, dither included", target[0])
+        before = draft.state(group.label("pad_friction"), "1", "pad friction when the wheel speed was last credible")
+        pad_friction = choose(either(signals.credible, before <= 0.0), group.pad_friction, before)
+        draft.keep(before, pad_friction)
+        if not others:
+            return controlled
+        loads = [each.group.brake["load"] for each in others]
+        share = weighted_mean([(each.valid, each.adhesion) for each in others], loads)
+        followed = pressure_for(_FOLLOWED * share * unit_torque, pad_friction, brake)
+        # Within their band the valves hold a pressure that is slightly too high: a wheel without a speed reading
+        # would lock unnoticed as soon as the rail gets worse.
+        most = pressure_for(share * unit_torque, pad_friction, brake)
+        followed = choose(group.pressure > most, 0.0, followed)
+        return choose(following, followed, controlled)
+
+    return demand
+
+
+def weighted_mean(values: Sequence[tuple[Expression, Expression]], weights: Sequence[Expression]) -> Expression:
+    """Return the weighted mean of the values whose condition holds, 0 if none does; `values` are pairs of both."""
     counted = [choose(condition, weight, 0.0) for (condition, _), weight in zip(values, weights, strict=True)]
     total = sum(weight * value for weight, (_, value) in zip(counted, values, strict=True))
-    return total / ca.fmax(sum(counted), 1e-9)  # 0 if no condition holds
+    return total / ca.fmax(sum(counted), 1e-9)
 
 
-def _wheels(
-    draft: FormulaBuilder, group: GroupObservation, t: Mapping[str, Expression], started: Expression
-) -> _Wheels:
+def _wheels(draft: FormulaBuilder, group: GroupObservation, t: Mapping[str, Expression], started: Expression) -> Wheels:
     period, small = t["period"], t["slip_small"] + t["creep_small"] / group.speed
     pads_off = group.pressure * group.brake["piston_area"] < _UNBRAKED * group.brake["spring_force"]
     slip = _correct_slip(draft, group, pads_off, period)
@@ -309,7 +322,7 @@ def _wheels(
     doubt = choose(every(impossible, group.speed >= t["speed_min"]), doubted + period, 0.0)
     draft.keep(doubted, doubt)
     valid = doubt < _DOUBTED
-    return _Wheels(
+    return Wheels(
         group=group,
         slip=slip,
         filtered=slip_now,
@@ -336,7 +349,7 @@ def _without_lag(
 
 def _slope(
     draft: FormulaBuilder,
-    train: Sequence[_Wheels],
+    train: Sequence[Wheels],
     signs: Sequence[float],
     t: Mapping[str, Expression],
     rolling: Expression,
@@ -344,7 +357,7 @@ def _slope(
     loads = [each.group.brake["load"] for each in train]
 
     def mean(part: Sequence[int], values: Sequence[Expression], weights: Sequence[Expression]) -> Expression:
-        return _mean([(train[g].sliding, values[g]) for g in part], [weights[g] for g in part])
+        return weighted_mean([(train[g].sliding, values[g]) for g in part], [weights[g] for g in part])
 
     def changes(part: Sequence[int]) -> Expression:
         adhesion = mean(part, [each.adhesion for each in train], loads)
@@ -366,9 +379,8 @@ def _slope(
     return elasticity, weight, excitation
 
 
-def _targets(
-    draft: FormulaBuilder, train: Sequence[_Wheels], t: Mapping[str, Expression]
-) -> list[tuple[Expression, Expression]]:
+def slope_targets(draft: FormulaBuilder, train: Sequence[Wheels], t: Mapping[str, Expression]) -> list[Target]:
+    """Return the slip that each group seeks on the slope of adhesion; groups that do not slide do not count."""
     period, speed = t["period"], train[0].group.speed
     rolling = either(every(*(ca.logic_not(each.sliding) for each in train)), speed < t["speed_min"])
     signs = [1.0 if g % 2 == 0 else -1.0 for g in range(len(train))]
@@ -385,14 +397,14 @@ def _targets(
     moved = last + within(t["climb_rate"] * expected, -t["fall_rate"], t["rise_rate"]) * period
     least = t["slip_small"] + t["creep_small"] / speed
     forces = [each.group.brake["load"] * each.adhesion for each in train]
-    present = _mean([(each.sliding, ca.log(ca.fmax(each.filtered, least))) for each in train], forces)
+    present = weighted_mean([(each.sliding, ca.log(ca.fmax(each.filtered, least))) for each in train], forces)
     near = within(moved, present - _LEASH, present + _LEASH_UP)
     set_point = choose(rolling, last, within(near, ca.log(least), ca.log(t["slip_most"]) - t["dither"]))
     draft.keep(previous, set_point)
     phase = draft.state("phase", "1", "periods of the dither since the start")
     draft.keep(phase, phase + period / t["dither_time"])
     angle = 2.0 * pi * phase
-    targets: list[tuple[Expression, Expression]] = []
+    targets: list[Target] = []
     for sign in signs:
         target = ca.exp(set_point + sign * t["dither"] * ca.sin(angle))
         targets.append((target, sign * target * t["dither"] * 2.0 * pi / t["dither_time"] * ca.cos(angle)))

@@ -55,6 +55,7 @@ def tune_control(
             help="Search on this number of short training cases of the type test instead of the rails.",
         ),
     ] = None,
+    version: Annotated[int, typer.Option(min=1, max=2, help="Version of the type test, with --cases.")] = 1,
     workers: Workers = 2,
 ) -> None:
     """Search the parameters of the control laws.
@@ -75,8 +76,8 @@ def tune_control(
 
     stops, kinds = None, frozenset(EQUIPMENT)
     if cases is not None:
-        stops, kinds = training(cases), frozenset({"pneumatic"})
-    options = {"--cases": cases, "--budget": budget}
+        stops, kinds = training(cases, version), frozenset({"pneumatic"})
+    options = {"--cases": cases, "--budget": budget, "--version": version if cases and version > 1 else None}
     with processes(workers) as pool:
         for each in law or RANGES:
             optima: dict[tuple[str, SlipSource], Optimum] = {}

@@ -121,7 +121,10 @@ def _group_law(vehicle: VehicleData) -> Law:
         tuning = kind.load_tuning(scenario.actuation.kind, slip, table.tuning or SEARCHED, **(of_other_tables | values))
     except ValueError as problem:
         raise ScenarioError(f"{scenario.name}: [controller] {problem}") from problem
-    return kind(vehicle.nominal.formation.brakes, tuning)
+    law, places = kind(vehicle.nominal.formation.brakes, tuning), vehicle.formation.position
+    if places is not None:
+        law.place([float(places[members].mean()) for members in vehicle.formation.members()])
+    return law
 
 
 def _law_named(kind: str) -> type[GroupLaw] | None:

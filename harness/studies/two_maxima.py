@@ -167,7 +167,7 @@ def slide_figure(rows: list[dict[str, Any]]) -> Figure:
 
 
 @dataclass(frozen=True)
-class TwoMaxima(Study):
+class MaximaOfAdhesion(Study):
     """Stop on a wet rail and on leaves, with cleaning and heat of the contact switched on and off."""
 
     write: Annotated[bool, Option("--write", help="Write the tables into docs/rail_models.md.")] = False
@@ -193,4 +193,4 @@ class TwoMaxima(Study):
         )
 
 
-STUDY = TwoMaxima
+STUDY = MaximaOfAdhesion

@@ -13,6 +13,8 @@ from railgrip.scenario.schema import Scenario
 from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.parts import assemble
 from railgrip.simulate.run import braking_distance, run_stop
+from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of
+from railgrip.studies.type_test.track_case import HEADLINES
 
 WITHOUT = ("estimator.kind=none",)
 SHORT = ("limits.horizon=4 s",)
@@ -39,6 +41,14 @@ def test_laws_with_ideal_parts(controller, others):
 @pytest.mark.parametrize("controller", ["slip_three_state", "adhesion_literal", "slope_seeking"])
 def test_laws_with_valves_and_service_sensors(controller):
     same_stop(table_1_scenario(f"random-service-{controller}", *SHORT))
+
+
+def test_a_law_that_seeks_deep_slip_on_a_rail_that_slip_cleans():
+    (case,) = (case for case in HEADLINES if case.name == "cleaned rail")
+    (planned,) = campaign_of([case], {"law": entrants(2)["two_maxima"]}, train_of(None)).stops
+    changes = {"limits": {"horizon": "11 s"}}
+    one = same_stop(Scenario.model_validate(merge(planned.scenario.resolved(), changes)))
+    assert one.trace["law_deep_slip"].values[-1] == 1.0
 
 
 def test_a_filter_that_has_lost_a_wheelset_and_leaves_out_what_a_radar_shows():

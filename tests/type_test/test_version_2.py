@@ -11,10 +11,10 @@ from railgrip.base.errors import ScenarioError
 from railgrip.report.limits import limits_of
 from railgrip.rolling_stock.schema import load_train
 from railgrip.studies.study import conduct
-from railgrip.studies.type_test import case_set, study
+from railgrip.studies.type_test import study
 from railgrip.studies.type_test.case_set import SEALED, VERSIONS, CaseSet, case_named, count_look
 from railgrip.studies.type_test.controller_digest import controller_digest
-from railgrip.studies.type_test.entrants import Entrant, campaign_of, entrants, train_of
+from railgrip.studies.type_test.entrants import Entrant, campaign_of, entrants, train_of, training, training_cases
 from railgrip.studies.type_test.family import AXES, FEWEST, families, losses
 from railgrip.studies.type_test.judge import CaseMeasurement, judgements, summaries
 from railgrip.studies.type_test.shipped import digest_of, read_shipped
@@ -31,7 +31,7 @@ def test_the_first_version_keeps_its_cases_its_digest_and_its_entrants():
     header = "a1076805311cab05547c60fe47099991cce78229f1878ad433859c86c2de0736"
     assert digest_of(first.cases(), train_of(None)) == header
     assert entrants(2).keys() - entrants(1).keys() == {
-        "perturb_observe", "recursive_slope", "fuzzy_slip", "slip_three_state_deep",
+        "perturb_observe", "recursive_slope", "fuzzy_slip", "slip_three_state_deep", "two_maxima",
     }  # fmt: skip
 
 
@@ -151,9 +151,8 @@ def test_a_sealed_set_is_run_with_the_baselines_and_shows_no_single_case(tmp_pat
     few = {name: entrants(2)[name] for name in ("dry", "slip_two_state", "fuzzy_slip")}
     counted = SimpleNamespace(folder=lambda: tmp_path / "cache")  # FMUs and filters are those of the other tests
     monkeypatch.setattr("railgrip.studies.type_test.case_set.cache", counted)
-    monkeypatch.setattr(case_set, "SEALED", 1)
     monkeypatch.setattr(study, "entrants", lambda version=1: few)
-    test = TypeTest(version=2, sealed=True, controller=["fuzzy_slip"])
+    test = TypeTest(version=2, sealed=True, controller=["fuzzy_slip"], count=1)
     page, path = conduct(test, tmp_path / "out", workers=1)
     assert path == tmp_path / "out" / "version_2" / "index.html"
     assert {row["controller"] for row in page.values["board"].rows} == {"slip_two_state", "fuzzy_slip"}
@@ -211,6 +210,16 @@ def test_the_page_shows_families_the_bound_and_the_looks(stops):
     assert list(page.values["families"]) == list(AXES)
     assert "families.csv" in page.tables
     assert page.values["losses"].rows
+    of_law = page.values["of_controller"]["fuzzy_slip"].rows
+    assert of_law[0]["family"] == "all cases"
+    assert {"cleaning: strong", "train: vt642"} <= {row["family"] for row in of_law}
+
+
+def test_training_cases_have_their_trains():
+    planned = training(8, version=2)
+    trains = [case.train for case in training_cases(8, version=2)]
+    assert "vt642" in trains
+    assert [stop.scenario.resolved()["vehicle"].get("train", "") for stop in planned] == trains
 
 
 def test_shipped_results_have_all_controllers_or_say_how_to_renew_them():

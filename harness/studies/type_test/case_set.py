@@ -57,7 +57,7 @@ VERSIONS: Final[Mapping[int, Version]] = MappingProxyType(
 so that the full set of one controller takes some 3 minutes on two idle cores."""
 
 SEALED: Final = 48
-"""Number of cases of a sealed set."""
+"""Number of cases of a sealed set, if none is given."""
 _SEALED_FROM: Final = 10**9
 """Seeds of sealed sets are above those that a name of a case may have: their cases are not run one by one."""
 _LOOKS: Final = Path("type_test") / "looks.json"
@@ -81,9 +81,9 @@ class CaseSet:
         return cls(version=int(match[2] or 1), count=int(match[1]), seed=int(match[3]))
 
     @classmethod
-    def sealed(cls, version: int, digest: str) -> Self:
+    def sealed(cls, version: int, digest: str, count: int = SEALED) -> Self:
         """Return the set that is drawn from the digest of a controller."""
-        return cls(version=version, count=SEALED, seed=_SEALED_FROM + int(digest[:8], 16) % _SEALED_FROM)
+        return cls(version=version, count=count, seed=_SEALED_FROM + int(digest[:8], 16) % _SEALED_FROM)
 
     @property
     def is_sealed(self) -> bool:

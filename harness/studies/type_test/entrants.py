@@ -178,17 +178,23 @@ def training_cases(count: int, version: int = 1) -> list[AnyCase]:
     return [replace(case, speed=min(case.speed, _TRAINING_SPEED)) for case in cases]
 
 
+def trains_of(design: Iterable[AnyCase]) -> dict[str, dict[str, Any]]:
+    """Return the tables of the trains of the library that cases name, by name."""
+    return {name: train_of(name) for name in sorted({case.train for case in design} - {""})}
+
+
 def training(count: int, version: int = 1) -> tuple[PlannedStop, ...]:
-    """Return a number of stops of the built-in train to tune controllers on, from a separate set of cases.
+    """Return a number of stops to tune controllers on, from a separate set of cases of a version.
 
     The axis `rail` names the case.
     """
     tuned = {"tuned": _entrant_of("what is tuned", {"controller": {"kind": "full_brake"}})}
+    design = training_cases(count, version)
     return tuple(
         replace(
             stop, variants={"rail": ", ".join(value for key, value in stop.variants.items() if key != "controller")}
         )
-        for stop in campaign_of(training_cases(count, version), tuned, train_of(None)).stops
+        for stop in campaign_of(design, tuned, train_of(None), trains=trains_of(design)).stops
     )
 
 

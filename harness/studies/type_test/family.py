@@ -148,6 +148,35 @@ def _p95(row: Family) -> str:
     return with_interval(row.p95, (None, None))
 
 
+def table_of_controller(rows: Iterable[Family], summary: Summary) -> ReportTable:
+    """Return the results of one controller: a row for all cases, then one for each family."""
+    table: list[dict[str, object]] = [
+        {
+            "family": "all cases",
+            "compared": f"{summary.compared} of {summary.cases}",
+            "stops": summary.stops,
+            "median": with_interval(summary.median, summary.median_interval),
+            "95 %": with_interval(summary.p95, summary.p95_interval),
+            "longer than best": "",
+            "over bound": summary.over_bound,
+        }
+    ]
+    for row in rows:
+        if row.controller == summary.controller:
+            table.append(
+                {
+                    "family": f"{row.axis}: {row.value}",
+                    "compared": f"{row.compared} of {row.cases}",
+                    "stops": row.stops,
+                    "median": with_interval(row.median, row.median_interval) if row.compared else "",
+                    "95 %": with_interval(row.p95, row.p95_interval) if row.compared else "",
+                    "longer than best": "" if row.lost is None else share(row.lost),
+                    "over bound": row.over_bound,
+                }
+            )
+    return ReportTable(table, {"stops": share, "over bound": "{:.3f}"}, ("family",))
+
+
 def table_of_families(rows: Iterable[Family]) -> ReportTable:
     """Return every family as a row, with intervals, for a CSV file."""
     plain: list[dict[str, object]] = []

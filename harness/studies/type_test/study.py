@@ -33,7 +33,15 @@ from railgrip.scenario.schema import Scenario
 from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import run_stop
 from railgrip.studies.study import Study
-from railgrip.studies.type_test.case_set import VERSIONS, AnyCase, CaseSet, case_named, count_look, table_of_looks
+from railgrip.studies.type_test.case_set import (
+    SEALED,
+    VERSIONS,
+    AnyCase,
+    CaseSet,
+    case_named,
+    count_look,
+    table_of_looks,
+)  # fmt: skip
 from railgrip.studies.type_test.controller_digest import controller_digest
 from railgrip.studies.type_test.design import VALIDATION_SEED
 from railgrip.studies.type_test.entrants import (
@@ -45,8 +53,9 @@ from railgrip.studies.type_test.entrants import (
     task_of,
     train_of,
     training_cases,
+    trains_of,
 )
-from railgrip.studies.type_test.family import Family, by_axis, families, losses, table_of_families
+from railgrip.studies.type_test.family import Family, by_axis, families, losses, table_of_controller, table_of_families
 from railgrip.studies.type_test.judge import (
     JUDGED,
     CaseJudgement,
@@ -58,7 +67,7 @@ from railgrip.studies.type_test.judge import (
     summaries,
 )
 from railgrip.studies.type_test.shipped import read_shipped, write_shipped
-from railgrip.studies.type_test.track_case import HEADLINES, TRAINS, TrackCase
+from railgrip.studies.type_test.track_case import HEADLINES, TrackCase
 
 PAGE: Final = Path("docs/type_test.md")
 """Folder relative to that of the project, in which the command runs."""
@@ -137,7 +146,8 @@ class TypeTest(Study):
         digests = {name: controller_digest(one, self.import_from or ()) for name, one in candidates.items()}
         design = self._design(digests)
         campaign = self._campaign(design, taking_part)
-        stops = campaign.only(lambda stop: stop.variants["controller"] in self._running(ours, candidates))
+        running = self._running(ours, candidates)
+        stops = campaign.only(lambda stop: stop.variants["controller"] in running)
         runner = partial(run_stop, objects=CustomParts(folders=tuple(self.import_from or ())))
         exit_code = work.stops([CampaignRun(stops, work.folder)], runner, is_any_outcome=True)
         write_description(campaign, work.folder)
@@ -160,7 +170,9 @@ class TypeTest(Study):
         )
         if self.write:
             # A bound that is not found leaves its case without a bound.
-            missing = [name for name in results.missing if taking_part[name.rpartition("-")[2]].role != "bound"]
+            # Others than the baselines are not run in a sealed set.
+            required = {name for name in running if taking_part[name].role != "bound"}
+            missing = [name for name in results.missing if name.rpartition("-")[2] in required]
             if missing:
                 raise ScenarioError(f"--write: {len(missing)} stops have no result; nothing was written.")
             self._write(page, found, design)
@@ -173,11 +185,12 @@ class TypeTest(Study):
         return replace(page, screen=(*page.screen, *panels), exit_code=exit_code)
 
     def _require_consistent(self) -> None:
-        if self.write and (self.controller or self.train or self.task or self.case or self.limits):
+        one = self.controller and not self.sealed
+        if self.write and (one or self.train or self.task or self.case or self.limits):
             raise ScenarioError("--write is for all controllers of railgrip on its train; leave out other options.")
-        if self.sealed and (len(self.controller or ()) != 1 or self.case or self.validation or self.write):
+        if self.sealed and (len(self.controller or ()) != 1 or self.case or self.validation):
             raise ScenarioError(
-                "--sealed is for one --controller; leave out --case, --validation, --write and other controllers."
+                "--sealed is for one --controller; leave out --case, --validation and other controllers."
             )
 
     def _design(self, digests: Mapping[str, str]) -> tuple[AnyCase, ...]:
@@ -186,7 +199,7 @@ class TypeTest(Study):
         if self.case:
             design = tuple(case_named(name) for name in self.case)
         elif self.sealed:
-            design = CaseSet.sealed(self._version, *digests.values()).cases()
+            design = CaseSet.sealed(self._version, *digests.values(), count=self.count or SEALED).cases()
         else:
             count = self.count or (version.quick if self.quick else version.count)
             design = version.draw(count, version.validation if self.validation else version.test)
@@ -196,12 +209,11 @@ class TypeTest(Study):
 
     def _campaign(self, design: Sequence[AnyCase], taking_part: Mapping[str, Entrant]) -> Campaign:
         """Return the stops of all who take part in the cases."""
-        used = {case.train for case in design} & {*TRAINS} - {""}
         return campaign_of(
             design,
             taking_part,
             train_of(self.train),
-            trains={name: train_of(name) for name in sorted(used)},
+            trains=trains_of(design),
             task=None if self.task is None else task_of(self.task),
             keep_traces=bool(self.case),
         )
@@ -222,10 +234,14 @@ class TypeTest(Study):
         return table_of_looks(count_look(case_set.label, digests.values()), case_set.label)
 
     def _write(self, page: Page, found: Sequence[CaseMeasurement], design: Sequence[AnyCase]) -> None:
-        """Write the tables of the page of documentation, and the stops into the package."""
-        write_shipped(found, design, train_of(None), LIBRARY)
-        kind = "validation" if self.validation else "test"
+        """Write the tables of the page of documentation, and the stops into the package; of a sealed set one table."""
+        kind = "sealed" if self.sealed else "validation" if self.validation else "test"
         of = f"{len(design)} cases of the {kind} set, railgrip {version('railgrip')}:\n\n"
+        if self.sealed:
+            results = {name: page.values["of_controller"][name] for name in self.controller or ()}
+            write_tables(PAGE, {f"sealed set of {name}": f"{of}{table}" for name, table in results.items()})
+            return
+        write_shipped(found, design, train_of(None), LIBRARY)
         controllers = page.values["controllers"].without(("results",))
         tables: dict[str, ReportTable | str] = {"controllers": controllers, "leaderboard": f"{of}{page.screen[0]}"}
         if self._version > 1:
@@ -250,7 +266,7 @@ class TypeTest(Study):
         """Return quantiles of the distance over the best tuned baseline's, in six short cases of the training set.
 
         As in the leaderboard, a baseline that does not stop or does not keep the lock clause does not count. Of version
-        2 there are the distances of two laws in single training cases.
+        2 there are the distances of three laws in single training cases.
         """
         taking_part = {name: entrants()[name] for name in ("constant_slip", "extremum_seeking", "slope_seeking")}
         stops = campaign_of(training_cases(6), taking_part, train_of(None)).stops
@@ -267,8 +283,8 @@ class TypeTest(Study):
         ]
 
     def _distances_of_version_2(self, work: Work) -> list[Finding]:
-        """Return the distances of two laws in `HEADLINES`."""
-        taking_part = {name: entrants(2)[name] for name in ("slope_seeking", "slip_three_state_deep")}
+        """Return the distances of three laws in `HEADLINES`."""
+        taking_part = {name: entrants(2)[name] for name in ("slope_seeking", "slip_three_state_deep", "two_maxima")}
         stops = campaign_of(HEADLINES, taking_part, train_of(None)).stops
         results = work.map(_distance_and_lock, [stop.scenario for stop in stops])
         return [
@@ -406,7 +422,8 @@ def _values(stops: Sequence[CaseJudgement], board: Sequence[Summary], limits: As
 def _values_of_families(rows: Sequence[Family], board: Sequence[Summary]) -> dict[str, object]:
     """Return the variables of the template for families of cases."""
     laws = [summary for summary in board if summary.controller not in registry.ANALYSES]
-    return {"losses": losses(rows, laws), "families": by_axis(rows, board)}
+    of_controller = {summary.controller: table_of_controller(rows, summary) for summary in board}
+    return {"losses": losses(rows, laws), "families": by_axis(rows, board), "of_controller": of_controller}
 
 
 def table_of(stops: Sequence[CaseJudgement]) -> ReportTable:
