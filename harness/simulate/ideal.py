@@ -4,14 +4,15 @@ A scenario selects one as the kind of its controller; sensors, estimator and con
 
 In the stop of the ideal bound each group uses min(peak adhesion, brake limit, α_max) at every instant, and exceeds the
 brake limit while its wheelsets regain the speed that a slide took from them. No controller that keeps to α_max stops in
-a distance shorter by more than 0.2 %, on a rail that slip does not change; after a slide pads are cooler, and have more
-friction, than in the stop without slides from which the bound takes them. No real controller reaches the bound, because
-pressure takes time to build up and the peak must be found first. The train is integrated as a point mass; the physics
-comes from the plant:
+a distance shorter by more than 0.1 %, on a rail that slip does not change. No real controller reaches the bound,
+because pressure takes time to build up and the peak must be found first. The train is integrated as a point mass; the
+physics comes from the plant:
 
 - peak adhesion from `RailBraking.FMUs.ContactPoint`, at the scenario's friction;
-- pad friction and running resistance as functions of speed, and the transfer of load between wheelsets as a multiple of
-  the deceleration, from a stop of the same plant with full brake on a rail with friction 0.6, where nothing slides.
+- pad friction from `RailBraking.Components.GroupBrake`, the highest that a controller can have;
+- running resistance as a function of speed, and the transfer of load between wheelsets as a multiple of the
+  deceleration, from a stop of the same plant with full brake on a rail with friction 0.6, where nothing slides. Pad
+  friction of other plants than those of this library is from the same stop.
 """
 
 from collections.abc import Callable, Mapping
@@ -31,6 +32,7 @@ from railgrip.scenario.faults import READ_BY
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.loop.loop import Ending
+from railgrip.simulate.pads import pads_of
 from railgrip.simulate.parts import assemble, evaluate_stop
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.bound import regained_adhesion, with_bound
@@ -69,16 +71,16 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     recorder = Recorder((*PLANT, *vehicle.layout.signals["input"]), formation, count)
     recorder.rows[:] = np.nan  # most signals of a train do not exist for a point mass
     speed, distance, acceleration = _first_guess(scenario, time)
+    pads, bound = pads_of(vehicle, speeds, friction), None
     for _ in range(_ROUNDS):
         at, rows = recorder.columns, recorder.rows
-        pad = np.stack([np.interp(speed, speeds, friction[:, g]) for g in range(formation.groups)], axis=1)
         _write_motion(recorder, distance, speed, acceleration)
         rows[:, at["mu0"]] = profile.table(time, distance)
         if (curve_numbers := profile.curve_numbers(time, distance)) is not None:
             for i, signal in enumerate(CURVE):
                 rows[:, at[signal.name]] = vehicle.curves[curve_numbers, i]
         rows[:, at["wheelset_load"]] = load - transfer * acceleration[:, None]
-        rows[:, at["pad_friction"]] = pad
+        rows[:, at["pad_friction"]] = pads.friction(speed, bound)
         end = _end(speed, scenario.limits.stop_speed)
         moving = end or count
         bound = with_bound(

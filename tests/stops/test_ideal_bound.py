@@ -21,7 +21,7 @@ def bound(name, period, *changes):
     )
 
 
-@pytest.mark.parametrize(("name", "distance", "error"), [("plain", 344.3980, 2e-3), ("sine_sweep", 255.9437, 4e-3)])
+@pytest.mark.parametrize(("name", "distance", "error"), [("plain", 344.3980, 2e-3), ("sine_sweep", 254.9085, 4e-3)])
 def test_the_best_stop_hardly_hangs_on_the_grid(name, distance, error):
     """Against the distance at 1 ms; the end of the stop is known to a sample, a millimetre of travel at 0.1 m/s.
 
@@ -39,6 +39,16 @@ def test_the_brake_limit_has_bearing_and_rolling_resistance():
     resistance = (0.0018 * 0.065 + 0.0004) / 0.38
     # 3 % of it: slip changes slowly, and a hundredth of the torque goes into that.
     assert beyond[len(beyond) // 4 :: 100] == pytest.approx(0.0, abs=0.03 * resistance)
+
+
+@pytest.mark.parametrize("speed", [30.0, 80.0, 140.0])
+def test_on_a_dry_rail_the_bound_is_what_the_brakes_do(speed):
+    """Within 0.1 %: the friction that pads can have is there that of full brake, but for the time of the pressure."""
+    changes = ["adhesion.mu0=0.5", f"start.speed={speed} km/h", "limits.alpha_max=1"]
+    best = bound("plain", "2 ms", *changes).metrics.distance
+    full = ["controller.kind=full_brake", "estimator.kind=none", "vehicle.parameters.T_pressure=0.0005 s"]
+    stop = run_stop(load(LIBRARY / "plain.toml", [*changes, *full]))
+    assert 0.0 <= stop.metrics.distance / best - 1.0 < 1e-3
 
 
 @pytest.mark.parametrize("mu0", [0.05, 0.08])
@@ -64,11 +74,11 @@ BETWEEN_SLIDES = {
 """Short slides and short stretches of good rail, on which the wheelsets regain speed."""
 
 
-COOL_PADS = {
+CREEPING = {
     "kind": "trapezoid", "over": "time", "minimum": 0.217, "maximum": 0.447,
     "first_fall": "2 s", "period": "6 s", "low": "2 s", "ramp": "1 s",
 }  # fmt: skip
-"""A rail on which a controller brakes less in turns, and on which the brakes are the limit otherwise."""
+"""A rail that hardly carries the brakes in turns: the wheelsets creep, and pads on slower discs have more friction."""
 
 
 def drawn(number):
@@ -97,17 +107,12 @@ def drawn(number):
     ("rail", "curve", "speed", "gradient", "kind"),
     [
         (BETWEEN_SLIDES, "soap", 70.0, 0.0, "ideal_tracking"),
-        (COOL_PADS, "soap", 155.0, 0.006, "ideal_tracking"),
+        (CREEPING, "soap", 155.0, 0.006, "ideal_tracking"),
         *map(drawn, range(30)),
     ],
 )
 def test_no_stop_is_shorter_than_the_bound(rail, curve, speed, gradient, kind):
-    """By more than 0.2 %, the error of pad friction; without a limit of adhesion, which the controllers do not have.
-
-    The bound takes the pads from a stop without slides. After a slide, or after less braking, pads are cooler at the
-    same speed and have more friction. In 112 other scenarios of this distribution the greatest excess was 0.17 %, on
-    soap from 132 km/h.
-    """
+    """By more than 0.1 %, the error of the point mass. The controllers do not have a limit of adhesion."""
     changes = {
         "adhesion": rail | {"polach": curve}, "start": {"speed": f"{speed} km/h"}, "estimator": {"kind": "none"},
         "limits": {"alpha_max": 1.0}, "truth": {"gradient": gradient},
@@ -119,7 +124,7 @@ def test_no_stop_is_shorter_than_the_bound(rail, curve, speed, gradient, kind):
         for name in ("ideal_bound", kind)
     )
     assert stop.outcome.value == best.outcome.value == "standstill"
-    assert stop.metrics.distance > 0.998 * best.metrics.distance
+    assert stop.metrics.distance > 0.999 * best.metrics.distance
 
 
 def test_the_bound_keeps_to_alpha_max_where_wheelsets_regain_speed():
