@@ -15,7 +15,6 @@ from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers import tuned
 from railgrip.controllers.law import Demand, Ranges, Tuning
 from railgrip.controllers.laws.slope_seeking import (
     SlopeSeeking,
@@ -26,6 +25,7 @@ from railgrip.controllers.laws.slope_seeking import (
     slope_targets,
     weighted_mean,
 )
+from railgrip.controllers.parameters import SEARCHED, SlipSource
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every, within
 
 
@@ -94,13 +94,13 @@ class TwoMaxima(SlopeSeeking):
     }
 
     @classmethod
-    def load_tuning(cls, actuation: str, slip: tuned.SlipSource, name: str = tuned.SEARCHED, **others: float) -> Tuning:
+    def load_tuning(cls, actuation: str, slip: SlipSource, name: str = SEARCHED, /, **others: float) -> Tuning:
         """Return the parameters of one of the law's sets, with those of `SlopeSeeking` for the slope.
 
         Raises:
             ValueError: See `GroupLaw.load_tuning`.
         """
-        slope = asdict(SlopeSeeking.load_tuning(actuation, slip, tuned.SEARCHED, **others))
+        slope = asdict(SlopeSeeking.load_tuning(actuation, slip, SEARCHED, **others))
         return super().load_tuning(actuation, slip, name, **{**slope, **others})
 
     @staticmethod
