@@ -5,6 +5,7 @@ by a tenth is random. All controllers have the same lots, so that their distance
 OpenModelica is on the PATH, and therefore compiles the plants, those of the built-in compiler are run once in addition.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from railgrip.campaign.work import Work
 from railgrip.fmus.build import choose, fmu
 from railgrip.report.stop import Stop, read_stop
 from railgrip.scenario.campaign import Campaign, PlannedStop
-from railgrip.scenario.conditioning import ConditioningFile, RepeatedDistances
+from railgrip.scenario.conditioning import SMOOTH, ConditioningFile, RepeatedDistances
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.sensors import SampledSensors
@@ -103,6 +104,21 @@ def conditioning_of(
             },
         )
     return ConditioningFile(relative=relative, stops=stops)
+
+
+def keep_divided_steps(
+    stops: Mapping[str, RepeatedDistances], before: Mapping[str, RepeatedDistances]
+) -> dict[str, RepeatedDistances]:
+    """Return repeats with the distances at divided communication steps that were measured before.
+
+    They are kept for stops of the same scenario whose median distance has not changed by more than `SMOOTH`.
+    """
+    return {
+        name: stop.model_copy(update={"steps": before[name].steps})
+        if name in before and before[name].digest == stop.digest and abs(before[name].median - stop.median) <= SMOOTH
+        else stop
+        for name, stop in stops.items()
+    }
 
 
 DIVISORS = (2, 4)

@@ -9,7 +9,13 @@ import typer
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_text
-from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of, with_divided_steps
+from railgrip.campaign.conditioning import (
+    campaign_of,
+    conditioning_of,
+    keep_divided_steps,
+    repeats_of,
+    with_divided_steps,
+)
 from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.work import work
 from railgrip.campaign.workers import shared_pool
@@ -148,6 +154,7 @@ def conditioning(
     selection = loaded.only(lambda stop: fnmatch(stop.name, stops))
     if not selection.stops:
         raise ScenarioError(f"--stops {stops}: {file.name} has no such stop; it has {loaded.stops[0].name} and others")
+    before = {} if stops == "*" and not loaded.conditioning.exists() else read_conditioning(loaded.conditioning).stops
     others = {} if stops == "*" else _previous_repeats(loaded.conditioning, relative)
     repetitions = {stop.name: repeats_of(stop, count=repeats, lots=lots, relative=relative) for stop in selection.stops}
     directory = out / loaded.name
@@ -160,7 +167,8 @@ def conditioning(
     # A repeat without standstill counts as an infinite distance; a repeat that failed has no result, and nothing is
     # written.
     results = conditioning_of(selection, repetitions, directory, relative)
-    write_text(loaded.conditioning, text_of(results.model_copy(update={"stops": others | results.stops})))
+    kept = keep_divided_steps(results.stops, before)
+    write_text(loaded.conditioning, text_of(results.model_copy(update={"stops": others | kept})))
     rows = [
         {"stop": name, "shortest": stop.lowest, "median": stop.median, "longest": stop.highest, "spreads": stop.spreads}
         | ({"lots": stop.lots_text} if lots else {})

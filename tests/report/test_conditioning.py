@@ -9,7 +9,13 @@ from synthetic import stop_of
 
 import railgrip.scenario
 from railgrip.base.errors import ScenarioError
-from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of, with_divided_steps
+from railgrip.campaign.conditioning import (
+    campaign_of,
+    conditioning_of,
+    keep_divided_steps,
+    repeats_of,
+    with_divided_steps,
+)
 from railgrip.campaign.run import write_description
 from railgrip.report.baseline import (
     AcceptedValue,
@@ -105,6 +111,18 @@ def test_what_a_divided_step_moves_is_compared_with_what_rounding_moves():
     moved = RepeatedDistances(digest="d", distances=(299.0, 300.0, 301.0), steps={2: (303.0,), 4: (None,)})
     assert moved.moved_by_step(2) == pytest.approx(0.01)
     assert moved.moved_by_step(4) == np.inf
+
+
+def test_new_repeats_keep_the_distances_at_divided_steps_of_the_same_stop():
+    """The tolerance is that of a smooth distance, 0.02 m."""
+    steps = {2: (280.1,), 4: (280.2,)}
+    before = {"one": FIRM.model_copy(update={"steps": steps})}
+    again = FIRM.model_copy(update={"distances": (280.0, 280.011, 280.02)})
+    assert keep_divided_steps({"one": again, "two": FIRM}, before) == {
+        "one": again.model_copy(update={"steps": steps}), "two": FIRM,
+    }  # fmt: skip
+    for other in (again.model_copy(update={"digest": "e"}), FIRM.model_copy(update={"distances": (281.0,)})):
+        assert keep_divided_steps({"one": other}, before) == {"one": other}
 
 
 def test_a_divided_step_keeps_the_periods_of_all_other_parts(tmp_path, write_campaign):

@@ -94,7 +94,10 @@ def test_an_exported_law_brakes_fully_until_a_driver_demands_less(tmp_path):
     [
         (["controller.parameters.filter_time=-1 ms"], "filter_time must be between 0 and 100000 s, got -0.001"),
         (["controller.parameters.A_piston=-1 m^2"], r"A_piston\[1\] is -1 m2, but the vehicle has"),
-        (["controller.kind=ideal_bound", "estimator.kind=none"], r"plain: .controller. kind 'ideal_bound' is not a built-in law"),
+        (
+            ["controller.kind=ideal_bound", "estimator.kind=none"],
+            r"plain: .controller. kind 'ideal_bound' is not a built-in law",
+        ),
     ],
 )
 def test_a_controller_that_cannot_be_exported_is_refused(changes, sentence):

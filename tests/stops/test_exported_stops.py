@@ -222,7 +222,12 @@ def test_a_system_has_a_connection_for_every_input(system):
 @pytest.mark.parametrize(
     ("name", "changes", "kind", "sentence"),
     [
-        ("plain", ["controller.kind=ideal_bound", "estimator={kind='none'}"], "onboard", "'ideal_bound' is not a built-in law"),
+        (
+            "plain",
+            ["controller.kind=ideal_bound", "estimator={kind='none'}"],
+            "onboard",
+            "'ideal_bound' is not a built-in law",
+        ),
         ("field", [], "sensors", "read in Python and cannot leave as an FMU"),
         ("degraded", [], "sensors", "of sensors or valves cannot leave as an FMU"),
     ],
