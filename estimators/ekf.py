@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -67,9 +68,9 @@ class GaussianFilter(ABC):
         self.design = FilterDesign.of(prediction, process_noise, reading_noise, period, gate, outlier_limit, order)
 
     @classmethod
-    def of_context(cls, context: FilterContext) -> "NumpyFilter":
-        """Return the filter of a scenario with its first estimate."""
-        filter_ = cls(
+    def without_estimate(cls, context: FilterContext) -> Self:
+        """Return the filter of a scenario."""
+        return cls(
             context.prediction,
             context.process_noise,
             context.reading_noise,
@@ -77,6 +78,11 @@ class GaussianFilter(ABC):
             context.gate,
             context.outlier_limit,
         )
+
+    @classmethod
+    def of_context(cls, context: FilterContext) -> "NumpyFilter":
+        """Return the filter of a scenario with its first estimate."""
+        filter_ = cls.without_estimate(context)
         return NumpyFilter(filter_, filter_.start(context.mean, context.covariance))
 
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> GaussianEstimate:

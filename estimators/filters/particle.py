@@ -79,14 +79,7 @@ class ParticleFilter:
     @classmethod
     def of_context(cls, context: FilterContext) -> Self:
         """Return the filter of a scenario: pad friction is sampled, which multiplies the pad force."""
-        filter_ = ExtendedKalmanFilter(
-            context.prediction,
-            context.process_noise,
-            context.reading_noise,
-            context.period,
-            context.gate,
-            context.outlier_limit,
-        )
+        filter_ = ExtendedKalmanFilter.without_estimate(context)
         sampled = [k for k, name in enumerate(context.prediction.states) if name.startswith("mu_b")]
         return cls(filter_, sampled, filter_.start(context.mean, context.covariance), PARTICLES, SEED)
 
