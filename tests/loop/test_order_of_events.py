@@ -33,7 +33,7 @@ from railgrip.simulate.loop.faults import Faults
 from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.loop.parts import Clock, Parts, StateEstimator
 from railgrip.simulate.loop.plausible import Plausibility, Slowing, slowing_of
-from railgrip.simulate.loop.rail import Field, TabulatedRail
+from railgrip.simulate.loop.rail import SlipEnergy, TabulatedRail
 from railgrip.simulate.loop.sensors import (
     BLOCK,
     IdealSensors,
@@ -64,7 +64,7 @@ INSTRUMENTS = ServiceInstruments(
         position=np.array(TWO_PART_TRAIN.wheelset_position), forward=np.array([0.9, -1.8, 0.9]),
         back=np.array([-1.8, 0.85]), state=np.zeros((6, 2)),
     ),
-    speed_every=50, speed_latency=50, acceleration_noise=0.03, acceleration_bias=0.05, deflection_noise=2e-4,
+    speed_rate=50, speed_latency=50, acceleration_noise=0.03, acceleration_bias=0.05, deflection_noise=2e-4,
     pressure_offset=np.array([1e3, -2e3, 30.0, 4e3]), pressure_step=244.0, pressure_lag=0.01,
 )  # fmt: skip
 
@@ -193,7 +193,7 @@ SENSORS = {
 
 def parts_of(
     plant, controller, filter_, *, samples, sensors, valves, every, over_time, start_speed=None, phases=None,
-    field=lambda: None, broken=((), ()), sensing=1, bounds=ANY_TRAIN,
+    slip_energy=lambda: None, broken=((), ()), sensing=1, bounds=ANY_TRAIN,
 ):  # fmt: skip
     recorder = Recorder(
         (
@@ -204,20 +204,21 @@ def parts_of(
         TWO_PART_TRAIN,
         samples + 1,
     )
-    faults = Faults(LAYOUT, valves=valves, noise_every=1)
+    faults = Faults(LAYOUT, valves=valves, noise_rate=1)
     for add, changes in zip((faults.add_reading, faults.add_command), broken, strict=True):
         for change in changes:
             add(**change)
     friction = np.random.default_rng(3).uniform(0.02, 0.2, (200, 6))
+    table = FrictionTable(over_time=over_time, step=5e-3, mu0_at=friction)
     return Parts(
         layout=LAYOUT,
         plant=plant,
-        rail=TabulatedRail(LAYOUT, FrictionTable(over_time=over_time, step=5e-3, mu0_at=friction), STEPS, field()),
+        rail=TabulatedRail(LAYOUT, table, STEPS, slip_energy()),
         sensors=SENSORS[sensors](),
         estimator=state_estimator(filter_) if filter_ else None,
         controller=controller,
         valves=ValveLogic([3.4e5] * 4, VALVES) if valves else None,
-        driver=Driver(LAYOUT, 1e-3, full=FULL, touching=np.full(4, 3e4), phases=phases),
+        driver=Driver(LAYOUT, 1e-3, full=FULL, release_pressure=np.full(4, 3e4), phases=phases),
         faults=faults or None,
         wheel_radius=RADIUS,
         clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples, sensors=sensing),
@@ -379,7 +380,7 @@ def test_a_rail_that_slip_changes(reach):
     clean, rows = Recovery(mu0=0.3, A=0.4, B=0.6, rate=1e-2), []
     ended, _, _ = same(
         lambda: Plant(speed=12.0, slowing=10.6, wrong=slides), samples=BLOCK + 300,
-        field=lambda: Field(LAYOUT, clean, LAID, reach),
+        slip_energy=lambda: SlipEnergy(LAYOUT, clean, LAID, reach),
         keep=lambda recorder: rows.append(recorder.rows[: recorder.written, recorder.columns["mu0"]].copy()),
     )  # fmt: skip
     assert ended is Outcome.STANDSTILL
@@ -570,7 +571,7 @@ def test_a_speed_falls_by_no_more_than_friction_gradient_and_resistance_allow(fr
     """A plant that brakes with all that there is stops; one with 0.5 % more does not come to 60 % of its speed."""
 
     def most(share):
-        return lambda v: share * (9.81 * friction + TRAIN.most(v) - force / 84e3)
+        return lambda v: share * (9.81 * friction + TRAIN.maximum(v) - force / 84e3)
 
     assert braked(most(1.0), friction=friction, force=force) == 1.0
     assert braked(most(1.005), friction=friction, force=force) < 0.6

@@ -36,7 +36,7 @@ class Slowing:
     constant: float
     quadratic: float
 
-    def most(self, speed: float) -> float:
+    def maximum(self, speed: float) -> float:
         """Return the maximum deceleration at a speed [m/s] without adhesion and track force [m/s2]."""
         return self.constant + self.quadratic * speed**2
 
