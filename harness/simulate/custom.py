@@ -478,8 +478,8 @@ class CustomPlant:
         by_name = _by_its_names(outputs)
         if by_name is None or not self._required <= by_name.keys() <= self._shapes.keys():
             raise PlantFailed(
-                f"{_place(self._part, 'start')} returned {_short(outputs)}; a plant shows "
-                f"{', '.join(sorted(self._required))}, and may show "
+                f"{_place(self._part, 'start')} returned {_short(outputs)}; a plant outputs "
+                f"{', '.join(sorted(self._required))}, and may output "
                 f"{', '.join(sorted(self._shapes.keys() - self._required))}."
             )
         self._output_names = frozenset(by_name)

@@ -213,7 +213,7 @@ def _ratio(signal: str, value: float, expected: float, tolerance: float, words: 
     return SignalCheck(
         signal=signal,
         good=good,
-        sentence=f"shows {value:.6g} {words} {expected:.6g}{'' if good else _hint(ratio)}",
+        sentence=f"has {value:.6g} {words} {expected:.6g}{'' if good else _hint(ratio)}",
         ratio=ratio,
     )
 

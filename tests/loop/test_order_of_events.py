@@ -482,7 +482,7 @@ def test_a_plant_with_impossible_outputs_is_implausible(sample, signal, element,
     shown = showing(signal, lambda k, true: value if k == sample else true, element)
     outcome, reason, written = same(lambda: Plant(wrong=shown), filter_=Filter)
     assert (outcome, written) == (Outcome.IMPLAUSIBLE, sample)
-    assert f"At {sample * 1e-3:.3f} s the plant shows {words}" in reason
+    assert f"At {sample * 1e-3:.3f} s the plant outputs {words}" in reason
 
 
 @pytest.mark.parametrize(
@@ -504,13 +504,13 @@ def test_a_plant_in_other_units_or_signs(signal, change, latest):
     outcome, reason, written = same(lambda: Plant(wrong=showing(signal, change)))
     assert outcome is Outcome.IMPLAUSIBLE
     assert written <= latest
-    assert f"shows {signal}" in reason
+    assert f"outputs {signal}" in reason
 
 
 def test_a_plant_that_starts_with_another_speed_than_the_scenario():
     outcome, reason, written = same(start_speed=72.0)
     assert (outcome, written) == (Outcome.IMPLAUSIBLE, 0)
-    assert "At 0.000 s the plant shows speed = 20 m/s, but [start] speed asks for 71.927 to 72.073 m/s" in reason
+    assert "At 0.000 s the plant outputs speed = 20 m/s, but [start] speed requires 71.927 to 72.073 m/s" in reason
 
 
 @given(
@@ -543,7 +543,7 @@ def test_an_honest_plant_is_never_implausible(speed, slowing, late, grid, roundi
 
 
 def outputs_of(speed, distance, acceleration):
-    """What a plant shows that hides loads, slip and adhesion."""
+    """Outputs of a plant that hides loads, slip and adhesion."""
     truth = np.full(LAYOUT.outputs, np.nan)
     for name, value in (("speed", speed), ("distance", distance), ("acceleration", acceleration)):
         truth[LAYOUT.output[name]] = value
@@ -558,7 +558,7 @@ def braked(deceleration, *, friction=0.1, force=0.0, bounds=TRAIN, speed=20.0, p
     a = -deceleration(speed)
     while v > 0.2:
         if not holds(plausibility, k, outputs_of(v, s, shown * a), inputs):
-            assert plausibility.reason(k * period).startswith(f"At {k * period:.3f} s the plant shows ")
+            assert plausibility.reason(k * period).startswith(f"At {k * period:.3f} s the plant outputs ")
             return (speed - v) / speed
         a = -deceleration(v)
         s, v, k = s + period * (v + 0.5 * period * a), v + period * a, k + 1
@@ -604,7 +604,7 @@ def test_a_speed_that_jumps_a_little_at_every_sample_is_implausible(jump):
     """0.09 m/s in a millisecond are nine times the acceleration of gravity, and are found in the first of them."""
     outcome, reason, written = same(lambda: Plant(wrong=showing("speed", lambda k, true: true + jump * k)))
     assert (outcome, written) == (Outcome.IMPLAUSIBLE, 1)
-    assert "At 0.001 s the plant shows speed = " in reason
+    assert "At 0.001 s the plant outputs speed = " in reason
 
 
 @pytest.mark.parametrize(("share", "fits"), [(0.9992, True), (1.0008, True), (0.998, False), (1.002, False)])
