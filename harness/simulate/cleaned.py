@@ -18,7 +18,9 @@ from railgrip.trace.contact import Contact
 Array = NDArray[np.float64]
 
 SLIPS_OF_TWO_MAXIMA = np.geomspace(1e-4, 1.0, 65)
-"""Grid for `railgrip.trace.contact.peak` on which the higher of two maxima is found within 0.3 %."""
+"""Grid for `railgrip.trace.contact.peak`: where two maxima are nearly equal, the lower one may be found.
+
+On random rails with the shipped creep curves, the highest adhesion is missed by up to 2 %, and by 1e-5 on average."""
 
 _TOLERANCE = 1e-3  # of the energy of a wheelset on its own metre of rail; the iteration ends above the solution
 _ITERATIONS = 30
@@ -31,7 +33,7 @@ class CleanedContact:
 
     It takes `curve` as the contact of the plant does, and `energy`, the slip energy that wheelsets ahead have left on
     the rail, per wheel [J/m]. The wheelset adds its own, with steady slip; of two steady states it has that of the
-    higher friction. The law is that of `railgrip.simulate.loop.rail.Field`.
+    higher friction. The law is that of `railgrip.simulate.loop.rail.SlipEnergy`.
     """
 
     def __init__(self, contact: Contact, clean: Recovery, curve: Array) -> None:
