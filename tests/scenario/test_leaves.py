@@ -22,7 +22,7 @@ def rail(seed=1, horizon=100.0, **leaves):
         "name": "leaves", "description": "", "seed": seed, "start": {"speed": "100 m/s"},
         "vehicle": {"plant": "TwoPartTrain"}, "controller": {"kind": "full_brake"}, "estimator": {"kind": "none"},
         "sensors": {"kind": "ideal"}, "actuation": {"kind": "ideal"}, "adhesion": LEAVES | leaves,
-        "limits": {"horizon": horizon, "alpha_max": 0.15},
+        "limits": {"horizon": horizon, "alpha_max": 0.15} if horizon else {"alpha_max": 0.15},
     }  # fmt: skip
     return scenario_of(table, directory=Path(), origin="leaves")
 
@@ -53,6 +53,12 @@ def test_begins_are_a_poisson_process_of_the_given_count():
     assert np.var(counts) == pytest.approx(10.0, rel=0.2)
     # Gaps are exponential of mean 100 m. Of 10,000 patches two join, which the test does not notice.
     assert stats.kstest(gaps, stats.expon(scale=100.0).cdf).pvalue > 1e-3
+
+
+def test_a_horizon_that_is_not_given_follows_from_the_lowest_friction():
+    good = {"mu0": 0.9, "minimum": 0.8, "maximum": 0.9}
+    assert rail(horizon=None).horizon > rail(horizon=None, **good).horizon
+    assert rail(horizon=None, **good | {"minimum": 0.03}).horizon == rail(horizon=None).horizon
 
 
 def test_lengths_and_frictions_are_uniform_within_their_limits():
