@@ -162,23 +162,26 @@ def _of_model(name: str, model: Model, describe_fmu: Callable[[], Description]) 
     )
 
 
-def of_train(train: NamedFile, class_name: str = CENTRAL[0]) -> PredictionModel:
+def of_train(train: NamedFile, class_name: str = CENTRAL[0], *, has_suspension: bool = True) -> PredictionModel:
     """Return the prediction of a train file, the one that the filter of a scenario with that train has.
 
     Args:
         train: The file.
         class_name: A class of `railgrip.simulate.prediction.CENTRAL`.
+        has_suspension: Whether bogies of two wheelsets have a suspension; otherwise all loads are static.
 
     Raises:
         ScenarioError: The file is not a train.
     """
-    return _of_train(train.entry, train.path, train.digest(), class_name)
+    return _of_train(train.entry, train.path, train.digest(), class_name, has_suspension)
 
 
 @cache
-def _of_train(entry: str, path: Path, digest: str, class_name: str) -> PredictionModel:  # pyright: ignore[reportUnusedParameter]
+def _of_train(entry: str, path: Path, digest: str, class_name: str, has_suspension: bool) -> PredictionModel:  # pyright: ignore[reportUnusedParameter]
     train = load_train(path)
     formation, data = Formation(tuple(map(len, train.groups))), nominal_data(train)
+    if not has_suspension:  # without data of its frame a bogie is rigid
+        data = {name: value for name, value in data.items() if not name.startswith("m_frame")}
 
     def data_with(given: Values) -> dict[str, float]:
         return {name: value for name, value in data.items() if name.partition("[")[0] not in given} | dict(given)
