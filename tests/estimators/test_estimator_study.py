@@ -4,6 +4,7 @@ import json
 import tomllib
 from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +12,10 @@ import xarray
 
 from railgrip.base.errors import InputError
 from railgrip.campaign.work import work
+from railgrip.estimation.judge import judge
 from railgrip.estimation.run import model_of
+from railgrip.estimation.sources import recording_of_estimation
+from railgrip.estimation.spec import estimate_of, load_specification
 from railgrip.fmus.build import fmu
 from railgrip.studies.estimators.claims import LOAD_DEVIATION, with_unmodelled
 from railgrip.studies.estimators.judge import CONSTANT, FORCE_BALANCE, errors_of, step_delay, truths_of
@@ -29,6 +33,7 @@ from railgrip.studies.estimators.replay import LAGS, MODEL, bound_of, model_of_e
 from railgrip.studies.estimators.search import BUDGET, interval_score, search, write_factors
 from railgrip.studies.estimators.study import ESTIMATORS, FAST, Estimators
 from railgrip.studies.estimators.tables import leaderboard, skill
+from railgrip.studies.estimators.vehicles import SETTLED, rows_of_estimation, vehicles
 
 CONSTANTS = (("adhesion", 0.05), ("pad_friction", 0.35))
 
@@ -284,3 +289,17 @@ def test_another_train_has_its_recordings_estimators_and_folder(short, tmp_path)
         ):
             with pytest.raises(InputError, match=sentence):
                 wrong.page(job)
+
+
+def test_a_filter_of_another_vehicle_has_the_errors_of_its_estimation():
+    """In the comparison as from `railgrip estimate`."""
+    specification = load_specification(Path("wagon"))
+    recording = recording_of_estimation(specification)
+    estimates = estimate_of(specification, recording)
+    judged = recording["time"].values >= SETTLED
+    rows = {(row["estimator"], row["quantity"]): row for row in rows_of_estimation("wagon")}
+    own = judge(recording, estimates, "alpha", judged)
+    assert rows["fmu", "alpha"]["RMSE"] == pytest.approx(own.rmse, rel=1e-9)
+    assert rows["fmu", "alpha"]["NEES"] == pytest.approx(own.nees, rel=1e-9)
+    assert all(row["bound"] > 0.0 for row in rows.values())
+    assert len(vehicles(list(rows.values())).rows) == len(rows)

@@ -41,6 +41,7 @@ from railgrip.studies.estimators.tables import (
     others,
     targets,
 )  # fmt: skip
+from railgrip.studies.estimators.vehicles import ESTIMATIONS, rows_of_estimation, rows_of_lateral, vehicles
 from railgrip.studies.study import Study
 
 PAGE: Final = Path("docs/estimators_compared.md")
@@ -97,6 +98,8 @@ class Estimators(Study):
             "others": others(results),
             "targets": targets(results, design, bound),
         }
+        if not (self.estimator or self.quick or train):
+            tables["vehicles"] = vehicles_of(work)
         if self.write:
             write_tables(PAGE, tables)
         best = tables["leaderboard"].rows[0]
@@ -108,7 +111,8 @@ class Estimators(Study):
                 f"{best['estimator']}. The prediction, if it were true, would permit {bound:.4f}."
             ),
             template="studies/estimators/estimators.md.jinja",
-            values=tables
+            values={"vehicles": ""}
+            | tables
             | {"count": count, "bound": f"{bound:.4f}", "train": Path(train).stem if train else ""}
             | {"limits": model_of_estimator("fmu", train).limits},
             tables={f"{name}.csv": table for name, table in tables.items()},
@@ -173,6 +177,12 @@ class Estimators(Study):
         ]
         coverage = float(np.mean([one.coverage["adhesion"] for one in results["fmu"]]))
         return [*errors, mean("fmu: adhesion coverage", coverage)]
+
+
+def vehicles_of(work: Work) -> ReportTable:
+    """Return the table of the filters of wagon, roller rig and lateral wheelset."""
+    found = [*work.map(rows_of_estimation, ESTIMATIONS), *work.map(rows_of_lateral, [SEEDS["test"]])]
+    return vehicles([row for rows in found for row in rows])
 
 
 def results_of(
