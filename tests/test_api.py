@@ -176,7 +176,7 @@ OUTCOMES = {name: f"{name}_failed" for name in PARTS} | {"estimator": "diverged"
         ("sensors", "read", lambda self, time, truth: {"speed": [1.0, 2.0]}, r"gave speed as numbers of shape \(2,\)"),
         ("sensors", "read", lambda self, time, truth: truth["slip"].fill(0.0), "read-only"),
         ("plant", "step", lambda self, inputs: 1 / 0, r"failed in .*ZeroDivisionError.* At 0\.001 s"),
-        ("plant", "start", lambda self, formation, speed, period: {"speed": speed}, "a plant shows accel"),
+        ("plant", "start", lambda self, formation, speed, period: {"speed": speed}, "a plant outputs accel"),
         ("plant", "step", lambda self, inputs: {"speed": 1.0}, "at the start it returned"),
         ("plant", "step", lambda self, inputs: inputs["mu0"].fill(0.0), "read-only"),
     ],

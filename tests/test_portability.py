@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from railgrip.base import cache
-from railgrip.fmus.native import confined, toolchain
+from railgrip.fmus.native import separate_process, toolchain
 from railgrip.scenario.load import load, scenario_of
 
 ROOT = Path(__file__).parents[1]
@@ -106,7 +106,8 @@ def test_a_library_that_is_loaded_on_windows_may_be_kept_again(tmp_path, monkeyp
 def test_a_translation_that_ends_badly_says_so_where_there_are_no_signals():
     """Windows ends a process whose stack overflows with a large positive code."""
     code = "import signal; [delattr(signal, n) for n in ('SIGXCPU', 'SIGKILL') if hasattr(signal, n)]; "
-    code += "from railgrip.fmus.native import confined; print(confined._process_failure('P.X', 3221225725, ''))"
+    code += "from railgrip.fmus.native.separate_process import _process_failure as sentence; "
+    code += "print(sentence('P.X', 3221225725, ''))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, encoding="utf-8", check=False)
     assert "exit code 3221225725" in done.stdout, done.stderr
 
@@ -121,7 +122,7 @@ def test_a_system_that_limits_no_address_space_translates_all_the_same(monkeypat
             raise ValueError("current limit exceeds maximum limit")  # macOS
 
     monkeypatch.setattr(resource, "setrlimit", refuse)
-    confined._limit(300, 4096)
+    separate_process._limit(300, 4096)
     assert limits == [resource.RLIMIT_CPU, resource.RLIMIT_AS, resource.RLIMIT_CORE]
 
 

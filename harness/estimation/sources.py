@@ -119,7 +119,7 @@ def stop_read(
         ScenarioError: The stop fails.
     """
     trace = trace_of(scenario, import_from, objects=objects)
-    return evenly(thin(trace, int(scenario.periods.every("trace"))), name or scenario.name)
+    return evenly(thin(trace, int(scenario.periods.steps_of("trace"))), name or scenario.name)
 
 
 def recording_of_stop(

@@ -96,9 +96,9 @@ def test_a_plant_that_never_stops_ends_at_the_horizon(railgrip: Railgrip, foundr
 @pytest.mark.parametrize(
     ("more", "defined", "sentence"),
     [
-        ('distance = "-distance"', (), "'distance' shows -"),
+        ('distance = "-distance"', (), "'distance' has -"),
         ('acceleration = "-acceleration"', (), "it looks like the other sign"),
-        ('start_speed = { variable = "start_speed", scale = 3.6 }', (), "'speed' shows 2.77778 m/s at the start"),
+        ('start_speed = { variable = "start_speed", scale = 3.6 }', (), "'speed' has 2.77778 m/s at the start"),
         ('wheelset_speed = { variable = "wheelset_speed[{i}]", scale = 0.826 }', (), "a constant slip of 17 %"),
         ('pressure_command = { variable = "pressure_command[{i}]", scale = 1e5 }', (), "full brakes slow the train by"),
         ('cylinder_pressure = { variable = "cylinder_pressure[{i}]", scale = 1e-5 }', (), "it looks like bar for Pa"),
@@ -141,7 +141,7 @@ def test_a_draft_of_the_map_is_printed_with_what_a_short_run_shows(foundry: Path
     assert (draft["speed"], draft["distance"], draft["start_speed"]) == ("velocity", "odometer", "v0")
     # This one counts as we do, whatever its name says, and its wheels are larger: the run tells both.
     assert draft["acceleration"] == "retardation"
-    assert "# corrected: acceleration had the other sign; in the first run acceleration shows" in out
+    assert "# corrected: acceleration had the other sign; in the first run acceleration has" in out
     assert "WRONG" not in out
     assert tomllib.loads(out)["vehicle"]["formation"] == {
         "wheelsets_per_group": [2, 1, 1, 2],

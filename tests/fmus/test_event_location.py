@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from railgrip.fmus.native.code import loud_discretes
+from railgrip.fmus.native.code import repeating_discretes
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit
 
@@ -89,7 +89,7 @@ def test_what_only_clocked_equations_read_asks_for_no_second_pass(tmp_path):
     file = tmp_path / "M.mo"
     file.write_text(COUNTER)
     system = explicit(read("M", file))
-    assert [system.variables.discretes[i].name for i in loud_discretes(system)] == ["odd", "count"]
+    assert [system.variables.discretes[i].name for i in repeating_discretes(system)] == ["odd", "count"]
 
 
 def test_a_clause_acts_at_the_instant_of_the_tick_that_changes_what_it_reads(modelica, run):

@@ -155,7 +155,7 @@ def test_a_class_of_a_library_is_lowered_once_and_again_when_the_library_changes
 
     assert pull() == -1
     with monkeypatch.context() as kept:
-        kept.setattr(equations.confined, "call", lambda *_: pytest.fail("it was kept"))
+        kept.setattr(equations.separate_process, "call", lambda *_: pytest.fail("it was kept"))
         assert pull() == -1
     file = library / "Oscillator.mo"
     file.write_text(file.read_text().replace("-4*x", "-9*x"))

@@ -26,7 +26,7 @@ from railgrip.studies.axle_box.ride import (
     outputs_of,
     outputs_of_fmu,
     read_ride,
-    ride_beside,
+    ride_with_estimator,
 )
 
 ROUNDING = 1e-11
@@ -142,7 +142,7 @@ def test_a_saved_estimator_is_read_back(kind, estimators, tmp_path):
 @pytest.mark.parametrize("kind", ["general", "paper"])
 def test_over_a_ride_an_estimator_is_the_same_online_and_offline(kind, estimators, tmp_path):
     save(estimators[kind], tmp_path / "mine.json")
-    trace, apart = ride_beside(read_ride(written(tmp_path, length=12.0)), tmp_path)
+    trace, apart = ride_with_estimator(read_ride(written(tmp_path, length=12.0)), tmp_path)
     assert apart < ROUNDING
     assert trace.sizes["time"] == pytest.approx(12.0 / 26.82 * RATE, rel=0.05)  # the car keeps about that speed
     friction = trace["friction"].values
@@ -177,7 +177,7 @@ def test_invalid_rides_and_estimators_are_refused(tmp_path, files):
     with pytest.raises(ScenarioError, match=r"\[car\] condition is 'oil'; there is dry"):
         read_ride(written(tmp_path, condition="oil"))
     with pytest.raises(EstimatorError, match="there is no such file; correct the path; `make learn` writes"):
-        ride_beside(read_ride(written(tmp_path, file="gone.json")), tmp_path)
+        ride_with_estimator(read_ride(written(tmp_path, file="gone.json")), tmp_path)
     (tmp_path / "other.json").write_text('{"kind": "paper", "format": 1}')
     with pytest.raises(EstimatorError, match="damaged trained estimator"):
         load(tmp_path / "other.json")
@@ -185,4 +185,4 @@ def test_invalid_rides_and_estimators_are_refused(tmp_path, files):
     with pytest.raises(EstimatorError, match="is not a trained estimator of format 1"):
         load(tmp_path / "none.json")
     with pytest.raises(FmuError, match="there is no such file"):
-        ride_beside(read_ride(written(tmp_path, kind="fmu", file="gone.fmu")), tmp_path)
+        ride_with_estimator(read_ride(written(tmp_path, kind="fmu", file="gone.fmu")), tmp_path)

@@ -1,4 +1,4 @@
-"""Rails of constant friction, and what a plant shows of its place on them, for a vehicle of `synthetic.LAYOUT`."""
+"""Rails of constant friction, and the outputs of a plant at its place on them, for a vehicle of `synthetic.LAYOUT`."""
 
 import numpy as np
 from synthetic import LAYOUT

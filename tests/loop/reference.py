@@ -75,7 +75,7 @@ def brake(parts):
             seen = observation(parts, k, latest, pressure)
             demand = parts.controller.decide(seen)
             if parts.limits:
-                demand = np.clip(demand, 0.0, parts.limits.most)
+                demand = np.clip(demand, 0.0, parts.limits.maximum)
             if parts.train_level:
                 demand = parts.train_level.decide(seen, demand)
             if not math.isfinite(sum(demand)):

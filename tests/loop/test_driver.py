@@ -8,7 +8,7 @@ from synthetic import FULL, LAYOUT
 from railgrip.simulate.loop.driver import Driver
 
 PERIOD = 0.01
-TOUCHING = 3e4
+RELEASE = 3e4
 
 
 def phase(pressure=0.0, until="end", limit=np.nan, **changes):
@@ -16,7 +16,7 @@ def phase(pressure=0.0, until="end", limit=np.nan, **changes):
 
 
 def driver(*phases):
-    return Driver(LAYOUT, PERIOD, full=FULL, touching=np.full(4, TOUCHING), phases=np.concatenate(phases))
+    return Driver(LAYOUT, PERIOD, full=FULL, release_pressure=np.full(4, RELEASE), phases=np.concatenate(phases))
 
 
 def pressure_at(one, sample, speed=20.0, distance=0.0):
@@ -77,7 +77,7 @@ def test_a_block_stops_at_the_target(braking):
     one = driver(phase(target=500.0, deceleration=0.6, full_deceleration=1.2))
     speed, distance, begun = 20.0, 0.0, None
     for k in range(20_000):
-        share = max(pressure_at(one, k, speed, distance) - TOUCHING, 0.0) / (FULL[0] - TOUCHING)
+        share = max(pressure_at(one, k, speed, distance) - RELEASE, 0.0) / (FULL[0] - RELEASE)
         begun = distance if begun is None and share > 0 else begun
         slowing = 1.2 * braking * share
         distance += speed * PERIOD - slowing * PERIOD**2 / 2

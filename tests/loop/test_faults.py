@@ -12,10 +12,10 @@ from railgrip.simulate.loop.sensors import MissingTeeth
 SPEED = LAYOUT.reading["speed"].start
 
 
-def shown(course, *, valves=True, noise_every=1, **fault):
+def shown(course, *, valves=True, noise_rate=1, **fault):
     """Readings of the train speed with one fault between samples 3 and 6; -1 for none."""
     values = {"place": SPEED, "begin": 3, "end": 6} | fault
-    faults = Faults(LAYOUT, valves=valves, noise_every=noise_every)
+    faults = Faults(LAYOUT, valves=valves, noise_rate=noise_rate)
     faults.add_reading(**values)
     readings = []
     for k, speed in enumerate(course):
@@ -39,7 +39,7 @@ COURSE = [20, 19, 18, 17, 16, 15, 14, 13]
         ({"kind": "scaled", "value": 2.0}, [20, 19, 18, 34, 32, 30, 14, 13]),
         ({"kind": "biased", "value": -0.5}, [20, 19, 18, 16.5, 15.5, 14.5, 14, 13]),
         ({"kind": "noisy", "value": 2.0, "noise": UP_AND_DOWN}, [20, 19, 18, 19, 14, 17, 14, 13]),
-        ({"kind": "noisy", "value": 2.0, "noise": UP_AND_DOWN, "noise_every": 2}, [20, 19, 18, 19, 18, 13, 14, 13]),
+        ({"kind": "noisy", "value": 2.0, "noise": UP_AND_DOWN, "noise_rate": 2}, [20, 19, 18, 19, 18, 13, 14, 13]),
     ],
     ids=lambda value: value["kind"] if isinstance(value, dict) else "",
 )  # fmt: skip
@@ -57,7 +57,7 @@ def test_a_sensor_that_is_broken_from_the_start_shows_its_first_reading_only(kin
 def test_faults_of_one_sensor_act_in_their_order():
     results = []
     for kinds in (("scaled", "biased"), ("biased", "scaled")):
-        faults = Faults(LAYOUT, valves=True, noise_every=1)
+        faults = Faults(LAYOUT, valves=True, noise_rate=1)
         for kind in kinds:
             faults.add_reading(kind, SPEED, begin=0, end=9, value=2.0)
         results.append(show(faults, 0, np.full(LAYOUT.readings, 10.0))[SPEED])
@@ -67,7 +67,7 @@ def test_faults_of_one_sensor_act_in_their_order():
 def passed(commands, *, valves, inside=(0.0,) * 20, air=(0.0,) * 20, **fault):
     """Commands that arrive at group 2 with one fault between samples 2 and 5."""
     values = {"group": 1, "begin": 2, "end": 5} | fault
-    faults = Faults(LAYOUT, valves=valves, noise_every=1)
+    faults = Faults(LAYOUT, valves=valves, noise_rate=1)
     faults.add_command(**values)
     arrived = []
     for k, command in enumerate(commands):

@@ -71,7 +71,7 @@ def brake(plant, *, sensors=None, estimator=None, samples=5000, every=1):
         estimator=estimator,
         controller=Constant(),
         valves=None,
-        driver=Driver(LAYOUT, PERIOD, full=FULL, touching=np.zeros(4)),
+        driver=Driver(LAYOUT, PERIOD, full=FULL, release_pressure=np.zeros(4)),
         wheel_radius=(0.4,) * 4,
         clock=Clock(period=PERIOD, estimator=every, controller=1, samples=samples),
         plausibility=Plausibility(LAYOUT, PERIOD, plant.speed, UNBOUNDED),

@@ -33,7 +33,7 @@ from railgrip.simulate.loop.faults import Faults
 from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.loop.parts import Clock, Parts, StateEstimator
 from railgrip.simulate.loop.plausible import Plausibility, Slowing, slowing_of
-from railgrip.simulate.loop.rail import Field, TabulatedRail
+from railgrip.simulate.loop.rail import SlipEnergy, TabulatedRail
 from railgrip.simulate.loop.sensors import (
     BLOCK,
     IdealSensors,
@@ -64,7 +64,7 @@ INSTRUMENTS = ServiceInstruments(
         position=np.array(TWO_PART_TRAIN.wheelset_position), forward=np.array([0.9, -1.8, 0.9]),
         back=np.array([-1.8, 0.85]), state=np.zeros((6, 2)),
     ),
-    speed_every=50, speed_latency=50, acceleration_noise=0.03, acceleration_bias=0.05, deflection_noise=2e-4,
+    speed_rate=50, speed_latency=50, acceleration_noise=0.03, acceleration_bias=0.05, deflection_noise=2e-4,
     pressure_offset=np.array([1e3, -2e3, 30.0, 4e3]), pressure_step=244.0, pressure_lag=0.01,
 )  # fmt: skip
 
@@ -193,7 +193,7 @@ SENSORS = {
 
 def parts_of(
     plant, controller, filter_, *, samples, sensors, valves, every, over_time, start_speed=None, phases=None,
-    field=lambda: None, broken=((), ()), sensing=1, bounds=ANY_TRAIN,
+    slip_energy=lambda: None, broken=((), ()), sensing=1, bounds=ANY_TRAIN,
 ):  # fmt: skip
     recorder = Recorder(
         (
@@ -204,20 +204,21 @@ def parts_of(
         TWO_PART_TRAIN,
         samples + 1,
     )
-    faults = Faults(LAYOUT, valves=valves, noise_every=1)
+    faults = Faults(LAYOUT, valves=valves, noise_rate=1)
     for add, changes in zip((faults.add_reading, faults.add_command), broken, strict=True):
         for change in changes:
             add(**change)
     friction = np.random.default_rng(3).uniform(0.02, 0.2, (200, 6))
+    table = FrictionTable(over_time=over_time, step=5e-3, mu0_at=friction)
     return Parts(
         layout=LAYOUT,
         plant=plant,
-        rail=TabulatedRail(LAYOUT, FrictionTable(over_time=over_time, step=5e-3, mu0_at=friction), STEPS, field()),
+        rail=TabulatedRail(LAYOUT, table, STEPS, slip_energy()),
         sensors=SENSORS[sensors](),
         estimator=state_estimator(filter_) if filter_ else None,
         controller=controller,
         valves=ValveLogic([3.4e5] * 4, VALVES) if valves else None,
-        driver=Driver(LAYOUT, 1e-3, full=FULL, touching=np.full(4, 3e4), phases=phases),
+        driver=Driver(LAYOUT, 1e-3, full=FULL, release_pressure=np.full(4, 3e4), phases=phases),
         faults=faults or None,
         wheel_radius=RADIUS,
         clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples, sensors=sensing),
@@ -379,7 +380,7 @@ def test_a_rail_that_slip_changes(reach):
     clean, rows = Recovery(mu0=0.3, A=0.4, B=0.6, rate=1e-2), []
     ended, _, _ = same(
         lambda: Plant(speed=12.0, slowing=10.6, wrong=slides), samples=BLOCK + 300,
-        field=lambda: Field(LAYOUT, clean, LAID, reach),
+        slip_energy=lambda: SlipEnergy(LAYOUT, clean, LAID, reach),
         keep=lambda recorder: rows.append(recorder.rows[: recorder.written, recorder.columns["mu0"]].copy()),
     )  # fmt: skip
     assert ended is Outcome.STANDSTILL
@@ -481,7 +482,7 @@ def test_a_plant_with_impossible_outputs_is_implausible(sample, signal, element,
     shown = showing(signal, lambda k, true: value if k == sample else true, element)
     outcome, reason, written = same(lambda: Plant(wrong=shown), filter_=Filter)
     assert (outcome, written) == (Outcome.IMPLAUSIBLE, sample)
-    assert f"At {sample * 1e-3:.3f} s the plant shows {words}" in reason
+    assert f"At {sample * 1e-3:.3f} s the plant outputs {words}" in reason
 
 
 @pytest.mark.parametrize(
@@ -503,13 +504,13 @@ def test_a_plant_in_other_units_or_signs(signal, change, latest):
     outcome, reason, written = same(lambda: Plant(wrong=showing(signal, change)))
     assert outcome is Outcome.IMPLAUSIBLE
     assert written <= latest
-    assert f"shows {signal}" in reason
+    assert f"outputs {signal}" in reason
 
 
 def test_a_plant_that_starts_with_another_speed_than_the_scenario():
     outcome, reason, written = same(start_speed=72.0)
     assert (outcome, written) == (Outcome.IMPLAUSIBLE, 0)
-    assert "At 0.000 s the plant shows speed = 20 m/s, but [start] speed asks for 71.927 to 72.073 m/s" in reason
+    assert "At 0.000 s the plant outputs speed = 20 m/s, but [start] speed requires 71.927 to 72.073 m/s" in reason
 
 
 @given(
@@ -542,7 +543,7 @@ def test_an_honest_plant_is_never_implausible(speed, slowing, late, grid, roundi
 
 
 def outputs_of(speed, distance, acceleration):
-    """What a plant shows that hides loads, slip and adhesion."""
+    """Outputs of a plant that hides loads, slip and adhesion."""
     truth = np.full(LAYOUT.outputs, np.nan)
     for name, value in (("speed", speed), ("distance", distance), ("acceleration", acceleration)):
         truth[LAYOUT.output[name]] = value
@@ -557,7 +558,7 @@ def braked(deceleration, *, friction=0.1, force=0.0, bounds=TRAIN, speed=20.0, p
     a = -deceleration(speed)
     while v > 0.2:
         if not holds(plausibility, k, outputs_of(v, s, shown * a), inputs):
-            assert plausibility.reason(k * period).startswith(f"At {k * period:.3f} s the plant shows ")
+            assert plausibility.reason(k * period).startswith(f"At {k * period:.3f} s the plant outputs ")
             return (speed - v) / speed
         a = -deceleration(v)
         s, v, k = s + period * (v + 0.5 * period * a), v + period * a, k + 1
@@ -570,7 +571,7 @@ def test_a_speed_falls_by_no_more_than_friction_gradient_and_resistance_allow(fr
     """A plant that brakes with all that there is stops; one with 0.5 % more does not come to 60 % of its speed."""
 
     def most(share):
-        return lambda v: share * (9.81 * friction + TRAIN.most(v) - force / 84e3)
+        return lambda v: share * (9.81 * friction + TRAIN.maximum(v) - force / 84e3)
 
     assert braked(most(1.0), friction=friction, force=force) == 1.0
     assert braked(most(1.005), friction=friction, force=force) < 0.6
@@ -603,7 +604,7 @@ def test_a_speed_that_jumps_a_little_at_every_sample_is_implausible(jump):
     """0.09 m/s in a millisecond are nine times the acceleration of gravity, and are found in the first of them."""
     outcome, reason, written = same(lambda: Plant(wrong=showing("speed", lambda k, true: true + jump * k)))
     assert (outcome, written) == (Outcome.IMPLAUSIBLE, 1)
-    assert "At 0.001 s the plant shows speed = " in reason
+    assert "At 0.001 s the plant outputs speed = " in reason
 
 
 @pytest.mark.parametrize(("share", "fits"), [(0.9992, True), (1.0008, True), (0.998, False), (1.002, False)])

@@ -19,7 +19,7 @@ from railgrip.scenario.adhesion import position_of
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.surface import Recovery
-from railgrip.simulate.loop.rail import Field
+from railgrip.simulate.loop.rail import SlipEnergy
 from railgrip.simulate.parts import assemble
 from railgrip.simulate.run import run_stop
 
@@ -35,7 +35,7 @@ LOW = ("adhesion.mu0=0.05", "adhesion.polach=low", "estimator.kind=none", "contr
 
 
 def rail(mu0=0.05, reach=200.0, clean=CLEAN):
-    return constant_rail(mu0, field=Field(LAYOUT, clean, LAID, reach))
+    return constant_rail(mu0, slip_energy=SlipEnergy(LAYOUT, clean, LAID, reach))
 
 
 def truth(distance, speed=20.0, slip=0.1, adhesion=0.05):
@@ -92,13 +92,13 @@ def test_the_rail_keeps_all_the_energy(moves):
         track.advance(0.0, truth(place, slip=slip))
         spent += 6 * 0.5 * 0.05 * LOAD * 0.5 * (before + slip) * stride
         before = slip
-    kept = CELL * track.field.energy.sum() + sum(track.field.struct.pointer.energy_own)
+    kept = CELL * track.slip_energy.energy.sum() + sum(track.slip_energy.struct.pointer.energy_own)
     assert kept == pytest.approx(spent, rel=1e-9, abs=1e-6)
 
 
 def test_wheels_that_are_driven_clean_nothing():
     track = rolled(rail(), 20.0, slip=lambda place: -0.1)
-    assert not track.field.energy.any()
+    assert not track.slip_energy.energy.any()
     assert track.mu0 == pytest.approx([0.05] * 6)
 
 
@@ -119,24 +119,24 @@ def test_better_rail_than_the_clean_one_stays_as_it_lies():
 def test_rolling_wheels_leave_the_rail_alone_and_standing_ones_do_not_dig():
     assert rolled(rail(), 50.0, slip=lambda place: 0.0).mu0 == pytest.approx(np.full(6, 0.05))
     track = rolled(rail(), 50.0)
-    before = track.field.energy.copy()
+    before = track.slip_energy.energy.copy()
     for _ in range(1000):
         track.advance(0.0, truth(50.0, speed=0.0, slip=1.0))
-    assert np.array_equal(track.field.energy, before)
+    assert np.array_equal(track.slip_energy.energy, before)
 
 
 def test_beyond_the_reach_the_rail_is_the_last_cell_s():
     """A train cannot get there; if one does, memory stays whole."""
     track = rolled(rail(reach=20.0), 60.0)
     assert np.isfinite(track.mu0).all()
-    assert track.field.energy[:-1].max() == pytest.approx(6 * 250.0)
+    assert track.slip_energy.energy[:-1].max() == pytest.approx(6 * 250.0)
 
 
 def test_the_heat_of_the_contacts_is_on_the_rail():
     scenario = load(LIBRARY / "plain.toml", [*LOW, WRITTEN, "limits.horizon=4 s"])
     with assemble(scenario) as parts:
         ended = parts.run()
-        field, trace = parts.parts.rail.field, parts.recorder.trace(ended.samples, 1e-3)
+        field, trace = parts.parts.rail.slip_energy, parts.recorder.trace(ended.samples, 1e-3)
     # Of both wheels of each wheelset; the plant's heat is that of all slip, the rail's that of samples 1 ms apart.
     kept = 2 * (CELL * field.energy.sum() + sum(field.struct.pointer.energy_own))
     assert kept == pytest.approx(float(trace.contact_heat[-1]), rel=1e-3)

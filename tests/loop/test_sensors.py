@@ -26,7 +26,7 @@ def instruments(**changes):
         wheel_radius=0.38,
         speed_noise=0.1,
         speed_factor=np.array([1.002]),
-        speed_every=50,
+        speed_rate=50,
         speed_latency=50,
         acceleration_noise=0.03,
         acceleration_bias=0.04,

@@ -75,7 +75,7 @@ def test_a_long_profile_takes_a_few_calls_a_row(tmp_path):
         try:
             demand = scenario_with({"file": f"{rows}.csv"}, tmp_path).demand
             drawn = phases_of(LAYOUT, demand, synthetic.FULL.tolist(), "mine")
-            Driver(LAYOUT, 1e-3, full=synthetic.FULL, touching=np.zeros(4), phases=drawn)
+            Driver(LAYOUT, 1e-3, full=synthetic.FULL, release_pressure=np.zeros(4), phases=drawn)
         finally:
             sys.setprofile(None)
         return count

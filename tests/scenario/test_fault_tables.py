@@ -33,7 +33,7 @@ def parts(scenario):
     """What the faults of a scenario become, all but of the plant."""
     vehicle = VehicleData(scenario)
     valves = scenario.actuation.kind == "pneumatic"
-    return faults_of(scenario, vehicle.layout, vehicle.nominal.formation.brakes, outputs=vehicle.shown, valves=valves)
+    return faults_of(scenario, vehicle.layout, vehicle.nominal.formation.brakes, outputs=vehicle.outputs, valves=valves)
 
 
 def plant_of(scenario):

@@ -21,7 +21,7 @@ def test_units_are_converted_and_bare_numbers_are_si():
     assert load(TRAPEZOID, ["start.speed=36 km/h"]).start.speed == pytest.approx(10.0)
     assert load(TRAPEZOID, ["start.speed=10"]).start.speed == 10.0
     assert load(TRAPEZOID, ["adhesion.conditioning.fraction=12 %"]).adhesion.conditioning.fraction == 0.12
-    assert load(TRAPEZOID, ["periods.trace=5 ms"]).periods.every("trace") == 5
+    assert load(TRAPEZOID, ["periods.trace=5 ms"]).periods.steps_of("trace") == 5
 
 
 def test_a_resolved_scenario_loads_to_the_same_scenario():
@@ -239,7 +239,7 @@ def test_no_communication_step_ends_on_a_sample_of_the_valves(step):
 def test_periods_may_be_any_with_any_communication_step(step, periods):
     """Shorter ones become the step; rows of the trace are as near to theirs as whole steps can be."""
     loaded = load(TRAPEZOID, [f"periods.communication={step}", "periods.estimator=1 ms", "periods.controller=10 ms"])
-    assert {name: loaded.periods.every(name) for name in periods} == periods
+    assert {name: loaded.periods.steps_of(name) for name in periods} == periods
     assert loaded.periods.estimator == max(1e-3, loaded.periods.communication)
 
 

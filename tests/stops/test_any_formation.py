@@ -21,7 +21,7 @@ from railgrip.scenario.load import load, read_toml, scenario_of
 from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.by_hand import Bench
+from railgrip.simulate.bench import Bench
 from railgrip.simulate.export.controller import controller_fmu
 from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import run_stop

@@ -8,7 +8,7 @@ import pytest
 
 from railgrip.base.errors import BuildFailed, InputError
 from railgrip.fmus.build import build_class
-from railgrip.fmus.native import confined, lower, toolchain
+from railgrip.fmus.native import lower, separate_process, toolchain
 from railgrip.fmus.native.library import LIBRARY
 
 DECAY = "model M Real x(start=1, fixed=true); equation der(x) = {}; end M;"
@@ -54,7 +54,9 @@ def test_it_ends_in_a_sentence(
     file.write_text(modelica)
     name = "P.M" if modelica.startswith("package P") else "M"
     seconds = 2 if "2 s" in sentence else 60  # a busy machine needs more for a better sentence
-    monkeypatch.setattr(confined, "LIMITS", confined.TranslationLimits(seconds=seconds, memory_mib=2048))
+    monkeypatch.setattr(
+        separate_process, "LIMITS", separate_process.TranslationLimits(seconds=seconds, memory_mib=2048)
+    )
     with pytest.raises(InputError, match=sentence) as refusal:
         build_class(name, file, compiler="native")
     assert name in str(refusal.value)
@@ -91,13 +93,13 @@ def test_a_class_translated_apart_is_the_one_translated_here(tmp_path: Path, mon
     file = tmp_path / "M.mo"
     file.write_text(DECAY.format("-x"))
     recipe = Recipe.of_class("M", "cs")
-    apart = confined.call("translate", "M", file, recipe=recipe.model_dump(by_alias=True))
+    apart = separate_process.call("translate", "M", file, recipe=recipe.model_dump(by_alias=True))
     assert apart == list(translate_here("M", file, recipe.model_dump(by_alias=True)))
     assert translate(recipe, file)[0].xml == apart[0]["xml"]
 
 
 def test_classes_of_this_project_are_translated_without_a_process(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
-    monkeypatch.setattr(confined, "call", lambda *_, **__: pytest.fail("a process was started"))
+    monkeypatch.setattr(separate_process, "call", lambda *_, **__: pytest.fail("a process was started"))
     monkeypatch.setenv("RAILGRIP_CACHE", str(tmp_path / "cache"))
     assert lower("RailBraking.FMUs.ContactPoint", LIBRARY).outputs
 
