@@ -1,4 +1,4 @@
-"""Stops on a Dask cluster: another worker repeats the work of a lost one, and all results are collected in one place."""
+"""Stops on a Dask cluster: another worker repeats the work of a lost one, and results are collected in one place."""
 
 import math
 import os
