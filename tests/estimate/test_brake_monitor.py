@@ -138,7 +138,7 @@ def test_a_group_with_drag_is_a_brake_that_does_not_release():
 
 
 def test_healthy_rows_do_not_alarm():
-    """100 rows of 200 stops, 72 000 group-stops; the design allows 1e-4 at the tolerated loss, far less without loss."""
+    """100 rows of 200 stops, 72 000 group-stops; the design allows 1e-4 at the tolerated loss, less without loss."""
     assert sum(len(watch(row(200, seed), DESIGN).alarms) for seed in range(100)) == 0
 
 
@@ -196,7 +196,7 @@ def test_a_pressure_read_too_high_lowers_health_by_the_offset_of_the_evidence(st
 
 
 def test_the_index_includes_offsets_that_do_not_average_out():
-    """Constant transducer offsets, drawn for each life: the index is consistent with the offset term, not without it."""
+    """Constant transducer offsets, drawn for each life: the index is consistent only with the offset term."""
     offset, squares, without = 0.04, [], []
     for seed in range(40):
         random = np.random.default_rng(seed)

@@ -130,7 +130,7 @@ def test_short_brake_applications_under_oil_slide_at_two_to_five_percent():
 
 
 def test_the_gate_holds_pad_friction_while_the_pads_are_released():
-    """Readings then do not depend on it: with the gate mean and deviation stay constant; the paper's deviation grows."""
+    """Readings then do not depend on it: with the gate mean and deviation stay constant, in the paper they grow."""
     coasting = recording_of_rig(shortened("slide", 10.0))
     own, paper = (estimate_of(load_specification(LIBRARY / f"{n}.toml"), coasting) for n in ("rig_own", "rig_paper"))
     assert np.ptp(own["sd"].sel(state="mu_b").values) < 1e-12
@@ -219,7 +219,7 @@ def test_the_benchmark_steps_the_filter_of_the_rig():
 
 
 def test_encoder_errors_have_the_variance_of_equation_20():
-    """Rounding to steps of √(12 R) has the variance R if the speed passes many steps; 1e5 samples are accurate to 1 %."""
+    """Rounding to steps of √(12 R) has the variance R if the speed passes many steps; 1e5 samples give it to 1 %."""
     speed = np.linspace(33.0, 1.0, 100_000)
     for encoder in ENCODERS[1:]:
         first, second = (encode(speed, encoder, draw) - speed for draw in (0, 1))

@@ -22,7 +22,7 @@ WHEELS = 4
 MASS, INERTIA, RADIUS = 40e3, 100.0, 0.45  # kg, kg.m2 and m of each wheelset
 TORQUE = 3.5e-2  # N.m/Pa
 FILLING = 0.1  # s
-PEAK = 0.02  # creep of the highest adhesion
+PEAK = 0.02  # creep at maximum adhesion
 STEPS = 10  # in a communication step
 
 
@@ -32,7 +32,7 @@ class ArrayTrain(Fmi3SlaveBase, Interface):
         self.time = 0.0
         self.demand, self.grip = [0.0] * WHEELS, [0.3] * WHEELS
         self.v0 = 20.0
-        self.state = [0.0, self.v0, *[self.v0 / RADIUS] * WHEELS, *[0.0] * WHEELS]  # way, speed, wheels, cylinders
+        self.state = [0.0, self.v0, *[self.v0 / RADIUS] * WHEELS, *[0.0] * WHEELS]  # distance, speed, wheels, cylinders
         self.register_units(
             [Unit("m/s", m=1, s=-1), Unit("Pa", kg=1, m=-1, s=-2),
              Unit("rad/s", rad=1, s=-1), Unit("m", m=1),
