@@ -56,7 +56,7 @@ def slave(packed, tmp_path):
     made.freeInstance()
 
 
-def test_it_is_a_valid_fmu(packed):
+def test_the_fmu_is_valid(packed):
     assert validate_fmu(str(packed)) == []
 
 
@@ -82,7 +82,7 @@ def test_a_longer_step_holds_the_input_over_whole_periods(slave):
 
 
 def test_parts_of_a_period_call_the_function_once(slave):
-    """What is set between two samples counts from the next one on."""
+    """An input set between two samples takes effect at the next sample."""
     of = slave.references
     slave.exitInitializationMode()
     seen = []
@@ -96,13 +96,13 @@ def test_parts_of_a_period_call_the_function_once(slave):
 
 
 @pytest.mark.parametrize(("start", "step"), [(0.0, 1.5 * PERIOD), (0.3 * PERIOD, PERIOD), (0.0, 0.0)])
-def test_a_step_that_is_no_whole_sample_is_refused(slave, start, step):
+def test_a_step_that_is_not_a_multiple_of_the_sample_is_refused(slave, start, step):
     slave.exitInitializationMode()
     with pytest.raises(Exception, match="fmi2DoStep"):
         slave.doStep(start, step)
 
 
-def test_a_run_can_be_taken_back(slave):
+def test_a_run_can_be_restored(slave):
     of = slave.references
     slave.exitInitializationMode()
     slave.setReal([of["acceleration"]], [1.0])
@@ -115,8 +115,8 @@ def test_a_run_can_be_taken_back(slave):
     slave.freeFMUState(kept)
 
 
-def test_a_million_summed_steps_keep_their_place(slave):
-    """A caller that sums its period drifts by less than a hundredth of it over a run of minutes."""
+def test_a_million_summed_steps_stay_on_the_sample_grid(slave):
+    """A caller that sums its period drifts by less than a hundredth of a period during a run of minutes."""
     slave.exitInitializationMode()
     time = 0.0
     for _ in range(20_000):
@@ -141,7 +141,7 @@ def test_a_function_of_the_wrong_size_is_refused():
         )  # fmt: skip
 
 
-def test_two_variables_of_one_name_are_refused():
+def test_two_variables_with_the_same_name_are_refused():
     x, u = ca.SX.sym("x"), ca.SX.sym("u")
     with pytest.raises(InputError, match="more than one variable is named a"):
         sources(

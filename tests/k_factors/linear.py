@@ -1,4 +1,4 @@
-"""A brake whose K is known in closed form: linear in Gaussian numbers, and each isolated unit takes its share."""
+"""A brake whose K is known in closed form: linear in Gaussian numbers and in the share of units that brake."""
 
 from itertools import product
 
@@ -10,7 +10,7 @@ from railgrip.studies.k_factors.specification import KFactorSpecification
 
 
 class LinearBrake:
-    """Share of the units that brake, times 1 minus 5 % of the first of eight numbers, and the same of all eight."""
+    """Share of the braking units, times 1 minus 5 % of the first of eight numbers; the same formula for all eight."""
 
     units = (3, 2, 2, 3)
     dimension = 8
@@ -22,7 +22,7 @@ class LinearBrake:
         return sum(available) / sum(self.units) * (1 + self.SIGMA * np.stack([standard[:, 0], whole], axis=1))
 
     def probability(self, k, isolated):
-        """P(ratio < k) where no valve sticks: units are isolated independently of each other."""
+        """P(ratio < k) if no valve fails: units are isolated independently of each other."""
         n = sum(self.units)
         left = np.arange(1, n + 1)
         below = norm.cdf((k * n / left - 1) / self.SIGMA)
