@@ -96,7 +96,7 @@ def disagreement(ours: np.ndarray, theirs: np.ndarray, booleans: tuple[str, ...]
 
 
 def turns(run: np.ndarray) -> int:
-    """Return the first row that is as the last one."""
+    """Return the index of the first row that equals the last one."""
     return int(np.argmax(np.abs(run - run[-1]) <= AT_REST))
 
 

@@ -70,7 +70,7 @@ INSTRUMENTS = ServiceInstruments(
 
 
 ANY_TRAIN = Slowing(lightest=1e9, heaviest=np.inf, constant=12.0, quadratic=0.0)
-"""A plant independent of friction and force."""
+"""Bounds of the deceleration that any friction and force satisfy."""
 TRAIN = slowing_of(84e3, is_known=True)
 
 

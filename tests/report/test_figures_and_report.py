@@ -1,4 +1,4 @@
-"""Figures have labels and units, show the data of the results, and make one self-contained page."""
+"""Figures have labels and units, contain the data of the results, and form one self-contained page."""
 
 import hashlib
 import re
@@ -52,8 +52,8 @@ def test_friction_has_a_panel_for_each_scenario_from_blue_to_purple(stops):
     assert panels[0].get_legend().get_texts()[0].get_text() == "wheelsets 1, 2"
 
 
-def test_each_rail_of_a_scenario_has_a_line_that_the_variants_name(stops):
-    """Levels that are calibrated for each creep curve are rails of their own; controllers share one."""
+def test_each_rail_of_a_scenario_has_a_line_named_by_the_variants(stops):
+    """Levels calibrated for each creep curve are separate rails, which controllers share."""
     stop, other = stops["trapezoid-ideal-slip_two_state"], stops["trapezoid-ideal-adhesion_based"]
     adhesion = stop.inputs["adhesion"]
     steep = replace(
@@ -68,7 +68,7 @@ def test_each_rail_of_a_scenario_has_a_line_that_the_variants_name(stops):
     assert [line.get_label() for line in panel.lines] == ["dry", "steep"]
 
 
-def test_adhesion_shows_sbc_abc_estimate_maximum_and_limit(stops):
+def test_adhesion_includes_sbc_abc_estimate_maximum_and_limit(stops):
     sbc, abc = stops["trapezoid-ideal-slip_two_state"], stops["trapezoid-ideal-adhesion_based"]
     panel = adhesion_figure(sbc, abc).axes[0]
     lines = {line.get_label(): line for line in panel.lines}
@@ -81,7 +81,7 @@ def test_adhesion_shows_sbc_abc_estimate_maximum_and_limit(stops):
     assert panel.get_xlim()[1] == max(trace["time"].values[-1] for trace in stops_of.values())
 
 
-def test_distances_stand_beside_the_published_ones(folder):
+def test_distances_are_drawn_next_to_the_published_ones(folder):
     rows = rows_of(read_results(folder))
     panel = distance_figure(rows).axes[0]
     heights = sorted(bar.get_height() for bar in panel.patches)
@@ -98,7 +98,7 @@ def test_the_panels_of_a_stop_have_units_and_share_their_scales(stops):
     assert made.axes[0].lines[0].get_ydata()[0] == pytest.approx(80.0)
 
 
-def test_what_a_plant_hides_has_no_row_and_no_number(tmp_path, write_campaign):
+def test_signals_missing_in_a_plant_have_no_row_and_no_number(tmp_path, write_campaign):
     campaign = write_campaign(tmp_path, lambda stop: stop.name == "random-ideal-slip_two_state")
     (stop,) = read_results(tmp_path).stops
     trace = stop.trace.drop_vars("pad_friction")
@@ -116,12 +116,12 @@ def test_what_a_plant_hides_has_no_row_and_no_number(tmp_path, write_campaign):
     assert all(panel.lines for panel in made.axes)
     assert "nan" not in made.get_suptitle()
     assert "adhesion used" not in made.get_suptitle()
-    # One draw of many says which.
+    # One draw of many states its number.
     assert made.get_suptitle().startswith(f"random, seed {campaign.stops[0].scenario.seed}: ")
 
 
 def test_distances_of_many_stops_are_drawn_as_a_distribution(folder):
-    """The figure of draws: a line for each controller, with a dot for each stop, and no taller for more stops."""
+    """The figure of draws: a line for each controller, with a dot for each stop, and constant height."""
     rows = rows_of(read_results(folder))
     many = [
         replace(row, case=f"seed {seed}", distance_m=row.distance_m + seed)
@@ -139,7 +139,7 @@ def test_distances_of_many_stops_are_drawn_as_a_distribution(folder):
     assert made.get_figheight() == distance_figure([*many, *many]).get_figheight()
 
 
-def test_each_of_some_cases_has_a_line_with_its_friction(folder):
+def test_each_of_a_few_cases_has_a_line_with_its_friction(folder):
     """Ten cases with a friction each, in two families: a panel of distances and one of changes for each family."""
     rows = [row for row in rows_of(read_results(folder)) if row.scenario == "trapezoid"]
     cases = [
@@ -157,8 +157,8 @@ def test_each_of_some_cases_has_a_line_with_its_friction(folder):
     assert [line.get_marker() for line in made.axes[2].lines].count("x") == len(rows)
 
 
-def test_controllers_of_one_kind_have_a_bar_each(folder):
-    """Two-state control with its own thresholds and with others; the second is not drawn over the first."""
+def test_controllers_of_one_kind_have_separate_bars(folder):
+    """Two-state control with published and with other thresholds; the second is not drawn over the first."""
     rows = [row for row in rows_of(read_results(folder)) if row.controller == "slip_two_state"]
     others = [
         replace(row, controller_label="SBC, two-state 1/2 %", distance_m=0.9 * row.distance_m, paper_distance_m=None)
@@ -178,10 +178,10 @@ def test_the_same_figure_gives_the_same_bytes(stops, tmp_path):
     assert one == other
 
 
-def test_a_campaign_becomes_one_page_that_needs_nothing_else(folder):
+def test_a_campaign_yields_one_self_contained_page(folder):
     page = write_report(folder, panels="abc", formats=("png", "svg", "pdf"))
     assert needs_nothing_else(page)
-    # Distances, friction, and of every stop with ABC its adhesion.
+    # Distances, friction, and the adhesion of every stop with ABC.
     assert len(plots_of(page)) == 2 + 3
     assert (folder / "table1.json").exists()
     heads = {suffix: (folder / "figures" / f"friction.{suffix}").read_bytes()[:5] for suffix in ("png", "svg", "pdf")}
@@ -191,7 +191,7 @@ def test_a_campaign_becomes_one_page_that_needs_nothing_else(folder):
     assert all((folder / one).exists() for one in linked)
 
 
-def test_a_single_stop_has_a_page_too(folder, stops):
+def test_a_single_stop_also_has_a_page(folder, stops):
     page = write_report(folder / "trapezoid-ideal-adhesion_based")
     assert needs_nothing_else(page)
     lines, trace = plots_of(page)["signals"]["data"], stops["trapezoid-ideal-adhesion_based"].trace
@@ -218,7 +218,7 @@ def test_a_figure_on_a_page_has_the_data_of_the_figure_in_a_paper(stops):
     ]
 
 
-def test_texts_and_ticks_of_a_figure_come_once_on_a_page():
+def test_texts_and_ticks_of_a_figure_occur_once_on_a_page():
     drawing, axes = style.panels(6, 4)
     axes.plot([0, 1], [0, 1])
     drawing.supxlabel("below all panels")
@@ -228,7 +228,7 @@ def test_texts_and_ticks_of_a_figure_come_once_on_a_page():
     assert [note["text"] for note in layout["annotations"]] == ["below all panels"]
     assert layout["xaxis"]["showticklabels"]
     assert not layout["xaxis2"]["showticklabels"]
-    # Round numbers, not those that stand where the ticks of the first scale are.
+    # Round numbers, not those at the ticks of the first scale.
     assert layout["yaxis2"]["tickmode"] == "auto"
 
 
@@ -250,7 +250,7 @@ def test_a_formula_is_written_in_html_on_a_page(formula, shown):
 
 
 def test_a_legend_stays_in_its_panel_on_a_page():
-    """Four names in two rows have as many rows on a page, where columns are not counted."""
+    """Four names in two rows also have two rows on a page, where columns are not counted."""
     drawing, (axes, _) = style.panels(10, 4, 1, 2)
     for name in "abcd":
         axes.plot([0, 1], [0, 1], label=name)
@@ -265,6 +265,6 @@ def test_a_campaign_without_any_result_still_has_a_page(tmp_path, write_campaign
     assert "Not run: trapezoid-ideal-full_brake" in write_report(tmp_path).read_text(encoding="utf-8")
 
 
-def test_a_folder_with_nothing_in_it_is_refused(tmp_path):
+def test_a_folder_without_results_is_refused(tmp_path):
     with pytest.raises(RecordError, match=r"has neither campaign\.json nor stop\.json"):
         write_report(tmp_path)
