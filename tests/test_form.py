@@ -1,4 +1,4 @@
-"""Form of the code, as a ratchet: neither phrases that are not English nor class names with several meanings increase.
+"""Form of the code, as a ratchet: neither unidiomatic phrases nor class names with several meanings increase.
 
 `form.toml` has the accepted numbers. Lower them when the code has fewer; they are never raised.
 """

@@ -8,7 +8,7 @@ from railgrip.trace.loss import Loss, StopCourse, course_of, loss
 
 START = 20.0
 BETWEEN = 1e-3
-"""Between samples 0.05 m/s apart a place is off by (0.05 m/s)² / 8 a, 0.3 mm at 1 m/s²."""
+"""Between samples 0.05 m/s apart the error of a place is (0.05 m/s)² / 8 a, 0.3 mm at 1 m/s²."""
 
 
 def trace(decelerations, start=START, coasting=0.0):
@@ -33,8 +33,8 @@ def parts(lost: Loss) -> list[tuple[float, float]]:
     return [(section.begin, section.lost) for section in lost.sections]
 
 
-def test_two_uniform_stops_part_as_their_decelerations_say():
-    """B at place x has lost x (1 − b/a): it slows by b where A slows by a."""
+def test_two_uniform_stops_diverge_according_to_their_decelerations():
+    """B at place x has lost x (1 − b/a): it decelerates by b, A by a."""
     a, b = 1.0, 0.8
     lost = loss(course((0.0, a)), course((0.0, b)))
     assert lost.total == pytest.approx(START**2 / 2 * (1 / b - 1 / a), rel=1e-9)
@@ -44,7 +44,7 @@ def test_two_uniform_stops_part_as_their_decelerations_say():
 
 
 def test_a_difference_arises_where_the_brakes_differ_and_nowhere_else():
-    """B slows by half from 15 to 10 m/s, which takes it twice A's way: 62.5 m more, from 87.5 m on."""
+    """B has half the deceleration from 15 to 10 m/s, which takes it twice A's distance: 62.5 m more, from 87.5 m."""
     lost = loss(course((0.0, 1.0)), course((15.0, 1.0), (10.0, 0.5), (0.0, 1.0)))
     assert lost.total == pytest.approx((15**2 - 10**2) / 2 * (1 / 0.5 - 1))
     begin, end = (20**2 - 15**2) / 2, (20**2 - 15**2) / 2 + (15**2 - 10**2) / 2 / 0.5
@@ -65,7 +65,7 @@ def test_sections_add_up_to_the_difference_of_the_distances(end):
     assert 1 <= len(lost.sections) <= 13
 
 
-def test_a_faster_start_is_lost_until_the_speed_is_that_of_the_other_start():
+def test_a_faster_start_counts_until_the_speed_is_that_of_the_other_start():
     lost = loss(course((0.0, 1.0)), course((0.0, 1.0), start=25.0))
     higher = (25**2 - 20**2) / 2
     assert lost.total == pytest.approx(higher)
@@ -80,7 +80,7 @@ def test_a_slower_start_is_saved_before_the_first_section():
     assert [one for _, one in parts(lost)] == pytest.approx([0.0] * len(lost.sections), abs=BETWEEN)
 
 
-def test_a_second_without_brakes_is_lost_at_its_place():
+def test_a_second_without_brakes_is_attributed_to_its_place():
     first, other = (course_of(trace([(0.0, 1.0)], coasting=time), is_standstill=True) for time in (0.0, 1.0))
     assert loss(first, other).total == pytest.approx(START)
     assert parts(loss(first, other))[0] == (0.0, pytest.approx(START, abs=BETWEEN))
@@ -88,7 +88,7 @@ def test_a_second_without_brakes_is_lost_at_its_place():
     assert parts(loss(other, first))[0] == (0.0, pytest.approx(-START, abs=BETWEEN))
 
 
-def test_the_same_stop_loses_nothing_even_where_it_gains_speed():
+def test_the_same_stop_loses_nothing_even_where_it_accelerates():
     speeds = [20.0, 20.0, 19.0, 19.5, 19.5, 18.0, 10.0, 0.0]
     distance = np.concatenate([[0.0], np.cumsum(speeds[1:])])
     own = xarray.Dataset({"speed": ("time", speeds), "distance": ("time", distance)}, coords={"time": range(8)})
@@ -96,13 +96,13 @@ def test_the_same_stop_loses_nothing_even_where_it_gains_speed():
     np.testing.assert_allclose(lost.lost, 0.0)
 
 
-def test_of_a_stop_that_still_rolls_only_speeds_that_both_reached_count():
+def test_without_standstill_only_speeds_reached_by_both_count():
     lost = loss(course((5.0, 1.0), is_standstill=False), course((0.0, 0.5)))
     assert lost.course.speed[-1] == pytest.approx(5.0, abs=0.1)
     assert lost.total == pytest.approx((20**2 - 5**2) / 2 * (1 / 0.5 - 1), rel=0.01)
 
 
-def test_the_last_speed_of_a_standstill_is_none():
-    """A train stands below a speed that is not 0, where the two need not be equal."""
+def test_the_last_speed_of_a_standstill_does_not_count():
+    """Standstill means below a speed that is not 0, where the two need not be equal."""
     rolls, stands = course((0.05, 1.0)), course((0.02, 1.0))
     assert loss(rolls, stands).total == pytest.approx(stands.place[-1] - rolls.place[-1], abs=1e-12)
