@@ -186,7 +186,7 @@ def _folder(mutant: Mutant) -> str:
 
 
 def noticed(mutant: Mutant | None, stops: str, *, only_first: bool = False) -> dict[str, str]:
-    """Return the rows of the baselines that were not kept, with their states; None stands for the unchanged sources.
+    """Return the rows of the baselines that were not kept, with their states; None means the unchanged sources.
 
     With `only_first` the stops end with the first that notices.
     """

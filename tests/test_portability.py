@@ -127,7 +127,7 @@ def test_a_system_without_an_address_space_limit_still_translates(monkeypatch):
 
 
 def test_a_scenario_may_extend_one_on_another_drive(tmp_path, monkeypatch):
-    """A file on D: extends one of the library on C:, so there is no relative path between them."""
+    """A file on D: extends one of the library on C:, so no relative path between them exists."""
     library = tmp_path / "library"
     library.mkdir()
     (library / "half.csv").write_text("x", encoding="utf-8")

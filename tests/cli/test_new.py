@@ -23,7 +23,7 @@ def folder(tmp_path_factory, monkeypatch):
 
 @pytest.fixture
 def answer(command, in_process):
-    """A function that runs a command and returns what it prints."""
+    """A function that runs a command and returns its output."""
 
     def run(*arguments):
         done = command(*arguments)

@@ -136,7 +136,7 @@ def test_pressure_is_restored_at_its_rate_after_a_slide():
     law = WheelReference([GROUP, GROUP], REFERENCE)
     wheels(law, SPEED, SPEED)
     wheels(law, SPEED, 0.8 * SPEED, pressure=1e5, count=10)
-    wheels(law, SPEED, SPEED, pressure=1e5, count=50)  # its acceleration is no longer critical
+    wheels(law, SPEED, SPEED, pressure=1e5, count=50)  # its acceleration is uncritical again
     assert wheels(law, SPEED, SPEED, pressure=1e5)[1] == pytest.approx(1e5 + 51 * PERIOD * 0.5 * FULL)
 
 

@@ -194,7 +194,7 @@ def at_sample_700(change):
     ],
 )
 def test_a_damaged_trace_is_refused(stop, tmp_path, damage, sentence):
-    """The exit code is 2, and there is no traceback."""
+    """The exit code is 2, without a traceback."""
     stop.write(tmp_path / "mine")
     file = tmp_path / "mine" / "trace.nc"
     damage(file)

@@ -312,7 +312,7 @@ def test_a_factor_with_a_unit_turns_a_pressure_into_a_force(tmp_path):
 
 
 def test_the_recipe_of_the_documentation_yields_no_negative_force(tmp_path):
-    """A piston moves its pads once it overcomes its spring: below 0.5 bar there is no force."""
+    """A piston moves its pads once it overcomes its spring: below 0.5 bar the force is zero."""
     page = Path(__file__).parents[2] / "docs" / "how_to" / "recorded_data.md"
     (line,) = [line for line in page.read_text(encoding="utf-8").splitlines() if line.startswith("pad_force = ")]
     force = tomllib.loads(line)["pad_force"]

@@ -56,7 +56,7 @@ def test_on_a_linear_model_it_is_the_linear_kalman_filter():
 
 
 def test_a_matched_model_without_noise_has_no_error(rolling):
-    """Started at the truth and given perfect readings, the filter stays on the solution of its own model."""
+    """Started at the truth and given perfect readings, the filter follows the solution of its model."""
     ours = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
     belief = ours.start(FIRST_MEAN, FIRST_VARIANCE)
     truth = FIRST_MEAN

@@ -106,7 +106,7 @@ def test_the_friction_of_the_train_is_found_but_not_its_distribution(task, filte
     # Relative to the best constants, which are only known afterwards; measured 0.34 and 0.24 of their error.
     assert errors["mean_pad_friction"] < 0.5 * errors["mean_pad_friction_constant"]
     assert errors["adhesion"] < 0.4 * errors["adhesion_constant"]
-    # Five rates cannot determine eight frictions: single groups are no better than one constant for all, measured
+    # Five rates cannot determine eight frictions: single groups are as inaccurate as one constant for all, measured
     # 1.1 of its error, yet better than with noises tuned for consistency, measured 0.5 of their error.
     tuned = score(task, follow(task, filter_, load_noise(NOISES / "consistent.toml")))
     assert errors["pad_friction_constant"] < errors["pad_friction"] < 0.85 * tuned["pad_friction"]

@@ -12,7 +12,7 @@ def foundry(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The only folder for temporary files during a test, child processes included, to check what is left in it."""
+    """The only folder for temporary files during a test, child processes included, to check for leftovers."""
     folder = tmp_path / "scratch"
     folder.mkdir()
     monkeypatch.setenv("TMPDIR", str(folder))

@@ -114,7 +114,7 @@ def test_a_time_event_occurs_at_its_time(foundry: Path):
     rows = flight(plant, np.zeros(300))
     time = np.arange(301) * PERIOD
     exact = 1 - G * time**2 / 2 + np.maximum(time - at, 0) ** 2 / 2
-    np.testing.assert_allclose(rows[:, 0], exact, atol=1e-5)  # 300 steps of 1e-6 at most; the gust makes 0.016 m
+    np.testing.assert_allclose(rows[:, 0], exact, atol=1e-5)  # up to 300 steps of 1e-6; the gust makes 0.016 m
     np.testing.assert_allclose(rows[:, 1], -G * time + np.maximum(time - at, 0), atol=1e-5)
 
 

@@ -138,7 +138,7 @@ CASE = LateralCase(test=TESTS[0].shorten(STEPS * PERIOD), speed=SPEED, plant="pa
 
 
 def test_one_call_and_single_steps_are_bit_identical(monkeypatch):
-    """Two inputs of the reconstruction are integrals of its own states before each step."""
+    """Two inputs of the reconstruction are integrals of its states before each step."""
     monkeypatch.setattr(run, "EVERY", 1)
     trace, drawn = simulate(CASE), course(CASE.test, 5)
     with wheelset(SPEED, PLANTS[CASE.plant]) as plant:

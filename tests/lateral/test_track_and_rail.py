@@ -29,7 +29,7 @@ def test_the_spectrum_is_the_stated_one():
         band = (f >= low) & (f <= high)
         shape = density[band] * (1 + (f[band] / 2.0) ** 4)
         flat = density[(f > 0.3) & (f < 1.0)].mean()
-        # 100 segments give 10 % for each line, averaged over at least four; holding the noise over 10 ms adds 2 %.
+        # 100 segments give 10 % for each line, averaged over four or more; holding the noise over 10 ms adds 2 %.
         assert shape.mean() == pytest.approx(flat, rel=0.15)
 
 

@@ -84,7 +84,7 @@ def test_a_valve_is_fixed_held_or_late():
     course = [1, 2, 3, 4, 5, 6]
     assert passed(course, valves=False, kind="fixed", value=-1.0) == [1, 2, -1, -1, -1, 6]
     assert passed(course, valves=False, kind="kept") == [1, 2, 2, 2, 2, 6]
-    # Faulty from the start, it holds the first command: there was none before.
+    # Faulty from the start, it holds the first command.
     assert passed(course, valves=False, kind="kept", begin=0) == [1, 1, 1, 1, 1, 6]
     assert passed(course, valves=False, kind="late", delay=2) == [1, 2, 1, 2, 3, 6]
     assert passed(course, valves=False, kind="late", delay=0) == course

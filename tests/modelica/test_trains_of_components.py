@@ -23,7 +23,7 @@ def pair(tmp_path_factory: pytest.TempPathFactory) -> tuple[System, System]:
 
 
 def test_parameters_of_a_train_reach_every_part(pair: tuple[System, System]) -> None:
-    """A parameter of a part that is set separately is no longer bound to that of the train."""
+    """A parameter set in a part is independent of the train's parameter."""
     loose = [p.name for p in pair[0].variables.free if "." in p.name and not p.name.endswith("curvature_rail")]
     assert loose == [f"coupler[1].{name}" for name in ("x_small",)]
 

@@ -12,7 +12,7 @@ from railgrip.studies.type_test.case_set import case_named
 from railgrip.studies.type_test.design import (
     CASES,
     FRICTION,
-    LONGEST,
+    MAX_DURATION,
     QUICK,
     SEED,
     SPEED,
@@ -47,7 +47,7 @@ def test_friction_is_uniform_on_a_logarithmic_scale_and_speed_reaches_its_bounds
 def test_no_case_is_too_fast_to_stop():
     for case in cases(CASES):
         assert FRICTION[0] <= case.friction <= FRICTION[1]
-        assert case.speed <= 0.6 * case.friction * GRAVITY * LONGEST + 0.01
+        assert case.speed <= 0.6 * case.friction * GRAVITY * MAX_DURATION + 0.01
         assert case.slope > -0.3 * case.friction
 
 
