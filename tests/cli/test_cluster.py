@@ -94,9 +94,11 @@ def test_a_killed_scheduler_loses_no_results(project, tmp_path, capfd):
             worker.kill()
     states = [report.state for report in first]
     assert states.count("done") >= 1
-    lost = [report for report in first if report.state != "done"]
-    assert lost
-    assert all("the Dask scheduler ended; start it and its workers and repeat" in report.sentence for report in lost)
+    unfinished = [report for report in first if report.state != "done"]
+    assert unfinished
+    assert all(
+        "the Dask scheduler ended; start it and its workers and repeat" in report.sentence for report in unfinished
+    )
     assert "Traceback" not in capfd.readouterr().err
     repeated: list[Any] = []
     run_campaigns([CampaignRun(campaign, tmp_path / "out")], slowly, workers=1, notify=repeated.append)
@@ -108,8 +110,8 @@ def test_cases_of_a_study_run_on_the_cluster_and_are_kept_locally(two_workers, o
     for _ in range(2):
         with work("lateral", scheduler=two_workers.scheduler_address) as own:
             assert own.map(math.sqrt, [4.0, 9.0]) == [2.0, 3.0]
-            made = own.run_count
-    assert made == 0
+            run_count = own.run_count
+    assert run_count == 0
 
 
 def test_a_silent_scheduler_and_multithreaded_workers_are_refused(monkeypatch):

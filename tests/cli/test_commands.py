@@ -36,11 +36,11 @@ def _as_before():
 def test_the_help_of_a_command_begins_with_its_summary(path, command):
     loaded = ALL[path].load(path[-1])
     assert " ".join(loaded.help.split()).startswith(ALL[path].summary)
-    shown = command(*path, "--help")
-    assert shown.code == 0
-    assert "Usage:" in shown.out
-    assert "--quiet" in shown.out
-    assert "harness/" not in shown.out
+    output = command(*path, "--help")
+    assert output.code == 0
+    assert "Usage:" in output.out
+    assert "--quiet" in output.out
+    assert "harness/" not in output.out
 
 
 @pytest.mark.parametrize(

@@ -117,9 +117,9 @@ def test_each_problem_is_reported_with_its_remedy(railgrip, tmp_path_factory, mo
     assert "PROBLEM" in result.out
     assert "No problems." not in result.out
     assert "Traceback" not in result.err
-    told = " ".join(result.err.split())
+    message = " ".join(result.err.split())
     for sentence in sentences:
-        assert sentence in told
+        assert sentence in message
 
 
 def test_openmodelica_is_found_on_the_path(railgrip, tmp_path_factory, monkeypatch):

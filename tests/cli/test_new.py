@@ -51,8 +51,8 @@ def test_lines_commented_out_in_a_new_scenario_are_the_defaults(folder, answer):
 
 def test_a_new_campaign_runs(folder, answer):
     answer("new", "campaign", "pair.toml")
-    shown = answer("campaign", "pair.toml", "--set", "start.speed=30 km/h")
-    assert "build/pair/index.html" in shown
+    output = answer("campaign", "pair.toml", "--set", "start.speed=30 km/h")
+    assert "build/pair/index.html" in output
     assert len(list((folder / "build/pair").glob("*/stop.json"))) == 4
 
 

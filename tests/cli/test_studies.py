@@ -97,16 +97,16 @@ def test_a_case_that_fails_ends_the_study_and_is_not_cached(study_work):
 
 
 def test_studies_are_listed_with_a_summary(command):
-    shown = command("study")
-    assert shown.code == 0
+    output = command("study")
+    assert output.code == 0
     for name in names():
-        assert f"{name} {summary(name)}" in " ".join(shown.out.split())
+        assert f"{name} {summary(name)}" in " ".join(output.out.split())
 
 
 @pytest.mark.parametrize("name", sorted({*names()} - {"bench", "type_test"}))
 def test_every_study_prints_its_options_and_is_named_after_its_module(name, command):
-    shown = command("study", name, "--help")
-    assert (shown.code, "--scheduler" in shown.out) == (0, True)
+    output = command("study", name, "--help")
+    assert (output.code, "--scheduler" in output.out) == (0, True)
     assert study_named(name).__module__ in (f"railgrip.studies.{name}", f"railgrip.studies.{name}.study")
 
 

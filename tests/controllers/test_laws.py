@@ -43,8 +43,8 @@ def test_peak_seeking_does_not_run_away_on_a_rail_that_improves():
     """Adhesion doubles within 2 s: α̇ > 0 whatever the slip, the term that the paper's proof neglects."""
     slip, adhesion = simulate(peak_seeking(), 4.0, peak=lambda time, group: 0.05 + 0.025 * min(max(time - 1.5, 0), 2))
     assert slip[1500:].max() < PEAK_SEEKING.slip_vent
-    wanted = 0.05 + 0.025 * np.clip(np.arange(1500, 4000) * 1e-3 - 1.5, 0, 2)
-    assert np.mean(adhesion[1500:] / wanted) > 0.93
+    expected = 0.05 + 0.025 * np.clip(np.arange(1500, 4000) * 1e-3 - 1.5, 0, 2)
+    assert np.mean(adhesion[1500:] / expected) > 0.93
 
 
 def test_peak_seeking_survives_a_rail_that_suddenly_gets_worse():
@@ -176,10 +176,10 @@ class Held:
         self.law, self.demands = law, None
 
     def decide(self, observation):
-        wanted = self.law.decide(observation)
-        last = self.demands or wanted
+        demands = self.law.decide(observation)
+        last = self.demands or demands
         band = SlopeSeeking.valve_band
-        self.demands = tuple(new if abs(new - old) > band else old for new, old in zip(wanted, last, strict=True))
+        self.demands = tuple(new if abs(new - old) > band else old for new, old in zip(demands, last, strict=True))
         return self.demands
 
 
@@ -323,8 +323,8 @@ def test_a_wheel_that_slides_with_hardly_any_adhesion_is_not_rolling():
     for k in range(3):
         (demand,) = law.decide(observed(k * 1e-3, SPEED, 0, (0.4,), (0.008,), (0.35,), (1e5,)))
     balance = 0.008 * GROUP.load * 0.38
-    most = ((1 + SLOPE.share_added) * balance / (2 * 0.35 * 0.22) / 5.7 + 1200.0) / 0.0324
-    assert demand <= most
+    limit = ((1 + SLOPE.share_added) * balance / (2 * 0.35 * 0.22) / 5.7 + 1200.0) / 0.0324
+    assert demand <= limit
 
 
 def test_with_an_unknown_slope_the_usual_slip_is_sought():

@@ -65,8 +65,8 @@ def _keep_sources(found: re.Match[str]) -> str:
 def is_in(text: str, number: re.Match[str]) -> bool:
     """Return whether a text contains a number, as written or in SI units."""
     value = float(number["value"])
-    wanted = (value, value * SCALES.get(number["unit"] or "", 1.0))
-    return any(math.isclose(float(one), other, rel_tol=1e-3) for one in _TOKENS.findall(text) for other in wanted)
+    candidates = (value, value * SCALES.get(number["unit"] or "", 1.0))
+    return any(math.isclose(float(one), other, rel_tol=1e-3) for one in _TOKENS.findall(text) for other in candidates)
 
 
 def problem_of(number: re.Match[str], source: str) -> str:

@@ -16,7 +16,7 @@ from railgrip.trace.netcdf import FILE_NAME, write_trace
 DESIGN = MonitorDesign()
 
 
-def told(health: np.ndarray, deviation: float = 0.03, drag: float = 0.0, offset: float = 0.0) -> Evidence:
+def evidence_with(health: np.ndarray, deviation: float = 0.03, drag: float = 0.0, offset: float = 0.0) -> Evidence:
     return Evidence(
         health=health, covariance=np.eye(health.size) * deviation**2, offset=np.full(health.size, offset), drag=drag
     )
@@ -33,7 +33,7 @@ def row(
         health = health * (1.0 + 0.03 * random.standard_normal(4))
         if k >= begin:
             health[group] *= 1.0 - loss
-        rows.append(told(health, drag=drag if k >= begin else 0.0))
+        rows.append(evidence_with(health, drag=drag if k >= begin else 0.0))
     return rows
 
 
@@ -107,7 +107,7 @@ def test_a_train_of_other_groups_is_monitored_equally(groups):
     random = np.random.default_rng(1)
     health = 1.0 + 0.01 * random.standard_normal((80, groups))
     health[50:, -1] *= 0.75
-    history = watch([told(one) for one in health], DESIGN)
+    history = watch([evidence_with(one) for one in health], DESIGN)
     assert history.index.shape == history.chart.shape == (80, groups)
     (alarm,) = history.alarms
     assert alarm.group == groups - 1
@@ -160,7 +160,7 @@ def test_the_false_alarm_rate_at_the_tolerated_loss_is_no_more_than_designed():
 
 def test_one_outlying_stop_does_not_alarm():
     rows = row(80, 4)
-    rows[60] = told(np.array([1.1, 0.9, 0.1, 1.05]))
+    rows[60] = evidence_with(np.array([1.1, 0.9, 0.1, 1.05]))
     assert not watch(rows, DESIGN).alarms
 
 
@@ -171,7 +171,7 @@ def test_the_deviation_of_the_index_is_realistic():
         random = np.random.default_rng(seed)
         true = np.array([1.0, 0.9, 1.1, 1.0])
         loads = 0.05 * random.standard_normal((120, 1))
-        rows = [told(true + load + 0.05 * random.standard_normal(4), deviation=0.05) for load in loads]
+        rows = [evidence_with(true + load + 0.05 * random.standard_normal(4), deviation=0.05) for load in loads]
         history = watch(rows, DESIGN)
         squares.append((((history.index[-1] - true) / history.index_sd[-1]) ** 2).mean())
     # The filter allows for a drift that these rows do not have, so its deviation is rather too large.
@@ -203,7 +203,7 @@ def test_the_index_includes_offsets_that_do_not_average_out():
         true = np.array([1.0, 0.9, 1.1, 1.0]) + offset * random.standard_normal(4)
         health = [true + 0.02 * random.standard_normal(4) for _ in range(60)]
         for actual, predicted in ((squares, offset), (without, 0.0)):
-            history = watch([told(h, deviation=0.02, offset=predicted) for h in health], DESIGN)
+            history = watch([evidence_with(h, deviation=0.02, offset=predicted) for h in health], DESIGN)
             error = history.index[-1] - np.array([1.0, 0.9, 1.1, 1.0])
             actual.append((error**2 / history.index_sd[-1] ** 2).mean())
     # 160 errors: a mean square of 1 within 3·sqrt(2/160), less because the filter allows for a drift that is absent.
@@ -213,7 +213,7 @@ def test_the_index_includes_offsets_that_do_not_average_out():
 
 def test_offsets_do_not_change_the_alarms():
     rows = row(80, 0, loss=0.2, begin=50)
-    off = [told(r.health, offset=0.05) for r in rows]
+    off = [evidence_with(r.health, offset=0.05) for r in rows]
     assert watch(off, DESIGN).alarms == watch(rows, DESIGN).alarms
 
 
@@ -221,7 +221,7 @@ def test_the_trend_is_the_slope_of_health_with_its_deviation():
     slopes = []
     for seed in range(40):
         random = np.random.default_rng(seed)
-        rows = [told(np.full(4, 1.0 - 2e-3 * k) + 0.03 * random.standard_normal(4)) for k in range(60)]
+        rows = [evidence_with(np.full(4, 1.0 - 2e-3 * k) + 0.03 * random.standard_normal(4)) for k in range(60)]
         history = watch(rows, DESIGN)
         slopes.append((history.trend + 2e-3) / history.trend_sd)
     # 160 normalised errors: their mean square is 1 within 3·sqrt(2/160); the tails of Student's t with 38 degrees add 5

@@ -61,7 +61,7 @@ def table(**changes: Any) -> DataTable:
     return validate_table(DataTable, written | {"columns": columns}, directory=Path(), origin="run.toml")
 
 
-def taken(path: Path, **changes: Any) -> FileRecording:
+def recording_from(path: Path, **changes: Any) -> FileRecording:
     return read_recording(path, table(**changes), UNITS, INPUTS, OUTPUTS)
 
 
@@ -101,7 +101,7 @@ def written(directory: Path, frame: pd.DataFrame, suffix: str) -> Path:
 @pytest.mark.parametrize("suffix", [".csv", ".parquet", ".mat", ".mf4"])
 def test_every_format_gives_the_signals_in_the_units_of_the_model(tmp_path, suffix):
     frame = stop()
-    result = taken(written(tmp_path, frame, suffix))
+    result = recording_from(written(tmp_path, frame, suffix))
     signals = result.recording
     assert not [flag for flag in result.flags if flag.signal != "disc_temperature"]
     # Text keeps 16 digits, MDF the time as double: the difference is rounding.
@@ -128,7 +128,7 @@ def test_a_structure_of_a_mat_file_is_addressed_by_a_dot(tmp_path):
             ("disc_temperature", "T", "degC"),
         )
     }
-    result = taken(path, columns=columns, time={"column": "log.t", "unit": "ms"})
+    result = recording_from(path, columns=columns, time={"column": "log.t", "unit": "ms"})
     np.testing.assert_allclose(reading_of(result.recording, "speed"), frame["v"] / 3.6, rtol=1e-12)
 
 
@@ -136,7 +136,7 @@ def test_decimal_commas_and_time_stamps_are_read_if_the_map_requires_it(tmp_path
     frame = stop()
     stamps = pd.Timestamp("2021-03-28T01:59:58+01:00") + pd.to_timedelta(frame["t"], unit="ms")
     path = csv(tmp_path, frame.assign(t=stamps.astype(str)), sep=";", decimal=",")
-    result = taken(path, separator=";", decimal=",", time={"column": "t", "unit": "timestamp"})
+    result = recording_from(path, separator=";", decimal=",", time={"column": "t", "unit": "timestamp"})
     np.testing.assert_allclose(reading_of(result.recording, "speed"), frame["v"] / 3.6, rtol=1e-9)
 
 
@@ -166,7 +166,7 @@ def test_a_fault_is_flagged_and_its_samples_omitted(tmp_path, column, values, ch
     frame = stop()
     for row, value in values.items():
         frame.loc[row, column] = value
-    result = taken(csv(tmp_path, frame), columns=changes)
+    result = recording_from(csv(tmp_path, frame), columns=changes)
     flags = [(one.signal, one.kind, pytest.approx(one.begin), one.samples) for one in result.flags]
     assert flags == ([] if flag is None else [flag])
     signal = {"n": "wheelset_speed", "v": "speed"}[column]
@@ -252,20 +252,20 @@ def test_a_short_gap_of_an_input_is_interpolated_and_a_long_one_refused(tmp_path
     frame["F"] = 20.0 + frame["t"] / 1e3
     whole = frame["F"].to_numpy() * 1e3
     frame.loc[400:405, "F"] = np.nan
-    result = taken(csv(tmp_path, frame))
+    result = recording_from(csv(tmp_path, frame))
     # A ramp equals its linear interpolation.
     np.testing.assert_allclose(reading_of(result.recording, "pad_force"), whole, rtol=1e-12)
     (flag,) = result.flags
     assert (flag.kind, flag.begin, flag.end) == ("bridged", pytest.approx(3.99), pytest.approx(4.06))
     frame.loc[400:450, "F"] = np.nan
     with pytest.raises(EstimationError, match=r"input pad_force \(column 'F'\) is missing from 4\.000 s for 0\.51 s"):
-        taken(csv(tmp_path, frame))
+        recording_from(csv(tmp_path, frame))
 
 
 def test_a_held_signal_is_new_only_when_it_changes(tmp_path):
     frame = stop()
     frame["v"] = frame["v"].to_numpy()[np.arange(1000) // 10 * 10]
-    result = taken(csv(tmp_path, frame), columns={"speed": SPEED | {"holds": True}})
+    result = recording_from(csv(tmp_path, frame), columns={"speed": SPEED | {"holds": True}})
     new = np.flatnonzero(np.isfinite(reading_of(result.recording, "speed")))
     assert new.tolist() == list(range(0, 1000, 10))
 
@@ -294,7 +294,7 @@ def test_constant_stretches_are_measured_in_seconds():
 
 def test_offset_and_factor_turn_absolute_into_gauge_pressure(tmp_path):
     frame = stop()
-    result = taken(
+    result = recording_from(
         csv(tmp_path, frame), columns={"pad_force": {"column": "F", "unit": "kN", "factor": -1.0, "offset": 1.0}}
     )
     np.testing.assert_allclose(reading_of(result.recording, "pad_force"), 1e3 - 1e3 * frame["F"].to_numpy(), atol=1e-9)
@@ -306,7 +306,7 @@ def test_a_factor_with_a_unit_turns_a_pressure_into_a_force(tmp_path):
         frame = stop().assign(**{column: np.linspace(0.0, 3.8, 1000)})
         given_unit = {"unit": "bar"} if column == "p" else {}
         force = {"column": column, "factor": "8 kN/bar", "offset": -0.5} | given_unit
-        result = taken(csv(tmp_path, frame), columns={"pad_force": force})
+        result = recording_from(csv(tmp_path, frame), columns={"pad_force": force})
         expected = 8e3 * frame[column] - 500.0
         np.testing.assert_allclose(reading_of(result.recording, "pad_force"), expected, rtol=1e-12, atol=1e-9)
 
@@ -317,7 +317,7 @@ def test_the_recipe_of_the_documentation_yields_no_negative_force(tmp_path):
     (line,) = [line for line in page.read_text(encoding="utf-8").splitlines() if line.startswith("pad_force = ")]
     force = tomllib.loads(line)["pad_force"]
     frame = stop().assign(**{force["column"]: np.linspace(0.0, 3.8, 1000)})
-    recording = taken(csv(tmp_path, frame), columns={"pad_force": force}).recording
+    recording = recording_from(csv(tmp_path, frame), columns={"pad_force": force}).recording
     expected = np.maximum(8e3 * frame[force["column"]] - 4e3, 0.0)
     np.testing.assert_allclose(reading_of(recording, "pad_force"), expected, rtol=1e-12, atol=1e-9)
     assert check_signals(recording, ["pad_force"]) == []
@@ -377,25 +377,25 @@ REFUSALS = [
 @pytest.mark.parametrize(("columns", "sentence"), REFUSALS)
 def test_an_invalid_map_is_refused(tmp_path, columns, sentence):
     with pytest.raises(EstimationError, match=sentence):
-        taken(csv(tmp_path, stop()), columns=columns)
+        recording_from(csv(tmp_path, stop()), columns=columns)
 
 
 def test_the_unit_of_the_header_is_used_and_must_agree_with_the_map(tmp_path):
     path = csv(tmp_path, stop().rename(columns={"v": "v [km/h]"}))
-    speed = reading_of(taken(path, columns={"speed": {"column": "v [km/h]"}}).recording, "speed")
+    speed = reading_of(recording_from(path, columns={"speed": {"column": "v [km/h]"}}).recording, "speed")
     assert speed[0] == pytest.approx(20.0, abs=0.05)
     with pytest.raises(EstimationError, match=r"its unit in the file is 'km/h', in the map 'm/s'; correct the map\.$"):
-        taken(path, columns={"speed": {"column": "v [km/h]", "unit": "m/s"}})
+        recording_from(path, columns={"speed": {"column": "v [km/h]", "unit": "m/s"}})
 
 
 def test_repeated_instants_are_flagged_and_decreasing_time_is_refused(tmp_path):
     frame = stop()
     frame.loc[100, "t"] = frame.loc[99, "t"]
-    result = taken(csv(tmp_path, frame))
+    result = recording_from(csv(tmp_path, frame))
     assert [(flag.signal, flag.samples) for flag in result.flags if flag.kind == "time"] == [("time", 1)]
     frame.loc[400:, "t"] -= 500.0
     with pytest.raises(EstimationError, match=r"time goes backwards at sample 401 of \w+, from 3\.990000 s to 3\.500"):
-        taken(csv(tmp_path, frame))
+        recording_from(csv(tmp_path, frame))
 
 
 def test_a_cell_that_is_not_a_number_is_refused(tmp_path):
@@ -404,19 +404,19 @@ def test_a_cell_that_is_not_a_number_is_refused(tmp_path):
     with pytest.raises(
         EstimationError, match=r"column 'v' must have numbers, sample 42 of 1000 is '71,2'.*decimal sign"
     ):
-        taken(csv(tmp_path, frame))
+        recording_from(csv(tmp_path, frame))
 
 
 def test_missing_damaged_and_unknown_files_are_refused(tmp_path):
     (tmp_path / "run.xls").write_text("")
     with pytest.raises(EstimationError, match=r"'\.xls' is not a supported format"):
-        taken(tmp_path / "run.xls")
+        recording_from(tmp_path / "run.xls")
     with pytest.raises(EstimationError, match="there is no such file"):
-        taken(tmp_path / "run.csv")
+        recording_from(tmp_path / "run.csv")
     for suffix, what in ((".mat", "a MATLAB file"), (".mf4", "an MDF file"), (".parquet", "a parquet file")):
         (tmp_path / f"bad{suffix}").write_bytes(b"not at all" * 100)
         with pytest.raises(EstimationError, match=f"is not {what}"):
-            taken(tmp_path / f"bad{suffix}")
+            recording_from(tmp_path / f"bad{suffix}")
 
 
 @pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
@@ -431,7 +431,7 @@ def test_a_damaged_mdf_file_is_refused_without_a_traceback(tmp_path):
     for content in damaged:
         path.write_bytes(content)
         try:
-            taken(path)
+            recording_from(path)
         except EstimationError as refusal:
             refusals.append(str(refusal))
     assert len(refusals) > len(damaged) // 3

@@ -139,7 +139,7 @@ def test_all_errors_of_an_estimation_are_reported_before_compilation(tmp_path, m
     with pytest.raises(ScenarioError) as refusal:
         recording_of_estimation(load_specification(path, changes))
     lines = str(refusal.value).splitlines()
-    wanted = [
+    expected = [
         ("[model.parameters]", "'lod'"),
         ("[model.parameters] J", "'3 m'"),
         ("[noise] process", "mu_b"),
@@ -150,9 +150,9 @@ def test_all_errors_of_an_estimation_are_reported_before_compilation(tmp_path, m
         ("[inputs]", "'pad_froce'"),
         ("[observability] scale", "mu_b"),
     ]
-    for where, what in wanted:
+    for where, what in expected:
         assert sum(line.startswith(f"rig-own: {where}") and what in line for line in lines) == 1, (where, lines)
-    assert len(lines) == len(wanted)
+    assert len(lines) == len(expected)
 
 
 def test_errors_in_columns_are_reported_before_the_file_is_read(tmp_path):

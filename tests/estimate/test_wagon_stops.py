@@ -27,7 +27,7 @@ def stop():
     return run()
 
 
-def believed(recorded, **parameters):
+def estimates_for(recorded, **parameters):
     specification = load_specification(LIBRARY / "wagon.toml")
     prediction = prediction_of("WagonPrediction", parameters)
     return estimate(
@@ -77,7 +77,9 @@ def test_only_signals_of_the_plant_can_be_read():
 def test_the_corrected_factor_finds_the_adhesion_and_the_printed_one_twice_it(stop):
     braking = (stop["time"].values > 6.0) & (stop["time"].values < 9.5)
     truth = truth_of(stop, "alpha")[braking].mean()
-    consistent, printed = (believed(stop, **p)["mean"].sel(state="alpha").values[braking].mean() for p in ({}, PRINTED))
+    consistent, printed = (
+        estimates_for(stop, **p)["mean"].sel(state="alpha").values[braking].mean() for p in ({}, PRINTED)
+    )
     assert consistent == pytest.approx(truth, rel=0.01)
     assert printed == pytest.approx(2 * truth, rel=0.01)
 
@@ -87,8 +89,8 @@ def test_the_printed_factor_biases_pad_friction(stop):
     for pads in ("mu_b[1]", "mu_b[2]"):
         # Better than the initial value; pad friction hardly changes within the window.
         baseline_error = np.sqrt(np.mean((truth_of(stop, pads)[braking] - 0.35) ** 2))
-        assert judge(stop, believed(stop), pads, braking).rmse < 0.8 * baseline_error
-    assert judge(stop, believed(stop, **PRINTED), "mu_b[1]", braking).bias > 0.3
+        assert judge(stop, estimates_for(stop), pads, braking).rmse < 0.8 * baseline_error
+    assert judge(stop, estimates_for(stop, **PRINTED), "mu_b[1]", braking).bias > 0.3
 
 
 def test_the_title_of_the_figure_names_the_variant_and_the_recording(stop):
@@ -102,7 +104,7 @@ def test_a_common_adhesion_of_unequally_braked_wheelsets_biases_their_pads():
     """A limit of the six-state model: rolling wheelsets use the adhesion that their brakes demand."""
     unequal = run("wagon_unequal")
     braking = (unequal["time"].values > 6.0) & (unequal["time"].values < 9.5)
-    estimated = believed(unequal)
+    estimated = estimates_for(unequal)
     assert abs(judge(unequal, estimated, "alpha", braking).bias) < 0.002
     assert judge(unequal, estimated, "mu_b[1]", braking).bias < -0.03
     assert judge(unequal, estimated, "mu_b[2]", braking).bias > 0.03

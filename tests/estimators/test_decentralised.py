@@ -185,7 +185,7 @@ def test_the_parts_of_a_train_add_up_to_the_prediction_of_the_whole(train: str):
     prediction = CasadiPrediction(whole.model, whole.parameters)
     assert set(whole.readings) == set(consist.outputs)
     assert consist.inputs == prediction.inputs
-    shown = {name: state for name, state in consist.readings if state is not None}
+    outputs = {name: state for name, state in consist.readings if state is not None}
     random = np.random.default_rng(0)
     for _ in range(5):
         state = dict(zip(consist.states, random.uniform(0.5, 1.5, len(consist.states)), strict=True))
@@ -204,12 +204,12 @@ def test_the_parts_of_a_train_add_up_to_the_prediction_of_the_whole(train: str):
             rate = np.asarray(part.model.derivative(0, x, [*p, a], part.parameters)).ravel()
             rates |= dict(zip(part.states, rate, strict=True))
         # Bogies are numbered through the train; wheelsets without a bogie have no deflection.
-        deflections = [shown[name] for name in whole.readings if name.startswith("deflection")]
+        deflections = [outputs[name] for name in whole.readings if name.startswith("deflection")]
         of_train = {f"{d}dz[{i + 1}]": d + name for d in ("", "d") for i, name in enumerate(deflections)}
         names = [of_train.get(name, name) for name in prediction.states]
         x = np.array([state[name] for name in names])
         np.testing.assert_allclose(prediction.derivative(x, u), [rates[name] for name in names], rtol=1e-12, atol=1e-12)
-        expected = [state[shown[name]] if name in shown else a for name in whole.readings]
+        expected = [state[outputs[name]] if name in outputs else a for name in whole.readings]
         np.testing.assert_allclose(prediction.output(x, u), expected, rtol=1e-12)
 
 

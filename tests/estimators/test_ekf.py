@@ -101,10 +101,10 @@ def test_a_missing_reading_is_a_filter_without_that_sensor(rolling):
     worthless = ExtendedKalmanFilter(rolling, DENSITY, READING * np.array([1.0, 1e20, 1.0]), PERIOD)
     first = sparse.start(FIRST_MEAN, FIRST_VARIANCE)
     without = sparse.step(first, held, np.where([False, True, False], np.nan, seen))
-    beside = worthless.step(first, held, seen)
+    other = worthless.step(first, held, seen)
     # A variance of 1e16 against one of 0.1 is a weight of 1e-17, below rounding.
-    assert without.mean == pytest.approx(beside.mean, rel=1e-12)
-    assert without.covariance == pytest.approx(beside.covariance, rel=1e-9, abs=1e-15)
+    assert without.mean == pytest.approx(other.mean, rel=1e-12)
+    assert without.covariance == pytest.approx(other.covariance, rel=1e-9, abs=1e-15)
 
 
 def test_without_any_reading_it_only_predicts(rolling):

@@ -226,8 +226,8 @@ def test_an_interrupted_search_ends_like_an_uninterrupted_one(task):
             ), own.run_count
 
     search(1)
-    whole, made = search(2)
-    assert made == 1
+    whole, run_count = search(2)
+    assert run_count == 1
     assert search(2, fresh=True) == (whole, 2)
     assert len(whole[2]) == 2
 

@@ -13,9 +13,9 @@ from railgrip.fmi import describe
 
 
 def archive(file: Path, members: dict[str, str]) -> Path:
-    with zipfile.ZipFile(file, "w") as made:
+    with zipfile.ZipFile(file, "w") as archive:
         for name, text in members.items():
-            made.writestr(name, text)
+            archive.writestr(name, text)
     return file
 
 

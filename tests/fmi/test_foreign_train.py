@@ -145,12 +145,12 @@ def test_a_downhill_force_has_the_right_sign_and_unit(foreign: Description, bind
 def test_overbraked_wheels_lock_and_slide_at_the_end_of_the_curve(foreign: Description, binding: Binding):
     rows = stop(foreign, binding, pressure=3.4e5, grip=0.05, force=0.0, duration=3.0)
     # At 100 % creep the argument of the sine is within 4 % of its limit.
-    left = 0.05 * math.sin(SHAPE * math.atan(math.tan(math.pi / 2 / SHAPE) / 0.06))
+    residual = 0.05 * math.sin(SHAPE * math.atan(math.tan(math.pi / 2 / SHAPE) / 0.06))
     assert column(rows, "locked")[-1].tolist() == [1.0] * 4
     np.testing.assert_allclose(column(rows, "slip")[-1], 1.0, atol=2e-3)
-    np.testing.assert_allclose(column(rows, "adhesion")[-1], left, rtol=1e-3)
-    np.testing.assert_allclose(column(rows, "group_adhesion")[-1], left, rtol=1e-3)
-    assert column(rows, "acceleration")[-1, 0] == pytest.approx(-9.81 * left, rel=1e-3)
+    np.testing.assert_allclose(column(rows, "adhesion")[-1], residual, rtol=1e-3)
+    np.testing.assert_allclose(column(rows, "group_adhesion")[-1], residual, rtol=1e-3)
+    assert column(rows, "acceleration")[-1, 0] == pytest.approx(-9.81 * residual, rel=1e-3)
 
 
 def test_without_its_table_the_plant_is_refused_with_its_variables(foreign: Description):

@@ -128,11 +128,11 @@ class Train:
         command = inputs[LAYOUT.input["command"]] / self.gain["pressure_command"]
         friction = inputs[LAYOUT.input["mu0"]][0] / self.gain["mu0"]
         self.p += (command - self.p) * 0.1
-        wanted = max(self.p[0], 0.0) / FULL[0] * 1.1
-        a = min(wanted, 9.81 * max(friction, 0.0)) if self.v > 0 else 0.0
+        demand = max(self.p[0], 0.0) / FULL[0] * 1.1
+        a = min(demand, 9.81 * max(friction, 0.0)) if self.v > 0 else 0.0
         self.x += PERIOD * (self.v - 0.5 * PERIOD * a)
         self.v -= PERIOD * a
-        return self._shown(-a, wanted > 9.81 * friction + 1.0)
+        return self._shown(-a, demand > 9.81 * friction + 1.0)
 
     def _shown(self, a, locked):
         row = np.full(LAYOUT.outputs, np.nan)

@@ -29,9 +29,9 @@ def nudged(fmus: Pair) -> dict[str, float]:
     """
     parameters = [fmus.ours.variables[n] for n in fmus.ours.names("parameter") if n in fmus.theirs.names("parameter")]
     values = {v.name: 0.99 * float(v.start or 0) for v in parameters if v.kind == "Real"}
-    least = {v.name: -np.inf if v.minimum is None else v.minimum for v in parameters}
-    most = {v.name: np.inf if v.maximum is None else v.maximum for v in parameters}
-    return {n: x for n, x in values.items() if least[n] <= x <= most[n]}
+    lower = {v.name: -np.inf if v.minimum is None else v.minimum for v in parameters}
+    upper = {v.name: np.inf if v.maximum is None else v.maximum for v in parameters}
+    return {n: x for n, x in values.items() if lower[n] <= x <= upper[n]}
 
 
 def integrated(

@@ -82,13 +82,13 @@ class Pipe:
         vented, volume = np.zeros(dx.size), np.zeros(dx.size)
         vented[site], volume[site] = np.where(venting, nozzle(self.vent, pressure), 0) * DENSITY, self.branch
         p_rate = SOUND**2 * (-area * np.diff(mass) - vented) / (area * dx + volume)
-        taken = np.maximum(volume / SOUND**2 * p_rate + vented, 0)
+        inflow = np.maximum(volume / SOUND**2 * p_rate + vented, 0)
         speed = momentum * SOUND**2 / absolute
-        drag = self.friction / (2 * self.diameter) * np.abs(momentum) + taken / (area * dx)
+        drag = self.friction / (2 * self.diameter) * np.abs(momentum) + inflow / (area * dx)
         m_rate = -np.diff(force) / dx - drag * speed
         valve_rate = ATMOSPHERE / self.valve_volume * (-out * area / DENSITY - nozzle(self.valve, valve))
-        wanted = FULL * np.clip((5e5 - pressure - 1e4) / 1.4e5, 0, 1)
-        follow = (wanted - cylinder) / RELAY
+        target = FULL * np.clip((5e5 - pressure - 1e4) / 1.4e5, 0, 1)
+        follow = (target - cylinder) / RELAY
         return [
             p_rate,
             m_rate,

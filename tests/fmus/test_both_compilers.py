@@ -27,11 +27,11 @@ pytestmark = [
 @pytest.fixture(scope="module")
 def pair(tmp_path_factory):
     """Return a function of a recipe's name that builds its FMU with both compilers, once."""
-    made: dict[str, Pair] = {}
+    pairs: dict[str, Pair] = {}
     folder = tmp_path_factory.mktemp("both")
 
     def build(name: str) -> Pair:
-        if name not in made:
+        if name not in pairs:
             recipe = BOOK[name]
             if "cs" in recipe.interfaces:
                 recipe = recipe.model_copy(update={"interfaces": ("me", "cs")})
@@ -40,8 +40,8 @@ def pair(tmp_path_factory):
                 describe(build_one(name, compiler, folder / compiler, book=book).path)
                 for compiler in ("native", "openmodelica")
             )
-            made[name] = Pair(ours, theirs)
-        return made[name]
+            pairs[name] = Pair(ours, theirs)
+        return pairs[name]
 
     return build
 

@@ -139,11 +139,11 @@ def ended(*command: str | Path, cwd: Path = ROOT, env: dict[str, str] | None = N
 
 
 def test_list_prints_every_recipe_completely_without_a_terminal(command):
-    shown = command("build", "--list")
-    assert shown.code == 0
+    output = command("build", "--list")
+    assert output.code == 0
     for name, recipe in tomllib.loads((ROOT / "fmus" / "recipes.toml").read_text()).items():
-        assert f" {name} " in shown.out
-        assert f" {recipe['class']} " in shown.out
+        assert f" {name} " in output.out
+        assert f" {recipe['class']} " in output.out
 
 
 def test_the_program_imports_nothing_from_the_current_folder(tmp_path):

@@ -44,16 +44,16 @@ def packed(tmp_path_factory):
 def slave(packed, tmp_path):
     description = read_model_description(packed)
     folder = extract(str(packed), unzipdir=str(tmp_path / "unpacked"))
-    made = FMU2Slave(
+    slave = FMU2Slave(
         guid=description.guid, unzipDirectory=folder, instanceName="one",
         modelIdentifier=description.coSimulation.modelIdentifier,
     )  # fmt: skip
-    made.instantiate()
-    made.setupExperiment(startTime=0.0)
-    made.enterInitializationMode()
-    made.references = {v.name: v.valueReference for v in description.modelVariables}
-    yield made
-    made.freeInstance()
+    slave.instantiate()
+    slave.setupExperiment(startTime=0.0)
+    slave.enterInitializationMode()
+    slave.references = {v.name: v.valueReference for v in description.modelVariables}
+    yield slave
+    slave.freeInstance()
 
 
 def test_the_fmu_is_valid(packed):
@@ -106,13 +106,13 @@ def test_a_run_can_be_restored(slave):
     of = slave.references
     slave.exitInitializationMode()
     slave.setReal([of["acceleration"]], [1.0])
-    kept = slave.getFMUState()
+    state = slave.getFMUState()
     slave.doStep(0.0, PERIOD)
     after = slave.getReal([of["memory"]])
-    slave.setFMUState(kept)
+    slave.setFMUState(state)
     slave.doStep(0.0, PERIOD)
     assert slave.getReal([of["memory"]]) == after
-    slave.freeFMUState(kept)
+    slave.freeFMUState(state)
 
 
 def test_a_million_summed_steps_stay_on_the_sample_grid(slave):

@@ -10,10 +10,10 @@ def test_an_assertion_ends_the_step_with_the_models_message(feature, run):
     instance = run(feature("Driven"), start={"limit": 0.8, "k": 0.1})
     with pytest.raises(FMICallException):
         instance.steps(10, 0.1)
-    (said,) = [m for m in instance.messages if "assertion" in m]
-    assert "is 100 %% beyond its limit" in said
-    assert "Driven.mo:" in said
-    assert float(said.split("x = ")[1].split(" ")[0]) == pytest.approx(instance.get("x")[0], rel=1e-4)
+    (message,) = [m for m in instance.messages if "assertion" in m]
+    assert "is 100 %% beyond its limit" in message
+    assert "Driven.mo:" in message
+    assert float(message.split("x = ")[1].split(" ")[0]) == pytest.approx(instance.get("x")[0], rel=1e-4)
 
 
 def test_a_warning_is_printed_once_and_does_not_stop(feature, run):

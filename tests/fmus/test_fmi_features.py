@@ -49,15 +49,15 @@ def test_several_states_at_once_are_the_sum_of_one_at_a_time(feature, run, name)
     def columns():
         return [instance.instance.getDirectionalDerivative(unknown, [k], [1.0]) for k in known]
 
-    kept = instance.instance.getFMUState()
+    state = instance.instance.getFMUState()
     first = columns()
     together = instance.instance.getDirectionalDerivative(unknown, known, along)
     assert together == pytest.approx(np.array(first).T @ along, rel=1e-14, abs=1e-14)  # the same sum
     instance.set(**{states[0]: instance.get(states[0])[0] + 0.7})
     assert columns() != first
-    instance.instance.setFMUState(kept)
+    instance.instance.setFMUState(state)
     assert columns() == first
-    instance.instance.freeFMUState(kept)
+    instance.instance.freeFMUState(state)
 
 
 def test_a_restored_state_gives_the_same_future(feature, run):
@@ -65,17 +65,17 @@ def test_a_restored_state_gives_the_same_future(feature, run):
     fmu = feature("Sampled")
     instance = run(fmu)
     instance.steps(37, 0.01)
-    kept = instance.instance.getFMUState()
-    data = instance.instance.serializeFMUState(kept)
+    state = instance.instance.getFMUState()
+    data = instance.instance.serializeFMUState(state)
     instance.steps(200, 0.01, first=37)
     first = instance.get("x", "u")
-    instance.instance.setFMUState(kept)
+    instance.instance.setFMUState(state)
     instance.steps(200, 0.01, first=37)
     assert instance.get("x", "u") == first
     instance.instance.setFMUState(instance.instance.deSerializeFMUstate(data))
     instance.steps(200, 0.01, first=37)
     assert instance.get("x", "u") == first
-    instance.instance.freeFMUState(kept)
+    instance.instance.freeFMUState(state)
     other = run(fmu)
     other.instance.setFMUState(other.instance.deSerializeFMUstate(data))
     other.steps(200, 0.01, first=37)

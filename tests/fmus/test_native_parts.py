@@ -109,8 +109,8 @@ def test_generated_c_computes_the_same_as_casadi(prelude, write, values):
     function = ca.Function("f_every", [x, y], [ca.vertcat(*every), a + y])
     given = [np.array(values), np.array([-7.5])]
     found = played(function, prelude, write(function), given)
-    for result, wanted in zip(found, function(*given), strict=True):
-        np.testing.assert_array_equal(result, np.asarray(wanted).ravel())
+    for result, expected in zip(found, function(*given), strict=True):
+        np.testing.assert_array_equal(result, np.asarray(expected).ravel())
 
 
 def test_a_long_function_is_split_into_parts_that_pass_on_their_values():
@@ -123,8 +123,8 @@ def test_a_long_function_is_split_into_parts_that_pass_on_their_values():
     code = straight(function)
     assert code.count("static void f_orbit") > function.n_instructions() // LONGEST
     found = played(function, [], code, [np.array([0.3])])
-    for result, wanted in zip(found, function(0.3), strict=True):
-        np.testing.assert_array_equal(result, np.asarray(wanted).ravel())
+    for result, expected in zip(found, function(0.3), strict=True):
+        np.testing.assert_array_equal(result, np.asarray(expected).ravel())
 
 
 def test_a_lowered_class_equals_its_equations(tmp_path):

@@ -108,8 +108,8 @@ def test_the_resulting_fmu_is_put_in_place(omc, tmp_path):
     omc("printf 'an fmu' > Lib_FMUs_Plant.fmu", 'echo true; echo "\\"Lib_FMUs_Plant.fmu\\""')
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        made = openmodelica.export(RECIPE, tmp_path, tmp_path / "out" / "Plant.fmu")
-    assert made.read_text() == "an fmu"
+        result = openmodelica.export(RECIPE, tmp_path, tmp_path / "out" / "Plant.fmu")
+    assert result.read_text() == "an fmu"
 
 
 def test_an_error_is_reported_even_if_there_is_an_fmu(omc, tmp_path):
@@ -127,8 +127,8 @@ SULKS = (
 def test_a_prediction_is_built_again_without_derivatives(omc, tmp_path):
     omc(*SULKS)
     with pytest.warns(UserWarning, match=r"built Lib\.FMUs\.Plant without directional derivatives, .*\nError: No der"):
-        made = openmodelica.export(PREDICTION, tmp_path, tmp_path / "Plant.fmu")
-    assert made.read_text() == "an fmu"
+        result = openmodelica.export(PREDICTION, tmp_path, tmp_path / "Plant.fmu")
+    assert result.read_text() == "an fmu"
 
 
 def test_derivatives_of_a_plant_are_not_requested(omc, tmp_path):
@@ -142,19 +142,19 @@ def test_omc_runs_again_only_after_a_change(omc, own_cache, library, tmp_path):
     """A different version line counts as a change, and so does a changed Modelica file."""
     book = Cookbook(file=tmp_path / "recipes.toml", recipes={"Plant": RECIPE})
 
-    def made() -> str:
+    def action() -> str:
         return build_one("Plant", "openmodelica", tmp_path / "out", book=book, library=library).action
 
     def answering(version: str) -> None:
         omc(f'if [ "$1" = --version ]; then echo {version}; else printf {version} > Lib_FMUs_Plant.fmu; fi')
 
     answering("1.26")
-    assert [made(), made()] == ["built", "current"]
+    assert [action(), action()] == ["built", "current"]
     answering("1.27")
-    assert [made(), made()] == ["built", "current"]
+    assert [action(), action()] == ["built", "current"]
     assert (tmp_path / "out" / "Plant.fmu").read_text() == "1.27"
     (library / "package.mo").write_text('package Lib "other" end Lib;')
-    assert made() == "built"
+    assert action() == "built"
 
 
 def test_an_error_of_omc_is_passed_on(omc, tmp_path):
@@ -193,9 +193,9 @@ def test_the_log_named_in_a_message_exists_after_the_build(omc, own_cache, libra
         "printf 'an fmu' > Lib_FMUs_Plant.fmu",
     )
     directory = tmp_path / "out" if copied else None
-    with pytest.warns(UserWarning, match=r"All 201 lines are in ") as told:
+    with pytest.warns(UserWarning, match=r"All 201 lines are in ") as warned:
         fmu = build_one("Plant", "openmodelica", directory, book=book, library=library).path
-    log = Path(str(told[0].message).rpartition("All 201 lines are in ")[2].rstrip("."))
+    log = Path(str(warned[0].message).rpartition("All 201 lines are in ")[2].rstrip("."))
     assert log.read_text().splitlines()[1:] == [str(k) for k in range(1, 201)]
     assert not copied or log.parent == fmu.parent
 

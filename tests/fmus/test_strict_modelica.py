@@ -228,9 +228,9 @@ def test_classes_refused_by_the_front_end_are_still_refused(tmp_path, form):
 
 @pytest.mark.parametrize("form", RIGHT)
 def test_accepted_classes_have_the_values_defined_by_the_language(tmp_path, form):
-    text, wanted = RIGHT[form]
+    text, expected = RIGHT[form]
     values = parameters(explicit(read("P.X", file_of(tmp_path, text), complete=True)))
-    assert {name: values[name] for name in wanted} == wanted
+    assert {name: values[name] for name in expected} == expected
 
 
 def parameters(system) -> dict[str, float]:

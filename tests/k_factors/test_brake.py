@@ -117,8 +117,8 @@ def test_a_draw_without_deviation_is_the_nominal_train(vt642):
 @given(seed=st.integers(0, 2**32), group=st.integers(0, 3))
 def test_fewer_units_brake_less_and_draws_together_equal_single_ones(brake, seed, group):
     standard = np.random.default_rng(seed).standard_normal((5, brake.dimension))
-    left = [n - (g == group) for g, n in enumerate(brake.units)]
-    whole, fewer = brake.ratios(brake.units, standard), brake.ratios(left, standard)
+    available = [n - (g == group) for g, n in enumerate(brake.units)]
+    whole, fewer = brake.ratios(brake.units, standard), brake.ratios(available, standard)
     assert (fewer < whole).all()
     one_by_one = np.concatenate([brake.ratios(brake.units, one[None, :]) for one in standard])
     assert whole == pytest.approx(one_by_one, rel=1e-12)
@@ -151,13 +151,13 @@ def test_each_deviation_has_the_right_sign(vt642, seed):
 def test_a_brake_without_any_units_is_slowed_by_resistance(brake):
     """Over a step s = M/(2C) ln((A + C v₁²)/(A + C v₂²)) with resistance A + C v²."""
     new_wheels = np.where(np.arange(brake.dimension) < brake.dimension - 2, 8.0, 0.0)  # mass and build-up are last
-    left = (brake.ratios([0, 0, 0, 0], new_wheels[None, :])[0] * brake.nominal)[:-1]
+    ratios = (brake.ratios([0, 0, 0, 0], new_wheels[None, :])[0] * brake.nominal)[:-1]
     mass, c = 84e3, 0.5 * 1.2 * 0.9 * 10
     a = mass * 9.81 * (0.0018 * 0.065 + 0.0004) / 0.385
     mass += (2 * 222 + 2 * 209) / 0.385**2
     limits = np.array([0.0, 40.0, 80.0, 120.0]) / 3.6
     exact = c * np.diff(limits**2) / (mass * np.diff(np.log(a + c * limits**2)))
-    assert left == pytest.approx(exact, rel=0.005)  # four parts of a step
+    assert ratios == pytest.approx(exact, rel=0.005)  # four parts of a step
 
 
 @pytest.mark.usefixtures("few_rates")

@@ -82,8 +82,8 @@ def test_a_network_learns_a_smooth_function():
     draw = np.random.default_rng(3)
     x = draw.uniform(-1, 1, (400, 4))
     y = 0.2 + 0.1 * np.tanh(x @ [1.0, -1.0, 0.5, 0.0])
-    made = nn.train(x, y, hidden=6, bias="inside", generator=draw)
-    assert np.abs(made(x) - y).max() < 2e-3
+    network = nn.train(x, y, hidden=6, bias="inside", generator=draw)
+    assert np.abs(network(x) - y).max() < 2e-3
 
 
 def run(name, friction, blocks, generator, slow=None):
@@ -121,15 +121,15 @@ def test_intervals_of_an_ensemble_cover_nine_in_ten_of_similar_runs():
     """Runs of a known law with noise between runs; 60 new ones: 90 % within three binomial deviations of 4 %."""
     draw = np.random.default_rng(5)
 
-    def made(count):
+    def draw_runs(count):
         x = draw.uniform(-1, 1, (count, 3))
         y = 0.25 + 0.1 * np.tanh(x[:, 0]) + 0.02 * draw.standard_normal(count)
         rows = np.repeat(np.arange(count), 4)
         return x[rows] + 0.02 * draw.standard_normal((4 * count, 3)), y[rows], rows
 
-    x, y, number = made(60)
+    x, y, number = draw_runs(60)
     ensemble = fit(x, y, number, generator=draw, members=12)
-    x, y, _ = made(60)
+    x, y, _ = draw_runs(60)
     answer = ensemble(x)
     share = np.mean((answer.lower <= y) & (y <= answer.upper))
     assert 0.78 <= share <= 1.0
@@ -209,8 +209,10 @@ def test_decay_is_part_of_the_minimised_cost():
     y = np.where(x[:, 0] > 0, 0.3, 0.15)
     sizes = {}
     for decay in (0.0, 1e-5):
-        made = nn.train(x, y, hidden=6, bias="inside", generator=np.random.default_rng(1), decay=decay, steps=400)
-        p = np.concatenate([made.hidden_weights.ravel(), made.hidden_bias, made.output_weights, [made.output_bias]])
+        network = nn.train(x, y, hidden=6, bias="inside", generator=np.random.default_rng(1), decay=decay, steps=400)
+        p = np.concatenate(
+            [network.hidden_weights.ravel(), network.hidden_bias, network.output_weights, [network.output_bias]]
+        )
         sizes[decay] = float(p @ p)
 
     def cost(q):

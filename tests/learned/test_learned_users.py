@@ -52,10 +52,10 @@ def write_labels(file, rows, header="file,friction,direction"):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    made = tmp_path_factory.mktemp("runs")
+    folder = tmp_path_factory.mktemp("runs")
     for k in range(4):
-        write(made / f"{k}.parquet", signals(k))
-    return made
+        write(folder / f"{k}.parquet", signals(k))
+    return folder
 
 
 @pytest.fixture(scope="module")

@@ -104,13 +104,13 @@ def observation(parts, k, latest, pressure):
     acceleration, measured = float(latest[READ["acceleration"]][0]), latest[READ["cylinder_pressure"]]
     if belief is None:
         speed, wheels, estimates = float(latest[READ["speed"]][0]), latest[READ["wheelset_speed"]], (None, None)
-        shown = wheels
+        readings = wheels
     else:
         mean, variance = belief.filter.mean, np.diagonal(belief.filter.covariance)
         speed, wheels = float(mean[belief.speed]), mean[belief.wheelset_speed]
         estimates = mean[belief.adhesion], mean[belief.pad_friction]
         lost = variance[belief.wheelset_speed] > (1.0 / np.array(belief.wheel_radius)) ** 2
-        shown = np.where(lost, np.nan, wheels)
+        readings = np.where(lost, np.nan, wheels)
     radius = np.array(parts.wheel_radius if belief is None else belief.wheel_radius)
     slip = np.zeros(4) if speed < 0.05 else 1.0 - radius * wheels / speed
-    return Observation(time, speed, acceleration, shown, slip, belief is not None, *estimates, measured, pressure)
+    return Observation(time, speed, acceleration, readings, slip, belief is not None, *estimates, measured, pressure)

@@ -12,7 +12,7 @@ from railgrip.simulate.loop.sensors import MissingTeeth
 SPEED = LAYOUT.reading["speed"].start
 
 
-def shown(course, *, valves=True, noise_rate=1, **fault):
+def readings_of(course, *, valves=True, noise_rate=1, **fault):
     """Readings of the train speed with one fault between samples 3 and 6; -1 for none."""
     values = {"place": SPEED, "begin": 3, "end": 6} | fault
     faults = Faults(LAYOUT, valves=valves, noise_rate=noise_rate)
@@ -44,14 +44,14 @@ COURSE = [20, 19, 18, 17, 16, 15, 14, 13]
     ids=lambda value: value["kind"] if isinstance(value, dict) else "",
 )  # fmt: skip
 def test_each_fault_has_its_effect_and_ends(fault, expected):
-    assert shown(COURSE, **fault) == expected
+    assert readings_of(COURSE, **fault) == expected
 
 
 @pytest.mark.parametrize("kind", ["dead", "stuck"])
 def test_a_sensor_faulty_from_the_start_repeats_its_first_reading(kind):
     """Nothing was read before sample 1, so that reading is the one that the fault holds."""
     after = -1 if kind == "dead" else 19
-    assert shown([-1, 19, 18, -1, 16], kind=kind, begin=0, end=99) == [-1, 19, after, -1, after]
+    assert readings_of([-1, 19, 18, -1, 16], kind=kind, begin=0, end=99) == [-1, 19, after, -1, after]
 
 
 def test_faults_of_one_sensor_act_in_their_order():

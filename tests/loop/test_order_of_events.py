@@ -530,9 +530,9 @@ def test_a_correct_plant_is_never_implausible(speed, slowing, late, grid, roundi
     assume(rounding <= 1e-3 * speed)
 
     def honest(k, truth):
-        shown = speed - slowing * 1e-3 * (k - late if k else 0)
+        output = speed - slowing * 1e-3 * (k - late if k else 0)
         gone = speed * 1e-3 * k - slowing * (1e-3 * k) ** 2 / 2
-        truth[LAYOUT.output["speed"]] = rounding * round(shown / rounding) if rounding else shown
+        truth[LAYOUT.output["speed"]] = rounding * round(output / rounding) if rounding else output
         truth[LAYOUT.output["distance"]] = grid * round(gone / grid) if grid else gone
 
     plausibility = Plausibility(LAYOUT, 1e-3, speed, ANY_TRAIN)

@@ -70,13 +70,13 @@ def test_the_product_of_shares_is_the_sum_of_energies():
     track = rail()
     slips = np.array([0.05, 0.3, 0.1, 0.2])
     for place in np.arange(0, 60, 0.05):
-        shown = truth(place)
-        shown[LAYOUT.output["slip"]] = slips
-        track.advance(0.0, shown)
+        outputs = truth(place)
+        outputs[LAYOUT.output["slip"]] = slips
+        track.advance(0.0, outputs)
     each = 0.5 * 0.05 * LOAD * slips[TWO_PART_TRAIN.group_of_wheelset]
-    kept = np.cumprod(np.exp(-CLEAN.rate * each))
+    shares = np.cumprod(np.exp(-CLEAN.rate * each))
     speeds = 20.0 * slips[TWO_PART_TRAIN.group_of_wheelset]
-    expected = [law(-np.log(share) / CLEAN.rate, 0.05, speed) for share, speed in zip(kept, speeds, strict=True)]
+    expected = [law(-np.log(share) / CLEAN.rate, 0.05, speed) for share, speed in zip(shares, speeds, strict=True)]
     assert track.mu0 == pytest.approx(expected, rel=1e-9)
 
 
@@ -92,8 +92,8 @@ def test_the_rail_stores_all_the_energy(moves):
         track.advance(0.0, truth(place, slip=slip))
         spent += 6 * 0.5 * 0.05 * LOAD * 0.5 * (before + slip) * stride
         before = slip
-    kept = CELL * track.slip_energy.energy.sum() + sum(track.slip_energy.struct.pointer.energy_own)
-    assert kept == pytest.approx(spent, rel=1e-9, abs=1e-6)
+    stored = CELL * track.slip_energy.energy.sum() + sum(track.slip_energy.struct.pointer.energy_own)
+    assert stored == pytest.approx(spent, rel=1e-9, abs=1e-6)
 
 
 def test_driven_wheels_do_not_clean():
@@ -138,8 +138,8 @@ def test_the_heat_of_the_contacts_is_on_the_rail():
         ended = parts.run()
         field, trace = parts.parts.rail.slip_energy, parts.recorder.trace(ended.samples, 1e-3)
     # For both wheels of each wheelset; the plant's heat includes all slip, the rail's is sampled every 1 ms.
-    kept = 2 * (CELL * field.energy.sum() + sum(field.struct.pointer.energy_own))
-    assert kept == pytest.approx(float(trace.contact_heat[-1]), rel=1e-3)
+    stored = 2 * (CELL * field.energy.sum() + sum(field.struct.pointer.energy_own))
+    assert stored == pytest.approx(float(trace.contact_heat[-1]), rel=1e-3)
     assert float(trace.mu0.max()) > 0.1
 
 
@@ -180,11 +180,11 @@ def test_recovery_that_contradicts_the_scenario_is_refused(scenario, changes, wo
 
 
 def test_a_plant_without_loads_or_positions_is_refused():
-    shown = truth(0.0)
-    shown[LAYOUT.output["wheelset_load"]] = np.nan
+    outputs = truth(0.0)
+    outputs[LAYOUT.output["wheelset_load"]] = np.nan
     with pytest.raises(ScenarioError, match="does not output adhesion and wheelset_load"):
-        rail().check_plant(shown)
-    constant_rail(0.1).check_plant(shown)
+        rail().check_plant(outputs)
+    constant_rail(0.1).check_plant(outputs)
     nowhere = replace(TWO_PART_TRAIN, wheelset_position=())
     with pytest.raises(ScenarioError, match=r"has recovery, and the plant does not declare the positions"):
         position_of(load(LIBRARY / "plain.toml", [WRITTEN]), nowhere)

@@ -47,21 +47,21 @@ def behind(density, first):
 
 
 def test_each_wheelset_behind_a_sander_gets_a_smaller_share():
-    met = behind(2 * KG_PER_MIN / SPEED, first=2)
-    assert rolled(rail(FIXED), 100.0).mu0 == pytest.approx(law(met), rel=1e-12)
-    assert met[2] == pytest.approx(1.667e-3, rel=1e-3)  # 1.7 g/m at 72 km/h
+    density = behind(2 * KG_PER_MIN / SPEED, first=2)
+    assert rolled(rail(FIXED), 100.0).mu0 == pytest.approx(law(density), rel=1e-12)
+    assert density[2] == pytest.approx(1.667e-3, rel=1e-3)  # 1.7 g/m at 72 km/h
 
 
 def test_sand_of_two_sanders_adds_up():
-    met = behind(2 * KG_PER_MIN / SPEED, first=2) + behind(2 * KG_PER_MIN / SPEED, first=4)
+    density = behind(2 * KG_PER_MIN / SPEED, first=2) + behind(2 * KG_PER_MIN / SPEED, first=4)
     track = rolled(rail(FIXED, Sander(wheelset=5, rate=2 * KG_PER_MIN, delay=0.0)), 100.0)
-    assert track.mu0 == pytest.approx(law(met), rel=1e-12)
+    assert track.mu0 == pytest.approx(law(density), rel=1e-12)
 
 
 @pytest.mark.parametrize("speed", [5.0, 15.0, 20.8, 22.0, 40.0])
 def test_a_variable_rate_keeps_sand_per_metre_constant_up_to_its_limit(speed):
-    met = behind(min(4e-3, 5 * KG_PER_MIN / speed), first=2)
-    assert rolled(rail(VARIABLE), 100.0, speed, 1e-3).mu0 == pytest.approx(law(met), rel=1e-12)
+    density = behind(min(4e-3, 5 * KG_PER_MIN / speed), first=2)
+    assert rolled(rail(VARIABLE), 100.0, speed, 1e-3).mu0 == pytest.approx(law(density), rel=1e-12)
 
 
 def test_all_sand_that_left_the_nozzles_is_on_the_rail():
@@ -73,20 +73,20 @@ def test_all_sand_that_left_the_nozzles_is_on_the_rail():
 
 def test_sand_starts_and_ends_and_stays_in_place():
     sander = Sander(wheelset=1, rate=2 * KG_PER_MIN, begin=1.0, end=2.0, delay=0.5)
-    met = behind(2 * KG_PER_MIN / SPEED, first=0)
+    density = behind(2 * KG_PER_MIN / SPEED, first=0)
     track = rail(sander)
     found = {}
     for k in range(5000):
         track.advance(k * 1e-3, truth(SPEED * k * 1e-3))
         found[k] = track.mu0.copy()
-    laid, last = 1500, 2500
+    first, last = 1500, 2500
     position = np.array(TWO_PART_TRAIN.wheelset_position)
     for w in range(6):
-        arrives, leaves = (round(k + position[w] / SPEED * 1e3) for k in (laid, last))
+        arrives, leaves = (round(k + position[w] / SPEED * 1e3) for k in (first, last))
         a_cell = 6  # samples
         assert found[arrives - a_cell][w] == pytest.approx(0.02)
-        assert found[arrives + a_cell][w] == pytest.approx(law(met)[w])
-        assert found[leaves - a_cell][w] == pytest.approx(law(met)[w])
+        assert found[arrives + a_cell][w] == pytest.approx(law(density)[w])
+        assert found[leaves - a_cell][w] == pytest.approx(law(density)[w])
         assert found[leaves + a_cell][w] == pytest.approx(0.02)
 
 

@@ -150,17 +150,17 @@ def test_the_command_prints_tables_or_json_and_writes_a_page(slip, adhesion, tmp
     monkeypatch.chdir(tmp_path)
     write_stop(slip, tmp_path / "runs" / "a")
     write_stop(adhesion, tmp_path / "runs" / "b")
-    shown = command("compare", "runs/a", "runs/b")
-    assert shown.code == 0, shown.err
-    assert "controller.kind" in shown.out
-    assert "mean_deceleration" in shown.out
+    output = command("compare", "runs/a", "runs/b")
+    assert output.code == 0, output.err
+    assert "controller.kind" in output.out
+    assert "mean_deceleration" in output.out
     page = tmp_path / "build/compare/a-b/index.html"
     assert list(plots_of(page)) == ["figures/comparison.png"]
     assert needs_nothing_else(page)
     assert "Where B loses distance against A" in page.read_text(encoding="utf-8")
-    shown = command("compare", "runs/a", "runs/b", "--json")
-    content = json.loads(shown.out)
-    assert shown.code == 0
+    output = command("compare", "runs/a", "runs/b", "--json")
+    content = json.loads(output.out)
+    assert output.code == 0
     assert content["results"] == {"A": "runs/a", "B": "runs/b"}
     assert content == json.loads((tmp_path / "build/compare/a-b/comparison.json").read_text(encoding="utf-8"))
     assert {row["figure"]: row["unit"] for row in content["answer"]}["distance"] == "m"

@@ -91,11 +91,11 @@ def test_distances_are_drawn_next_to_the_published_ones(folder):
 
 
 def test_the_panels_of_a_stop_have_units_and_share_their_scales(stops):
-    made = stops["trapezoid-ideal-adhesion_based"].plot()
-    labels = [panel.get_ylabel() for panel in made.axes if panel.get_ylabel()]
+    figure = stops["trapezoid-ideal-adhesion_based"].plot()
+    labels = [panel.get_ylabel() for panel in figure.axes if panel.get_ylabel()]
     assert labels == ["speed [km/h]", "slip [%]", "adhesion", "pad friction", "cylinder pressure [bar]"]
-    assert len(made.axes) == 20
-    assert made.axes[0].lines[0].get_ydata()[0] == pytest.approx(80.0)
+    assert len(figure.axes) == 20
+    assert figure.axes[0].lines[0].get_ydata()[0] == pytest.approx(80.0)
 
 
 def test_signals_missing_in_a_plant_have_no_row_and_no_number(tmp_path, write_campaign):
@@ -110,14 +110,14 @@ def test_signals_missing_in_a_plant_have_no_row_and_no_number(tmp_path, write_ca
         metrics=replace(stop.metrics, utilisation=float("nan")),
         trace_digest=hashlib.sha256(path.read_bytes()).hexdigest(),
     )
-    made = without_utilisation.plot()
-    labels = [panel.get_ylabel() for panel in made.axes if panel.get_ylabel()]
+    figure = without_utilisation.plot()
+    labels = [panel.get_ylabel() for panel in figure.axes if panel.get_ylabel()]
     assert labels == ["speed [km/h]", "slip [%]", "adhesion"]
-    assert all(panel.lines for panel in made.axes)
-    assert "nan" not in made.get_suptitle()
-    assert "adhesion used" not in made.get_suptitle()
+    assert all(panel.lines for panel in figure.axes)
+    assert "nan" not in figure.get_suptitle()
+    assert "adhesion used" not in figure.get_suptitle()
     # One draw of many states its number.
-    assert made.get_suptitle().startswith(f"random, seed {campaign.stops[0].scenario.seed}: ")
+    assert figure.get_suptitle().startswith(f"random, seed {campaign.stops[0].scenario.seed}: ")
 
 
 def test_distances_of_many_stops_are_drawn_as_a_distribution(folder):
@@ -129,14 +129,14 @@ def test_distances_of_many_stops_are_drawn_as_a_distribution(folder):
         for row in rows
         if row.distance_m is not None
     ]
-    made = distance_figure(many)
-    assert len(made.axes) == 3 * 2  # scenarios; distance, and change against the published control
-    for panel in made.axes[::2]:
+    figure = distance_figure(many)
+    assert len(figure.axes) == 3 * 2  # scenarios; distance, and change against the published control
+    for panel in figure.axes[::2]:
         assert [text.get_text() for text in panel.get_yticklabels()] == ["SBC, two-state 10/15 %", "ABC"]
         assert [len(line.get_xdata()) for line in panel.lines if line.get_marker() == "."] == [30, 30]
-    assert "[m]" in made.axes[-2].get_xlabel()
-    assert made.legends[0].get_texts()[0].get_text() == "a stop"
-    assert made.get_figheight() == distance_figure([*many, *many]).get_figheight()
+    assert "[m]" in figure.axes[-2].get_xlabel()
+    assert figure.legends[0].get_texts()[0].get_text() == "a stop"
+    assert figure.get_figheight() == distance_figure([*many, *many]).get_figheight()
 
 
 def test_each_of_a_few_cases_has_a_line_with_its_friction(folder):
@@ -148,13 +148,13 @@ def test_each_of_a_few_cases_has_a_line_with_its_friction(folder):
         for number in range(10)
         for row in rows
     ]  # fmt: skip
-    made = distance_figure(cases)
-    names = [[text.get_text() for text in panel.get_yticklabels()] for panel in made.axes[::2]]
+    figure = distance_figure(cases)
+    names = [[text.get_text() for text in panel.get_yticklabels()] for panel in figure.axes[::2]]
     assert [len(lines) for lines in names] == [8, 2]
     assert names[1][1] == "case 9, $\\mu_0$ 0.09"
-    of_first = [line.get_xdata()[0] for line in made.axes[0].lines]
+    of_first = [line.get_xdata()[0] for line in figure.axes[0].lines]
     assert sorted(of_first) == pytest.approx(sorted(8 * [row.distance_m for row in rows]))
-    assert [line.get_marker() for line in made.axes[2].lines].count("x") == len(rows)
+    assert [line.get_marker() for line in figure.axes[2].lines].count("x") == len(rows)
 
 
 def test_controllers_of_one_kind_have_separate_bars(folder):

@@ -58,8 +58,8 @@ def test_a_figure_is_readable(name, stops, folder):
     assert defects_of(drawing) == []
     # The version on a page has all panels, too.
     plot = interactive(drawing)
-    shown = {trace["xaxis"] for trace in plot["data"] if "xaxis" in trace}
-    assert len(shown) == len(drawing.axes)
+    axes = {trace["xaxis"] for trace in plot["data"] if "xaxis" in trace}
+    assert len(axes) == len(drawing.axes)
 
 
 def crowd_ticks(axes):

@@ -103,9 +103,9 @@ def test_every_wheelset_passes_the_same_place_of_the_rail_later():
     found = profile("random", *ON_THE_RAIL)
     offsets = [0, 1.9, 15.625, 18.275, 32, 33.9]
     spot = 60.0
-    met = [friction_at(found, 0.0, spot + offset)[wheelset] for wheelset, offset in enumerate(offsets)]
+    frictions = [friction_at(found, 0.0, spot + offset)[wheelset] for wheelset, offset in enumerate(offsets)]
     # Offsets are whole numbers of the 5 mm grid, so that no interpolation is involved.
-    assert met == pytest.approx([met[0]] * 6, abs=1e-12)
+    assert frictions == pytest.approx([frictions[0]] * 6, abs=1e-12)
     assert len(set(np.round(friction_at(found, 0.0, spot), 6))) == 6
 
 
@@ -268,10 +268,10 @@ def pointed(tmp_path, *lines):
 @pytest.mark.parametrize("written", ["points", "table"])
 def test_points_of_a_scenario_or_a_table_are_interpolated_linearly(tmp_path, written):
     if written == "points":
-        made = pointed(tmp_path, 'kind = "points"', 'over = "time"', "points = [['1 s', 0.2], ['3 s', 0.1]]")
+        profile = pointed(tmp_path, 'kind = "points"', 'over = "time"', "points = [['1 s', 0.2], ['3 s', 0.1]]")
     else:
-        made = tabled(tmp_path, "time,mu0\n1,0.20\n3,0.10\n")
-    friction = profile_of(made, TWO_PART_TRAIN).table(np.array([0.0, 1.0, 2.0, 3.0, 9.0]), np.zeros(5))
+        profile = tabled(tmp_path, "time,mu0\n1,0.20\n3,0.10\n")
+    friction = profile_of(profile, TWO_PART_TRAIN).table(np.array([0.0, 1.0, 2.0, 3.0, 9.0]), np.zeros(5))
     assert friction == pytest.approx(np.array([0.2, 0.2, 0.15, 0.1, 0.1])[:, None].repeat(6, axis=1))
 
 
@@ -310,19 +310,19 @@ def test_a_patch_may_be_on_any_rail_over_distance(tmp_path):
     """Leaves of 8 m on a ramp, with steps at both ends; the later patch covers the earlier."""
     patches = "[{ begin = '20 m', length = '8 m', mu0 = 0.03 }, { begin = '27 m', length = '5 m', mu0 = 0.15 }]"
     ramp = ("kind = 'points'", "over = 'distance'", "points = [['0 m', 0.1], ['100 m', 0.2]]")
-    made = pointed(tmp_path, *ramp, f"patch = {patches}")
+    profile = pointed(tmp_path, *ramp, f"patch = {patches}")
     places = np.array([19.9, 20.1, 26.9, 27.1, 31.9, 32.1])
-    found = profile_of(made, TWO_PART_TRAIN).table(np.zeros(6), places)[:, 0]
+    found = profile_of(profile, TWO_PART_TRAIN).table(np.zeros(6), places)[:, 0]
     assert found == pytest.approx([0.1199, 0.03, 0.03, 0.15, 0.15, 0.1321], abs=1e-5)
 
 
 def test_a_profile_over_time_accepts_no_patch(tmp_path):
     patch = "patch = [{ begin = '20 m', length = '8 m', mu0 = 0.03 }]"
-    made = pointed(tmp_path, "kind = 'points'", "over = 'time'", "points = [['0 s', 0.1]]", patch)
+    profile = pointed(tmp_path, "kind = 'points'", "over = 'time'", "points = [['0 s', 0.1]]", patch)
     with pytest.raises(
         ScenarioError, match=r"\[adhesion\.patch\] has a place on the rail, but the profile is over time"
     ):
-        profile_of(made, TWO_PART_TRAIN)
+        profile_of(profile, TWO_PART_TRAIN)
 
 
 def test_each_purpose_has_separate_reproducible_random_numbers():

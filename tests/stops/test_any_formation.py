@@ -157,8 +157,8 @@ def test_the_train_provides_positions_and_loads_of_its_wheelsets():
     wagon = VehicleData(load(LIBRARY / "wagon.toml")).nominal.formation
     assert (wagon.cars, wagon.position.tolist()) == (1, [0.0, 9.0])
     assert wagon.load == pytest.approx([40e3 * 9.81 / 2] * 2)
-    believed = VehicleData(load(LIBRARY / "trapezoid.toml", ["controller.parameters.m='60 t'"])).nominal.formation
-    assert believed.load == pytest.approx([98100.0] * 6)
+    onboard = VehicleData(load(LIBRARY / "trapezoid.toml", ["controller.parameters.m='60 t'"])).nominal.formation
+    assert onboard.load == pytest.approx([98100.0] * 6)
 
 
 @pytest.fixture(scope="module")

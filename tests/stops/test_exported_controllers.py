@@ -109,8 +109,8 @@ def test_the_command_prints_the_path_of_the_fmu(tmp_path, command):
     """The valves' parameters and those of the law have units; the parameter that is the FMU's own step is omitted."""
     made = tmp_path / "new" / "law.fmu"
     pneumatic = ("--set", "actuation.kind=pneumatic", "--set", "vehicle.plant=TwoPartTrainPneumatic")
-    shown = command("export", PLAIN, *pneumatic, "--out", made)
-    assert (shown.code, shown.out.strip()) == (0, str(made))
+    output = command("export", PLAIN, *pneumatic, "--out", made)
+    assert (output.code, output.out.strip()) == (0, str(made))
     described = {v.name: v for v in describe(made).variables.values() if v.causality == "parameter"}
     assert described["filter_time"].unit == described["valves.fill_time"].unit == "s"
     assert {v.minimum for v in described.values()} == {0.0}

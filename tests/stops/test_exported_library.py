@@ -70,7 +70,7 @@ def compiled(program: Path, library: Path, *more: str) -> Path:
 def by_fmu(scenario, folder: Path, rows: np.ndarray) -> np.ndarray:
     """Return the outputs of the onboard FMU at the end of each step."""
     description = describe(pack(part_fmu(scenario, "onboard"), folder / "onboard.fmu"))
-    given, shown = (
+    inputs, references = (
         [description.variables[name].reference for name in description.names(kind)] for kind in ("input", "output")
     )
     interface = description.co_simulation
@@ -85,9 +85,9 @@ def by_fmu(scenario, folder: Path, rows: np.ndarray) -> np.ndarray:
     fmu.exitInitializationMode()
     outputs = []
     for k, row in enumerate(rows):
-        fmu.setReal(given, row.tolist())
+        fmu.setReal(inputs, row.tolist())
         fmu.doStep(k * PERIOD, PERIOD)
-        outputs.append(fmu.getReal(shown))
+        outputs.append(fmu.getReal(references))
     fmu.terminate()
     fmu.freeInstance()
     return np.array(outputs)
@@ -111,8 +111,8 @@ def test_the_library_allocates_nothing_and_exports_only_its_own_names(library: P
         pytest.skip("nm, of binutils, lists the symbols")
     text = subprocess.run([nm, str(library / "libplain_onboard.a")], capture_output=True, text=True, check=True).stdout
     symbols = re.findall(r"^[0-9a-f ]* ([A-Za-z]) (\w+)$", text, re.MULTILINE)
-    wanted = {name for kind, name in symbols if kind == "U" and not name.startswith("plain_onboard_")}
-    assert wanted <= {"exp", "log", "sqrt", "sin", "cos", "tan", "atan", "tanh", "pow", "fabs", "fmax", "fmin", "fmod",
+    used = {name for kind, name in symbols if kind == "U" and not name.startswith("plain_onboard_")}
+    assert used <= {"exp", "log", "sqrt", "sin", "cos", "tan", "atan", "tanh", "pow", "fabs", "fmax", "fmin", "fmod",
                       "floor", "memcpy", "memset", "memmove", "_GLOBAL_OFFSET_TABLE_", "__stack_chk_fail"}  # fmt: skip
     assert all(name.startswith("plain_onboard_") for kind, name in symbols if kind.isupper() and kind != "U")
     assert not {kind for kind, _ in symbols} & set("BbCD"), "no variable is shared by the states"

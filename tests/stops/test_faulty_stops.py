@@ -44,8 +44,8 @@ def test_stuck_valves_act_according_to_the_name_of_the_fault(healthy):
     # For a first-order lag of 0.4 s, e^-5 remains after 2 s; a held cylinder only loses the leak of 1 kPa/s.
     assert pressure[0, 0] == pytest.approx(3.4e5, rel=0.01)
     assert pressure[:, 1].max() < 1e3
-    lost = pressure[0, 2] - pressure[-1, 2]
-    assert lost == pytest.approx(1e3 * (len(late["time"]) - 1) * 1e-3, rel=0.2)
+    drop = pressure[0, 2] - pressure[-1, 2]
+    assert drop == pytest.approx(1e3 * (len(late["time"]) - 1) * 1e-3, rel=0.2)
     assert stop.trace["demand"].values[-1, 1] > 0.0  # the controller does not know
     before = slice(0, 2000)
     assert np.array_equal(stop.trace["speed"].values[before], healthy.trace["speed"].values[before])
@@ -55,10 +55,10 @@ def test_a_sagging_supply_fills_no_cylinder_beyond_its_pressure():
     """Isothermal reservoir of 30 l at 4 bar: no fill valve opens once a cylinder has the pressure of the reservoir."""
     stop = run_stop(train({"part": "supply", "kind": "sagging", "value": "30 l", "pressure": "4 bar"}))
     trace = stop.trace
-    left = 4e5 - FREE * (trace["air_used"].values - trace["air_used"].values[0]) / 0.03
+    reservoir = 4e5 - FREE * (trace["air_used"].values - trace["air_used"].values[0]) / 0.03
     inside, command = trace["cylinder_pressure"].values[:-1], trace["command"].values[1:]
-    assert not (command[inside >= left[:-1, None]] > 0).any()
-    assert (trace["demand"].values[1:][inside >= left[:-1, None]] > 0).any()
+    assert not (command[inside >= reservoir[:-1, None]] > 0).any()
+    assert (trace["demand"].values[1:][inside >= reservoir[:-1, None]] > 0).any()
 
 
 def test_an_isolated_unit_lowers_the_torque_by_its_share(healthy):

@@ -153,9 +153,9 @@ def test_exceeding_the_horizon_is_an_outcome_of_the_best_stop():
 def test_the_bound_includes_a_gradient_once(change):
     """On uniform friction the mean deceleration falls by g times the slope."""
     level, falling = bound("plain", "10 ms"), bound("plain", "10 ms", *change)
-    lost = level.metrics.mean_deceleration - falling.metrics.mean_deceleration
+    loss = level.metrics.mean_deceleration - falling.metrics.mean_deceleration
     # Friction falls with speed, and the slower stop is faster for longer.
-    assert lost == pytest.approx(0.02 * 9.81, rel=0.05)
+    assert loss == pytest.approx(0.02 * 9.81, rel=0.05)
 
 
 @pytest.mark.parametrize(

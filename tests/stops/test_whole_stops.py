@@ -145,19 +145,19 @@ def test_a_pressure_offset_leaves_the_brake_torque_known():
     trace, table = service.trace, service.scenario.sensors.pressure
     A, spring = 0.0324, 1200.0
     p, mu = trace["cylinder_pressure"].values, trace["pad_friction"].values
-    read, believed = trace["reading_cylinder_pressure"].values, trace["estimate_pad_friction"].values
+    read, estimate = trace["reading_cylinder_pressure"].values, trace["estimate_pad_friction"].values
     pressed = (trace["speed"].values > 10 / 3.6)[:, None] & (p * A - spring > 500.0)
     offset = np.array([np.mean((read - p)[pressed[:, g], g]) for g in range(4)])
     assert np.abs(offset).max() > table.error * table.full_scale
     for g in range(4):
         at = pressed[:, g]
-        torque = believed[at, g] * (read[at, g] * A - spring) / (mu[at, g] * (p[at, g] * A - spring))
+        torque = estimate[at, g] * (read[at, g] * A - spring) / (mu[at, g] * (p[at, g] * A - spring))
         assert np.mean(torque) == pytest.approx(1.0, abs=0.025)
-        error = (believed - mu)[at, g]
+        error = (estimate - mu)[at, g]
         explained = -mu[at, g] * offset[g] * A / (p[at, g] * A - spring)
         assert np.mean(error) == pytest.approx(np.mean(explained), abs=0.012)
         added = pressure_deviation(
-            pad_friction=believed[at, g],
+            pad_friction=estimate[at, g],
             pressure=read[at, g],
             offset=table.error * table.full_scale,
             piston_area=A,

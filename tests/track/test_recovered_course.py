@@ -42,9 +42,9 @@ def test_a_wave_of_the_cut_off_length_is_halved():
     straight = np.column_stack([distance, np.zeros_like(distance)])
     course = course_of(distance, straight, np.sin(wave), LOW_PASS)
     inside = slice(300, -300)
-    left = np.sqrt(2) * np.std(course.height[inside])
+    amplitude = np.sqrt(2) * np.std(course.height[inside])
     # Up to one of 23 whole waves is inside: 1/46 of the amplitude.
-    assert left == pytest.approx(0.5, abs=0.02)
+    assert amplitude == pytest.approx(0.5, abs=0.02)
 
 
 def test_positions_over_a_few_metres_are_refused():
