@@ -1,4 +1,4 @@
-"""Recordings of the study of estimators are even, equal for all estimators, and judged by known errors."""
+"""Recordings of the study of estimators are balanced, equal for all estimators, and evaluated by known errors."""
 
 import json
 import tomllib
@@ -47,7 +47,7 @@ def short():
 
 
 @pytest.mark.parametrize("count", [12, 48])
-def test_every_value_of_the_further_axes_comes_equally_often(count):
+def test_every_value_of_the_other_axes_is_equally_frequent(count):
     design = recording_cases(count, SEEDS["test"])
     for field, choices in (("sensors", SENSORS), ("demand", DEMANDS), ("over", ("time", "distance"))):
         assert set(Counter(getattr(case, field) for case in design).values()) == {count // len(choices)}
@@ -95,13 +95,13 @@ def test_all_estimators_get_the_same_readings_and_are_ranked(short):
 
 
 def modelled(case, found):
-    """Variances without those of errors in no equation, which follow from the mean."""
+    """Variances, except those of errors that are in no equation and follow from the mean."""
     arguments = recording_of_case(case), states(), found.mean
     unmodelled = with_unmodelled(*arguments, np.zeros_like(found.variance), case.sensors, model_of(MODEL))
     return found.variance - unmodelled
 
 
-def test_the_smoother_is_surer_than_the_filter_and_the_bound_positive(short):
+def test_the_smoother_is_more_certain_than_the_filter_and_the_bound_positive(short):
     filtered, smoothed = (modelled(short, replay(short, name)) for name in ("fmu", "smoother"))
     assert np.all(smoothed <= filtered * (1.0 + 1e-6))
     assert np.all(bound_of(short) > 0.0)
@@ -120,7 +120,7 @@ def test_a_small_run_writes_page_tables_and_json(tmp_path):
     assert (tmp_path / "leaderboard.csv").is_file()
 
 
-def test_an_unknown_estimator_is_refused_with_the_next_name(tmp_path):
+def test_an_unknown_estimator_is_refused_with_the_nearest_name(tmp_path):
     with work("estimators", tmp_path) as job, pytest.raises(InputError, match="did you mean 'unscented'"):
         Estimators(estimator=["unscentd"]).page(job)
     with work("estimators", tmp_path) as job, pytest.raises(InputError, match="--write"):
@@ -151,7 +151,7 @@ def test_a_users_class_gets_the_same_readings_and_is_judged(short, tmp_path):
     moving = recording["speed"].values > 10 / 3.6
     expected = -recording["reading_acceleration"].values[moving, np.newaxis] / 9.81
     truth = recording["group_adhesion"].values[moving]
-    # The estimator sees the reading of the period before.
+    # The estimator receives the reading of the previous period.
     assert errors.rmse["adhesion"] == pytest.approx(np.sqrt(np.mean((expected - truth) ** 2)), rel=0.1)
     speed = recording["speed"].values[moving]
     assert errors.rmse["speed"] == pytest.approx(np.sqrt(np.mean((0.5 * speed) ** 2)), rel=0.05)
@@ -188,7 +188,7 @@ def test_the_delay_after_a_step_is_that_of_a_shifted_estimate():
 
 
 def test_the_search_never_returns_worse_factors(monkeypatch):
-    """A quadratic in the logarithms, with its minimum at all = 3."""
+    """A quadratic in the logarithms with its minimum at 3 in every direction."""
     count = Counter()
 
     def cost(estimator, sensors, cases, factors):
@@ -207,7 +207,7 @@ def test_the_interval_score_is_smallest_for_the_true_deviation():
     assert scores[1] == min(scores)
 
 
-def test_a_larger_load_uncertainty_is_claimed_where_no_state_has_it(short):
+def test_a_larger_load_uncertainty_is_added_where_load_is_not_a_state(short):
     found = replay(short, "fmu")
     alpha = states().index("alpha[1]")
     extra = found.variance - modelled(short, found)
@@ -235,7 +235,7 @@ def test_the_common_factor_multiplies_every_deviation_and_no_other_factor_does()
     assert (one.readings, one.start) == (plain.readings, plain.start)
 
 
-def test_every_case_belongs_to_one_family_of_each_axis_and_the_loads_differ():
+def test_every_case_has_one_family_of_each_axis_and_loads_differ():
     design = recording_cases(24, SEEDS["test"])
     for field in FAMILIES:
         counts = Counter(family_of(case, field) for case in design)
