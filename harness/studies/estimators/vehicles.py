@@ -122,4 +122,4 @@ def vehicles(rows: Sequence[Row]) -> ReportTable:
 
 
 def _bound(value: float | str) -> str:
-    return f"{value:.4f}" if isinstance(value, float) else value
+    return value if isinstance(value, str) else f"{value:.4f}"
