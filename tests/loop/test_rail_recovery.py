@@ -164,9 +164,9 @@ def test_cleaning_slip_shortens_the_stop_and_half_the_period_changes_little(cont
     [
         ("trapezoid", [WRITTEN], "conditioning.fraction = 0"),
         (
-            "plain",
-            [WRITTEN, "controller.kind=ideal_bound", "estimator.kind=none"],
-            "depends on the slip of those ahead",
+            "trapezoid",
+            [WRITTEN, "adhesion.conditioning.fraction=0", "controller.kind=ideal_bound", "estimator.kind=none"],
+            "takes friction over distance where slip cleans the rail",
         ),
         ("plain", ["adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='2 m'}"], "recovery] rate"),
         ("plain", ["adhesion.recovery={mu0=0.3, A=0.4, B=0.6}"], "recovery"),

@@ -82,7 +82,6 @@ def test_heat_lowers_adhesion_in_slides_of_every_train_of_the_library(name, chan
 @pytest.mark.parametrize(
     ("scenario", "changes", "words"),
     [
-        ("wet_two_maxima", ["controller.kind=ideal_bound"], "depends on the slip of those ahead"),
         ("trapezoid", ["adhesion.polach=wet_two_maxima"], "conditioning.fraction = 0"),
         (
             "plain",
