@@ -40,7 +40,7 @@ def given_within(watch, seconds, rims, pressures):
 
 
 @given(st.lists(st.floats(0.0, 60.0), min_size=1, max_size=50))
-def test_a_radar_reading_is_used_whenever_there_is_one(readings):
+def test_a_radar_reading_is_used_whenever_available(readings):
     watch = FreeWheel((GROUP, GROUP), PERIOD)
     for reading in readings:
         assert watch.call([reading, 10.0, 20.0, OFF, ON]) == (reading, 0.0, 0.0)

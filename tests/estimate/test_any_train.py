@@ -1,4 +1,4 @@
-"""Estimates for any train: the prediction of a train file, or of a user's class, has the path of the library's."""
+"""Estimates for any train: the prediction of a train file or of a user's class is treated like the library's."""
 
 import json
 from pathlib import Path
@@ -48,12 +48,12 @@ def trace_of_tram(estimator, changes, folder=Path(), **tables):
 
 @pytest.fixture(scope="module")
 def trace():
-    """The first 2.5 s with ideal sensors, and adhesion that falls from the first second on."""
+    """The first 2.5 s with ideal sensors, and adhesion that falls after the first second."""
     return trace_of_tram("fmu", ["limits.horizon=2.5 s", "adhesion.first_fall=1 s", "periods.trace=1 ms"])
 
 
 def test_a_class_of_the_library_has_the_estimates_of_its_prediction():
-    """To the byte: the model of an estimation only selects the prediction."""
+    """Bit-identical: the model of an estimation only selects the prediction."""
     stop = rg.run(rg.Scenario.load("trapezoid", {"limits.horizon": "500 ms", "periods.trace": "1 ms"}))
     specification = load_specification(Path("stop"))
     recording = complete_trace(specification, stop.trace)
@@ -72,7 +72,7 @@ def test_the_data_of_a_train_file_are_those_of_its_plant(train):
     assert {name: declared[name] for name in data} == data
 
 
-def test_the_estimates_of_a_train_file_are_those_of_the_loop(trace):
+def test_the_estimates_of_a_train_file_equal_those_of_the_loop(trace):
     """The same prediction, noises, gate and start give the same bits, in the loop of the stop and from its trace."""
     changes = squares(IDEAL) | {"model.train": "tram", "model.class": "ConsistPrediction", "between": "held"}
     found = rg.estimate(trace, "train", changes)["mean"]
@@ -87,7 +87,7 @@ RUNS, STEPS, PERIOD, CONFIDENCE = 100, 100, 0.01, 0.999
 
 
 def drawn(specification, mean, pressure, seed):
-    """Return a recording of the prediction with its noises as truth, and its states at the end."""
+    """Return a recording of the prediction with its noises as truth, and its final states."""
     prediction = specification.model.prediction.equations({})
     settings = settings_for(specification, PERIOD)
     random = np.random.default_rng(seed)
@@ -198,7 +198,7 @@ deviation = { v = 1.0, d = 2.0 }
 
 
 @pytest.mark.parametrize("kind", ["fmu", "compiled"])
-def test_a_linear_class_of_ones_own_has_the_estimates_of_the_kalman_filter(tmp_path, kind):
+def test_a_linear_class_of_a_user_has_the_estimates_of_the_kalman_filter(tmp_path, kind):
     (tmp_path / "Cart.mo").write_text(CART, encoding="utf-8")
     (tmp_path / "cart.toml").write_text(ESTIMATION, encoding="utf-8")
     random, period, count = np.random.default_rng(5), 0.1, 50
@@ -250,12 +250,12 @@ def test_page_and_json_have_every_parameter_with_its_origin(trace, tmp_path):
     assert "Inertia of each group" in (tmp_path / "out" / "parameters.csv").read_text(encoding="utf-8")
 
 
-def test_track_brakes_which_the_prediction_lacks_are_a_warning(trace):
+def test_a_prediction_without_the_track_brakes_of_the_train_is_reported(trace):
     assert "tram has magnetic track brakes" in rg.estimate(trace, "train", {"model.train": "tram"}).attrs["warnings"]
 
 
 def test_the_train_of_the_library_estimation_counts_as_default():
-    """Nobody chose the train, so nobody chose its data."""
+    """Nobody chose the train, so its data are defaults."""
     parameters = model_parameters(load_specification(Path("train")))
     assert all(each.is_default for each in parameters)
     parameters = model_parameters(load_specification(Path("train"), {"model.train": "tram"}))
@@ -278,7 +278,7 @@ def test_readings_of_a_train_with_several_kinds_of_bogies_have_the_numbers_of_th
     assert names[-1] == "deflection[46]"
 
 
-def test_groups_of_a_trace_that_do_not_fit_the_train_are_refused_together(trace):
+def test_groups_of_a_trace_that_do_not_match_the_train_are_refused_together(trace):
     with pytest.raises(EstimationError) as error:
         rg.estimate(trace, "train", {"model.train": "emu387"})
     text = str(error.value)
@@ -286,7 +286,7 @@ def test_groups_of_a_trace_that_do_not_fit_the_train_are_refused_together(trace)
     assert "the recording has 4 groups of cylinder_pressure, and emu387 has 16" in text
 
 
-def test_columns_that_do_not_fit_the_train_are_refused_together(tmp_path):
+def test_columns_that_do_not_match_the_train_are_refused_together(tmp_path):
     columns = "".join(
         f'"{name}[{group}]" = {{ column = "{name}{group}", unit = "{unit}" }}\n'
         for name, unit in (("wheelset_speed", "rad/s"), ("cylinder_pressure", "bar"))
@@ -315,7 +315,7 @@ def test_columns_that_do_not_fit_the_train_are_refused_together(tmp_path):
         ({"model.parameters": {"m_group[1]": "9 t"}}, "has no parameter 'm_group"),
     ],
 )
-def test_a_model_that_cannot_be_is_refused(tmp_path, changes, sentence):
+def test_an_invalid_model_is_refused(tmp_path, changes, sentence):
     file = tmp_path / "mine.toml"
     file.write_text(load_text("train"), encoding="utf-8")
     if "model" in changes:

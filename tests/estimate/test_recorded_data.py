@@ -334,7 +334,7 @@ NUMBERS = st.floats(-1e6, 1e6).map(lambda number: round(number, 6))  # no produc
 
 
 @given(st.sampled_from(FACTORS), NUMBERS, NUMBERS, NUMBERS)
-def test_column_times_factor_plus_offset_is_what_pint_computes(units, reading, number, offset):
+def test_column_times_factor_plus_offset_equals_the_result_of_pint(units, reading, number, offset):
     column, factor, target = units
     entry = {"column": "x", "factor": f"{number!r} {factor}", "offset": offset}
     gain, shift = Column(**entry).conversion(unit(column), target)

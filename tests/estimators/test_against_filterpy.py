@@ -448,7 +448,7 @@ def walk():
     return CasadiPrediction(model, {"p": 0.0})
 
 
-def test_particles_of_a_known_state_are_the_kalman_filter():
+def test_particles_of_a_known_state_equal_the_kalman_filter():
     prediction = walk()
     filter_ = ExtendedKalmanFilter(prediction, [1e-3, 0.0], [1e-2], 0.1)
     first = filter_.start([0.0, 1.0], [0.5, 1e-30])

@@ -99,7 +99,7 @@ def test_it_continues_from_any_given_estimate(rolling):
         once.mean[0] = 0.0
 
 
-def test_advance_in_place_is_step(rolling):
+def test_advance_in_place_equals_step(rolling):
     fast = CompiledFilter(rolling, DENSITY, READING, PERIOD)
     held, seen = np.array([1e4, 0.0]), np.array([22.1, 58.0, -0.7])
     belief = fast.start(FIRST_MEAN, FIRST_VARIANCE)

@@ -137,7 +137,7 @@ def gated(prediction):
     return ExtendedKalmanFilter(prediction, DENSITY, READING, PERIOD, gate)
 
 
-def test_pad_friction_stands_still_while_the_pads_are_released(rolling):
+def test_pad_friction_is_frozen_while_the_pads_are_released(rolling):
     ours = gated(rolling)
     belief = ours.start(FIRST_MEAN, FIRST_VARIANCE)
     random = np.random.default_rng(3)

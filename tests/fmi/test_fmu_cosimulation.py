@@ -107,7 +107,9 @@ def test_fmi2_error_ends_the_stop_with_the_fmus_message(foundry: Path, protests:
         ("NAN_OUTPUT", "nan_output.fmu: at 0.004 s output 'y' is not a finite number (nan)."),
     ],
 )
-def test_a_step_that_fails_says_when_and_how(foundry: Path, protests: Path, misbehaviour: str, sentence: str):
+def test_a_failed_step_is_reported_with_time_and_reason(
+    foundry: Path, protests: Path, misbehaviour: str, sentence: str
+):
     failure = failing(tiny(foundry, misbehaviour))
     assert sentence in str(failure)
     assert failure.failure.variable == ("y" if misbehaviour == "NAN_OUTPUT" else "")

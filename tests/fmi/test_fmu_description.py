@@ -71,7 +71,7 @@ def test_a_description_is_a_value(foundry: Path):
         description.variables["x"] = description.variables["y"]  # type: ignore[index]
 
 
-def test_a_file_that_is_missing_or_no_zip_archive_is_named(tmp_path: Path):
+def test_a_missing_file_and_one_that_is_not_an_archive_are_named(tmp_path: Path):
     (tmp_path / "text.fmu").write_text("not a zip")
     with pytest.raises(FmuError, match=r"text\.fmu: not an FMU: it is not a zip archive"):
         describe(tmp_path / "text.fmu")

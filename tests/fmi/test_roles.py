@@ -161,7 +161,7 @@ def test_a_mistyped_plant_or_model_is_refused_with_the_nearest(override, sentenc
     assert sentence in refusal_of("trapezoid", override)
 
 
-# ---- what `railgrip map` prints runs ------------------------------------------------------------------------------
+# ---- output of `railgrip map` runs --------------------------------------------------------------------------------
 
 KNOWN = {
     "wheelset_load": '"130 kN"', "p_max": '"3.4 bar"', "n_units": "3", "r_friction": "0.23", "J": "100",

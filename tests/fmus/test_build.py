@@ -49,7 +49,7 @@ def test_the_same_sources_give_the_same_bytes(kitchen):
     assert hashlib.sha256(make().path.read_bytes()).hexdigest() == first
 
 
-def test_only_what_changed_is_built_again(kitchen):
+def test_only_changed_sources_are_built_again(kitchen):
     """After a comment Modelica is parsed again but nothing is compiled; after an equation it is compiled."""
     make, library, folder = kitchen
     file = library / "BouncingBall.mo"

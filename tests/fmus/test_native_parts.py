@@ -48,7 +48,7 @@ def elimination_library(n, pattern):
 
 
 @pytest.mark.parametrize(("seed", "n", "density"), [(0, 17, 0.15), (1, 17, 0.15), (2, 17, 0.15), (3, 60, 0.08)])
-def test_sparse_elimination_solves_what_numpy_solves(seed, n, density):
+def test_sparse_elimination_agrees_with_numpy(seed, n, density):
     """Random sparse J with a shift that makes pivoting unnecessary; condition below 100, so 1e-11 is ample.
 
     With 60 unknowns factors and solution take more lines than one part of the generated code.

@@ -200,7 +200,7 @@ def test_the_log_named_in_a_message_exists_after_the_build(omc, own_cache, libra
     assert not copied or log.parent == fmu.parent
 
 
-def test_of_a_long_log_without_errors_the_end_is_passed_on(omc, tmp_path):
+def test_the_end_of_a_long_log_without_errors_is_passed_on(omc, tmp_path):
     omc("seq 1 200")
     with pytest.raises(BuildFailed) as failure:
         openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")

@@ -100,7 +100,7 @@ def test_the_interval_contains_the_effect_of_a_lognormal_rate(error_factor):
             assert one.low <= sampled.low <= sampled.high <= one.high
 
 
-def test_a_linear_gaussian_brake_with_binomial_failures_has_its_closed_quantiles():
+def test_a_linear_gaussian_brake_has_quantiles_in_closed_form():
     brake = LinearBrake()
     result = quasi_static(specification(runs=20, samples=500), brake)
     for output in result.k:

@@ -28,7 +28,7 @@ def delay(tmp_path_factory: pytest.TempPathFactory) -> FMU2Slave:
 
 
 def begin(delay: FMU2Slave, command: float, dead_fill: float, dead_vent: float) -> None:
-    """Initialise the delay anew."""
+    """Initialise the delay again."""
     place = delay.references
     delay.reset()
     delay.setReal([place["dead_fill"], place["dead_vent"], place["command"]], [dead_fill, dead_vent, command])

@@ -30,7 +30,7 @@ def adhesion_above_walking_pace(of):
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
-def test_adhesion_is_known_under_adhesion_based_control(scenario):
+def test_adhesion_is_estimated_accurately_under_adhesion_based_control(scenario):
     """RMSE of adhesion up to 0.010, 95 % of errors within 0.02, followed within 0.1 s, all above 10 km/h.
 
     The best constant has a smaller error for the inner groups of two scenarios, so both figures must also be below 0.4

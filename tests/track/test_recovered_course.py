@@ -52,7 +52,7 @@ def test_positions_over_a_few_metres_are_refused():
         course_of(np.linspace(0, 4, 9), np.zeros((9, 2)), np.zeros(9), LOW_PASS)
 
 
-def test_the_smoother_is_the_least_squares_of_all_readings():
+def test_the_smoother_minimises_the_squares_of_all_readings():
     """For a linear Gaussian model the smoothed mean minimises all weighted squares; solved here as one system."""
     random = np.random.default_rng(4)
     F, Q = np.array([[1.0, 0.5], [0.0, 0.9]]), np.array([[0.3, 0.1], [0.1, 0.2]])

@@ -140,7 +140,7 @@ def test_a_wrong_name_is_refused_in_one_sentence(tmp_path, capsys):
     assert "there is no such case" in capsys.readouterr().err
 
 
-def test_an_entrant_is_built_in_a_scenario_an_fmu_or_a_class(tmp_path):
+def test_an_entrant_is_a_law_a_scenario_an_fmu_or_a_class(tmp_path):
     ours = entrants()
     (tmp_path / "own.toml").write_text(OWN.replace("[controller]", "[controlled]"), encoding="utf-8")
     with pytest.raises(ScenarioError, match=r"own.toml: has no \[controller\]"):
@@ -155,7 +155,7 @@ def test_an_entrant_is_built_in_a_scenario_an_fmu_or_a_class(tmp_path):
     assert taking_part["Law"].tables == {"controller": {"kind": "mine:Law"}}
 
 
-def test_a_train_is_built_in_a_recipe_or_that_of_a_scenario(tmp_path):
+def test_a_train_comes_from_the_library_a_recipe_or_a_scenario(tmp_path):
     (tmp_path / "own.toml").write_text(OWN.replace("TwoPartTrainPneumatic", "x.fmu"), encoding="utf-8")
     assert train_of(None)["vehicle"]["plant"] == "TwoPartTrainPneumatic"
     assert train_of("TwoPartTrain")["vehicle"] == {"plant": "TwoPartTrain"}
