@@ -14,7 +14,7 @@ from railgrip.base.errors import CompilerMissing, InputError, RailgripError
 from railgrip.base.files import scratch
 from railgrip.base.programs import find_program
 from railgrip.fmus import openmodelica
-from railgrip.fmus.native import confined, toolchain
+from railgrip.fmus.native import separate_process, toolchain
 from railgrip.fmus.native.library import (
     compiler_digest,
     digest,
@@ -216,12 +216,12 @@ def _translation_of(order: _BuildOrder) -> _Translation | None:
     from railgrip.fmus.native.package import Source
 
     recipe = order.recipe.model_dump(by_alias=True)
-    source, interface = confined.call("translate", order.recipe.class_name, order.library, recipe=recipe)
+    source, interface = separate_process.call("translate", order.recipe.class_name, order.library, recipe=recipe)
     return Source(**source | {"units": tuple(source["units"])}), interface
 
 
 def translate_here(class_name: str, library: Path, recipe: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the result of `translate` for a recipe as JSON values, for `confined`."""
+    """Return the result of `translate` for a recipe as JSON values, for `separate_process`."""
     source, interface = translate(Recipe.model_validate(recipe), library)
     return asdict(source) | {"units": list(source.units)}, interface
 

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from railgrip.report.comparison import Comparison
     from railgrip.report.estimates import Estimates
     from railgrip.report.stop import Stop
-    from railgrip.simulate.by_hand import Bench
+    from railgrip.simulate.bench import Bench
     from railgrip.simulate.parts import CustomParts
 
 
@@ -204,7 +204,7 @@ def open(
         ...         observation = bench.step(observation.driver_demand)
         >>> bench.stop.metrics.distance  # [m]
     """
-    from railgrip.simulate.by_hand import Bench
+    from railgrip.simulate.bench import Bench
 
     changed, objects = _with_parts(scenario, estimator=estimator, sensors=sensors, plant=plant)
     return Bench(changed, _parts(import_from, **objects))

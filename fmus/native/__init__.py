@@ -1,12 +1,12 @@
 """The built-in compiler: rumoca's checked DAE → CasADi → C → FMI 2.0, without OpenModelica.
 
 From Modelica to explicit equations:
-    dae calls the front end rumoca; complaint and language report errors, and code that it would misinterpret.
+    dae calls the front end rumoca; error_places and language report errors, and code that it would misinterpret.
     variables, expressions (with arrays) and conditions turn the DAE into CasADi expressions.
     index reduces the index, structure solves for the unknowns; system has the result.
 From explicit equations to
-    CasADi functions: lowering, model; equations calls all of this, in the process of confined for a user's classes.
-    an FMU: code (with functions, elimination, ctext) and description write its files, package and fmi3 pack it;
+    CasADi functions: lowering, model; equations calls all of this, in a separate_process for a user's classes.
+    an FMU: code (with functions, elimination, c_source) and description write its files, package and fmi3 pack it;
     toolchain has the C compiler, and `runtime` the FMI functions and the solver.
 From a step in C or CasADi, without Modelica: discrete writes an FMU, and embedded (with memory, c_library) a C library.
 """

@@ -8,7 +8,7 @@ from pathlib import Path
 import casadi as ca
 
 from railgrip.fmus.native.arrays import SX
-from railgrip.fmus.native.ctext import string_literal, strings, table
+from railgrip.fmus.native.c_source import string_literal, strings, table
 from railgrip.fmus.native.elimination import eliminate
 from railgrip.fmus.native.functions import fits, interpreter, straight, tape
 from railgrip.fmus.native.structure import Loops
@@ -130,7 +130,7 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
     return [ca.Function(name, arguments, results, {"cse": True}) for name, arguments, results in definitions]
 
 
-def loud_discretes(system: System) -> list[int]:
+def repeating_discretes(system: System) -> list[int]:
     """Return the places of the discretes whose change at an event requires another pass over the event equations.
 
     The others keep their value while no clock ticks, and only their own equations read them then: a second pass, in
@@ -179,13 +179,13 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
     if "cs" in interfaces:
         elimination = eliminate(len(layout.states), list(zip(*patterns["jacobian"], strict=True)))
     parts = [*SHARED, *(part for i in PARTS if i in interfaces for part in PARTS[i])]
-    loud = loud_discretes(system)
+    repeating = repeating_discretes(system)
     sizes = _sizes(system, layout) | {
         "NJ": len(patterns["jacobian"][0]),
         "BY_STATE": int("me" in interfaces),
         "NSJ": len(patterns["state"][0]),
         "NOJ": len(patterns["output"][0]),
-        "N_LOUD": len(loud),
+        "N_REPEATING": len(repeating),
         "NLU": elimination.entries if elimination else 0,
         "DISCRETE_INPUTS": int(any(s.type != "real" for s in layout.inputs)),
         "DEFAULT_SOLVER": SOLVERS[solver],
@@ -196,7 +196,7 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         "/* Generated from Modelica; do not edit. */",
         *(f"#define {name} {value}" for name, value in sizes.items()),
         *_value_tables(system, layout),
-        table("int", "loud", loud),
+        table("int", "repeating", repeating),
         table("int", "indicator_relation", system.indicator_relation),
         *(
             table("int", f"{name}_{axis}", places)

@@ -16,7 +16,7 @@ import rumoca
 
 from railgrip.base.errors import InputError, TranslationError
 from railgrip.base.files import read_text
-from railgrip.fmus.native.complaint import nested_arrays, places, require_readable, short
+from railgrip.fmus.native.error_places import nested_arrays, places, require_readable, short
 from railgrip.fmus.native.language import require_strict, require_values
 from railgrip.fmus.native.library import LIBRARY, sources_digest
 

@@ -13,8 +13,8 @@ import casadi as ca
 
 from railgrip.base.errors import InputError
 from railgrip.base.system import SampledSystem
+from railgrip.fmus.native.c_source import string_literal, table
 from railgrip.fmus.native.code import RUNTIME
-from railgrip.fmus.native.ctext import string_literal, table
 from railgrip.fmus.native.description import Writer, document
 from railgrip.fmus.native.functions import straight
 from railgrip.fmus.native.package import Source, c_identifier

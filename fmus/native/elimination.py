@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from railgrip.fmus.native.ctext import in_parts
+from railgrip.fmus.native.c_source import in_parts
 
 MAX_ENTRIES, MAX_PRODUCTS = 10_000, 10_000
 """Entries of LU, and products of the factorisation, above which compiling takes too long; elimination is dense then."""

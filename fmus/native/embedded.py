@@ -9,8 +9,8 @@ from collections.abc import Iterator, Sequence
 
 from railgrip.base.errors import InputError
 from railgrip.base.system import SampledSystem, Variable
+from railgrip.fmus.native.c_source import table
 from railgrip.fmus.native.code import RUNTIME
-from railgrip.fmus.native.ctext import table
 from railgrip.fmus.native.discrete import WrittenStep
 from railgrip.fmus.native.package import c_identifier
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from railgrip.base import cache
-from railgrip.fmus.native import confined
+from railgrip.fmus.native import separate_process
 from railgrip.fmus.native.library import (
     LIBRARY,
     compiler_digest,
@@ -33,7 +33,10 @@ def lower(class_name: str, modelica_path: Path | None = None) -> Model:
     key, name = digest([class_name, sources_digest(library), compiler_digest()]), f"{class_name}.json"
     file = cache.find("models", key, name)
     if file is None:
-        text = lower_here(class_name, library) if is_trusted(library) else confined.call("lower", class_name, library)
+        if is_trusted(library):
+            text = lower_here(class_name, library)
+        else:
+            text = separate_process.call("lower", class_name, library)
         file = cache.keep("models", key, name, text.encode())
     # The file is read even if it has just been written, so that every process computes with the same functions.
     return Model.from_bytes(file.read_bytes())

@@ -12,7 +12,7 @@ from functools import cache
 
 import casadi as ca
 
-from railgrip.fmus.native.ctext import in_parts, number, table
+from railgrip.fmus.native.c_source import in_parts, number, table
 
 LONGEST = 150
 """Maximum number of operations in one part."""

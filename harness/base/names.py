@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-_LONGEST = 200
+_MAX_LENGTH = 200
 """Maximum length of a compared text [characters]: difflib takes seconds for a million, and such texts match no name."""
 
 
@@ -18,7 +18,7 @@ def nearest(name: str, names: Iterable[str], *, count: int = 1, cutoff: float = 
         count: Maximum number of names returned.
         cutoff: Minimum similarity, 0 to 1; see `difflib.get_close_matches`.
     """
-    if len(name) > _LONGEST:
+    if len(name) > _MAX_LENGTH:
         return []
     plain = {_plain(each): each for each in names}
     return [plain[each] for each in get_close_matches(_plain(name), plain, n=count, cutoff=cutoff)]

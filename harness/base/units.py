@@ -46,7 +46,7 @@ _PRODUCT = rf"{_TERM}(?:[*.]{_TERM})*"
 _QUOTIENT = re.compile(rf"({_PRODUCT})((?:/(?:{_TERM}|\({_PRODUCT}\)))*)")
 _POWER = re.compile(rf"({_SYMBOL})(?:\*\*|\^)?([+-]?[1-9])?")
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
-_LONGEST = 200  # characters of a quantity; the longest unit in any file of this project has 20
+_MAX_LENGTH = 200  # characters of a quantity; the longest unit in any file of this project has 20
 
 Exponents = tuple[int, int, int, int, int, int, int, int]
 
@@ -165,7 +165,7 @@ def unit(text: str) -> Unit:
     for spelling, plain in _SPELLINGS.items():
         product = product.replace(spelling, plain)
     product = re.sub(r"\s+", "*", re.sub(r"\s*(\*\*|[*./^()])\s*", r"\1", product))
-    match = _QUOTIENT.fullmatch(product or "1") if len(text) <= _LONGEST else None
+    match = _QUOTIENT.fullmatch(product or "1") if len(text) <= _MAX_LENGTH else None
     if match is None:
         raise _unknown(text)
     exponents, factor = [0] * len(BASE), 1.0
@@ -189,7 +189,7 @@ def quantity(text: str) -> tuple[float, Unit]:
     Raises:
         UnitError: The text is not one number and one unit; the message follows a name.
     """
-    match = _NUMBER_AND_UNIT.fullmatch(text) if len(text) <= _LONGEST else None
+    match = _NUMBER_AND_UNIT.fullmatch(text) if len(text) <= _MAX_LENGTH else None
     if match is None:
         raise UnitError(f"is {short(text)}, which is not a number with a unit such as '80 km/h'")
     try:

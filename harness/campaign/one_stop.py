@@ -21,14 +21,14 @@ Notify = Callable[[str], None]
 """Called with a sentence for the user."""
 
 
-def silently(sentence: str) -> None:
+def ignore(sentence: str) -> None:
     """Ignore a message for the user."""
 
 
 class Runner(Protocol):
     """Runs a scenario; implemented by `railgrip.simulate.run.run_stop`."""
 
-    def __call__(self, scenario: Scenario, progress: Progress | None = None, notify: Notify = silently) -> Stop:
+    def __call__(self, scenario: Scenario, progress: Progress | None = None, notify: Notify = ignore) -> Stop:
         """Return the stop, whatever its outcome; raise an error for invalid input."""
         ...
 
@@ -43,7 +43,7 @@ def run(
     directory: Path,
     runner: Runner,
     progress: Progress | None = None,
-    notify: Notify = silently,
+    notify: Notify = ignore,
     *,
     keep_trace: bool = True,
 ) -> Stop:

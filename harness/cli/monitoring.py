@@ -14,7 +14,7 @@ from railgrip.base.outputs import adopt, claim, require_free
 from railgrip.estimation.spec import load_specification
 from railgrip.report.console import progress, remark, say, show_table
 from railgrip.report.style import save
-from railgrip.studies.axle_box.ride import read_ride, ride_beside, ride_figure
+from railgrip.studies.axle_box.ride import read_ride, ride_figure, ride_with_estimator
 from railgrip.studies.pad_monitor.folder import stops_in
 from railgrip.studies.pad_monitor.page import draw, health_table, summary_of
 from railgrip.studies.pad_monitor.watch import MonitorDesign, watch
@@ -36,7 +36,7 @@ def ride(
         adopt(folder, *RIDE_FILES)
     require_free(folder, *RIDE_FILES)
     with progress(specification.name, 1.0) as bar:
-        trace, apart = ride_beside(specification, file.parent, lambda share: bar.update(amount=share), remark)
+        trace, apart = ride_with_estimator(specification, file.parent, lambda share: bar.update(amount=share), remark)
     claim(folder, *RIDE_FILES)
     write_bytes(folder / "ride.nc", bytes(trace.to_netcdf(engine="h5netcdf")))
     save(ride_figure(trace), folder / "ride.png")

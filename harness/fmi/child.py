@@ -29,7 +29,7 @@ REFUSED: Final = 254
 TALKATIVE: Final = 251
 UNREACHABLE: Final = 252
 """Exit codes of the FMU's process."""
-_LONGEST: Final = 1 << 24  # bytes of a message
+_MAX_MESSAGE: Final = 1 << 24  # bytes of a message
 _HEAD: Final = struct.Struct("<BI")
 _CHUNK: Final = 1 << 16  # bytes; a step's vectors fit a hundred times over
 
@@ -57,7 +57,7 @@ def receive(line: socket.socket) -> tuple[int, bytes]:
         buffer += more
         if len(buffer) >= _HEAD.size:
             size = _HEAD.size + _HEAD.unpack_from(buffer)[1]
-        if max(size, len(buffer)) > _LONGEST:
+        if max(size, len(buffer)) > _MAX_MESSAGE:
             raise ValueError("no message is that long")
     if len(buffer) != size:
         raise ValueError("more than a message")

@@ -42,7 +42,7 @@ def validation_problems(file: Path) -> list[str]:
     return [str(problem) for problem in validate_fmu(str(file))]
 
 
-def seconds_of_ours(
+def seconds_of_railgrip(
     description: Description, binding: Binding, inputs: Vector, *, period: float, count: int
 ) -> tuple[float, Vector]:
     """Return the time [s] of `count` steps through `CoSimulation`, and the last outputs."""

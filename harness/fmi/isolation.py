@@ -126,7 +126,7 @@ class IsolatedCoSimulation(SteppedPlant):
             with theirs, its_life, ignore_sigint():
                 # Isolated, -I: neither the current folder nor PYTHONPATH affects imports.
                 self._process = subprocess.Popen(
-                    [sys.executable, "-I", str(KEEPER), str(theirs.fileno()), str(its_life.fileno()), self._how()],
+                    [sys.executable, "-I", str(KEEPER), str(theirs.fileno()), str(its_life.fileno()), self._options()],
                     pass_fds=[theirs.fileno(), its_life.fileno()],
                     stdin=subprocess.DEVNULL,
                     stdout=2,  # output of the FMU must not mix with results
@@ -141,12 +141,13 @@ class IsolatedCoSimulation(SteppedPlant):
             self._stack = stack.pop_all()
         return self
 
-    def _how(self) -> str:
+    def _options(self) -> str:
         # The path has this program's folder after Python's, and never the current folder.
         path = [folder for folder in sys.path if Path(folder).is_absolute() and Path(folder) != Path.cwd()]
         output = max(self._limits.output_mib * MIB - self._account.printed, 0)
-        how = {"path": [*path, str(Path(__file__).parents[2])], "limits": self._limits.model_dump(), "output": output}
-        return json.dumps(how)
+        path.append(str(Path(__file__).parents[2]))
+        options = {"path": path, "limits": self._limits.model_dump(), "output": output}
+        return json.dumps(options)
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
@@ -181,7 +182,7 @@ class IsolatedCoSimulation(SteppedPlant):
             report = self._report_on(life)
             if report is None or report[0] == 0:
                 return
-            _, words = self._how_it_ended(*report)
+            _, words = self._describe_end(*report)
         name = self._description.file.name
         self._notify(f"{name}: when it was terminated and freed after the last step, {words}; the results are valid.")
 
@@ -207,7 +208,7 @@ class IsolatedCoSimulation(SteppedPlant):
 
     def _values(self, payload: bytes) -> Vector:
         if len(payload) != 8 * self._binding.outputs.size:
-            raise self._nonsense()
+            raise self._invalid_answer()
         return np.frombuffer(payload).copy()
 
     def _ask(self, request: Request, payload: bytes) -> bytes:
@@ -235,9 +236,9 @@ class IsolatedCoSimulation(SteppedPlant):
                 raise self._fail("excess", words) from None
             raise self._fail("timeout", f"within {timeout:g} s of real time, it was stopped") from None
         except OSError:  # ConnectionError and the end of the line
-            raise self._fail(*self._last_words()) from None
+            raise self._fail(*self._reason_of_end()) from None
         except ValueError:
-            raise self._nonsense() from None
+            raise self._invalid_answer() from None
         self._account.seconds += perf_counter() - since
         if kind == ANSWER:
             return answer
@@ -246,10 +247,10 @@ class IsolatedCoSimulation(SteppedPlant):
         try:
             self._failure = PlantFailed(_FAILURE.validate_json(answer if kind == FAILED else b""))
         except ValidationError:
-            raise self._nonsense() from None
+            raise self._invalid_answer() from None
         raise self._failure
 
-    def _nonsense(self) -> PlantFailed:
+    def _invalid_answer(self) -> PlantFailed:
         return self._fail("crash", "its process answered nonsense")
 
     def _fail(self, reason: Reason, detail: str) -> PlantFailed:
@@ -258,20 +259,20 @@ class IsolatedCoSimulation(SteppedPlant):
         self._end()
         return self._failure
 
-    def _last_words(self) -> tuple[Reason, str]:
+    def _reason_of_end(self) -> tuple[Reason, str]:
         assert self._life is not None
         report = self._report_on(self._life)
-        return self._how_it_ended(*report) if report else ("crash", "its process is gone, and the one that watched it")
+        return self._describe_end(*report) if report else ("crash", "its process is gone, and the one that watched it")
 
     def _report_on(self, life: socket.socket) -> tuple[int, int] | None:
         report = _report_on(life)
         if report is None:
             return None
-        status, most, printed = report
+        status, memory_kib, printed = report
         self._account.printed += printed
-        return status, most
+        return status, memory_kib
 
-    def _how_it_ended(self, status: int, most: int) -> tuple[Reason, str]:
+    def _describe_end(self, status: int, memory_kib: int) -> tuple[Reason, str]:
         limits, code = self._limits, os.waitstatus_to_exitcode(status)
         if self._account.printed > limits.output_mib * MIB:
             return "excess", f"it printed more than {_limit('output_mib', limits.output_mib)}"
@@ -283,9 +284,9 @@ class IsolatedCoSimulation(SteppedPlant):
             return "crash", f"it ended its process with code {code}"
         name = signal.Signals(-code).name if -code in {each.value for each in signal.Signals} else f"signal {-code}"
         sentence = f"its process was ended by {name}"
-        if most < limits.memory_mib / 2 * 1024:
+        if memory_kib < limits.memory_mib / 2 * 1024:
             return "crash", sentence
-        size = f"{most / 1024:.0f} MiB; memory_mib under [limits.fmu] is {limits.memory_mib}"
+        size = f"{memory_kib / 1024:.0f} MiB; memory_mib under [limits.fmu] is {limits.memory_mib}"
         return "crash", f"{sentence} when it had {size}"
 
 

@@ -29,7 +29,7 @@ def main() -> None:
 
     The third argument has the limits and the import path as JSON.
     """
-    line, life, how = int(sys.argv[1]), int(sys.argv[2]), json.loads(sys.argv[3])
+    line, life, options = int(sys.argv[1]), int(sys.argv[2]), json.loads(sys.argv[3])
     if _LINUX:
         ctypes.CDLL(None).prctl(_CHILD_SUBREAPER, 1)
     wakeup, wake = os.pipe()
@@ -45,10 +45,10 @@ def main() -> None:
         os.dup2(printer, 2)
         for number in (life, wakeup, wake, printed, printer):
             os.close(number)
-        _serve(line, how)
+        _serve(line, options)
     os.close(line)
     os.close(printer)
-    output = _Output(printed, how["output"])
+    output = _Output(printed, options["output"])
     ended = _supervise(server, life, wakeup, output)
     with suppress(ProcessLookupError, PermissionError):
         os.killpg(server, signal.SIGKILL)  # kills the whole session at once
@@ -67,12 +67,12 @@ class _Output:
         size: Bytes so far; those beyond the limit are not forwarded.
     """
 
-    def __init__(self, source: int, most: int) -> None:
-        self.source, self.most, self.size = source, most, 0
+    def __init__(self, source: int, limit: int) -> None:
+        self.source, self.limit, self.size = source, limit, 0
 
     def forward(self) -> bool:
         """Forward the available output; return whether more may come."""
-        while self.size <= self.most:
+        while self.size <= self.limit:
             try:
                 piece = os.read(self.source, 1 << 16)
             except BlockingIOError:
@@ -85,17 +85,17 @@ class _Output:
         return False
 
 
-def _serve(line: int, how: dict[str, Any]) -> None:
+def _serve(line: int, options: dict[str, Any]) -> None:
     signal.set_wakeup_fd(-1)
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     os.setsid()  # Ctrl-C does not reach the FMU; the program decides when the plant ends
     if _LINUX:
         ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, int(signal.SIGKILL))
-    _limit(how["limits"])
-    sys.path += [folder for folder in how["path"] if folder not in sys.path]
+    _limit(options["limits"])
+    sys.path += [folder for folder in options["path"] if folder not in sys.path]
     from railgrip.fmi.child import serve_on
 
-    serve_on(line, how["limits"]["messages"])
+    serve_on(line, options["limits"]["messages"])
     os._exit(0)
 
 
@@ -110,8 +110,8 @@ def _limit(limits: dict[str, int]) -> None:
         *(((resource.RLIMIT_NPROC, limits["processes"] + _tasks()),) if _LINUX else ()),
         (resource.RLIMIT_CORE, 0),
     ):
-        _, most = resource.getrlimit(what)
-        value = limit if most == resource.RLIM_INFINITY else min(limit, most)
+        _, hard_limit = resource.getrlimit(what)
+        value = limit if hard_limit == resource.RLIM_INFINITY else min(limit, hard_limit)
         with suppress(OSError, ValueError):  # not every system has this limit
             resource.setrlimit(what, (value, value))
 
@@ -136,7 +136,7 @@ def _supervise(server: int, life: int, wakeup: int, output: _Output) -> bool:
         ready, _, _ = select.select(sources, [], [])
         if output.source in ready and not output.forward():
             sources.remove(output.source)
-            if output.size > output.most:
+            if output.size > output.limit:
                 return True
         with suppress(BlockingIOError):
             os.read(wakeup, 512)

@@ -10,7 +10,7 @@ from railgrip.recording.flag import Flag, flags_of, intervals
 
 Vector = NDArray[np.float64]
 
-_LONGEST = 3  # samples in a row that can be found off
+_MAX_RUN = 3  # samples in a row that can be found off
 _BESIDE = 3  # samples on either side of a spike: one that it comes from or back to, and those that show how it moves
 _NEIGHBOURS = 7  # samples whose median is not part of a spike
 _JUMP = 2.0  # times the motion of the signal next to a spike; the peak of a ramp deviates by exactly that
@@ -64,7 +64,7 @@ def clean(signal: str, time: Vector, values: Vector, treatment: Treatment) -> tu
     if not treatment.may_rest:
         # A locked wheel reads exactly zero for seconds; that must reach the filter, and be said.
         flags.extend(flags_of(signal, "zero", time, zero))
-        leave_out("frozen", _but_the_first(still & ~zero))
+        leave_out("frozen", _all_but_first(still & ~zero))
     if treatment.holds and values.size:
         new = np.concatenate([[True], np.diff(values) != 0.0])
         time, values = time[new], values[new]
@@ -112,7 +112,7 @@ def spikes(time: Vector, values: Vector, deviations: float) -> NDArray[np.bool_]
     padding = np.pad(values, _BESIDE, mode="reflect")
     steps = np.abs(np.diff(padding))
     period = float(np.median(np.diff(time)))
-    for length in range(1, _LONGEST + 1):
+    for length in range(1, _MAX_RUN + 1):
         if length > 1 and length * period > 0.9 * _VALVE_PULSE:  # two of 10 ms are as long, whatever rounding says
             break
         first = np.arange(1, values.size - length)
@@ -138,5 +138,5 @@ def _resolution(values: Vector) -> float:
     return float(np.percentile(steps, 10.0)) if steps.size > 12 else 0.0
 
 
-def _but_the_first(where: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _all_but_first(where: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return where & np.concatenate([[False], where[:-1]])

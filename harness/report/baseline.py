@@ -23,7 +23,7 @@ Further figures of a stop reveal changes that its distance does not, such as ano
 
     figures.adhesion_rmse = { value = 0.00074, tolerance = 7.4e-8 }
 
-These are the figures of `Metrics.beside_distance` that vary by less than `railgrip.scenario.conditioning.LOOSEST` over
+These are the figures of `Metrics.other_figures` that vary by less than `railgrip.scenario.conditioning.LOOSEST` over
 the repeats, or by less than `LOOSEST_OF_SCATTER` for a stop without such figures. The greatest adhesion and
 the longest lock of any group [s] and the strokes of all valves at the last `make accept` are for information; they are
 compared only if they are among the figures.
@@ -261,7 +261,7 @@ def findings_of(results: Results) -> Findings:
                 adhesion_peak=row.adhesion_peak,
                 longest_lock=row.longest_lock_s,
                 valve_strokes=row.valve_strokes,
-                figures=result.metrics.beside_distance(),
+                figures=result.metrics.other_figures(),
             )
             for result, row in zip(results.stops, rows_of(results), strict=True)
         ),
@@ -355,14 +355,14 @@ def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
         update["valve_strokes"] = finding.valve_strokes
         # The tolerance of figures comes from repeats; without repeats, keep the figures accepted before.
         if finding.repeated is not None and finding.repeated.figures:
-            update["figures"] = _figures_beside(finding, finding.repeated)
+            update["figures"] = _other_figures(finding, finding.repeated)
         if finding.repeated is not None and finding.repeated.is_smooth and abs(finding.value - before.value) <= SMOOTH:
             update["tolerance"] = min(before.tolerance, SMOOTH)
         after[name] = before.model_copy(update=update)
     return baseline.model_copy(update={"accepted": after})
 
 
-def _figures_beside(finding: Finding, repeated: RepeatedDistances) -> dict[str, AcceptedFigure]:
+def _other_figures(finding: Finding, repeated: RepeatedDistances) -> dict[str, AcceptedFigure]:
     """Return the figures that the repeats determine well; else those that they determine less well."""
     tolerances: dict[str, float | None] = {}
     for certainty, loosest in ((CERTAINTY, LOOSEST), (CERTAINTY_OF_SCATTER, LOOSEST_OF_SCATTER)):

@@ -234,13 +234,13 @@ def _provenance(results: Results) -> dict[str, str]:
 
 def _pairs(stops: Sequence[Stop]) -> list[tuple[Stop, Stop]]:
     """Return the stops with ABC, each with the SBC stop that differs only in the controller."""
-    others = {_but_controller(stop): stop for stop in stops if is_published(stop.inputs["controller"])}
+    others = {_without_controller(stop): stop for stop in stops if is_published(stop.inputs["controller"])}
     return [
-        (others[_but_controller(stop)], stop)
+        (others[_without_controller(stop)], stop)
         for stop in stops
-        if stop.variants.get("controller") == "adhesion_based" and _but_controller(stop) in others
+        if stop.variants.get("controller") == "adhesion_based" and _without_controller(stop) in others
     ]
 
 
-def _but_controller(stop: Stop) -> tuple[tuple[str, str], ...]:
+def _without_controller(stop: Stop) -> tuple[tuple[str, str], ...]:
     return tuple((axis, variant) for axis, variant in stop.variants.items() if axis != "controller")

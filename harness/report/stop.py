@@ -149,7 +149,7 @@ class Stop:
         """The samples that a file has: one each `periods.trace`."""
         if self.samples is None:
             return self.trace
-        return thin(self.samples, int(self.scenario.periods.every("trace")))
+        return thin(self.samples, int(self.scenario.periods.steps_of("trace")))
 
     @property
     def has_trace(self) -> bool:

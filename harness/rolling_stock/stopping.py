@@ -26,7 +26,7 @@ _SOUND = (
     290.0  # m/s, isothermal, of a small wave in a pipe without branches; UIC 540 requires 250 m/s of the brake front
 )
 _AIR_DENSITY = 1.2  # kg/m3, as in RailBraking.Data.Drag
-_LONGEST = 600.0  # s
+_MAX_DURATION = 600.0  # s
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,10 +125,10 @@ def full_brake_force(train: Train) -> Vector:
 
 
 def _require_end(train: Train, speed: float, time: float) -> None:
-    if time > _LONGEST:
+    if time > _MAX_DURATION:
         raise InputError(
             f"by hand calculation the brakes do not stop {train.name} from {3.6 * speed:g} km/h within "
-            f"{_LONGEST:g} s; correct [brakes] or [pads]"
+            f"{_MAX_DURATION:g} s; correct [brakes] or [pads]"
         )
 
 

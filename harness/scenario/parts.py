@@ -240,7 +240,7 @@ class Periods(Table):
         every = steps_between(period, _communication(info.data))
         return period if every.denominator == 1 else round(every) * _communication(info.data)
 
-    def every(self, name: Literal["estimator", "controller", "trace"]) -> Fraction:
+    def steps_of(self, name: Literal["estimator", "controller", "trace"]) -> Fraction:
         """Return the number of communication steps in a period of this part; 1 or more, not always whole."""
         return steps_between(getattr(self, name), self.communication)
 

@@ -168,6 +168,10 @@ class Leaves(_Profile):
         return "distance"
 
     @property
+    def _lowest_around(self) -> float:
+        return min(*self.mu0, self.minimum)
+
+    @property
     def curves(self) -> tuple[Polach, ...]:
         """All creep curves of the rail, without repetition, starting with that of `polach`."""
         of_patches = () if self.polach_of_patches is None else (self.polach_of_patches,)

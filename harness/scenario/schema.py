@@ -64,7 +64,7 @@ def begin_off_the_samples(step: float) -> float:
 _MAX_ROWS = 1_000_000
 """Maximum number of samples of a stop: a quarter of an hour in milliseconds, some 0.8 GB."""
 
-_SHORTEST, _LONGEST = 120.0, 600.0
+_MIN_HORIZON, _MAX_HORIZON = 120.0, 600.0
 """Bounds of the default horizon [s]."""
 
 _FEWEST_PERIODS = 10
@@ -143,21 +143,23 @@ class Scenario(Table):
 
         A locked wheel keeps the share A of the friction or more, its limit at infinite slip velocity (Polach, Wear 258,
         2005, 992). The deceleration that follows from the lowest friction of the rail, minus the steepest
-        gradient, is halved to allow for cylinders that fill and controllers that vent; `_SHORTEST` allows for brakes
+        gradient, is halved to allow for cylinders that fill and controllers that vent; `_MIN_HORIZON` allows for brakes
         and a driver who demand less than friction permits. If the gradient exceeds the friction, no time suffices and
-        the horizon is `_LONGEST`. A train cannot go beyond the range of tabulated friction.
+        the horizon is `_MAX_HORIZON`. A train cannot go beyond the range of tabulated friction.
         """
         if self.limits.horizon is not None:
             return self.limits.horizon
         lowest = self.adhesion.lowest * min(curve.A for curve in self.adhesion.curves)
         slowing = GRAVITY * (0.5 * lowest + steepest_fall(self.track) + min(self.truth.gradient, 0.0))
-        needed = self.start.speed / slowing if slowing > 0.0 else _LONGEST
-        most = min(_LONGEST, _MAX_ROWS * self.periods.communication)
+        needed = self.start.speed / slowing if slowing > 0.0 else _MAX_HORIZON
+        most = min(_MAX_HORIZON, _MAX_ROWS * self.periods.communication)
         if self.runs_over_distance:
             has_traction = self.demand is not None and self.demand.has_traction
-            most = min(most, _SHORTEST if has_traction else max(_SHORTEST, LONGEST_RAIL // max(self.start.speed, 1.0)))
+            most = min(
+                most, _MIN_HORIZON if has_traction else max(_MIN_HORIZON, LONGEST_RAIL // max(self.start.speed, 1.0))
+            )
         # Rounded up to seconds, so that a small change of the friction rarely changes the horizon.
-        return min(float(math.ceil(max(needed, _SHORTEST))), most)
+        return min(float(math.ceil(max(needed, _MIN_HORIZON))), most)
 
     @property
     def plant_begin(self) -> float:

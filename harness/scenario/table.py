@@ -21,7 +21,7 @@ from railgrip.scenario.quantity import InList, Parameter, UnitRange
 
 FASTEST = 160.0  # m/s
 _FASTEST = "no train on wheels has been faster than 159.7 m/s (574.8 km/h in 2007)"
-_LONGEST = "no braking lasts three hours"
+_WHY_THREE_HOURS = "no braking lasts three hours"
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=100)]
 """Name of a folder: a plain name that cannot leave the parent folder and is not too long."""
@@ -29,14 +29,14 @@ Seed = Annotated[StrictInt, Field(ge=0, lt=2**63)]
 Friction = Annotated[float, UnitRange("1", above=0, at_most=1)]
 Speed = Annotated[float, UnitRange("m/s", above=0, at_most=FASTEST, because=_FASTEST)]
 StartSpeed = Annotated[float, UnitRange("m/s", at_least=0, at_most=FASTEST, because=_FASTEST)]
-Duration = Annotated[float, UnitRange("s", above=0, at_most=10800, because=_LONGEST)]
+Duration = Annotated[float, UnitRange("s", above=0, at_most=10800, because=_WHY_THREE_HOURS)]
 Period = Annotated[
     float,
     UnitRange(
         "s", at_least=1e-6, at_most=60, because="nothing in a train is sampled in less than 1 us, or once a minute"
     ),
 ]
-Delay = Annotated[float, UnitRange("s", at_least=0, at_most=10800, because=_LONGEST)]
+Delay = Annotated[float, UnitRange("s", at_least=0, at_most=10800, because=_WHY_THREE_HOURS)]
 Lag = Annotated[float, UnitRange("s", at_least=0, at_most=10, because="what a sensor shows so late is of another stop")]
 Length = Annotated[float, UnitRange("m", at_least=0, at_most=1e5, because="no braking is longer than 100 km")]
 Mass = Annotated[float, UnitRange("kg", above=0, at_most=1e8, because="the heaviest train weighed 1e8 kg")]

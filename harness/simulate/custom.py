@@ -251,7 +251,7 @@ class DemandLimits:
 
     def __init__(self, formation: Formation, place: str = "The controller") -> None:
         """Start without limited decisions; `place` names the source of the demands in messages."""
-        self.most, self.is_pascal, self.limited = formation.pressure_max, False, 0
+        self.maximum, self.is_pascal, self.limited = formation.pressure_max, False, 0
         self._place, self._lowest, self._highest = place, 0.0, 0.0
         self._share, self._since = 0.0, math.inf
 
@@ -263,8 +263,8 @@ class DemandLimits:
             ControllerFailed: The demands are not finite, or all of them are too small to be in Pa.
         """
         self.require_finite(demands, observation)
-        within = np.clip(demands, 0.0, self.most)
-        if (np.abs(demands - within) > _ROUNDING * self.most).any():
+        within = np.clip(demands, 0.0, self.maximum)
+        if (np.abs(demands - within) > _ROUNDING * self.maximum).any():
             self.limited += 1
             self._lowest, self._highest = min(self._lowest, demands.min()), max(self._highest, demands.max())
         if not self.is_pascal:
@@ -287,13 +287,13 @@ class DemandLimits:
         return (
             f" In {self.limited} of {decisions} decisions the controller demanded pressures beyond what cylinders "
             f"take, between {self._lowest:.6g} and {self._highest:.6g} Pa; they were limited to 0 and "
-            f"{self.most.max():.6g} Pa."
+            f"{self.maximum.max():.6g} Pa."
         )
 
     def _refuse_another_unit(self, demands: Array, observation: Observation) -> None:
         """Raise an error if, for a second after the first demand, no demand brakes although the driver requires it."""
-        full = float(self.most.max())
-        self._share = max(self._share, float((demands / self.most).max()))
+        full = float(self.maximum.max())
+        self._share = max(self._share, float((demands / self.maximum).max()))
         self.is_pascal = self._share > _MIN_SHARE
         if self.is_pascal or self._share == 0.0 or float(observation.driver_demand.max()) <= _MIN_SHARE * full:
             return
@@ -478,8 +478,8 @@ class CustomPlant:
         by_name = _by_its_names(outputs)
         if by_name is None or not self._required <= by_name.keys() <= self._shapes.keys():
             raise PlantFailed(
-                f"{_place(self._part, 'start')} returned {_short(outputs)}; a plant shows "
-                f"{', '.join(sorted(self._required))}, and may show "
+                f"{_place(self._part, 'start')} returned {_short(outputs)}; a plant outputs "
+                f"{', '.join(sorted(self._required))}, and may output "
                 f"{', '.join(sorted(self._shapes.keys() - self._required))}."
             )
         self._output_names = frozenset(by_name)

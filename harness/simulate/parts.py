@@ -181,7 +181,11 @@ def assemble(
             valves=None if commands_valves else valve_logic_of(vehicle),
             driver=driver_of(vehicle),
             faults=faults_of(
-                scenario, layout, formation.brakes, outputs=vehicle.shown, valves=scenario.actuation.kind == "pneumatic"
+                scenario,
+                layout,
+                formation.brakes,
+                outputs=vehicle.outputs,
+                valves=scenario.actuation.kind == "pneumatic",
             ),
             wheel_radius=radius,
             law=law,
@@ -217,8 +221,8 @@ def _clock(scenario: Scenario) -> Clock:
     period = scenario.periods.communication
     return Clock(
         period=period,
-        estimator=scenario.periods.every("estimator"),
-        controller=scenario.periods.every("controller"),
+        estimator=scenario.periods.steps_of("estimator"),
+        controller=scenario.periods.steps_of("controller"),
         samples=round(scenario.horizon / period),
         sensors=scenario.sensors.sampled_every(period),
     )

@@ -13,7 +13,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.scenario.surface import Sander
 from railgrip.scenario.vehicle import TrainFile
 from railgrip.simulate.loop.driver import Driver, phases_of
-from railgrip.simulate.loop.rail import Field, SandedRail, TabulatedRail
+from railgrip.simulate.loop.rail import SandedRail, SlipEnergy, TabulatedRail
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.formation import Formation
 
@@ -26,17 +26,19 @@ def rail_of(vehicle: VehicleData) -> TabulatedRail:
     """
     scenario, layout = vehicle.scenario, vehicle.layout
     adhesion, formation = scenario.adhesion, layout.formation
-    field = None
+    slip_energy = None
     if adhesion.cleaning is not None:
         position_of(scenario, formation)
         *_, share, decay = vehicle.curves[0].tolist()
         falling = adhesion.polach.model_copy(update={"A": share, "B": decay})
-        field = Field(layout, adhesion.cleaning, falling, reach_of(scenario))
+        slip_energy = SlipEnergy(layout, adhesion.cleaning, falling, reach_of(scenario))
     sand = None
     if adhesion.sand is not None and (sanders := _sanders(scenario, formation)):
         position_of(scenario, formation)
         sand = SandedRail(layout, sanders, reach_of(scenario), adhesion.sand)
-    return TabulatedRail(layout, profile_of(scenario, formation), vehicle.track_force, field, sand, vehicle.curves)
+    return TabulatedRail(
+        layout, profile_of(scenario, formation), vehicle.track_force, slip_energy, sand, vehicle.curves
+    )
 
 
 def _sanders(scenario: Scenario, formation: Formation) -> Sequence[Sander]:
@@ -80,7 +82,10 @@ def driver_of(vehicle: VehicleData) -> Driver:
     scenario, layout = vehicle.scenario, vehicle.layout
     brakes, demand = layout.formation.brakes, scenario.demand
     full = np.array([brake.pressure_max for brake in brakes])
-    touching = np.array([brake.pressure_of(0.0) for brake in brakes])
+    release_pressure = np.array([brake.pressure_of(0.0) for brake in brakes])
     phases = None if demand is None else phases_of(layout, demand, full.tolist(), scenario.name)
     binding = not getattr(scenario.controller, "redistribute", False)
-    return Driver(layout, scenario.periods.communication, full=full, touching=touching, phases=phases, binding=binding)
+    return Driver(
+        layout, scenario.periods.communication, full=full, release_pressure=release_pressure, phases=phases,
+        binding=binding,
+    )  # fmt: skip

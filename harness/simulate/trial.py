@@ -165,7 +165,7 @@ def _of_train(trial: Trial, poor: Trial, speed: float, slowing: Slowing) -> Iter
     yield _ratio("distance", x[-1] - x[0], float(np.trapezoid(v, dx=trial.period)), 0.01, "m, its speed gives")
     sentence = f"full brakes slow the train by {braking:.3g} m/s2, {_MIN_DECELERATION:g} and more is expected"
     yield SignalCheck(signal="pressure_command", good=braking >= _MIN_DECELERATION, sentence=sentence)
-    most = POOR_RAIL * GRAVITY + slowing.most(speed) + _CLOSE
+    most = POOR_RAIL * GRAVITY + slowing.maximum(speed) + _CLOSE
     sentence = (
         f"does not bound the brakes: they slow the train by {braking:.3g} m/s2 with friction of {GOOD_RAIL:g} and by "
         f"{poor.deceleration:.3g} m/s2 with {POOR_RAIL:g}, where {most:.3g} or less is expected; give brakes on the "
@@ -213,7 +213,7 @@ def _ratio(signal: str, value: float, expected: float, tolerance: float, words: 
     return SignalCheck(
         signal=signal,
         good=good,
-        sentence=f"shows {value:.6g} {words} {expected:.6g}{'' if good else _hint(ratio)}",
+        sentence=f"has {value:.6g} {words} {expected:.6g}{'' if good else _hint(ratio)}",
         ratio=ratio,
     )
 
@@ -237,7 +237,9 @@ Published creep curves differ a hundred times as much somewhere below `_SLIDING`
 """
 _SLIDING = 0.1
 _WALKING = 2.0  # m/s; twenty times the speed below which slip is regularised
-_LONGEST = 4.0  # s; passenger trains fill cylinders in 3 to 5 s (UIC 540), on this rail wheels slide before that
+_MAX_FILLING_TIME = (
+    4.0  # s; passenger trains fill cylinders in 3 to 5 s (UIC 540), on this rail wheels slide before that
+)
 _RAIL = 0.06
 _ADVICE = "the compiler lost a modifier: report it with the compiler's version, or use the other compiler."
 V_SMALL = 0.1  # m/s, of a plant that does not declare it: RailBraking.Components.Wheelsets
@@ -265,7 +267,7 @@ def probe_outputs(
             inputs[layout.input[signal.name]] = value
     rows = [plant.start(inputs).copy()]
     slip, speed = layout.output["slip"], layout.output["speed"].start
-    for _ in range(round(_LONGEST / period)):
+    for _ in range(round(_MAX_FILLING_TIME / period)):
         rows.append(plant.step(inputs).copy())
         if np.nanmin(rows[-1][slip]) > _SLIDING or rows[-1][speed] < 0.5 * rows[0][speed]:
             break

@@ -286,7 +286,7 @@ class VehicleData:
         Raises:
             ScenarioError: `[vehicle.formation] track_brakes` contradicts the train file.
         """
-        if "drive_torque" in self.shown:
+        if "drive_torque" in self.outputs:
             return UNBOUNDED
         vehicle = self.scenario.vehicle
         known = self.true.mass if isinstance(vehicle.source, LibraryPlant) else None
@@ -348,7 +348,7 @@ class VehicleData:
         return replace(force, forces=tuple(of_track + more for of_track in force.forces))
 
     @cached_property
-    def shown(self) -> frozenset[str]:
+    def outputs(self) -> frozenset[str]:
         """Names of the plant's outputs."""
         table = set(self.scenario.vehicle.map)
         available = {name.partition("[")[0] for name in self.file.variables} | table
@@ -364,9 +364,9 @@ class VehicleData:
         Raises:
             ScenarioError: The sensors require outputs that the plant lacks.
         """
-        extra = tuple(s for s in EXTRA if s.name in self.shown)
+        extra = tuple(s for s in EXTRA if s.name in self.outputs)
         several = len(self.scenario.adhesion.curves) > 1
-        readings = (*READINGS, *self.scenario.sensors.extra_readings(self.scenario, self.shown))
+        readings = (*READINGS, *self.scenario.sensors.extra_readings(self.scenario, self.outputs))
         sent = (*SENT, *CURVE) if several else SENT
         return layout_of(self.nominal.formation, output=(*PLANT, *extra), reading=readings, input=sent)
 

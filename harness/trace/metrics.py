@@ -150,7 +150,7 @@ class Metrics:
         allowed = f" (creep curve: at most {self.adhesion_allowed:.4f})" if np.isfinite(self.adhesion_allowed) else ""
         return f"{100 * self.utilisation:.1f} % of the possible adhesion used{allowed}"
 
-    def beside_distance(self) -> dict[str, float]:
+    def other_figures(self) -> dict[str, float]:
         """Return the figures that a regression compares in addition to the distance.
 
         Errors of the estimator are means over the groups; the lock is the longest of any group, strokes are the sum.

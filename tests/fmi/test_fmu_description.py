@@ -1,4 +1,4 @@
-"""What an FMU says about itself is read right, and a file that cannot be a plant is refused with a sentence."""
+"""The description of an FMU is read correctly, and a file that cannot be a plant is refused with a sentence."""
 
 import hashlib
 import re
@@ -13,13 +13,13 @@ from railgrip.fmi import describe
 
 
 def archive(file: Path, members: dict[str, str]) -> Path:
-    with zipfile.ZipFile(file, "w") as made:
+    with zipfile.ZipFile(file, "w") as archive:
         for name, text in members.items():
-            made.writestr(name, text)
+            archive.writestr(name, text)
     return file
 
 
-def test_a_description_holds_what_the_xml_says(foundry: Path):
+def test_a_description_equals_the_xml(foundry: Path):
     description = describe(tiny(foundry, description=xml(state_unit="km/h")))
     assert description.model == "Tiny"
     assert description.states == ("x",)
@@ -47,7 +47,7 @@ def test_a_description_holds_what_the_xml_says(foundry: Path):
         ("rad/s", 6.283185307179586, "s-1"),  # contradicts its name in more than the radian
     ],
 )
-def test_a_radian_left_out_of_a_definition_is_read_from_the_name(
+def test_a_radian_omitted_from_a_definition_is_read_from_the_name(
     foundry: Path, name: str, factor: float, dimension: str
 ):
     """SI's radian is one, FMI's a base unit, and tools differ: OpenModelica's "rad/s" is s⁻¹."""
@@ -71,7 +71,7 @@ def test_a_description_is_a_value(foundry: Path):
         description.variables["x"] = description.variables["y"]  # type: ignore[index]
 
 
-def test_a_file_that_is_missing_or_no_zip_archive_is_named(tmp_path: Path):
+def test_a_missing_file_and_one_that_is_not_an_archive_are_named(tmp_path: Path):
     (tmp_path / "text.fmu").write_text("not a zip")
     with pytest.raises(FmuError, match=r"text\.fmu: not an FMU: it is not a zip archive"):
         describe(tmp_path / "text.fmu")

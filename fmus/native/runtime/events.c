@@ -37,7 +37,7 @@ static int consistent(Instance *m, const double *tick, double *d, double *x, dou
 }
 
 /* Handle all events at the present time. `initial` suppresses edges of when clauses; `jumped` becomes whether a state was
- * reinitialised. A change of discretes that are not `loud`, which only clocked equations read, requires no iteration. */
+ * reinitialised. A change of discretes that are not `repeating`, which only clocked equations read, requires no iteration. */
 static int events(Instance *m, int initial, int *jumped) {
     State *s = &m->s;
     double tick[NT + 1] = { 0 }, x[NX + 1], r[NR + 1], c[NC + 1], *d = s->v + D, now = s->v[TIME];
@@ -74,7 +74,7 @@ static int events(Instance *m, int initial, int *jumped) {
             memcpy(s->v + X, x, NX * sizeof *x);
         }
         changed |= NC && memcmp(c, s->last, NC * sizeof *c);
-        for (int i = 0; i < N_LOUD; i++) changed |= !!memcmp(d + loud[i], s->previous + loud[i], sizeof *d);
+        for (int i = 0; i < N_REPEATING; i++) changed |= !!memcmp(d + repeating[i], s->previous + repeating[i], sizeof *d);
         if (!changed) {
             stale(s);
             return 0;

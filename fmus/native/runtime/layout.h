@@ -3,7 +3,7 @@
  * The generated file comes first: sizes (NX states, NU inputs, NP parameters of which NF may be set, NO algebraic
  * outputs, NL other algebraic variables, ND discretes, NR relations kept between events, NZ indicators, NC conditions, NT
  * clocks, NI instants, NG and NQ unknowns of running and initial nonlinear loops, NA assertions, NM values in their
- * messages, NJ entries of the solver's Jacobian, N_LOUD discretes whose change requires another event pass; for Model
+ * messages, NJ entries of the solver's Jacobian, N_REPEATING discretes whose change requires another event pass; for Model
  * Exchange BY_STATE is 1 and NSJ and NOJ count the entries of the Jacobians of derivatives and outputs by the states),
  * tables, and the functions f_*. */
 #include <float.h>

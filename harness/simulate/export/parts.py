@@ -218,7 +218,7 @@ def _write_call(name: str, formula: Sampled) -> str:
 
 
 def _track(parts: Parts, structs: Structs) -> _Role:
-    recovers = parts.rail.field is not None
+    recovers = parts.rail.slip_energy is not None
     needed = ("distance", "speed", *(("slip", "adhesion", "wheelset_load", "wheelset_speed") if recovers else ()))
     given, places = _select_outputs(parts.layout, structs, needed)
     layout = parts.layout
@@ -320,7 +320,7 @@ def _plant_data(layout: Layout, structs: Structs) -> Struct:
 def _filter_data(scenario: Scenario, parts: Parts, structs: Structs) -> tuple[Struct, dict[str, Sampled]]:
     """Return the structs of filter and observation, and the formula that substitutes a silent radar, if any."""
     layout, estimator = parts.layout, parts.estimator
-    onboard = structs.onboard.copy_with("radius", "full", "estimator_every", "controller_every")
+    onboard = structs.onboard.copy_with("radius", "full", "estimator_rate", "controller_rate")
     cycle = kernel(layout).struct("Cycle", instruments=kernel(layout).struct("Instruments"), onboard=onboard)
     if estimator is None:
         return cycle, {}

@@ -9,7 +9,7 @@ import numpy as np
 
 from railgrip.base.errors import ScenarioError
 from railgrip.fmi import Binding
-from railgrip.fmus.native.ctext import number
+from railgrip.fmus.native.c_source import number
 from railgrip.fmus.native.package import Source
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle import ModelicaPlant

@@ -73,7 +73,7 @@ def faults_of(
         ScenarioError: A fault does not fit this vehicle.
     """
     every = Fraction(1, 1000) / Fraction(scenario.periods.communication).limit_denominator(10**9)
-    faults = Faults(layout, valves=valves, noise_every=every)
+    faults = Faults(layout, valves=valves, noise_rate=every)
     for number, fault in enumerate(scenario.faults):
         fault.act_on(
             Site(

@@ -39,7 +39,7 @@ class Driver:
     """
 
     def __init__(
-        self, layout: Layout, period: float, *, full: Vector, touching: Vector, phases: Phases | None = None,
+        self, layout: Layout, period: float, *, full: Vector, release_pressure: Vector, phases: Phases | None = None,
         binding: bool = True,
     ) -> None:  # fmt: skip
         """Set up the driver of a vehicle.
@@ -48,14 +48,14 @@ class Driver:
             layout: Layout of the plant's outputs.
             period: Period of the samples [s].
             full: Pressure of full brake, shape (groups,) [Pa].
-            touching: Pressure at which pads touch the disc, shape (groups,) [Pa].
+            release_pressure: Pressure at which pads touch the disc, shape (groups,) [Pa].
             phases: Phases in their order; None for full brake.
             binding: Whether commands are limited to the driver's demand; else the controller limits itself to it.
         """
         self.has_phases, self.full = phases is not None, full
         rows = released(layout, 0) if phases is None else phases
         self.struct = kernel(layout).struct("Driver", phases=rows, count=len(rows), period=period, binding=binding,
-            touching=np.array(touching), full=np.array(full),
+            release_pressure=np.array(release_pressure), full=np.array(full),
         )  # fmt: skip
 
 

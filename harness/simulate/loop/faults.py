@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.simulate.loop.library import every, kernel
+from railgrip.simulate.loop.library import kernel, rate_of
 from railgrip.vehicle.signals import Layout
 
 Vector = NDArray[np.float64]
@@ -26,18 +26,18 @@ class Faults:
         struct: `Faults` of faults.h.
     """
 
-    def __init__(self, layout: Layout, *, valves: bool, noise_every: Fraction | int) -> None:
+    def __init__(self, layout: Layout, *, valves: bool, noise_rate: Fraction | int) -> None:
         """Set up a stop without faults.
 
         Args:
             layout: Layout of the vectors of the loop.
             valves: Whether commands are valve positions; else they are pressures.
-            noise_every: Number of samples that a draw of noise lasts; less than 1 if the loop skips draws.
+            noise_rate: Number of samples that a draw of noise lasts; less than 1 if the loop skips draws.
         """
         self._kernel = kernel(layout)
         self._rows = {name: self._kernel.records("Fault", 0) for name in ("reading", "command")}
         self._rings: list[Vector] = []
-        self.struct = self._kernel.struct("Faults", valves=valves, noise_every=every(layout, noise_every))
+        self.struct = self._kernel.struct("Faults", valves=valves, noise_rate=rate_of(layout, noise_rate))
 
     def __bool__(self) -> bool:
         """Return whether there is a fault."""

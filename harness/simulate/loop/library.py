@@ -29,9 +29,9 @@ def kernel(layout: Layout) -> CLibrary:
     return CLibrary(headers(layout) | texts(*units), name, _HEADERS, layout.header())
 
 
-def every(layout: Layout, steps: Fraction | int) -> Struct:
-    """Return `Every` of sensors.h for a part whose period is a number of steps, not necessarily whole."""
-    return kernel(layout).struct("Every", steps=steps.numerator, turns=steps.denominator)
+def rate_of(layout: Layout, steps: Fraction | int) -> Struct:
+    """Return `Rate` of sensors.h for a part whose period is a number of steps, not necessarily whole."""
+    return kernel(layout).struct("Rate", steps=steps.numerator, turns=steps.denominator)
 
 
 def headers(layout: Layout) -> dict[str, str]:

@@ -144,11 +144,11 @@ class LoopLimits(Protocol):
     """Limits on the demands of a controller that is not built-in.
 
     Attributes:
-        most: Maximum pressure of each group [Pa]; once `is_pascal` is set, `limit` is called only beyond 0 to this.
+        maximum: Maximum pressure of each group [Pa]; once `is_pascal` is set, `limit` is called only beyond 0 to this.
         is_pascal: Whether the demands have been large enough to be in Pa.
     """
 
-    most: Vector
+    maximum: Vector
     is_pascal: bool
 
     def limit(self, demands: Vector, observation: Observation) -> Vector:

@@ -36,7 +36,7 @@ class Slowing:
     constant: float
     quadratic: float
 
-    def most(self, speed: float) -> float:
+    def maximum(self, speed: float) -> float:
         """Return the maximum deceleration at a speed [m/s] without adhesion and track force [m/s2]."""
         return self.constant + self.quadratic * speed**2
 
@@ -64,7 +64,7 @@ def slowing_of(mass: float, *, is_known: bool, drag: float = 0.0, track_brakes: 
 
 
 _CHECKS = {
-    "START_SPEED": ("speed", "m/s", "[start] speed asks for {expected}"),
+    "START_SPEED": ("speed", "m/s", "[start] speed requires {expected}"),
     "START_DISTANCE": ("distance", "m", "it counts from the brake demand, and {expected} is expected there"),
     "SPEED": (
         "speed",
@@ -102,6 +102,6 @@ class Plausibility:
         span = f"{failed.lower:.6g} to {failed.upper:.6g}{unit and f' {unit}'}"
         value = f"{failed.value:.6g}{unit and f' {unit}'}"
         return (
-            f"At {time:.3f} s the plant shows {name} = {value}, but {why.format(expected=span)}; look at unit and sign "
-            f"of '{signal}' in [vehicle.map], and at [vehicle.parameters]."
+            f"At {time:.3f} s the plant outputs {name} = {value}, but {why.format(expected=span)}; look at unit and "
+            f"sign of '{signal}' in [vehicle.map], and at [vehicle.parameters]."
         )

@@ -24,7 +24,7 @@ The effect of a wheelset's own energy, W, does not depend on it.
 """
 
 
-class Field:
+class SlipEnergy:
     """The slip energy left on the rail, cell by cell, and the friction that it restores.
 
     A wheel with adhesion force F and slip s dissipates W = F s on each metre of its rail. If earlier wheels have left
@@ -125,7 +125,7 @@ class TabulatedRail:
     """Friction and force along the track; the look-up is in `kernel/rail.c`.
 
     Attributes:
-        field: Slip energy on the rail; None if slip does not change friction.
+        slip_energy: Slip energy on the rail; None if slip does not change friction.
         sand: Sand on the rail; None without sanders.
         mu0: Maximum friction at each wheelset, shape (wheelsets,), at the last position of the train.
         struct: `Rail` of rail.h.
@@ -136,7 +136,7 @@ class TabulatedRail:
         layout: Layout,
         friction: FrictionTable,
         force: TrackForce,
-        field: Field | None = None,
+        slip_energy: SlipEnergy | None = None,
         sand: SandedRail | None = None,
         curves: Vector | None = None,
     ) -> None:
@@ -146,11 +146,11 @@ class TabulatedRail:
             layout: Layout of the vehicle.
             friction: Untreated friction, and the creep curve, along the track.
             force: Track force by gradient and curve.
-            field: Slip energy on the rail.
+            slip_energy: Slip energy on the rail.
             sand: Sand on the rail.
             curves: Polach's k_A, k_S, A and B [s/m] of each creep curve, shape (curves, 4), if there are several.
         """
-        self.field, self.sand, self._kernel = field, sand, kernel(layout)
+        self.slip_energy, self.sand, self._kernel = slip_energy, sand, kernel(layout)
         self._energy_places = [layout.output[name] for name in ("adhesion", "wheelset_load")]
         tables = {"friction": friction.mu0_at, "begins": force.begins, "forces": force.forces, "rates": force.rates}
         self.struct = kernel(layout).struct(
@@ -163,7 +163,7 @@ class TabulatedRail:
             self.struct.set(curves=np.ascontiguousarray(curves), curve_at=np.ascontiguousarray(friction.curve_at))
         # Where the train starts, before slip or sand have changed anything.
         self.advance(0.0, np.zeros(layout.outputs))
-        self.struct.set(recovery=field and field.struct, sand=sand and sand.struct)
+        self.struct.set(recovery=slip_energy and slip_energy.struct, sand=sand and sand.struct)
 
     def advance(self, time: float, truth: Vector) -> None:
         """Compute friction and force at a time, given the plant's outputs, a contiguous array; times come in order."""
@@ -182,7 +182,7 @@ class TabulatedRail:
         Raises:
             ScenarioError: Slip changes the rail, and the plant lacks adhesion or load of its wheelsets.
         """
-        if self.field is not None and any(np.isnan(truth[place]).any() for place in self._energy_places):
+        if self.slip_energy is not None and any(np.isnan(truth[place]).any() for place in self._energy_places):
             raise ScenarioError(
                 "[adhesion.recovery] needs the energy of the slip, but the plant does not output adhesion and "
                 "wheelset_load of each wheelset: leave it out, or add these outputs by [vehicle.map]"

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.fmus.native.c_library import Struct
-from railgrip.simulate.loop.library import every, kernel
+from railgrip.simulate.loop.library import kernel, rate_of
 from railgrip.vehicle.signals import Layout
 
 Vector = NDArray[np.float64]
@@ -122,7 +122,7 @@ class ServiceInstruments:
         speed_noise: 1σ of each reading of the train speed [m/s].
         speed_factor: Ratio of each reading to the train speed, in sequence and repeating; NaN where a reading is lost,
             shape (n,) [1].
-        speed_every: Samples between two readings of the train speed, not necessarily a whole number: one is due at
+        speed_rate: Samples between two readings of the train speed, not necessarily a whole number: one is due at
             the first sample at or after each multiple.
         speed_latency: Age of a reading of the train speed, in samples, interpolated between two of them; compensated
             with the acceleration reading.
@@ -145,7 +145,7 @@ class ServiceInstruments:
     wheel_radius: float
     speed_noise: float
     speed_factor: Vector
-    speed_every: Fraction | int
+    speed_rate: Fraction | int
     speed_latency: float
     acceleration_noise: float
     acceleration_bias: float
@@ -202,7 +202,7 @@ class ServiceSensors:
             past_speed=np.empty(past_count), past_count=past_count, period=period,
             acceleration_bias=instruments.acceleration_bias, pressure_step=instruments.pressure_step,
             pressure_share=sampling / (instruments.pressure_lag + sampling), samples=samples,
-            block=BLOCK, speed_every=every(layout, instruments.speed_every), speed_latency=instruments.speed_latency,
+            block=BLOCK, speed_rate=rate_of(layout, instruments.speed_rate), speed_latency=instruments.speed_latency,
             speed_factor=instruments.speed_factor, speed_factors=instruments.speed_factor.size,
         )  # fmt: skip
         if instruments.gravity is not None:

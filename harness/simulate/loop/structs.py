@@ -14,7 +14,7 @@ from railgrip.fmi import CoSimulation
 from railgrip.fmus.native.c_library import Struct
 from railgrip.fmus.native.functions import in_c
 from railgrip.fmus.native.toolchain import shared_library
-from railgrip.simulate.loop.library import every, kernel, texts
+from railgrip.simulate.loop.library import kernel, rate_of, texts
 from railgrip.simulate.loop.parts import Parts, StateEstimator, Vector
 from railgrip.simulate.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
 from railgrip.vehicle.signals import BELIEVED, ESTIMATES, Layout, Role, length
@@ -113,10 +113,10 @@ def _onboard(parts: Parts) -> Struct:
     return kernel(layout).struct("Onboard", law=_formula(layout, parts.controller, "observation"),
         train_level=_formula(layout, parts.train_level, "train_input"),
         valves=_formula(layout, parts.valves, "valve_input"),
-        limit=parts.limits and parts.limits.most, full=np.array(parts.driver.full, dtype=np.float64),
+        limit=parts.limits and parts.limits.maximum, full=np.array(parts.driver.full, dtype=np.float64),
         radius=np.array(estimator.wheel_radius if has_states else parts.wheel_radius, dtype=np.float64),
         has_estimator=estimator is not None and not has_states,
-        estimator_every=every(layout, clock.estimator), controller_every=every(layout, clock.controller),
+        estimator_rate=rate_of(layout, clock.estimator), controller_rate=rate_of(layout, clock.controller),
     )  # fmt: skip
 
 

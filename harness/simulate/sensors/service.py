@@ -149,7 +149,7 @@ class Service(SampledSensors):
                 scenario.horizon,
                 self.random(scenario, "speed"),
             ),
-            speed_every=steps_between(self.speed.period, period),
+            speed_rate=steps_between(self.speed.period, period),
             speed_latency=_in_samples(self.speed.latency, period),
             acceleration_noise=self.acceleration.noise,
             acceleration_bias=self.acceleration.bias * float(lot.standard_normal()),

@@ -92,13 +92,13 @@ class White(SampledSensors):
                 vector[layout.reading[name]] = value
             return vector
 
-        def shown(name: str) -> NDArray[np.intp]:
+        def available(name: str) -> NDArray[np.intp]:
             source, at = layout.output[_SOURCE.get(name, name)], layout.reading[name]
             return source.start + np.arange(at.stop - at.start) % (source.stop - source.start)
 
         lot = self.random(scenario, "lot")
         white = WhiteSensors(
-            np.concatenate([shown(name) for name in layout.reading]),
+            np.concatenate([available(name) for name in layout.reading]),
             1.0 + each(self.scale) * lot.standard_normal(layout.readings),
             each(_deviations(scenario, "bias", self.bias)) * lot.standard_normal(layout.readings),
             each(_deviations(scenario, "noise", self.noise)),

@@ -121,13 +121,13 @@ def _general(rows: Rows, speeds: Sequence[int]) -> ReportTable:
     for name, row in rows.items():
         mean = average(row.values())
         scores = [*(row[s] for s in speeds), mean]
-        body.append([name, *map(_beside, scores), mean.mae_of_rule, _coverage(mean), mean.width or 0.0])
+        body.append([name, *map(_with_error_of_mean, scores), mean.mae_of_rule, _coverage(mean), mean.width or 0.0])
     return ReportTable.of(["", *_classes(speeds), "all", "dry or not", "coverage", "width"], body, _FORM)
 
 
 def _scores(rows: Rows, speeds: Sequence[int], *, beside: bool = False) -> ReportTable:
     scores = [(name, [*(row[s] for s in speeds), average(row.values())]) for name, row in rows.items()]
-    body = [(name, *(_beside(cell) if beside else cell.mae for cell in row)) for name, row in scores]
+    body = [(name, *(_with_error_of_mean(cell) if beside else cell.mae for cell in row)) for name, row in scores]
     return ReportTable.of(["", *_classes(speeds), "all"], body, _FORM)
 
 
@@ -165,7 +165,7 @@ def _coverage(score: Score) -> str:
     return f"{100 * (score.coverage or 0):.0f} %"
 
 
-def _beside(score: Score) -> str:
+def _with_error_of_mean(score: Score) -> str:
     return f"{score.mae:.4f} ({score.mae_of_mean:.4f})"
 
 

@@ -100,7 +100,7 @@ def read_ride(file: Path) -> RideFile:
     return validate_table(RideFile, read_toml(file), directory=file.parent, origin=file.name)
 
 
-def ride_beside(
+def ride_with_estimator(
     ride_file: RideFile,
     directory: Path,
     progress: Callable[[float], None] = lambda share: None,

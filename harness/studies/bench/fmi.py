@@ -6,7 +6,7 @@ from statistics import median
 
 import numpy as np
 
-from railgrip.fmi.comparison import seconds_in_c, seconds_of_fmpy, seconds_of_ours
+from railgrip.fmi.comparison import seconds_in_c, seconds_of_fmpy, seconds_of_railgrip
 from railgrip.fmi.description import Description, describe
 from railgrip.fmi.mapping import Binding, Port, bind
 from railgrip.fmus.build import fmu
@@ -43,7 +43,7 @@ def step_times(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: i
     description = describe(file)
     binding, inputs = every_real(description, {})
     run: dict[str, Callable[..., tuple[float, np.ndarray]]] = {
-        "ours": seconds_of_ours,
+        "ours": seconds_of_railgrip,
         "fmpy": seconds_of_fmpy,
         "c": seconds_in_c,
     }

@@ -254,7 +254,7 @@ def alternatives(fits: Sequence[CandidateFit]) -> ReportTable:
     """
     chosen: list[CandidateFit] = []
     for fit in sorted(fits, key=lambda fit: fit.largest):
-        if fit.largest <= 2 * EQUAL and all(_apart(fit, other) >= 0.25 for other in chosen):
+        if fit.largest <= 2 * EQUAL and all(_parameter_distance(fit, other) >= 0.25 for other in chosen):
             chosen.append(fit)
     rows = [
         (*(f"{value_of(fit.candidate, name):.3g}" for name in BOUNDS), f"{100 * fit.largest:.1f} %",
@@ -430,5 +430,5 @@ def _rail(name: str) -> str:
     return f"{library}{shape.replace('_', ' ')}, {level}"
 
 
-def _apart(fit: CandidateFit, other: CandidateFit) -> float:
+def _parameter_distance(fit: CandidateFit, other: CandidateFit) -> float:
     return float(np.max(np.abs(np.subtract(point_of(fit.candidate), point_of(other.candidate)))))

@@ -14,7 +14,7 @@ from railgrip.scenario.adhesion import FrictionTable
 from railgrip.scenario.polach import named_set
 from railgrip.scenario.surface import Recovery
 from railgrip.scenario.track.table import Track, track_force_of
-from railgrip.simulate.loop.rail import Field, TabulatedRail
+from railgrip.simulate.loop.rail import SlipEnergy, TabulatedRail
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.signals import layout_of
 
@@ -54,7 +54,7 @@ def curves(
     profile = FrictionTable(over_time=True, step=1.0, mu0_at=np.full((1, count), mu0))
     cleaned = np.empty((slips.size, count))
     for slip, row in zip(slips, cleaned, strict=True):
-        field = Field(layout, scenario.adhesion.cleaning or CLEAN, scenario.adhesion.polach, way)
+        field = SlipEnergy(layout, scenario.adhesion.cleaning or CLEAN, scenario.adhesion.polach, way)
         rail = TabulatedRail(layout, profile, track_force_of(Track(), mass=0.0), field)
         plant_outputs = np.zeros(layout.outputs)
         plant_outputs[layout.output["speed"]], plant_outputs[layout.output["slip"]] = speed, slip

@@ -29,7 +29,7 @@ During the development of slope seeking, results of the validation set were read
 
 FRICTION: Final = (0.02, 0.15)
 SPEED: Final = (40 / KMH, 200 / KMH)  # m/s
-LONGEST: Final = 150.0
+MAX_DURATION: Final = 150.0
 """Maximum duration of a stop at six tenths of the friction [s]; it limits the speed on a slippery rail."""
 
 CURVES: Final = ("dry", "wet", "very_low", "low_steep", "poor_wheelset_study", "soap", "leaf")
@@ -102,7 +102,7 @@ class Case:
 
     @property
     def has_bound(self) -> bool:
-        """Whether the pointwise bound holds: slip does not change the rail."""
+        """Whether the ideal bound is pointwise: slip does not change the rail."""
         return True
 
     @property
@@ -186,7 +186,7 @@ def cases(count: int = CASES, seed: int = SEED) -> tuple[Case, ...]:
         )
         low, high = FRICTION
         friction = float(f"{low * (high / low) ** slippery:.3g}")
-        fastest = min(SPEED[1], 0.6 * friction * GRAVITY * LONGEST)
+        fastest = min(SPEED[1], 0.6 * friction * GRAVITY * MAX_DURATION)
         design.append(
             Case(
                 name=f"{number:0{digits}d}of{count}-{seed}",

@@ -17,7 +17,7 @@ from railgrip.base.units import GRAVITY
 from railgrip.scenario.polach import named_set
 from railgrip.studies.type_test.design import FAULTS, FRICTION, KMH, SPEED, STEEPEST
 
-LONGEST: Final = 90.0
+MAX_DURATION: Final = 90.0
 """Maximum duration of a stop at six tenths of the friction [s], which limits the speed on a slippery rail."""
 
 RAILS: Final = (
@@ -104,7 +104,7 @@ class TrackCase:
 
     @property
     def has_bound(self) -> bool:
-        """Whether the pointwise bound holds: slip does not change the rail, and the rigging has no hysteresis."""
+        """Whether the bound is pointwise and holds: slip does not change the rail, the rigging has no hysteresis."""
         return self.cleaning == "none" and self.mechanics == "simple"
 
     @property
@@ -264,7 +264,7 @@ def _scales(rail: str) -> tuple[float, float]:
 
 
 def _speed(friction: float, place: float, train: str) -> float:
-    fastest = min(SPEED[1], FASTEST.get(train, math.inf), 0.6 * friction * GRAVITY * LONGEST)
+    fastest = min(SPEED[1], FASTEST.get(train, math.inf), 0.6 * friction * GRAVITY * MAX_DURATION)
     slowest = min(SPEED[0], fastest)
     return round(slowest + place * (fastest - slowest), 2)
 

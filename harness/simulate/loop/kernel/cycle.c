@@ -101,7 +101,7 @@ EXPORT int cycle(Cycle *c)
 
     for (;; c->sample++, c->stage = BEGIN) {
         const long long k = c->sample, last = c->record->capacity - 1;
-        const int decides = is_due(onboard->controller_every, k);
+        const int decides = is_due(onboard->controller_rate, k);
         double *row = c->record->rows + (k < last ? k : last) * c->record->width;
 
         /* Each case stores the next stage before it returns to a part in Python, so that the next call resumes after
@@ -148,7 +148,7 @@ EXPORT int cycle(Cycle *c)
                     return ESTIMATOR_DUE;
                 if ((c->failure = c->filter->advance(c->filter->memory)))
                     return DIVERGED;
-            } else if (onboard->has_estimator && is_due(onboard->estimator_every, k)) {
+            } else if (onboard->has_estimator && is_due(onboard->estimator_rate, k)) {
                 observe(c);
                 return ESTIMATOR_DUE;
             }

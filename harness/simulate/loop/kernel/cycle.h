@@ -75,7 +75,7 @@ typedef struct {
     double driver_demand[GROUPS]; /* at the last decision */
     long long has_reading, has_estimator;
     long long is_pascal; /* whether a demand was large enough to be in Pa; until then Python checks every demand */
-    Every estimator_every, controller_every;
+    Rate estimator_rate, controller_rate;
 } Onboard;
 
 typedef struct {

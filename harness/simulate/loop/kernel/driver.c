@@ -58,7 +58,7 @@ EXPORT void drive(Driver *driver, long long sample, const double *outputs)
         const double share = share_to_target(driver, phase, speed, distance);
         for (int g = 0; g < GROUPS; g++)
             driver->pressure[g] =
-                share > 0.0 ? driver->touching[g] + share * (driver->full[g] - driver->touching[g]) : 0.0;
+                share > 0.0 ? driver->release_pressure[g] + share * (driver->full[g] - driver->release_pressure[g]) : 0.0;
     }
     const double traction = speed > 0.0 ? fmin(phase->force, phase->power / speed) : phase->force;
     const double max_change = phase->rate * driver->period;

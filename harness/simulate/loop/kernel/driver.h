@@ -18,7 +18,7 @@ typedef struct {
 
 typedef struct {
     const Phase *phases;
-    const double *touching, *full;       /* pressure of each group at which pads touch, and at full brake */
+    const double *release_pressure, *full;       /* pressure of each group at which pads touch, and at full brake */
     double period, phase_start, force;   /* force: present traction */
     double pressure[GROUPS];             /* present demand */
     long long count, phase, is_on_curve; /* is_on_curve: whether the curve to the target has been reached */

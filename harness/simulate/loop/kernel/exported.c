@@ -119,7 +119,7 @@ static int sample_onboard(Cycle *c, const double *input, const double *parameter
 
     if (update_filter(c, input))
         return 1;
-    if (is_due(onboard->controller_every, c->sample)) {
+    if (is_due(onboard->controller_rate, c->sample)) {
         copy(driver.pressure, input + READINGS, GROUPS);
         c->driver = &driver;
         observe(c);

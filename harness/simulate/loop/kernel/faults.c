@@ -29,7 +29,7 @@ EXPORT void change_reading(Faults *faults, long long sample, double *reading)
         case SCALED: *entry *= fault->value; break;
         case BIASED: *entry += fault->value; break;
         case NOISY:
-            *entry += fault->value * fault->ring[turn_at(faults->noise_every, sample - fault->begin) % fault->count];
+            *entry += fault->value * fault->ring[turn_at(faults->noise_rate, sample - fault->begin) % fault->count];
             break;
         }
     }

@@ -22,7 +22,7 @@ typedef struct {
     Fault *readings, *commands;
     long long reading_count, command_count;
     long long valves;  /* valve positions if set, else pressures */
-    Every noise_every; /* a draw of noise per number of samples */
+    Rate noise_rate; /* a draw of noise per number of samples */
 } Faults;
 
 void change_reading(Faults *faults, long long sample, double *reading);

@@ -75,7 +75,7 @@ void store_readings(Cycle *c)
 /* Whether the filter takes a step; not at sample 0, whose estimate is the initial one. */
 int filter_is_due(const Cycle *c)
 {
-    return c->filter && c->sample > 0 && is_due(c->onboard->estimator_every, c->sample);
+    return c->filter && c->sample > 0 && is_due(c->onboard->estimator_rate, c->sample);
 }
 
 /* Write the readings for the next step of the filter. */

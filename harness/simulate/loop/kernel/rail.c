@@ -33,7 +33,7 @@ static void move_wheelset(Recovery *recovery, int w, double location, double los
     recovery->location[w] = location;
 }
 
-/* Set the friction that slip leaves under each wheelset: f of `Field` in rail.py. */
+/* Set the friction that slip leaves under each wheelset: f of `SlipEnergy` in rail.py. */
 static void apply_recovery(Recovery *recovery, const double *outputs, double *mu0)
 {
     const double speed = outputs[OUTPUT_SPEED], distance = outputs[OUTPUT_DISTANCE];

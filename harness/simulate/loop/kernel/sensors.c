@@ -5,14 +5,14 @@
 #include "sensors.h"
 #include "vectors.h"
 
-long long turn_at(Every every, long long step)
+long long turn_at(Rate rate, long long step)
 {
-    return step * every.turns / every.steps;
+    return step * rate.turns / rate.steps;
 }
 
-int is_due(Every every, long long step)
+int is_due(Rate rate, long long step)
 {
-    return step * every.turns % every.steps < every.turns;
+    return step * rate.turns % rate.steps < rate.turns;
 }
 
 /* Angle of a tooth: count times pitch, plus its error, which repeats with every revolution. */
@@ -126,8 +126,8 @@ EXPORT void read_service(Service *service, long long sample, const double *outpu
         acceleration += value_at(&service->gravity, outputs[OUTPUT_DISTANCE]);
     service->past_speed[sample % count] = outputs[OUTPUT_SPEED];
     reading[READING_SPEED] = NOTHING;
-    if (is_due(service->speed_every, sample) && (double)sample >= service->speed_latency) {
-        const double factor = service->speed_factor[turn_at(service->speed_every, sample) % service->speed_factors];
+    if (is_due(service->speed_rate, sample) && (double)sample >= service->speed_latency) {
+        const double factor = service->speed_factor[turn_at(service->speed_rate, sample) % service->speed_factors];
         double speed = service->past_speed[(sample - whole) % count];
         if (fraction > 0.0)
             speed += fraction * (service->past_speed[(sample - whole - 1) % count] - speed);

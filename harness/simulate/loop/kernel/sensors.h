@@ -10,7 +10,7 @@ enum { NOISE_SPEED, NOISE_ACCELERATION, NOISE_DEFLECTION, NOISES = NOISE_DEFLECT
 /* Rate of a part: `turns` turns in `steps` steps of the clock that it follows, so that a period need not be whole. */
 typedef struct {
     long long steps, turns;
-} Every;
+} Rate;
 
 typedef struct {
     const double *teeth;           /* errors of the tooth positions [rad] */
@@ -43,13 +43,13 @@ typedef struct {
     double last_pressure[GROUPS];   /* in the cylinders at the last reading */
     long long block, past_count, speed_factors;
     long long samples; /* samples of encoders and transducers per reading */
-    Every speed_every;
+    Rate speed_rate;
 } Service;
 
 /* Number of the turn that is in progress at a step, and whether a turn begins at it: the first step at or after each
    multiple of the period. */
-long long turn_at(Every every, long long step);
-int is_due(Every every, long long step);
+long long turn_at(Rate rate, long long step);
+int is_due(Rate rate, long long step);
 
 double read_encoder(Encoder *encoder, long long sample, double speed);
 void read_service(Service *service, long long sample, const double *outputs, double *reading);
