@@ -123,6 +123,25 @@ def within(value: Expression, low: Expression, high: Expression) -> Expression:
     return choose(value > low, choose(value < high, value, high), low)
 
 
+class LowPassDerivatives:
+    """First-order low-pass filters that also return the derivative of the filtered signal."""
+
+    def __init__(self, draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> None:
+        self._started = draft.state("started", "1", "1 once there is a sample before this one")
+        self._share = tuning["period"] / (tuning["filter_time"] + tuning["period"])
+        self._period = tuning["period"]
+        draft.keep(self._started, 1.0)
+
+    def follow(self, draft: FormulaBuilder, name: str, sample: Expression) -> tuple[Expression, Expression]:
+        """Return the filtered value of a sample, kept as the state `name`, and its rate per second."""
+        before = draft.state(name, "1", "filtered value")
+        step = self._share * (sample - before)
+        # Without this the first sample would look like a jump from zero.
+        value = choose(self._started, before + step, sample)
+        draft.keep(before, value)
+        return value, choose(self._started, step / self._period, 0.0)
+
+
 class Sampled:
     """A formula with its parameters, which keeps the states from call to call.
 

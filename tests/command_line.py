@@ -9,7 +9,7 @@ from railgrip.cli.main import main
 
 @dataclass(frozen=True)
 class Done:
-    """What a command left: its exit code and what it said."""
+    """Exit code and output of a command."""
 
     code: int
     out: str
@@ -17,14 +17,14 @@ class Done:
 
 
 def exit_code(*arguments: object) -> int:
-    """Run a command to its end, which is never an exception; what it prints is not captured here."""
+    """Run a command until it ends, without an exception; its output is not captured here."""
     with pytest.raises(SystemExit) as end:
         main([str(argument) for argument in arguments])
     return int(end.value.code or 0)
 
 
 def done(capture: pytest.CaptureFixture[str], *arguments: object) -> Done:
-    """Run a command to its end, which is never a traceback."""
+    """Run a command until it ends, without a traceback."""
     capture.readouterr()
     code = exit_code(*arguments)
     out, err = capture.readouterr()

@@ -1,4 +1,4 @@
-"""What every test may import."""
+"""Fixtures and settings of all tests."""
 
 import gc
 import os
@@ -11,12 +11,12 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
-# Before NumPy is loaded: matrices here are small, and threads that wait for each other on a busy machine take minutes
-# over what one does in a second.
+# Set before NumPy is imported: matrices here are small, and on a busy machine threads that wait for each other take
+# minutes for work that a single thread does in a second.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).parent))
 
-# An example is not wrong because the machine is busy or a registry of units is loaded with the first one.
+# A slow example is not a failure: the machine may be busy, or the first example loads a registry of units.
 settings.register_profile("busy", deadline=None)
 settings.load_profile("busy")
 
@@ -26,28 +26,29 @@ LONGEST = {
     "test_own_modelica.py", "test_command_line.py", "test_code_blocks.py", "test_gallery.py", "test_site.py",
     "test_signals.py", "test_process_environment.py", "test_train_fmus.py", "test_any_step.py", "test_brake.py",
 }  # fmt: skip
-"""Files of fifteen seconds and more."""
+"""Files whose tests take fifteen seconds or longer."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the longest files: one that is left for the end runs while the other process has nothing to do."""
+    """Start with the longest files: a long file at the end would leave the other process idle."""
     items.sort(key=lambda item: item.path.name not in LONGEST)
 
 
 def pytest_collection_finish() -> None:
-    """Leave the tests themselves out of every later collection of garbage, which is searched thousands of times."""
+    """Exclude the test items from garbage collection, which would otherwise traverse them thousands of times."""
     gc.collect()
     gc.freeze()
 
 
 @pytest.fixture(autouse=True, scope="session")
 def _temporary_files_go_with_the_tests(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Remove at the end what the tests and their child processes left in the temporary folder.
+    """Remove the temporary files of the tests and their child processes at the end.
 
-    FMPy, for one, unpacks FMUs there for `extract` and systems for `simulate_ssp`, and leaves that to its callers.
+    FMPy, for example, unpacks FMUs there for `extract` and systems for `simulate_ssp`, and leaves the removal to its
+    callers.
     """
-    tmp_path_factory.getbasetemp()  # pytest's own folders stay where they are, to be looked at
-    # A short name: sockets of worker processes lie in it, whose paths have 108 characters at most.
+    tmp_path_factory.getbasetemp()  # pytest's own folders are kept for inspection
+    # A short name: it holds sockets of worker processes, whose paths are limited to 108 characters.
     with (
         tempfile.TemporaryDirectory(prefix="rg-", ignore_cleanup_errors=True) as folder,
         pytest.MonkeyPatch.context() as patch,
@@ -59,14 +60,14 @@ def _temporary_files_go_with_the_tests(tmp_path_factory: pytest.TempPathFactory)
 
 @pytest.fixture(autouse=True, scope="session")
 def _saved_figures_are_readable() -> Iterator[None]:
-    """Check each figure that is saved as PNG in any test, be it of a study, a page or a command."""
-    from matplotlib.figure import Figure  # loads NumPy, as the next one does
+    """Check each figure that any test saves as PNG, whether of a study, a page or a command."""
+    from matplotlib.figure import Figure  # imports NumPy, as does the next one
     from readable import defects_of
 
     save = Figure.savefig
 
     def save_and_check(drawing: Any, *arguments: Any, **options: Any) -> None:
-        if options.get("format", "png") == "png":  # the same one is drawn again for other formats
+        if options.get("format", "png") == "png":  # the same figure is drawn again for other formats
             assert defects_of(drawing) == [], f"{arguments}: cannot be read"
         save(drawing, *arguments, **options)
 
@@ -77,7 +78,7 @@ def _saved_figures_are_readable() -> Iterator[None]:
 
 @pytest.fixture
 def blank_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Write empty files in place of figures, where a test is not about them: drawing takes longer than a campaign."""
+    """Write empty files instead of figures where a test does not check them: drawing takes longer than a campaign."""
     from matplotlib.figure import Figure
 
     monkeypatch.setattr(Figure, "draw_without_rendering", lambda drawing: None)
@@ -86,7 +87,7 @@ def blank_figures(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return the folder of a cache that starts empty and is used by nobody else, child processes included."""
+    """Return the folder of an empty cache that only this test and its child processes use."""
     folder = tmp_path / "cache"
     monkeypatch.setenv("RAILGRIP_CACHE", str(folder))
     return folder
@@ -94,7 +95,7 @@ def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def command(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]):
-    """Return a function that runs a command in this process and the current folder: `command_line.Done`."""
+    """Return a function that runs a command in this process and the current folder and returns `command_line.Done`."""
     from command_line import done
 
     monkeypatch.setenv("COLUMNS", "200")
@@ -103,7 +104,7 @@ def command(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]):
 
 @pytest.fixture
 def in_process() -> Iterator[None]:
-    """Run stops in this process, where a test is not about workers."""
+    """Run stops in this process, for tests that do not check workers."""
     from one_process import one_process
 
     with one_process():

@@ -1,4 +1,4 @@
-"""The loop's functions in C, called one at a time for a vehicle of `synthetic.LAYOUT`."""
+"""The C functions of the loop, called one at a time for a vehicle of `synthetic.LAYOUT`."""
 
 import numpy as np
 from synthetic import LAYOUT
@@ -11,7 +11,7 @@ KERNEL = kernel(LAYOUT)
 
 
 def phase_of(until="end", **fields):
-    """Return one phase of a driver, which demands nothing but `fields`."""
+    """Return one phase of a driver without demands except `fields`."""
     row = released(LAYOUT, 1)
     row["until"] = getattr(KERNEL.functions, f"AT_{until.upper()}")
     for name, value in fields.items():
@@ -20,13 +20,13 @@ def phase_of(until="end", **fields):
 
 
 def drive(driver, sample, truth):
-    """Return what a driver asks for at a sample [Pa]."""
+    """Return the driver's demand at a sample [Pa]."""
     KERNEL.functions.drive(driver.struct.pointer, sample, KERNEL.doubles(truth))
     return driver.struct.view("pressure").copy()
 
 
 def show(faults, sample, reading, layout=LAYOUT):
-    """Return what broken sensors show of a reading of a vehicle."""
+    """Return the readings of a vehicle after sensor faults."""
     values, library = np.array(reading, dtype=np.float64), kernel(layout)
     library.functions.change_reading(faults.struct.pointer, sample, library.doubles(values))
     return values

@@ -3,13 +3,13 @@
     python tests/mutants.py --stops 'sine_sweep-*'
 
 Each mutant is a row of data: a file, its old text, the new text, and the meaning. It changes a copy of the sources in
-build/mutants, never the sources. A constant of the plant is moved as a parameter in the files of equipment: the same
-FMU with another value, which saves its compilation. The formation follows, and with it the values that control laws
-and predictions take from it; the declaration in Modelica stays. All other mutants change the text that a defect would
-change. Mutants of equations (mutants.toml) have a wrong sign or factor, or lack a term: in plant, in prediction,
-or in a function that both share; such a function must also fail a test that does not need table 1. Besides table 1,
-the accepted responses of the control laws in open loop may notice a mutant, and a stop whose FMU has another creep
-curve than its scenario is refused.
+build/mutants, never the sources. A constant of the plant is changed as a parameter in the files of equipment: the same
+FMU with another value, which saves its compilation. The formation follows, and with it the values that control laws and
+predictions derive from it; the declaration in Modelica does not change. All other mutants change the text that contains
+the defect. Mutants of equations (mutants.toml) have a wrong sign or factor, or lack a term: in plant, in prediction, or
+in a function that both share; such a function must also fail a test that does not need table 1. Besides table 1, the
+accepted responses of the control laws in open loop may notice a mutant, and a stop whose FMU has another creep curve
+than its scenario is refused.
 
 Copies stay in build/mutants, and stops of the same sources are not run again.
 """
@@ -71,7 +71,7 @@ class Edit:
     everywhere: bool = False
 
     def apply(self, root: Path) -> None:
-        """Apply it to a copy of the sources; a text that is not there is a defect of the row."""
+        """Apply it to a copy of the sources; if the old text does not exist, the row is wrong."""
         path = root / self.file
         before = path.read_text(encoding="utf-8")
         after = before.replace(self.old, self.new, -1 if self.everywhere else 1)
@@ -81,14 +81,14 @@ class Edit:
 
 @dataclass(frozen=True, slots=True)
 class Mutant:
-    """A single change: its meaning, and the edits that make it."""
+    """A single change: its meaning, and its edits."""
 
     meaning: str
     edits: tuple[Edit, ...]
 
 
 def constant(name: str, declared_in: str, factor: float = 1.01, *, only_valves: bool = False) -> Mutant:
-    """Return a mutant that moves a parameter of the plant, read from its declaration, in both kinds of equipment."""
+    """Return a mutant that changes a parameter of the plant, read from its declaration, in both kinds of equipment."""
     text = (ROOT / declared_in).read_text(encoding="utf-8")
     found = re.search(rf"\b{name}(?:\([^)]*\))?\s*=\s*(\{{[\d., ]+\}}|[\d.e-]+)", text)
     assert found, f"{declared_in}: {name} has no number"
@@ -168,7 +168,7 @@ def equations() -> tuple[Mutant, ...]:
 
 
 def copied(place: Path) -> None:
-    """Copy the sources as they are imported, railgrip beside what a baseline file names."""
+    """Copy the imported sources, with railgrip next to the files named by a baseline."""
     shutil.rmtree(place / "sources", ignore_errors=True)
     sources = place / "sources"
     skip = shutil.ignore_patterns("__pycache__")
@@ -186,7 +186,7 @@ def _folder(mutant: Mutant) -> str:
 
 
 def noticed(mutant: Mutant | None, stops: str, *, only_first: bool = False) -> dict[str, str]:
-    """Return which rows of the baselines did not keep, with their states; of the unchanged sources for None.
+    """Return the rows of the baselines that were not kept, with their states; None means the unchanged sources.
 
     With `only_first` the stops end with the first that notices.
     """
@@ -199,13 +199,13 @@ def noticed(mutant: Mutant | None, stops: str, *, only_first: bool = False) -> d
     command = [sys.executable, __file__, "--stops", stops, "--child", str(place), *(["--first"] if only_first else [])]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, cwd=place / "sources", check=False)
     if done.returncode:
-        # A copy that does not run says nothing of the baselines: the row is wrong.
+        # A copy that does not run yields no verdict on the baselines: the row is wrong.
         raise SystemExit(f"{name}: {done.stderr[-2000:]}")
     return json.loads(done.stdout.splitlines()[-1])
 
 
 def _environment(place: Path) -> dict[str, str]:
-    """Return the environment of a process that imports a copy; its FMUs stay out of the user's cache."""
+    """Return the environment of a process that imports a copy; it does not use the user's cache for FMUs."""
     return os.environ | {"PYTHONPATH": str(place / "sources"), "RAILGRIP_CACHE": str(PLACE / "cache")}
 
 
@@ -232,7 +232,7 @@ def independent_check(mutant: Mutant) -> tuple[str, bool] | None:
 
 
 def regression(place: Path, stops: str, *, only_first: bool) -> dict[str, str]:
-    """Run stops with the imported copy of the sources; return name → state of the rows that did not keep."""
+    """Run stops with the imported copy of the sources; return name → state of the rows that were not kept."""
     sources = place / "sources"
     assert Path(str(railgrip.__file__)).is_relative_to(sources), f"{railgrip.__file__} is not the copy"
     baseline = load_baseline(sources / BASELINE)
@@ -246,7 +246,7 @@ def regression(place: Path, stops: str, *, only_first: bool) -> dict[str, str]:
     write_description(some, folder)
     names: set[str] = set()
     moved: dict[str, str] = {}
-    # Stops with figures beside their distance notice most: with `only_first` the others are seldom needed.
+    # Stops with further figures notice most mutants: with `only_first` the others are seldom needed.
     for stop in sorted(some.stops, key=lambda stop: -len(baseline.accepted[stop.name].figures)):
         if find_result(stop, folder / stop.name) is None:
             try:
@@ -263,7 +263,7 @@ def regression(place: Path, stops: str, *, only_first: bool) -> dict[str, str]:
 
 
 def moved_responses() -> dict[str, str]:
-    """Return the open-loop responses of control laws that are not the accepted ones."""
+    """Return the open-loop responses of control laws that differ from the accepted ones."""
     sys.path.insert(0, str(ROOT / "tests/controllers"))
     responses = import_module("test_law_responses")
     accepted = json.loads(responses.ACCEPTED.read_text(encoding="utf-8"))
@@ -277,7 +277,7 @@ class Result:
 
     Attributes:
         mutant: The mutant.
-        moved: Name of each accepted stop or response that moved → its state.
+        moved: Name of each accepted stop or response that changed → its state.
         check: Test of a shared function and whether it failed, as it should; None without one.
     """
 
@@ -287,7 +287,7 @@ class Result:
 
     @property
     def kind(self) -> str:
-        """Part of railgrip that the mutant is in."""
+        """The part of railgrip that contains the mutant."""
         return self.mutant.meaning.partition(":")[0].partition(",")[0]
 
     def __str__(self) -> str:

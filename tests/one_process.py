@@ -1,4 +1,4 @@
-"""A pool without processes, for tests of what is run and not of where: tests/cli has those of processes."""
+"""A pool without processes, for tests that do not depend on processes; tests/cli tests the processes."""
 
 from collections.abc import Generator
 from concurrent.futures import Executor, Future
@@ -8,7 +8,7 @@ import pytest
 
 
 class Here(Executor):
-    """Runs each task at once, in this process: a new one spends two seconds on loading what it needs."""
+    """Runs each task at once in this process; a new process would need two seconds for its imports."""
 
     def submit(self, fn, /, *args, **kwargs):
         future = Future()
@@ -21,7 +21,7 @@ class Here(Executor):
 
 @contextmanager
 def one_process() -> Generator[None]:
-    """Give everybody who wants workers this process instead."""
+    """Replace all worker processes by this process."""
 
     @contextmanager
     def here(count: int, *, main: bool = True) -> Generator[Executor]:

@@ -1,4 +1,4 @@
-"""What is inside a page."""
+"""The contents of a page."""
 
 import base64
 import gzip
@@ -20,7 +20,7 @@ def numbers(packed):
 
 
 def needs_nothing_else(page):
-    """Return whether a page loads nothing and fetches nothing: links to other pages are allowed."""
+    """Return whether a page loads nothing from elsewhere; links to other pages are allowed."""
     text = page.read_text(encoding="utf-8")
     loaded = re.findall(r"<(?:script|img|link|iframe)[^>]*(?:src|href)=|@import|url\(|fetch\(|https?:", text)
     return not loaded and page.stat().st_size < 5e6

@@ -1,4 +1,4 @@
-"""A stop whose plant, filter and law the loop does not find in C: it must be the same, to the last bit."""
+"""A stop whose plant, filter and law run in Python instead of C must be bit-identical."""
 
 from dataclasses import replace
 
@@ -28,7 +28,7 @@ class _Law:
 
 
 def hidden(parts):
-    """Return parts of which the loop calls none in C but its own."""
+    """Return parts of which the loop calls only its own in C."""
     estimator = parts.estimator
     if isinstance(estimator, StateEstimator):
         estimator = replace(estimator, filter=_Filter(estimator.filter))
@@ -36,14 +36,14 @@ def hidden(parts):
 
 
 def run_in_python(scenario):
-    """Return the stop of a scenario, with its parts hidden."""
+    """Return the stop of a scenario with its C parts hidden."""
     with assemble(scenario) as whole:
         whole = replace(whole, parts=hidden(whole.parts))
         return whole.stop(whole.run())
 
 
 def same_stop(scenario):
-    """Return the stop with parts in C, which is that with parts in Python to the last bit."""
+    """Return the stop with parts in C, after checking that parts in Python give identical bits."""
     one, other = (run(scenario) for run in (run_stop, run_in_python))
     assert (one.outcome, one.reason) == (other.outcome, other.reason)
     assert list(one.trace.data_vars) == list(other.trace.data_vars)

@@ -1,4 +1,4 @@
-"""What makes a figure unreadable: texts or legends that overlap or are cut off, and panels without data."""
+"""Defects that make a figure unreadable: texts or legends that overlap or are cut off, and panels without data."""
 
 from collections.abc import Iterator
 from itertools import chain
@@ -16,7 +16,7 @@ TOUCHING = 2.0
 
 def defects_of(drawing: Figure) -> list[str]:
     """Return a sentence for each overlap of texts or legends, each of them cut off, and each panel without data."""
-    if drawing.stale:  # else it was just drawn to be saved
+    if drawing.stale:  # otherwise it was just drawn to be saved
         drawing.draw_without_rendering()
     panels = [axes for axes in drawing.axes if axes.get_visible()]
     artists = [artist for artist in chain(drawing.get_children(), *map(_artists, panels)) if _is_shown(artist)]
@@ -63,7 +63,7 @@ def _first(legend: Legend) -> str:
 
 
 def _has_data(axes: Axes) -> bool:
-    """Return whether a panel shows more than lines and bands across all of it."""
+    """Return whether a panel contains more than lines and bands across its whole width."""
     low, high = axes.viewLim.min, axes.viewLim.max
     lines = [line.get_xydata() for line in axes.lines if line.get_transform() == axes.transData]
     areas = [area.get_datalim(axes.transData).get_points() for area in axes.collections]

@@ -1,7 +1,7 @@
-"""What an estimator must be better than: the best constant, which is known only afterwards.
+"""The best constant, known only afterwards: the reference that an estimator must beat.
 
-A bound on an error says nothing by itself: where the truth hardly moves, whoever says its mean keeps it without a look
-at a sensor. So tests of accuracy measure errors in those of the best constant.
+A bound on an error is meaningless by itself: where the truth hardly changes, a constant estimate satisfies it without
+any sensor. So tests of accuracy measure errors relative to those of the best constant.
 """
 
 import numpy as np
@@ -14,9 +14,9 @@ def rmse_over_constant(estimate, truth):
 
 
 def error_95_of_constant(truth):
-    """Return the least magnitude that 95 % of the errors of some constant do not exceed, per column of (k, m).
+    """Return the smallest bound on 95 % of the errors that a constant can have, per column of (k, m).
 
-    It is half of the shortest interval that holds 95 % of the truth.
+    It is half of the shortest interval that contains 95 % of the truth.
     """
     ordered = np.sort(np.asarray(truth), axis=0)
     held = int(np.ceil(0.95 * len(ordered)))

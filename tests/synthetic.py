@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from scipy.special import gammaincinv  # scipy.stats takes each process half a second to load
+from scipy.special import gammaincinv  # importing scipy.stats takes each process half a second
 
 import railgrip.scenario
 from railgrip.report.stop import Stop
@@ -48,7 +48,7 @@ def parabola(slip, speed, load, mu0):
 
 
 def uniform_stop(speed=20.0, deceleration=1.0, period=0.01, estimates=True, end_speed=0.0, **changes):
-    """The trace of a uniform braking at slip 0.05; `changes` replace signals (broadcast to their shape)."""
+    """The trace of uniform braking at slip 0.05; `changes` replace signals (broadcast to their shape)."""
     time = np.arange(round((speed - end_speed) / deceleration / period) + 1) * period
     v = speed - deceleration * time
     signals = {
@@ -91,7 +91,7 @@ def uniform_stop(speed=20.0, deceleration=1.0, period=0.01, estimates=True, end_
 
 
 def stop_of(scenario, deceleration=1.0, outcome=Outcome.STANDSTILL, reason="the train stands"):
-    """A stop of a scenario as if it had braked uniformly, with the friction that the scenario names."""
+    """The result of a scenario with uniform braking at the friction of the scenario."""
     period = scenario.periods.communication
     trace = uniform_stop(scenario.start.speed, deceleration, period, scenario.estimator.kind != "none")
     trace["mu0"].values[:] = profile_of(scenario, TWO_PART_TRAIN).table(trace["time"].values, trace["distance"].values)

@@ -1,4 +1,4 @@
-"""A runner that needs no FMU: braking as the scenario's seed says, importable by the processes of a campaign."""
+"""A runner without FMUs: braking depends on the scenario's seed; worker processes of a campaign can import it."""
 
 import time
 from pathlib import Path
@@ -21,7 +21,7 @@ DECELERATION = {
 
 
 def run_stop(scenario: Scenario, progress=None, notify=None):
-    """Brake at the controller's rate; the scenario's description may ask for trouble."""
+    """Brake at the controller's deceleration; the scenario's description may request a failure."""
     if progress is not None:
         progress(scenario.start.speed / 2)
     match scenario.description.split():
@@ -32,7 +32,7 @@ def run_stop(scenario: Scenario, progress=None, notify=None):
         case ["slide"]:
             return stop_of(scenario, 0.4, Outcome.HORIZON, "Still moving at 3 m/s.")
         case ["wait", marker]:
-            # Say that it runs, then take longer than anybody waits.
+            # Signal the start, then run longer than any test waits.
             Path(marker).touch()
             time.sleep(3600)
     return stop_of(scenario, DECELERATION[scenario.controller.kind])

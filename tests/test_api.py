@@ -1,4 +1,4 @@
-"""The door: what it offers does what it says, and what goes wrong in a user's class is said in a sentence."""
+"""The public interface behaves as documented, and errors in a user's class are reported in a sentence."""
 
 import json
 import re
@@ -23,7 +23,7 @@ def scenario():
 
 
 class BangBang:
-    """Ten lines."""
+    """The shortest example."""
 
     def __init__(self, level=0.15):
         self.level = level
@@ -55,21 +55,21 @@ class Gps:
 
 
 def test_importing_loads_nothing_heavy():
-    """Less than 0.1 s; what takes time is what is loaded."""
+    """Less than 0.1 s; the time is spent on imports."""
     code = "import sys, railgrip; print({'numpy', 'casadi', 'xarray', 'pydantic'} & sys.modules.keys())"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "set()"
 
 
-def test_every_name_of_the_door_is_there():
+def test_every_name_of_the_interface_exists():
     for name in rg.__all__:
         assert getattr(rg, name) is not None
     with pytest.raises(AttributeError, match="has no attribute 'braek'"):
         _ = rg.braek
 
 
-def test_a_law_of_ours_as_an_object_stops_as_it_does_by_its_name(scenario):
-    """Two-state control at 10/15 %, written here, to the last bit."""
+def test_a_built_in_law_as_an_object_stops_like_the_one_by_name(scenario):
+    """Two-state control at 10/15 %, written here, with identical bits."""
 
     class TwoState:
         needs = ()
@@ -100,7 +100,7 @@ def test_own_parts_are_named_in_the_result(scenario, tmp_path):
     assert content["scenario"]["controller"]["kind"] == f"{__name__}:BangBang"
 
 
-def test_what_an_estimator_lacks_is_absent(scenario):
+def test_an_estimate_that_an_estimator_does_not_provide_is_absent(scenario):
     datasets = []
 
     class Spy(BangBang):
@@ -118,14 +118,14 @@ def test_what_an_estimator_lacks_is_absent(scenario):
     assert datasets[-1].wheelset_speed.shape == (4,)
 
 
-def test_a_law_is_refused_that_needs_what_nobody_estimates(scenario):
+def test_a_law_that_needs_an_unavailable_estimate_is_refused(scenario):
     with pytest.raises(ScenarioError, match=r"'adhesion_based' needs estimates of pad_friction, .* provides adhesion"):
         rg.run(scenario, estimator=Drag)
 
     nobody = scenario.changed({"estimator.kind": "none"})
     with pytest.raises(ScenarioError, match=r"'adhesion_based' needs estimates of adhesion .* 'none' provides nothing"):
         rg.run(nobody)
-    assert rg.run(nobody, controller=BangBang).outcome is rg.Outcome.HORIZON  # what is replaced is not asked
+    assert rg.run(nobody, controller=BangBang).outcome is rg.Outcome.HORIZON  # a replaced part is not checked
 
     class Needs(BangBang):
         needs = ("adhesion",)
@@ -181,7 +181,7 @@ OUTCOMES = {name: f"{name}_failed" for name in PARTS} | {"estimator": "diverged"
         ("plant", "step", lambda self, inputs: inputs["mu0"].fill(0.0), "read-only"),
     ],
 )
-def test_a_mistake_in_a_part_is_an_outcome_and_a_sentence(scenario, part, method, function, words):
+def test_an_error_in_a_part_is_an_outcome_with_a_sentence(scenario, part, method, function, words):
     mine = type("Mine", (PARTS[part],), {method: function})
     stop = rg.run(scenario, **({"controller": BangBang} | {part: mine}))
     assert stop.outcome.value == OUTCOMES[part]
@@ -189,14 +189,14 @@ def test_a_mistake_in_a_part_is_an_outcome_and_a_sentence(scenario, part, method
     assert part != "controller" or stop.reason.endswith("At 0.000 s.")
 
 
-def test_a_class_that_is_none_of_them_is_refused(scenario):
+def test_a_class_of_no_known_kind_is_refused(scenario):
     with pytest.raises(ScenarioError, match="object: has no method start and decide"):
         rg.run(scenario, controller=object)
     with pytest.raises(ScenarioError, match="`provides` is 'adhesion'"):
         rg.run(scenario, controller=BangBang, estimator=type("Mine", (Drag,), {"provides": "adhesion"}))
 
 
-def test_noise_of_own_sensors_is_the_seeds(scenario):
+def test_noise_of_own_sensors_depends_on_the_seed(scenario):
     one, same, other = (
         rg.run(scenario.changed({"seed": seed}), controller=BangBang, sensors=Gps).trace["reading_speed"].values
         for seed in (1, 1, 2)
@@ -206,14 +206,14 @@ def test_noise_of_own_sensors_is_the_seeds(scenario):
 
 
 def test_the_demand_is_recorded_with_units(scenario):
-    """Row k holds what was demanded before it; ideal actuation sends it on as it is, a pressure."""
+    """Row k has the preceding demand; ideal actuation passes it on unchanged, as a pressure."""
     trace = rg.run(scenario, controller=BangBang).trace
     assert trace["demand"].attrs["units"] == trace["command"].attrs["units"] == "Pa"
     assert trace["demand"].values[0].tolist() == [0.0] * 4
     assert np.array_equal(trace["demand"], trace["command"])
 
 
-def test_a_stop_by_hand_is_the_stop_of_the_loop(scenario):
+def test_a_stop_stepped_by_hand_equals_that_of_the_loop(scenario):
     class Full:
         def start(self, formation):
             pass
@@ -238,7 +238,7 @@ def test_a_stop_by_hand_is_the_stop_of_the_loop(scenario):
             _ = bench.stop
 
 
-def test_a_sweep_of_fifty_stops_is_a_table_in_order(scenario):
+def test_a_sweep_of_fifty_stops_yields_an_ordered_table(scenario):
     axes = {"start.speed": ["30 km/h", "40 km/h"], "seed": range(25)}
     sweep = rg.sweep(scenario.changed({"limits.horizon": "100 ms"}), axes, controller=BangBang, workers=2)
     table = sweep.to_pandas()
@@ -254,7 +254,7 @@ def test_a_sweep_of_fifty_stops_is_a_table_in_order(scenario):
     assert grid["distance"].attrs["units"] == "m"
 
 
-def test_a_sweep_of_what_is_no_scenario_runs_nothing(scenario):
+def test_a_sweep_of_an_invalid_scenario_runs_nothing(scenario):
     with pytest.raises(ScenarioError, match="start"):
         rg.sweep(scenario, {"start.speed": ["30 km/h", "fast"]})
     with pytest.raises(ScenarioError, match="the axis 'seed' has no value"):
@@ -279,7 +279,7 @@ def test_a_scenario_may_name_a_class(scenario, tmp_path):
         rg.run(scenario.changed({"controller.kind": "my_laws:Soft"}), import_from=[tmp_path])
 
 
-def test_a_folder_one_stands_in_runs_no_code_by_itself(tmp_path):
+def test_the_current_folder_runs_no_code_by_itself(tmp_path):
     (tmp_path / "trap.py").write_text("open('sprung', 'w')\nclass Law:\n    pass\n")
     set_ = ["--set", "controller.kind=trap:Law", "--set", "limits.horizon=0.1 s"]
     command = [sys.executable, "-m", "railgrip", "run", "trapezoid", *set_]
@@ -304,7 +304,7 @@ def test_an_estimate_of_a_recording():
 
 
 def test_changes_of_an_estimation_keep_their_type():
-    """A text "True" is no number, and True is none either; a whole table is one value."""
+    """A text "True" is not a number, nor is True; a whole table is one value."""
     with pytest.raises(ScenarioError, match=r"\[source\] seed is True"):
         rg.estimate(xarray.Dataset(), "wagon", {"source.seed": True})
     with pytest.raises(ScenarioError, match=r"\[start\] must be a table, got 'none'"):
@@ -313,8 +313,8 @@ def test_changes_of_an_estimation_keep_their_type():
         rg.estimate(xarray.Dataset(), "wagon", {"source": {"scenario": "wagon", "seed": np.int64(3)}})
 
 
-def test_a_plant_in_python_brakes_as_its_one_equation_says(scenario, tmp_path):
-    """Full brake on a rail that takes all: s = v0 T + v0²/(2 a), with T the lag of the cylinders."""
+def test_a_plant_in_python_brakes_according_to_its_equation(scenario, tmp_path):
+    """Full brake with sufficient friction: s = v0 T + v0²/(2 a), with T the lag of the cylinders."""
     whole = scenario.changed(
         {"controller.kind": "full_brake", "start.speed": 20.0, "limits.horizon": "60 s",
          "limits.stop_speed": "0.01 m/s", "adhesion": {"kind": "constant", "polach": "dry", "mu0": 0.9}}
@@ -332,7 +332,7 @@ def test_a_plant_in_python_brakes_as_its_one_equation_says(scenario, tmp_path):
 
 
 class Slippery:
-    """A plant that takes part in nothing but friction: what it is given is `factor` times what lies on the rail."""
+    """A plant that responds only to friction: its adhesion is `factor` times that of the rail."""
 
     def __init__(self, factor):
         self.train, self.factor = rolling()(), factor
@@ -355,7 +355,7 @@ def test_a_plant_in_python_on_which_friction_has_no_effect_is_refused(scenario):
 
 @pytest.mark.parametrize(("factor", "outcome"), [(1.0, "standstill"), (1.1, "implausible"), (1.3, "implausible")])
 def test_a_stop_with_more_friction_than_the_rail_has_is_implausible(scenario, factor, outcome):
-    """What the trial on two rails cannot see, because friction still has an effect; 10 % is more than resistance is."""
+    """The trial on two rails does not find it, because friction still has an effect; 10 % exceeds the resistance."""
     poor = scenario.changed(
         {"controller.kind": "full_brake", "limits.horizon": "200 s", "adhesion": {"kind": "constant", "polach": "dry",
          "mu0": 0.1}, "start.speed": "72 km/h", "estimator": {"kind": "none"}}
@@ -365,7 +365,7 @@ def test_a_stop_with_more_friction_than_the_rail_has_is_implausible(scenario, fa
     assert np.isnan(stop.metrics.distance) == (outcome != "standstill")
 
 
-def test_a_plant_may_be_named_and_have_a_formation_of_its_own(scenario, tmp_path):
+def test_a_plant_may_be_named_and_have_a_separate_formation(scenario, tmp_path):
     source = PAGE.read_text()
     source = source[source.index("class Rolling") : source.index("rg.testing.check_plant")]
     (tmp_path / "my_train.py").write_text(f"import numpy as np\n\n{source}")
@@ -386,7 +386,7 @@ def test_a_plant_may_be_named_and_have_a_formation_of_its_own(scenario, tmp_path
     assert stop.trace["cylinder_pressure"].values[-1] == pytest.approx([3e5] * 2, rel=0.2)
 
 
-def test_a_plant_that_is_no_train_is_refused_before_its_stop(scenario):
+def test_a_plant_that_is_not_a_train_is_refused_before_its_stop(scenario):
     class Wrong(rolling()):
         def shown(self, a):
             return super().shown(a) | {"speed": 3.6 * self.v}
@@ -397,7 +397,7 @@ def test_a_plant_that_is_no_train_is_refused_before_its_stop(scenario):
         rg.testing.check_plant(Wrong)
 
 
-def test_a_modelica_class_of_ones_own_is_a_plant(scenario):
+def test_a_modelica_class_of_a_user_is_a_plant(scenario):
     keys = {"model": "SimpleTrain.Car", "library": PAGE.parent / "examples" / "SimpleTrain" / "package.mo"}
     law = {"controller.kind": "slip_two_state", "estimator.kind": "none"}
     stop = rg.run(scenario.changed(law), plant=keys)

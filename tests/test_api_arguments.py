@@ -1,4 +1,4 @@
-"""Whatever is handed to the public API, only a RailgripError comes out, with a sentence."""
+"""For any arguments of the public API, the only exception is a RailgripError with a sentence."""
 
 import os
 
@@ -14,7 +14,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::UserW
 
 
 class Hostile:
-    """Fails wherever it is looked at, as an object of a user's half-finished class may."""
+    """Fails on every access, as an object of a user's half-finished class may."""
 
     __hash__ = None
 
@@ -59,7 +59,7 @@ leaves = st.one_of(
     st.binary(max_size=8),
     st.sampled_from([10**400, -1, 0, "\0", "trapezoid", "wagon", "x" * 5000, ".", "start.speed", "a..b", "a." * 900]),
     st.sampled_from([object(), Exits, Raises, len, int, type, np.ma.masked]),
-    st.builds(Hostile),  # made anew: Hypothesis looks at what it samples from
+    st.builds(Hostile),  # created again: Hypothesis inspects the objects that it samples from
     st.builds(lambda: HostileMapping(a=1)),
     st.just(0).map(lambda _: Hostile),
     st.sampled_from([np.float64(3), np.array([1 + 1j]), np.zeros((0, 3)), xarray.Dataset()]),
@@ -80,7 +80,7 @@ some = settings(
 
 
 def refused(question):
-    """Ask, and expect an answer or a sentence; whatever else comes out fails the test."""
+    """Call a function and expect an answer or a sentence; any other exception fails the test."""
     sentences = "an answer"
     try:
         question()
@@ -97,7 +97,7 @@ def scenario():
 
 @some
 @given(source=anything, changes=anything)
-def test_scenarios_of_anything(source, changes):
+def test_scenarios_of_any_arguments(source, changes):
     refused(lambda: rg.Scenario.load(source))
     refused(lambda: rg.Scenario.load("trapezoid", changes))
     refused(lambda: rg.Scenario.load("trapezoid").with_plant(source))
@@ -105,7 +105,7 @@ def test_scenarios_of_anything(source, changes):
 
 @some
 @given(one=anything, name=st.sampled_from(["controller", "estimator", "sensors", "plant", "import_from"]))
-def test_runs_of_anything(scenario, one, name):
+def test_runs_of_any_arguments(scenario, one, name):
     refused(lambda: rg.run(one))
     refused(lambda: rg.run(scenario, **{name: one}))
     if name != "controller":
@@ -114,7 +114,7 @@ def test_runs_of_anything(scenario, one, name):
 
 @some
 @given(axes=anything, one=anything)
-def test_sweeps_of_anything(scenario, axes, one):
+def test_sweeps_of_any_arguments(scenario, axes, one):
     refused(lambda: rg.sweep(scenario, axes))
     refused(lambda: rg.sweep(scenario, {"seed": one}))
     refused(lambda: rg.sweep(scenario, {"seed": [1]}, controller=one))
@@ -123,7 +123,7 @@ def test_sweeps_of_anything(scenario, axes, one):
 
 @some
 @given(recording=anything, model=anything, changes=anything)
-def test_estimates_of_anything(recording, model, changes):
+def test_estimates_of_any_arguments(recording, model, changes):
     refused(lambda: rg.estimate(recording))
     refused(lambda: rg.estimate(xarray.Dataset(), model))
     refused(lambda: rg.estimate(xarray.Dataset(), "wagon", changes))
@@ -131,7 +131,7 @@ def test_estimates_of_anything(recording, model, changes):
 
 @some
 @given(one=anything)
-def test_contracts_of_anything(one):
+def test_contracts_of_any_arguments(one):
     for check in (rg.testing.check_controller, rg.testing.check_estimator, rg.testing.check_sensors):
         refused(lambda check=check: check(one))
         refused(lambda check=check: check(lambda: one))
@@ -139,7 +139,7 @@ def test_contracts_of_anything(one):
 
 
 class Returns:
-    """A controller, estimator, sensor model and plant that returns something."""
+    """A controller, estimator, sensor model and plant that returns anything."""
 
     provides = ("adhesion",)
 
@@ -167,14 +167,14 @@ def test_stops_with_parts_that_return_anything(scenario, value):
 
 
 @pytest.mark.parametrize("name", ["controller", "estimator", "sensors", "plant"])
-def test_a_mapping_that_fails_when_it_is_read_ends_the_stop(scenario, name):
+def test_a_mapping_that_fails_on_reading_ends_the_stop(scenario, name):
     outcome = {"estimator": "diverged"}.get(name, f"{name}_failed")
     assert rg.run(scenario, **{name: Returns(HostileMapping(a=1))}).outcome.value == outcome
 
 
 @some
 @given(one=anything)
-def test_attributes_of_anything(scenario, one):
+def test_attributes_of_any_value(scenario, one):
     for name, attribute in (("controller", "needs"), ("estimator", "provides"), ("sensors", "start")):
         part = Returns([0.0] * 4)
         setattr(part, attribute, one)

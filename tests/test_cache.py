@@ -1,4 +1,4 @@
-"""What is compiled is loaded only from where its user alone can have put it, and only as it was put there."""
+"""Compiled code is loaded only unchanged, and only from places that nobody but the user can write to."""
 
 import ctypes
 import os
@@ -17,7 +17,7 @@ ONE = {"one.c": '__attribute__((visibility("default"))) int one(void) { return 1
 posix = pytest.mark.skipif(os.name != "posix", reason="owners and modes are those of POSIX")
 
 
-def test_what_is_kept_is_found_as_it_was(own_cache):
+def test_a_cached_file_is_found_unchanged(own_cache):
     assert cache.find("libraries", "key", "a.so") is None
     path = cache.keep("libraries", "key", "a.so", b"content")
     assert path.is_relative_to(own_cache)
@@ -27,7 +27,7 @@ def test_what_is_kept_is_found_as_it_was(own_cache):
     assert cache.find("libraries", "other", "a.so") is None
 
 
-def test_a_library_that_was_changed_is_compiled_again_and_not_loaded(own_cache):
+def test_a_changed_library_is_compiled_again_and_not_loaded(own_cache):
     first = shared_library(ONE, "one")
     first.write_bytes(first.read_bytes()[:-1] + b"x")
     again = shared_library(ONE, "one")
@@ -37,14 +37,14 @@ def test_a_library_that_was_changed_is_compiled_again_and_not_loaded(own_cache):
 
 @posix
 @pytest.mark.parametrize("mode", [0o620, 0o602, 0o666])
-def test_a_file_that_others_can_write_is_not_loaded(own_cache, mode):
+def test_a_file_writable_by_others_is_not_loaded(own_cache, mode):
     cache.keep("libraries", "key", "a.so", b"content").chmod(mode)
     assert cache.find("libraries", "key", "a.so") is None
 
 
 @posix
 @pytest.mark.parametrize("depth", range(4))
-def test_a_folder_that_others_can_write_ends_in_a_sentence(own_cache, depth):
+def test_a_folder_writable_by_others_is_refused_in_a_sentence(own_cache, depth):
     path = cache.keep("libraries", "key", "a.so", b"content")
     path.parents[depth].chmod(0o777)
     for use in (cache.find, lambda *where: cache.keep(*where, b"content")):
@@ -76,21 +76,21 @@ def test_a_relative_cache_is_refused(monkeypatch):
         cache.folder()
 
 
-def test_a_cache_that_cannot_be_made_ends_in_a_sentence(tmp_path, monkeypatch):
+def test_a_cache_that_cannot_be_created_is_reported_in_a_sentence(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("RAILGRIP_CACHE", str(tmp_path / "file" / "cache"))
     with pytest.raises(InputError, match=r"the cache cannot be written \(.+\); make room or name another"):
         cache.keep("libraries", "key", "a.so", b"content")
 
 
-def test_many_may_keep_the_same_at_once(own_cache):
+def test_concurrent_writers_may_cache_the_same_file(own_cache):
     with ThreadPoolExecutor(8) as pool:
         paths = set(pool.map(lambda _: cache.keep("libraries", "key", "a.so", b"content" * 10000), range(64)))
     assert paths == {cache.find("libraries", "key", "a.so")}
     assert [file.name for file in paths.pop().parent.iterdir()] == ["a.so"]
 
 
-def test_what_was_not_used_for_longest_is_removed_beyond_the_limit(own_cache, monkeypatch):
+def test_the_least_recently_used_files_are_removed_beyond_the_limit(own_cache, monkeypatch):
     monkeypatch.setattr(cache, "LARGEST", 25_000)
     paths = [cache.keep("lives", f"{number}", "a.json", b"%d" % number * 10_000) for number in range(4)]
     for number, file in enumerate(paths):
@@ -102,8 +102,8 @@ def test_what_was_not_used_for_longest_is_removed_beyond_the_limit(own_cache, mo
     assert not paths[1].parents[1].exists()
 
 
-def test_what_lies_in_the_current_folder_is_not_loaded(tmp_path, own_cache):
-    """Where caches were before: whoever unpacks somebody's folder and works in it would run what is there."""
+def test_code_in_the_current_folder_is_not_loaded(tmp_path, own_cache):
+    """Caches used to be there: a user who worked in an unpacked foreign folder would have run its code."""
     mark = tmp_path / "ran"
     evil = {
         "evil.c": "#include <stdio.h>\n"

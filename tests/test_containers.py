@@ -1,4 +1,4 @@
-"""Container, development container and CI name what exists."""
+"""Container, development container and CI name only existing files and targets."""
 
 import json
 import re
@@ -18,7 +18,7 @@ def instructions() -> list[list[str]]:
     return [line.split() for line in lines if line.strip()]
 
 
-def test_the_image_copies_all_that_the_package_is_built_from():
+def test_the_image_copies_all_sources_of_the_package():
     copied = {word for name, *words in instructions() if name == "COPY" for word in words[:-1]}
     assert all((ROOT / path).exists() for path in copied)
     # setup.py maps these folders to packages; pyproject.toml names the files of its metadata.
@@ -41,7 +41,7 @@ def test_the_image_does_not_run_as_root():
     assert [words for words in instructions() if words[0] == "USER"][-1] == ["USER", "1000"]
 
 
-def test_the_development_container_is_that_image_and_runs_a_target_of_make():
+def test_the_development_container_uses_that_image_and_a_target_of_make():
     table = json.loads((ROOT / ".devcontainer/devcontainer.json").read_text(encoding="utf-8"))
     folder = ROOT / ".devcontainer"
     assert (folder / table["build"]["dockerfile"]).resolve() == ROOT / "Dockerfile"
@@ -51,7 +51,7 @@ def test_the_development_container_is_that_image_and_runs_a_target_of_make():
     assert target in TARGETS
 
 
-def test_ci_calls_targets_that_exist():
+def test_ci_calls_existing_targets():
     jobs = yaml.safe_load((ROOT / ".github/workflows/ci.yml").read_text(encoding="utf-8"))["jobs"]
     commands = [step["run"] for job in jobs.values() for step in job["steps"] if "run" in step]
     called = {match for command in commands for match in re.findall(r"^make ([a-z-]+)", command)}

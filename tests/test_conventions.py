@@ -1,4 +1,4 @@
-"""What of the project's conventions no linter knows; imports between packages are checked by .importlinter."""
+"""Conventions of the project that no linter checks; .importlinter checks imports between packages."""
 
 import ast
 from collections import Counter
@@ -10,9 +10,9 @@ MODULES = [
 ]
 
 
-def test_all_errors_for_users_are_one_tree():
+def test_all_errors_for_users_have_one_base_class():
     base = ROOT / "harness" / "base"
-    roots = {base / "errors.py", base / "interrupted.py"}  # a signal is no error
+    roots = {base / "errors.py", base / "interrupted.py"}  # a signal is not an error
     assert not [
         f"{path}: {node.name}"
         for path in set(MODULES) - roots
@@ -22,18 +22,18 @@ def test_all_errors_for_users_are_one_tree():
     ]
 
 
-def test_modules_are_named_for_what_they_hold():
+def test_modules_are_named_for_their_contents():
     assert not [path for path in MODULES if {"core", "common", "utils"} & {path.stem, path.parent.name}]
 
 
 def test_no_two_modules_of_tests_have_one_name():
-    """Pytest imports them by their names alone; with stale bytecode a clash shows in another clone only."""
+    """Pytest imports them by their names alone; stale bytecode hides a clash until somebody clones again."""
     names = Counter(path.name for path in (ROOT / "tests").rglob("*.py") if path.name != "conftest.py")
     assert not [name for name, count in names.items() if count > 1]
 
 
 def test_modules_of_tests_import_modules_that_exist():
-    """Those without a package are found in the folders of tests, whatever bytecode an earlier name has left."""
+    """Modules without a package are looked up in the folders of tests, so stale bytecode has no effect."""
     stems = {path.stem for path in (ROOT / "tests").rglob("*.py")}
     assert not [
         f"{path.relative_to(ROOT)}: {node.module}"

@@ -27,11 +27,11 @@ from railgrip.scenario.load import load
 from railgrip.simulate.files import plant_description
 
 SECONDS = 5.0
-"""Time that a refusal may take, with imports on a busy machine; a file that is waited for is never refused."""
+"""Seconds that a refusal may take, with imports on a busy machine; without a refusal a read would wait for ever."""
 
 
 def make_obstacle(kind: str, path: Path) -> Path:
-    """Make what a user may name by mistake in place of a file, and return its path."""
+    """Create an object that a user may name by mistake instead of a file, and return its path."""
     path.parent.mkdir(parents=True, exist_ok=True)
     match kind:
         case "pipe":
@@ -45,7 +45,7 @@ def make_obstacle(kind: str, path: Path) -> Path:
             path.chmod(0)
         case "large":
             with path.open("wb") as stream:
-                stream.truncate(3_000_000_000)  # sparse, as it takes no space on the disk
+                stream.truncate(3_000_000_000)  # sparse, to use no disk space
         case "not text":
             path.write_bytes(b"\x80\xff\xfe\x00" * 20)
         case "loop":
@@ -69,7 +69,7 @@ needs_posix = pytest.mark.skipif(os.name != "posix", reason="pipes and devices i
 
 @needs_posix
 @pytest.mark.parametrize("kind", OBSTACLES)
-def test_what_is_not_a_readable_text_is_refused_at_once(kind, tmp_path):
+def test_anything_but_a_readable_text_file_is_refused_at_once(kind, tmp_path):
     path = make_obstacle(kind, tmp_path / "file.toml")
     begin = time.monotonic()
     with pytest.raises(InputError, match=OBSTACLES[kind]) as refusal:
@@ -87,14 +87,14 @@ def test_a_file_without_permission_is_refused(tmp_path):
 
 @needs_posix
 def test_a_socket_is_refused(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)  # the path of a socket has 108 characters at most
+    monkeypatch.chdir(tmp_path)  # the path of a socket is limited to 108 characters
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind("socket")
         with pytest.raises(InputError, match=r"socket: cannot be read"):
             read_text(Path("socket"))
 
 
-def test_byte_order_mark_and_ends_of_lines_of_windows_are_removed(tmp_path):
+def test_byte_order_mark_and_line_ends_of_windows_are_removed(tmp_path):
     path = tmp_path / "text.toml"
     path.write_bytes("\ufeffa = 1\r\nb = '½'\r\n".encode())
     assert read_text(path) == "a = 1\nb = '½'\n"
@@ -177,8 +177,8 @@ INPUTS: dict[str, tuple[str, dict[str, str], Callable[[Path], object]]] = {
 @needs_posix
 @pytest.mark.parametrize("kind", OBSTACLES)
 @pytest.mark.parametrize("place", INPUTS)
-def test_every_input_refuses_what_is_not_a_readable_file(place, kind, tmp_path):
-    """Only tables of other encodings are read: loggers write them."""
+def test_every_input_refuses_anything_but_a_readable_file(place, kind, tmp_path):
+    """Only tables may have other encodings, because loggers write them."""
     if place == "file of a Modelica library" and kind in ("folder", "missing", "not text"):
         pytest.skip("not a file of the library, or read as bytes")
     name, others, read = INPUTS[place]

@@ -12,8 +12,8 @@ COUNTS = st.lists(st.integers(1, 5), min_size=1, max_size=12).map(tuple)
 
 
 @given(COUNTS)
-def test_sums_over_groups_are_those_of_a_count_by_membership(counts):
-    """Against numpy's own sums by bin."""
+def test_sums_over_groups_equal_those_by_membership(counts):
+    """Compared with numpy's own sums by bin."""
     formation = Formation(counts)
     values = np.random.default_rng(1).uniform(size=(3, formation.wheelsets))
     expected = [np.bincount(formation.group_of_wheelset, weights=row, minlength=formation.groups) for row in values]
@@ -22,7 +22,7 @@ def test_sums_over_groups_are_those_of_a_count_by_membership(counts):
 
 
 @given(COUNTS)
-def test_a_layout_has_a_place_of_its_own_for_every_value(counts):
+def test_every_value_has_a_separate_index_in_a_layout(counts):
     layout = layout_of(Formation(counts))
     for columns, size, signals in (
         (layout.input, layout.inputs, SENT),
@@ -46,7 +46,7 @@ def test_wheelsets_of_a_group_are_adjacent():
         formation_of([1, 2, 1])
 
 
-def test_what_nobody_says_is_empty():
+def test_omitted_data_are_empty():
     formation = Formation((2, 1))
     assert formation.position is formation.load is None
     assert formation.cars == 1
@@ -62,6 +62,6 @@ def test_what_nobody_says_is_empty():
         ({"wheelset_load": (1e5, -1e5, 1e5)}, "wheelset_load must be positive"),
     ],
 )
-def test_what_is_said_fits_the_wheelsets(further, words):
+def test_given_data_must_match_the_wheelsets(further, words):
     with pytest.raises(ValueError, match=words):
         Formation((2, 1), **further)

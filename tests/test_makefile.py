@@ -1,4 +1,4 @@
-"""The Makefile names paths that exist, and installs only into environments that it made."""
+"""The Makefile names existing paths, and installs only into environments that it created."""
 
 import os
 import re
@@ -40,7 +40,7 @@ esac
 
 @pytest.fixture
 def clone(tmp_path: Path) -> Path:
-    """A folder with the Makefile, in which Python makes environments and notes what pip is asked for."""
+    """A folder with the Makefile, in which Python creates environments and records the calls of pip."""
     for name in ("Makefile", "pyproject.toml"):
         (tmp_path / name).write_bytes((ROOT / name).read_bytes())
     python = tmp_path / "python3"
@@ -60,7 +60,7 @@ def install(clone: Path, *settings: str) -> tuple[int, str, set[str]]:
 
 
 def own_environment(folder: Path) -> dict[Path, bytes]:
-    """Make an environment as `python3 -m venv` does, and return its files."""
+    """Create an environment like `python3 -m venv`, and return its files."""
     (folder / "bin").mkdir(parents=True)
     (folder / "bin" / "python").write_text("#!/bin/sh\necho touched >> pip.log\n")
     (folder / "pyvenv.cfg").write_text("home = /usr/bin\n")
@@ -71,21 +71,21 @@ def contents(folder: Path) -> dict[Path, bytes]:
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_make_creates_venv_once_where_there_is_none(clone: Path) -> None:
+def test_make_creates_venv_once_if_it_is_missing(clone: Path) -> None:
     assert install(clone)[::2] == (0, {".venv"})
     assert install(clone)[::2] == (0, set())
 
 
 @pytest.mark.parametrize("left", [".made-by-make", ".ready"])
-def test_make_goes_on_with_its_own_environment(clone: Path, left: str) -> None:
-    """One of an interrupted installation, and one of an earlier release, are its own."""
+def test_make_continues_with_its_own_environment(clone: Path, left: str) -> None:
+    """An interrupted installation and one of an earlier release count as its own."""
     own_environment(clone / ".venv")
     (clone / ".venv" / left).touch()
     os.utime(clone / ".venv" / left, (0, 0))  # pyproject.toml has changed since
     assert install(clone)[::2] == (0, {".venv"})
 
 
-def test_make_leaves_the_venv_of_a_user_as_it_is(clone: Path) -> None:
+def test_make_does_not_change_the_venv_of_a_user(clone: Path) -> None:
     before = own_environment(clone / ".venv")
     code, output, used = install(clone)
     assert (code, used) == (0, {".venv-dev"})
@@ -94,7 +94,7 @@ def test_make_leaves_the_venv_of_a_user_as_it_is(clone: Path) -> None:
     assert contents(clone / ".venv") == before
 
 
-def test_make_refuses_a_named_environment_that_it_did_not_make(clone: Path) -> None:
+def test_make_refuses_a_named_environment_that_it_did_not_create(clone: Path) -> None:
     before = own_environment(clone / "mine")
     code, output, used = install(clone, "VENV=mine")
     assert (code, used) == (2, set())

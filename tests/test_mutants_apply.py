@@ -1,4 +1,4 @@
-"""Each mutant of `make mutants` still finds the text that it changes; the mutants themselves run there."""
+"""Each mutant of `make mutants` still finds the text that it changes; `make mutants` itself runs the mutants."""
 
 import mutants
 import pytest

@@ -116,7 +116,7 @@ FILES = {
 
 @pytest.fixture
 def more(tmp_path, monkeypatch):
-    """A folder more in each package, with one file for each kind."""
+    """An additional folder in each package, with one file for each kind."""
     for (package, name), text in FILES.items():
         folder = tmp_path / package
         folder.mkdir(exist_ok=True)
@@ -136,7 +136,7 @@ def run(**changes):
     return rg.run(rg.Scenario.load("plain").changed({**PLAIN, **changes}))
 
 
-def test_each_takes_part_in_a_stop_by_its_name(more):
+def test_each_kind_is_used_in_a_stop_by_its_name(more):
     plain = run()
     assert plain.outcome is rg.Outcome.STANDSTILL
     assert plain.scenario.resolved()["controller"]["kind"] == "share"
@@ -152,7 +152,7 @@ def test_each_takes_part_in_a_stop_by_its_name(more):
     assert speeds[-1] == pytest.approx(30 / 3.6)
 
 
-def test_a_wrong_key_is_refused_with_those_of_its_kind(more):
+def test_a_wrong_key_is_refused_with_the_keys_of_its_kind(more):
     with pytest.raises(rg.RailgripError, match=r"\[sensors\] has no key 'stp'; did you mean 'step'"):
         run(sensors={"kind": "coarse", "stp": 0.5})
     with pytest.raises(rg.RailgripError, match=r"has no parameter 'sharr'; did you mean 'share'"):
@@ -161,6 +161,6 @@ def test_a_wrong_key_is_refused_with_those_of_its_kind(more):
         run(faults=[{"part": "belt", "kind": "slack"}])
 
 
-def test_without_its_file_there_is_no_such_kind():
+def test_without_its_file_a_kind_does_not_exist():
     with pytest.raises(rg.RailgripError, match=r"\[controller\] kind is 'share'; there is adhesion_based"):
         run()

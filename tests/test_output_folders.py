@@ -1,4 +1,4 @@
-"""Files of a user in a folder named by --out stay as they are: railgrip replaces and removes its own files alone."""
+"""A user's files in a folder named by --out are not changed: railgrip replaces and removes only its own files."""
 
 import json
 import os
@@ -26,7 +26,7 @@ COMMANDS = {
 
 
 @pytest.mark.parametrize(("command", "name"), [(name, file) for name, (_, files) in COMMANDS.items() for file in files])
-def test_a_file_in_the_way_is_refused_before_anything_runs(
+def test_an_obstructing_file_is_reported_before_anything_runs(
     command: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for place in ("simulate.run.run_stop", "campaign.workers.pool", "estimation.spec.estimate_of"):
@@ -73,7 +73,7 @@ def test_only_recorded_files_are_replaced_and_removed(
 @pytest.mark.parametrize(
     "record", [b"", b"[", b"[]", b'{"written": 1}', b'{"written": ["../mine", 3]}', b"[" * 200_000]
 )
-def test_a_record_that_is_not_one_makes_no_file_ours(record: bytes, tmp_path: Path) -> None:
+def test_an_invalid_record_claims_no_files(record: bytes, tmp_path: Path) -> None:
     folder = tmp_path / "site"
     folder.mkdir()
     (folder / RECORD).write_bytes(record)
@@ -109,7 +109,7 @@ EARLIER = {
 
 @pytest.mark.parametrize("kind", EARLIER)
 def test_results_of_the_first_release_are_replaced(kind: str, tmp_path: Path) -> None:
-    """They have no record, and are known by what they contain."""
+    """They have no record and are recognised by their contents."""
     contents, files = EARLIER[kind]
     for name, content in contents.items():
         (tmp_path / name).write_text(content)
@@ -121,7 +121,7 @@ def test_results_of_the_first_release_are_replaced(kind: str, tmp_path: Path) ->
         claim(tmp_path, *files)
 
 
-def test_a_page_of_the_user_next_to_a_stop_of_the_first_release_stays(tmp_path: Path) -> None:
+def test_a_page_of_the_user_next_to_a_stop_of_the_first_release_is_kept(tmp_path: Path) -> None:
     for name, content in {"stop.json": json.dumps(STOP), "index.html": "mine", "stop.pdf": "mine"}.items():
         (tmp_path / name).write_text(content)
     discard(tmp_path, ["stop.json", "index.html", "stop.pdf"])

@@ -1,4 +1,4 @@
-"""Classes of a user: from where they are imported, which parameters they get, and what is checked of their values."""
+"""Classes of a user: where they are imported from, their parameters, and the checks of their values."""
 
 import json
 import sys
@@ -56,7 +56,7 @@ def scenario():
 
 @pytest.fixture
 def laws(tmp_path, request):
-    """A module of its own name for each test: Python keeps modules by name."""
+    """A module with a unique name for each test: Python caches modules by name."""
     name = f"laws_{abs(hash(request.node.nodeid))}"
     (tmp_path / f"{name}.py").write_text(LAWS)
     return name
@@ -99,11 +99,11 @@ class Rolling:
         return moving | {"wheelset_speed": wheels, "cylinder_pressure": p}
 
 
-# Parameters of what is handed over
+# Parameters of classes that are passed in
 
 
-def test_a_sweep_gives_parameters_to_a_class_that_is_handed_over(scenario):
-    """Pressure in the cylinders is the only thing that the share changes."""
+def test_a_sweep_passes_parameters_to_a_given_class(scenario):
+    """The share changes only the pressure in the cylinders."""
     axes = {"controller.parameters.share": [0.1, 0.9], "seed": [1]}
     swept = rg.sweep(scenario, axes, controller=Hold)
     alone = [rg.run(scenario.changed({"seed": 1}), controller=Hold(share)) for share in (0.1, 0.9)]
@@ -135,7 +135,7 @@ def test_an_unknown_parameter_and_one_of_an_object_are_refused_before_anything_r
             rg.sweep(whole, {key: [1]}, **{name: kind})
 
 
-def test_what_holds_beside_a_class_is_swept_as_before(scenario):
+def test_other_parameters_are_swept_as_before(scenario):
     rg.sweep(scenario, {"controller.shared_valve": ["mean"], "estimator.kind": ["none"]}, controller=Hold)
 
 
@@ -146,7 +146,7 @@ def test_an_object_that_cannot_be_copied_is_refused(scenario):
         rg.sweep(scenario, {"seed": [1, 2]}, controller=held)
 
 
-# Where classes come from
+# Where classes are imported from
 
 
 @pytest.mark.parametrize(
@@ -176,22 +176,22 @@ def test_a_scenario_alone_runs_no_code(scenario, changes, folders, tmp_path, mon
     assert "antigravity" not in set(sys.modules) - before
 
 
-def test_a_module_of_the_same_name_elsewhere_is_not_taken(scenario, tmp_path):
-    """A folder `json` without a module makes Python find its own."""
+def test_a_module_of_the_same_name_elsewhere_is_not_imported(scenario, tmp_path):
+    """For a folder `json` without a module Python finds its own."""
     (tmp_path / "json").mkdir()
     with pytest.raises(ScenarioError, match=r"another module named json\.decoder is loaded already"):
         rg.run(scenario.changed({"controller.kind": "json.decoder:JSONDecoder"}), import_from=[tmp_path])
 
 
 @pytest.mark.parametrize("name", ["NoLaw", "function", "pathlib.Path", "missing"])
-def test_it_is_a_class_with_its_methods_before_anything_is_called(scenario, tmp_path, laws, name):
+def test_the_class_and_its_methods_are_checked_before_any_call(scenario, tmp_path, laws, name):
     with pytest.raises(ScenarioError, match=r"has no method decide|has no class|has no method start and decide"):
         rg.run(scenario.changed({"controller.kind": f"{laws}:{name}"}), import_from=tmp_path)
     assert (tmp_path / "imported").exists()
     assert not (tmp_path / "called").exists()
 
 
-def test_an_entry_point_of_an_installed_package_needs_no_folder(scenario, tmp_path, laws, monkeypatch):
+def test_an_entry_point_of_an_installed_package_requires_no_folder(scenario, tmp_path, laws, monkeypatch):
     package = tmp_path / "mine-1.0.dist-info"
     package.mkdir()
     (package / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
@@ -212,7 +212,7 @@ def test_an_entry_point_of_an_installed_package_needs_no_folder(scenario, tmp_pa
             registry.installed_names.cache_clear()
 
 
-def test_an_exit_of_a_part_is_its_failure(scenario, tmp_path, laws):
+def test_an_exit_in_a_part_is_its_failure(scenario, tmp_path, laws):
     stop = rg.run(scenario.changed({"controller.kind": f"{laws}:Leaves"}), import_from=tmp_path)
     assert stop.outcome is rg.Outcome.CONTROLLER_FAILED
     assert "SystemExit: 0" in stop.reason
@@ -230,7 +230,7 @@ panels = "none"
 
 
 def commands(folder, laws):
-    """Commands by name; in the files that they are given stands a class of the folder `laws`."""
+    """Commands by name; their files name a class of the folder `laws`."""
     wagon = registry.shelf("scenarios")["wagon"].read_text()
     assert 'kind = "slip_two_state"' in wagon
     (folder / "wagon.toml").write_text(wagon.replace('kind = "slip_two_state"', f'kind = "{laws}:Hold"'))
@@ -247,8 +247,8 @@ def commands(folder, laws):
 
 
 @pytest.mark.parametrize("name", ["run", "campaign", "conditioning", "estimate", "observability"])
-def test_commands_import_from_the_folders_that_they_name(name, laws, tmp_path, monkeypatch, command):
-    """Workers of a campaign stand by the same rule as the process that starts them."""
+def test_commands_import_from_the_folders_on_their_command_line(name, laws, tmp_path, monkeypatch, command):
+    """Workers of a campaign follow the same rule as the process that starts them."""
     monkeypatch.chdir(tmp_path)
     arguments = [*commands(tmp_path, laws)[name], "--out", str(tmp_path / "out")]
     refused = command(*arguments)
@@ -259,14 +259,14 @@ def test_commands_import_from_the_folders_that_they_name(name, laws, tmp_path, m
     assert (tmp_path / "imported").exists()
 
 
-def test_every_command_that_runs_scenarios_takes_folders():
+def test_every_command_that_runs_scenarios_accepts_folders():
     studies = ("study type_test", "study k_factors", "study field_test")
     maintenance = ("maintain conditioning", "maintain regress", "maintain tune")
     for command in ("run", "campaign", "estimate", "observability", *studies, *maintenance):
         assert "--import-from" in CliRunner().invoke(app, [*command.split(), "--help"]).output, command
 
 
-# Values in the wrong unit, and beyond what there is
+# Values in a wrong unit, and out of range
 
 
 def long(scenario, **changes):
@@ -283,7 +283,7 @@ def test_a_demand_in_another_unit_ends_the_stop(scenario, factor):
         rg.testing.check_controller(lambda: Hold(factor))
 
 
-def test_a_law_that_releases_for_long_is_none_of_these(scenario):
+def test_a_law_that_releases_for_a_long_time_is_accepted(scenario):
     assert rg.run(long(scenario), controller=Hold(0.0)).outcome is rg.Outcome.HORIZON
     assert rg.run(long(scenario), controller=Hold(0.05)).outcome is rg.Outcome.HORIZON
 
@@ -297,8 +297,8 @@ def test_a_reading_in_another_unit_ends_the_stop(scenario, factor, words):
         rg.testing.check_sensors(lambda: Exact(factor))
 
 
-def test_a_speed_sensor_that_errs_is_none_of_these(scenario):
-    """A scale error of 5 % is one of the worst that radars have."""
+def test_a_speed_sensor_with_a_scale_error_is_accepted(scenario):
+    """A scale error of 5 % is among the largest of radars."""
     assert rg.run(long(scenario), sensors=Exact(1.05)).outcome is rg.Outcome.HORIZON
 
 
@@ -346,14 +346,14 @@ def test_an_estimate_in_another_unit_ends_the_stop(scenario, estimator, words):
         {},
     ],
 )
-def test_what_is_no_real_number_is_no_demand(scenario, value):
+def test_a_demand_that_is_not_a_real_number_is_refused(scenario, value):
     law = type("Law", (Hold,), {"decide": lambda self, observation: value})
     stop = rg.run(scenario, controller=law)
     assert stop.outcome is rg.Outcome.CONTROLLER_FAILED
     assert "not the demanded pressures" in stop.reason
 
 
-def test_demands_beyond_the_cylinders_are_limited_counted_and_told(scenario, tmp_path):
+def test_demands_beyond_the_cylinders_are_limited_counted_and_reported(scenario, tmp_path):
     full, beyond, below = (rg.run(scenario, controller=Hold(share)) for share in (1.0, 1.5, -0.5))
     decisions = full.trace.sizes["time"]
     assert full.limited_demands == 0

@@ -23,8 +23,8 @@ POSIX_NAMES = {
     "signal": {"SIGCHLD", "SIGHUP", "SIGKILL", "SIGUSR1", "SIGUSR2", "SIGXCPU", "pthread_sigmask"},
 }
 POSIX_FILES = {
-    "harness/fmi/keeper.py",  # a process of its own for an FMU from outside
-    "harness/fmi/isolation.py",  # starts that process, and refuses to elsewhere
+    "harness/fmi/keeper.py",  # a separate process for a foreign FMU
+    "harness/fmi/isolation.py",  # starts that process, and refuses to on other systems
 }
 
 
@@ -36,8 +36,8 @@ def functions(tree: ast.AST) -> Iterator[ast.AST]:
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.relative_to(ROOT).as_posix())
-def test_posix_only_names_are_used_behind_a_question_for_them(path):
-    """A function that uses one asks for `os.name` or for the name; no module imports one at its top."""
+def test_posix_only_names_are_used_only_after_a_check(path):
+    """A function that uses one checks `os.name` or the name; no module imports one at its top."""
     text = path.read_text(encoding="utf-8")
     if path.relative_to(ROOT).as_posix() in POSIX_FILES:
         return
@@ -61,7 +61,7 @@ def test_posix_only_names_are_used_behind_a_question_for_them(path):
 
 @pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_text_files_are_read_and_written_in_a_stated_encoding(path):
-    """The default of Windows is that of its language. ruff's PLW1514 sees fewer of these calls."""
+    """On Windows the default depends on the language. ruff's PLW1514 finds fewer of these calls."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
             continue
@@ -72,7 +72,7 @@ def test_text_files_are_read_and_written_in_a_stated_encoding(path):
             assert "encoding" in stated, node.lineno
 
 
-def test_on_windows_the_compiler_of_the_wheel_is_taken_and_told_nothing_it_refuses(monkeypatch):
+def test_on_windows_the_compiler_of_the_wheel_gets_no_option_that_it_refuses(monkeypatch):
     monkeypatch.delenv("CC", raising=False)
     monkeypatch.setattr(toolchain, "SUFFIX", ".dll")
     monkeypatch.setattr(toolchain.platform, "system", lambda: "Windows")
@@ -91,7 +91,7 @@ def test_on_windows_the_compiler_of_the_wheel_is_taken_and_told_nothing_it_refus
     assert "half.dll" in command
 
 
-def test_a_library_that_is_loaded_on_windows_may_be_kept_again(tmp_path, monkeypatch):
+def test_a_library_loaded_on_windows_may_be_cached_again(tmp_path, monkeypatch):
     monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
     first = cache.keep("libraries", "key", "half.dll", b"content")
 
@@ -103,7 +103,7 @@ def test_a_library_that_is_loaded_on_windows_may_be_kept_again(tmp_path, monkeyp
     assert [file.name for file in first.parent.iterdir()] == ["half.dll"]
 
 
-def test_a_translation_that_ends_badly_says_so_where_there_are_no_signals():
+def test_a_failed_translation_is_reported_on_systems_without_signals():
     """Windows ends a process whose stack overflows with a large positive code."""
     code = "import signal; [delattr(signal, n) for n in ('SIGXCPU', 'SIGKILL') if hasattr(signal, n)]; "
     code += "from railgrip.fmus.native.separate_process import _process_failure as sentence; "
@@ -112,7 +112,7 @@ def test_a_translation_that_ends_badly_says_so_where_there_are_no_signals():
     assert "exit code 3221225725" in done.stdout, done.stderr
 
 
-def test_a_system_that_limits_no_address_space_translates_all_the_same(monkeypatch):
+def test_a_system_without_an_address_space_limit_still_translates(monkeypatch):
     resource = pytest.importorskip("resource")
     limits = []
 
@@ -127,7 +127,7 @@ def test_a_system_that_limits_no_address_space_translates_all_the_same(monkeypat
 
 
 def test_a_scenario_may_extend_one_on_another_drive(tmp_path, monkeypatch):
-    """As a file on D: extends one of the library on C:, between which there is no relative path."""
+    """A file on D: extends one of the library on C:, so no relative path between them exists."""
     library = tmp_path / "library"
     library.mkdir()
     (library / "half.csv").write_text("x", encoding="utf-8")
@@ -148,8 +148,8 @@ def test_a_scenario_may_extend_one_on_another_drive(tmp_path, monkeypatch):
     assert scenario_of(load(tmp_path / "mine.toml").resolved(), directory=Path("/"), origin="there")
 
 
-def test_output_into_a_pipe_takes_all_characters(tmp_path):
-    """A pipe on Windows has the encoding of its language, without Greek letters."""
+def test_output_into_a_pipe_accepts_all_characters(tmp_path):
+    """On Windows the encoding of a pipe depends on the language and has no Greek letters."""
     (tmp_path / "run.csv").write_text("time [s],ω [rad/s]\n0,1\n1,2\n2,3\n", encoding="utf-8")
     done = subprocess.run(
         [sys.executable, "-m", "railgrip", "inspect", str(tmp_path / "run.csv"), "--for", "rig_own"],

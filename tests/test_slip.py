@@ -1,4 +1,4 @@
-"""Slip is that of the definition, and no number that two noises make near standstill."""
+"""Slip follows its definition, and near standstill it is not the quotient of two noises."""
 
 import numpy as np
 

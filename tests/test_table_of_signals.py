@@ -1,4 +1,4 @@
-"""The table of signals: what the header in C, the observation of a law and the reference page take from it."""
+"""The table of signals defines the header in C, the observation of a law and the reference page."""
 
 import io
 import runpy
@@ -22,7 +22,7 @@ LAYOUT = layout_of(TWO_PART_TRAIN, observation=EXTENDED)
 
 
 def half(observed):
-    """Return a law of 4 groups that demands half of what its last input is."""
+    """Return a law of 4 groups that demands half of its last input."""
     return law("Half", "", 4, lambda draft: lambda _, group: 0.5 * getattr(group, observed[-1].name), observed)
 
 
@@ -32,7 +32,7 @@ def test_a_new_row_has_a_place_in_the_header_of_c():
     assert "#define OBSERVATIONS 30" in lines
 
 
-def test_a_law_is_given_a_new_row_by_its_name():
+def test_a_law_receives_a_new_row_by_its_name():
     formula = half(EXTENDED)
     assert [quantity.name for quantity in formula.inputs] == [*LAYOUT.elements("observation")]
     inputs = np.zeros(30)
@@ -41,7 +41,7 @@ def test_a_law_is_given_a_new_row_by_its_name():
     assert formula.step([], inputs, parameters)[1].full().ravel().tolist() == [0.5, 1.0, 1.5, 2.0]
 
 
-def test_a_law_that_asks_for_no_row_is_refused():
+def test_a_law_without_inputs_is_refused():
     with pytest.raises(AttributeError, match="has no 'lining_wear'; it has speed, acceleration, slip"):
         law("Half", "", 4, lambda draft: lambda _, group: group.lining_wear)
 
@@ -71,7 +71,7 @@ def test_a_law_with_swapped_inputs_is_refused():
         _formula(layout_of(TWO_PART_TRAIN), swapped, "observation")
 
 
-def test_a_law_that_is_written_for_another_table_is_refused():
+def test_a_law_written_for_another_table_is_refused():
     with pytest.raises(LoopError, match="takes 30 inputs, and 26 belong to 4 groups"):
         _formula(layout_of(TWO_PART_TRAIN), Law(half(EXTENDED), BRAKES, {}), "observation")
 

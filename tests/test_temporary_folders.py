@@ -1,4 +1,4 @@
-"""Temporary folders go with their process, however it ended."""
+"""Temporary folders are removed after their process has ended in any way."""
 
 import os
 import shutil
@@ -31,7 +31,7 @@ NAMES = st.from_regex(r"railgrip-(build|far|fmu|study|workers|unlocked)-[0-9]{1,
 
 
 def filled(folder):
-    """Make a folder with a file in it, two days old."""
+    """Create a folder with a file in it, two days old."""
     (folder / "binaries").mkdir(parents=True)
     (folder / "binaries" / "kept.txt").write_text("mine")
     two_days_ago = time.time() - 2 * 86400
@@ -40,7 +40,7 @@ def filled(folder):
 
 
 def abandoned(folder):
-    """Make the folder of a run that was killed: it is marked, and nobody holds its lock."""
+    """Create the folder of a killed run: it is marked, and no process holds its lock."""
     filled(folder)
     with scratch("build") as running:
         shutil.copy(next(path for path in running.iterdir() if path.is_file()), folder)
@@ -48,8 +48,8 @@ def abandoned(folder):
 
 
 @pytest.mark.parametrize("purpose", ["fmu", "workers"])
-def test_what_a_killed_run_left_is_removed_by_the_next_at_once(temporary, purpose):
-    """Whatever it was for. A folder in use, here by this very process, stays."""
+def test_folders_of_a_killed_run_are_removed_by_the_next_at_once(temporary, purpose):
+    """For any purpose. A folder in use, here by this very process, is kept."""
     stale = [
         abandoned(temporary / f"railgrip-{other}-1-abcdef_{number}")
         for number, other in enumerate(("fmu", "workers", "build"))
@@ -64,8 +64,8 @@ def test_what_a_killed_run_left_is_removed_by_the_next_at_once(temporary, purpos
 
 @given(names=st.sets(st.one_of(NAMES, st.sampled_from(["railgrip-study-3-baseline"])), min_size=1, max_size=4))
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=50)
-def test_a_folder_without_the_mark_stays_whatever_its_name(temporary, names):
-    """So does one that a link of such a name points to, and one whose mark is itself a link."""
+def test_a_folder_without_the_mark_is_kept_whatever_its_name(temporary, names):
+    """This includes a folder that a link of such a name points to, and one whose mark is itself a link."""
     with tempfile.TemporaryDirectory(dir=temporary) as place, pytest.MonkeyPatch.context() as patch:
         here = Path(place)
         patch.setattr(tempfile, "tempdir", place)
@@ -82,7 +82,7 @@ def test_a_folder_without_the_mark_stays_whatever_its_name(temporary, names):
 
 
 def test_fmpy_unpacks_below_the_folder_of_the_tests(tmp_path):
-    """Run by the next test as well, which looks at what is left."""
+    """The next test runs this test, too, and checks the remaining files."""
     file = tmp_path / "empty.fmu"
     with zipfile.ZipFile(file, "w") as archive:
         archive.writestr("modelDescription.xml", "<fmiModelDescription/>")
@@ -91,7 +91,7 @@ def test_fmpy_unpacks_below_the_folder_of_the_tests(tmp_path):
     assert folder.parent.name.startswith("rg-")
 
 
-def test_what_fmpy_unpacks_in_tests_is_removed_at_their_end(tmp_path):
+def test_folders_unpacked_by_fmpy_in_tests_are_removed_at_their_end(tmp_path):
     test = f"{__file__}::{test_fmpy_unpacks_below_the_folder_of_the_tests.__name__}"
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", test],
@@ -119,7 +119,7 @@ if __name__ == "__main__":
 """
 
 
-def test_a_parent_that_was_killed_leaves_no_folder_at_the_next_start(tmp_path, temporary):
+def test_folders_of_a_killed_parent_are_removed_at_the_next_start(tmp_path, temporary):
     (tmp_path / "temporary").mkdir()
     (tmp_path / "program.py").write_text(KILLED, encoding="utf-8")
     with subprocess.Popen(
@@ -140,7 +140,7 @@ def test_a_parent_that_was_killed_leaves_no_folder_at_the_next_start(tmp_path, t
             assert list(folder.iterdir()) == [mine]
 
 
-def test_what_workers_unpack_goes_with_their_pool(temporary):
+def test_folders_unpacked_by_workers_are_removed_with_their_pool(temporary):
     left = abandoned(temporary / "railgrip-workers-1-12345678") / "railgrip-fmu-2-12345678"
     left.mkdir()
     _remove_stale.cache_clear()

@@ -1,4 +1,4 @@
-"""Units convert as the SI brochure says, and only between equal dimensions."""
+"""Units are converted according to the SI brochure, and only between equal dimensions."""
 
 import math
 
@@ -52,7 +52,7 @@ from railgrip.fmus.recipe import MODELICA
         ("kW.h", "kg.m2.s-2", 3.6e6),
     ],
 )
-def test_a_unit_string_means_what_it_says(text: str, dimension: str, factor: float):
+def test_a_unit_string_has_its_defined_meaning(text: str, dimension: str, factor: float):
     value = unit(text)
     assert sorted(value.dimension.split(".")) == sorted(dimension.split("."))
     # A handful of multiplications: a few units in the last place.
@@ -72,7 +72,7 @@ def test_celsius_has_an_offset_unless_it_is_a_difference():
     assert conversion(unit("degC"), unit("K"), difference=True) == (1.0, 0.0)
 
 
-def test_a_frequency_is_no_angular_velocity_and_an_angle_no_ratio():
+def test_a_frequency_is_not_an_angular_velocity_and_an_angle_not_a_ratio():
     with pytest.raises(UnitError, match=r"'Hz' \(s-1\) cannot become 'rad/s'"):
         conversion(unit("Hz"), unit("rad/s"))
     with pytest.raises(UnitError, match="'deg' cannot be converted to '1'"):
@@ -80,8 +80,8 @@ def test_a_frequency_is_no_angular_velocity_and_an_angle_no_ratio():
 
 
 @pytest.mark.parametrize(("written", "time"), [("90 1/min", "min"), ("9 Hz", "s"), ("9 1/s", "s"), ("9 min-1", "min")])
-def test_a_rotational_speed_says_what_turns(written: str, time: str):
-    """Revolutions and radians a minute are 2π apart; the sentence names both, and neither is guessed."""
+def test_a_rotational_speed_states_what_it_counts(written: str, time: str):
+    """Revolutions and radians per minute are 2π apart; the message names both, and neither is assumed."""
     with pytest.raises(UnitError, match=f"a rotational speed is written 'rev/{time}' or 'rad/{time}'"):
         to_si(written, "rad/s")
     assert to_si("90 rev/min", "rad/s") == pytest.approx(3 * math.pi, rel=1e-15)
@@ -95,7 +95,7 @@ def test_a_frequency_is_written_in_hertz_or_per_second():
 
 
 @given(st.text(max_size=40))
-def test_any_text_is_a_unit_or_a_sentence(text: str):
+def test_any_text_is_a_unit_or_refused_in_a_sentence(text: str):
     sentence = "is not a unit known here"
     try:
         assert unit(text).factor > 0.0
@@ -111,7 +111,7 @@ def test_a_factor_that_loses_the_value_is_refused(factor: float):
 
 
 @given(st.floats(-1e9, 1e9), st.sampled_from([("km/h", "m/s"), ("bar", "Pa"), ("degC", "K"), ("rpm", "rad/s")]))
-def test_there_and_back_is_the_same_value(value: float, pair: tuple[str, str]):
+def test_converting_there_and_back_gives_the_same_value(value: float, pair: tuple[str, str]):
     source, target = map(unit, pair)
     there = conversion(source, target)
     back = conversion(target, source)

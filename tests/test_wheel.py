@@ -1,4 +1,4 @@
-"""The wheel: one package with everything in it, that runs where nothing of the project is around."""
+"""The wheel: one complete package that runs without the project's sources."""
 
 import json
 import os
@@ -17,7 +17,7 @@ DATA = {".typed", ".csv", ".toml", ".json", ".mo", ".order", ".c", ".h", ".jinja
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
-    """Built from a copy, so that no folder of an earlier build takes part."""
+    """Built from a copy, so that no folder of an earlier build is included."""
     source, out = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("wheel")
     listing = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True).stdout
     for name in filter(None, listing.decode().split("\0")):
@@ -30,7 +30,7 @@ def wheel(tmp_path_factory):
     return built, source
 
 
-def test_it_holds_one_package_with_every_file_of_ours(wheel):
+def test_it_contains_one_package_with_every_file(wheel):
     built, source = wheel
     names = {name for name in zipfile.ZipFile(built).namelist() if ".dist-info/" not in name}
     assert {name.partition("/")[0] for name in names} == {"railgrip"}
@@ -104,7 +104,7 @@ class Exact:
 
 @pytest.fixture(scope="module")
 def environment(wheel, tmp_path_factory):
-    """A folder where the wheel is installed with another package that offers parts, and an empty user's cache."""
+    """A folder where the wheel is installed with another package that provides parts, and an empty user cache."""
     site, tiny = tmp_path_factory.mktemp("site"), tmp_path_factory.mktemp("tiny")
     for name, text in TINY.items():
         (tiny / name).write_text(text)
@@ -117,7 +117,7 @@ def environment(wheel, tmp_path_factory):
 
 
 def alone(environment, here, *arguments):
-    """Run Python in a folder with nothing but what is installed, and without a network."""
+    """Run Python in a folder with only the installed packages, and without a network."""
     site, cache = environment
     nowhere = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), "http://127.0.0.1:9")
     result = subprocess.run(
@@ -133,7 +133,7 @@ def alone(environment, here, *arguments):
 
 
 def test_it_runs_from_an_empty_folder_without_a_network(environment, tmp_path):
-    """Its own FMU, filter and loop are compiled on the way, into the user's cache and nowhere else."""
+    """Its own FMU, filter and loop are compiled on demand, into the user's cache and nowhere else."""
     (site, cache), here = environment, tmp_path
     printed = alone(environment, here, "-m", "railgrip", "run", "trapezoid")
     assert "trapezoid: standstill, 293.72 m" in printed
@@ -143,7 +143,7 @@ def test_it_runs_from_an_empty_folder_without_a_network(environment, tmp_path):
     assert not [path for path in site.rglob("*") if path.suffix in {".so", ".fmu", ".dll", ".dylib"}]
 
 
-def test_parties_of_an_installed_package_go_by_their_names(environment, tmp_path):
+def test_parts_of_an_installed_package_are_found_by_their_names(environment, tmp_path):
     """Through their entry points, by the command line; half of 3.4 and 2 bar."""
     kinds = {"controller": "half", "estimator": "drag", "sensors": "exact"}
     tables = [text for role, kind in kinds.items() for text in ("--set", f"{role}={{kind='{kind}'}}")]
@@ -171,7 +171,7 @@ for number, cell in enumerate(c for c in json.load(open(sys.argv[1]))["cells"] i
 """
 
 
-def test_the_page_about_python_runs_where_it_is_installed(environment, tmp_path):
+def test_the_page_about_python_runs_with_the_installed_wheel(environment, tmp_path):
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "api.md").read_text(), re.DOTALL)
     assert len(blocks) >= 2
     results = "print(mine.trace.sizes['time'], bench.stop.outcome.value, rg.__file__)"
@@ -181,8 +181,8 @@ def test_the_page_about_python_runs_where_it_is_installed(environment, tmp_path)
     assert file.startswith(str(environment[0]))
 
 
-def test_the_notebook_of_own_parts_runs_where_it_is_installed(environment, tmp_path):
-    """Cell by cell, as in a notebook: classes are of the main module and have no file."""
+def test_the_notebook_of_own_parts_runs_with_the_installed_wheel(environment, tmp_path):
+    """Cell by cell, as in a notebook: classes belong to the main module and have no file."""
     notebook = ROOT / "docs" / "examples" / "own_parts.ipynb"
     figures = """
 print(json.dumps({
@@ -196,7 +196,7 @@ print(json.dumps({
     assert printed["outcomes"] == ["standstill"] * 4
     assert printed["rows"] == 50
     assert printed["ended"] == ["standstill"]
-    assert printed["drawn"] > 25  # noise of the wheels is the seed's
+    assert printed["drawn"] > 25  # noise of the wheels depends on the seed
     own, noisy, light = printed["distances"]
     assert 5.0 < light < own < 60.0
     assert abs(noisy - own) < 5.0

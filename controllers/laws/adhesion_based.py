@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges, pressure_for
-from railgrip.controllers.laws.adhesion_literal import Derivatives, SwitchingTuning, is_rolling
-from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every
+from railgrip.controllers.laws.adhesion_literal import SwitchingTuning, is_rolling
+from railgrip.controllers.sampled import Expression, FormulaBuilder, LowPassDerivatives, choose, either, every
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,7 +97,7 @@ class AdhesionBased(GroupLaw):
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return the function for the demand of one group."""
-        filters = Derivatives(draft, tuning)
+        filters = LowPassDerivatives(draft, tuning)
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             brake, radius, inertia = group.brake, group.brake["wheel_radius"], group.brake["inertia"]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
-from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either
+from railgrip.controllers.sampled import Expression, FormulaBuilder, LowPassDerivatives, choose, either
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,7 +75,7 @@ class LiteralAdhesionBased(GroupLaw):
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return the function for the demand of one group."""
-        filters = Derivatives(draft, tuning)
+        filters = LowPassDerivatives(draft, tuning)
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             full, controlling = group.brake["pressure_max"], group.speed >= tuning["speed_min"]
@@ -105,22 +105,3 @@ def is_rolling(
     """Return whether the wheel rolls, so that it cannot seek a peak: slip within its error, or adhesion too small."""
     slip_small = tuning["slip_small"] + tuning["creep_small"] / speed
     return either(slip < slip_small, adhesion < tuning["adhesion_small"])
-
-
-class Derivatives:
-    """First-order low-pass filters that also return the derivative of the filtered signal."""
-
-    def __init__(self, draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> None:
-        self._started = draft.state("started", "1", "1 once there is a sample before this one")
-        self._share = tuning["period"] / (tuning["filter_time"] + tuning["period"])
-        self._period = tuning["period"]
-        draft.keep(self._started, 1.0)
-
-    def follow(self, draft: FormulaBuilder, name: str, sample: Expression) -> tuple[Expression, Expression]:
-        """Return the filtered value of a sample, kept as the state `name`, and its rate per second."""
-        before = draft.state(name, "1", "filtered value")
-        step = self._share * (sample - before)
-        # Without this the first sample would look like a jump from zero.
-        value = choose(self._started, before + step, sample)
-        draft.keep(before, value)
-        return value, choose(self._started, step / self._period, 0.0)

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar, Final
 
 from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
-from railgrip.controllers.laws.adhesion_literal import Derivatives
-from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, within
+from railgrip.controllers.sampled import Expression, FormulaBuilder, LowPassDerivatives, choose, within
 
 _RULES: Final = (
     (1.0, 1.0, 0.0),
@@ -78,7 +77,7 @@ class FuzzySlip(GroupLaw):
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return the function for the demand of one group."""
-        filters = Derivatives(draft, tuning)
+        filters = LowPassDerivatives(draft, tuning)
 
         def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             full, protecting = group.brake["pressure_max"], group.speed >= tuning["speed_min"]

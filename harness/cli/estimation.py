@@ -1,5 +1,6 @@
 """Commands for recordings: estimates, and the states that a recording determines."""
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -18,6 +19,7 @@ from railgrip.cli.library import write_schema
 from railgrip.estimation.inspection import inspect_recording
 from railgrip.estimation.judge import Judgement, judge
 from railgrip.estimation.observable import observe, with_estimates_as_truth
+from railgrip.estimation.page import errors_table, estimate_page, parameters_table
 from railgrip.estimation.plausible import check_estimates, check_signals
 from railgrip.estimation.run import units_of
 from railgrip.estimation.sources import recording_of_estimation
@@ -28,11 +30,12 @@ from railgrip.estimation.spec import (
     load_specification,
     model_parameters,
     prediction_for,
+    settings_with_origins,
 )
 from railgrip.recording.samples import knows
 from railgrip.report.console import complain, progress, remark, say, show_table
-from railgrip.report.estimation import information, write_estimates_figure
-from railgrip.report.table import Form, ReportTable, share
+from railgrip.report.estimation import information
+from railgrip.report.table import Form, ReportTable
 
 OUT = Path("build/estimate")
 
@@ -47,6 +50,14 @@ File = Annotated[
 Out = Annotated[Path | None, typer.Option(help="Folder for the results; build/estimate/NAME unless given.")]
 Scenario = Annotated[str | None, typer.Option(help="Scenario to use instead of that of the estimation.")]
 Seed = Annotated[int | None, typer.Option(min=0, help="Seed of the scenario; its own unless given.")]
+TrainName = Annotated[
+    str | None,
+    typer.Option(
+        metavar="TRAIN",
+        autocompletion=complete("trains"),
+        help="Train of the prediction, a name from railgrip list or a train file; for an estimation such as train.",
+    ),
+]
 Data = Annotated[
     Path | None,
     typer.Option(metavar="RUN", help="Trace of a stop (.nc), or csv, parquet, mat or mf4 file, read by [data]."),
@@ -106,13 +117,14 @@ def estimate(
     scenario: Scenario = None,
     seed: Seed = None,
     data: Data = None,
+    train: TrainName = None,
     import_from: ImportFrom = None,
     as_json: AsJson = False,
 ) -> None:
     """Run the filter of an estimation over its recording."""
-    specification = load_specification(file, overrides or [])
+    specification = load_specification(file, [*_of_train(train), *(overrides or [])])
     folder = out or OUT / specification.name
-    files = ("estimates.nc", "estimates.png")
+    files = ("estimates.nc", "estimates.png", "index.html", "parameters.csv", "settings.csv")
     if out is None:
         adopt(folder, *files)
     require_free(folder, *files)
@@ -120,35 +132,39 @@ def estimate(
     with progress(f"{specification.name}: filter"):
         prediction = prediction_for(specification)
         estimates = estimate_of(specification, recording)
-    claim(folder, *files)
-    write_bytes(folder / "estimates.nc", bytes(estimates.to_netcdf(engine="h5netcdf")))
     strange = check_signals(recording, (*prediction.inputs, *prediction.outputs)) + check_estimates(estimates)
+    warnings = str(estimates.attrs["warnings"]).splitlines()
     problems = [*strange, *([estimates.attrs["ended"]] if estimates.attrs["ended"] else [])]
     parameters = model_parameters(specification)
     judgements = {state: judge(recording, estimates, state) for state in _known_states(recording, estimates)}
-    with progress(f"{specification.name}: figure"):
-        picture = write_estimates_figure(recording, estimates, prediction.inputs, folder / "estimates.png")
+    with progress(f"{specification.name}: page"):
+        page = estimate_page(specification, recording, estimates, judgements, problems).write(folder)
+        claim(folder, *files)
+        write_bytes(folder / "estimates.nc", bytes(estimates.to_netcdf(engine="h5netcdf")))
+    settings = settings_with_origins(specification, estimates)
     if as_json:
         print_json(
             {
                 "estimation": specification.name,
                 "recording": recording.attrs["name"],
                 "repairs": list(recording.attrs.get("flags", ())),
-                "warnings": list(recording.attrs.get("warnings", ())),
+                "warnings": warnings,
                 "problems": problems,
                 "nis_ratio": estimates.attrs["nis_ratio"],
                 "parameters": [_as_json(each) for each in parameters],
+                "settings": [_as_json(each) for each in settings],
                 "states": _last_estimates(specification, estimates),
                 "errors": {state: asdict(judgement) for state, judgement in judgements.items()},
-                "files": [str(folder / "estimates.nc"), str(picture)],
+                "files": [str(folder / "estimates.nc"), str(folder / "estimates.png")],
+                "page": str(page),
             }
         )
     else:
         _print_recording(recording)
         _show_parameters(specification, parameters, is_users=data is not None)
         _print_errors(recording, estimates, judgements)
-        say(f"{folder}/estimates.nc, {picture}")
-    for sentence in recording.attrs.get("warnings", ()):
+        say(f"{folder}/estimates.nc, {page}")
+    for sentence in warnings:
         complain(sentence)
     if problems:
         fail(*(f"{specification.name}: {sentence}" for sentence in problems))
@@ -172,6 +188,7 @@ def inspect(
             help="Estimation that will read it: a file or a name from railgrip list.",
         ),
     ] = Path("field"),
+    train: TrainName = None,
     time: Annotated[str | None, typer.Option(metavar="COLUMN", help="Column of time; recognised unless given.")] = None,
     decimal: Annotated[
         Decimal | None, typer.Option(metavar="SIGN", help="Decimal sign of a csv file, . or ,; found unless given.")
@@ -187,7 +204,7 @@ def inspect(
     """
     if out is not None and out.exists():
         raise InputError(f"{out} exists; choose another file.")
-    inspection = inspect_recording(run, estimation, time, decimal.value if decimal else None)
+    inspection = inspect_recording(run, estimation, time, decimal.value if decimal else None, train)
     if out is not None:
         write_text(out, f"#:schema ./estimation.schema.json\n{inspection.proposal}")
         write_schema("estimation", out)
@@ -233,6 +250,10 @@ def inspect(
         remark(f"Fill in what was not recognised: {', '.join(inspection.unrecognised)}.")
 
 
+def _of_train(train: str | None) -> list[str]:
+    return [] if train is None else [f"model.train={json.dumps(train)}"]
+
+
 def _recording(specification: Specification, **source: Any) -> xarray.Dataset:
     with progress(f"{specification.name}: recording"):
         return recording_of_estimation(specification, **source)
@@ -245,21 +266,7 @@ def _print_recording(recording: xarray.Dataset) -> None:
 
 def _show_parameters(specification: Specification, parameters: Sequence[ModelParameter], *, is_users: bool) -> None:
     # A default matters only if the recording is of the user's vehicle, not of a simulated stop.
-    rows: dict[tuple[str, str], list[ModelParameter]] = {}
-    for each in parameters:
-        rows.setdefault((each.name.partition("[")[0], each.origin), []).append(each)
-    table = [
-        {
-            "parameter": name if len(elements) > 1 else elements[0].name,
-            "value": ", ".join(f"{each.value:g}" for each in elements),
-            "unit": elements[0].unit,
-            "origin": origin,
-            "meaning": " ".join(elements[0].description.split()),
-        }
-        for (name, origin), elements in rows.items()
-    ]
-    title = f"Parameters of {specification.model.class_}"
-    show_table(ReportTable(table, left=("parameter", "value", "unit", "origin", "meaning"), title=title))
+    show_table(parameters_table(parameters, f"Parameters of {specification.model.prediction.name}"))
     defaults = sum(each.is_default for each in parameters)
     if defaults and is_users:
         remark(
@@ -273,7 +280,7 @@ def _as_json(parameter: ModelParameter) -> dict[str, Any]:
 
 
 def _last_estimates(specification: Specification, estimates: xarray.Dataset) -> list[dict[str, Any]]:
-    units = units_of(specification.model.class_)
+    units = units_of(specification.model.prediction.model)
     mean, sd = (estimates[name].values[-1] for name in ("mean", "sd"))
     names = [str(state) for state in estimates["state"].values]
     return [
@@ -293,25 +300,7 @@ def _print_errors(recording: xarray.Dataset, estimates: xarray.Dataset, judgemen
     )
     if not judgements:
         return
-    rows = [
-        {
-            "state": state,
-            "rmse": judgement.rmse,
-            "of the best constant": judgement.constant,
-            "bias": judgement.bias,
-            "largest": judgement.largest,
-            "NEES": judgement.nees,
-            "within 2 sd": judgement.coverage,
-        }
-        for state, judgement in judgements.items()
-    ]
-    forms: dict[str, Form] = {
-        **dict.fromkeys(("rmse", "of the best constant", "largest"), "{:.4g}"),
-        "bias": "{:+.4g}",
-        "NEES": "{:.3g}",
-        "within 2 sd": share,
-    }
-    show_table(ReportTable(rows, forms, title=f"{recording.attrs['name']}: estimate minus truth"))
+    show_table(errors_table(judgements, f"{recording.attrs['name']}: estimate minus truth"))
 
 
 def _write_windows(windows: xarray.Dataset, path: Path) -> None:

@@ -24,8 +24,8 @@ from scipy.signal import savgol_filter
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.units import GRAVITY, mistake, unit
-from railgrip.estimation.run import by_name, model_of
-from railgrip.estimation.spec import Specification, equations_for, parameters_for
+from railgrip.estimation.run import by_name
+from railgrip.estimation.spec import Specification, equations_for, parameters_for, settings_for
 from railgrip.estimators.belief import Vector
 from railgrip.recording.samples import has_reading, period_of, samples
 
@@ -152,9 +152,11 @@ class _RecordingComparison:
         self._period = period_of(recording)
         self._columns: Mapping[str, tuple[str, str]] = recording.attrs.get("columns", {})
         self._smoothed = 2 * max(1, round(SMOOTHING / self._period) // 2) + 1
-        model = model_of(specification.model.class_)
+        source = specification.model.prediction
+        model = source.model
         self._units = {variable.name: variable.unit for variable in (*model.inputs, *model.outputs)}
-        self._parameters = {v.name: v.start for v in model.parameters} | parameters_for(specification)
+        self._parameters = source.values(parameters_for(specification))
+        self._settings = settings_for(specification, self._period)
         names = [variable.name for variable in (*model.inputs, *model.outputs) if has_reading(recording, variable.name)]
         signals = {name: values for name in names if (values := self._signal(name)) is not None}
         self._speed = signals.get("speed")
@@ -182,12 +184,12 @@ class _RecordingComparison:
         return bool(where.sum() * self._period >= ENOUGH and where.sum() >= 10)
 
     def _brake_mask(self) -> Mask:
-        gate = self._specification.gate
+        gate = self._settings.gate
         applied = np.zeros(self._time.size, dtype=np.bool_)
         for name, values in self._brakes.items():
             released = BRAKES[_base(name)]
             if gate is not None and name in gate.inputs:
-                released = max(released, gate.threshold.si(self._units[name]))
+                released = max(released, gate.threshold)
             applied |= values > max(released, APPLIED * float(values.max()))
         return applied
 
@@ -373,7 +375,7 @@ class _RecordingComparison:
     def _friction(self) -> Vector:
         prediction = equations_for(self._specification)
         pads = [state for state in prediction.states if _base(state) == "mu_b"]
-        mean = self._specification.start.mean
+        mean = self._settings.start
         given = {name: value for name, value in mean.items() if _base(name) == "mu_b"}
         return by_name("[start] mean", {"mu_b": USUAL_FRICTION} | given, pads)
 
@@ -381,7 +383,7 @@ class _RecordingComparison:
         """Return brake force and the other forces on the train, without adhesion [N], at the samples `at`."""
         at = at[:: max(1, at.size // EVALUATED)]
         prediction = equations_for(self._specification)
-        mean = self._specification.start.mean
+        mean = self._settings.start
         states = np.zeros((at.size, len(prediction.states)))
         friction = iter(self._friction())
         for column, state in enumerate(prediction.states):

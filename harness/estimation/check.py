@@ -1,13 +1,13 @@
 """Check an estimation against its model and train, before anything is simulated, read or compiled."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import partial
 from pathlib import Path
 
 from railgrip.base.errors import EstimationError, InputError, UnitError
 from railgrip.base.units import unit
-from railgrip.estimation.run import by_name, model_of, start_by_reading, units_of
-from railgrip.estimation.spec import Specification, parameters_for, settings_for
+from railgrip.estimation.run import by_name, select_outputs, start_by_reading, units_of
+from railgrip.estimation.spec import Specification, elements_of, parameters_for, settings_for
 from railgrip.fmus.native import Model
 from railgrip.recording.read import TRUTH, require_signals
 from railgrip.recording.samples import dimension_of
@@ -29,18 +29,18 @@ def require_consistent(specification: Specification, scenario: str | None = None
 
     Args:
         scenario: Scenario whose stop will be the recording; None for another recording.
-        scenario: Whose stop will be its recording; None for another recording.
 
     Raises:
         EstimationError: There are unknown classes, parameters, outputs or columns, states without noise or start, units
             of another dimension, or masses and formations of different trains; one line per problem.
     """
     name, table = specification.name, specification.model
-    outputs = None if table.outputs is None else tuple(table.outputs)
-    problems = _problems(name, partial(model_of, table.class_))
+    problems = _problems(name, lambda: table.prediction)
     if not problems:
-        problems = _problems(name, partial(model_of, table.class_, outputs))
-        model = model_of(table.class_, None if problems else outputs)
+        model, outputs = table.prediction.model, table.outputs or [v.name for v in table.prediction.model.outputs]
+        select = partial(select_outputs, model, table.prediction.name, tuple(outputs))
+        problems = _problems(name, select)
+        model = model if problems else select()
         problems += [line for check in _checks(specification, scenario, model) for line in _problems(name, check)]
     if problems:
         raise EstimationError("\n".join(dict.fromkeys(problems)))
@@ -57,16 +57,20 @@ def _problems(name: str, check: Callable[[], object]) -> list[str]:
 def _checks(specification: Specification, scenario: str | None, model: Model) -> list[Callable[[], object]]:
     states, outputs = ([variable.name for variable in part] for part in (model.states, model.outputs))
     inputs = {variable.name: variable.unit for variable in model.inputs}
-    start = dict.fromkeys(start_by_reading(states, outputs), 0.0) | dict(specification.start.mean)
+    # Errors of gate and parameters must not hide those of noises and start.
+    table = specification.model.model_copy(update={"parameters": {}})
+    plain = specification.model_copy(update={"model": table})
+    settings = settings_for(plain.model_copy(update={"gate": None}), 1.0)
+    start = dict.fromkeys(start_by_reading(states, outputs), 0.0) | dict(settings.start)
     checks: list[Callable[[], object]] = [
         partial(parameters_for, specification),
-        partial(by_name, "[noise] process", specification.noise.process, states),
-        partial(by_name, "[noise] readings", specification.noise.readings, outputs),
+        partial(by_name, "[noise] process", settings.process, states),
+        partial(by_name, "[noise] readings", settings.readings, outputs),
         partial(by_name, "[start] mean", start, states),
-        partial(by_name, "[start] deviation", specification.start.deviation, states),
+        partial(by_name, "[start] deviation", settings.start_deviation, states),
         partial(in_units, "[inputs]", specification.inputs, inputs),
         partial(_check_gate, specification, states, list(inputs)),
-        partial(settings_for, specification, 1.0),
+        partial(settings_for, plain, 1.0),
         partial(check_mass, specification),
         partial(_check_formation, specification, scenario, [*inputs, *outputs]),
         partial(_check_data, specification),
@@ -81,7 +85,7 @@ def _check_gate(specification: Specification, states: list[str], inputs: list[st
     if gate is None:
         return
     for key, names, there in (("states", gate.states, states), ("inputs", gate.inputs, inputs)):
-        strange = [name for name in names if name not in there]
+        strange = [name for name in names if not set(elements_of(name, there)) <= set(there)]
         if strange:
             raise EstimationError(f"[gate] {key} has {', '.join(strange)}, the model has {', '.join(there)}.")
 
@@ -92,15 +96,16 @@ def check_mass(specification: Specification) -> None:
     Raises:
         EstimationError: The masses differ.
     """
-    values = {v.name: v.start for v in model_of(specification.model.class_).parameters} | parameters_for(specification)
+    model = specification.model.prediction
+    values = model.values(parameters_for(specification))
     masses = [value for name, value in values.items() if name.partition("[")[0] == "m_wheelset"]
     if specification.course is None or not masses:
         return
     mass, total = specification.course.mass, sum(masses)
     if abs(mass - total) > 1e-3 * total:
         raise EstimationError(
-            f"[course] mass is {mass:g} kg, m_wheelset of {specification.model.class_} add up to {total:g} kg; track "
-            "force and filter belong to one train, change [course] or [model.parameters]."
+            f"[course] mass is {mass:g} kg, m_wheelset of {model.name} add up to {total:g} kg; track force "
+            "and filter belong to one train, change [course] or [model.parameters]."
         )
 
 
@@ -119,8 +124,8 @@ def _check_formation(specification: Specification, scenario: str | None, signals
         extent = dimension_of(base)
         if counts and elements != sizes.get(extent, elements):
             raise EstimationError(
-                f"{specification.model.class_} has {elements} of {base}, one for each {extent}; the train of scenario "
-                f"'{scenario}' has {sizes[extent]}; name a scenario of the train of the model."
+                f"{specification.model.prediction.name} has {elements} of {base}, one for each {extent}; the train of "
+                f"scenario '{scenario}' has {sizes[extent]}; name a scenario of the train of the model."
             )
 
 
@@ -129,7 +134,20 @@ def _check_data(specification: Specification) -> None:
     if data is None:
         return
     units, inputs, outputs = signals_of(specification)
-    problems = _problems(specification.name, partial(require_signals, specification.name, data, units, inputs, outputs))
+    problems: list[str] = []
+    known = dict(data.columns)
+    for base, elements in _by_group(specification.model.prediction.model).items():
+        strange = [name for name in data.columns if name.startswith(f"{base}[") and name not in elements]
+        if strange:
+            problems.append(
+                f"[data.columns] has {', '.join(strange)}, and {specification.model.prediction.name} has "
+                f"{len(elements)} groups; name the train of the recording in [model], or remove these lines."
+            )
+            known = {name: column for name, column in known.items() if name not in strange}
+    rest = data.model_copy(update={"columns": known})
+    problems += _problems(
+        specification.name, partial(require_signals, specification.name, rest, units, inputs, outputs)
+    )
     for name, column in data.columns.items():
         target = units.get(name.removeprefix(TRUTH))
         if target is not None and column.unit is not None:
@@ -141,13 +159,49 @@ def _check_data(specification: Specification) -> None:
         raise EstimationError("\n".join(problems))
 
 
+def require_groups(specification: Specification, names: Collection[str]) -> None:
+    """Compare the groups of a trace with those of the model.
+
+    Args:
+        specification: The estimation.
+        names: Names of the signals of the trace, elements of arrays as `wheelset_speed[1]`.
+
+    Raises:
+        EstimationError: Signals have other numbers of groups than in the model; one line per signal.
+    """
+    model = specification.model.prediction
+    counts = [
+        (base, sum(name.startswith(f"{base}[") for name in names), len(elements))
+        for base, elements in _by_group(model.model).items()
+    ]
+    problems = [
+        f"{specification.name}: the recording has {count} groups of {base}, and {model.name} has {expected}; name the "
+        "train of the recording in [model]."
+        for base, count, expected in counts
+        if count not in (0, expected)  # a signal that is missing altogether is named with all that are there
+    ]
+    if problems:
+        raise EstimationError("\n".join(problems))
+
+
+def _by_group(model: Model) -> dict[str, list[str]]:
+    """Return the inputs and readings that each group of a train has, by their name without index."""
+    signals = [variable.name for variable in (*model.inputs, *model.outputs) if "[" in variable.name]
+    bases = dict.fromkeys(name.partition("[")[0] for name in signals)
+    return {
+        base: [name for name in signals if name.startswith(f"{base}[")]
+        for base in bases
+        if dimension_of(base) == "group"
+    }
+
+
 def signals_of(specification: Specification) -> tuple[dict[str, str], list[str], list[str]]:
     """Return the units of all signals that [data] of an estimation may map, and the names of inputs and readings.
 
     With [course] these include the signals for the motion, in place of the track force.
     """
-    model = model_of(specification.model.class_)
-    units = units_of(specification.model.class_)
+    model = specification.model.prediction.model
+    units = units_of(model)
     inputs = [variable.name for variable in model.inputs if variable.name not in specification.inputs]
     outputs = [variable.name for variable in model.outputs]
     if specification.course is not None:

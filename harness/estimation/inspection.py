@@ -124,7 +124,11 @@ class Inspection:
 
 
 def inspect_recording(
-    path: Path, estimation: Path, time: str | None = None, decimal: Literal[".", ","] | None = None
+    path: Path,
+    estimation: Path,
+    time: str | None = None,
+    decimal: Literal[".", ","] | None = None,
+    train: str | None = None,
 ) -> Inspection:
     """Return the content of a recording, and a proposal for an estimation that reads it.
 
@@ -133,14 +137,15 @@ def inspect_recording(
         estimation: File or name of the estimation whose signals are searched for.
         time: Column of time; None to recognise it.
         decimal: Decimal sign of a csv file; None to detect it.
+        train: Train of the prediction, a name or a file; None for that of the estimation.
 
     Raises:
         ScenarioError: The estimation cannot be read.
         EstimationError: The file cannot be read, no column of time is recognised, or no other has two numbers.
     """
-    specification = load_specification(estimation)
+    specification = load_specification(estimation, {} if train is None else {"model.train": train})
     # The proposal may be in another folder than the current one.
-    base = str(estimation.resolve()) if is_file(estimation) else str(estimation)
+    base = _found_anywhere(str(estimation))
     clock, series, texts = _read(path, time, decimal)
     findings = [finding for name, column in series.items() for finding in _findings(name, column)]
     if not findings:
@@ -155,6 +160,7 @@ def inspect_recording(
         f"extends = {_toml(base)}",
         f"name = {_toml(re.sub(r'[^A-Za-z0-9_.-]', '_', path.stem))}",
         "",
+        *([] if train is None else ["[model]", f"train = {_toml(_found_anywhere(train))}", ""]),
         "[model.parameters]",
         "# The filter uses these values of the library. Remove the # in front of a line to give that of your vehicle.",
         *map(_parameter_line, parameters),
@@ -177,6 +183,10 @@ def inspect_recording(
         unrecognised=tuple(unrecognised),
         parameters=parameters,
     )
+
+
+def _found_anywhere(name: str) -> str:
+    return str(Path(name).resolve()) if is_file(Path(name)) else name
 
 
 def _parameter_line(parameter: ModelParameter) -> str:

@@ -92,6 +92,6 @@ def with_estimates_as_truth(specification: Specification, recording: xarray.Data
     estimates = estimate_of(specification, recording)
     if estimates.attrs["ended"]:
         raise EstimationError(f"{specification.name}: {estimates.attrs['ended']} There is no trajectory of the states.")
-    units = units_of(specification.model.class_)
+    units = units_of(specification.model.prediction.model)
     states = [str(state) for state in estimates["state"].values]
     return with_signals(recording, truth={s: (estimates["mean"].sel(state=s).values, units[s]) for s in states})

@@ -80,7 +80,7 @@ def prediction_of(
     equations = equations_of(model, parameters, outputs)
     if kind == "compiled":
         return equations
-    description = describe(_file_of(model))
+    description = describe(file_of(model))
     return FmuPrediction(
         description,
         parameters=parameters or {},
@@ -107,7 +107,8 @@ def equations_of(
 
 
 @cache
-def _file_of(model: str) -> Path:
+def file_of(model: str) -> Path:
+    """Return the FMU of a class of RailBraking.Predictions, built if it is out of date."""
     name = model.rpartition(".")[2]
     entry = read_recipes().recipes.get(name)
     if entry is not None and entry.class_name in (model, f"RailBraking.Predictions.{model}"):
@@ -115,7 +116,18 @@ def _file_of(model: str) -> Path:
     return build_class(model if "." in model else f"RailBraking.Predictions.{model}", LIBRARY, "me").path
 
 
-def _showing(source: Model, model: str, outputs: Sequence[str]) -> Model:
+@cache
+def select_outputs(source: Model, model: str, outputs: tuple[str, ...]) -> Model:
+    """Return a model with some of its outputs, in their order; `wheelset_speed` selects all its elements.
+
+    Args:
+        source: The model.
+        model: Its name in messages.
+        outputs: Names of outputs.
+
+    Raises:
+        EstimationError: An output does not exist.
+    """
     names = [variable.name for variable in source.outputs]
     places = [i for output in outputs for i, name in enumerate(names) if output in (name, name.partition("[")[0])]
     missing = [output for output in outputs if not any(output in (n, n.partition("[")[0]) for n in names)]
@@ -137,7 +149,7 @@ def model_of(model: str, outputs: tuple[str, ...] | None = None) -> Model:
         EstimationError: The class or an output does not exist.
     """
     if outputs is not None:
-        return _showing(model_of(model), model, outputs)
+        return select_outputs(model_of(model), model, outputs)
     if "." in model:
         return lower(model)
     classes = (LIBRARY / "Predictions" / "package.order").read_text(encoding="utf-8").split()
@@ -155,9 +167,9 @@ def start_by_reading(states: Sequence[str], outputs: Sequence[str]) -> dict[str,
     return {state: reading for state, reading in readings.items() if reading in outputs}
 
 
-def units_of(model: str) -> dict[str, str]:
-    """Return the unit of every state, input and output of a prediction."""
-    source = model_of(model)
+def units_of(model: str | Model) -> dict[str, str]:
+    """Return the unit of every state, input and output of a prediction, a model or a class by its name."""
+    source = model_of(model) if isinstance(model, str) else model
     return {v.name: v.unit for v in (*source.states, *source.inputs, *source.outputs)}
 
 

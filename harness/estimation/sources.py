@@ -17,12 +17,11 @@ from railgrip.base.errors import EstimationError
 from railgrip.base.units import cut
 from railgrip.estimation.agreement import require_agreement
 from railgrip.estimation.braking import braking_of
-from railgrip.estimation.check import require_consistent, signals_of
-from railgrip.estimation.run import model_of
+from railgrip.estimation.check import require_consistent, require_groups, signals_of
 from railgrip.estimation.spec import Specification
 from railgrip.estimators.belief import Vector
 from railgrip.recording.read import FileRecording, read_recording
-from railgrip.recording.samples import evenly, recording_of, with_signals
+from railgrip.recording.samples import evenly, readings_in, recording_of, with_signals
 from railgrip.scenario.load import load
 from railgrip.scenario.quantity import Magnitude, in_units
 from railgrip.scenario.schema import Scenario
@@ -76,10 +75,12 @@ def complete_trace(specification: Specification, trace: xarray.Dataset) -> xarra
     """Return a trace on its even grid, with the constant inputs of the estimation.
 
     Raises:
-        EstimationError: The grid is uneven, or a constant belongs to no input or has another dimension.
+        EstimationError: The grid is uneven, a constant belongs to no input or has another dimension, or the trace has
+            groups that the model does not have.
     """
-    units = {variable.name: variable.unit for variable in model_of(specification.model.class_).inputs}
+    units = {variable.name: variable.unit for variable in specification.model.prediction.model.inputs}
     values = in_units(f"{specification.name}: [inputs]", specification.inputs, units)
+    require_groups(specification, readings_in(trace))
     trace = evenly(trace)
     count = trace.sizes["time"]
     return with_signals(trace, {name: (np.full(count, value), units[name]) for name, value in values.items()})

@@ -4,7 +4,7 @@ extends = "rig_own"                         # optional: keys that are missing he
 name = "rig-slide"
 
 [model]
-class = "RollerRigPrediction"
+class = "RollerRigPrediction"               # or train = "emu387", a train file; or class and library, your own Modelica
 kind = "fmu"                                # or "compiled": its equations in the filter, the same to rounding
 parameters = { load = "98.1 kN" }           # the others keep their defaults; SI or with a unit
 outputs = ["wheelset_speed", "speed"]       # compared with readings; all unless given
@@ -35,28 +35,31 @@ scenario = "rig_slide"
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, cast
 
 import xarray
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import Field, PrivateAttr, ValidationInfo, field_serializer, field_validator, model_validator
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.names import did_you_mean
-from railgrip.estimation.run import Kind, Settings, equations_of, estimate, model_of, prediction_of, units_of
+from railgrip.estimation.models import DEFAULT, PredictionModel, of_class, of_train
+from railgrip.estimation.run import READ_STATES, Kind, Settings, estimate, units_of
 from railgrip.estimation.several import estimate_several
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
 from railgrip.recording.samples import period_of
 from railgrip.recording.table import DataTable
-from railgrip.scenario.file import locate
+from railgrip.scenario.file import NamedFile, OtherFileString, locate
 from railgrip.scenario.load import Tables, read_toml, require_kind, require_straight, validate_table
 from railgrip.scenario.merge import nest, read_overrides
 from railgrip.scenario.quantity import Magnitude, NotNegative, Number, UnitRange, in_units
 from railgrip.scenario.table import Duration, Length, Mass, Name, Parameters, Seed, Table, table_error
 from railgrip.scenario.track.table import CurveLaw
+from railgrip.scenario.vehicle import find_train
+from railgrip.simulate.prediction import CENTRAL
 
 Positive = Annotated[Number, Field(gt=0.0)]
 
@@ -100,16 +103,57 @@ changes by 5 ‰ in 5 s, `jerk` a brake applied within a second."""
 class ModelTable(Table):
     """The prediction model, and its parameters that differ from the defaults."""
 
-    class_: str = Field(
+    class_: str | None = Field(
+        default=None,
         alias="class",
         pattern=r"^[A-Za-z][A-Za-z0-9_.]*$",
-        description="Modelica class of the prediction, of those of `railgrip build --list`",
+        description="Modelica class of the prediction, of those of `railgrip build --list`; with a train "
+        + " or ".join(CENTRAL),
+    )
+    library: NamedFile | None = Field(
+        default=None, description="for a user-defined class: the package.mo of its library, or its .mo file"
+    )
+    train: NamedFile | None = Field(
+        default=None, description="a train of this project, such as emu387, or the path of a train file"
     )
     kind: Kind = Field(
         default="fmu", description="the class as an FMU, stepped through FMI 2.0, or its equations in the filter's C"
     )
     parameters: Parameters = Field(default={}, description="of the class; the others keep their defaults")
     outputs: list[str] | None = Field(default=None, description="outputs compared with readings; all unless given")
+
+    @field_validator("train", mode="plain", json_schema_input_type=str)
+    @classmethod
+    def _named_or_file(cls, entry: Any, info: ValidationInfo) -> NamedFile | None:
+        return find_train(entry, info)
+
+    @field_serializer("train")
+    def _as_written(self, train: NamedFile | None) -> str | None:
+        return None if train is None else train.entry
+
+    @model_validator(mode="after")
+    def _has_one_model(self) -> Self:
+        if self.class_ is None and self.train is None:
+            raise table_error("names no model: give class = '…', or train = '…'")
+        if self.train is not None and (self.library is not None or self.class_ not in (None, *CENTRAL)):
+            raise table_error(
+                f"has a train and the class {self.class_}, which is not for all trains; leave out class and library, "
+                f"or name {' or '.join(CENTRAL)}"
+            )
+        return self
+
+    @property
+    def prediction(self) -> PredictionModel:
+        """The prediction model, from a train file, a user's library or the library of this project.
+
+        Raises:
+            EstimationError: The class does not exist.
+            ScenarioError: The file is not a train.
+        """
+        if self.train is not None:
+            return of_train(self.train, self.class_ or CENTRAL[0])
+        assert self.class_ is not None  # `_has_one_model` rejects a table without both
+        return of_class(self.class_, self.library)
 
 
 class NoiseTable(Table):
@@ -192,7 +236,7 @@ class Specification(Table):
 
     @property
     def origins(self) -> dict[str, str]:
-        """Origin of each entry in [model.parameters], as `given in run.toml` or `--set`, by name."""
+        """Origin of each entry, as `given in run.toml` or `--set`, by its key, such as `noise.process.v`."""
         return self._origins
 
     @model_validator(mode="after")
@@ -214,9 +258,6 @@ class Specification(Table):
 
 LIBRARY = Path(__file__).parent / "library"
 
-DEFAULT = "library default"
-"""Origin of a parameter that neither a file nor an option sets."""
-
 
 def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] = ()) -> Specification:
     """Return the estimation of a TOML file, or of the library by its name, with overrides applied last.
@@ -230,17 +271,36 @@ def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] 
     """
     path = locate(path, "estimations")
     tables = _tables_in(path, ())
-    files = [(f"given in {name}", table) for name, table in tables.layers]
-    tables = tables.overlay(path.name, nest(overrides) if isinstance(overrides, Mapping) else read_overrides(overrides))
+    own = [DEFAULT if file.parent == LIBRARY else f"given in {file.name}" for file in _extended(path)]
+    changes = (
+        OtherFileString.within(nest(overrides), Path.cwd())
+        if isinstance(overrides, Mapping)
+        else read_overrides(overrides)
+    )
+    tables = tables.overlay(path.name, changes)
     specification = validate_table(
         Specification, tables.table, directory=path.parent, origin=path.name, layers=tables.layers
     )
     # The uppermost layer takes precedence, so it is written last.
-    for origin, table in reversed([("--set", tables.layers[0][1]), *files]):
-        model = table.get("model")
-        given = model.get("parameters") if isinstance(model, Mapping) else None
-        specification.origins.update(dict.fromkeys(given, origin) if isinstance(given, Mapping) else {})
+    for origin, (_, table) in reversed(list(zip(("--set", *own), tables.layers, strict=True))):
+        specification.origins.update(dict.fromkeys(_keys(table), origin))
     return specification
+
+
+def _extended(path: Path) -> Iterator[Path]:
+    """Yield a file and those that it extends, uppermost first."""
+    yield path
+    table = read_toml(path)
+    if "extends" in table:
+        yield from _extended(locate(str(table["extends"]), "estimations", path.parent))
+
+
+def _keys(table: Mapping[str, Any], within: str = "") -> Iterator[str]:
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _keys(cast("Mapping[str, Any]", value), f"{within}{key}.")
+        else:
+            yield f"{within}{key}"
 
 
 def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
@@ -257,7 +317,9 @@ def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
     below = _tables_in(base, (*chain, path))
     # A map of columns applies to one recording only.
     inherited = {
-        key: value for key, value in below.table.items() if key not in ("data" if "data" in table else "", "name")
+        key: value
+        for key, value in OtherFileString.within(below.table, below.directory).items()
+        if key not in ("data" if "data" in table else "", "name")
     }
     return replace(below, table={"name": path.stem} | inherited).overlay(path.name, tables.table)
 
@@ -279,7 +341,7 @@ def prediction_for(specification: Specification) -> PredictionInC:
         ScenarioError: A parameter does not exist, or its unit has another dimension.
     """
     model = specification.model
-    return prediction_of(model.class_, parameters_for(specification), model.outputs, model.kind)
+    return model.prediction.prediction(parameters_for(specification), model.outputs, model.kind)
 
 
 def equations_for(specification: Specification) -> CasadiPrediction:
@@ -288,7 +350,7 @@ def equations_for(specification: Specification) -> CasadiPrediction:
     Errors are those of `prediction_for`.
     """
     model = specification.model
-    return equations_of(model.class_, parameters_for(specification), model.outputs)
+    return model.prediction.equations(parameters_for(specification), model.outputs)
 
 
 def parameters_for(specification: Specification) -> dict[str, float]:
@@ -297,22 +359,21 @@ def parameters_for(specification: Specification) -> dict[str, float]:
     Raises:
         EstimationError: A parameter does not exist, or its unit has another dimension.
     """
-    model = specification.model
-    variables = model_of(model.class_).parameters
-    units = {variable.name: variable.unit for variable in variables}
-    descriptions = {variable.name: variable.description for variable in variables}
-    return in_units(f"{specification.name}: [model.parameters]", model.parameters, units, descriptions)
+    model = specification.model.prediction
+    descriptions = {variable.name: variable.description for variable in model.parameters}
+    where = f"{specification.name}: [model.parameters]"
+    return in_units(where, specification.model.parameters, model.units, descriptions)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelParameter:
-    """A parameter of the model with the value that the filter uses.
+    """A parameter of the model or a setting of the filter, with the value that was used.
 
     Attributes:
-        name: Name in the model, for an element of an array as `J[1]`.
+        name: Name in the model, for an element of an array as `J[1]`; of a setting its key in the file.
         value: Value in `unit`.
         unit: Unit in Modelica's notation; "1" for a ratio.
-        origin: `given in FILE` or `--set`, else `DEFAULT`.
+        origin: `train file NAME`, `given in FILE`, `--set` or `recording`, else `DEFAULT`.
         description: Description in the model.
     """
 
@@ -334,18 +395,74 @@ def model_parameters(specification: Specification) -> list[ModelParameter]:
     Raises:
         EstimationError: As for `parameters_for`.
     """
-    values = parameters_for(specification)
+    model, given = specification.model.prediction, parameters_for(specification)
+    values = model.values(given)
+
+    has_default_train = specification.origins.get("model.train", DEFAULT) == DEFAULT
+
+    def origin(name: str) -> str:
+        base = name.partition("[")[0]
+        if name not in given and base not in given:
+            return DEFAULT if has_default_train else model.origins.get(name, DEFAULT)
+        return _origin(specification, "model.parameters", name) or "given"
+
     return [
         ModelParameter(
             name=variable.name,
-            value=values.get(variable.name, variable.start),
+            value=values[variable.name],
             unit=variable.unit or "1",
-            origin=specification.origins.get(variable.name, "given") if variable.name in values else DEFAULT,
+            origin=origin(variable.name),
             description=variable.description,
         )
-        for variable in model_of(specification.model.class_).parameters
+        for variable in model.parameters
         if not variable.name.partition("[")[0].endswith("start") and not variable.name.startswith("start")
     ]
+
+
+def _origin(specification: Specification, table: str, name: str) -> str:
+    """Return the origin of an entry under its name or that without index; empty if no file or option has it."""
+    origins = specification.origins
+    return origins.get(f"{table}.{name}") or origins.get(f"{table}.{name.partition('[')[0]}", "")
+
+
+def settings_with_origins(specification: Specification, estimates: xarray.Dataset) -> list[ModelParameter]:
+    """Return noises, start, gate, outlier limit and constant inputs that estimates result from.
+
+    The mean at the start is that of the estimates: states that are read start with the recording.
+    """
+    model, settings = specification.model.prediction, settings_for(specification, estimates.attrs["period"])
+    units = units_of(model.model)
+    of_parameters = {parameter.name: parameter.origin for parameter in model_parameters(specification)}
+    rows: list[ModelParameter] = []
+
+    def add(table: str, name: str, value: float, unit: str, origin: str = "") -> None:
+        key = f"{table}.{name}" if table else name
+        origin = origin or _origin(specification, table, name) if table else specification.origins.get(name, DEFAULT)
+        rows.append(ModelParameter(name=key, value=value, unit=unit, origin=origin or DEFAULT, description=""))
+
+    def unit(name: str) -> str:
+        return units.get(name, units.get(f"{name}[1]", "")) or "1"
+
+    for name, value in settings.process.items():
+        add("noise.process", name, value, f"({unit(name)})2/s")
+    for name, value in settings.readings.items():
+        add("noise.readings", name, value, f"({unit(name)})2")
+    for name, value in settings.start_deviation.items():
+        add("start.deviation", name, value, unit(name))
+    first = estimates["mean"].isel(time=0)
+    first = first.isel(filter=0) if "filter" in first.dims else first
+    for state, value in zip(map(str, first["state"].values), first.values.tolist(), strict=True):
+        given = _origin(specification, "start.mean", state)
+        of_train = of_parameters.get(state.replace("mu_b[", "mu_b_nominal["), DEFAULT) if model.start({}) else ""
+        is_read = state.partition("[")[0] in READ_STATES
+        add("start.mean", state, value, unit(state), given or ("recording" if is_read else of_train))
+    for name, constant in specification.inputs.items():
+        add("inputs", name, constant.si(units[name]), unit(name))
+    if settings.gate is not None:
+        add("gate", "threshold", settings.gate.threshold, unit(settings.gate.inputs[0]))
+    if settings.outlier_limit is not None:
+        add("", "outlier_limit", settings.outlier_limit, "1")
+    return rows
 
 
 def settings_for(specification: Specification, period: float) -> Settings:
@@ -354,14 +471,22 @@ def settings_for(specification: Specification, period: float) -> Settings:
     Raises:
         ScenarioError: The threshold of the gate has another dimension than its inputs.
     """
-    noise, gate = specification.noise, specification.gate
+    noise, gate, model = specification.noise, specification.gate, specification.model.prediction
+    bases = {variable.name.partition("[")[0] for variable in (*model.model.states, *model.model.outputs)}
+    absent = model.optional - bases
+
+    def present(values: Mapping[str, float]) -> dict[str, float]:
+        return {name: value for name, value in values.items() if name.partition("[")[0] not in absent}
+
     # Published noises per step depend on the period: half the period means twice the noise per second.
     step = period if noise.kind == "per_step" else 1.0
+    mean = present(specification.start.mean)
+    of_train = model.start(parameters_for(specification))
     return Settings(
-        process={name: variance / step for name, variance in noise.process.items()},
-        readings=dict(noise.readings),
-        start=dict(specification.start.mean),
-        start_deviation=dict(specification.start.deviation),
+        process={name: variance / step for name, variance in present(noise.process).items()},
+        readings=present(noise.readings),
+        start={name: value for name, value in of_train.items() if name.partition("[")[0] not in mean} | mean,
+        start_deviation=present(specification.start.deviation),
         gate=None if gate is None else _gate(specification, gate),
         outlier_limit=specification.outlier_limit,
         between=specification.between,
@@ -371,33 +496,54 @@ def settings_for(specification: Specification, period: float) -> Settings:
 def estimate_of(specification: Specification, recording: xarray.Dataset, filters: Sequence[str] = ()) -> xarray.Dataset:
     """Return the estimates of an estimation's filter at every sample of a recording; see `run.estimate`.
 
-    With names of kinds in `filters`, those of several filters; see `several.estimate_several`. The attribute
-    `parameters` is JSON: name, value, unit and origin of each parameter of the model.
+    With names of kinds in `filters`, those of several filters; see `several.estimate_several`. The attributes
+    `parameters` and `settings` are JSON: name, value, unit and origin of each parameter of the model, and of noises,
+    start, gate and constant inputs.
 
     Raises:
         EstimationError: The recording does not fit the model.
     """
-    parameters = [
-        {"name": each.name, "value": each.value, "unit": each.unit, "origin": each.origin}
-        for each in model_parameters(specification)
-    ]
     prediction, settings = prediction_for(specification), settings_for(specification, period_of(recording))
-    units = units_of(specification.model.class_)
+    units = units_of(specification.model.prediction.model)
     if filters:
         estimates = estimate_several(recording, prediction, settings, filters, units=units)
     else:
         estimates = estimate(recording, prediction, settings, units=units)
-    return estimates.assign_attrs(estimation=specification.name, parameters=json.dumps(parameters))
+    lists = {
+        "parameters": model_parameters(specification),
+        "settings": settings_with_origins(specification, estimates),
+    }
+    texts = {
+        key: json.dumps([{name: getattr(each, name) for name in ("name", "value", "unit", "origin")} for each in rows])
+        for key, rows in lists.items()
+    }
+    warnings = [*str(estimates.attrs.get("warnings", "")).splitlines(), *specification.model.prediction.limits]
+    return estimates.assign_attrs(estimation=specification.name, warnings="\n".join(warnings), **texts)
 
 
 def _gate(specification: Specification, gate: GateTable) -> Gate:
-    units = {variable.name: variable.unit for variable in model_of(specification.model.class_).inputs}
-    first = gate.inputs[0] if gate.inputs else ""
-    where = f"{specification.name}: [gate]"
+    """Return the gate of a filter; a name without index selects all elements, a force means the pressure that causes
+    it in the cylinders.
+    """
+    model, where = specification.model.prediction, f"{specification.name}: [gate]"
+    units = {variable.name: variable.unit for variable in model.model.inputs}
+    states, inputs = (
+        tuple(each for name in names for each in elements_of(name, [variable.name for variable in known]))
+        for names, known in ((gate.states, model.model.states), (gate.inputs, model.model.inputs))
+    )
+    first = inputs[0] if inputs else ""
     if first not in units:
         raise EstimationError(
             f"{where} inputs: the model has no input '{first}'; it has {', '.join(units)}"
             + did_you_mean(first, units, before="; ")
         )
-    threshold = in_units(where, {"threshold": gate.threshold}, {"threshold": units[first]})["threshold"]
-    return Gate(states=tuple(gate.states), inputs=tuple(gate.inputs), threshold=threshold)
+    if units[first] == "Pa" and gate.threshold.has_dimension_of("N"):
+        threshold = model.release_pressure(parameters_for(specification), gate.threshold.si("N"))
+    else:
+        threshold = in_units(where, {"threshold": gate.threshold}, {"threshold": units[first]})["threshold"]
+    return Gate(states=states, inputs=inputs, threshold=threshold)
+
+
+def elements_of(name: str, known: Sequence[str]) -> Sequence[str]:
+    """Return the elements of an array in `known`; the name itself if it has an index or is unknown."""
+    return [each for each in known if each.partition("[")[0] == name] or [name]

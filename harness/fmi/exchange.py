@@ -93,6 +93,7 @@ class FmuPrediction:
         states: Sequence[str],
         inputs: Sequence[str],
         outputs: Sequence[str],
+        readings: Sequence[str] = (),
     ) -> None:
         """Check the arguments; nothing is loaded before `with`.
 
@@ -102,6 +103,7 @@ class FmuPrediction:
             states: All states of the FMU, in the requested order.
             inputs: All inputs of the FMU, in the requested order.
             outputs: Outputs that the filter reads, in the requested order.
+            readings: Names of these outputs as readings, if they differ from those in the FMU.
 
         Raises:
             FmuError: A parameter is wrong, or the FMU has other states, lacks a variable or has one that is not Real,
@@ -120,7 +122,7 @@ class FmuPrediction:
             )
         for name in (*states, *inputs, *outputs):
             _require_si(description, description.variable(name, "prediction"))
-        self.states, self.inputs, self.outputs = tuple(states), tuple(inputs), tuple(outputs)
+        self.states, self.inputs, self.outputs = tuple(states), tuple(inputs), tuple(readings or outputs)
         self._description = description
         self._assignments = assignments(description, parameters)
         self._references = (

@@ -38,13 +38,6 @@ Initial estimates may be arbitrarily uncertain.
 """
 
 
-def write_estimates_figure(
-    recording: xarray.Dataset, estimates: xarray.Dataset, inputs: Sequence[str], path: Path
-) -> Path:
-    """Write the figure of `estimates_figure` to a file."""
-    return style.save(estimates_figure(recording, estimates, inputs), path)
-
-
 def estimates_figure(recording: xarray.Dataset, estimates: xarray.Dataset, inputs: Sequence[str]) -> Figure:
     """Return a figure of inputs, states ± 2 standard deviations with the truth (dashed), and innovation consistency.
 

@@ -20,10 +20,37 @@ def class_name(train: Train, *, pneumatic: bool) -> str:
     return f"Train_{_identifier(train.name)}{'_pneumatic' if pneumatic else ''}"
 
 
+_RIGGING = {
+    "A_piston": "piston_area",
+    "i_rigging": "rigging",
+    "eta_rigging": "efficiency",
+    "F_spring": "spring_force",
+}
+_SUSPENSION = {"h_frame": "frame_height", "h_rod": "rod_height", "k_primary": "stiffness", "c_primary": "damping"}
+_RESISTANCE = {
+    "c_drag": "drag_coefficient",
+    "A_drag": "frontal_area",
+    "mu_bearing": "bearing_friction",
+    "r_bearing": "bearing_radius",
+    "e_rolling": "rolling_arm",
+}
+
+
+def nominal_data(train: Train) -> dict[str, float]:
+    """Return the parameters of a train's class and their values, arrays by element, such as `J[2]`."""
+    bogies, groups = train.bogies_in_train, range(len(train.groups))
+    arrays: dict[str, Sequence[float]] = dict(_parameters(train, _body_of_car(train)))
+    arrays |= {name: [getattr(train.bogie_of(group).brake, key) for group in groups] for name, key in _RIGGING.items()}
+    arrays |= {name: [getattr(bogie.data, key) for bogie in bogies] for name, key in _SUSPENSION.items()}
+    arrays["wheelsets_per_bogie"] = [len(bogie.axles) for bogie in bogies]
+    # With the digits of the class.
+    data = {f"{name}[{i}]": float(_digits(value)) for name, each in arrays.items() for i, value in enumerate(each, 1)}
+    return data | {name: getattr(train.resistance, key) for name, key in _RESISTANCE.items()}
+
+
 def class_text(train: Train, *, pneumatic: bool) -> str:
     """Return the Modelica text of a train's class, with brake valves or with commanded cylinder pressures."""
-    # Cars that no coupler joins move as one body.
-    body_of_car = list(accumulate((int(car.coupler is not None) for car in train.cars[:-1]), initial=0))
+    body_of_car = _body_of_car(train)
     bogies = train.bogies_in_train
     carriers = [body_of_car[axle.car] for axle in train.axles]
     bogie_of_group = [train.bogie_of(number) for number in range(len(train.groups))]
@@ -69,6 +96,11 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         total=_total,
         **_command(train, body_of_car),
     )
+
+
+def _body_of_car(train: Train) -> list[int]:
+    # Cars that no coupler joins move as one body.
+    return list(accumulate((int(car.coupler is not None) for car in train.cars[:-1]), initial=0))
 
 
 def _parameters(train: Train, body_of_car: Sequence[int]) -> dict[str, Sequence[float]]:
@@ -168,7 +200,11 @@ def _total(member: str, part: str, parts: Sequence[object]) -> str:
 
 
 def _array(values: Iterable[float]) -> str:
-    return "{" + ", ".join(f"{value:.10g}" for value in values) + "}"
+    return "{" + ", ".join(map(_digits, values)) + "}"
+
+
+def _digits(value: float) -> str:
+    return f"{value:.10g}"
 
 
 def _identifier(name: str) -> str:

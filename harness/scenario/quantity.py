@@ -172,6 +172,14 @@ class Magnitude:
             raise ValueError(f"is {_spell(self.entry)}, but a number or a text such as '3.4 bar' is expected")
         return to_si(self.entry, unit or "1") if isinstance(self.entry, str) else float(self.entry)
 
+    def has_dimension_of(self, unit: str) -> bool:
+        """Return whether the file gives a unit that can be converted to another one."""
+        try:
+            self.si(unit)
+        except ValueError:
+            return False
+        return isinstance(self.entry, str)
+
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Magnitude) and self.entry == other.entry
 

@@ -12,7 +12,7 @@ class Recovery(Table):
     """Cleaning of the rail by slip energy, for the wheel that slips and for those behind it.
 
     Source: Allotta, Meli, Ridolfi and Rindi, Tribology International 69 (2014) 128; the law is in
-    `railgrip.simulate.loop.rail.Field`.
+    `railgrip.simulate.loop.rail.SlipEnergy`.
     """
 
     mu0: Friction = Field(description="maximum friction of the clean rail; where friction is higher it stays")

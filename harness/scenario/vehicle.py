@@ -120,6 +120,18 @@ Source = ModelicaPlant | FmuFile | PythonClass
 """Source of a plant."""
 
 
+def find_train(entry: Any, info: ValidationInfo) -> NamedFile | None:
+    """Return the file of a train: of this project by its name, or of the user by its path."""
+    if isinstance(entry, str) and (path := shelf("trains").get(entry)):
+        return NamedFile(entry=entry, path=path)
+    try:
+        return None if entry is None else NamedFile.find(entry, info)
+    except PydanticCustomError:
+        if isinstance(entry, str) and entry.isidentifier():  # a name, not a path
+            raise table_error(f"is '{entry}': {not_one_of('trains', entry)}") from None
+        raise
+
+
 class Vehicle(Table):
     """The plant."""
 
@@ -164,14 +176,7 @@ class Vehicle(Table):
     @field_validator("train", mode="plain", json_schema_input_type=str)
     @classmethod
     def _named_or_file(cls, entry: Any, info: ValidationInfo) -> NamedFile | None:
-        if isinstance(entry, str) and (path := shelf("trains").get(entry)):
-            return NamedFile(entry=entry, path=path)
-        try:
-            return None if entry is None else NamedFile.find(entry, info)
-        except PydanticCustomError:
-            if isinstance(entry, str) and entry.isidentifier():  # a name, not a path
-                raise table_error(f"is '{entry}': {not_one_of('trains', entry)}") from None
-            raise
+        return find_train(entry, info)
 
     @field_serializer("plant", "train")
     def _as_written(self, plant: str | NamedFile | None) -> str | None:

@@ -23,7 +23,13 @@ from railgrip.fmus.native.library import library_of
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parts import KalmanFilter
 from railgrip.scenario.quantity import in_units
-from railgrip.simulate.files import compile_class, description_of, prediction_description, units_of
+from railgrip.simulate.files import (
+    compile_class,
+    consist_description,
+    description_of,
+    prediction_description,
+    units_of,
+)
 from railgrip.simulate.loop.parts import StateEstimator
 from railgrip.simulate.prediction import (
     central_of,
@@ -219,7 +225,12 @@ def _prepare_model(
     if _kind_of(table).prediction != "fmu":
         return CasadiPrediction(model, parameters)
     groups = {group: [v.name for v in getattr(model, group)] for group in ("states", "inputs", "outputs")}
-    return _open_prediction(prediction_description(table, consist), fmus, stack, parameters=parameters, **groups)
+    if consist is not None:
+        description = consist_description(consist)
+    else:
+        assert table.model is not None  # otherwise the prediction is a ConsistPrediction
+        description = prediction_description(table.model, table.library)
+    return _open_prediction(description, fmus, stack, parameters=parameters, **groups)
 
 
 def _prediction_model(table: KalmanFilter, name: str, layout: Layout) -> Model:

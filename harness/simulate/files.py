@@ -14,7 +14,7 @@ from railgrip.fmi import Description, describe
 from railgrip.fmus.build import build_class, fmu
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.recipe import read_recipes
-from railgrip.scenario.parts import KalmanFilter
+from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import BOOLEAN
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle import FmuFile, LibraryClass, ModelicaPlant, PythonClass, RecipePlant, TrainFile
@@ -204,15 +204,16 @@ def has_contacts_of_library(scenario: Scenario) -> bool:
             return isinstance(source, TrainFile)
 
 
-def prediction_description(table: KalmanFilter, consist: Path | None = None) -> Description:
-    """Return the description of an estimator's prediction FMU: of its class, or of a ConsistPrediction."""
-    model, library = table.model, table.library
-    if model is None:
-        assert consist is not None
-        return description_of(_class_file("ConsistPrediction", consist, consist.parent.name, "me"))
+def prediction_description(model: str, library: NamedFile | None = None) -> Description:
+    """Return the description of a prediction FMU: of a recipe, or of a class in a user's library."""
     return description_of(
         recipe_file(model) if library is None else _class_file(model, library.path, library.digest(), "me")
     )
+
+
+def consist_description(source: Path) -> Description:
+    """Return the description of the prediction FMU of a train, from `CentralPrediction.source`."""
+    return description_of(_class_file(source.stem, source, source.parent.name, "me"))
 
 
 def is_trusted(scenario: Scenario) -> bool:

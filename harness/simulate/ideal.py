@@ -1,12 +1,13 @@
-"""Bounds on the performance of any controller: the ideal bound, and a controller that knows the true state.
+"""Bounds on the performance of any controller: the ideal bound, and controllers that know the true state.
 
 A scenario selects one as the kind of its controller; sensors, estimator and controller are then not used.
 
 In the stop of the ideal bound each group uses min(peak adhesion, brake limit, α_max) at every instant, and exceeds the
 brake limit while its wheelsets regain the speed that a slide took from them. No controller that keeps to α_max stops in
-a distance shorter by more than 0.1 %, on a rail that slip does not change. No real controller reaches the bound,
-because pressure takes time to build up and the peak must be found first. The train is integrated as a point mass; the
-physics comes from the plant:
+a distance shorter by more than 0.1 %. No real controller reaches the bound, because pressure takes time to build up and
+the peak must be found first. Where slip cleans the rail, the bound is optimistic (`railgrip.simulate.cleaned`), and
+`held_stop` gives distances that a controller can reach. The train is integrated as a point mass; the physics comes from
+the plant:
 
 - peak adhesion from `RailBraking.FMUs.ContactPoint`, at the scenario's friction;
 - pad friction from `RailBraking.Components.GroupBrake`, the highest that a controller can have;
@@ -15,13 +16,14 @@ physics comes from the plant:
   friction of other plants than those of this library is from the same stop.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
+import xarray
 from numpy.typing import NDArray
 
 from railgrip.base.errors import ScenarioError
@@ -30,13 +32,15 @@ from railgrip.report.stop import Stop
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.faults import READ_BY
 from railgrip.scenario.outcome import Outcome
+from railgrip.scenario.profile import Constant
 from railgrip.scenario.schema import Scenario
+from railgrip.simulate.cleaned import SLIPS_OF_TWO_MAXIMA, CleanedContact, with_energy
 from railgrip.simulate.loop.loop import Ending
 from railgrip.simulate.pads import pads_of
 from railgrip.simulate.parts import assemble, evaluate_stop
 from railgrip.simulate.vehicle import VehicleData
-from railgrip.trace.bound import regained_adhesion, with_bound
-from railgrip.trace.contact import peak
+from railgrip.trace.bound import contact_at, regained_adhesion, with_bound
+from railgrip.trace.contact import Contact, peak
 from railgrip.trace.recorder import Recorder
 from railgrip.vehicle.signals import CURVE, PLANT
 
@@ -55,10 +59,10 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     track.
 
     Raises:
-        ScenarioError: Slip changes the rail, the plant does not output its brakes, or the iteration does not converge;
-            it contracts if friction changes little with speed and position.
+        ScenarioError: There is sand, slip cleans a rail whose friction is over time, the plant does not output its
+            brakes, or the iteration does not converge; it contracts if friction changes little with speed and position.
     """
-    _require_unchanged_rail(scenario)
+    _require_known_rail(scenario)
     vehicle = VehicleData(scenario)
     formation, load, mass = vehicle.formation, vehicle.true.load, sum(vehicle.true.masses.tolist())
     speeds, friction, resistance, transfer = full_braking(scenario, vehicle, progress)
@@ -71,7 +75,8 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     recorder = Recorder((*PLANT, *vehicle.layout.signals["input"]), formation, count)
     recorder.rows[:] = np.nan  # most signals of a train do not exist for a point mass
     speed, distance, acceleration = _first_guess(scenario, time)
-    pads, bound = pads_of(vehicle, speeds, friction), None
+    contact, of_rail = _rail(vehicle)
+    pads, bound = pads_of(vehicle, contact, speeds, friction), None
     for _ in range(_ROUNDS):
         at, rows = recorder.columns, recorder.rows
         _write_motion(recorder, distance, speed, acceleration)
@@ -83,10 +88,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         rows[:, at["pad_friction"]] = pads.friction(speed, bound)
         end = _end(speed, scenario.limits.stop_speed)
         moving = end or count
-        bound = with_bound(
-            recorder.trace(moving, period), vehicle.contact, vehicle.true.brakes, scenario.limits.alpha_max,
-            vehicle.resistance_lever,
-        )  # fmt: skip
+        bound = of_rail(recorder.trace(moving, period))
         ideal, share = bound["ideal_adhesion"].values, bound["ideal_share"].values
         loads = rows[:moving, at["wheelset_load"]]
         usable = np.minimum(bound["peak_adhesion"].values, scenario.limits.alpha_max)
@@ -115,6 +117,9 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
             f"{scenario.name}: [controller] ideal_bound found no best stop in {_ROUNDS} rounds: friction changes "
             f"too much over {period:g} s; shorten [periods] communication"
         )
+    if isinstance(contact, CleanedContact):
+        here, slip = contact_at(contact.friction, bound), bound["peak_slip"].values[:, groups]
+        rows[:moving, at["mu0"]] = here(slip, speed[:moving, None], loads, rows[:moving, at["mu0"]])
     _write_motion(recorder, distance, speed, acceleration)
     samples = min(end_index or count - 1, moving - 1) + 1
     place = f"after {distance[samples - 1]:.2f} m and {time[samples - 1]:.3f} s at best."
@@ -126,14 +131,31 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     return evaluate_stop(vehicle, recorder, ending, {vehicle.file.file.name: vehicle.file})
 
 
-def _require_unchanged_rail(scenario: Scenario) -> None:
-    """Raise an error for a rail that slip changes: the best run of a wheelset then depends on those ahead of it."""
-    changes = {"[adhesion.recovery]": scenario.adhesion.cleaning is not None, "[[sanders]]": bool(scenario.sanders)}
-    for table in (table for table, present in changes.items() if present):
+def _require_known_rail(scenario: Scenario) -> None:
+    """Raise an error for a rail whose change by slip depends on more than the place."""
+    if scenario.sanders:
         raise ScenarioError(
-            f"{scenario.name}: [controller] ideal_bound is the best stop on a rail that slip does not change, and with "
-            f"{table} the friction at a wheelset depends on the slip of those ahead: remove one of them"
+            f"{scenario.name}: [controller] ideal_bound is the best stop on a known rail, and with [[sanders]] the "
+            "friction at a wheelset depends on the sand that those ahead left: remove one of them"
         )
+    adhesion = scenario.adhesion
+    if adhesion.cleaning is not None and not isinstance(adhesion, Constant) and not scenario.runs_over_distance:
+        raise ScenarioError(
+            f"{scenario.name}: [controller] ideal_bound takes friction over distance where slip cleans the rail, "
+            "because a place is then cleaned before a wheelset reaches it: leave out [adhesion.recovery], or give the "
+            'friction over = "distance"'
+        )
+
+
+def _rail(vehicle: VehicleData) -> tuple[Contact, Callable[[xarray.Dataset], xarray.Dataset]]:
+    """Return the contact on the rail of a scenario, and the function that returns a trace with the bound there."""
+    adhesion, brakes, alpha_max = vehicle.scenario.adhesion, vehicle.true.brakes, vehicle.scenario.limits.alpha_max
+    bound = partial(with_bound, brakes=brakes, alpha_max=alpha_max, resistance_lever=vehicle.resistance_lever)
+    if adhesion.cleaning is None:
+        return vehicle.contact, partial(bound, contact=vehicle.contact)
+    contact = CleanedContact(vehicle.contact, adhesion.cleaning, vehicle.curves[0])
+    search = partial(peak, slips=SLIPS_OF_TWO_MAXIMA)
+    return contact, lambda trace: bound(with_energy(trace, contact), contact, search=search)
 
 
 def full_braking(
@@ -165,6 +187,8 @@ def full_braking(
 class _Tracking:
     """Controller that knows the true state: it holds the optimum slip of every group through the given actuation.
 
+    With given slips it holds those, for any adhesion, and brakes fully a group whose slip is 1.
+
     From the torque balance of a group, J ω̇ = F r − T, with s = 1 − rω/v, slip approaches s* at the rate κ if
 
           T = F r + J/r (κ (s* − s) v − (1 − s) v̇),   F r limited by α_max
@@ -176,7 +200,7 @@ class _Tracking:
     could still do slightly better.
     """
 
-    def __init__(self, vehicle: VehicleData, recorder: Recorder) -> None:
+    def __init__(self, vehicle: VehicleData, recorder: Recorder, slips: Sequence[float]) -> None:
         """Control the stop that is written to a recorder."""
         scenario, self._formation = vehicle.scenario, vehicle.formation
         self._profile = profile_of(scenario, self._formation)
@@ -185,7 +209,8 @@ class _Tracking:
         self._limit, self._ahead = scenario.limits.alpha_max, 0.0
         if scenario.actuation.kind == "pneumatic":
             self._ahead = max(vehicle.true.valves["dead_fill"], vehicle.true.valves["dead_vent"])
-        self._due, self._slip, self._most, self._change = 0.0, np.zeros(0), np.zeros(0), np.zeros(0)
+        self._due, self._slip, self._most, self._change = 0.0, np.array(slips), np.zeros(0), np.zeros(0)
+        self._is_held = len(slips) > 0
 
     def decide(self, observation: Observation) -> tuple[float, ...]:
         """Return the demanded pressure of each group [Pa]; only the time of the observation is used."""
@@ -194,24 +219,27 @@ class _Tracking:
         if speed < _SLOWEST:
             return tuple(0.0 if brake is None else brake.pressure_max for brake in self._brakes)
         load = row[at["wheelset_load"]]
-        if observation.time >= self._due:
+        if observation.time >= self._due and not self._is_held:
             self._due = observation.time + _PEAK_PERIOD
             self._look(observation.time, distance, speed, load)
         group_load = self._formation.sum_by_group(load)
         slip, deceleration = row[at["slip"]], float(row[at["acceleration"]][0])
-        adhesion = np.where(slip < self._slip, self._most, row[at["group_adhesion"]] * self._change)
+        adhesion = row[at["group_adhesion"]]
+        if not self._is_held:
+            adhesion = np.where(slip < self._slip, self._most, adhesion * self._change)
         turning = _RATE * (self._slip - slip) * speed - (1.0 - slip) * deceleration
         force = (np.minimum(adhesion, self._limit) * group_load).tolist()
         pressures: list[float] = []
-        for brake, held, turned, friction in zip(
-            self._brakes, force, turning.tolist(), row[at["pad_friction"]].tolist(), strict=True
+        frictions, goals = row[at["pad_friction"]].tolist(), self._slip.tolist()
+        for brake, held, turned, friction, goal in zip(
+            self._brakes, force, turning.tolist(), frictions, goals, strict=True
         ):
             if brake is None:
                 pressures.append(0.0)
                 continue
             torque = held * brake.wheel_radius + brake.inertia / brake.wheel_radius * turned
             pressure = brake.pressure_of(torque / (brake.units * friction * brake.friction_radius))
-            pressures.append(min(max(pressure, 0.0), brake.pressure_max))
+            pressures.append(brake.pressure_max if goal >= 1.0 else min(max(pressure, 0.0), brake.pressure_max))
         return tuple(pressures)
 
     def _look(self, time: float, distance: float, speed: float, load: Array) -> None:
@@ -249,9 +277,22 @@ def tracking_stop(scenario: Scenario, progress: Callable[[float], None] | None =
         ScenarioError: The scenario requires something that its parts cannot do, or the plant does not output its
             brakes.
     """
+    return _stop_of_tracking(scenario, (), progress)
+
+
+def held_stop(scenario: Scenario, slips: Sequence[float]) -> Stop:
+    """Return the stop of a controller that knows the true state and holds a slip of each group, 1 for locked wheels.
+
+    Raises:
+        ScenarioError: As for `tracking_stop`.
+    """
+    return _stop_of_tracking(scenario, slips, None)
+
+
+def _stop_of_tracking(scenario: Scenario, slips: Sequence[float], progress: Callable[[float], None] | None) -> Stop:
     faults = [fault.model_dump(mode="json") for fault in scenario.faults if fault.part not in READ_BY]
     with assemble(_bare(scenario, {"faults": faults})) as parts:
-        controller = _Tracking(VehicleData(scenario), parts.recorder)
+        controller = _Tracking(VehicleData(scenario), parts.recorder, slips)
         parts = replace(parts, parts=replace(parts.parts, controller=controller))
         ending = parts.run(progress)
     stop = parts.stop(ending)

@@ -7,14 +7,14 @@ makes it:
 - Where the rail limits the group: any force up to the full one, and any disc speed up to that of rolling.
 - Where the brakes limit it: full force, and any disc speed that its wheelsets can have. Without a slide that is the
   speed of rolling less the slip at which the contact carries the brake; after a slide, less the slip behind the peak at
-  which it does; and any, until the wheelsets have regained the speed of rolling.
+  which it does; and any, until the wheelsets have regained the speed of rolling. On a rail that slip cleans, any: the
+  bound has the cleanest rail, and a wheelset may lock on a less clean one.
 
 A controller may also press with less than full force where the brakes limit, to have more friction later, but it does
 not gain by that: all effects together change friction by about a quarter, so that lost impulse returns in part only.
 """
 
 from collections.abc import Mapping
-from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -28,8 +28,9 @@ from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.vehicle import TrainFile
 from railgrip.simulate.files import compile_class
 from railgrip.simulate.vehicle import VehicleData
+from railgrip.trace.bound import contact_at
+from railgrip.trace.contact import Contact
 from railgrip.vehicle.brake import Brake
-from railgrip.vehicle.signals import CURVE
 
 Array = NDArray[np.float64]
 
@@ -75,13 +76,16 @@ class PadTable:
 class PadLimits:
     """Highest friction of the pads of each group, from the plant's parameters of pads and discs."""
 
-    def __init__(self, vehicle: VehicleData) -> None:
-        """Take the parameters of a vehicle's plant."""
+    def __init__(self, vehicle: VehicleData, contact: Contact) -> None:
+        """Take the parameters of a vehicle's plant, and the contact on the rail of the bound."""
         period = vehicle.scenario.periods.communication
-        self._vehicle, self._stride = vehicle, max(1, round(_STRIDE / period))
+        self._vehicle, self._contact, self._stride = vehicle, contact, max(1, round(_STRIDE / period))
         model = compile_class("RailBraking.Components.GroupBrake")
+        can_lock = vehicle.scenario.adhesion.cleaning is not None
         self._paths = [
-            None if brake is None else _path(model, _parameters(model, vehicle, group), brake, self._stride * period)
+            None
+            if brake is None
+            else _path(model, _parameters(model, vehicle, group), brake, self._stride * period, can_lock=can_lock)
             for group, brake in enumerate(vehicle.true.brakes)
         ]
 
@@ -119,9 +123,7 @@ class PadLimits:
         trace = bound.isel(time=slice(None, None, self._stride))
         load, mu0, peak_slip = (trace[name].values for name in ("wheelset_load", "mu0", "peak_slip"))
         speed = np.broadcast_to(trace["speed"].values[:, None], load.shape)
-        contact, group_load = vehicle.contact, vehicle.formation.sum_by_group(load)
-        if CURVE[0].name in trace:
-            contact = partial(contact, curve=np.stack([trace[signal.name].values for signal in CURVE]))
+        contact, group_load = contact_at(self._contact, trace), vehicle.formation.sum_by_group(load)
         slips = [np.ones(load.shape), *(share * peak_slip[:, vehicle.formation.group_of_wheelset] for share in _RISE)]
         forces = [vehicle.formation.sum_by_group(contact(slip, speed, load, mu0) * load) for slip in slips]
         radius, inertia = (
@@ -134,17 +136,18 @@ class PadLimits:
         return np.stack([peak_slip, *torques]).transpose(2, 0, 1)
 
 
-def pads_of(vehicle: VehicleData, speeds: Array, friction: Array) -> PadLimits | PadTable:
+def pads_of(vehicle: VehicleData, contact: Contact, speeds: Array, friction: Array) -> PadLimits | PadTable:
     """Return the limits of a plant of this library, whose parameters describe pads and discs, else the table.
 
     Args:
         vehicle: Vehicle of the plant.
+        contact: Contact on the rail of the bound.
         speeds: Rising speeds of the table, shape (k,) [m/s].
         friction: Pad friction there, shape (k, groups).
     """
     is_file = isinstance(vehicle.scenario.vehicle.source, TrainFile)
     is_known = is_file or {"mu_b_start[1]", "speed_effect", "m_disc"} <= vehicle.true.parameters.keys()
-    return PadLimits(vehicle) if is_known else PadTable(speeds, friction)
+    return PadLimits(vehicle, contact) if is_known else PadTable(speeds, friction)
 
 
 def _parameters(model: Model, vehicle: VehicleData, group: int) -> list[float]:
@@ -161,7 +164,7 @@ def _parameters(model: Model, vehicle: VehicleData, group: int) -> list[float]:
     return values
 
 
-def _path(model: Model, parameters: list[float], brake: Brake, step: float) -> _Path:
+def _path(model: Model, parameters: list[float], brake: Brake, step: float, *, can_lock: bool) -> _Path:
     """Return the states at the start and the function from states and inputs to states after a step.
 
     The states are those of the class, friction first, and two momenta [N.s] that a slide can have taken from the
@@ -203,7 +206,7 @@ def _path(model: Model, parameters: list[float], brake: Brake, step: float) -> _
     )
     largest = speed * brake.inertia / brake.wheel_radius**2
     after = ca.vertcat(
-        ca.if_else(is_limited, highest(_FORCES, 0.0), highest(np.ones(1), 1 - slip)),
+        ca.if_else(is_limited, highest(_FORCES, 0.0), highest(np.ones(1), 0.0 if can_lock else 1 - slip)),
         state[1:-2] + step * model.derivative(*at(full * used / torque, rolling))[1:],
         *(ca.fmin(ca.fmax(momentum, 0), largest) for momentum in momenta),
     )

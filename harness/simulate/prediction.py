@@ -19,6 +19,9 @@ from railgrip.vehicle.brake import pressure_of
 from railgrip.vehicle.formation import Formation, carried_mass
 from railgrip.vehicle.parameters import OF_BRAKES, masses_by_name
 
+CENTRAL = ("ConsistPrediction", "ConsistPredictionDisturbed")
+"""Predictions of a whole train: on a known track, and with gradient and bias of the accelerometer as states."""
+
 _PACKAGE = "RailBraking.Vehicles"
 _OF_WHEELSETS = frozenset({"m_unsprung", "dz", "ddz", "deflection"})
 _OF_BOGIES = frozenset({"m_frame", "I_frame", "wheelbase", "h_frame", "h_rod", "k_primary", "c_primary"})
@@ -81,10 +84,10 @@ class _Members:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CentralPrediction:
-    """A train as one prediction, for a central filter: `ConsistPrediction` with sizes and parameters.
+    """A train as one prediction, for a central filter: a class of `CENTRAL` with sizes and parameters.
 
     Attributes:
-        source: Modelica file of the class, which is named ConsistPrediction.
+        source: Modelica file of the class, named after it.
         model: The same, translated.
         parameters: Parameters of the model, by name.
         readings: Names of its outputs in the whole train: `deflection` by wheelset, not only those of bogies.
@@ -141,8 +144,13 @@ def consist_of(formation: Formation, data: Mapping[str, float]) -> Consist:
     return Consist(body=body, body_parameters=np.array(values), parts=parts)
 
 
-def central_of(formation: Formation, data: Mapping[str, float]) -> CentralPrediction:
-    """Return one prediction for the whole train; arguments, bogies and errors are those of `consist_of`."""
+def central_of(
+    formation: Formation, data: Mapping[str, float], class_name: str = "ConsistPrediction"
+) -> CentralPrediction:
+    """Return one prediction for the whole train, of a class of `CENTRAL`.
+
+    Other arguments, bogies and errors are those of `consist_of`.
+    """
     parts = [part for part in _members(formation, data) if part.bogies]
     members = _Members(
         tuple(range(formation.groups)),
@@ -150,9 +158,9 @@ def central_of(formation: Formation, data: Mapping[str, float]) -> CentralPredic
         tuple(wheelset for part in parts for wheelset in part.wheelsets),
     )
     sizes = members.sizes(formation)
-    model = _model("ConsistPrediction", *sizes)
+    model = _model(class_name, *sizes)
     return CentralPrediction(
-        source=_source("ConsistPrediction", *sizes),
+        source=_source(class_name, *sizes),
         model=model,
         parameters=members.parameters(model, formation, data),
         readings=tuple(members.name_in_train(variable.name) for variable in model.outputs),

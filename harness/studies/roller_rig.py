@@ -168,7 +168,9 @@ def with_encoder(scenario: Scenario) -> list[Row]:
         settings = settings_for(filter_, scenario.periods.communication)
         if name == "rig-own":
             settings = replace(settings, readings={**settings.readings, "speed": noise**2})
-        estimates = estimate(recording, prediction_for(filter_), settings, units=units_of(filter_.model.class_))
+        estimates = estimate(
+            recording, prediction_for(filter_), settings, units=units_of(filter_.model.prediction.model)
+        )
         rows.append(row_of(scenario, name, recording, estimates))
     return rows
 
@@ -192,7 +194,7 @@ def fit_of(case: tuple[str, float]) -> Row:
         found: list[dict[str, float]] = []
         for draw in range(1 if encoder == ENCODERS[0] else DRAWS):
             read = with_signals(recording, {"speed": (encode(speed.values, encoder, draw), "m/s")})
-            estimates = estimate(read, prediction, settings, units=units_of(specification.model.class_))
+            estimates = estimate(read, prediction, settings, units=units_of(specification.model.prediction.model))
             found.append(excursions(read, estimates, SETTLED))
         row[encoder] = float(np.median([found_["alpha_outside"] for found_ in found]))
         row[f"{encoder}, kept"] = f"{sum(bool(found_['kept']) for found_ in found)} of {len(found)}"

@@ -6,8 +6,9 @@ brake limit includes bearing and rolling resistance, which act through the conta
 constant slip: a wheelset that regains speed draws more for a moment, which `regained_adhesion` gives.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray
@@ -77,14 +78,36 @@ def regained_adhesion(
     return np.repeat(force, stride, axis=0)[: len(time)] / load
 
 
+def contact_at(
+    contact: Contact, trace: xarray.Dataset, samples: Any = slice(None), members: Any = slice(None)
+) -> Contact:
+    """Return the contact at wheelsets and samples of a trace, with their creep curves and energy on the rail, if given.
+
+    Args:
+        contact: Contact that takes `curve`, if the trace has creep curves, and `energy`, if it has `energy_ahead`.
+        trace: Trace of a stop.
+        samples: Index of samples.
+        members: Index of wheelsets.
+    """
+    place: dict[str, Array] = {}
+    if CURVE[0].name in trace:
+        place["curve"] = np.stack([trace[signal.name].values[samples][:, members] for signal in CURVE])
+    if "energy_ahead" in trace:
+        place["energy"] = trace["energy_ahead"].values[samples][:, members]
+    return partial(contact, **place) if place else contact
+
+
 def with_bound(
     trace: xarray.Dataset,
     contact: Contact,
     brakes: Sequence[Brake | None],
     alpha_max: float,
     resistance_lever: float = 0.0,
+    search: Callable[[Contact, Array, Array, Array], tuple[Array, Array]] = peak,
 ) -> xarray.Dataset:
     """Return the trace with the variables that a comparison with the ideal needs; the brake of a group may be isolated.
+
+    `search` finds the peak, as `railgrip.trace.contact.peak` does.
 
     `peak_slip`, `peak_adhesion` (time, group): of the creep curve. `brake_limit` (time, group).
     `ideal_adhesion` (time, group): the bound. `ideal_share` (time, wheelset): what each wheelset contributes
@@ -99,10 +122,9 @@ def with_bound(
     instants = np.unique(np.append(np.arange(0, len(time), max(1, round(_STRIDE / period))), len(time) - 1))
 
     peak_slip, peak_each = np.empty((len(time), formation.groups)), np.empty(load.shape)
-    curve = np.stack([trace[signal.name].values for signal in CURVE]) if CURVE[0].name in trace else None
     for group, members in enumerate(formation.members()):
-        here = contact if curve is None else partial(contact, curve=curve[:, instants, members])
-        slip, each = peak(here, speed[instants], load[instants, members], mu0[instants, members])
+        here = contact_at(contact, trace, instants, members)
+        slip, each = search(here, speed[instants], load[instants, members], mu0[instants, members])
         peak_slip[:, group] = np.interp(time, time[instants], slip)
         for number, member in enumerate(range(members.start, members.stop)):
             peak_each[:, member] = np.interp(time, time[instants], each[:, number])

@@ -12,12 +12,12 @@ Contact = Callable[..., Array]
 
 One that can do so takes `curve` with Polach's k_A, k_S, A and B [s/m] of each element, shape (4, …)."""
 
-_SLIPS = np.geomspace(1e-4, 1.0, 33)  # the narrowest published curve peaks near 3e-3; 1 is a locked wheel
+SLIPS = np.geomspace(1e-4, 1.0, 33)  # the narrowest published curve peaks near 3e-3; 1 is a locked wheel
 _GOLDEN = (np.sqrt(5) - 1) / 2
 _REFINEMENTS = 9  # shrinks the bracket of ±1 grid step to 0.8 % of the slip; a parabola does the rest
 
 
-def peak(contact: Contact, speed: Array, load: Array, mu0: Array) -> tuple[Array, Array]:
+def peak(contact: Contact, speed: Array, load: Array, mu0: Array, slips: Array = SLIPS) -> tuple[Array, Array]:
     """Return the best common slip of wheelsets that turn as one, and the adhesion of each at it.
 
     The best of a logarithmic grid of slips, refined by golden section on its logarithm and by a parabola through the
@@ -29,6 +29,7 @@ def peak(contact: Contact, speed: Array, load: Array, mu0: Array) -> tuple[Array
         speed: Of the train, shape (n,) [m/s].
         load: Of each wheelset, shape (n, k) [N].
         mu0: Maximum friction at each wheelset, shape (n, k).
+        slips: The grid, an odd number of slips, rising.
 
     Returns:
         Slip, shape (n,), and adhesion, shape (n, k).
@@ -41,7 +42,7 @@ def peak(contact: Contact, speed: Array, load: Array, mu0: Array) -> tuple[Array
     def force(log_slip: Array) -> Array:
         return np.sum(adhesion(log_slip) * load, axis=1)
 
-    grid, every = np.log(_SLIPS), np.arange(len(speed))
+    grid, every = np.log(slips), np.arange(len(speed))
     last = len(grid) - 1
     # Every other slip first, then the neighbours of the best.
     coarse = np.stack([force(np.full(speed.shape, point)) for point in grid[::2]])

@@ -1,4 +1,4 @@
-"""Projects of a few files, and the command line over a runner that needs no FMU."""
+"""Small projects, and the command line with a runner that needs no FMU."""
 
 import os
 import signal
@@ -14,7 +14,7 @@ import railgrip.scenario
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 ROOT = Path(__file__).parents[2]
 
-# As `python -m railgrip`, but that a stop comes from tests/synthetic_runner.py.
+# Like `python -m railgrip`, except that stops come from tests/synthetic_runner.py.
 PROGRAM = """
 import sys, synthetic_runner
 sys.modules["railgrip.simulate.run"] = synthetic_runner
@@ -48,7 +48,7 @@ def project(tmp_path):
 
 @pytest.fixture
 def railgrip(project, monkeypatch, command):
-    """Run a command in the project, in this process; campaigns start theirs all the same."""
+    """Run a command in the project, in this process; campaigns still start worker processes."""
     monkeypatch.chdir(project)
     monkeypatch.setattr("railgrip.simulate.run.run_stop", synthetic_runner.run_stop)
     return command
@@ -56,7 +56,7 @@ def railgrip(project, monkeypatch, command):
 
 @pytest.fixture
 def program(project):
-    """Start the command line in the project as a process group of its own, as a shell does."""
+    """Start the command line in the project as a separate process group, as a shell does."""
     processes = []
 
     def start(*arguments):
@@ -67,7 +67,7 @@ def program(project):
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
-            start_new_session=True,  # so that a Ctrl-C of the test reaches the workers, too, as a terminal's would
+            start_new_session=True,  # so that a Ctrl-C sent by the test also reaches the workers, as in a terminal
         )
         processes.append(process)
         return process

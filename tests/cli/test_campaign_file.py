@@ -1,4 +1,4 @@
-"""A campaign file is every combination it names, and refuses what would silently match nothing."""
+"""A campaign file yields every combination that it names; an entry that would match nothing is refused."""
 
 import json
 import time
@@ -28,7 +28,7 @@ def test_stops_are_the_product_of_axes_and_sweeps(project):
     assert plan.stops[-1].scenario.seed == 2
 
 
-def test_a_variant_may_be_a_file_beside_the_campaign(project):
+def test_a_variant_may_be_a_file_next_to_the_campaign(project):
     (project / "slow.toml").write_text('[start]\nspeed = "18 km/h"\n', encoding="utf-8")
     plan = campaign(project, '[axes.pace]\nslow = "slow.toml"\nquick = { start.speed = 20 }\n')
     assert {stop.name: stop.scenario.start.speed for stop in plan.stops} == {"wet-slow": 5.0, "wet-quick": 20.0}
@@ -45,7 +45,7 @@ def test_exclusions_and_references_match_by_axis(project):
     assert [bool(plan.reference_for(stop)) for stop in plan.stops] == [True, True, False]
 
 
-def test_draws_are_one_stop_a_seed_of_what_they_match_and_keep_figures_only(project):
+def test_each_matching_stop_is_repeated_for_each_drawn_seed_without_a_trace(project):
     plan = campaign(
         project,
         '[draws]\nfirst = 3\nlast = 5\nmatch = { rail = "drawn" }\n'
@@ -57,11 +57,11 @@ def test_draws_are_one_stop_a_seed_of_what_they_match_and_keep_figures_only(proj
     assert [stop.variants["draw"] for stop in drawn] == ["3", "4", "5", "3", "4", "5"]
     assert [stop.scenario.start.speed for stop in drawn][:3] == [10, 10, 10]
     assert not any(stop.keep_trace for stop in drawn)
-    # What is not drawn is one stop with its own seed, and keeps its samples.
+    # Stops that do not match the draws run once, with their own seed, and keep their traces.
     assert [(stop.scenario.seed, stop.keep_trace) for stop in plan.stops if stop not in drawn] == [(7, True)] * 2
 
 
-def test_an_expected_outcome_is_that_of_the_first_entry_that_matches(project):
+def test_the_first_matching_entry_gives_the_expected_outcome(project):
     plan = campaign(
         project,
         "[axes.e.a]\n[axes.e.b]\nseed = 4\n[draws]\nfirst = 1\nlast = 2\nmatch = { e = 'a' }\n"
@@ -73,7 +73,7 @@ def test_an_expected_outcome_is_that_of_the_first_entry_that_matches(project):
     }  # fmt: skip
 
 
-def test_a_drawn_scenario_is_what_the_file_with_that_seed_says(project):
+def test_a_drawn_scenario_equals_the_file_with_that_seed(project):
     (drawn,) = campaign(project, "[draws]\nfirst = 42\nlast = 42\n").stops
     (written,) = campaign(project, "[sweep]\nseed = [42]\n").stops
     assert drawn.scenario.digest() == written.scenario.digest()
@@ -126,7 +126,7 @@ def test_a_missing_scenario_of_a_campaign_is_named(project):
 
 
 @pytest.mark.usefixtures("in_process")
-def test_some_stops_are_repeated_again_and_the_others_stay(railgrip, project):
+def test_selected_stops_are_repeated_and_the_others_kept(railgrip, project):
     text = (project / "pair.toml").read_text(encoding="utf-8")
     (project / "pair.toml").write_text(f'conditioning = "pair.json"\n{text}', encoding="utf-8")
     file = project / "pair.json"
@@ -160,11 +160,11 @@ MANY = {
 
 
 @pytest.mark.parametrize("lines", MANY.values(), ids=MANY)
-def test_a_campaign_of_too_many_stops_is_refused_before_they_are_made(project, lines):
+def test_a_campaign_of_too_many_stops_is_refused_before_any_is_created(project, lines):
     begin = time.monotonic()
     with pytest.raises(ScenarioError, match=r"campaign.toml: has .* a campaign may have 100,000"):
         campaign(project, "\n".join(lines))
-    assert time.monotonic() - begin < 5.0  # a million draws take longer when each is made
+    assert time.monotonic() - begin < 5.0  # a million draws would take longer if each were created
 
 
 @pytest.mark.parametrize("last", [2**63, 2**70, 10**400], ids=["2^63", "2^70", "10^400"])
@@ -173,6 +173,6 @@ def test_draws_beyond_the_largest_seed_are_refused_with_their_key(project, last)
         campaign(project, f"[draws]\nfirst = {last}\nlast = {last}")
 
 
-def test_entries_by_the_thousand_are_refused(project):
+def test_thousands_of_entries_are_refused(project):
     with pytest.raises(ScenarioError, match="exclude"):
         campaign(project, "[axes.e.a]\n" + '[[exclude]]\ne = "a"\n' * 2000)

@@ -1,4 +1,4 @@
-"""Stops on a Dask cluster: what a lost worker was doing is done by another, and results come back to one place."""
+"""Stops on a Dask cluster: another worker repeats the work of a lost one, and results are collected in one place."""
 
 import math
 import os
@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-# Where `make install` has it: beside the environment, not in it.
+# `make install` puts Dask here: next to the environment, not into it.
 sys.path.append(str(Path(sys.prefix) / "cluster"))
 
 from distributed import LocalCluster
@@ -35,19 +35,19 @@ seed = [1, 2, 3, 4, 5, 6]
 
 
 def slowly(scenario, progress=None, notify=lambda sentence: None):
-    """Run the stop that `synthetic_runner` has, after a moment in which its worker may be killed."""
+    """Run the stop of `synthetic_runner` after a delay in which its worker may be killed."""
     time.sleep(0.5)
     return run_stop(scenario)
 
 
 @pytest.fixture(scope="module")
 def two_workers():
-    """A cluster that starts another worker for one that is killed."""
+    """A cluster that replaces a killed worker."""
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster_here:
         yield cluster_here
 
 
-def test_a_worker_that_is_killed_loses_nothing(project, two_workers, tmp_path):
+def test_a_killed_worker_loses_no_results(project, two_workers, tmp_path):
     (project / "few.toml").write_text(LINES, encoding="utf-8")
     campaign = load_campaign(project / "few.toml")
     victims = []
@@ -66,11 +66,11 @@ def test_a_worker_that_is_killed_loses_nothing(project, two_workers, tmp_path):
         assert read_stop(tmp_path / "out" / stop.name).digest == stop.scenario.digest()
     repeats = []
     run_campaigns([CampaignRun(campaign, tmp_path / "out")], slowly, scheduler="tcp://nobody:1", notify=repeats.append)
-    assert {report.state for report in repeats} == {"found"}  # so nobody was asked
+    assert {report.state for report in repeats} == {"found"}  # so no scheduler was contacted
 
 
-def test_a_scheduler_that_is_killed_loses_nothing(project, tmp_path, capfd):
-    """Finished stops stay, the others are reported in a sentence, and the next run does only these."""
+def test_a_killed_scheduler_loses_no_results(project, tmp_path, capfd):
+    """Finished stops are kept, the others are reported in one sentence, and the next run executes only these."""
     (project / "few.toml").write_text(LINES, encoding="utf-8")
     campaign = load_campaign(project / "few.toml")
     with socket.socket() as free:
@@ -94,9 +94,11 @@ def test_a_scheduler_that_is_killed_loses_nothing(project, tmp_path, capfd):
             worker.kill()
     states = [report.state for report in first]
     assert states.count("done") >= 1
-    lost = [report for report in first if report.state != "done"]
-    assert lost
-    assert all("the Dask scheduler ended; start it and its workers and repeat" in report.sentence for report in lost)
+    unfinished = [report for report in first if report.state != "done"]
+    assert unfinished
+    assert all(
+        "the Dask scheduler ended; start it and its workers and repeat" in report.sentence for report in unfinished
+    )
     assert "Traceback" not in capfd.readouterr().err
     repeated: list[Any] = []
     run_campaigns([CampaignRun(campaign, tmp_path / "out")], slowly, workers=1, notify=repeated.append)
@@ -104,15 +106,15 @@ def test_a_scheduler_that_is_killed_loses_nothing(project, tmp_path, capfd):
     assert len(list((tmp_path / "out").glob("*/stop.json"))) == 6
 
 
-def test_cases_of_a_study_run_there_and_are_kept_here(two_workers, own_cache):
+def test_cases_of_a_study_run_on_the_cluster_and_are_kept_locally(two_workers, own_cache):
     for _ in range(2):
         with work("lateral", scheduler=two_workers.scheduler_address) as own:
             assert own.map(math.sqrt, [4.0, 9.0]) == [2.0, 3.0]
-            made = own.run_count
-    assert made == 0
+            run_count = own.run_count
+    assert run_count == 0
 
 
-def test_who_does_not_answer_and_workers_with_threads_are_refused(monkeypatch):
+def test_a_silent_scheduler_and_multithreaded_workers_are_refused(monkeypatch):
     monkeypatch.setattr("railgrip.campaign.workers._ANSWER", 1.0)
     with pytest.raises(InputError, match="no Dask scheduler answers there"), cluster("tcp://127.0.0.1:1"):
         pass
@@ -124,8 +126,8 @@ def test_who_does_not_answer_and_workers_with_threads_are_refused(monkeypatch):
         pass
 
 
-def test_a_scheduler_without_workers_is_told_of_and_not_waited_for_for_ever(project, tmp_path, monkeypatch, capfd):
-    """The sentence comes once, the end after the limit, and the command may be repeated."""
+def test_a_scheduler_without_workers_is_reported_and_the_wait_is_limited(project, tmp_path, monkeypatch, capfd):
+    """The warning is printed once, the command ends after the limit, and it can be repeated."""
     monkeypatch.setattr("railgrip.campaign.workers._ANSWER", 1.0)
     monkeypatch.setattr("railgrip.campaign.workers._WITHOUT_WORKERS", 3.0)
     (project / "few.toml").write_text(LINES, encoding="utf-8")
@@ -135,7 +137,7 @@ def test_a_scheduler_without_workers_is_told_of_and_not_waited_for_for_ever(proj
         begin = time.monotonic()
         with pytest.raises(RailgripError, match="has had no worker for 3 s; start some with `dask worker") as end:
             run_campaigns([CampaignRun(campaign, tmp_path / "out")], slowly, scheduler=address, notify=lambda _: None)
-        # Longer than the limit, and far shorter than for ever: a busy machine may take its time.
+        # The wait is longer than the limit and bounded; a busy machine may need more time.
         assert 3.0 < time.monotonic() - begin < 60.0
         assert end.value.exit_code == 3
         assert capfd.readouterr().err.count(f"--scheduler {address}: has no worker; waiting 3 s for one") == 1
@@ -143,7 +145,7 @@ def test_a_scheduler_without_workers_is_told_of_and_not_waited_for_for_ever(proj
 
 def test_a_campaign_of_the_command_line_runs_on_the_cluster(project, two_workers, tmp_path, monkeypatch):
     monkeypatch.setattr("railgrip.cli.campaigns.runner", lambda import_from: slowly)
-    monkeypatch.setattr("railgrip.campaign.workers.workers", None)  # no process may be started here
+    monkeypatch.setattr("railgrip.campaign.workers.workers", None)  # no local process may be started
     (project / "few.toml").write_text(LINES, encoding="utf-8")
     arguments = ["campaign", str(project / "few.toml"), "--out", str(tmp_path / "out"), "--panels", "none"]
     with pytest.raises(SystemExit) as end:

@@ -1,4 +1,4 @@
-"""The command line: 0 a result, 2 a wrong question, 3 a run that failed; always a sentence, never a traceback."""
+"""Exit codes: 0 for a result, 2 for a wrong input, 3 for a failed run; always a sentence, never a traceback."""
 
 import json
 import os
@@ -20,7 +20,7 @@ from railgrip.scenario.campaign import load_campaign
 
 
 def rewrite(project, old, new):
-    """Replace a text of pair.toml, which must be in it."""
+    """Replace a text that pair.toml must contain."""
     path = project / "pair.toml"
     text = path.read_text(encoding="utf-8")
     assert old in text
@@ -42,7 +42,7 @@ def test_a_run_prints_its_distance_and_keeps_its_result(railgrip, project):
 
 
 @pytest.mark.usefixtures("blank_figures")
-def test_each_scenario_has_a_folder_of_its_own_and_pages_stay_with_their_stops(railgrip, project):
+def test_each_scenario_has_a_separate_folder_and_pages_stay_with_their_stops(railgrip, project):
     faster = ("run", "wet.toml", "--set", "start.speed=100 km/h")
     assert railgrip("run", "wet.toml").code == 0
     (first,) = (project / "build/runs").iterdir()
@@ -55,7 +55,7 @@ def test_each_scenario_has_a_folder_of_its_own_and_pages_stay_with_their_stops(r
     assert (first / "index.html").read_text(encoding="utf-8") == page
 
 
-def test_a_folder_without_a_digest_is_told_where_the_runs_of_that_name_are(railgrip, project):
+def test_a_folder_without_a_digest_leads_to_the_runs_of_that_name(railgrip, project):
     assert railgrip("run", "wet.toml").code == 0
     (folder,) = (project / "build/runs").iterdir()
     result = railgrip("report", "build/runs/wet")
@@ -64,7 +64,7 @@ def test_a_folder_without_a_digest_is_told_where_the_runs_of_that_name_are(railg
 
 
 @pytest.mark.usefixtures("in_process", "blank_figures")
-def test_a_stop_is_not_written_into_a_campaign_whose_page_shows_another(railgrip, project):
+def test_a_stop_is_not_written_into_the_folder_of_a_campaign(railgrip, project):
     assert railgrip("campaign", "pair.toml", "--out", "out").code == 0
     result = railgrip("run", "wet.toml", "--set", "description=break", "--out", "out/wet-sbc")
     assert result.code == 2
@@ -73,7 +73,7 @@ def test_a_stop_is_not_written_into_a_campaign_whose_page_shows_another(railgrip
         synthetic_runner.run_stop(load_campaign(project / "pair.toml").stops[0].scenario).write("out/wet-sbc")
 
 
-def test_a_stop_that_ends_badly_is_kept_and_exits_3(railgrip, project):
+def test_a_stop_that_fails_is_kept_and_exits_3(railgrip, project):
     result = railgrip("run", "wet.toml", "--set", "description=slide", "--out", "here")
     assert result.code == 3
     assert "no braking distance, the stop ended with horizon: Still moving at 3 m/s." in result.err
@@ -104,7 +104,7 @@ def test_a_stop_that_ends_badly_is_kept_and_exits_3(railgrip, project):
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
-def test_a_wrong_question_exits_2_with_a_sentence(railgrip, arguments, sentence):
+def test_a_wrong_input_exits_2_with_a_sentence(railgrip, arguments, sentence):
     result = railgrip(*arguments)
     assert result.code == 2
     assert sentence in result.err
@@ -113,7 +113,7 @@ def test_a_wrong_question_exits_2_with_a_sentence(railgrip, arguments, sentence)
 
 
 @pytest.mark.parametrize("arguments", [("run", "wet.toml"), ("campaign", "pair.toml")], ids=" ".join)
-def test_results_that_cannot_be_written_are_told_before_anything_runs(railgrip, project, arguments):
+def test_an_unwritable_result_is_reported_before_anything_runs(railgrip, project, arguments):
     (project / "taken").write_text("a file", encoding="utf-8")
     result = railgrip(*arguments, "--set", "description=break", "--out", "taken/out")
     assert result.code == 2
@@ -131,20 +131,20 @@ def test_results_that_cannot_be_written_are_told_before_anything_runs(railgrip, 
     ],
     ids=lambda value: value if isinstance(value, str) else " ".join(value),
 )
-def test_a_folder_where_a_file_goes_is_found_before_anything_runs(railgrip, project, arguments, place):
+def test_a_folder_in_the_place_of_a_file_is_reported_before_anything_runs(railgrip, project, arguments, place):
     (project / "out" / place).mkdir(parents=True)
     result = railgrip(*arguments, "--set", "description=break", "--out", "out")
     assert result.code == 2
     assert f"{Path('out') / place}: a file is to be written there, and it is a folder" in result.err
 
 
-def test_a_mistake_of_the_program_is_not_dressed_up(railgrip):
+def test_a_programming_error_is_not_caught(railgrip):
     with pytest.raises(RuntimeError, match="a mistake of the program"):
         railgrip("run", "wet.toml", "--set", "description=break")
 
 
 @pytest.mark.usefixtures("blank_figures")
-def test_a_campaign_goes_on_where_it_was_left(railgrip, project):
+def test_an_interrupted_campaign_resumes(railgrip, project):
     result = railgrip("campaign", "pair.toml", "--out", "out", "--panels", "abc")
     assert result.code == 0, result.err
     assert stops_in(project / "out") == ["wet-abc", "wet-sbc"]
@@ -165,8 +165,8 @@ def test_a_campaign_goes_on_where_it_was_left(railgrip, project):
 
 
 @pytest.mark.usefixtures("in_process", "blank_figures")
-def test_two_campaigns_in_one_command_have_a_report_each(railgrip, project):
-    """The second says itself that it wants no panels: its two stops have no page."""
+def test_two_campaigns_in_one_command_have_separate_reports(railgrip, project):
+    """The second campaign file requests no panels, so its two stops have no pages."""
     text = (project / "pair.toml").read_text(encoding="utf-8")
     (project / "other.toml").write_text('panels = "none"\n' + text.replace('"pair"', '"other"'), encoding="utf-8")
     result = railgrip("campaign", "pair.toml", "other.toml", "--out", "both")
@@ -179,7 +179,7 @@ def test_two_campaigns_in_one_command_have_a_report_each(railgrip, project):
     assert result.out.count("ABC changes the distance by −15.8 % in one stop. 2 of 2 stops come to a standstill.") == 2
 
 
-def test_what_another_scenario_or_another_program_left_is_run_again(project, monkeypatch):
+def test_results_of_another_scenario_or_program_version_are_run_again(project, monkeypatch):
     stop = load_campaign(project / "pair.toml").stops[0]
     directory = project / "there"
     assert find_result(stop, directory) is None
@@ -191,7 +191,7 @@ def test_what_another_scenario_or_another_program_left_is_run_again(project, mon
 
 
 @pytest.mark.parametrize("name", ["python", "casadi", "numpy", "fmpy", "scipy", "rumoca", "C compiler", "FMU compiler"])
-def test_what_another_package_or_compiler_made_is_run_again(project, monkeypatch, name):
+def test_results_of_another_package_version_or_compiler_are_run_again(project, monkeypatch, name):
     stop = load_campaign(project / "pair.toml").stops[0]
     directory = project / "there"
     run(stop.scenario, directory, synthetic_runner.run_stop)
@@ -206,7 +206,7 @@ def cut_in_half(path):
 
 
 def swap_a_sample(path):
-    """HDF5 says nothing of a bit that is another one."""
+    """Flip a bit; HDF5 does not notice."""
     content = bytearray(path.read_bytes())
     content[len(content) // 2] ^= 1
     path.write_bytes(content)
@@ -229,7 +229,7 @@ def shorten_the_distance(path):
         ("trace.nc", Path.unlink, "trace.nc: there is no such trace"),
     ],
 )
-def test_a_result_that_is_not_as_written_is_run_again_and_told(railgrip, project, name, damage, sentence):
+def test_a_damaged_result_is_reported_and_run_again(railgrip, project, name, damage, sentence):
     assert railgrip("campaign", "pair.toml", "--out", "out", "--panels", "none").code == 0
     path = project / "out" / "wet-sbc" / name
     whole, table = path.read_bytes(), (project / "out" / "pair.json").read_bytes()
@@ -243,7 +243,7 @@ def test_a_result_that_is_not_as_written_is_run_again_and_told(railgrip, project
     assert "is run again" not in railgrip("campaign", "pair.toml", "--out", "out", "--panels", "none").err
 
 
-def test_a_report_is_not_made_of_a_result_that_was_changed(railgrip, project):
+def test_no_report_is_made_from_a_changed_result(railgrip, project):
     assert railgrip("run", "wet.toml", "--out", "out").code == 0
     shorten_the_distance(project / "out" / "stop.json")
     result = railgrip("report", "out")
@@ -251,8 +251,8 @@ def test_a_report_is_not_made_of_a_result_that_was_changed(railgrip, project):
 
 
 @pytest.mark.usefixtures("blank_figures")
-def test_another_stop_in_a_folder_takes_the_page_of_the_first_with_it(railgrip, project):
-    """One that is refused leaves the earlier result as it was: nothing is removed before there is a new one."""
+def test_another_stop_in_the_same_folder_removes_the_page_of_the_first(railgrip, project):
+    """A refused stop leaves the earlier result unchanged: nothing is removed before a new result exists."""
     assert railgrip("run", "wet.toml", "--out", "out").code == 0
     assert railgrip("report", "out").code == 0
     assert sorted(path.name for path in (project / "out").iterdir()) == [
@@ -262,13 +262,13 @@ def test_another_stop_in_a_folder_takes_the_page_of_the_first_with_it(railgrip, 
     assert sorted(path.name for path in (project / "out").iterdir()) == [RECORD, "stop.json", "trace.nc"]
     assert railgrip("report", "out").code == 0
     assert railgrip("run", "wet.toml", "--set", "description=refuse", "--out", "out").code == 2
-    # The earlier result stays where there is no new one.
+    # Without a new result the earlier one stays.
     assert {path.name for path in (project / "out").iterdir()} >= {"index.html", "stop.json", "trace.nc"}
 
 
 @pytest.mark.usefixtures("in_process", "blank_figures")
-def test_pages_of_a_campaign_stay_until_it_has_new_results(railgrip, project):
-    """Its second run ends by a mistake of the program, so no new page takes the place of the old one."""
+def test_pages_of_a_campaign_are_removed_only_when_it_has_new_results(railgrip, project):
+    """The second run fails with a programming error, so no new page replaces the old one."""
     assert railgrip("campaign", "pair.toml", "--out", "out").code == 0
     pages = ["index.html", "pair.json", "pair.md", "figures"]
     assert all((project / "out" / name).exists() for name in pages)
@@ -278,7 +278,7 @@ def test_pages_of_a_campaign_stay_until_it_has_new_results(railgrip, project):
 
 
 @pytest.mark.usefixtures("in_process", "blank_figures")
-def test_a_stop_a_campaign_and_another_campaign_do_not_share_a_folder(railgrip, project):
+def test_a_stop_and_two_campaigns_do_not_share_a_folder(railgrip, project):
     text = (project / "pair.toml").read_text(encoding="utf-8")
     (project / "other.toml").write_text(text.replace('"pair"', '"other"'), encoding="utf-8")
     assert railgrip("campaign", "pair.toml", "--out", "many", "--panels", "none").code == 0
@@ -309,10 +309,10 @@ EXPECTED = '\n[[expected]]\nmatch = {{ controller = "{}" }}\noutcome = "horizon"
         (("sbc",), ("abc",), 3, ["wet-abc: the outcome is standstill, ", "wet-sbc: the outcome is horizon, "]),
     ],
 )
-def test_the_exit_code_says_whether_outcomes_are_those_expected_each_time(
+def test_the_exit_code_of_each_run_says_whether_outcomes_are_as_expected(
     railgrip, project, sliding, expected, code, told
 ):
-    """The second time nothing is run: the same results, the same sentences, the same code."""
+    """The second time nothing runs, and results, messages and exit code are the same."""
     text = (project / "pair.toml").read_text(encoding="utf-8")
     for variant, kind in (("sbc", "slip_two_state"), ("abc", "adhesion_based")):
         if variant in sliding:
@@ -330,7 +330,7 @@ def test_the_exit_code_says_whether_outcomes_are_those_expected_each_time(
 
 
 @pytest.mark.usefixtures("in_process", "blank_figures")
-def test_one_refused_stop_does_not_take_the_others_with_it(railgrip, project):
+def test_a_refused_stop_does_not_prevent_the_others(railgrip, project):
     rewrite(project, 'kind = "slip_two_state"', 'kind = "slip_two_state"\ndescription = "refuse"')
     result = railgrip("campaign", "pair.toml", "--out", "out", "--panels", "abc")
     assert result.code == 2
@@ -347,11 +347,11 @@ def is_alive(group):
     return True
 
 
-def test_ctrl_c_leaves_what_had_finished_and_nothing_half_written(program, project):
+def test_ctrl_c_keeps_finished_stops_and_leaves_no_partial_files(program, project):
     marker = project / "running"
     rewrite(project, 'kind = "adhesion_based"', f'kind = "adhesion_based"\ndescription = "wait {marker}"')
     process = program("campaign", "pair.toml", "--out", "out", "--panels", "abc")
-    patience = time.monotonic() + 600  # against hanging for ever; the stop itself waits for the signal
+    patience = time.monotonic() + 600  # so that the test cannot hang; the stop itself waits for the signal
     while not (marker.exists() and stops_in(project / "out") == ["wet-sbc"]):
         assert process.poll() is None, process.communicate()
         assert time.monotonic() < patience
@@ -363,7 +363,7 @@ def test_ctrl_c_leaves_what_had_finished_and_nothing_half_written(program, proje
     assert "Traceback" not in err
     assert stops_in(project / "out") == ["wet-sbc"]
     assert list((project / "out").rglob("*.partial")) == []
-    # Python's own resource tracker ends a moment after its parent; a worker would sleep for an hour.
+    # Python's resource tracker ends shortly after its parent; a worker would sleep for an hour.
     patience = time.monotonic() + 600
     while is_alive(process.pid):
         assert time.monotonic() < patience, "a worker was left behind"
@@ -379,7 +379,7 @@ def baselines(project):
 
 
 @pytest.mark.usefixtures("in_process", "blank_figures")
-def test_a_baseline_is_accepted_with_a_reason_kept_and_missed(railgrip, project, baselines):
+def test_a_baseline_is_accepted_with_a_reason_met_and_missed(railgrip, project, baselines):
     where = ("--baselines", "baselines", "--out", "out")
     new = railgrip("maintain", "regress", *where)
     assert new.code == 3

@@ -1,4 +1,4 @@
-"""The commands themselves: imported when they are called, found under one name each, quiet or verbose."""
+"""Commands are imported only when called, have one name each, and print as much as requested."""
 
 import logging
 import os
@@ -36,11 +36,11 @@ def _as_before():
 def test_the_help_of_a_command_begins_with_its_summary(path, command):
     loaded = ALL[path].load(path[-1])
     assert " ".join(loaded.help.split()).startswith(ALL[path].summary)
-    shown = command(*path, "--help")
-    assert shown.code == 0
-    assert "Usage:" in shown.out
-    assert "--quiet" in shown.out
-    assert "harness/" not in shown.out
+    output = command(*path, "--help")
+    assert output.code == 0
+    assert "Usage:" in output.out
+    assert "--quiet" in output.out
+    assert "harness/" not in output.out
 
 
 @pytest.mark.parametrize(
@@ -48,13 +48,13 @@ def test_the_help_of_a_command_begins_with_its_summary(path, command):
     [("k-factors", "study k_factors"), ("lateral", "study lateral"), ("type-test", "study type_test"),
      ("field", "study field_test"), ("bench", "study bench"), ("maintain acept", "maintain accept")],
 )  # fmt: skip
-def test_a_command_of_another_group_is_refused_with_its_whole_words(typed, found, command):
+def test_a_command_of_another_group_is_refused_with_its_full_name(typed, found, command):
     refused = command(*typed.split(), "--out", "here")
     assert refused.code == 2
     assert f"did you mean `railgrip {found}`?" in refused.err
 
 
-def test_commands_of_users_come_before_those_of_maintainers():
+def test_commands_for_users_are_listed_before_those_for_maintainers():
     names = [path[0] for path in ALL if len(path) == 1]
     assert names[0] == "run"
     assert names[-1] == "maintain"
@@ -62,7 +62,7 @@ def test_commands_of_users_come_before_those_of_maintainers():
 
 @pytest.mark.parametrize("place", [0, 1, 2, 3], ids=str)
 @pytest.mark.parametrize(("option", "level"), [("-q", logging.WARNING), ("--verbose", logging.DEBUG)])
-def test_global_options_work_in_front_of_a_command_and_behind_it(option, level, place, command):
+def test_global_options_work_before_and_after_a_command(option, level, place, command):
     words = ["train", "check", "emu387"]
     words.insert(place, option)
     assert command(*words).code == 0
@@ -89,7 +89,7 @@ finally: print(*sys.modules, file=sys.stderr)
     ids=str,
 )
 def test_the_shell_completes_commands_and_names_of_the_library(words, expected):
-    """As bash asks for them."""
+    """With the environment variables that bash sets."""
     variables = {
         "_RAILGRIP_COMPLETE": "complete_bash",
         "COMP_WORDS": " ".join(words),
@@ -98,7 +98,7 @@ def test_the_shell_completes_commands_and_names_of_the_library(words, expected):
     command = [sys.executable, "-c", COMPLETE]
     done = subprocess.run(command, env=os.environ | variables, capture_output=True, text=True, check=False)
     assert done.stdout.split() == [expected], done.stderr
-    if words == ["railgrip", "camp"]:  # of the program itself: no command is imported
+    if words == ["railgrip", "camp"]:  # completion of the program's own commands imports none of them
         assert HEAVY.isdisjoint(done.stderr.split())
 
 

@@ -1,4 +1,4 @@
-"""What people are told, where somebody watches and where nobody does."""
+"""Console output, on a terminal and without one."""
 
 import os
 import pty
@@ -14,8 +14,8 @@ from railgrip.report.table import ReportTable
 HEAVY = {"casadi", "h5py", "matplotlib", "numpy", "pandas", "pint", "scipy", "xarray"}
 
 
-def test_help_loads_nothing_that_a_stop_needs():
-    """These take seconds, and nobody who asks for help waits for a plant."""
+def test_help_imports_no_heavy_library():
+    """These imports take seconds, and help needs none of them."""
     ask = "import sys; from railgrip.__main__ import main\ntry: main(['--help'])\nfinally: print(*sys.modules)"
     result = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=False)
     assert "campaign" in result.stdout
@@ -24,13 +24,13 @@ def test_help_loads_nothing_that_a_stop_needs():
 
 
 @pytest.mark.parametrize("text", ["gone:x:.toml", "[red]gone[/red].toml", "gone[/].toml"])
-def test_what_users_wrote_is_shown_as_it_is(railgrip, text):
+def test_text_of_users_is_printed_unchanged(railgrip, text):
     result = railgrip("run", text)
     assert result.code == 2
     assert f"{text}: there is no such file" in result.err
 
 
-def test_cells_of_a_table_are_shown_as_they_are(capfd):
+def test_cells_of_a_table_are_printed_unchanged(capfd):
     console.show_table(ReportTable([{"a :x:": "[bold]:x:", "b": "[/]"}], title=":x: [red]t"))
     out = capfd.readouterr().out
     assert ":x: [red]t" in out
@@ -58,20 +58,20 @@ def test_a_table_wider_than_the_screen_keeps_all_columns(monkeypatch, capfd, wid
         ({}, "table1 :x:: drawing [a], "),
     ],
 )
-def test_where_nobody_watches_a_line_comes_now_and_then(monkeypatch, capfd, settings, line):
+def test_without_a_terminal_progress_is_printed_now_and_then(monkeypatch, capfd, settings, line):
     monkeypatch.setattr(console, "REMINDER", 0.02)
     before = threading.active_count()
     with console.progress("table1 :x:", **settings) as bar:
         bar.advance()
         bar.advance("drawing [a]")
         err = ""
-        while line not in err:  # else the test hangs, which is a failure, too
+        while line not in err:  # otherwise the test hangs, which is also a failure
             err += capfd.readouterr().err
     assert "\x1b" not in err
     assert threading.active_count() == before
 
 
-def test_what_is_done_before_the_first_line_leaves_none(capfd):
+def test_a_task_that_ends_before_the_first_line_prints_nothing(capfd):
     with console.progress("quick", 1) as bar:
         bar.advance()
     assert capfd.readouterr().err == ""
@@ -88,7 +88,7 @@ console.say("result :x:")
 """
 
 
-def test_on_a_terminal_a_bar_is_shown():
+def test_a_terminal_has_a_progress_bar():
     ours, theirs = pty.openpty()
     with subprocess.Popen(
         [sys.executable, "-c", WATCHED], stdout=theirs, stderr=theirs, env=os.environ | {"TERM": "xterm"}

@@ -1,4 +1,4 @@
-"""`railgrip doctor`: nothing to complain of here, and each thing that can be wrong is told with its remedy."""
+"""`railgrip doctor` finds no problem in this installation, and reports each possible problem with its remedy."""
 
 import os
 import sys
@@ -13,7 +13,7 @@ from railgrip.fmus.native import toolchain
 
 @pytest.fixture(autouse=True)
 def _fresh():
-    """What is found once is remembered by a process."""
+    """Clear what the process has cached."""
     for remembered in (registry.installed_names, toolchain._probe):
         remembered.cache_clear()
     yield
@@ -63,7 +63,7 @@ def missing_package(folder, monkeypatch):
 
 
 class Incomplete(Distribution):
-    """An installed package of two files, one of which is there."""
+    """An installed package of two files, one of which is missing."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -110,16 +110,16 @@ def fmpy_that_does_not_import(folder, monkeypatch):
     ],
     ids=lambda value: getattr(value, "__name__", ""),
 )
-def test_each_problem_is_told_with_its_remedy(railgrip, tmp_path_factory, monkeypatch, break_it, sentences):
+def test_each_problem_is_reported_with_its_remedy(railgrip, tmp_path_factory, monkeypatch, break_it, sentences):
     break_it(tmp_path_factory.mktemp("broken"), monkeypatch)
     result = railgrip("doctor")
     assert result.code == 1, result.out
     assert "PROBLEM" in result.out
     assert "No problems." not in result.out
     assert "Traceback" not in result.err
-    told = " ".join(result.err.split())
+    message = " ".join(result.err.split())
     for sentence in sentences:
-        assert sentence in told
+        assert sentence in message
 
 
 def test_openmodelica_is_found_on_the_path(railgrip, tmp_path_factory, monkeypatch):

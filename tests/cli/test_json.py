@@ -1,4 +1,4 @@
-"""`--json` prints the result and nothing else on standard output; exit codes say whether there is one."""
+"""`--json` prints only the result on standard output; the exit code says whether there is a result."""
 
 import json
 
@@ -27,13 +27,13 @@ def test_a_run_without_standstill_has_a_result_and_exit_code_3(railgrip):
 @pytest.mark.parametrize(
     "arguments", [("run", "wet.toml", "--set", "start.sped=3"), ("run", "nothing"), ("train", "check", "nothing")]
 )
-def test_a_wrong_question_leaves_standard_output_empty(arguments, railgrip):
+def test_a_wrong_input_leaves_standard_output_empty(arguments, railgrip):
     ended = railgrip(*arguments, "--json")
     assert (ended.code, ended.out) == (2, "")
     assert ended.err
 
 
-def test_a_train_that_fits_prints_stops_and_no_contradiction(railgrip):
+def test_a_consistent_train_prints_stops_and_no_contradiction(railgrip):
     ended = railgrip("train", "check", "emu387", "--json")
     result = json.loads(ended.out)
     assert ended.code == 0
@@ -41,7 +41,7 @@ def test_a_train_that_fits_prints_stops_and_no_contradiction(railgrip):
     assert all(stop["speed"] ** 2 / (2 * stop["distance"]) < stop["deceleration"] for stop in result["stops"])
 
 
-def test_a_train_that_contradicts_itself_prints_the_contradictions_and_ends_with_2(railgrip, project):
+def test_an_inconsistent_train_prints_its_contradictions_and_exits_2(railgrip, project):
     assert railgrip("new", "train", "own.toml").code == 0
     text = (project / "own.toml").read_text(encoding="utf-8")
     assert "spring_force" in text

@@ -1,4 +1,4 @@
-"""Names of the library: listed with a meaning, taken by every command, and told apart."""
+"""Names of the library are listed with a description, accepted by every command, and unambiguous."""
 
 import json
 from pathlib import Path
@@ -12,7 +12,7 @@ from railgrip.scenario.campaign import load_campaign
 LIST = {kind: registry.meanings(kind) for kind in registry.SECTIONS}
 
 
-def test_list_shows_every_name_of_every_kind_with_a_meaning(railgrip):
+def test_list_prints_every_name_of_every_kind_with_a_description(railgrip):
     result = railgrip("list", "--json")
     assert result.code == 0
     listed = json.loads(result.out)
@@ -32,7 +32,7 @@ def test_list_of_one_kind_is_a_table(railgrip, kind):
     assert {line[0] for line in lines} >= LIST[kind].keys()
 
 
-def test_list_of_no_kind_is_refused_with_all_kinds(railgrip):
+def test_list_of_an_unknown_kind_is_refused_with_all_kinds(railgrip):
     result = railgrip("list", "rails")
     assert result.code == 2
     assert "'scenarios'" in result.err
@@ -91,14 +91,14 @@ def test_an_installed_part_is_listed(railgrip, tmp_path_factory, monkeypatch):
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
-def test_a_wrong_name_is_refused_with_what_to_do(railgrip, arguments, sentence):
+def test_a_wrong_name_is_refused_with_a_remedy(railgrip, arguments, sentence):
     result = railgrip(*arguments)
     assert result.code == 2
     assert sentence in result.err
     assert result.out == ""
 
 
-def test_a_file_goes_before_a_name_of_the_library(railgrip, project):
+def test_a_file_takes_precedence_over_a_name_of_the_library(railgrip, project):
     (project / "trapezoid").write_text((project / "wet.toml").read_text(encoding="utf-8"), encoding="utf-8")
     assert "wet: standstill" in railgrip("run", "trapezoid", "--set", "start.speed=36 km/h").out
 
@@ -122,12 +122,12 @@ def test_a_campaign_names_scenarios_and_equipment_of_the_library(railgrip, proje
         ({"controller": {"kind": "slip_two_state", "tuning": "own"}}, r"\[controller\] tuning is 'own'"),
     ],
 )
-def test_python_takes_names_of_parts_and_refuses_others(parts, sentence):
+def test_python_accepts_names_of_parts_and_refuses_others(parts, sentence):
     with pytest.raises(rg.RailgripError, match=sentence):
         rg.run("trapezoid", **parts)
 
 
-def test_a_part_by_name_is_the_scenario_with_that_kind():
+def test_a_part_by_name_equals_the_scenario_with_that_kind():
     short = rg.Scenario.load("trapezoid", {"limits.horizon": "0.2 s", "estimator.kind": "none"})
     by_name = rg.run(short, controller="slip_two_state", estimator="compiled")
     by_key = rg.run(short.changed({"controller.kind": "slip_two_state", "estimator.kind": "compiled"}))

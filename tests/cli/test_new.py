@@ -1,4 +1,4 @@
-"""`railgrip new`: each file runs as it is, is as its schema says, and takes the place of none."""
+"""`railgrip new`: each file runs unchanged, agrees with its schema, and never overwrites another."""
 
 import json
 import re
@@ -15,7 +15,7 @@ KINDS = ("scenario", "train", "campaign", "controller", "estimator")
 
 @pytest.fixture
 def folder(tmp_path_factory, monkeypatch):
-    """An empty folder, which is the current one."""
+    """An empty folder, which is the current folder."""
     folder = tmp_path_factory.mktemp("begin")
     monkeypatch.chdir(folder)
     return folder
@@ -23,7 +23,7 @@ def folder(tmp_path_factory, monkeypatch):
 
 @pytest.fixture
 def answer(command, in_process):
-    """A function that runs a command and returns what it prints."""
+    """A function that runs a command and returns its output."""
 
     def run(*arguments):
         done = command(*arguments)
@@ -38,8 +38,8 @@ def test_a_new_scenario_runs(folder, answer):
     assert "mine: standstill" in answer("run", "mine.toml")
 
 
-def test_what_a_new_scenario_says_behind_a_hash_is_what_holds_without_it(folder, answer):
-    """The same scenario with every such line in force."""
+def test_lines_commented_out_in_a_new_scenario_are_the_defaults(folder, answer):
+    """The scenario is the same with every such line uncommented."""
     answer("new", "scenario", "mine.toml")
     text = (folder / "mine.toml").read_text(encoding="utf-8")
     in_force, count = re.subn(r"^# (\[\w+\]|\w+ = )", r"\1", text, flags=re.MULTILINE)
@@ -51,8 +51,8 @@ def test_what_a_new_scenario_says_behind_a_hash_is_what_holds_without_it(folder,
 
 def test_a_new_campaign_runs(folder, answer):
     answer("new", "campaign", "pair.toml")
-    shown = answer("campaign", "pair.toml", "--set", "start.speed=30 km/h")
-    assert "build/pair/index.html" in shown
+    output = answer("campaign", "pair.toml", "--set", "start.speed=30 km/h")
+    assert "build/pair/index.html" in output
     assert len(list((folder / "build/pair").glob("*/stop.json"))) == 4
 
 
@@ -70,7 +70,7 @@ def test_a_new_train_runs(folder, answer):
 @pytest.mark.parametrize(
     ("kind", "printed"), [("controller", r"MyController: standstill, \d"), ("estimator", r"root mean square .*\[0\.0")]
 )
-def test_a_new_part_runs_by_itself_and_in_a_scenario(folder, answer, capfd, kind, printed):
+def test_a_new_part_runs_alone_and_in_a_scenario(folder, answer, capfd, kind, printed):
     answer("new", kind, f"my_{kind}.py")
     runpy.run_path(f"my_{kind}.py", run_name="__main__")
     assert re.search(printed, capfd.readouterr().out)
@@ -80,7 +80,7 @@ def test_a_new_part_runs_by_itself_and_in_a_scenario(folder, answer, capfd, kind
 
 
 @pytest.mark.parametrize("kind", ["scenario", "train", "campaign"])
-def test_the_first_line_names_a_schema_that_the_file_keeps_to(railgrip, folder, kind):
+def test_the_first_line_names_the_schema_of_the_file(railgrip, folder, kind):
     assert railgrip("new", kind, "sub/mine.toml").code == 0
     text = (folder / "sub" / "mine.toml").read_text(encoding="utf-8")
     directive, path = text.splitlines()[0].split()
@@ -91,7 +91,7 @@ def test_the_first_line_names_a_schema_that_the_file_keeps_to(railgrip, folder, 
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_what_is_there_is_not_overwritten(railgrip, folder, kind):
+def test_existing_files_are_not_overwritten(railgrip, folder, kind):
     file = "mine.py" if kind in ("controller", "estimator") else "mine.toml"
     (folder / file).write_text("here before", encoding="utf-8")
     (folder / f"{kind}.schema.json").write_text("here before", encoding="utf-8")
@@ -113,7 +113,7 @@ def test_what_is_there_is_not_overwritten(railgrip, folder, kind):
     ],
     ids=str,
 )
-def test_a_file_that_cannot_be_begun_is_refused(railgrip, folder, arguments, sentence):
+def test_a_file_that_cannot_be_created_is_refused(railgrip, folder, arguments, sentence):
     (folder / "taken").write_text("a file", encoding="utf-8")
     result = railgrip("new", *arguments)
     assert result.code in (2, 3)

@@ -1,4 +1,4 @@
-"""Each file that a command takes may be a pipe, a device, a folder, huge, or not text: a sentence says so, at once."""
+"""An input file may be a pipe, a device, a folder, huge, or not text: the command reports it at once in a sentence."""
 
 import os
 import signal
@@ -36,7 +36,7 @@ SUFFIX = {
     "adhesion table": ".csv",
 } | dict.fromkeys(("library", "class"), ".mo")
 LIMIT = 20
-"""Seconds after which a command counts as waiting for ever; the slowest takes two on a quiet machine."""
+"""Seconds after which a command counts as hanging; the slowest takes two on an idle machine."""
 
 
 def pipe(path):
@@ -53,7 +53,7 @@ def folder(path):
 
 def huge(path):
     with path.open("wb") as file:
-        file.truncate(3 << 30)  # sparse: it takes no space
+        file.truncate(3 << 30)  # sparse: it uses no disk space
 
 
 def no_text(path):
@@ -62,7 +62,7 @@ def no_text(path):
 
 @pytest.fixture
 def alarm():
-    """End a test that waits."""
+    """End a test that hangs."""
 
     def give_up(number, frame):
         raise TimeoutError(f"waits after {LIMIT} s")
@@ -92,7 +92,7 @@ def test_an_odd_file_is_refused_in_a_sentence(command, project, monkeypatch, ala
 
 
 @pytest.mark.parametrize("given", [("map", "system.ssp"), ("run", "wet.toml", "--set", "vehicle.plant=system.ssp")])
-def test_a_system_by_ssp_is_not_a_plant(command, project, monkeypatch, given):
+def test_an_ssp_system_is_not_accepted_as_a_plant(command, project, monkeypatch, given):
     monkeypatch.chdir(project)
     with zipfile.ZipFile("system.ssp", "w") as archive:
         archive.writestr("SystemStructure.ssd", "<ssd/>")

@@ -1,4 +1,4 @@
-"""Streams, folders, limits and programs around a command: none ends in a traceback, and none is trusted blindly."""
+"""Closed streams, missing folders, resource limits and foreign programs cause neither tracebacks nor wrong results."""
 
 import os
 import shlex
@@ -18,7 +18,7 @@ STOP = "run trapezoid --set limits.horizon='1 s' --set controller.kind=full_brak
 
 
 def shell(command: str, folder: Path, **variables: str) -> "subprocess.CompletedProcess[str]":
-    """Run a command of the shell, which has a minute."""
+    """Run a shell command with a time limit of one minute."""
     return subprocess.run(
         ["/bin/sh", "-c", command],
         cwd=folder,
@@ -33,7 +33,7 @@ def shell(command: str, folder: Path, **variables: str) -> "subprocess.Completed
 
 @pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", ">&- 2>&-", "<&- >&- 2>&-"])
 @pytest.mark.parametrize(("command", "code"), [("list scenarios", 0), ("run nosuch", 2)])
-def test_closed_streams_change_no_exit_code(command: str, code: int, closed: str, tmp_path: Path) -> None:
+def test_closed_streams_do_not_change_the_exit_code(command: str, code: int, closed: str, tmp_path: Path) -> None:
     done = shell(f"{PROGRAM} {command} {closed}", tmp_path)
     assert done.returncode == code
     assert "Traceback" not in done.stderr
@@ -41,10 +41,10 @@ def test_closed_streams_change_no_exit_code(command: str, code: int, closed: str
         assert "nosuch" in done.stderr
 
 
-def test_results_are_whole_when_all_streams_are_closed(tmp_path: Path) -> None:
-    """What the plant or the program prints does not become part of a file that took the number of a stream."""
+def test_results_are_complete_when_all_streams_are_closed(tmp_path: Path) -> None:
+    """Output of the plant or the program does not end up in a file that reuses the number of a closed stream."""
     open_, closed = (shell(f"{PROGRAM} {STOP} --out {name} {how}", tmp_path) for name, how in FOLDERS.items())
-    assert (open_.returncode, closed.returncode) == (3, 3)  # no standstill within a second
+    assert (open_.returncode, closed.returncode) == (3, 3)  # the train does not stop within a second
     contents = [{path.name: path.read_bytes() for path in (tmp_path / name).iterdir()} for name in FOLDERS]
     assert contents[0] == contents[1]
     assert contents[0]["stop.json"]
@@ -55,20 +55,20 @@ FOLDERS = {"open": "", "closed": "<&- >&- 2>&-"}
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
 @pytest.mark.parametrize(("command", "code"), [("list scenarios > /dev/full", 3), ("run nosuch 2> /dev/full", 2)])
-def test_a_stream_without_room_is_a_sentence(command: str, code: int, tmp_path: Path) -> None:
+def test_a_full_output_device_is_reported_in_a_sentence(command: str, code: int, tmp_path: Path) -> None:
     done = shell(f"{PROGRAM} {command}", tmp_path)
     assert done.returncode == code
     assert "Traceback" not in done.stderr
     assert code == 2 or "standard output: No space left on device" in done.stderr
 
 
-def test_a_reader_that_leaves_ends_the_command_without_words(tmp_path: Path) -> None:
+def test_a_closed_pipe_ends_the_command_silently(tmp_path: Path) -> None:
     done = shell(f"{PROGRAM} schema scenario | head -c 10", tmp_path)
     assert (len(done.stdout), done.stderr) == (10, "")
 
 
 @pytest.mark.parametrize("command", ["list scenarios", "run trapezoid", "doctor", "report ."])
-def test_a_removed_current_folder_is_a_sentence(command: str, tmp_path: Path) -> None:
+def test_a_removed_current_folder_is_reported_in_a_sentence(command: str, tmp_path: Path) -> None:
     (tmp_path / "gone").mkdir()
     done = shell(f"cd gone && rmdir ../gone && {PROGRAM} {command}", tmp_path, PYTHONPATH=str(ROOT / "harness"))
     assert done.returncode == 2
@@ -76,8 +76,8 @@ def test_a_removed_current_folder_is_a_sentence(command: str, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("command", [f"{STOP} --out out", "list scenarios"])
-def test_files_of_no_length_are_a_sentence(command: str, tmp_path: Path) -> None:
-    """By `ulimit -f 0`; nothing is left that looks like a result."""
+def test_a_file_size_limit_of_zero_is_reported_in_a_sentence(command: str, tmp_path: Path) -> None:
+    """By `ulimit -f 0`; no file is left that looks like a result."""
     done = shell(f"ulimit -f 0; {PROGRAM} {command} 2>&1 | cat", tmp_path)
     assert "Traceback" not in done.stdout
     assert not list(tmp_path.glob("out/*.json"))
@@ -95,7 +95,7 @@ def test_a_relative_temporary_folder_is_left_empty(temporary: str, tmp_path: Pat
 
 
 def test_programs_of_the_current_folder_are_not_run(tmp_path: Path) -> None:
-    """Relative folders and empty entries come both before and after the others."""
+    """Relative and empty entries are both before and after the others."""
     (tmp_path / "tools").mkdir()
     for folder in (tmp_path, tmp_path / "tools"):
         for name in ("omc", "git", "cc", "gcc", "clang", "ar"):
@@ -108,7 +108,7 @@ def test_programs_of_the_current_folder_are_not_run(tmp_path: Path) -> None:
     assert not (tmp_path / "ran").exists()
 
 
-def test_a_program_is_found_in_absolute_folders_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_programs_are_only_searched_in_absolute_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "omc").write_text("#!/bin/sh\n")
     (tmp_path / "omc").chmod(0o755)
     monkeypatch.chdir(tmp_path)
@@ -119,4 +119,4 @@ def test_a_program_is_found_in_absolute_folders_alone(tmp_path: Path, monkeypatc
     monkeypatch.setenv("PATH", f".:{tmp_path}")
     assert find_program("omc") == str(tmp_path / "omc")
     assert environment_of_programs()["PATH"] == str(tmp_path)
-    assert find_program("./omc") == str(tmp_path / "omc")  # as CC may name it
+    assert find_program("./omc") == str(tmp_path / "omc")  # as CC may specify it

@@ -1,4 +1,4 @@
-"""A stop writes nothing where railgrip and its dependencies are installed, where users may not write."""
+"""A stop writes nothing into the installation of railgrip and its dependencies, which may be read-only."""
 
 import os
 import subprocess
@@ -32,7 +32,7 @@ sys.addaudithook(refuse)
 
 
 def guarded(code: str, folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Run code that ends with 99 when it writes among the sources or in the environment of this interpreter."""
+    """Run code that exits with 99 if it writes to the sources or to the environment of this interpreter."""
     places = os.pathsep.join(
         [sys.prefix, *(str(ROOT / name) for name in ("harness", "estimators", "fmus", "modelica"))]
     )
@@ -56,13 +56,13 @@ def test_a_first_stop_writes_only_to_the_cache_and_current_folder(tmp_path):
         "from railgrip.__main__ import main; main(['run', 'rig_slide', '--out', 'out', '--set', 'limits.horizon=1 s'])",
         tmp_path,
     )
-    assert done.returncode in (0, 3), done.stderr  # after a second the train still rolls
+    assert done.returncode in (0, 3), done.stderr  # after a second the train is still moving
     assert (tmp_path / "out/stop.json").exists()
-    # The user's folders were empty: the FMU was compiled, and is kept there.
+    # The user's folders were empty: the FMU was compiled and is kept in the cache.
     assert list(tmp_path.rglob("*.fmu"))
 
 
-def test_the_guard_ends_what_writes_among_the_sources(tmp_path):
+def test_the_guard_stops_writes_to_the_sources(tmp_path):
     done = guarded("open(sys.argv[2], 'w')", tmp_path, str(ROOT / "harness/never_written.txt"))
     assert done.returncode == 99
     assert not (ROOT / "harness/never_written.txt").exists()

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM, whenever they come: a sentence and an exit code, no traceback, and nothing left behind."""
+"""Ctrl-C and SIGTERM at any moment yield a sentence and an exit code, no traceback and no files left behind."""
 
 import os
 import signal
@@ -18,11 +18,11 @@ pytestmark = pytest.mark.skipif(not Path("/proc").exists(), reason="looks proces
 
 
 def members(group: int) -> list[int]:
-    """Return the processes of a session that still run; one that has ended stays until somebody asks how."""
+    """Return the running processes of a session, without those that have ended but are still in the table."""
     processes: list[int] = []
     for process in (int(path.name) for path in Path("/proc").iterdir() if path.name.isdigit()):
         try:
-            # Files of the session's own alone are read: this is asked a hundred times a second.
+            # Only files of this session are read: the function is called a hundred times a second.
             if os.getsid(process) != group:
                 continue
             state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
@@ -43,11 +43,11 @@ def until(state, patience=300.0):
 
 @pytest.fixture
 def place(tmp_path):
-    """A folder for results and one for temporary files, with a campaign and a stop of a plant from outside."""
+    """A folder for results and one for temporary files, with a campaign and a stop of a foreign plant."""
     (tmp_path / "temporary").mkdir()
     text = (LIBRARY / "foreign_train.toml").read_text(encoding="utf-8")
     foreign = text.replace("../../../build/fmus/ForeignTrain.fmu", str(fmu("ForeignTrain")))
-    # At a crawl on a long way: it runs as long as anybody waits.
+    # A slow train on a long track: the stop runs until it is ended.
     (tmp_path / "foreign.toml").write_text(foreign, encoding="utf-8")
     (tmp_path / "pair.toml").write_text(
         'name = "pair"\nscenarios = ["foreign.toml"]\n[axes.seed.one]\nseed = 1\n[axes.seed.two]\nseed = 2\n',
@@ -57,7 +57,7 @@ def place(tmp_path):
 
 
 def ended(place, arguments, moment, number, *, to_all):
-    """Start the command line, send a signal at a moment; return what it said, its exit code, and how long it took."""
+    """Start the command line, send a signal at a given moment, and return its output, exit code and duration."""
     process = subprocess.Popen(
         [sys.executable, "-m", "railgrip", *arguments],
         cwd=place,
@@ -70,7 +70,7 @@ def ended(place, arguments, moment, number, *, to_all):
     try:
         until(lambda: moment(place, process.pid) or process.poll() is not None)
         assert process.poll() is None, process.communicate()
-        # A terminal sends Ctrl-C to all, `kill` and a service manager SIGTERM to one.
+        # A terminal sends Ctrl-C to all processes; `kill` and a service manager send SIGTERM to one.
         (os.killpg if to_all else os.kill)(process.pid, number)
         signalled_at = time.monotonic()
         out, err = process.communicate(timeout=300)
@@ -83,7 +83,7 @@ def ended(place, arguments, moment, number, *, to_all):
 
 
 def loading(_, process):
-    """While modules are loaded: the library of numpy is there."""
+    """Modules are being loaded: the library of numpy is mapped."""
     return "numpy" in Path(f"/proc/{process}/maps").read_text()
 
 
@@ -94,7 +94,7 @@ def workers_start(_, process):
 def plant_runs(place, _):
     try:
         return any((place / "temporary").rglob("modelDescription.xml"))
-    except FileNotFoundError:  # a folder went while it was searched
+    except FileNotFoundError:  # a folder was removed during the search
         return False
 
 
@@ -113,8 +113,8 @@ RUN, CAMPAIGN = ("run", "foreign.toml", "--out", "out"), ("campaign", "pair.toml
         (CAMPAIGN, plant_runs, signal.SIGTERM, False),
     ],
 )
-def test_a_signal_ends_the_program_with_a_sentence_and_leaves_nothing(place, arguments, moment, number, to_all):
-    """Workers do not go on: two seconds on an idle machine, a tenfold of that where others compute, too."""
+def test_a_signal_ends_the_program_with_a_sentence_and_no_leftovers(place, arguments, moment, number, to_all):
+    """Workers end, too: within two seconds on an idle machine, ten times that on a busy one."""
     out, err, code, seconds = ended(place, arguments, moment, number, to_all=to_all)
     word = "Interrupted" if number == signal.SIGINT else "Terminated"
     messages = [line for line in err.splitlines() if "a process of its own" not in line and not line.endswith(" s")]

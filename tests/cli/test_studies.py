@@ -1,4 +1,4 @@
-"""Studies: one command for all, results of cases kept by their content, and sentences for what is not there."""
+"""Studies: one command for all, results of cases cached by content, and sentences for missing studies."""
 
 import itertools
 from dataclasses import dataclass
@@ -22,14 +22,14 @@ COUNT = itertools.count(1)
 
 @dataclass(frozen=True)
 class Case:
-    """A number and its place."""
+    """A number and a path."""
 
     number: float
     place: Path = Path()
 
 
 def counted(case):
-    """Return how often this was called; a negative number is no case."""
+    """Return the number of calls so far; a negative number is not a valid case."""
     if isinstance(case, Case) and case.number < 0:
         raise EstimationError("nobody knows.")
     return next(COUNT)
@@ -41,7 +41,7 @@ def study_work(own_cache):
         yield own
 
 
-def test_the_bench_says_how_fast_a_stop_is_and_what_is_over_its_target():
+def test_the_bench_prints_the_time_of_a_stop_and_which_targets_are_exceeded():
     rows = [
         ("cold build of 9 FMUs", "9.8 s (16.1 s of processor)", "10 s"),
         (f"{stop.ABC}{stop.CYCLE}", "8.1 µs", ""),
@@ -68,7 +68,7 @@ def test_the_bench_says_how_fast_a_stop_is_and_what_is_over_its_target():
     assert "1.80, target at least 1.9." in answer([*rows, ("two processes", "1.80", "at least 1.9")])
 
 
-def test_a_case_is_run_once_whatever_its_values_are(study_work):
+def test_a_case_runs_once_whatever_its_values(study_work):
     scenario = load(Path("trapezoid"))
     cases = [
         Case(1.0), Case(2.0), Case(1.0, Path("here")), scenario, scenario.model_copy(update={"seed": 2}), "1.0",
@@ -83,34 +83,34 @@ def test_a_case_is_run_once_whatever_its_values_are(study_work):
     assert study_work.map(counted, [Case(1.0)], keep=False) != first[:1]
 
 
-def test_what_is_fresh_runs_again_and_another_study_has_its_own_results(study_work):
+def test_fresh_cases_run_again_and_studies_do_not_share_results(study_work):
     results = study_work.map(counted, [Case(1.0)])
     with work("lateral", fresh=True) as fresh, work("trains") as other:
         assert results != fresh.map(counted, [Case(1.0)]) != other.map(counted, [Case(1.0)]) != results
 
 
-def test_a_case_that_fails_ends_the_study_and_is_not_kept(study_work):
+def test_a_case_that_fails_ends_the_study_and_is_not_cached(study_work):
     for _ in range(2):
         with pytest.raises(EstimationError, match="nobody knows"):
             study_work.map(counted, [Case(-1.0)])
     assert study_work.run_count == 0
 
 
-def test_studies_are_listed_with_what_they_are(command):
-    shown = command("study")
-    assert shown.code == 0
+def test_studies_are_listed_with_a_summary(command):
+    output = command("study")
+    assert output.code == 0
     for name in names():
-        assert f"{name} {summary(name)}" in " ".join(shown.out.split())
+        assert f"{name} {summary(name)}" in " ".join(output.out.split())
 
 
 @pytest.mark.parametrize("name", sorted({*names()} - {"bench", "type_test"}))
-def test_every_study_shows_its_options_and_has_the_name_of_its_module(name, command):
-    shown = command("study", name, "--help")
-    assert (shown.code, "--scheduler" in shown.out) == (0, True)
+def test_every_study_prints_its_options_and_is_named_after_its_module(name, command):
+    output = command("study", name, "--help")
+    assert (output.code, "--scheduler" in output.out) == (0, True)
     assert study_named(name).__module__ in (f"railgrip.studies.{name}", f"railgrip.studies.{name}.study")
 
 
-def test_a_study_that_is_not_there_gets_a_sentence(command):
+def test_a_missing_study_is_reported_in_a_sentence(command):
     with pytest.raises(InputError, match="there is no study 'weather'; there are axle_box"):
         study_named("weather")
     refused = command("study", "weather")
@@ -118,7 +118,7 @@ def test_a_study_that_is_not_there_gets_a_sentence(command):
     assert "there is no study 'weather'; there are axle_box" in refused.err
 
 
-def test_a_result_of_another_package_is_not_reused(study_work, monkeypatch):
+def test_a_result_of_another_package_version_is_not_reused(study_work, monkeypatch):
     first = study_work.map(counted, [Case(7.0)])
     assert study_work.map(counted, [Case(7.0)]) == first
     monkeypatch.setattr("railgrip.campaign.work.input_versions", lambda study: input_versions(study) | {"numpy": "0"})

@@ -33,8 +33,8 @@ def rails_of(campaign: str):
 
 
 @pytest.mark.parametrize("judged", ["table1", "shapes", "unseen", "adverse"])
-def test_no_result_is_reported_of_a_rail_that_was_trained_on(judged):
-    """Neither the friction nor the draw of chance."""
+def test_no_rail_of_a_reported_campaign_is_a_training_rail(judged):
+    """Neither the friction nor the seed."""
     trained, other_rails = rails_of("training"), rails_of(judged)
     assert not {s.adhesion.model_dump_json() for s in trained} & {s.adhesion.model_dump_json() for s in other_rails}
     assert not {s.seed for s in trained} & {s.seed for s in other_rails}
@@ -52,12 +52,12 @@ SETS = [
     *((*case, False) for case in CASES),
     *((law, "pneumatic", slip, True) for law in sorted(TWICE) for slip in committed(law, True)["pneumatic"]),
 ]
-"""Law, actuation, slip, and whether it is the set of the type test."""
+"""Law, actuation, slip, and whether it is the set for the type test."""
 
 
 @pytest.mark.parametrize(("law", "actuation", "slip", "type_test"), SETS)
-def test_what_was_found_lies_where_it_was_searched(law, actuation, slip, type_test):
-    """Within a rounding to two digits."""
+def test_optimised_parameters_are_within_their_search_ranges(law, actuation, slip, type_test):
+    """Apart from rounding to two digits."""
     values, ranges = dict(committed(law, type_test)[actuation][slip]), RANGES[law][actuation, slip]
     if "high" in values:
         values["high_over_low"] = values.pop("high") / values["low"]
@@ -67,7 +67,7 @@ def test_what_was_found_lies_where_it_was_searched(law, actuation, slip, type_te
 
 
 def law_with(actuation: str, slip: str, **controller: str) -> Law:
-    """The law of a scenario on this actuation and with this way to know the slip."""
+    """The law of a scenario with this actuation and this source of slip."""
     equipment = CAMPAIGNS.parent / "equipment" / f"{EQUIPMENT[actuation]}.toml"
     table = merge(read_toml(CAMPAIGNS.parent / "library" / "plain.toml"), read_toml(equipment))
     table = merge(table, {"controller": controller})
@@ -95,27 +95,27 @@ def test_levels_depend_on_actuation_and_source_of_slip(law, actuation, slip):
 
 
 @pytest.mark.parametrize(("law", "actuation", "slip"), [one[:3] for one in SETS if one[3]])
-def test_a_scenario_takes_the_set_of_the_type_test(law, actuation, slip):
+def test_a_scenario_uses_the_set_for_the_type_test(law, actuation, slip):
     values = committed(law, type_test=True)[actuation][slip]
     assert parameters_in(law_with(actuation, slip, kind=law, tuning="type_test"), values) == values
-    assert values != committed(law)[actuation][slip]  # or the rest of this test says nothing
+    assert values != committed(law)[actuation][slip]  # otherwise the assertion above proves nothing
 
 
 @pytest.mark.parametrize("law", sorted(TWICE))
-def test_the_set_of_the_type_test_is_for_valves(law):
+def test_the_set_for_the_type_test_requires_valves(law):
     with pytest.raises(ScenarioError, match=f"tuning 'type_test': {law} has no set for ideal .* there is pneumatic"):
         law_with("ideal", "estimated", kind=law, tuning="type_test")
 
 
-def test_a_set_that_a_law_does_not_have_is_refused():
+def test_an_unavailable_set_of_a_law_is_refused():
     with pytest.raises(ScenarioError, match=r"tuning is 'type_test'; wheel_reference has searched"):
         law_with("pneumatic", "read", kind="wheel_reference", tuning="type_test")
     with pytest.raises(ScenarioError, match=r"tuning is 'paper'; full_brake has no set"):
         law_with("pneumatic", "read", kind="full_brake", tuning="paper")
 
 
-def test_what_is_found_on_training_cases_leaves_the_set_of_the_papers_alone(tmp_path, monkeypatch):
-    """A law with one set for both keeps it in one file."""
+def test_a_search_on_training_cases_does_not_change_the_set_of_the_papers(tmp_path, monkeypatch):
+    """A law that uses one set for both has one file."""
 
     def found(law, actuation, slip, *_, rail_stops, **__):
         return Optimum(
@@ -140,18 +140,18 @@ def test_what_is_found_on_training_cases_leaves_the_set_of_the_papers_alone(tmp_
 
 
 @pytest.mark.parametrize("law", list(RANGES))
-def test_the_committed_parameters_are_those_of_a_search(law):
-    """With the distances they were found by, as `text_of` writes them."""
+def test_the_committed_parameters_result_from_a_search(law):
+    """The file includes the distances of the search, as `text_of` writes them."""
     text = text_with(law, type_test=False)
     if text.startswith(f"# Parameters of {law} before any search."):
-        assert not entrants()[law].tuned  # so nobody is compared with it as with a tuned one
+        assert not entrants()[law].tuned  # so comparisons do not present it as tuned
         return
     assert text.startswith(text_of(law, {}).partition(" `")[0])
     assert text.count("% against slip-based control, on:") == len(RANGES[law])
 
 
 @pytest.mark.parametrize("law", sorted(TWICE))
-def test_the_sets_of_the_type_test_were_found_on_training_cases(law):
+def test_the_sets_for_the_type_test_result_from_training_cases(law):
     text, valves = text_with(law, type_test=True), committed(law, type_test=True)["pneumatic"]
     command = f"railgrip maintain tune-control --law {law} --cases 16 --budget 32"
     assert text.startswith(text_of(law, {}, command).rstrip())
@@ -160,14 +160,14 @@ def test_the_sets_of_the_type_test_were_found_on_training_cases(law):
         assert text.count(f"#   {case.variants['rail']}: ") == len(valves)
 
 
-def test_every_parameter_is_searched_on_its_logarithm():
+def test_every_parameter_is_searched_on_a_logarithmic_scale():
     ranges = RANGES["adhesion_based"]["ideal", "estimated"]
     values = parameters_of(tuple(ranges), np.log([low for low, _ in ranges.values()]))
     assert values == pytest.approx({name: low for name, (low, _) in ranges.items()})
 
 
-def test_every_pair_of_levels_that_is_searched_can_switch():
-    """At the corners, where rounding to two digits brings them closest."""
+def test_every_pair_of_searched_levels_can_switch():
+    """At the corners of the range, where rounding to two digits brings them closest."""
     ranges = RANGES["slip_two_state"]["ideal", "read"]
     for low in np.geomspace(*ranges["low"], 200):
         for ratio in ranges["high_over_low"]:
@@ -175,7 +175,7 @@ def test_every_pair_of_levels_that_is_searched_can_switch():
             SlipLevels(**levels)
 
 
-def test_the_file_says_what_was_found_and_on_what():
+def test_the_file_states_result_and_training_cases():
     values = {"low": 0.01, "high": 0.02}
     optimum = Optimum(values=values, sets=16, rails=("even", "rough"), distances=(80.0, 90.0), reference=(100.0, 100.0))
     text = text_of("slip_two_state", {("ideal", "read"): optimum})
@@ -185,7 +185,7 @@ def test_the_file_says_what_was_found_and_on_what():
     assert "rough: 90.0 m (100.0 m)" in text
 
 
-def test_all_that_is_searched_is_a_parameter_of_its_law():
+def test_every_searched_parameter_belongs_to_its_law():
     for law, cases in RANGES.items():
         units = registry.part(registry.LAWS, law, GroupLaw).tuning.units()
         for ranges in cases.values():
@@ -194,7 +194,7 @@ def test_all_that_is_searched_is_a_parameter_of_its_law():
 
 @pytest.fixture(scope="module")
 def one_rail(tmp_path_factory):
-    """The first training rail, from a jogging pace: a run of the real thing in seconds."""
+    """The first training rail, at jogging pace: a real search in seconds."""
     file = tmp_path_factory.mktemp("rails") / "training.toml"
     text = (CAMPAIGNS / "training.toml").read_text(encoding="utf-8")
     first, _, rest = text.partition("[axes.rail.patches]")
@@ -212,7 +212,7 @@ def one_rail(tmp_path_factory):
     ("law", "actuation", "slip"),
     [("adhesion_based", "ideal", "estimated"), ("slip_three_state", "ideal", "read")],
 )
-def test_a_search_ends_no_worse_than_it_began(law, actuation, slip, one_rail):
+def test_a_search_ends_no_worse_than_it_started(law, actuation, slip, one_rail):
     best: list[float] = []
     notify = lambda _, value: best.append(value)
     optimum = search(law, actuation, slip, notify, Here(), rails=one_rail, sets=12)
@@ -220,5 +220,5 @@ def test_a_search_ends_no_worse_than_it_began(law, actuation, slip, one_rail):
     assert best == sorted(best, reverse=True)
     assert optimum.rails == ("even",)
     assert optimum.reduction == pytest.approx(best[-1], abs=1e-9)
-    assert optimum.reduction < 0.0  # against levels of 10 and 15 %, beyond the peak of this rail
+    assert optimum.reduction < 0.0  # compared with levels of 10 and 15 %, beyond the peak of this rail
     assert optimum.sets >= 12 * len(RANGES[law][actuation, slip])

@@ -1,4 +1,4 @@
-"""Processes of a pool do not outlive the one that wanted them."""
+"""Worker processes of a pool end together with the process that started the pool."""
 
 import os
 import signal
@@ -38,13 +38,13 @@ if __name__ == "__main__":
 
 def is_running(process: int) -> bool:
     status = Path(f"/proc/{process}/stat")
-    # A process that has ended stays in the table until somebody asks how.
+    # A process that has ended stays in the table until its parent reads its exit code.
     return status.exists() and status.read_text().rpartition(")")[2].split()[0] != "Z"
 
 
 @pytest.mark.skipif(not Path("/proc").exists(), reason="looks processes up in /proc")
-def test_workers_end_with_a_parent_that_was_killed(tmp_path):
-    """And take with them what they had unpacked."""
+def test_workers_end_when_their_parent_is_killed(tmp_path):
+    """They also remove the files that they unpacked."""
     (tmp_path / "program.py").write_text(PROGRAM, encoding="utf-8")
     folder = tmp_path / "kept"
     folder.mkdir()
@@ -63,7 +63,7 @@ def test_workers_end_with_a_parent_that_was_killed(tmp_path):
 
 
 def ended(folder: Path, program: str) -> subprocess.CompletedProcess[str]:
-    """Run a program in a folder to its end."""
+    """Run a program in a folder until it ends."""
     (folder / "program.py").write_text(program, encoding="utf-8")
     here = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])}
     return subprocess.run(
@@ -117,7 +117,7 @@ else:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals are POSIX")
-def test_a_worker_that_still_starts_while_its_pool_is_ended_prints_nothing(tmp_path):
+def test_a_worker_still_starting_when_its_pool_ends_prints_nothing(tmp_path):
     result = ended(tmp_path, SLOW_START)
     assert (result.returncode, result.stderr) == (130, "")
 
@@ -147,14 +147,14 @@ if __name__ == "__main__":
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals are POSIX")
-def test_workers_do_not_hear_ctrl_c_whichever_thread_starts_them(tmp_path):
-    """From their first instruction on: the mask is inherited, and no handler has to be set first."""
+def test_workers_ignore_ctrl_c_whichever_thread_starts_them(tmp_path):
+    """From their first instruction: the signal mask is inherited, so no handler must be installed first."""
     result = ended(tmp_path, IN_A_THREAD)
     assert (result.returncode, result.stdout.split()) == (0, ["True", "False"] * 2)
 
 
 def until(state):
-    """Wait for a state, ten seconds at most: far more than a thread needs to wake up and a process to end."""
+    """Wait up to ten seconds for a condition: far longer than a thread needs to wake up and a process to end."""
     for _ in range(200):
         if state():
             return
@@ -162,7 +162,7 @@ def until(state):
     raise AssertionError("it did not come to that")
 
 
-def test_pools_inside_of_a_shared_one_have_its_process():
+def test_a_pool_within_a_shared_pool_uses_its_process():
     with shared_pool(1):
         processes = set()
         for _ in range(2):

@@ -1,4 +1,4 @@
-"""What every prediction promises, whoever made it: `prediction_contract` is called by the tests of each."""
+"""The contract of every prediction, whatever its origin; the tests of each prediction call `prediction_contract`."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from railgrip.estimators.prediction import Prediction
 
 
 def prediction_contract(prediction, x, u):
-    """Assert the promises of `railgrip.estimators.prediction.Prediction` at a point in the middle of its range."""
+    """Check the contract of `railgrip.estimators.prediction.Prediction` at a point in the middle of its range."""
     assert isinstance(prediction, Prediction)
     x, u = np.asarray(x, dtype=float), np.asarray(u, dtype=float)
     assert (x.shape, u.shape) == ((len(prediction.states),), (len(prediction.inputs),))
@@ -24,7 +24,7 @@ def has_the_shapes_of_its_names(prediction, x, u):
 
 
 def hands_out_arrays_to_keep(prediction, x, u):
-    """A later call does not change what an earlier one returned, and the same question has the same answer."""
+    """A later call does not change an earlier result, and equal arguments give equal results."""
     for ask in (
         prediction.derivative,
         prediction.output,

@@ -1,4 +1,4 @@
-"""The contracts that `railgrip.testing` holds users to: ours keep them, and what breaks one is told so."""
+"""The contracts of `railgrip.testing` for parts of users: built-in parts satisfy them, and violations are reported."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from railgrip.testing import check_controller, check_estimator, check_sensors
 
 
 class Ours:
-    """A law of this project, which is made for its brakes, behind the protocol."""
+    """A built-in law, which is created for its brakes, behind the protocol of controllers."""
 
     def __init__(self, make, needs=()):
         self.make, self.needs = make, needs
@@ -24,7 +24,7 @@ class Ours:
 
 
 @pytest.mark.parametrize("kind", registry.modules(registry.LAWS))
-def test_laws_of_ours_keep_the_contract(kind):
+def test_built_in_laws_satisfy_the_contract(kind):
     law = registry.part(registry.LAWS, kind, GroupLaw)
     tuning = law.load_tuning("ideal", "read", period=1e-3, pressure_lag=0.0, adhesion_max=0.15)
     check_controller(lambda: Ours(lambda brakes: law(brakes, tuning), law.needs))
@@ -67,14 +67,14 @@ class Forgetful(Good):
         (object, "has no method start and decide"),
     ],
 )
-def test_a_broken_controller_is_told_so(broken, words):
+def test_a_broken_controller_is_reported(broken, words):
     check_controller(Good)
     with pytest.raises(ContractBroken, match=words):
         check_controller(broken)
 
 
 def fails_on(condition):
-    """Return a law that fails where a condition of the observation holds."""
+    """Return a law that fails where a condition of the observation is true."""
 
     def decide(self, seen):
         if condition(seen):
@@ -102,13 +102,13 @@ def test_the_inputs_that_a_law_fails_on_are_named(condition, named):
         check_controller(fails_on(condition))
 
 
-def test_a_law_that_returns_nan_for_nan_is_told_the_input():
+def test_the_input_of_a_law_that_returns_nan_for_nan_is_named():
     own = type("Unread", (Good,), {"decide": lambda self, seen: seen.slip * self.demand})
     with pytest.raises(ContractBroken, match=r"nan.*It fails on slip = \[nan"):
         check_controller(own)
 
 
-def test_a_law_that_fails_whatever_it_is_shown_blames_no_input():
+def test_no_input_is_named_for_a_law_that_fails_on_all():
     with pytest.raises(ContractBroken) as broken:
         check_controller(fails_on(lambda seen: True))
     assert "fails on" not in str(broken.value)
@@ -137,7 +137,7 @@ def reckoned(name, step):
         (type("Silent", (Reckoned,), {"provides": ()}), "`provides` is"),
     ],
 )
-def test_a_broken_estimator_is_told_so(broken, words):
+def test_a_broken_estimator_is_reported(broken, words):
     check_estimator(Reckoned)
     with pytest.raises(ContractBroken, match=words):
         check_estimator(broken)
@@ -162,7 +162,7 @@ class Exact:
         (type("Two", (Exact,), {"read": lambda self, time, truth: {"speed": np.ones(2)}}), r"shape \(2,\)"),
     ],
 )
-def test_broken_sensors_are_told_so(broken, words):
+def test_broken_sensors_are_reported(broken, words):
     check_sensors(Exact)
     with pytest.raises(ContractBroken, match=words):
         check_sensors(broken)

@@ -15,7 +15,7 @@ JACOBS = asdict(GROUP) | {"pressure_max": 2e5}
 
 @given(pressure=st.floats(0.4e5, 2e5), friction=st.floats(0.1, 0.6))
 def test_pressure_is_the_inverse_of_the_brake_equation(pressure, friction):
-    """Schwarz, Lüdicke, Heckmann (2019), eq. (3): F_B = μ_B η i_B (p A − F_S), written out here on its own."""
+    """Schwarz, Lüdicke, Heckmann (2019), eq. (3): F_B = μ_B η i_B (p A − F_S), written out here independently."""
     torque = 2 * friction * 5.7 * (pressure * 0.0324 - 1200.0) * 0.22
     assert pressure_for(torque, friction, JACOBS) == pytest.approx(pressure, rel=1e-12)
 
@@ -42,7 +42,7 @@ VALVES = ValveModel(period=0.01, dead_time=0.05, fill_time=0.4, vent_time=0.2, b
 
 
 def track(demand: float, seconds: float, start: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Run the logic against the valve equations of the domain, integrated here with a true dead time."""
+    """Run the logic against the valve equations of the plant, integrated here with a true dead time."""
     logic, pressure = ValveLogic([3.4e5], VALVES), start
     line, pressures, commands = [HOLD] * 5, [], []
     for _ in range(round(seconds / 0.01)):
@@ -59,9 +59,11 @@ def track(demand: float, seconds: float, start: float = 0.0) -> tuple[np.ndarray
 
 
 @given(demand=st.floats(0.8e5, 3.0e5), start=st.floats(0.0, 3.3e5))
-def test_valves_bring_the_pressure_to_the_demand_and_then_rest(demand, start):
-    """After 3 s: within the band and what one shortest pulse moves (20 ms at most 17 kPa); no limit cycle over the
-    dead time, which the prediction is there to prevent."""
+def test_valves_bring_the_pressure_to_the_demand_and_then_stay_closed(demand, start):
+    """After 3 s the error is below the band plus the shortest pulse (20 ms, up to 17 kPa), without a limit cycle.
+
+    The prediction prevents a limit cycle over the dead time.
+    """
     pressures, commands = track(demand, 4.0, start)
     assert np.abs(pressures[300:] - demand).max() < 6e3 + 17e3
     assert np.count_nonzero(np.diff(commands[300:])) <= 2

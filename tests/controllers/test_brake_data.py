@@ -1,4 +1,4 @@
-"""A law uses the data of a brake that it says; a train from outside has to give no others, asked for all at once."""
+"""A law uses only the brake data that it declares; of a foreign train only these are required, in one message."""
 
 import math
 from dataclasses import fields, replace
@@ -26,7 +26,7 @@ def demands(law: type[GroupLaw], brakes: tuple[Brake, ...], formation: Formation
 
 @pytest.mark.parametrize("name", LAWS)
 def test_a_law_uses_only_the_brake_data_that_it_declares(name):
-    """What nobody gives is NaN, which would show in whatever it takes part in."""
+    """Data that nobody gives are NaN, which would propagate to any result that uses them."""
     law = registry.part(registry.LAWS, name, GroupLaw)
     unused = {field.name for field in fields(Brake)} - law.brake_data
     for formation in formations():

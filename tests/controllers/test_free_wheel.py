@@ -1,4 +1,4 @@
-"""Speed from a rolling wheel while the radar is silent: the formula for an invented train of two groups."""
+"""Speed from a rolling wheel while the radar is silent: the function for an invented train of two groups."""
 
 import math
 
@@ -26,7 +26,7 @@ def watch():
 
 
 def over(watch, seconds, speed, rims, pressures):
-    """Return the outputs after a number of seconds; rims [m/s] are numbers or functions of time."""
+    """Return the outputs after a number of seconds; rim speeds [m/s] are numbers or functions of time."""
     for k in range(1, round(seconds / PERIOD) + 1):
         now = [rim(k * PERIOD) if callable(rim) else rim for rim in rims]
         last = watch.call([speed, *(rim / RADIUS for rim in now), *pressures])
@@ -34,7 +34,7 @@ def over(watch, seconds, speed, rims, pressures):
 
 
 def given_within(watch, seconds, rims, pressures):
-    """Return the speeds that are given within a number of seconds while the radar is silent."""
+    """Return the speeds that are output within a number of seconds while the radar is silent."""
     given = [over(watch, PERIOD, NAN, rims, pressures)[0] for _ in range(round(seconds / PERIOD))]
     return [speed for speed in given if not math.isnan(speed)]
 
@@ -50,7 +50,7 @@ def test_a_released_wheel_replaces_the_radar_after_the_silence(watch):
     over(watch, 3.0, 20.0, (20.0, 18.0), (ON, ON))
     assert not given_within(watch, VALUES.silence - 0.02, (20.0, 18.0), (OFF, ON))
     speeds = given_within(watch, 1.0, (20.0, 18.0), (OFF, ON))
-    assert len(speeds) in (9, 10)  # one every 0.1 s, which hundredths reach or just miss
+    assert len(speeds) in (9, 10)  # one every 0.1 s, a time that sums of hundredths reach or just miss
     assert set(speeds) == {20.0}
 
 
@@ -64,7 +64,7 @@ def test_a_wheel_that_spins_up_is_not_a_reference(watch):
     over(watch, 3.0, NAN, (10.0, 9.0), (ON, ON))
     rising = lambda t: 10.0 + 0.5 * t
     for k in range(200):
-        # No speed may be given during the time constants that the filter takes to follow the rise.
+        # No speed may be output during the time constants that the filter needs to follow the rise.
         speed = over(watch, PERIOD, NAN, (rising(k * PERIOD), 9.0), (OFF, ON))[0]
         assert math.isnan(speed)
 
@@ -77,14 +77,14 @@ def test_a_released_wheel_with_a_dead_sensor_is_not_a_reference(watch):
 
 
 def test_a_released_wheel_slower_than_a_braked_one_is_not_a_reference(watch):
-    """Its sensor counts too few teeth: a braked wheel cannot be faster than one that rolls."""
+    """Its sensor counts too few teeth: a braked wheel cannot be faster than a rolling one."""
     over(watch, 3.0, NAN, (9.0, 18.0), (ON, ON))
     assert not given_within(watch, 2.0, (9.0, 18.0), (OFF, ON))
     assert given_within(watch, 2.0, (9.0, 8.0), (OFF, ON))
 
 
 def test_groups_are_released_in_turn_if_the_law_releases_none(watch):
-    """These releases yield no speed: the pressures do not follow, so no wheel rolls."""
+    """These releases yield no speed: the pressures do not follow, so no wheel rolls freely."""
     order, last = [], (0.0, 0.0)
     for _ in range(round(30.0 / PERIOD)):
         _, *released = over(watch, PERIOD, NAN, (15.0, 15.0), (ON, ON))
@@ -92,7 +92,7 @@ def test_groups_are_released_in_turn_if_the_law_releases_none(watch):
             order.append(released.index(1.0))
         assert sum(released) <= 1.0
         last = tuple(released)
-    # 5 s without a speed, 7 s of release, and again: three releases begin in 30 s, that of the rear group first.
+    # 5 s without a speed, 7 s of release, and again: three releases start within 30 s, beginning with the rear group.
     assert order == [1, 0, 1]
 
 

@@ -1,4 +1,4 @@
-"""The law of two maxima: its comparison against friction in closed form, and the bounds of its demand."""
+"""The law of two maxima: its comparison of groups with friction in closed form, and the bounds of its demand."""
 
 from dataclasses import replace
 
@@ -30,9 +30,10 @@ def waves_over_time(time, place):
 
 
 def drive(friction, gain, *, tuning=OBSERVING, positions=POSITIONS, seconds=8.0, slips=(0.03,) * 4, pressure=1.5e5):
-    """Return the law after some seconds at constant speed, with the slips that are given.
+    """Return the law after some seconds at constant speed with the given slips.
 
-    The adhesion of the first group is the friction at its time and place; groups behind have exp(gain) times as much.
+    The adhesion of the first group is the friction at its time and place; groups behind it have exp(gain) times as
+    much.
     """
     law = TwoMaxima([GROUP] * 4, tuning)
     if positions is not None:
@@ -48,8 +49,10 @@ def drive(friction, gain, *, tuning=OBSERVING, positions=POSITIONS, seconds=8.0,
 @pytest.mark.parametrize("friction", [even, steps, waves_over_time])
 @pytest.mark.parametrize("gain", [-0.1, 0.0, 0.2])
 def test_the_comparison_finds_the_gain_on_a_rail_that_varies(friction, gain):
-    """0.002 is left of a mean over eight time constants. Where friction varies, the comparison that is closer to zero
-    counts, and changes within 0.45 m are smeared by the filter of adhesion: up to a quarter of the gain is missing."""
+    """A mean over eight time constants leaves 0.002, and varying friction hides up to a quarter of the gain.
+
+    Where friction varies, the comparison closer to zero counts, and the adhesion filter smears changes within 0.45 m.
+    """
     law = drive(friction, gain)
     assert state_of(law, "advantage") == pytest.approx(gain, abs=0.002 if friction is even else 0.05)
 
@@ -63,12 +66,12 @@ def test_a_rail_that_slip_cleans_has_deep_slip():
     assert state_of(drive(steps, 0.2, tuning=TUNING), "deep") == 1.0
 
 
-def test_deep_slip_ends_where_groups_behind_have_no_more_adhesion():
+def test_deep_slip_ends_where_groups_behind_gain_no_adhesion():
     law = drive(even, 0.2, tuning=TUNING)
     for k in range(600):
         law.decide(observed(k * PERIOD, SPEED, -0.5, (0.45,) * 4, (0.05,) * 4, (0.35,) * 4, (1.5e5,) * 4))
     assert state_of(law, "deep") == 0.0
-    # At this speed it does not begin again.
+    # At this speed deep slip does not start again.
     for k in range(600):
         law.decide(observed(k * PERIOD, SPEED, -0.5, (0.03,) * 4, (0.05, *(0.08,) * 3), (0.35,) * 4, (1.5e5,) * 4))
     assert state_of(law, "advantage") > TUNING.advantage_high
@@ -85,8 +88,8 @@ def test_deep_slip_ends_where_groups_behind_have_no_more_adhesion():
         {"positions": (0.0, 60.0, 65.0, 80.0)},
     ],
 )
-def test_groups_that_cannot_be_compared_are_not(change):
-    """Their places or slips are not the same, they roll, the brake limits them, or the memory is shorter."""
+def test_groups_that_differ_otherwise_are_not_compared(change):
+    """Their positions or slips differ, they roll, the brake limits them, or the memory is too short."""
     assert state_of(drive(even, 0.2, tuning=TUNING, **change), "advantage") == 0.0
 
 
@@ -116,7 +119,7 @@ OBSERVATIONS = st.lists(
 @settings(max_examples=60, deadline=None)
 @given(OBSERVATIONS, st.sampled_from([0.0, 1.0]))
 def test_the_demand_is_bounded(observations, deep):
-    """It is the pressure of a torque from nothing to what adhesion_max, and the wheelset's own inertia, allow."""
+    """From zero to the pressure of the torque that adhesion_max and the inertia of the wheelset allow."""
     law = TwoMaxima([GROUP] * 4, TUNING)
     law.place(POSITIONS)
     law.state[[quantity.name for quantity in law.formula.states].index("deep")] = deep
@@ -140,7 +143,7 @@ def test_a_wheel_that_nearly_locks_is_released_in_deep_slip():
     assert min(demands[1:]) > 0.0
 
 
-def test_a_group_returns_to_the_slope_after_its_work():
+def test_a_group_returns_to_slope_seeking_after_deep_slip():
     law = drive(even, 0.2, tuning=replace(TUNING, work_max=0.1))
     for k in range(200):
         law.decide(observed(k * PERIOD, SPEED, -0.5, (0.4,) * 4, (0.05,) * 4, (0.35,) * 4, (1.5e5,) * 4))

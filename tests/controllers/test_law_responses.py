@@ -27,7 +27,7 @@ DURATION = 24.0
 
 
 def slide(time):
-    """Return slip and adhesion: slides of 4 s to slips of 2 to 30 % on a curve whose peak, at 4 % slip, wanders."""
+    """Return slip and adhesion: slides of 4 s to slips of 2 to 30 % on a curve whose peak drifts around 4 % slip."""
     number, phase = divmod(time, 4.0)
     deepest = (0.02, 0.05, 0.10, 0.15, 0.20, 0.30)[int(number)]
     slip = deepest * sin(pi * phase / 4.0) ** 2 + 0.002 * sin(2 * pi * 3.0 * time)
@@ -36,7 +36,7 @@ def slide(time):
 
 
 def response(law, tuning, period):
-    """Return the mean and the RMS of the demand [bar] during the slides, the brake a lag of 0.1 s behind the demand."""
+    """Return the mean and the RMS of the demand [bar] during the slides; the pressure lags the demand by 0.1 s."""
     controller, pressure, demands = law([GROUP], tuning), 0.0, []
     for k in range(round(DURATION / period)):
         time = k * period
@@ -50,7 +50,7 @@ def response(law, tuning, period):
 
 
 def tuned_laws():
-    """Return name → law, tuning and period: each set of each law, for each actuation and source of the slip, once."""
+    """Return name → law, tuning and period: each set of each law once, for each actuation and source of the slip."""
     found = {}
     files = registry.files(registry.LAWS)
     for kind in registry.modules(registry.LAWS):
@@ -72,7 +72,7 @@ LAWS = tuned_laws()
 
 @pytest.mark.parametrize("name", LAWS)
 def test_the_response_of_each_law_is_the_accepted_one(name):
-    """Equal to 1e-6: another C library moves the last digits of a sine, a parameter that moves by 1 % far more."""
+    """Equal to 1e-6: another C library changes last digits; a parameter changed by 1 % has a far larger effect."""
     accepted = json.loads(ACCEPTED.read_text(encoding="utf-8"))
     assert response(*LAWS[name]) == pytest.approx(accepted[name], rel=1e-6)
 

@@ -1,4 +1,4 @@
-"""The laws that others are compared with: each on the quantity that it looks at, alone."""
+"""The laws of practice, each on its own controlled quantity."""
 
 from dataclasses import replace
 
@@ -34,7 +34,7 @@ FUZZY = FuzzySlipTuning(period=1e-3, slip_medium=0.05, slip_ratio=2.0, decelerat
 
 
 def wheels(law, *speeds, pressure=FULL, count=1):
-    """Return the last demands after showing wheels of these rolling speeds [m/s] for so many periods."""
+    """Return the last demands after a number of periods with wheels of these rolling speeds [m/s]."""
     demands = ()
     for _ in range(count):
         slip = tuple(1 - speed / SPEED for speed in speeds)
@@ -44,12 +44,12 @@ def wheels(law, *speeds, pressure=FULL, count=1):
 
 @pytest.mark.parametrize("slip", [0.02, 0.05, 0.1])
 def test_constant_slip_control_holds_the_set_slip(slip):
-    """On a curve with its peak beyond, where the wheel is stable at any slip."""
+    """On a curve whose peak is beyond, where the wheel is stable at any slip."""
     found, _ = simulate(ConstantSlip([GROUP], replace(STEADY, slip=slip)), 4.0, peak_slip=0.2)
     assert found[3000:].mean() == pytest.approx(slip, rel=0.02)
 
 
-def test_constant_slip_control_begins_with_full_pressure_and_ends_with_it():
+def test_constant_slip_control_starts_and_ends_with_full_pressure():
     law = ConstantSlip([GROUP], STEADY)
     assert wheels(law, SPEED) == (FULL,)
     assert law.decide(observed(0, 0.3, 0, (0.9,), None, None, (0.0,))) == (FULL,)
@@ -58,8 +58,8 @@ def test_constant_slip_control_begins_with_full_pressure_and_ends_with_it():
 
 
 @pytest.mark.parametrize("peak_slip", [0.02, 0.04, 0.1])
-def test_extremum_seeking_goes_to_the_peak_from_either_side(peak_slip):
-    """From 4 % slip; at an elasticity below 1 the set slip moves by less than its share a second."""
+def test_extremum_seeking_reaches_the_peak_from_either_side(peak_slip):
+    """From 4 % slip; at an elasticity below 1 the set slip changes by less than `share` per second."""
     law = ExtremumSeeking([GROUP], SEEKING)
     simulate(law, 12.0, peak_slip=peak_slip)
     assert state_of(law, "set_slip[1]") == pytest.approx(peak_slip, rel=0.3)
@@ -114,7 +114,7 @@ def test_a_wheel_that_loses_speed_is_vented_at_the_medium_slip():
     assert state_of(law, "share[1]") < 0.9
 
 
-def test_the_reference_is_the_fastest_wheel_and_falls_no_faster_than_a_train_can():
+def test_the_reference_is_the_fastest_wheel_with_a_limited_deceleration():
     """Both wheels drop by 2 m/s at once: 0.2 s later the reference has fallen by 0.3 m/s, and both are vented."""
     law = WheelReference([GROUP, GROUP], REFERENCE)
     assert wheels(law, SPEED, SPEED) == (FULL, FULL)
@@ -132,11 +132,11 @@ def test_a_wheel_is_held_above_the_low_slip_and_vented_above_the_high_one():
     assert wheels(law, SPEED, 0.89 * SPEED) == (FULL, 0.0)
 
 
-def test_pressure_comes_back_at_its_rate_after_a_slide():
+def test_pressure_is_restored_at_its_rate_after_a_slide():
     law = WheelReference([GROUP, GROUP], REFERENCE)
     wheels(law, SPEED, SPEED)
     wheels(law, SPEED, 0.8 * SPEED, pressure=1e5, count=10)
-    wheels(law, SPEED, SPEED, pressure=1e5, count=50)  # its acceleration back is none to be afraid of
+    wheels(law, SPEED, SPEED, pressure=1e5, count=50)  # its acceleration is uncritical again
     assert wheels(law, SPEED, SPEED, pressure=1e5)[1] == pytest.approx(1e5 + 51 * PERIOD * 0.5 * FULL)
 
 
@@ -152,14 +152,14 @@ def test_the_watchdog_ends_venting_for_a_while():
 def test_the_last_group_is_released_after_long_sliding():
     law = WheelReference([GROUP, GROUP], REFERENCE)
     wheels(law, SPEED, SPEED)
-    wheels(law, 0.95 * SPEED, 0.915 * SPEED, count=100)  # while the reference still falls, slip is more than it is then
+    wheels(law, 0.95 * SPEED, 0.915 * SPEED, count=100)  # while the reference still falls, the computed slip is larger
     last = [wheels(law, 0.95 * SPEED, 0.915 * SPEED)[1] for _ in range(600)]
     released = np.flatnonzero(np.array(last) == 0.0)
     assert released[0] == pytest.approx(400, abs=3)
     assert len(released) == pytest.approx(60, abs=2)
 
 
-def test_below_its_lowest_speed_the_reference_leaves_the_brake_alone():
+def test_below_its_lowest_speed_the_reference_does_not_act_on_the_brake():
     law = WheelReference([GROUP, GROUP], REFERENCE)
     wheels(law, 1.3, 1.3)
     assert wheels(law, 1.3, 0.5, count=20) == (FULL, FULL)
@@ -194,6 +194,6 @@ def test_an_invalid_tuning_is_refused(change, sentence):
 @pytest.mark.parametrize(
     "law", [WheelReference, ConstantSlip, ExtremumSeeking, PerturbObserve, RecursiveSlope, FuzzySlip]
 )
-def test_every_law_has_a_whole_set_for_each_actuation(law, actuation):
+def test_every_law_has_a_complete_set_for_each_actuation(law, actuation):
     for slip in ("read", "estimated"):
         law.load_tuning(actuation, slip, period=PERIOD)

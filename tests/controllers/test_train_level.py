@@ -1,4 +1,4 @@
-"""Decisions for the whole train: valves that several groups share, and redistribution of force."""
+"""Decisions for the whole train: valves shared by several groups, and redistribution of force."""
 
 from dataclasses import replace
 
@@ -37,12 +37,12 @@ def slip_based() -> Law:
 
 
 def force(pressures: np.ndarray) -> float:
-    """Return the force of all brakes at the rims [N], with the pad friction that is assumed without an estimate."""
+    """Return the force of all brakes at the rims [N] with the pad friction assumed in the absence of an estimate."""
     per_pascal = GROUP.units * PAD_FRICTION * GROUP.friction_radius * GROUP.rigging * GROUP.piston_area
     return float(np.sum(pressures)) * per_pascal / GROUP.wheel_radius
 
 
-def test_groups_of_a_valve_take_the_lowest_or_the_mean_demand():
+def test_groups_of_a_shared_valve_use_the_lowest_or_the_mean_demand():
     law = with_shared_valves(slip_based(), GROUPS, (1, 2), "lowest")
     assert law.decide(observed((0.01, 0.01, 0.01), 1.0)) == (3e5, 3e5, 2e5)
     assert law.decide(observed((0.01, 0.2, 0.01), 1.0)) == (3e5, 0.0, 0.0)
@@ -51,7 +51,7 @@ def test_groups_of_a_valve_take_the_lowest_or_the_mean_demand():
     assert law.decide(observed((0.01, 0.2, 0.01), 1.0)) == pytest.approx((3e5, 1.5e5, 1e5))
 
 
-def test_a_valve_for_each_group_changes_nothing():
+def test_one_valve_for_each_group_changes_nothing():
     plain, shared = slip_based(), with_shared_valves(slip_based(), GROUPS, (1, 1, 1), "mean")
     for slip in ((0.01, 0.2, 0.07), (0.07, 0.01, 0.3), (0.0, 0.0, 0.0)):
         assert plain.decide(observed(slip, 0.5)) == shared.decide(observed(slip, 0.5))
@@ -64,7 +64,7 @@ def settled(law: Law, now: Observation) -> np.ndarray:
     return np.array(demands)
 
 
-def test_other_groups_give_the_force_that_a_sliding_group_cannot():
+def test_other_groups_replace_the_missing_force_of_a_sliding_group():
     """The total force is the driver's demand; each other group adds the same share of its reserve."""
     now = observed((0.2, 0.01, 0.01), 0.5)
     law = with_redistribution(slip_based(), GROUPS, period=1e-3, adhesion_max=0.3)
@@ -85,7 +85,7 @@ def test_no_group_gives_more_than_the_limit_of_adhesion():
     assert adhesion == pytest.approx(0.03, rel=1e-6)
 
 
-def test_with_full_brake_or_without_slip_there_is_nothing_to_redistribute():
+def test_with_full_brake_or_without_slip_nothing_is_redistributed():
     for slip, demand in (((0.2, 0.01, 0.01), 1.0), ((0.01, 0.01, 0.01), 0.5)):
         now = observed(slip, demand)
         demands = settled(with_redistribution(slip_based(), GROUPS, period=1e-3, adhesion_max=0.3), now)
@@ -93,7 +93,7 @@ def test_with_full_brake_or_without_slip_there_is_nothing_to_redistribute():
         assert demands == pytest.approx(lower)
 
 
-def test_redistribution_works_over_a_law_without_states():
+def test_redistribution_works_on_top_of_a_law_without_states():
     now = observed((0.2, 0.01, 0.01), 0.5)
     law = with_redistribution(FullBrake(GROUPS), GROUPS, period=1e-3, adhesion_max=0.3)
     assert settled(law, now) == pytest.approx(now.driver_demand)
@@ -111,8 +111,8 @@ OVER_THE_TRAIN = pytest.mark.parametrize(
 
 
 @OVER_THE_TRAIN
-def test_over_any_controller_the_result_equals_that_inside_a_law(over):
-    """To the last bit: the controller below may be a law, a class or an FMU."""
+def test_redistribution_on_top_of_any_controller_equals_that_inside_a_law(over):
+    """Bit for bit: the controller below may be a law, a class or an FMU."""
     inside, law, outside = over(slip_based()), slip_based(), over(pass_through(GROUPS))
     random = np.random.default_rng(3)
     for _ in range(200):
@@ -121,7 +121,7 @@ def test_over_any_controller_the_result_equals_that_inside_a_law(over):
 
 
 @OVER_THE_TRAIN
-def test_a_law_begins_with_the_states_of_its_parameters(over):
+def test_a_law_starts_with_the_states_of_its_parameters(over):
     law = RecursiveSlope(GROUPS, RecursiveSlope.load_tuning("pneumatic", "estimated", period=10e-3))
     assert np.any(law.state != [state.start for state in law.formula.states])
     assert over(law).state[: law.state.size] == pytest.approx(law.state)

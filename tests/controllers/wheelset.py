@@ -1,4 +1,4 @@
-"""A wheelset of three lines: a torque balance on an adhesion curve known in closed form."""
+"""A minimal wheelset: a torque balance on an adhesion curve in closed form."""
 
 import numpy as np
 
@@ -16,11 +16,11 @@ GROUP = Brake(
     spring_force=1200.0,
     pressure_max=3.4e5,
 )
-SPEED = 15.0  # m/s, held: the train is heavy
+SPEED = 15.0  # m/s, constant: the train is heavy
 
 
 def observed(time, speed, acceleration, slip, adhesion, pad_friction, pressure):
-    """An observation of a train whose wheels turn as the slip says."""
+    """An observation of a train whose wheel speeds correspond to the slips."""
     wheels = (1 - np.array(slip)) * speed / 0.38
     full = np.full(len(slip), 3.4e5)
     return Observation(time, speed, acceleration, wheels, np.array(slip), False, adhesion, pad_friction, pressure, full)
@@ -29,12 +29,12 @@ def observed(time, speed, acceleration, slip, adhesion, pad_friction, pressure):
 def simulate(
     controller, seconds, *, peak_slip=0.03, peak=lambda time, group: 0.06, pad_friction=0.35, lag=0.02, groups=1
 ):
-    """Return slip and adhesion over time of braked wheelsets at constant speed, one column for each if there are more.
+    """Return slip and adhesion over time of braked wheelsets at constant speed, with a column for each of several.
 
     α = 2 α* s* s/(s*² + s²), with its only maximum α* at s*; ω̇ from the torque balance; pressure follows the demand
     with a first-order lag. Explicit steps of 0.1 ms: the contact's time constant at the origin is some 3 ms.
     """
-    # Plain numbers: NumPy takes ten times as long over so few.
+    # Python floats: NumPy is ten times slower on a few numbers.
     each, omega, pressure = range(groups), [SPEED / 0.38] * groups, [0.0] * groups
     slips, adhesions = [], []
     for k in range(round(seconds / 1e-3)):

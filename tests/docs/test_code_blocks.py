@@ -19,7 +19,7 @@ PAGES = [
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_the_code_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
-    # A page may add "." to the path, for which Python remembers the folder of the first import.
+    # A page may add "." to the path; Python caches the folder of the first import.
     monkeypatch.setattr(sys, "path", [*sys.path])
     monkeypatch.setattr(sys, "path_importer_cache", {})
     examples = list(Sybil(parsers=[PythonCodeBlockParser()]).parse(page).examples())

@@ -1,4 +1,4 @@
-"""The scripts of the gallery run, stay short, use the public interface alone, and label their axes."""
+"""The scripts of the gallery run, are short, use only the public interface, and label their axes."""
 
 import ast
 import runpy
@@ -20,12 +20,12 @@ LONG = {
     "random_draws": "40 stops",
     "thresholds": "20 stops",
 }
-"""Scripts that only `make docs` runs, and what takes their time."""
+"""Scripts that only `make docs` runs, with the reason for their duration."""
 LINES = 30
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
-def test_a_script_is_short_and_needs_no_internals(script: Path):
+def test_a_script_is_short_and_uses_no_internals(script: Path):
     source = script.read_text(encoding="utf-8")
     assert len(source.splitlines()) <= LINES
     imports = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Import | ast.ImportFrom)]
@@ -51,8 +51,8 @@ def figures(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Callabl
 
 @pytest.mark.filterwarnings("ignore:FigureCanvasAgg is non-interactive")
 @pytest.mark.parametrize("script", [s for s in SCRIPTS if s.stem not in LONG], ids=lambda script: script.stem)
-def test_a_script_draws_with_units_at_its_axes(script: Path, figures: Callable[[Path], list[Figure]]):
-    """Panels share labels, bars have names in place of a label, and numbers of wheelsets have no unit."""
+def test_axes_of_a_script_have_units(script: Path, figures: Callable[[Path], list[Figure]]):
+    """Exceptions: panels share labels, bars have names instead of a label, and wheelset numbers have no unit."""
     drawn = figures(script)
     assert drawn
     for figure in drawn:

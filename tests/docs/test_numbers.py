@@ -40,10 +40,10 @@ STANDARD = re.compile(r"\b(?:19|20)\d\d\b|\b(?:EN|UIC|ISO|IEC|TSI|EBO|SUBSET)\b"
 
 
 def results_in(text: str, known: str = "") -> Iterator[str]:
-    """Yield numbers that are decimals, have a unit, or are counts of a total, without a source.
+    """Yield numbers without a source that are decimals, have a unit, or count a part of a total.
 
     Args:
-        text: Of a page.
+        text: Text of a page.
         known: Text whose numbers need no source.
     """
     for paragraph in re.split(r"\n\s*\n", NEITHER.sub(_keep_sources, WRITTEN.sub("", text))):
@@ -63,14 +63,14 @@ def _keep_sources(found: re.Match[str]) -> str:
 
 
 def is_in(text: str, number: re.Match[str]) -> bool:
-    """Return whether a text has a number, as it is or in SI units."""
+    """Return whether a text contains a number, as written or in SI units."""
     value = float(number["value"])
-    wanted = (value, value * SCALES.get(number["unit"] or "", 1.0))
-    return any(math.isclose(float(one), other, rel_tol=1e-3) for one in _TOKENS.findall(text) for other in wanted)
+    candidates = (value, value * SCALES.get(number["unit"] or "", 1.0))
+    return any(math.isclose(float(one), other, rel_tol=1e-3) for one in _TOKENS.findall(text) for other in candidates)
 
 
 def problem_of(number: re.Match[str], source: str) -> str:
-    """Return what is wrong with the source of a number: a file must contain it, a text must be a citation."""
+    """Return the error in the source of a number: a file must contain the number, a text must be a citation."""
     paths = [ROOT / word for word in source.split() if (ROOT / word).is_file()]
     if STANDARD.search(source) or any(is_in(path.read_text(encoding="utf-8"), number) for path in paths):
         return ""
@@ -85,7 +85,7 @@ _TOKENS = re.compile(r"(?<![\w.])\d[\d_]*(?:\.\d+)?(?:e[+-]?\d+)?")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_every_result_is_written_by_a_command(page: Path):
     text = page.read_text(encoding="utf-8")
-    # Tests run the code of tutorials, and their text speaks of its numbers.
+    # The code of tutorials runs in a test, and their text repeats its numbers.
     known = "".join(re.findall(r"```.*?```", text, re.DOTALL)) if page.parent.name == "tutorials" else ""
     assert not list(results_in(text, known))
 

@@ -7,7 +7,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_the_picture_of_the_packages_is_up_to_date():
-    """Fails until `.venv/bin/python docs/packages.py` has written the picture anew."""
+    """If this fails, run `.venv/bin/python docs/packages.py` to draw the picture again."""
     script = runpy.run_path(str(ROOT / "docs/packages.py"))
     assert script["PICTURE"].read_text(encoding="utf-8") == script["svg"]()
 

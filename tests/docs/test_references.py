@@ -20,11 +20,11 @@ QUOTED = re.compile(r"`([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*)(?:\(\))?`")
 GENERATED = {
     "friction.json",
 }  # fmt: skip
-"""Files that commands write."""
+"""Files written by commands."""
 ENTRY_POINTS = {f"railgrip.{role}" for role in ("controllers", "estimators", "sensors", "plants")}
-"""Groups of entry points of other packages."""
+"""Entry point groups of other packages."""
 EXAMPLE = re.compile(r"My|.*_\d$")
-"""Names of a user's library, and of elements of an array."""
+"""Names in a user's library, and names of array elements."""
 
 
 @cache
@@ -40,7 +40,7 @@ def sources() -> tuple[Path, ...]:
 
 
 def prose(path: Path) -> list[tuple[int, str]]:
-    """Return the docstrings and comments of a file with their lines."""
+    """Return the docstrings and comments of a file with their line numbers."""
     text = path.read_text(encoding="utf-8")
     found = [
         (token.start[0], token.string)
@@ -55,14 +55,14 @@ def prose(path: Path) -> list[tuple[int, str]]:
 
 @cache
 def endings() -> frozenset[str]:
-    """Return the tracked files by each of their endings: `loop/loop.py` is `harness/simulate/loop/loop.py`."""
+    """Return the tracked files by each ending of their paths: `loop/loop.py` is `harness/simulate/loop/loop.py`."""
     parts = [name.split("/") for name in tracked()]
     return frozenset("/".join(each[i:]) for each in parts for i in range(len(each)))
 
 
 @cache
 def identifiers() -> frozenset[str]:
-    """Return all identifiers of the sources, of any language, without those in prose alone."""
+    """Return all identifiers in the code of the sources, in any language."""
     words: set[str] = set()
     for name in tracked():
         path = ROOT / name
@@ -80,7 +80,7 @@ def identifiers() -> frozenset[str]:
 
 
 def members(path: Path, names: list[str]) -> bool:
-    """Say whether a module has a top-level name, and a class of it the next one."""
+    """Return whether a module has the first name at top level, and each class the next name."""
     body: list[ast.stmt] = ast.parse(path.read_text(encoding="utf-8")).body
     for name in names:
         found = [node for node in body if name in defined(node)]
@@ -102,7 +102,7 @@ def defined(node: ast.stmt) -> set[str]:
 
 
 def exists(dotted: str) -> bool:
-    """Say whether a module, class or attribute `railgrip.a.b.C` exists."""
+    """Return whether a module, class or attribute `railgrip.a.b.C` exists."""
     first, *rest = dotted.split(".")[1:]
     if dotted in ENTRY_POINTS or (not rest and members(ROOT / "harness" / "api.py", [first])):
         return True
@@ -116,7 +116,7 @@ def exists(dotted: str) -> bool:
 
 
 def modelica_exists(name: str) -> bool:
-    """Say whether a class of the Modelica library exists, or a component of one."""
+    """Return whether a class of the Modelica library, or a component of a class, exists."""
     place, parts = ROOT / "modelica", name.split(".")
     while parts and (place / parts[0]).is_dir():
         place /= parts.pop(0)
@@ -130,7 +130,7 @@ def modelica_exists(name: str) -> bool:
 
 @cache
 def classes() -> dict[str, set[str]]:
-    """Return the classes of the sources with all names in their bodies; those of equal name together."""
+    """Return the classes of the sources with all names in their bodies; classes of equal name are merged."""
     found: dict[str, set[str]] = {}
     for path in sources():
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -145,7 +145,7 @@ def classes() -> dict[str, set[str]]:
 
 
 def missing(text: str) -> list[str]:
-    """Return the references of a text that exist nowhere."""
+    """Return the references in a text that do not exist."""
     files = [name for name in FILE.findall(text) if "/" in name and not EXAMPLE.match(name)]
     wrong = [name for name in files if name not in endings() and name.rpartition("/")[2] not in GENERATED]
     wrong += [name for name in DOTTED.findall(text) if not exists(name)]
@@ -164,7 +164,7 @@ def missing(text: str) -> list[str]:
     return wrong
 
 
-def test_docstrings_and_comments_name_what_exists():
+def test_references_in_docstrings_and_comments_exist():
     wrong = [
         f"{path.relative_to(ROOT)}:{line}: {name}"
         for path in sources()
@@ -179,7 +179,7 @@ def test_docstrings_and_comments_name_what_exists():
     ["see loop/kernel/cycel.c", "`railgrip.simulate.faults.Site`", "`Binding.translated`", "RailBraking.FMUs.Wagon",
      "railgrip.fmi.mapping.bound", "`no_such_name`"],
 )  # fmt: skip
-def test_a_reference_to_nothing_is_found(text):
+def test_an_invalid_reference_is_found(text):
     assert missing(text)
 
 
@@ -188,7 +188,7 @@ def test_a_reference_to_nothing_is_found(text):
     ["loop/kernel/cycle.c", "`railgrip.simulate.faults.site.Site`", "`Binding.translate`", "RailBraking.Plants.Wagon",
      "`railgrip.simulate.custom`", "harness/fmi/mapping.py", "`did_you_mean`"],
 )  # fmt: skip
-def test_a_reference_to_what_exists_is_not(text):
+def test_a_valid_reference_is_accepted(text):
     assert missing(text) == []
 
 

@@ -1,4 +1,4 @@
-"""The documentation builds without warnings, loads nothing from the network, and describes what the code has."""
+"""The documentation builds without warnings, loads nothing from the network, and describes the whole interface."""
 
 import json
 import os
@@ -29,7 +29,7 @@ FREE = {"parameters", "map", "brakes", "calibrated", "noise", "bias"}
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Build the site with all proxies set to a closed port, one script of the gallery and one notebook run."""
+    """Build the site with one script of the gallery and one notebook; all proxies point to a closed port."""
     folder = tmp_path_factory.mktemp("site")
     proxies = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), "http://127.0.0.1:9")
     done = subprocess.run(
@@ -45,7 +45,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 class _Page(HTMLParser):
-    """What a page loads, and its inline code."""
+    """The resources that a page loads, and its inline code."""
 
     def __init__(self, path: Path) -> None:
         super().__init__()
@@ -67,7 +67,7 @@ class _Page(HTMLParser):
             self._in_code = False
 
 
-def test_no_page_loads_anything_from_elsewhere(site: Path):
+def test_no_page_loads_external_resources(site: Path):
     pages = [path for path in site.rglob("*.html") if "examples" not in path.parts]
     assert len(pages) > 20
     addresses = {address for page in pages for address in _Page(page).loaded}
@@ -93,7 +93,7 @@ document.getElementById("site").onload = async ({ target }) => {
 
 
 @pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
-def test_the_search_works_in_pages_that_are_opened_as_files(site: Path, tmp_path: Path):
+def test_the_search_works_in_pages_opened_as_files(site: Path, tmp_path: Path):
     (tmp_path / "site").symlink_to(site, target_is_directory=True)
     (tmp_path / "search.html").write_text(SEARCH, encoding="utf-8")
     options = ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking")
@@ -110,7 +110,7 @@ def test_the_search_works_in_pages_that_are_opened_as_files(site: Path, tmp_path
 
 
 def keys_of(table: Mapping[str, Any], free: Collection[str] = FREE) -> Iterator[str]:
-    """Yield the keys of a table and of the tables below it, but for those in `free`."""
+    """Yield the keys of a table and its subtables, except those in `free`."""
     for key, value in table.items():
         yield key
         for entry in value if isinstance(value, list) else [value]:
@@ -125,7 +125,7 @@ def test_every_key_of_the_scenarios_of_the_library_is_described(site: Path):
         assert keys <= described, path.name
 
 
-def test_the_gallery_shows_figure_and_script(site: Path):
+def test_the_gallery_contains_figure_and_script(site: Path):
     page = _Page(site / "gallery/recording.html")
     assert "recording.png" in page.loaded
     assert Image.open(site / "gallery/recording.png").size > (600, 400)
@@ -136,14 +136,14 @@ def test_the_gallery_shows_figure_and_script(site: Path):
     assert not [name for name in names if f'href="{name}.html"' not in index]
 
 
-def test_a_notebook_shows_its_pictures(site: Path):
+def test_a_notebook_contains_its_figures(site: Path):
     pictures = [address for address in _Page(site / "examples/recording.html").loaded if address.endswith(".png")]
     assert len(pictures) >= 3
     assert all((site / "examples" / name).is_file() for name in pictures)
 
 
 NAMED = {"pads", "brakes", "track_brakes", "bogies", "couplers", "distributors", "accelerators"}
-"""Tables of a train file whose keys are names that its author chose."""
+"""Tables of a train file whose keys are chosen by the author."""
 
 
 def test_every_key_of_the_trains_of_the_library_is_described(site: Path):
@@ -168,7 +168,7 @@ def test_every_key_of_the_estimations_of_the_library_is_described(site: Path):
     by_name = {"process", "readings", "mean", "deviation", "scale", "noise", "inputs", "parameters", "columns"}
     for path in sorted((ROOT / "harness/estimation/library").glob("*.toml")):
         estimation = tomllib.loads(path.read_text(encoding="utf-8"))
-        tables = [estimation.pop("noise", {})]  # whose keys are not names, as those of [source] noise are
+        tables = [estimation.pop("noise", {})]  # keys that are not names, such as those of [source] noise
         keys = {key for table in (estimation, *tables) for key in keys_of(table, by_name)}
         assert keys - {"extends"} <= described, path.name
 
@@ -191,8 +191,8 @@ def test_every_name_of_the_python_interface_is_described(site: Path):
     assert not [name for name in names if not re.search(rf'id="railgrip\.([a-z_.]+\.)?{name}"', page)]
 
 
-def test_every_file_that_the_architecture_page_names_exists():
-    """By its path from the root, from `harness/`, or from the folder with the C of the loop."""
+def test_every_file_named_on_the_architecture_page_exists():
+    """By its path from the root, from `harness/`, or from the folder with the C code of the loop."""
     named = re.findall(r"`([\w/]+\.(?:py|c|h|toml))`", (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8"))
     folders = (ROOT, ROOT / "harness", ROOT / "harness/simulate/loop/kernel")
     of_any_kind = {"KIND.py", "NAME.toml", "KIND.toml"}

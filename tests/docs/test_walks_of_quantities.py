@@ -1,4 +1,4 @@
-"""The table of the architecture page that follows quantities from the scenario file to the FMU."""
+"""The table on the architecture page that follows quantities from the scenario file to the FMU."""
 
 import re
 from pathlib import Path
@@ -12,7 +12,7 @@ MOST_COPIES = 4
 
 
 def walks():
-    """Return, for each quantity, its names, the files that the page lists for it, and its copies on each branch."""
+    """Return for each quantity its names, the files listed on the page, and its copies on each branch."""
     section = PAGE.read_text(encoding="utf-8").split("## Where a quantity goes")[1].split("\n## ")[0]
     found = []
     for line in [line for line in section.splitlines() if line.startswith("| ")][1:]:
@@ -28,7 +28,7 @@ def path_of(name):
     return next(folder / name for folder in FOLDERS if (folder / name).is_file())
 
 
-def test_each_file_uses_one_of_the_names_of_its_quantity():
+def test_each_file_uses_a_name_of_its_quantity():
     assert [names[0] for names, *_ in walks()] == ["start.speed", "mu0", "demand", "wheelset_speed"]
     for names, files, _ in walks():
         assert len(names) <= 2
@@ -37,7 +37,7 @@ def test_each_file_uses_one_of_the_names_of_its_quantity():
             assert any(name in text for name in names), f"{file} has none of {names}"
 
 
-def test_a_quantity_passes_a_handful_of_files():
+def test_a_quantity_passes_few_files():
     for names, files, _ in walks():
         assert len(set(files)) == len(files) <= MOST_FILES, names
 
@@ -55,7 +55,7 @@ def fields_of(kind):
     )
 
 
-def test_a_quantity_is_copied_a_handful_of_times():
+def test_a_quantity_is_copied_few_times():
     for names, _, branches in walks():
         assert any(branches), names
         for copies in branches:

@@ -1,4 +1,4 @@
-"""A result states every parameter that it rests on, and which of them nobody gave."""
+"""A result states every parameter that it depends on, and which of them are defaults."""
 
 import json
 import tomllib
@@ -18,7 +18,7 @@ from railgrip.estimation.spec import load_specification, parameters_for
 
 @pytest.fixture
 def command(tmp_path: Path) -> list[str]:
-    """Arguments of `railgrip estimate` for a recording of a wagon with its own mass."""
+    """Arguments of `railgrip estimate` for a recording of a wagon with a given mass."""
     arguments = written(tmp_path, wagon(start=15.0, coasting=3.0))
     toml = tmp_path / "run.toml"
     text = toml.read_text(encoding="utf-8").replace("[data]", '[model.parameters]\nm = "41 t"\n[data]')
@@ -47,7 +47,7 @@ def test_the_result_has_value_unit_and_origin_of_all_parameters(command, tmp_pat
     assert "15 of 17 parameters are library defaults" in result.output
 
 
-def test_json_of_estimate_is_alone_on_standard_output(command):
+def test_estimate_prints_only_json_on_standard_output(command):
     result = CliRunner().invoke(app, [*command, "--json"])
     assert result.exit_code == 0, result.output
     value = json.loads(result.stdout)
@@ -59,7 +59,7 @@ def test_json_of_estimate_is_alone_on_standard_output(command):
     assert [Path(file).exists() for file in value["files"]] == [True, True]
 
 
-def test_json_of_inspect_is_alone_on_standard_output(command, tmp_path):
+def test_inspect_prints_only_json_on_standard_output(command, tmp_path):
     result = CliRunner().invoke(app, ["inspect", str(tmp_path / "run.csv"), "--for", "wagon", "--json"])
     assert result.exit_code == 0, result.output
     value = json.loads(result.stdout)
@@ -70,7 +70,7 @@ def test_json_of_inspect_is_alone_on_standard_output(command, tmp_path):
 
 
 def test_a_proposal_lists_the_data_of_the_vehicle_with_defaults_as_comments(command, tmp_path):
-    """Without their comment signs the lines give the same values."""
+    """Uncommented, these lines give the same values."""
     inspection = inspect_recording(tmp_path / "run.csv", Path("wagon"))
     assert '# m = "40000 kg"  # Mass of the wagon' in inspection.proposal
     assert "model" in tomllib.loads(inspection.proposal)
@@ -80,7 +80,7 @@ def test_a_proposal_lists_the_data_of_the_vehicle_with_defaults_as_comments(comm
     assert values == {each.name: pytest.approx(each.value) for each in inspection.parameters}
 
 
-def test_a_parameter_by_its_description_is_answered_with_its_name():
+def test_a_description_instead_of_a_parameter_is_answered_with_the_name():
     with pytest.raises(ScenarioError, match=r"has no parameter 'mass'; did you mean 'm'\?"):
         parameters_for(load_specification(Path("wagon"), ["model.parameters.mass='30 t'"]))
     with pytest.raises(ScenarioError, match=r"has no parameter 'rolling_radius'; did you mean 'r_wheel'\?"):

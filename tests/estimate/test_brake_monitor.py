@@ -1,4 +1,4 @@
-"""The monitor finds the group that lost friction, and says so when stops cannot tell."""
+"""The monitor finds the group that lost friction, and says when stops do not distinguish the groups."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from railgrip.trace.netcdf import FILE_NAME, write_trace
 DESIGN = MonitorDesign()
 
 
-def told(health: np.ndarray, deviation: float = 0.03, drag: float = 0.0, offset: float = 0.0) -> Evidence:
+def evidence_with(health: np.ndarray, deviation: float = 0.03, drag: float = 0.0, offset: float = 0.0) -> Evidence:
     return Evidence(
         health=health, covariance=np.eye(health.size) * deviation**2, offset=np.full(health.size, offset), drag=drag
     )
@@ -25,7 +25,7 @@ def told(health: np.ndarray, deviation: float = 0.03, drag: float = 0.0, offset:
 def row(
     stops: int, seed: int, *, loss: float = 0.0, begin: int = 0, group: int = 2, drag: float = 0.0
 ) -> list[Evidence]:
-    """Stops without a plant: white scatter of 3 %, train load ±5 % in all groups alike, a loss from `begin` on."""
+    """Stops without a plant: white scatter of 3 %, train load ±5 % common to all groups, a loss from `begin`."""
     random = np.random.default_rng(seed)
     rows: list[Evidence] = []
     for k in range(stops):
@@ -33,28 +33,28 @@ def row(
         health = health * (1.0 + 0.03 * random.standard_normal(4))
         if k >= begin:
             health[group] *= 1.0 - loss
-        rows.append(told(health, drag=drag if k >= begin else 0.0))
+        rows.append(evidence_with(health, drag=drag if k >= begin else 0.0))
     return rows
 
 
 @pytest.fixture(scope="module")
 def stops():
-    """A healthy stop, the same with one group worn by 20 %, and with one that does not release."""
+    """A healthy stop, the same stop with one group worn by 20 %, and one with a brake that does not release."""
     healthy = Life(stops=60, seed=3)
     worn = Life(stops=60, seed=3, worn=0, worn_group=1)
     sticking = Life(stops=60, seed=3, stuck=0, stuck_group=3)
     return [next(live(life, range(7, 8))) for life in (healthy, worn, sticking)]
 
 
-def test_a_stop_tells_which_group_has_lost_friction(stops):
+def test_a_stop_identifies_the_group_that_lost_friction(stops):
     healthy, worn, _ = (evidence_of(*stop) for stop in stops)
     ratio = worn.health / healthy.health
-    # Same draws, so only the loss differs; a stop that lasts longer has other noise, hence three deviations.
+    # The draws are the same, so only the loss differs; a longer stop has different noise, hence three deviations.
     assert np.abs(ratio - np.array([1.0, 0.8, 1.0, 1.0])).max() < 3.0 * worn.deviation.max()
     assert ratio.argmin() == 1
 
 
-def test_a_brake_that_does_not_release_shows_as_drag_and_as_lost_friction(stops):
+def test_a_brake_that_does_not_release_appears_as_drag_and_lost_friction(stops):
     healthy, _, sticking = (evidence_of(*stop) for stop in stops)
     # 0.8 bar leave 7.9 kN on each of three units; friction and load are known to 15 %.
     expected = 5.7 * (0.8e5 * 0.0324 - 1200.0) * 3 * 0.35 * 0.235 / 0.38 / 84e3
@@ -63,7 +63,7 @@ def test_a_brake_that_does_not_release_shows_as_drag_and_as_lost_friction(stops)
 
 
 def test_health_follows_the_true_friction_over_the_nominal_law():
-    """Nominal train at nominal load: what the filter finds is the factor that was put on the plant's friction."""
+    """Nominal train at nominal load: the filter finds the factor by which the plant's friction was multiplied."""
     life = Life(stops=60, seed=5)
     ratios = []
     for recording, temperature in live(life, range(4)):
@@ -71,15 +71,16 @@ def test_health_follows_the_true_friction_over_the_nominal_law():
         true = [truth_of(recording, f"mu_b[{g + 1}]")[-200:].mean() for g in range(4)]
         ratios.append(evidence.health / np.array(true))
     spread = np.array(ratios) / np.mean(ratios, axis=1, keepdims=True)
-    # Load is taken out by the mean over groups; what is left is the evidence's own deviation, 1.5 to 5 %.
+    # The mean over groups removes the load; the remainder is the deviation of the evidence, 1.5 to 5 %.
     assert np.abs(spread - spread.mean(axis=0)).max() < 0.12
 
 
-def test_without_testing_the_groups_cannot_be_told_apart_and_the_evidence_says_so():
+def test_without_test_releases_the_evidence_does_not_distinguish_groups():
     recording, temperature = next(live(Life(stops=60, seed=3, testing=False), range(7, 8)))
     evidence = evidence_of(recording, temperature)
     assert evidence.deviation.min() > 0.3
-    # One combination is known all the same, a mean over all groups: that of the braking forces, which stop the train.
+    # One combination is determined nevertheless: the mean over all groups, weighted by the braking forces that stop the
+    # train.
     variances, combinations = np.linalg.eigh(evidence.covariance)
     weights = combinations[:, 0] / combinations[:, 0].sum()
     assert (weights > 0.05).all()
@@ -96,54 +97,54 @@ def test_a_loss_of_a_fifth_is_found_within_ten_stops_in_the_right_group():
         assert alarm.group == 2
         assert 50 <= alarm.stop < 60
         assert alarm.kind == "friction lost"
-        # A mean of a handful of stops with 3 % scatter, over medians with as much.
+        # A mean of a few stops with 3 % scatter, relative to medians with the same scatter.
         assert alarm.loss == pytest.approx(0.2, abs=0.08)
 
 
 @pytest.mark.parametrize("groups", [3, 6])
-def test_a_train_of_other_groups_is_watched_alike(groups):
+def test_a_train_of_other_groups_is_monitored_equally(groups):
     """White scatter of 1 %, and a group that loses a quarter."""
     random = np.random.default_rng(1)
     health = 1.0 + 0.01 * random.standard_normal((80, groups))
     health[50:, -1] *= 0.75
-    history = watch([told(one) for one in health], DESIGN)
+    history = watch([evidence_with(one) for one in health], DESIGN)
     assert history.index.shape == history.chart.shape == (80, groups)
     (alarm,) = history.alarms
     assert alarm.group == groups - 1
 
 
-def test_groups_are_called_by_the_wheelsets_of_the_formation():
+def test_groups_are_named_after_the_wheelsets_of_the_formation():
     assert group_names() == ["wheelsets 1 to 2", "wheelset 3", "wheelset 4", "wheelsets 5 to 6"]
 
 
-def test_after_an_alarm_the_index_stands_where_health_has_gone():
+def test_after_an_alarm_the_index_equals_the_new_health():
     history = watch(row(80, 5, loss=0.2, begin=50), DESIGN)
     (alarm,) = history.alarms
     level = history.index[40, 2] * 0.8
-    # Ten stops of 3 % and of 5 % that the train's load moves: 0.02, taken twice.
+    # Ten stops with scatter of 3 % and 5 % variation of the train's load: 0.02, times two.
     assert history.index[alarm.stop + 10, 2] == pytest.approx(level, abs=0.04)
 
 
-def test_the_figure_of_a_life_can_be_read(tmp_path):
-    """tests/conftest.py checks what is saved."""
+def test_the_figure_of_a_life_is_readable(tmp_path):
+    """tests/conftest.py checks every saved figure."""
     history = watch(row(80, 0, loss=0.2, begin=50), DESIGN)
     assert history.alarms
     assert save(draw(history, DESIGN), tmp_path / "life.png").is_file()
 
 
-def test_drag_makes_it_a_brake_that_does_not_release():
+def test_a_group_with_drag_is_a_brake_that_does_not_release():
     (alarm,) = watch(row(80, 1, loss=0.2, begin=50, drag=0.05), DESIGN).alarms
     assert alarm.kind == "does not release"
 
 
 def test_healthy_rows_do_not_alarm():
-    """100 rows of 200 stops, 72 000 group-stops; the design allows 1e-4 at the tolerated loss, far less at none."""
+    """100 rows of 200 stops, 72 000 group-stops; the design allows 1e-4 at the tolerated loss, less without loss."""
     assert sum(len(watch(row(200, seed), DESIGN).alarms) for seed in range(100)) == 0
 
 
 def test_the_false_alarm_rate_at_the_tolerated_loss_is_no_more_than_designed():
-    """A plain cumulated sum of Gaussian steps, without the cap on a step: what the formula was solved for."""
-    scatter = 0.06  # so large that the least threshold does not set in
+    """A plain cumulative sum of Gaussian steps, without the limit on a step: the formula was derived for this case."""
+    scatter = 0.06  # so large that the minimum threshold is not active
     design = MonitorDesign(false_alarms=2e-3, largest_step=1.0)
     threshold = threshold_for(scatter, design)
     assert threshold > 1.6 * design.largest_step
@@ -153,32 +154,32 @@ def test_the_false_alarm_rate_at_the_tolerated_loss_is_no_more_than_designed():
         chart = max(chart + step, 0.0)
         if chart > threshold:
             alarms, chart = alarms + 1, 0.0
-    # 400 alarms are counted to 5 %, and the formula is an approximation good to some 10 %.
+    # The number of 400 alarms is accurate to 5 %, and the formula is an approximation accurate to some 10 %.
     assert alarms / count == pytest.approx(design.false_alarms, rel=0.3)
 
 
-def test_one_odd_stop_does_not_alarm():
+def test_one_outlying_stop_does_not_alarm():
     rows = row(80, 4)
-    rows[60] = told(np.array([1.1, 0.9, 0.1, 1.05]))
+    rows[60] = evidence_with(np.array([1.1, 0.9, 0.1, 1.05]))
     assert not watch(rows, DESIGN).alarms
 
 
-def test_the_index_claims_the_uncertainty_it_has():
-    """Constant health, loads that scatter by 5 % and readings by 5 %: normalised errors squared of mean 1 or less."""
+def test_the_deviation_of_the_index_is_realistic():
+    """Constant health; loads and readings scatter by 5 %: the mean squared normalised error is at most 1."""
     squares = []
     for seed in range(20):
         random = np.random.default_rng(seed)
         true = np.array([1.0, 0.9, 1.1, 1.0])
         loads = 0.05 * random.standard_normal((120, 1))
-        rows = [told(true + load + 0.05 * random.standard_normal(4), deviation=0.05) for load in loads]
+        rows = [evidence_with(true + load + 0.05 * random.standard_normal(4), deviation=0.05) for load in loads]
         history = watch(rows, DESIGN)
         squares.append((((history.index[-1] - true) / history.index_sd[-1]) ** 2).mean())
-    # It allows for a drift that these rows have not, so it claims too much rather than too little.
+    # The filter allows for a drift that these rows do not have, so its deviation is rather too large.
     assert 0.2 < np.mean(squares) < 1.1
 
 
-def test_a_pressure_read_too_high_costs_the_pads_what_the_evidence_allows(stops):
-    """The same stop read with the offset of one deviation, one transducer after the other."""
+def test_a_pressure_read_too_high_lowers_health_by_the_offset_of_the_evidence(stops):
+    """The same stop with an offset of one deviation in one transducer after the other."""
     recording, temperature = stops[0]
     plain = evidence_of(recording, temperature)
     for g in range(4):
@@ -188,31 +189,31 @@ def test_a_pressure_read_too_high_costs_the_pads_what_the_evidence_allows(stops)
         off = recording.copy(deep=True)
         off["reading_cylinder_pressure"][:, g] = biased
         change = evidence_of(off, temperature).health - plain.health
-        # A disc that seems hotter excuses pads by 5 to 15 % of it; 3 to 5 % are the square of the offset. The others
-        # give way to what one group is thought to brake less.
+        # A disc that seems hotter explains 5 to 15 % of the lower friction; 3 to 5 % are due to the square of the
+        # offset. The others compensate for the lower braking force attributed to one group.
         assert change[g] == pytest.approx(-plain.offset[g], rel=0.2)
         assert np.abs(np.delete(change, g)).max() < 0.3 * plain.offset[g]
 
 
-def test_the_index_counts_offsets_that_no_number_of_stops_averages_out():
-    """Transducers off for good, each life by its own draw: the index errs as it claims, and not as it does without."""
+def test_the_index_includes_offsets_that_do_not_average_out():
+    """Constant transducer offsets, drawn for each life: the index is consistent only with the offset term."""
     offset, squares, without = 0.04, [], []
     for seed in range(40):
         random = np.random.default_rng(seed)
         true = np.array([1.0, 0.9, 1.1, 1.0]) + offset * random.standard_normal(4)
         health = [true + 0.02 * random.standard_normal(4) for _ in range(60)]
         for actual, predicted in ((squares, offset), (without, 0.0)):
-            history = watch([told(h, deviation=0.02, offset=predicted) for h in health], DESIGN)
+            history = watch([evidence_with(h, deviation=0.02, offset=predicted) for h in health], DESIGN)
             error = history.index[-1] - np.array([1.0, 0.9, 1.1, 1.0])
             actual.append((error**2 / history.index_sd[-1] ** 2).mean())
-    # 160 errors: a mean square of 1 within 3·sqrt(2/160), less because the filter allows for a drift there is not.
+    # 160 errors: a mean square of 1 within 3·sqrt(2/160), less because the filter allows for a drift that is absent.
     assert 0.6 < np.mean(squares) < 1.0 + 3.0 * np.sqrt(2.0 / 160.0)
     assert np.mean(without) > 2.0
 
 
-def test_offsets_do_not_change_what_is_charted():
+def test_offsets_do_not_change_the_alarms():
     rows = row(80, 0, loss=0.2, begin=50)
-    off = [told(r.health, offset=0.05) for r in rows]
+    off = [evidence_with(r.health, offset=0.05) for r in rows]
     assert watch(off, DESIGN).alarms == watch(rows, DESIGN).alarms
 
 
@@ -220,14 +221,15 @@ def test_the_trend_is_the_slope_of_health_with_its_deviation():
     slopes = []
     for seed in range(40):
         random = np.random.default_rng(seed)
-        rows = [told(np.full(4, 1.0 - 2e-3 * k) + 0.03 * random.standard_normal(4)) for k in range(60)]
+        rows = [evidence_with(np.full(4, 1.0 - 2e-3 * k) + 0.03 * random.standard_normal(4)) for k in range(60)]
         history = watch(rows, DESIGN)
         slopes.append((history.trend + 2e-3) / history.trend_sd)
-    # 160 normalised errors: their mean square is 1 within 3·sqrt(2/160), Student's tails of 38 degrees add 5 %.
+    # 160 normalised errors: their mean square is 1 within 3·sqrt(2/160); the tails of Student's t with 38 degrees add 5
+    # %.
     assert np.mean(np.square(slopes)) == pytest.approx(1.05, abs=0.35)
 
 
-def test_the_bound_of_the_rate_is_the_rule_of_three_when_nothing_alarmed():
+def test_without_alarms_the_bound_of_the_rate_is_the_rule_of_three():
     assessment = Assessment(
         lives=1, stops=1, worn_delays=(), stuck_delays=(), kinds_right=1.0, healthy=3000, false_alarms=0
     )

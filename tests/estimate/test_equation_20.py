@@ -1,4 +1,4 @@
-"""The stationary gain of the filter with Q and R of equation (20): the statements in the report of the rig."""
+"""The stationary gain of the filter with Q and R of equation (20), as stated in the report of the rig."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ NOISE = load_specification(LIBRARY / "rig_paper.toml").noise
 
 
 def stationary(period, force):
-    """Return the stationary gain, the transition of a period and that of the filter's error."""
+    """Return the stationary gain, the transition matrix of a period and that of the filter error."""
     rig = prediction_of("RollerRigPrediction", {"A_drag": 0.0})
     phi = expm(rig.derivative_jacobian(np.array([60.0, 30.0, 0.35, 0.05]), np.array([force])) * period)
     H = np.eye(2, 4)

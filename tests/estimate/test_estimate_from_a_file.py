@@ -51,7 +51,7 @@ def case(tmp_path: Path):
     return toml, file, recording_of(signals, period=0.01)
 
 
-def test_a_file_gives_the_estimates_of_the_run(case):
+def test_a_file_gives_the_same_estimates_as_its_recording(case):
     toml, file, recording = case
     specification = load_specification(toml)
     prediction, settings = prediction_for(specification), settings_for(specification, 0.01)
@@ -83,7 +83,7 @@ def test_the_command_reports_repairs_and_errors(case, tmp_path):
     ],
 )
 def test_an_implausible_recording_fails(case, tmp_path, column, factor, sentence):
-    """Wheel speeds in a wrong unit, forces of a wrong sign, km/h converted twice; also where [data] accepts them."""
+    """Wheel speeds in a wrong unit, forces of wrong sign, km/h converted twice; [data] does not change the refusal."""
     toml, file, _ = case
     accepted = 'spike = 8.0\ncontradictions = "warn"\n'
     toml.write_text(toml.read_text(encoding="utf-8").replace("spike = 8.0\n", accepted), encoding="utf-8")

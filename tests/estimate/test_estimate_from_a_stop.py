@@ -20,7 +20,7 @@ SPECIFICATION = LIBRARY / "stop.toml"
 
 @pytest.fixture(scope="module")
 def stop():
-    """The first 2.5 s of a stop, with adhesion that falls from the first second on."""
+    """The first 2.5 s of a stop with adhesion that falls from the end of the first second."""
     return rg.run(
         rg.Scenario.load("trapezoid").changed(
             {"limits.horizon": "2.5 s", "adhesion.first_fall": "1 s", "periods.trace": "1 ms"}
@@ -29,7 +29,7 @@ def stop():
 
 
 def recorded_in_the_loop(stop, state):
-    """Return what the loop recorded of a state and of its elements, shape (k, elements)."""
+    """Return the values of a state and of its elements recorded by the loop, shape (k, elements)."""
     values = stop.trace[f"estimate_{state}"].values
     return values if values.ndim > 1 else values[:, None]
 
@@ -43,8 +43,8 @@ RECORDED = {"v": "speed", "w": "wheelset_speed", "alpha": "adhesion", "mu_b": "p
 
 
 def test_estimates_from_a_trace_equal_those_in_the_loop(stop):
-    """The same filter, noises, start and readings give the same bits."""
-    # The file has rounded squares, the loop has exact ones.
+    """The same filter, noises, start and readings give identical bits."""
+    # The file has rounded squares, the loop exact ones.
     squares = {f"noise.process.{name}": sd**2 for name, sd in NOISE_SETS["train_ideal"].process.items()}
     squares |= {f"noise.readings.{name}": sd**2 for name, sd in NOISE_SETS["train_ideal"].readings.items()}
     estimated = rg.estimate(stop.trace, changes=squares)
@@ -78,7 +78,7 @@ def test_a_thinned_trace_is_used_up_to_its_last_even_sample(stop, tmp_path):
 
 
 def test_a_trace_in_a_csv_file_gives_the_same_estimates(stop, tmp_path):
-    """With 17 digits and SI units the numbers are the same, and none of them is flagged as a fault."""
+    """With 17 digits and SI units the numbers are the same, and none is flagged as a fault."""
     names = readings_in(stop.trace)
     columns = {"time": stop.trace["time"].values} | {name: reading_of(stop.trace, name) for name in names}
     pd.DataFrame(columns).to_csv(tmp_path / "stop.csv", index=False, float_format="%.17g")
@@ -194,7 +194,7 @@ def at_sample_700(change):
     ],
 )
 def test_a_damaged_trace_is_refused(stop, tmp_path, damage, sentence):
-    """With exit code 2 and without a traceback."""
+    """The exit code is 2, without a traceback."""
     stop.write(tmp_path / "mine")
     file = tmp_path / "mine" / "trace.nc"
     damage(file)

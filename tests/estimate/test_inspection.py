@@ -1,4 +1,4 @@
-"""What `railgrip inspect` finds in a recording, and that what it proposes is read."""
+"""The contents that `railgrip inspect` finds in a recording; the proposed estimation reads it."""
 
 import json
 import tomllib
@@ -26,7 +26,7 @@ FORCE = np.where(T > 2.0, 2e4, 0.0)
 
 
 def rig(**columns: np.ndarray) -> pd.DataFrame:
-    """Recording of a roller rig in German units, with other columns on top."""
+    """Recording of a roller rig in German units, with additional columns."""
     recorded = {"Zeit [ms]": 1e3 * T, "Geschwindigkeit (km/h)": 3.6 * V, "Drehzahl [U/min]": W * 30 / np.pi}
     return pd.DataFrame(recorded | {"Kraft_kN": FORCE / 1e3} | columns)
 
@@ -38,25 +38,25 @@ def written(folder: Path, frame: pd.DataFrame, name: str = "run.csv") -> Path:
 
 
 def read_by(inspection: Inspection, path: Path):
-    """Return the recording in a file as the proposal reads it."""
+    """Return the recording in a file as read by the proposal."""
     file = path.with_suffix(".toml")
     file.write_text(inspection.proposal, encoding="utf-8")
     return recording_for(load_specification(file), path).recording
 
 
-def test_a_proposal_reads_the_recording_without_a_change(tmp_path):
+def test_a_proposal_reads_the_recording_unchanged(tmp_path):
     path = written(tmp_path, rig())
     inspection = inspect_recording(path, Path("rig_own"))
     assert not inspection.unrecognised
     recording = read_by(inspection, path)
-    # Text has 16 digits, units are rounded once.
+    # Text has 16 digits, and units are rounded once.
     np.testing.assert_allclose(reading_of(recording, "speed"), V, rtol=1e-9)
     np.testing.assert_allclose(reading_of(recording, "wheelset_speed"), W, rtol=1e-9)
     np.testing.assert_allclose(reading_of(recording, "pad_force"), FORCE, rtol=1e-9)
 
 
 def test_columns_of_a_train_are_recognised_by_name_number_and_unit(tmp_path):
-    """Speeds of wheelsets counted from 0, accelerations in g; 1/min may be radians, so it is said what is assumed."""
+    """Wheelset speeds numbered from 0, accelerations in g; 1/min may mean radians, so the assumption is printed."""
     wheels = {f"n_{i} [1/min]": W + i for i in range(4)}
     cylinders = {f"BC{i} (bar)": FORCE / 1e4 + i for i in range(1, 5)}
     frame = pd.DataFrame(
@@ -73,7 +73,7 @@ def test_columns_of_a_train_are_recognised_by_name_number_and_unit(tmp_path):
     assert inspection.proposal.count("revolutions are assumed") == 4
 
 
-def test_pressures_of_brake_cylinders_are_recognised_and_commands_are_not(tmp_path):
+def test_brake_cylinder_pressures_are_recognised_and_commands_are_not(tmp_path):
     """bcp is the usual abbreviation of brake cylinder pressure; a command or an initial value is not a reading."""
     names = ["bcp_1 [bar]", "BCP_2_kPa", "axle3_bcp [bar]", "coach_bcp_4 [mbar]"]
     others = ["bcp_cmd_1 [bar]", "p_setpoint_2 [bar]", "v_init [m/s]"]
@@ -82,7 +82,7 @@ def test_pressures_of_brake_cylinders_are_recognised_and_commands_are_not(tmp_pa
     assert inspection.signals == {f"cylinder_pressure[{i}]": name for i, name in enumerate(names, start=1)}
 
 
-def test_what_is_not_recognised_is_left_to_the_reader_and_then_runs(tmp_path):
+def test_a_proposal_runs_once_unrecognised_columns_are_filled_in(tmp_path):
     frame = rig().rename(columns={"Kraft_kN": "Kanal 7", "Geschwindigkeit (km/h)": "v"})
     path = written(tmp_path, frame)
     inspection = inspect_recording(path, Path("rig_own"))
@@ -124,7 +124,7 @@ def test_a_proposal_bridges_short_gaps_of_inputs_and_cuts_at_long_ones(tmp_path,
 
 
 @pytest.mark.parametrize("suffix", [".parquet", ".mat", ".mf4"])
-def test_other_formats_are_inspected_too(tmp_path, suffix):
+def test_other_formats_are_inspected(tmp_path, suffix):
     path = tmp_path / f"run{suffix}"
     frame = rig().rename(
         columns={"Zeit [ms]": "time_ms", "Geschwindigkeit (km/h)": "v_kmh", "Drehzahl [U/min]": "n_rpm"}
@@ -148,7 +148,7 @@ def test_other_formats_are_inspected_too(tmp_path, suffix):
     np.testing.assert_allclose(reading_of(read_by(inspection, path), "wheelset_speed"), W, rtol=1e-9)
 
 
-def test_a_file_without_time_wants_the_column_named(tmp_path):
+def test_a_file_without_time_requires_the_name_of_the_column(tmp_path):
     path = written(tmp_path, rig().rename(columns={"Zeit [ms]": "k"}))
     with pytest.raises(EstimationError, match="--time"):
         inspect_recording(path, Path("rig_own"))
@@ -159,7 +159,7 @@ def test_a_file_without_time_wants_the_column_named(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["lost.csv", "lost.mf4", "run.nc", "empty.csv", "words.csv"])
-def test_what_is_no_recording_is_refused_with_its_name(tmp_path, name):
+def test_a_file_without_a_recording_is_refused_with_its_name(tmp_path, name):
     (tmp_path / "run.nc").write_bytes(b"")
     (tmp_path / "empty.csv").write_bytes(b"")
     (tmp_path / "words.csv").write_text("time [s],v\n0,a\n1,b\n", encoding="utf-8")
@@ -175,7 +175,7 @@ def test_time_stamps_are_recognised(tmp_path):
     assert inspection.findings[0].end == pytest.approx(9.99)
 
 
-def test_the_command_writes_a_file_that_estimate_takes(tmp_path):
+def test_the_command_writes_a_file_that_estimate_accepts(tmp_path):
     path, file = written(tmp_path, rig()), tmp_path / "mine.toml"
     result = CliRunner().invoke(app, ["inspect", str(path), "--for", "rig_own", "--out", str(file)])
     assert result.exit_code == 0, result.output
@@ -191,7 +191,7 @@ def test_the_command_writes_a_file_that_estimate_takes(tmp_path):
         app(["inspect", str(path), "--out", str(file)], standalone_mode=False)
 
 
-def test_an_estimation_extends_another_and_takes_no_columns_from_it(tmp_path):
+def test_an_extending_estimation_inherits_no_columns(tmp_path):
     file = tmp_path / "mine.toml"
     file.write_text('extends = "field"\n[course]\nmass = "84.01 t"\n', encoding="utf-8")
     specification, base = load_specification(file), load_specification(Path("field"))

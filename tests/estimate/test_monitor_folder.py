@@ -1,4 +1,4 @@
-"""`railgrip monitor` over stops of the harness, and over a user's recorded files."""
+"""`railgrip monitor` on stops of the harness and on recorded files of users."""
 
 from pathlib import Path
 
@@ -40,7 +40,7 @@ track_force = { value = "0 N" }
 
 @pytest.fixture(scope="module")
 def slid(tmp_path_factory):
-    """A folder with one short stop on ice of locked wheels, as `run` and `campaign` write it."""
+    """A folder with one short stop with locked wheels on ice, as `run` and `campaign` write it."""
     folder = tmp_path_factory.mktemp("stops")
     overrides = ("controller.kind=full_brake", "estimator.kind=none", "start.speed='60 km/h'")
     arguments = [part for change in overrides for part in ("--set", change)]
@@ -51,15 +51,15 @@ def slid(tmp_path_factory):
     return folder
 
 
-def test_locked_wheels_do_not_pass_for_worn_pads(slid):
-    """Their pads hold with less than they could; what the stop tells must lie within what it claims."""
+def test_locked_wheels_are_not_mistaken_for_worn_pads(slid):
+    """Their pads transmit less than they could; the error of the evidence must be within its claimed deviation."""
     (evidence,) = stops_in(slid)[0].values()
     assert (np.abs(evidence.health - 1.0) < 3.0 * evidence.deviation).all()
-    # And that is not much, for one that told all would have to have slid.
+    # The evidence is weak: strong evidence would require sliding pads.
     assert evidence.deviation.max() > 0.1
 
 
-def test_stops_that_do_not_tell_groups_apart_say_so(slid):
+def test_stops_that_do_not_distinguish_groups_are_reported(slid):
     result = CliRunner().invoke(app, ["monitor", str(slid)])
     assert result.exit_code == 0, result.output
     text = " ".join(result.output.split())
@@ -68,7 +68,7 @@ def test_stops_that_do_not_tell_groups_apart_say_so(slid):
     assert (slid / "monitor.png").exists()
 
 
-def test_recorded_files_give_the_evidence_of_the_stops_themselves(tmp_path):
+def test_recorded_files_give_the_same_evidence_as_the_stops(tmp_path):
     recording, _ = next(live(Life(stops=60, seed=3), range(7, 8)))
     columns = {"t": recording["time"].values, "v": 3.6 * reading_of(recording, "speed")}
     columns["a"] = reading_of(recording, "acceleration")
@@ -88,7 +88,7 @@ def test_recorded_files_give_the_evidence_of_the_stops_themselves(tmp_path):
     read = recording_for(load_specification(tmp_path / "map.toml"), folder / "stop-1.csv").recording
     cold = np.full(4, 313.15)
     through, direct = evidence_of(read, cold), evidence_of(recording, cold)
-    # Units there and back leave rounding; a spike that was left out, a hundredth of a deviation.
+    # Converting units there and back leaves rounding; an omitted spike, a hundredth of a deviation.
     assert (np.abs(through.health - direct.health) < 0.1 * direct.deviation).all()
     wrong = folder.parent / "wrong"
     wrong.mkdir()
@@ -96,8 +96,8 @@ def test_recorded_files_give_the_evidence_of_the_stops_themselves(tmp_path):
     result = CliRunner().invoke(app, ["monitor", str(wrong), "--map", str(tmp_path / "map.toml")])
     assert "stop-1.csv: left out: stop-1.csv: wheelset_speed" in " ".join(result.output.split())
     assert "is column 'v' in m/s, not km/h?" in " ".join(result.output.split())
-    # The same run as that of a train whose pistons are a quarter smaller: pads that brake as much rub better by a
-    # third, and, since 1.2 kN of return spring stay, by a half at 1.5 bar.
+    # Evaluated as a train whose pistons are a quarter smaller: the same braking then requires a pad friction higher by
+    # a third, and, since the return spring of 1.2 kN does not change, by a half at 1.5 bar.
     smaller = 0.75 * 0.0324
     with_parameter = text.replace(" }\nnoise", f', parameters = {{ A_piston = "{smaller} m^2" }} }}\nnoise', 1)
     (tmp_path / "smaller.toml").write_text(with_parameter, encoding="utf-8")
@@ -105,7 +105,7 @@ def test_recorded_files_give_the_evidence_of_the_stops_themselves(tmp_path):
     assert ((health / through.health > 1.32) & (health / through.health < 1.5)).all()
 
 
-def test_a_folder_without_stops_gets_a_sentence(tmp_path):
+def test_a_folder_without_stops_is_reported_in_a_sentence(tmp_path):
     result = CliRunner().invoke(app, ["monitor", str(tmp_path)])
     assert result.exit_code != 0
     assert "there are no stops (*/trace.nc) in it" in str(result.exception)

@@ -61,7 +61,7 @@ def table(**changes: Any) -> DataTable:
     return validate_table(DataTable, written | {"columns": columns}, directory=Path(), origin="run.toml")
 
 
-def taken(path: Path, **changes: Any) -> FileRecording:
+def recording_from(path: Path, **changes: Any) -> FileRecording:
     return read_recording(path, table(**changes), UNITS, INPUTS, OUTPUTS)
 
 
@@ -76,7 +76,7 @@ def write_mf4(path: Path, frame: pd.DataFrame) -> None:
     time = frame["t"].to_numpy() / 1e3
     file = asammdf.MDF(version="4.10")
     units = {"v": "km/h", "n": "rev/min", "F": "kN", "T": "degC"}
-    for name, unit_of_channel in units.items():  # a group of its own for each, the temperature ten times slower
+    for name, unit_of_channel in units.items():  # each in a separate group, the temperature sampled ten times slower
         every = 10 if name == "T" else 1
         samples = frame[name].to_numpy()[::every]
         file.append(asammdf.Signal(samples=samples, timestamps=time[::every], name=name, unit=unit_of_channel))
@@ -101,10 +101,10 @@ def written(directory: Path, frame: pd.DataFrame, suffix: str) -> Path:
 @pytest.mark.parametrize("suffix", [".csv", ".parquet", ".mat", ".mf4"])
 def test_every_format_gives_the_signals_in_the_units_of_the_model(tmp_path, suffix):
     frame = stop()
-    result = taken(written(tmp_path, frame, suffix))
+    result = recording_from(written(tmp_path, frame, suffix))
     signals = result.recording
     assert not [flag for flag in result.flags if flag.signal != "disc_temperature"]
-    # Text keeps 16 digits, MDF the time as double: what is left is rounding.
+    # Text keeps 16 digits, MDF the time as double: the difference is rounding.
     np.testing.assert_allclose(reading_of(signals, "speed"), frame["v"] / 3.6, rtol=1e-9)
     np.testing.assert_allclose(reading_of(signals, "wheelset_speed"), frame["n"] * np.pi / 30.0, rtol=1e-9)
     np.testing.assert_allclose(reading_of(signals, "pad_force"), frame["F"] * 1e3, rtol=1e-9, atol=1e-6)
@@ -115,7 +115,7 @@ def test_every_format_gives_the_signals_in_the_units_of_the_model(tmp_path, suff
     assert unit_of(signals, "speed") == "m/s"
 
 
-def test_a_structure_of_a_mat_file_is_reached_by_a_dot(tmp_path):
+def test_a_structure_of_a_mat_file_is_addressed_by_a_dot(tmp_path):
     frame = stop()
     path = tmp_path / "run.mat"
     savemat(path, {"log": {name: frame[name].to_numpy() for name in frame.columns}})
@@ -128,15 +128,15 @@ def test_a_structure_of_a_mat_file_is_reached_by_a_dot(tmp_path):
             ("disc_temperature", "T", "degC"),
         )
     }
-    result = taken(path, columns=columns, time={"column": "log.t", "unit": "ms"})
+    result = recording_from(path, columns=columns, time={"column": "log.t", "unit": "ms"})
     np.testing.assert_allclose(reading_of(result.recording, "speed"), frame["v"] / 3.6, rtol=1e-12)
 
 
-def test_decimal_commas_and_time_stamps_are_read_when_the_map_says_so(tmp_path):
+def test_decimal_commas_and_time_stamps_are_read_if_the_map_requires_it(tmp_path):
     frame = stop()
     stamps = pd.Timestamp("2021-03-28T01:59:58+01:00") + pd.to_timedelta(frame["t"], unit="ms")
     path = csv(tmp_path, frame.assign(t=stamps.astype(str)), sep=";", decimal=",")
-    result = taken(path, separator=";", decimal=",", time={"column": "t", "unit": "timestamp"})
+    result = recording_from(path, separator=";", decimal=",", time={"column": "t", "unit": "timestamp"})
     np.testing.assert_allclose(reading_of(result.recording, "speed"), frame["v"] / 3.6, rtol=1e-9)
 
 
@@ -162,16 +162,16 @@ SPEED = {"column": "v", "unit": "km/h"}
     ids=["spike", "frozen", "zero", "range", "gap", "short gap"],
 )
 def test_a_fault_is_flagged_and_its_samples_omitted(tmp_path, column, values, changes, flag, omitted):
-    """No invented number reaches the filter; a wheel that reads zero may be locked, so it does reach the filter."""
+    """The filter receives no invented number; a wheel that reads zero may be locked, so this reading is used."""
     frame = stop()
     for row, value in values.items():
         frame.loc[row, column] = value
-    result = taken(csv(tmp_path, frame), columns=changes)
+    result = recording_from(csv(tmp_path, frame), columns=changes)
     flags = [(one.signal, one.kind, pytest.approx(one.begin), one.samples) for one in result.flags]
     assert flags == ([] if flag is None else [flag])
     signal = {"n": "wheelset_speed", "v": "speed"}[column]
     assert np.flatnonzero(np.isnan(reading_of(result.recording, signal))).tolist() == list(omitted)
-    # The pad force steps from 0 to 20 kN at 2 s and keeps every sample.
+    # The pad force steps from 0 to 20 kN at 2 s, and every sample is kept.
     np.testing.assert_allclose(reading_of(result.recording, "pad_force"), frame["F"] * 1e3)
 
 
@@ -185,9 +185,9 @@ def test_white_noise_alone_is_not_thinned():
 
 @pytest.fixture(scope="module")
 def valves():
-    """Time [s] and cylinder pressure [Pa] of a group whose valves open for 20 ms and more, every millisecond.
+    """Time [s] and cylinder pressure [Pa] of a group whose valves open for 20 ms or longer, every millisecond.
 
-    A cylinder of first order, filled with 80 ms from 6 bar and vented with 60 ms, so every sample is valid.
+    A first-order cylinder, filled with 80 ms from 6 bar and vented with 60 ms, so every sample is valid.
     """
     period, seed = 1e-3, np.random.default_rng(3)
     pressure, supply, course = 3.0e5, 6.0e5, []
@@ -207,13 +207,13 @@ def valves():
 
 @pytest.mark.parametrize("noise", [100.0, 1000.0], ids="{:g} Pa".format)
 @pytest.mark.parametrize("every", [1, 2, 5, 10])
-def test_spikes_are_found_and_pulses_of_valves_are_not(valves, every, noise):
-    """Not one sample of a pulse, and every spike of 1 bar."""
+def test_spikes_are_found_and_valve_pulses_are_not(valves, every, noise):
+    """No sample of a pulse is flagged, and every spike of 1 bar is."""
     seed = np.random.default_rng(every)
     time, pressure = valves[0][::every], valves[1][::every].copy()
     pressure += noise * seed.standard_normal(pressure.size)
     assert spikes(time, pressure, 8.0).sum() == 0
-    # Spikes beside a pulse cannot be distinguished from it.
+    # Spikes next to a pulse cannot be distinguished from it.
     course = valves[1][::every]
     resting = np.convolve(np.abs(np.gradient(course)) > 0.0, np.ones(9), mode="same") == 0.0
     outliers = np.flatnonzero(resting[:-1])[5::37]
@@ -223,7 +223,7 @@ def test_spikes_are_found_and_pulses_of_valves_are_not(valves, every, noise):
 
 
 @pytest.mark.parametrize(("period", "length"), [(1e-3, 3), (5e-3, 3), (10e-3, 1)])
-def test_a_spike_is_shorter_than_a_pulse_of_a_valve(period, length):
+def test_a_spike_is_shorter_than_a_valve_pulse(period, length):
     time = period * np.arange(400)
     for samples in (length, length + 1):
         values = 3e5 + 50.0 * np.random.default_rng(7).standard_normal(time.size)
@@ -252,20 +252,20 @@ def test_a_short_gap_of_an_input_is_interpolated_and_a_long_one_refused(tmp_path
     frame["F"] = 20.0 + frame["t"] / 1e3
     whole = frame["F"].to_numpy() * 1e3
     frame.loc[400:405, "F"] = np.nan
-    result = taken(csv(tmp_path, frame))
+    result = recording_from(csv(tmp_path, frame))
     # A ramp equals its linear interpolation.
     np.testing.assert_allclose(reading_of(result.recording, "pad_force"), whole, rtol=1e-12)
     (flag,) = result.flags
     assert (flag.kind, flag.begin, flag.end) == ("bridged", pytest.approx(3.99), pytest.approx(4.06))
     frame.loc[400:450, "F"] = np.nan
     with pytest.raises(EstimationError, match=r"input pad_force \(column 'F'\) is missing from 4\.000 s for 0\.51 s"):
-        taken(csv(tmp_path, frame))
+        recording_from(csv(tmp_path, frame))
 
 
-def test_a_signal_that_holds_its_value_is_new_only_when_it_changes(tmp_path):
+def test_a_held_signal_is_new_only_when_it_changes(tmp_path):
     frame = stop()
     frame["v"] = frame["v"].to_numpy()[np.arange(1000) // 10 * 10]
-    result = taken(csv(tmp_path, frame), columns={"speed": SPEED | {"holds": True}})
+    result = recording_from(csv(tmp_path, frame), columns={"speed": SPEED | {"holds": True}})
     new = np.flatnonzero(np.isfinite(reading_of(result.recording, "speed")))
     assert new.tolist() == list(range(0, 1000, 10))
 
@@ -294,30 +294,30 @@ def test_constant_stretches_are_measured_in_seconds():
 
 def test_offset_and_factor_turn_absolute_into_gauge_pressure(tmp_path):
     frame = stop()
-    result = taken(
+    result = recording_from(
         csv(tmp_path, frame), columns={"pad_force": {"column": "F", "unit": "kN", "factor": -1.0, "offset": 1.0}}
     )
     np.testing.assert_allclose(reading_of(result.recording, "pad_force"), 1e3 - 1e3 * frame["F"].to_numpy(), atol=1e-9)
 
 
 def test_a_factor_with_a_unit_turns_a_pressure_into_a_force(tmp_path):
-    """8 kN for each bar, less 0.5 kN; the unit of the column may also stand in its name."""
+    """8 kN for each bar, less 0.5 kN; the unit of the column may also be part of its name."""
     for column in ("p", "p [bar]", "p_bar"):
         frame = stop().assign(**{column: np.linspace(0.0, 3.8, 1000)})
         given_unit = {"unit": "bar"} if column == "p" else {}
         force = {"column": column, "factor": "8 kN/bar", "offset": -0.5} | given_unit
-        result = taken(csv(tmp_path, frame), columns={"pad_force": force})
+        result = recording_from(csv(tmp_path, frame), columns={"pad_force": force})
         expected = 8e3 * frame[column] - 500.0
         np.testing.assert_allclose(reading_of(result.recording, "pad_force"), expected, rtol=1e-12, atol=1e-9)
 
 
-def test_the_recipe_of_the_documentation_gives_no_negative_force(tmp_path):
-    """A piston moves its pads once it overcomes its spring: below 0.5 bar there is no force."""
+def test_the_recipe_of_the_documentation_yields_no_negative_force(tmp_path):
+    """A piston moves its pads once it overcomes its spring: below 0.5 bar the force is zero."""
     page = Path(__file__).parents[2] / "docs" / "how_to" / "recorded_data.md"
     (line,) = [line for line in page.read_text(encoding="utf-8").splitlines() if line.startswith("pad_force = ")]
     force = tomllib.loads(line)["pad_force"]
     frame = stop().assign(**{force["column"]: np.linspace(0.0, 3.8, 1000)})
-    recording = taken(csv(tmp_path, frame), columns={"pad_force": force}).recording
+    recording = recording_from(csv(tmp_path, frame), columns={"pad_force": force}).recording
     expected = np.maximum(8e3 * frame[force["column"]] - 4e3, 0.0)
     np.testing.assert_allclose(reading_of(recording, "pad_force"), expected, rtol=1e-12, atol=1e-9)
     assert check_signals(recording, ["pad_force"]) == []
@@ -341,7 +341,7 @@ def test_column_times_factor_plus_offset_is_what_pint_computes(units, reading, n
     product = PINT.Quantity(reading, column) * PINT.Quantity(number, factor)
     size = PINT.Quantity(abs(product.magnitude) + abs(offset), product.units).to(target).magnitude
     expected = (product + PINT.Quantity(offset, product.units)).to(target).magnitude
-    # A dozen roundings of 1.1e-16, of the larger of product and offset.
+    # A dozen roundings of 1.1e-16, relative to the larger of product and offset.
     assert gain * reading + shift == pytest.approx(expected, rel=0.0, abs=2e-15 * size)
 
 
@@ -377,25 +377,25 @@ REFUSALS = [
 @pytest.mark.parametrize(("columns", "sentence"), REFUSALS)
 def test_an_invalid_map_is_refused(tmp_path, columns, sentence):
     with pytest.raises(EstimationError, match=sentence):
-        taken(csv(tmp_path, stop()), columns=columns)
+        recording_from(csv(tmp_path, stop()), columns=columns)
 
 
 def test_the_unit_of_the_header_is_used_and_must_agree_with_the_map(tmp_path):
     path = csv(tmp_path, stop().rename(columns={"v": "v [km/h]"}))
-    speed = reading_of(taken(path, columns={"speed": {"column": "v [km/h]"}}).recording, "speed")
+    speed = reading_of(recording_from(path, columns={"speed": {"column": "v [km/h]"}}).recording, "speed")
     assert speed[0] == pytest.approx(20.0, abs=0.05)
     with pytest.raises(EstimationError, match=r"its unit in the file is 'km/h', in the map 'm/s'; correct the map\.$"):
-        taken(path, columns={"speed": {"column": "v [km/h]", "unit": "m/s"}})
+        recording_from(path, columns={"speed": {"column": "v [km/h]", "unit": "m/s"}})
 
 
 def test_repeated_instants_are_flagged_and_decreasing_time_is_refused(tmp_path):
     frame = stop()
     frame.loc[100, "t"] = frame.loc[99, "t"]
-    result = taken(csv(tmp_path, frame))
+    result = recording_from(csv(tmp_path, frame))
     assert [(flag.signal, flag.samples) for flag in result.flags if flag.kind == "time"] == [("time", 1)]
     frame.loc[400:, "t"] -= 500.0
     with pytest.raises(EstimationError, match=r"time goes backwards at sample 401 of \w+, from 3\.990000 s to 3\.500"):
-        taken(csv(tmp_path, frame))
+        recording_from(csv(tmp_path, frame))
 
 
 def test_a_cell_that_is_not_a_number_is_refused(tmp_path):
@@ -404,24 +404,24 @@ def test_a_cell_that_is_not_a_number_is_refused(tmp_path):
     with pytest.raises(
         EstimationError, match=r"column 'v' must have numbers, sample 42 of 1000 is '71,2'.*decimal sign"
     ):
-        taken(csv(tmp_path, frame))
+        recording_from(csv(tmp_path, frame))
 
 
 def test_missing_damaged_and_unknown_files_are_refused(tmp_path):
     (tmp_path / "run.xls").write_text("")
     with pytest.raises(EstimationError, match=r"'\.xls' is not a supported format"):
-        taken(tmp_path / "run.xls")
+        recording_from(tmp_path / "run.xls")
     with pytest.raises(EstimationError, match="there is no such file"):
-        taken(tmp_path / "run.csv")
+        recording_from(tmp_path / "run.csv")
     for suffix, what in ((".mat", "a MATLAB file"), (".mf4", "an MDF file"), (".parquet", "a parquet file")):
         (tmp_path / f"bad{suffix}").write_bytes(b"not at all" * 100)
         with pytest.raises(EstimationError, match=f"is not {what}"):
-            taken(tmp_path / f"bad{suffix}")
+            recording_from(tmp_path / f"bad{suffix}")
 
 
 @pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
 def test_a_damaged_mdf_file_is_refused_without_a_traceback(tmp_path):
-    """Truncated, or with a block of zeros or ones, at many places; files that are still readable are accepted."""
+    """Truncated, or with a block of zeros or ones, at many places; a file that is still readable is accepted."""
     write_mf4(tmp_path / "whole.mf4", stop().iloc[:50])
     whole = (tmp_path / "whole.mf4").read_bytes()
     path, refusals = tmp_path / "run.mf4", list[str]()
@@ -431,7 +431,7 @@ def test_a_damaged_mdf_file_is_refused_without_a_traceback(tmp_path):
     for content in damaged:
         path.write_bytes(content)
         try:
-            taken(path)
+            recording_from(path)
         except EstimationError as refusal:
             refusals.append(str(refusal))
     assert len(refusals) > len(damaged) // 3

@@ -1,4 +1,4 @@
-"""Recordings as data sets: time, units, truth, and messages about invalid ones."""
+"""Recordings as datasets: time, units, truth, and messages about invalid recordings."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def test_columns_are_in_the_requested_order():
         ({"speed": (np.zeros(5), "bar")}, ["speed"], r"speed is in 'bar', the prediction needs 'm/s'"),
     ],
 )
-def test_a_missing_signal_and_another_quantity_are_refused(change, names, sentence):
+def test_a_missing_signal_or_another_quantity_is_refused(change, names, sentence):
     with pytest.raises(EstimationError, match=sentence):
         samples(recorded(**change), names, ["m/s"])
 

@@ -44,13 +44,13 @@ def wagon(
     coasting=8.0,
     seed=0,
 ) -> dict[str, np.ndarray]:
-    """Time and signals of a wagon that coasts and brakes to 1 m/s.
+    """Time and signals of a wagon that coasts and then brakes to 1 m/s.
 
     Args:
-        braking: Retardation by the brakes [m/s2].
+        braking: Deceleration by the brakes [m/s2].
         gradient: Positive downhill.
-        loading, radii: Mass and radii over those of the model.
-        slides: Wheelset, begin after the brake [s], length [s] and depth of each slide.
+        loading, radii: Mass and radii relative to those of the model.
+        slides: Wheelset, start after brake application [s], duration [s] and depth of each slide.
     """
     mass, radius = MASS * loading, RADIUS * np.array(radii)
     time, speed, forces = [0.0], [start], []
@@ -85,7 +85,7 @@ def recording(signals: dict[str, np.ndarray]) -> xarray.Dataset:
 
 
 def changed(signals: dict[str, np.ndarray], base: str, change) -> dict[str, np.ndarray]:
-    """Return signals of which those named `base` are changed by a function of time and values."""
+    """Return the signals; a function of time and values changes those named `base`."""
     return {name: change(signals["time"], x) if name.startswith(base) else x for name, x in signals.items()}
 
 
@@ -101,7 +101,7 @@ def kinds(signals: dict[str, np.ndarray]) -> list[str]:
     return [each.kind for each in disagreements(load_specification(Path("wagon")), recording(signals))]
 
 
-# ---- six recordings that were estimated without a word ------------------------------------------------------------
+# ---- six recordings that were once estimated without a warning ---------------------------------------------------
 
 MAP = """
 extends = "wagon"
@@ -133,7 +133,7 @@ CASES = [
 
 
 def written(folder: Path, signals: dict[str, np.ndarray], contradictions: str = "") -> list[str]:
-    """Write a recording in usual units and its estimation; return the arguments of `railgrip estimate`."""
+    """Write a recording in customary units and its estimation; return the arguments of `railgrip estimate`."""
     rates = {"speed": 3.6, "wheelset_speed": 30 / np.pi, "pad_force": 1e-3}
     columns = dict(zip(SIGNALS, ("v", "n1", "n2", "F1", "F2"), strict=True))
     frame = {"time": signals["time"]}
@@ -145,7 +145,7 @@ def written(folder: Path, signals: dict[str, np.ndarray], contradictions: str = 
 
 @pytest.mark.parametrize(("base", "change", "code", "sentence"), CASES)
 def test_a_wrong_scale_or_clock_is_refused_or_reported(tmp_path, base, change, code, sentence):
-    """What no vehicle has is refused unless [data] accepts it; what may be is in the output and in the result."""
+    """Impossible signals are refused unless [data] accepts them; doubtful ones are reported in output and result."""
     signals = changed(wagon(), base, change)
     result = CliRunner().invoke(app, written(tmp_path, signals))
     if code:
@@ -163,7 +163,7 @@ def test_a_wrong_scale_or_clock_is_refused_or_reported(tmp_path, base, change, c
         assert f"warning: {warning}" in repr(rg.estimate(tmp_path / "run.csv", tmp_path / "run.toml"))
 
 
-def test_a_right_recording_has_no_warning(tmp_path):
+def test_a_consistent_recording_has_no_warning(tmp_path):
     result = CliRunner().invoke(app, written(tmp_path, wagon()))
     assert result.exit_code == 0, result.output
     assert "run.csv" not in result.output
@@ -171,7 +171,7 @@ def test_a_right_recording_has_no_warning(tmp_path):
 
 
 def test_a_unit_in_the_header_is_named_as_the_cause(tmp_path):
-    """A force in newton that the header gives in kilonewton is a thousand times too large."""
+    """A force in newtons whose header says kilonewtons is a thousand times too large."""
     arguments = written(tmp_path, changed(wagon(), "pad_force", times(1e3)))
     for name in ("run.csv", "run.toml"):
         text = (tmp_path / name).read_text(encoding="utf-8")
@@ -181,12 +181,12 @@ def test_a_unit_in_the_header_is_named_as_the_cause(tmp_path):
     assert "is column 'F1 [kN]' in N, not kN?" in str(result.exception)
 
 
-# ---- the same over random values ------------------------------------------------------------------------------------
+# ---- the same for random values -----------------------------------------------------------------------------------
 
 SLIDES = st.lists(
     st.tuples(st.integers(0, 1), st.floats(0.0, 20.0), st.floats(1.0, 5.0), st.floats(0.05, 0.9)), max_size=8
 )
-"""Up to eight slides, of one or both wheelsets, to a tenth of the speed."""
+"""Up to eight slides of one or both wheelsets, down to a tenth of the speed."""
 VEHICLES = st.fixed_dictionaries(
     {
         "start": st.floats(12.0, 50.0),
@@ -210,20 +210,20 @@ TAME = st.fixed_dictionaries(
         "seed": st.integers(0, 9),
     }
 )
-"""Stops whose adhesion is good enough for a delay to be seen: slip hides it otherwise."""
+"""Stops with enough adhesion to reveal a delay, which slip would hide."""
 EITHER_WAY = st.booleans()
 few = settings(max_examples=25, derandomize=True)
 
 
 @given(VEHICLES)
-def test_no_right_recording_disagrees(vehicle):
-    """Slides to a tenth of the speed, wheels 3 % off, gradients of 25 per mille, loads 30 % off, other pads."""
+def test_no_consistent_recording_disagrees(vehicle):
+    """Slides to a tenth of the speed, radii 3 % off, gradients of 25 per mille, loads 30 % off, other pads."""
     assert kinds(wagon(**vehicle)) == []
 
 
 @few
 @given(TAME, SLIDES, st.floats(1.75, 60.0), EITHER_WAY, st.sampled_from(["speed", "wheelset_speed"]))
-def test_every_wrong_scale_of_a_speed_is_impossible(vehicle, slides, factor, is_small, base):
+def test_every_wrong_speed_scale_is_impossible(vehicle, slides, factor, is_small, base):
     signals = changed(wagon(**vehicle, slides=slides), base, times(1.0 / factor if is_small else factor))
     found = disagreements(load_specification(Path("wagon")), recording(signals))
     assert [each.kind for each in found][:1] == ["scale"]
@@ -241,7 +241,7 @@ def test_every_wrong_radius_is_reported_and_accepted(vehicle, factor, is_small):
 
 @few
 @given(TAME, SLIDES, st.floats(0.7, 1.3), st.floats(8.0, 1000.0), EITHER_WAY)
-def test_every_wrong_scale_of_a_force_is_reported(vehicle, slides, loading, factor, is_small):
+def test_every_wrong_force_scale_is_reported(vehicle, slides, loading, factor, is_small):
     signals = changed(
         wagon(**vehicle, slides=slides, loading=loading), "pad_force", times(1.0 / factor if is_small else factor)
     )
@@ -255,7 +255,7 @@ def test_every_late_wheelset_is_reported(vehicle, delay):
 
 
 def test_most_early_wheelsets_are_reported():
-    """At good adhesion: a steady slip speed, as on a bad rail, cannot be told from a lead, so that a few are missed."""
+    """At good adhesion: a steady slip speed, as on a poor rail, looks like a lead, so a few are missed."""
     draw = np.random.default_rng(7)
     found = []
     for seed in range(40):
@@ -274,7 +274,7 @@ def test_most_early_wheelsets_are_reported():
 @few
 @given(TAME, st.floats(0.01, 0.05))
 def test_every_slow_clock_is_reported(vehicle, drift):
-    """From a long run: 1 % of 40 s is 0.4 s."""
+    """In a long run: 1 % of 40 s is 0.4 s."""
     vehicle |= {"start": vehicle["start"] + 15.0, "coasting": vehicle["coasting"] + 10.0}
     assert "timing" in kinds(changed(wagon(**vehicle), "wheelset_speed", later(drift=drift)))
 
@@ -299,7 +299,7 @@ def test_recordings_of_the_library_agree(name):
 )  # fmt: skip
 @pytest.mark.parametrize("scenario", ["trapezoid", "sine_sweep"])
 def test_stops_of_a_train_at_low_adhesion_agree(scenario, changes):
-    """The adhesion of these scenarios is a third of the demand, so that wheelsets slide throughout, or lock."""
+    """The adhesion of these scenarios is a third of the demand, so wheelsets slide throughout or lock."""
     stop = rg.run(rg.Scenario.load(scenario).changed(changes))
     trace = stop.trace.assign(reading_track_force=("time", np.zeros(stop.trace.sizes["time"]), {"units": "N"}))
     assert disagreements(load_specification(LIBRARY / "stop.toml"), trace) == []

@@ -1,4 +1,4 @@
-"""The predictions of rig and wagon satisfy the contract, as functions and as FMUs, with either law of the pads."""
+"""The predictions of rig and wagon satisfy the contract, as functions and as FMUs, with either pad law."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def test_the_fmu_equals_the_function(name, relaxes):
     x, u = (np.array(values) for values in POINTS[name])
     with by_fmu as unit:
         prediction_contract(unit, x, u)
-        # The same expressions through another code generator: rounding of terms up to a thousand times the result.
+        # The same expressions from another code generator: rounding of terms up to a thousand times the result.
         assert unit.derivative(x, u) == pytest.approx(function.derivative(x, u), rel=1e-12, abs=1e-12)
         jacobian = function.derivative_jacobian(x, u)
         np.testing.assert_allclose(unit.derivative_jacobian(x, u), jacobian, rtol=1e-10, atol=1e-10)
@@ -35,5 +35,5 @@ def test_the_fmu_equals_the_function(name, relaxes):
 def test_relaxation_is_equation_9_and_stays_finite_below_its_guard(mu_b):
     rig = prediction_of("RollerRigPrediction", {"mu_b_relaxes": 1.0, "T_mu": 20.0, "mu_b_rest": 0.35})
     rate = rig.derivative(np.array([60.0, 30.0, mu_b, 0.05]), np.array([2e4]))[2]
-    # The corner is rounded by 0.5e-3 of a friction, one hundredth of the guard at 0.05.
+    # The corner is rounded by a friction of 0.5e-3, one hundredth of the guard at 0.05.
     assert rate == pytest.approx((0.35 - mu_b) / (20.0 * max(mu_b, 0.05)), rel=0.011)

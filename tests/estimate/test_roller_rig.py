@@ -1,4 +1,4 @@
-"""The roller rig against closed forms, and its filters against the accuracy in the paper, on the first slides."""
+"""The roller rig compared with closed forms, and its filters with the accuracy in the paper, on the first slides."""
 
 from pathlib import Path
 
@@ -37,23 +37,23 @@ def sand():
 
 
 def test_the_roller_is_decelerated_by_contact_force_and_drag(sand):
-    """m dv = -(contact force + drag) dt for the imitated wagon, from outputs of the rig alone."""
+    """m dv = -(contact force + drag) dt for the emulated wagon, from outputs of the rig alone."""
     v, time = truth_of(sand, "v"), sand["time"].values
     force = reading_of(sand, "contact_force") + 1.2 / 2 * 0.9 * 5.2 * v**2
     loss = np.trapezoid(force, time) / 20e3
-    # Load cells: 100 N of white noise over 2400 samples of 5 ms are 25 N.s, 1e-3 m/s; the rest is the trapezoid rule.
+    # Load cells: white noise of 100 N over 2400 samples of 5 ms is 25 N.s or 1e-3 m/s; the rest is the trapezoid rule.
     assert v[0] - v[-1] == pytest.approx(loss, abs=5e-3)
 
 
 def test_load_cells_measure_adhesion_without_bias(sand):
     error = reading_of(sand, "contact_force") / reading_of(sand, "wheelset_load") - truth_of(sand, "alpha")
-    # 100 N on 98 kN is 1e-3 a sample; the mean over 2400 of them 2e-5.
+    # 100 N of 98 kN is 1e-3 per sample; the mean of 2400 samples 2e-5.
     assert np.std(error) == pytest.approx(1.0e-3, rel=0.1)
     assert np.mean(error) == pytest.approx(0.0, abs=1e-4)
 
 
-def test_adhesion_passes_its_peak_falls_comes_back_and_goes_to_zero(sand):
-    """Figure 6 of Schwarz and Keck (2020): 0.1, 0.05, after release 0.1 again, then 0."""
+def test_adhesion_passes_its_peak_falls_recovers_and_vanishes(sand):
+    """Figure 6 of Schwarz and Keck (2020): 0.1, 0.05, after the release 0.1 again, then 0."""
     part = sand.sel(time=slice(4.0, 10.0))
     alpha, slip = truth_of(part, "alpha"), truth_of(part, "slip")
     deepest = int(np.argmax(slip))
@@ -66,8 +66,8 @@ def test_adhesion_passes_its_peak_falls_comes_back_and_goes_to_zero(sand):
     assert published.slides(sand) == 1
 
 
-def test_figures_can_be_read(sand, tmp_path):
-    """tests/conftest.py checks what is saved. Time is stretched, because the text describes the tests up to 110 s."""
+def test_figures_are_readable(sand, tmp_path):
+    """tests/conftest.py checks every saved figure. Time is stretched because the text describes tests up to 110 s."""
     filters = [load_specification(LIBRARY / f"{name}.toml") for name in ("rig_paper", "rig_own")]
     estimates = {filter_.name: estimate_of(filter_, sand) for filter_ in filters}
     slide = published.points_of_slide(sand, VehicleData(load(Path("rig_sand"))).contact)
@@ -85,8 +85,8 @@ def test_figures_can_be_read(sand, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["rig_paper", "rig_own"])
-def test_a_wrong_start_of_adhesion_is_corrected_in_tenths_of_a_second(sand, name):
-    """Figures 4 and 5: "in the first few tenths of a second"; the rest of the estimates does not depend on it."""
+def test_a_wrong_initial_adhesion_is_corrected_within_tenths_of_a_second(sand, name):
+    """Figures 4 and 5: "in the first few tenths of a second"; later estimates do not depend on the start."""
     wrong, right = (
         estimate_of(load_specification(LIBRARY / f"{name}.toml", start), sand) for start in (WRONG_START, ())
     )
@@ -94,7 +94,7 @@ def test_a_wrong_start_of_adhesion_is_corrected_in_tenths_of_a_second(sand, name
     assert 0.0 < published.settling(sand, wrong) < 0.3
     later = sand["time"].values > 1.0
     apart = (wrong["mean"] - right["mean"]).sel(state=["alpha", "mu_b"]).values[later]
-    # A thousandth of the wrong start.
+    # A thousandth of the initial error.
     assert np.abs(apart).max() < 1e-4
 
 
@@ -112,7 +112,7 @@ def test_the_error_of_adhesion_is_within_002_on_the_sanded_roller(sand, name):
     assert not excursions(sand, constant, settled=0.5)["kept"]
 
 
-def test_the_filter_of_equation_20_is_underconfident_and_ours_consistent(sand):
+def test_the_filter_of_equation_20_is_underconfident_and_the_built_in_consistent(sand):
     after = sand["time"].values > 4.0
     paper, own = (estimate_of(load_specification(LIBRARY / f"{n}.toml"), sand) for n in ("rig_paper", "rig_own"))
     assert judge(sand, paper, "mu_b", after).nees < 0.01
@@ -120,7 +120,7 @@ def test_the_filter_of_equation_20_is_underconfident_and_ours_consistent(sand):
     assert judge(sand, own, "alpha", after).rmse < judge(sand, paper, "alpha", after).rmse
 
 
-def test_short_brakings_under_oil_slide_at_two_to_five_hundredths():
+def test_short_brake_applications_under_oil_slide_at_two_to_five_percent():
     slide = recording_of_rig(shortened("slide", 22.0))
     sliding = truth_of(slide, "slip") > 0.05
     assert sliding.sum() > 100
@@ -129,24 +129,24 @@ def test_short_brakings_under_oil_slide_at_two_to_five_hundredths():
     assert alpha.max() < 0.055
 
 
-def test_our_gate_holds_pad_friction_while_the_pads_are_released():
-    """Then readings do not depend on it: our mean and deviation stay constant, the paper's deviation grows."""
+def test_the_gate_holds_pad_friction_while_the_pads_are_released():
+    """Readings then do not depend on it: with the gate mean and deviation stay constant, in the paper they grow."""
     coasting = recording_of_rig(shortened("slide", 10.0))
     own, paper = (estimate_of(load_specification(LIBRARY / f"{n}.toml"), coasting) for n in ("rig_own", "rig_paper"))
     assert np.ptp(own["sd"].sel(state="mu_b").values) < 1e-12
     deviations = paper["sd"].sel(state="mu_b").values
-    # Q33 = 1e-3 is added 2000 times; 100 N of noise of the load cell carry almost no information.
+    # Q33 = 1e-3 is added 2000 times; load cells with 100 N of noise contribute almost no information.
     assert deviations[-1] == pytest.approx(np.sqrt(0.04**2 + 2000 * 1e-3), rel=0.05)
 
 
-def test_the_same_seed_gives_the_same_recording_and_another_seed_another_one():
+def test_a_recording_depends_only_on_the_seed():
     short = shortened("sand", 1.0)
     first, again, other = map(recording_of_rig, (short, short, shortened("sand", 1.0, seed=1)))
     assert first.identical(again)
     assert not np.array_equal(reading_of(first, "speed"), reading_of(other, "speed"))
 
 
-def test_a_fifth_of_the_period_hardly_changes_the_speed():
+def test_a_period_five_times_shorter_hardly_changes_the_speed():
     """Valves switch at the same instants; the remaining difference is due to the solver of the plant."""
     coarse, fine = (
         recording_of_rig(
@@ -165,7 +165,7 @@ PERIOD = 0.01
 
 
 def protected(error, busy):
-    """Return a recording with an active protection where `busy`, and an estimate with a given error."""
+    """Return a recording with active protection where `busy` is set, and an estimate with a given error."""
     samples = len(error)
     recording = recording_of({"protecting": (busy, "1")}, period=PERIOD, truth={"alpha": (np.full(samples, 0.05), "1")})
     estimates = xarray.Dataset(
@@ -175,7 +175,7 @@ def protected(error, busy):
     return recording, estimates
 
 
-def test_an_event_lasts_a_tenth_of_a_second_longer_than_the_intervention():
+def test_an_event_ends_a_tenth_of_a_second_after_the_intervention():
     busy = np.zeros(100)
     busy[40:50] = 1.0
     recording, _ = protected(np.zeros(100), busy)
@@ -214,12 +214,12 @@ def test_nan_counts_as_beyond_the_limit():
 
 
 def test_the_benchmark_steps_the_filter_of_the_rig():
-    """In microseconds: more than a call of Python takes, less than a hundredth of a second on any machine."""
+    """In microseconds: more than a Python call, less than a hundredth of a second on any machine."""
     assert 0.1 < rig_step(count=50, rounds=1) < 1e4
 
 
-def test_encoders_err_with_the_variance_that_equation_20_states():
-    """Rounding to steps of √(12 R) has the variance R where the speed passes many of them; 1e5 samples tell 1 %."""
+def test_encoder_errors_have_the_variance_of_equation_20():
+    """Rounding to steps of √(12 R) has the variance R if the speed passes many steps; 1e5 samples give it to 1 %."""
     speed = np.linspace(33.0, 1.0, 100_000)
     for encoder in ENCODERS[1:]:
         first, second = (encode(speed, encoder, draw) - speed for draw in (0, 1))

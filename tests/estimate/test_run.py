@@ -1,4 +1,4 @@
-"""Filters over recordings: against closed forms and reference filters, and with invalid data."""
+"""Filters on recordings: compared with closed forms and reference filters, and with invalid data."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ MODEL = "RollerRigPrediction"
 
 
 def braked(samples=60, force=2e4, alpha=0.08, mu_b=0.35, seed=3):
-    """Return the closed form of a rig that slides under constant force, adhesion and friction, read with noise."""
+    """Return the closed form of a sliding rig with constant force, adhesion and friction, and noisy readings."""
     time = np.arange(samples) * PERIOD
     resistance = 0.0004 / 0.46 + 1 / np.sqrt((0.46 / (0.0018 * 0.065)) ** 2 * (1 + 0.0018**2) - 1)
     rate = (0.46 * 98.1e3 * (alpha - resistance) - 2 * mu_b * 0.25 * force) / 130
@@ -73,13 +73,13 @@ def test_without_drag_the_filter_is_the_kalman_filter_with_q_and_r_as_printed(un
         mean = mean + gain @ residual
         remainder = np.eye(4) - gain @ H
         P = remainder @ P @ remainder.T + gain @ R @ gain.T
-        # R is ten orders below Q, so the update cancels nine of sixteen digits.
+        # R is ten orders of magnitude below Q, so the update cancels nine of sixteen digits.
         assert estimates["mean"].values[k] == pytest.approx(mean, rel=1e-6, abs=1e-7)
         assert estimates["sd"].values[k] == pytest.approx(np.sqrt(np.diag(P)), rel=5e-6, abs=1e-12)
 
 
 def test_a_filter_with_true_noises_is_consistent(undragged):
-    """With constant states the squared normalised error of each state is 1 on average over runs."""
+    """With constant states the mean squared normalised error of each state over runs is 1."""
     honest = replace(
         SETTINGS,
         process={"w": 1e-12, "v": 1e-12, "mu_b": 1e-14, "alpha": 1e-14},
@@ -89,17 +89,17 @@ def test_a_filter_with_true_noises_is_consistent(undragged):
     last = []
     for seed in range(60):
         recording = braked(seed=seed)
-        # The error of the start has the standard deviation of the start.
+        # The initial error has the standard deviation of the start.
         off = np.random.default_rng(1000 + seed).standard_normal(4) * [0.3, 0.1, 0.04, 0.02]
         start = dict(zip(("w", "v", "mu_b", "alpha"), np.array([60.0, 30.0, 0.35, 0.08]) + off, strict=True))
         estimates = estimate(recording, undragged, replace(honest, start=start))
         last.append([judge(recording, estimates, s, np.arange(60) == 59).nees for s in ("mu_b", "alpha")])
-    # 60 runs of one degree each: the mean has a standard deviation of sqrt(2/60) = 0.18; four of them.
+    # 60 runs of one degree of freedom each: the mean has a standard deviation of sqrt(2/60) = 0.18; four of them.
     assert np.mean(last, axis=0) == pytest.approx([1.0, 1.0], abs=4 * 0.18)
 
 
 def test_inputs_may_be_held_or_averaged(undragged):
-    """With a ramp of the pad force, held inputs are delayed by half a period, averaged ones are not."""
+    """For a ramp of the pad force, held inputs are delayed by half a period, averaged inputs are not."""
     recording = braked()
     ramp = recording["reading_pad_force"].values + 1e5 * recording["time"].values
     rate = np.gradient(recording["reading_wheelset_speed"].values, PERIOD).mean()
@@ -115,7 +115,7 @@ def test_inputs_may_be_held_or_averaged(undragged):
     assert errors["mean"] < 0.2 * errors["held"]
 
 
-def test_a_missing_reading_is_left_out_and_a_missing_input_refused(undragged):
+def test_a_missing_reading_is_omitted_and_a_missing_input_refused(undragged):
     recording = braked()
     recording["reading_speed"].values[20:30] = np.nan
     estimates = estimate(recording, undragged, SETTINGS)
@@ -138,10 +138,10 @@ def test_a_filter_that_diverges_ends_with_a_reason(undragged):
 
 
 @pytest.mark.parametrize("limit", [None, 5.0])
-def test_a_lost_filter_reports_the_instant(undragged, limit):
-    """From 1.5 s on the noise of both sensors is far larger; with a limit of outliers it is noticed as well.
+def test_a_lost_filter_is_reported_with_the_instant(undragged, limit):
+    """From 1.5 s the noise of both sensors is far larger; an outlier limit does not hide it.
 
-    Before that the filter is consistent, so nothing is reported.
+    Before, the filter is consistent, so nothing is reported.
     """
     honest = replace(
         SETTINGS,

@@ -1,4 +1,4 @@
-"""Several filters on a recording side by side."""
+"""Several filters on one recording."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ def recording():
     return rg.run(scenario).trace.isel(time=slice(0, 40))
 
 
-def test_filters_are_side_by_side_and_the_first_is_the_usual_one(recording):
+def test_filters_are_compared_and_the_first_is_the_usual_one(recording):
     alone = rg.estimate(recording)
     several = rg.estimate(recording, filters=["fmu", "unscented"])
     assert list(several["filter"].values) == ["fmu", "unscented"]
@@ -27,6 +27,6 @@ def test_filters_are_side_by_side_and_the_first_is_the_usual_one(recording):
     assert "filter" in repr(several)
 
 
-def test_an_unknown_filter_is_refused_with_the_next_name(recording):
+def test_an_unknown_filter_is_refused_with_the_nearest_name(recording):
     with pytest.raises(EstimationError, match="did you mean 'unscented'"):
         rg.estimate(recording, filters=["unscentd"])

@@ -22,11 +22,11 @@ def written(tmp_path, **changes):
 
 
 @pytest.mark.parametrize("path", sorted(LIBRARY.glob("*.toml")), ids=lambda path: path.stem)
-def test_every_file_of_the_library_makes_a_filter(path):
+def test_every_file_of_the_library_creates_a_filter(path):
     specification = load_specification(path)
     settings = settings_for(specification, 0.01)
     prediction = prediction_for(specification)
-    # One noise for every state, by its name or that of its array, and no other.
+    # One noise for every state, under its name or that of its array, and no other noise.
     assert by_name("process", settings.process, prediction.states).shape == (len(prediction.states),)
 
 
@@ -92,7 +92,7 @@ def test_noises_may_come_from_a_file(tmp_path):
 
 
 def test_the_laws_of_the_paper_are_selected_by_parameters():
-    """The wagon as printed in (5), (4) and (12), and pads that relax as in (9): from one file, by `--set`."""
+    """From one file, by `--set`: the wagon as printed in (5), (4) and (12), and pads that relax as in (9)."""
     overrides = ("model.parameters.adhesion_share=0.5", "model.parameters.mu_b_relaxes=1", "noise.process.v=1e-3")
     specification = load_specification(LIBRARY / "wagon.toml", overrides)
     assert specification.noise.process["v"] == 1e-3
@@ -101,7 +101,7 @@ def test_the_laws_of_the_paper_are_selected_by_parameters():
     drag = -1.2 / 2 * 0.9 * 10.0 * 28.0**2 / 40e3
     rates = [prediction.derivative(x, u)[2] - drag for prediction in (literal, consistent)]
     np.testing.assert_allclose(rates, [-0.5 * 0.06 * 9.81, -0.06 * 9.81], rtol=1e-3)  # g to three digits
-    # (9): (0.35 − 0.30) over 30 s times 0.30; the other pad is at rest.
+    # (9): (0.35 − 0.30) over 30 s times 0.30; the other pad is inactive.
     np.testing.assert_allclose(literal.derivative(x, u)[3:5], [0.05 / (30.0 * 0.30), 0.0], rtol=0.011, atol=1e-9)
     assert not consistent.derivative(x, u)[3:5].any()
 
@@ -119,7 +119,7 @@ def test_track_force_is_computed_or_mapped_but_not_both(tmp_path):
         load_specification(path)
 
 
-def test_all_problems_of_an_estimation_are_said_at_once_before_anything_is_compiled(tmp_path, monkeypatch):
+def test_all_errors_of_an_estimation_are_reported_before_compilation(tmp_path, monkeypatch):
     monkeypatch.setattr("railgrip.estimation.run.fmu", lambda name: pytest.fail("an FMU was built"))
     monkeypatch.setattr("railgrip.estimation.sources.trace_of", lambda *_: pytest.fail("a stop was simulated"))
     changes = [
@@ -139,7 +139,7 @@ def test_all_problems_of_an_estimation_are_said_at_once_before_anything_is_compi
     with pytest.raises(ScenarioError) as refusal:
         recording_of_estimation(load_specification(path, changes))
     lines = str(refusal.value).splitlines()
-    wanted = [
+    expected = [
         ("[model.parameters]", "'lod'"),
         ("[model.parameters] J", "'3 m'"),
         ("[noise] process", "mu_b"),
@@ -150,12 +150,12 @@ def test_all_problems_of_an_estimation_are_said_at_once_before_anything_is_compi
         ("[inputs]", "'pad_froce'"),
         ("[observability] scale", "mu_b"),
     ]
-    for where, what in wanted:
+    for where, what in expected:
         assert sum(line.startswith(f"rig-own: {where}") and what in line for line in lines) == 1, (where, lines)
-    assert len(lines) == len(wanted)
+    assert len(lines) == len(expected)
 
 
-def test_problems_of_columns_are_said_before_the_file_is_read(tmp_path):
+def test_errors_in_columns_are_reported_before_the_file_is_read(tmp_path):
     text = (LIBRARY / "field.toml").read_text(encoding="utf-8")
     path = tmp_path / "mine.toml"
     text = text.replace('"cylinder_pressure[4]" = { column = "p_4", unit = "bar" }', "")
@@ -177,6 +177,6 @@ def test_a_model_of_another_train_is_refused_before_its_stop_is_simulated(tmp_pa
         recording_of_estimation(load_specification(LIBRARY / "field.toml"), scenario=str(scenario))
 
 
-def test_a_prediction_that_is_misspelled_is_refused_with_the_nearest():
+def test_a_misspelled_prediction_is_refused_with_the_nearest_name():
     with pytest.raises(EstimationError, match="'WagonPredction'; did you mean 'WagonPrediction'"):
         recording_of_estimation(load_specification(LIBRARY / "wagon.toml", ["model.class=WagonPredction"]))

@@ -1,4 +1,4 @@
-"""A text file of any separator, decimal sign, encoding, unit and order of columns reads back to the same SI values."""
+"""A text file reads back to the same SI values with any separator, decimal sign, encoding, unit and column order."""
 
 import csv
 import io
@@ -74,7 +74,7 @@ def table(headers: dict[str, str]) -> DataTable:
         "period": PERIOD,
         "longest_gap": 0.1,
         "frozen": 1e3,
-        "spike": 1e6,  # the ramps are no sensors, and their rounding no noise
+        "spike": 1e6,  # the ramps are not sensors, and their rounding is not noise
         "columns": {name: {"column": headers[name]} for name in SIGNALS},
     }
     return validate_table(DataTable, written, directory=Path(), origin="run.toml")
@@ -111,7 +111,7 @@ def test_a_unit_at_the_end_of_a_name_counts_if_it_fits(name, target, expected):
     assert unit_at_end(name, target) == expected
 
 
-def test_g_is_gravity_where_an_acceleration_is_wanted_and_a_mass_elsewhere():
+def test_g_is_gravity_for_an_acceleration_and_gram_for_a_mass():
     """Standard gravity by the third CGPM (1901)."""
     assert conversion(unit("g"), unit("m/s2")) == (9.80665, 0.0)
     assert conversion(unit("g_0"), unit("m/s2")) == (9.80665, 0.0)
@@ -129,7 +129,7 @@ def test_g_is_gravity_where_an_acceleration_is_wanted_and_a_mass_elsewhere():
     ],
     ids=["closed rows", "points", "quoted commas", "spaces", "no rows"],
 )
-def test_separator_and_decimal_sign_are_found(tmp_path, text, columns):
+def test_separator_and_decimal_sign_are_detected(tmp_path, text, columns):
     path = tmp_path / "run.csv"
     path.write_text(text, encoding="utf-8")
     frame = read_delimited(path).frame
@@ -146,7 +146,7 @@ def test_separator_and_decimal_sign_are_found(tmp_path, text, columns):
         ("t;F\n0.5;50,5\n1.5;48,5\n", r"column 'F' .* '50,5', and column 't' numbers with points"),
     ],
 )
-def test_a_comma_that_may_separate_thousands_is_refused(tmp_path, text, sentence):
+def test_a_possible_thousands_separator_is_refused(tmp_path, text, sentence):
     path = tmp_path / "run.csv"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(EstimationError, match=rf"^run\.csv: .*{sentence}"):
@@ -161,13 +161,13 @@ def test_a_comma_that_may_separate_thousands_is_refused(tmp_path, text, sentence
         ("t;F\n0;50,0\n1;48,500\n", 48.5),
     ],
 )
-def test_a_decimal_comma_anywhere_in_a_file_settles_all_its_commas(tmp_path, text, expected):
+def test_one_decimal_comma_in_a_file_determines_all_its_commas(tmp_path, text, expected):
     path = tmp_path / "run.csv"
     path.write_text(text, encoding="utf-8")
     assert read_delimited(path).frame["F"].tolist()[1] == expected
 
 
-def test_the_key_decimal_settles_what_a_comma_means(tmp_path):
+def test_the_key_decimal_determines_the_meaning_of_a_comma(tmp_path):
     """The value is 50 with a decimal comma; with a decimal point the text is refused, never read as another number."""
     path = tmp_path / "run.csv"
     path.write_text("t;F\n0;50,000\n1;48,500\n", encoding="utf-8")
@@ -190,8 +190,8 @@ def test_the_key_decimal_settles_what_a_comma_means(tmp_path):
             read(decimal)
 
 
-def test_tables_of_a_scenario_refuse_separators_of_thousands(tmp_path):
-    """Friction, demand and track have one reader."""
+def test_tables_of_a_scenario_refuse_thousands_separators(tmp_path):
+    """Friction, demand and track are read by the same function."""
     path = tmp_path / "rail.csv"
     for number in ('"1,000"', "1_000", "1 000", "1'000"):
         path.write_text(f"distance,mu0\n0,0.1\n{number},0.1\n", encoding="utf-8")
@@ -209,7 +209,7 @@ UNIT_ROWS = [
 
 @pytest.mark.parametrize("row", UNIT_ROWS)
 @pytest.mark.parametrize("decimal", [".", ","])
-def test_a_second_header_line_has_the_units(tmp_path, row, decimal):
+def test_a_second_header_line_contains_the_units(tmp_path, row, decimal):
     path, names = tmp_path / "run.csv", "t;v;n;F"
     numbers = [f"{0.01 * k:.2f};{72 - 0.1 * k:.1f};{300 - k:.1f};12.5".replace(".", decimal) for k in range(40)]
     if row.endswith("-"):
@@ -246,7 +246,7 @@ def test_a_row_of_numbers_or_words_is_not_a_row_of_units(tmp_path, row):
     assert len(read_delimited(path).frame) == 2
 
 
-def test_no_warning_of_a_library_leaves_a_reader(tmp_path):
+def test_no_warning_of_a_library_is_passed_on(tmp_path):
     """pandas warns about dates without a common format; the user cannot act on it."""
     path = tmp_path / "run.csv"
     path.write_text("Datum;v [km/h];F [kN]\n12:00:01;3;1\n12:00:02;4;1\n12:00:03;5;1\n", encoding="utf-8")
@@ -256,8 +256,8 @@ def test_no_warning_of_a_library_leaves_a_reader(tmp_path):
 
 
 @pytest.mark.parametrize("text", ["t,v\n0,1,5\n1,2,5\n", "logged by X\nt;v\n0;1\n", ""])
-def test_a_table_that_no_separator_splits_evenly_is_refused(tmp_path, text):
-    """Decimal commas between commas cannot be told from separators."""
+def test_a_table_without_a_consistent_separator_is_refused(tmp_path, text):
+    """Decimal commas cannot be distinguished from separating commas."""
     path = tmp_path / "run.csv"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(EstimationError, match=r"run\.csv"):

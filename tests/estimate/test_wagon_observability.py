@@ -1,4 +1,4 @@
-"""Equations (17) and (18) of Schwarz and Keck (2020) on the wagon's prediction, as corrected and as printed."""
+"""Equations (17) and (18) of Schwarz and Keck (2020) for the wagon prediction, corrected and as printed."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ SCALE = np.array([50.0, 50.0, 20.0, 0.35, 0.35, 0.1])
 def inverse(z, u, variant):
     """Return the states from readings and their first derivatives.
 
-    As printed, with the paper's signs turned: alpha = -2 f_sub/(m g), and the loads of (11) without 2 h mu/a. As
+    As printed, with the paper's signs reversed: alpha = -2 f_sub/(m g), and the loads of (11) without 2 h mu/a. As
     corrected: alpha = -f_sub/(m g), and loads that shift by -h m der(v)/a.
     """
     pull = u[2] - DRAG * z[2] ** 2
@@ -71,8 +71,8 @@ def test_only_pads_without_force_are_undetermined(variant, forces, lost):
     assert lost or information.order == 1
 
 
-def test_a_relaxing_pad_without_force_is_undetermined_too():
-    """Equation (9) gives friction dynamics of its own, on which no reading depends."""
+def test_a_relaxing_pad_without_force_is_also_undetermined():
+    """Equation (9) gives friction separate dynamics on which no reading depends."""
     wagon = equations_of("WagonPrediction", CORRECTED | {"mu_b_relaxes": 1.0})
     information = observability(wagon, X, np.array([0.0, 1.5e4, 0.0, 0.0, 0.0]), SCALE)
     assert information.undetermined == ("mu_b[1]",)
@@ -80,7 +80,7 @@ def test_a_relaxing_pad_without_force_is_undetermined_too():
 
 def test_windows_without_pad_force_do_not_determine_pad_friction():
     samples, period = 300, 0.01
-    force = np.where(np.arange(samples) < 150, 50.0, 2e4)  # 50 N of noise and offset of a load cell
+    force = np.where(np.arange(samples) < 150, 50.0, 2e4)  # noise of 50 N and offset of a load cell
     steady = {"w": (60.0, "rad/s"), "v": (30.0, "m/s"), "mu_b": (0.35, "1"), "alpha": (0.08, "1")}
     recording = recording_of(
         {

@@ -27,7 +27,7 @@ def stop():
     return run()
 
 
-def believed(recorded, **parameters):
+def estimates_for(recorded, **parameters):
     specification = load_specification(LIBRARY / "wagon.toml")
     prediction = prediction_of("WagonPrediction", parameters)
     return estimate(
@@ -36,13 +36,13 @@ def believed(recorded, **parameters):
 
 
 def test_load_moves_to_the_front_by_inertia():
-    """By ±m|a| h/L, after the lag of the suspension."""
+    """By ±m|a| h/L, with the lag of the suspension."""
     changes = {"demand": {"phases": [{"pressure": "1.5 bar"}]}, "start.speed": 20.0, "limits.horizon": "3 s"}
     trace = rg.run(rg.Scenario.load("wagon_stop", changes | {"adhesion.mu0": 0.3})).trace
     load, speed = trace["wheelset_load"].values, trace["speed"].values
     acceleration = (speed[-1] - speed[-11]) / 0.1
     assert load.sum(axis=1) == pytest.approx(40e3 * 9.81, rel=1e-12)
-    # Friction still increases, so loads lag by T_pitch times their rate, and the difference quotient by 50 ms.
+    # Friction still increases: loads lag by T_pitch times their rate, and the difference quotient by 50 ms.
     assert load[-1, 0] - load[-1, 1] == pytest.approx(-2 * 1.5 / 9 * 40e3 * acceleration, rel=0.01)
 
 
@@ -63,8 +63,8 @@ def test_readings_are_the_truth_with_independent_white_noise(stop):
 READ = {"speed": "v", "wheelset_speed[1]": "w[1]", "wheelset_speed[2]": "w[2]"}
 
 
-def test_bearings_and_rolling_decelerate_every_wheelset(stop):
-    """−(μ r + e) F_z: their sum is that of the wagon's weight."""
+def test_bearing_and_rolling_resistance_decelerate_every_wheelset(stop):
+    """−(μ r + e) F_z: the loads add up to the weight of the wagon."""
     both = reading_of(stop, "wheel_torque[1]") + reading_of(stop, "wheel_torque[2]")
     assert both == pytest.approx(-(0.0018 * 0.065 + 0.0004) * 40e3 * 9.81, rel=1e-6)
 
@@ -74,10 +74,12 @@ def test_only_signals_of_the_plant_can_be_read():
         run(noise=NOISE | {"yaw_rate": NOISE["speed"]})
 
 
-def test_the_corrected_factor_finds_the_adhesion_and_the_printed_one_twice_as_much(stop):
+def test_the_corrected_factor_finds_the_adhesion_and_the_printed_one_twice_it(stop):
     braking = (stop["time"].values > 6.0) & (stop["time"].values < 9.5)
     truth = truth_of(stop, "alpha")[braking].mean()
-    consistent, printed = (believed(stop, **p)["mean"].sel(state="alpha").values[braking].mean() for p in ({}, PRINTED))
+    consistent, printed = (
+        estimates_for(stop, **p)["mean"].sel(state="alpha").values[braking].mean() for p in ({}, PRINTED)
+    )
     assert consistent == pytest.approx(truth, rel=0.01)
     assert printed == pytest.approx(2 * truth, rel=0.01)
 
@@ -85,10 +87,10 @@ def test_the_corrected_factor_finds_the_adhesion_and_the_printed_one_twice_as_mu
 def test_the_printed_factor_biases_pad_friction(stop):
     braking = (stop["time"].values > 6.0) & (stop["time"].values < 9.5)
     for pads in ("mu_b[1]", "mu_b[2]"):
-        # Better than the start; pad friction hardly changes within the window.
+        # Better than the initial value; pad friction hardly changes within the window.
         baseline_error = np.sqrt(np.mean((truth_of(stop, pads)[braking] - 0.35) ** 2))
-        assert judge(stop, believed(stop), pads, braking).rmse < 0.8 * baseline_error
-    assert judge(stop, believed(stop, **PRINTED), "mu_b[1]", braking).bias > 0.3
+        assert judge(stop, estimates_for(stop), pads, braking).rmse < 0.8 * baseline_error
+    assert judge(stop, estimates_for(stop, **PRINTED), "mu_b[1]", braking).bias > 0.3
 
 
 def test_the_title_of_the_figure_names_the_variant_and_the_recording(stop):
@@ -98,11 +100,11 @@ def test_the_title_of_the_figure_names_the_variant_and_the_recording(stop):
     assert title.startswith("wagon-relaxing of wagon_stop: ")
 
 
-def test_one_adhesion_for_wheelsets_that_brake_unequally_is_a_bias_of_their_pads():
-    """A limit of the six-state model: rolling wheelsets use as much adhesion as their brakes demand."""
+def test_a_common_adhesion_of_unequally_braked_wheelsets_biases_their_pads():
+    """A limit of the six-state model: rolling wheelsets use the adhesion that their brakes demand."""
     unequal = run("wagon_unequal")
     braking = (unequal["time"].values > 6.0) & (unequal["time"].values < 9.5)
-    estimated = believed(unequal)
+    estimated = estimates_for(unequal)
     assert abs(judge(unequal, estimated, "alpha", braking).bias) < 0.002
     assert judge(unequal, estimated, "mu_b[1]", braking).bias < -0.03
     assert judge(unequal, estimated, "mu_b[2]", braking).bias > 0.03

@@ -51,7 +51,7 @@ WHEELSET = {"m": 14_500.0, "J": 209.0, "r_wheel": 0.38, "r_friction": 0.22, "n_u
 
 
 def wheelset() -> SmallModel:
-    """v, w, mu_b, alpha under pad force and track force; shows speed, wheelset speed and acceleration."""
+    """v, w, mu_b, alpha under pad force and track force; outputs speed, wheelset speed and acceleration."""
 
     def acceleration(x: ca.SX, u: ca.SX, p: ca.SX) -> ca.SX:
         return -9.81 * x[3] - p[5] / p[0] * x[0] ** 2 + u[1] / p[0]
@@ -76,7 +76,7 @@ DENSITY = np.array([1e-4, 1e-3, 1e-5, 1e-2])
 READING = np.array([1e-4, 1e-4, 1e-3])
 FIRST_MEAN = np.array([22.0, 22.0 / 0.38, 0.36, 0.06])
 FIRST_VARIANCE = np.array([1e-2, 1e-1, 2.5e-3, 1e-3])
-"""Of filters on the wheelset: noises of its states and readings, and its belief at the start."""
+"""Noises of states and readings, and the initial estimate, of filters on the wheelset."""
 
 
 def runge_kutta(slope: ca.Function, x: ca.SX, u: ca.SX, period: float, steps: int = 2) -> ca.SX:
@@ -96,7 +96,7 @@ OSCILLATOR = {"k": 2.4e6, "c": 2.4e4, "m_1": 1750.0, "m_2": 1500.0}
 
 
 def oscillator() -> SmallModel:
-    """Linear: two masses in series; shows the first deflection and the second acceleration."""
+    """Linear: two masses in series; outputs the first deflection and the second acceleration."""
 
     def f(t: ca.SX, x: ca.SX, u: ca.SX, p: ca.SX) -> list[ca.SX]:
         first = p[0] * x[0] + p[1] * x[2]

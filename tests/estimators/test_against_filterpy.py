@@ -43,8 +43,10 @@ from railgrip.estimators.smoother import smooth
 LINEAR = {"density": np.array([0.0, 0.0, 1e-2, 1e-2]), "noise": np.array([1e-8, 1e-3])}
 START = np.array([1e-3, 0.0, 0.1, 0.0]), np.array([1e-6, 1e-6, 1e-2, 1e-2])
 ROUNDING = 1e-10
-"""Of the mean in standard deviations, and of the covariance over their product: 300 steps of rounding, 1e-16 each, of
-deflections and speeds a thousand standard deviations large."""
+"""Mean in standard deviations, covariance relative to their product.
+
+300 steps of rounding, 1e-16 each, of deflections and speeds a thousand standard deviations large.
+"""
 
 
 class Frozen(SageHusaFilter):
@@ -133,7 +135,7 @@ PENDULUM = {"g": 9.81}
 
 @pytest.fixture(scope="module")
 def pendulum():
-    """Särkkä (2013), example 3.7: the sine of the angle of a noisy pendulum is read."""
+    """Särkkä (2013), example 3.7: the reading is the sine of the angle of a noisy pendulum."""
     model = small_model(
         "angle rate", "torque", "g", "sine",
         lambda t, x, u, p: [x[1], -p[0] * ca.sin(x[0]) + u[0]],
@@ -218,12 +220,12 @@ def test_interacting_filters_are_those_of_filterpy(linear):
         ours.advance()
         reference.predict(u=held)
         reference.update(seen - feedthrough[0] * held[0])
-        # filterpy multiplies densities, this one adds logarithms.
+        # filterpy multiplies densities; railgrip adds logarithms.
         assert ours.probabilities == pytest.approx(reference.mu, abs=1e-9)
         assert_equal(ours.mean, ours.covariance, reference)
 
 
-def test_a_reading_that_one_filter_rejects_is_used_by_none(linear):
+def test_a_reading_rejected_by_one_filter_is_used_by_no_other(linear):
     densities = LINEAR["density"], 1e8 * LINEAR["density"]
     filters = [ExtendedKalmanFilter(linear, each, LINEAR["noise"], PERIOD, outlier_limit=6.0) for each in densities]
     ours = InteractingFilters(filters, np.eye(2), [0.5, 0.5], filters[0].start(*START))
@@ -233,14 +235,14 @@ def test_a_reading_that_one_filter_rejects_is_used_by_none(linear):
 
 
 @pytest.mark.parametrize(("change", "weights"), [(np.eye(3), [0.5, 0.5]), (np.eye(2), [0.5, 0.6])])
-def test_probabilities_that_do_not_fit_are_refused(linear, change, weights):
+def test_inconsistent_probabilities_are_refused(linear, change, weights):
     filters = equal_models(linear, LINEAR["density"], LINEAR["noise"], PERIOD)
     with pytest.raises(EstimatorError, match="InteractingFilters"):
         InteractingFilters(filters, change, weights, filters[0].start(*START))
 
 
 def test_the_adaptive_filter_finds_the_noise_of_its_readings(linear):
-    # Where the states are uncertain, readings hardly show their own noise; a hundredth of the process noise is certain.
+    # Uncertain states hide the noise of the readings; with a hundredth of the process noise they are certain.
     density, noise = 1e-2 * LINEAR["density"], LINEAR["noise"]
     random, truth = np.random.default_rng(5), START[0]
     filter_ = SageHusaFilter(linear, density, 9.0 * noise, PERIOD)
@@ -267,7 +269,7 @@ def test_the_smoother_is_that_of_filterpy(linear):
         reference.update(seen - feedthrough * held[0])
         means.append(reference.x.copy())
         covariances.append(reference.P.copy())
-    # Its smoother has no inputs, so the response to the inputs alone is subtracted before and added after it.
+    # filterpy's smoother has no inputs, so the response to the inputs alone is subtracted before and added after it.
     response = [np.zeros(4)]
     for held in inputs:
         response.append(reference.F @ response[-1] + reference.B @ held)
@@ -342,7 +344,7 @@ def test_a_reference_finds_a_constant_adhesion(wheel, kind):
 
 @pytest.mark.parametrize("kind", [ForceBalanceEstimator, DisturbanceEstimator])
 def test_the_deviation_of_a_reference_is_that_of_noise_and_delay(wheel, kind):
-    """Adhesion is a random walk, read with noise through the speed of a wheel without torque."""
+    """Adhesion is a random walk, observed with noise through the speed of a wheel without torque."""
     reference, random, found = kind.of_context(wheel_context(wheel)), np.random.default_rng(2), []
     effect = 14_500.0 * 9.81 * 0.38 / 209.0
     speed, adhesion = 30.0 / 0.38, 0.0
@@ -364,7 +366,7 @@ def test_the_corner_is_that_of_the_stationary_kalman_filter(wheel):
     reference = KalmanFilter(dim_x=2, dim_z=1)
     reference.F, reference.H = np.array([[1.0, effect * fine], [0.0, 1.0]]), np.array([[1.0, 0.0]])
     reference.Q = np.diag([0.0, 1e-2 * fine])
-    reference.R = np.array([[1e-4 * 0.01 / fine]])  # the same density of the reading's noise
+    reference.R = np.array([[1e-4 * 0.01 / fine]])  # the same noise density of the reading
     for _ in range(50_000):
         reference.predict()
         reference.update(0.0)

@@ -26,7 +26,7 @@ GATE = Gate(states=("mu_b",), inputs=("pad_force",), threshold=1500.0)
 
 
 def assert_same(one, other, tolerance):
-    """Means in units of the states' spread or size, covariances as correlations."""
+    """Means in units of the states' deviation or size, covariances as correlations."""
     size = np.maximum(np.abs(one.mean), one.deviation)
     assert np.max(np.abs(one.mean - other.mean) / size) < tolerance
     spread = np.outer(one.deviation, one.deviation)
@@ -34,7 +34,7 @@ def assert_same(one, other, tolerance):
 
 
 def test_compiled_equals_python_with_dropouts_outliers_and_gates(rolling):
-    """The two filters are compared all along; neither sees the other's belief."""
+    """The two filters are compared at every step; neither uses the other's estimate."""
     parts = (rolling, DENSITY, READING, PERIOD, GATE, [5.0, np.inf, 8.0])
     plain, fast = ExtendedKalmanFilter(*parts), CompiledFilter(*parts)
     one = two = plain.start(FIRST_MEAN, FIRST_VARIANCE)
@@ -48,13 +48,13 @@ def test_compiled_equals_python_with_dropouts_outliers_and_gates(rolling):
         if k % 100 == 0:
             seen[0] += 3.0
         if k % 250 == 0:
-            seen[1] += 20.0 * np.sqrt(READING[1])  # as far off, and used: this reading has no limit
+            seen[1] += 20.0 * np.sqrt(READING[1])  # as far off, but used: this reading has no limit
         one, two = plain.step(one, held, seen), fast.step(two, held, seen)
         left_out += int(fast.selection[0] == 0.0)
         if k % 100 == 0:
             assert_same(one, two, 1e-9)
     assert_same(one, two, 1e-9)
-    assert left_out > 50  # the outliers were there and were seen as such
+    assert left_out > 50  # the outliers occurred and were rejected
 
 
 @pytest.mark.parametrize("correlated", [False, True])
@@ -85,8 +85,8 @@ def test_normalised_innovation_is_that_of_the_reference(rolling):
     assert fast.selection.tolist() == [1.0, 0.0, 1.0]
 
 
-def test_it_goes_on_from_whatever_belief_it_is_given(rolling):
-    """Beliefs are values: a step is a function of its arguments, not of the steps before it."""
+def test_it_continues_from_any_given_estimate(rolling):
+    """Estimates are values: a step depends on its arguments, not on earlier steps."""
     fast = CompiledFilter(rolling, DENSITY, READING, PERIOD)
     first = fast.start(FIRST_MEAN, FIRST_VARIANCE)
     held, seen = np.array([1e4, 0.0]), np.array([22.1, 58.0, -0.7])
@@ -127,7 +127,7 @@ def test_parameters_change_without_compiling_again(rolling, own_cache):
     assert np.array_equal(fast.step(first, held, seen).mean, other.step(first, held, seen).mean)
 
 
-def test_divergence_is_said_in_the_same_way_and_leaves_the_belief(rolling):
+def test_divergence_is_reported_equally_and_leaves_the_estimate_unchanged(rolling):
     fast = CompiledFilter(rolling, DENSITY, READING, PERIOD)
     first = fast.start(FIRST_MEAN, FIRST_VARIANCE)
     with pytest.raises(FilterDiverged, match="predicted"):
@@ -140,7 +140,7 @@ def test_divergence_is_said_in_the_same_way_and_leaves_the_belief(rolling):
 
 
 def test_a_machine_without_wide_vectors_gets_the_same_bits(rolling):
-    """The step for any machine, called directly, against whatever this machine takes."""
+    """The step compiled for any machine, called directly, compared with the variant for this machine."""
     fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, GATE)
     design = fast.design
     code = generate(rolling.in_c(), design.gated_states, design.gating_inputs, design.order)

@@ -1,4 +1,4 @@
-"""The filter with a part for each bogie against the central one: what it believes, and whether it knows how well.
+"""The filter with a part for each bogie compared with the central one: estimates and their consistency.
 
 Truth is the stochastic model that both assume, as in test_train_consistency.py: equations of the prediction and a draw
 of its noises, on trains with and without suspension, pressures held or one group released for a while.
@@ -60,7 +60,7 @@ TRAINS = {
 
 @dataclass(frozen=True)
 class Case:
-    """A train, its noises and RUNS draws of what it does: `held` (k, nu), `state` (k, RUNS, n), `seen` (k, RUNS, m)."""
+    """A train, its noises and RUNS draws of its motion: `held` (k, nu), `state` (k, RUNS, n), `seen` (k, RUNS, m)."""
 
     consist: Consist
     whole: CentralPrediction
@@ -78,7 +78,7 @@ class Case:
         return filter_
 
     def central(self) -> CompiledFilter:
-        """Return the filter of all states together, which has them in the order of `shared`."""
+        """Return the central filter of all states, in the order of `shared`."""
         states, readings = self.shared
         process, reading = self.noises
         prediction = CasadiPrediction(self.whole.model, self.whole.parameters)
@@ -88,7 +88,7 @@ class Case:
 
     @property
     def shared(self) -> tuple[list[int], list[int]]:
-        """Where the parts have each state and reading of the whole train."""
+        """The indices of each part's states and readings in the whole train."""
         states = [variable.name for variable in self.whole.model.states]
         return [self.consist.states.index(name) for name in states], [
             self.consist.outputs.index(name) for name in self.whole.readings
@@ -118,7 +118,7 @@ def case(train: str, sensors: str, released: bool = False) -> Case:
             (of.output, [whole.readings.index(name) for name in outputs]),
         )
     )
-    # Pressures at which the wheels neither gain nor lose on the train, with static loads.
+    # Pressures at which the wheels neither accelerate nor decelerate relative to the train, with static loads.
     wheels = [states.index(f"w[{g + 1}]") for g in range(formation.groups)]
     still = ca.vertcat(*(slope(mean, of.u)[w] for w in wheels))
     gain = ca.Function("gain", [of.u], [ca.jacobian(still, of.u), still])
@@ -128,7 +128,7 @@ def case(train: str, sensors: str, released: bool = False) -> Case:
     ahead = runge_kutta(slope, x, of.u, PERIOD)
     moved, shown = ca.Function("ahead", [x, of.u], [ahead]).map(RUNS), output.map(RUNS)
 
-    # Each group's pressure goes its own way: alike, they would be one direction of what the acceleration tells.
+    # Each group's pressure varies independently: equal pressures would be a single direction of the acceleration.
     groups, time = np.arange(formation.groups), PERIOD * np.arange(STEPS)[:, np.newaxis]
     held = np.tile(inputs, (STEPS, 1))
     held[:, :-1] *= 1.0 + 0.3 * np.sin(2.0 * np.pi * (2.0 + 0.7 * groups) * time + groups)
@@ -156,7 +156,7 @@ def case(train: str, sensors: str, released: bool = False) -> Case:
 
 @pytest.mark.parametrize("suspension", [True, False])
 def test_the_two_part_train_of_its_data_is_the_prediction_of_the_library(suspension: bool):
-    """The same derivative and readings as Predictions.TrainPrediction, or -Reduced, at states drawn at random."""
+    """The same derivative and readings as Predictions.TrainPrediction, or -Reduced, at random states."""
     model = lower(f"RailBraking.Predictions.TrainPrediction{'' if suspension else 'Reduced'}")
     library = CasadiPrediction(model, {v.name: v.start for v in model.parameters})
     frames = ("m_frame", "I_frame", "wheelbase")
@@ -178,14 +178,14 @@ MIXED = {f"wheelsets_per_bogie[{b + 1}]": float(count) for b, count in enumerate
 
 
 @pytest.mark.parametrize("train", [*TRAINS, "three axles, then two"])
-def test_the_parts_of_a_train_make_the_prediction_of_the_whole(train: str):
-    """To rounding, at states drawn at random, with bogies of known frames anywhere in the train."""
+def test_the_parts_of_a_train_add_up_to_the_prediction_of_the_whole(train: str):
+    """To rounding, at random states, with bogies of known frames anywhere in the train."""
     formation, data = TRAINS[train] if train in TRAINS else (rigid(5)[0], rigid(5)[1] | MIXED | FRAMES)
     consist, whole = consist_of(formation, data), central_of(formation, data)
     prediction = CasadiPrediction(whole.model, whole.parameters)
     assert set(whole.readings) == set(consist.outputs)
     assert consist.inputs == prediction.inputs
-    shown = {name: state for name, state in consist.readings if state is not None}
+    outputs = {name: state for name, state in consist.readings if state is not None}
     random = np.random.default_rng(0)
     for _ in range(5):
         state = dict(zip(consist.states, random.uniform(0.5, 1.5, len(consist.states)), strict=True))
@@ -203,21 +203,21 @@ def test_the_parts_of_a_train_make_the_prediction_of_the_whole(train: str):
         for part, x, p in zip(consist.parts, each, own, strict=True):
             rate = np.asarray(part.model.derivative(0, x, [*p, a], part.parameters)).ravel()
             rates |= dict(zip(part.states, rate, strict=True))
-        # Bogies count on in the whole, whose wheelsets of no bogie have no deflection.
-        deflections = [shown[name] for name in whole.readings if name.startswith("deflection")]
+        # Bogies are numbered through the train; wheelsets without a bogie have no deflection.
+        deflections = [outputs[name] for name in whole.readings if name.startswith("deflection")]
         of_train = {f"{d}dz[{i + 1}]": d + name for d in ("", "d") for i, name in enumerate(deflections)}
         names = [of_train.get(name, name) for name in prediction.states]
         x = np.array([state[name] for name in names])
         np.testing.assert_allclose(prediction.derivative(x, u), [rates[name] for name in names], rtol=1e-12, atol=1e-12)
-        expected = [state[shown[name]] if name in shown else a for name in whole.readings]
+        expected = [state[outputs[name]] if name in outputs else a for name in whole.readings]
         np.testing.assert_allclose(prediction.output(x, u), expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize("released", [False, True], ids=["held", "one group released"])
 @pytest.mark.parametrize("sensors", ["ideal", "service"])
 @pytest.mark.parametrize("train", TRAINS)
-def test_mean_nees_and_nis_lie_in_their_chi_square_bounds(train, sensors, released):
-    """Of all states together. 95 % for all checks together by Bonferroni's inequality: 12 cases of 5 checks."""
+def test_mean_nees_and_nis_are_within_their_chi_square_bounds(train, sensors, released):
+    """For all states together. 95 % for all checks together by Bonferroni's inequality: 12 cases of 5 checks."""
     true = case(train, sensors, released)
     filter_ = true.decentralised()
     n, m = filter_.mean.size, filter_.readings.size
@@ -241,11 +241,12 @@ def test_mean_nees_and_nis_lie_in_their_chi_square_bounds(train, sensors, releas
 
 @pytest.mark.parametrize("sensors", ["ideal", "service"])
 @pytest.mark.parametrize("train", TRAINS)
-def test_it_errs_like_the_central_filter_and_never_claims_to_know_more(train, sensors):
+def test_it_errs_like_the_central_filter_and_never_underestimates_its_error(train, sensors):
     """Root mean square errors of adhesion, pad friction and wheel speed within 2 %, deviations never below 0.1 %.
 
-    Above they are by 1 % with service sensors. Perfect ones tell more directions of eight groups that all go their own
-    way than are kept: some deviations are larger by 19 % for a while, none in the median.
+    Deviations are up to 1 % larger with service sensors. With ideal sensors and eight groups with independent
+    pressures, the readings determine more directions than are kept: some deviations are larger by 19 % for a while, the
+    median is not.
     """
     true = case(train, sensors)
     ours, theirs = true.decentralised(), true.central()
@@ -271,7 +272,7 @@ def test_it_errs_like_the_central_filter_and_never_claims_to_know_more(train, se
     assert np.max(shares) < (1.01 if sensors == "service" else 1.25)
 
 
-def test_readings_that_are_missing_bring_nothing():
+def test_missing_readings_add_no_information():
     true = case("two-part", "service")
     filter_ = true.decentralised()
     before = filter_.covariance.diagonal().copy()
@@ -279,7 +280,7 @@ def test_readings_that_are_missing_bring_nothing():
     filter_.advance()
     assert filter_.selection.sum() == 0
     assert filter_.squared_innovation == 0.0
-    # All but the deflections' rates, which dampers take out, spread.
+    # All deviations grow, except those of deflection rates, which the dampers reduce.
     known = np.array([not name.startswith("ddz") for name in true.consist.states])
     assert np.all(filter_.covariance.diagonal()[known] > before[known])
 
@@ -297,7 +298,7 @@ def test_an_unusable_reading_leaves_the_estimate_unchanged():
     assert np.array_equal(filter_.joint(), joint)
 
 
-def test_parts_that_meet_in_more_than_the_acceleration_are_refused():
+def test_parts_that_share_more_than_the_acceleration_are_refused():
     model = lower("RailBraking.Predictions.TrainPredictionReduced")
     with pytest.raises(EstimatorError, match="linear in its acceleration"):
         part_equations(model, 0)

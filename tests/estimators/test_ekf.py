@@ -30,13 +30,13 @@ def test_on_a_linear_model_it_is_the_linear_kalman_filter():
     both = expm(PERIOD * np.block([[A, B], [np.zeros((1, 5))]]))  # van Loan: exact with u held
     F, G = both[:4, :4], both[:4, 4:]
 
-    # In units in which position and velocity of a mode have one size, the Taylor remainder of a step is
-    # |exp(TA) - Phi| <= |TA|^5/120 exp(|TA|); a stable filter adds it up over its memory, here < 1000 steps.
+    # In units in which position and velocity of a mode have equal size, the Taylor remainder of a step is |exp(TA) -
+    # Phi| <= |TA|^5/120 exp(|TA|); a stable filter accumulates it over its memory, here < 1000 steps.
     frequency = np.max(np.abs(np.linalg.eigvals(A)))
     scale = np.array([1.0, 1.0, frequency, frequency])
     size = np.linalg.norm(PERIOD * A * scale / scale[:, np.newaxis], 2)
     bound = 1000.0 * size**5 / 120.0 * np.exp(size)
-    assert bound < 1e-3  # the comparison below means something
+    assert bound < 1e-3  # so that the comparison below is meaningful
 
     density, reading = np.array([0.0, 0.0, 1e-2, 1e-2]), np.array([1e-8, 1e-3])
     ours = ExtendedKalmanFilter(prediction, density, reading, PERIOD)
@@ -49,14 +49,14 @@ def test_on_a_linear_model_it_is_the_linear_kalman_filter():
         mean, covariance = textbook_linear_kalman_filter(
             F, G, H, D, np.diag(density) * PERIOD, np.diag(reading), mean, covariance, held, seen
         )
-        # Relative to what the states are in this run: centimetres, metres per second.
+        # Relative to the size of the states in this run: centimetres, metres per second.
         assert np.max(np.abs(belief.mean - mean) / np.array([1e-2, 1e-2, 1.0, 1.0])) < bound
         sd = np.sqrt(np.diag(covariance))
         assert np.max(np.abs(belief.covariance - covariance) / np.outer(sd, sd)) < bound
 
 
 def test_a_matched_model_without_noise_has_no_error(rolling):
-    """Started at the truth and shown perfect readings, the filter stays on the solution of its own model."""
+    """Started at the truth and given perfect readings, the filter follows the solution of its model."""
     ours = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
     belief = ours.start(FIRST_MEAN, FIRST_VARIANCE)
     truth = FIRST_MEAN
@@ -64,7 +64,7 @@ def test_a_matched_model_without_noise_has_no_error(rolling):
         held = np.array([2e4 * (1.0 + np.sin(k / 300.0)), 500.0])
         truth = advance(lambda x, held=held: rolling.derivative(x, held), truth, PERIOD)
         belief = ours.step(belief, held, rolling.output(truth, held))
-    # Rounding only: units in the last place of w = 60 rad/s, seen through gains below 100.
+    # Rounding only: units in the last place of w = 60 rad/s, through gains below 100.
     assert np.max(np.abs(belief.mean - truth)) < 1e-10
 
 
@@ -77,7 +77,7 @@ def test_perfect_readings_pull_a_wrong_start_to_the_truth(rolling):
     for _ in range(3000):
         truth = advance(lambda x: rolling.derivative(x, held), truth, PERIOD)
         belief = ours.step(belief, held, rolling.output(truth, held))
-    # What is left of the start is its weight against 3000 readings a thousand times as sure.
+    # The remainder of the initial error is its weight against 3000 readings a thousand times as certain.
     assert np.all(np.abs(belief.mean - truth) < 1e-3 * np.abs(off))
 
 
@@ -94,17 +94,17 @@ def test_transition_is_the_derivative_of_the_mean_map(rolling):
 
 
 def test_a_missing_reading_is_a_filter_without_that_sensor(rolling):
-    """NaN leaves the row out: the same as a reading without worth, of a variance beyond all others."""
+    """NaN leaves the row out: equivalent to a reading of practically infinite variance."""
     held = np.array([1e4, 0.0])
     seen = rolling.output(FIRST_MEAN, held) + np.array([0.01, 0.02, 0.1])
     sparse = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
     worthless = ExtendedKalmanFilter(rolling, DENSITY, READING * np.array([1.0, 1e20, 1.0]), PERIOD)
     first = sparse.start(FIRST_MEAN, FIRST_VARIANCE)
     without = sparse.step(first, held, np.where([False, True, False], np.nan, seen))
-    beside = worthless.step(first, held, seen)
+    other = worthless.step(first, held, seen)
     # A variance of 1e16 against one of 0.1 is a weight of 1e-17, below rounding.
-    assert without.mean == pytest.approx(beside.mean, rel=1e-12)
-    assert without.covariance == pytest.approx(beside.covariance, rel=1e-9, abs=1e-15)
+    assert without.mean == pytest.approx(other.mean, rel=1e-12)
+    assert without.covariance == pytest.approx(other.covariance, rel=1e-9, abs=1e-15)
 
 
 def test_without_any_reading_it_only_predicts(rolling):
@@ -153,7 +153,7 @@ def test_pad_friction_stands_still_while_the_pads_are_released(rolling):
     assert released.mean[2] == braked.mean[2]
     assert released.covariance[2, 2] == braked.covariance[2, 2]
     assert np.all(np.linalg.eigvalsh(released.covariance) > 0.0)
-    # The other states are still estimated, and their correlation with pad friction is carried, not cut.
+    # The other states are still estimated, and their correlation with pad friction is propagated, not discarded.
     others = [0, 1, 3]
     assert np.all(released.mean[others] != braked.mean[others])
     assert np.all(braked.covariance[2, [1, 3]] != 0.0)
@@ -181,7 +181,7 @@ def test_a_frozen_state_is_a_consider_state(rolling):
     H, P, others = innovation.jacobian, predicted.covariance, [0, 1, 3]
     S = H @ P @ H.T + np.diag(READING)
     optimal = P - P @ H.T @ np.linalg.inv(S) @ H @ P
-    # P loses four digits to the readings, of the sixteen there are; the rest is margin.
+    # P loses four of its sixteen digits to the readings; the rest is margin.
     assert after.covariance[np.ix_(others, others)] == pytest.approx(
         optimal[np.ix_(others, others)], rel=1e-7, abs=1e-12
     )
@@ -189,7 +189,7 @@ def test_a_frozen_state_is_a_consider_state(rolling):
     assert after.covariance[2, 2] == P[2, 2] > 1.1 * optimal[2, 2]
 
 
-def test_covariance_stays_definite_and_symmetric_whatever_it_is_fed(rolling):
+def test_covariance_stays_definite_and_symmetric_for_any_readings(rolling):
     """10 s of near-perfect sensors, huge noise, dropouts and gates, from a badly scaled start."""
     gate = Gate(states=("mu_b",), inputs=("pad_force",), threshold=1500.0)
     density, reading = np.array([1e-12, 1e3, 1e-9, 1e2]), np.array([1e-14, 1e-14, 1e-10])
@@ -203,7 +203,7 @@ def test_covariance_stays_definite_and_symmetric_whatever_it_is_fed(rolling):
         belief = ours.step(belief, held, seen)
         if k < 50 or k % 50 == 0:
             assert np.array_equal(belief.covariance, belief.covariance.T)
-            # Correlations, because variances of 1e4 and 1e-14 side by side hide each other's sign.
+            # Correlations, because variances of 1e4 and 1e-14 next to each other hide each other's sign.
             correlation = belief.covariance / np.outer(belief.deviation, belief.deviation)
             assert np.min(np.linalg.eigvalsh(correlation)) > 0.0
 
@@ -234,7 +234,7 @@ def test_a_mean_that_is_not_finite_is_a_diverged_filter(rolling):
         ({"gate": Gate(states=("mu_b",), inputs=("force",), threshold=1.0)}, "no input 'force'"),
     ],
 )
-def test_a_filter_without_meaning_is_refused(rolling, change, sentence):
+def test_an_invalid_filter_is_refused(rolling, change, sentence):
     parts = {"process_noise": DENSITY, "reading_noise": READING, "period": PERIOD} | change
     with pytest.raises(EstimatorError, match=sentence):
         ExtendedKalmanFilter(rolling, **parts)
@@ -260,7 +260,7 @@ def test_arguments_of_wrong_shape_are_refused(rolling, kind):
         (FIRST_MEAN, np.zeros(4), "covariance is not positive definite"),
     ],
 )
-def test_a_start_without_a_belief_is_refused(rolling, mean, variance, sentence):
+def test_a_start_without_an_estimate_is_refused(rolling, mean, variance, sentence):
     with pytest.raises(EstimatorError, match=sentence):
         ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD).start(mean, variance)
 

@@ -1,9 +1,10 @@
-"""Recordings of the study of estimators are even, equal for all estimators, and judged by known errors."""
+"""Recordings of the study of estimators are balanced, equal for all estimators, and evaluated by known errors."""
 
 import json
 import tomllib
 from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +12,10 @@ import xarray
 
 from railgrip.base.errors import InputError
 from railgrip.campaign.work import work
+from railgrip.estimation.judge import judge
 from railgrip.estimation.run import model_of
+from railgrip.estimation.sources import recording_of_estimation
+from railgrip.estimation.spec import estimate_of, load_specification
 from railgrip.fmus.build import fmu
 from railgrip.studies.estimators.claims import LOAD_DEVIATION, with_unmodelled
 from railgrip.studies.estimators.judge import CONSTANT, FORCE_BALANCE, errors_of, step_delay, truths_of
@@ -25,10 +29,11 @@ from railgrip.studies.estimators.recordings import (
     recording_cases,
     recording_of_case,
 )
-from railgrip.studies.estimators.replay import LAGS, MODEL, bound_of, replay, states
+from railgrip.studies.estimators.replay import LAGS, MODEL, bound_of, model_of_estimator, replay, states
 from railgrip.studies.estimators.search import BUDGET, interval_score, search, write_factors
 from railgrip.studies.estimators.study import ESTIMATORS, FAST, Estimators
 from railgrip.studies.estimators.tables import leaderboard, skill
+from railgrip.studies.estimators.vehicles import SETTLED, rows_of_estimation, vehicles
 
 CONSTANTS = (("adhesion", 0.05), ("pad_friction", 0.35))
 
@@ -42,7 +47,7 @@ def short():
 
 
 @pytest.mark.parametrize("count", [12, 48])
-def test_every_value_of_the_further_axes_comes_equally_often(count):
+def test_every_value_of_the_other_axes_is_equally_frequent(count):
     design = recording_cases(count, SEEDS["test"])
     for field, choices in (("sensors", SENSORS), ("demand", DEMANDS), ("over", ("time", "distance"))):
         assert set(Counter(getattr(case, field) for case in design).values()) == {count // len(choices)}
@@ -90,13 +95,13 @@ def test_all_estimators_get_the_same_readings_and_are_ranked(short):
 
 
 def modelled(case, found):
-    """Variances without those of errors in no equation, which follow from the mean."""
+    """Variances, except those of errors that are in no equation and follow from the mean."""
     arguments = recording_of_case(case), states(), found.mean
     unmodelled = with_unmodelled(*arguments, np.zeros_like(found.variance), case.sensors, model_of(MODEL))
     return found.variance - unmodelled
 
 
-def test_the_smoother_is_surer_than_the_filter_and_the_bound_positive(short):
+def test_the_smoother_is_more_certain_than_the_filter_and_the_bound_positive(short):
     filtered, smoothed = (modelled(short, replay(short, name)) for name in ("fmu", "smoother"))
     assert np.all(smoothed <= filtered * (1.0 + 1e-6))
     assert np.all(bound_of(short) > 0.0)
@@ -115,7 +120,7 @@ def test_a_small_run_writes_page_tables_and_json(tmp_path):
     assert (tmp_path / "leaderboard.csv").is_file()
 
 
-def test_an_unknown_estimator_is_refused_with_the_next_name(tmp_path):
+def test_an_unknown_estimator_is_refused_with_the_nearest_name(tmp_path):
     with work("estimators", tmp_path) as job, pytest.raises(InputError, match="did you mean 'unscented'"):
         Estimators(estimator=["unscentd"]).page(job)
     with work("estimators", tmp_path) as job, pytest.raises(InputError, match="--write"):
@@ -146,7 +151,7 @@ def test_a_users_class_gets_the_same_readings_and_is_judged(short, tmp_path):
     moving = recording["speed"].values > 10 / 3.6
     expected = -recording["reading_acceleration"].values[moving, np.newaxis] / 9.81
     truth = recording["group_adhesion"].values[moving]
-    # The estimator sees the reading of the period before.
+    # The estimator receives the reading of the previous period.
     assert errors.rmse["adhesion"] == pytest.approx(np.sqrt(np.mean((expected - truth) ** 2)), rel=0.1)
     speed = recording["speed"].values[moving]
     assert errors.rmse["speed"] == pytest.approx(np.sqrt(np.mean((0.5 * speed) ** 2)), rel=0.05)
@@ -183,7 +188,7 @@ def test_the_delay_after_a_step_is_that_of_a_shifted_estimate():
 
 
 def test_the_search_never_returns_worse_factors(monkeypatch):
-    """A quadratic in the logarithms, with its minimum at all = 3."""
+    """A quadratic in the logarithms with its minimum at 3 in every direction."""
     count = Counter()
 
     def cost(estimator, sensors, cases, factors):
@@ -202,7 +207,7 @@ def test_the_interval_score_is_smallest_for_the_true_deviation():
     assert scores[1] == min(scores)
 
 
-def test_a_larger_load_uncertainty_is_claimed_where_no_state_has_it(short):
+def test_a_larger_load_uncertainty_is_added_where_load_is_not_a_state(short):
     found = replay(short, "fmu")
     alpha = states().index("alpha[1]")
     extra = found.variance - modelled(short, found)
@@ -230,9 +235,71 @@ def test_the_common_factor_multiplies_every_deviation_and_no_other_factor_does()
     assert (one.readings, one.start) == (plain.readings, plain.start)
 
 
-def test_every_case_belongs_to_one_family_of_each_axis_and_the_loads_differ():
+def test_every_case_has_one_family_of_each_axis_and_loads_differ():
     design = recording_cases(24, SEEDS["test"])
     for field in FAMILIES:
         counts = Counter(family_of(case, field) for case in design)
         assert len(counts) > 1
         assert min(counts.values()) >= 3
+
+
+@pytest.mark.parametrize("estimator", ["fmu", "reduced", "disturbed"])
+def test_the_train_file_of_the_two_part_train_has_its_predictions(estimator):
+    """The same derivatives and readings at states drawn at random, whatever the order of the states."""
+    ours, of_file = (model_of_estimator(estimator, train).equations({}) for train in ("", "vt642"))
+    assert sorted(of_file.states) == sorted(ours.states)
+    assert of_file.outputs == ours.outputs
+    places = [ours.states.index(name) for name in of_file.states]
+    typical = {"v": 20.0, "w": 50.0, "mu_b": 0.35, "alpha": 0.1, "dz": 1e-3, "ddz": 1e-2, "d": 0.1, "bias": 0.05}
+    random = np.random.default_rng(0)
+    for _ in range(5):
+        x = np.array([typical[name.partition("[")[0]] for name in ours.states]) * random.uniform(0.5, 1.5, len(places))
+        u = np.append(random.uniform(0.5e5, 3e5, 4), 1e3)
+        np.testing.assert_allclose(of_file.derivative(x[places], u), ours.derivative(x, u)[places], rtol=1e-12)
+        np.testing.assert_allclose(of_file.output(x[places], u), ours.output(x, u), rtol=1e-12)
+
+
+def test_cases_of_another_train_have_its_groups_and_its_speed():
+    design, ours = (recording_cases(12, SEEDS["test"], train) for train in ("tram", ""))
+    assert {case.groups for case in recording_cases(2, SEEDS["test"], "emu387")} == {16}
+    assert {len(case.digest) for case in design} == {64}
+    assert max(case.stop.speed for case in design) <= 60 / 3.6  # the fastest published stop of the tram
+    assert max(case.stop.speed for case in ours) > 60 / 3.6
+    assert [(case.sensors, case.demand, case.over) for case in design] == [
+        (case.sensors, case.demand, case.over) for case in ours
+    ]
+    assert len(states("disturbed", "tram")) == len(states("", "tram")) + 8  # deflections of four wheelsets, and rates
+
+
+@pytest.mark.usefixtures("in_process")
+def test_another_train_has_its_recordings_estimators_and_folder(short, tmp_path):
+    case = replace(short, train="tram")
+    assert recording_of_case(case).sizes["group"] == 4
+    errors = [errors_of((case, name, CONSTANTS)) for name in (CONSTANT, FORCE_BALANCE, "fmu", "disturbed", "fixed_lag")]
+    assert len({one.digest for one in errors}) == 1
+    assert all(np.isfinite(one.rmse["adhesion"]) for one in errors)
+    study = Estimators(train="tram", estimator=["fmu"])
+    assert study.place == "tram"
+    assert Estimators().place == ""
+    with work("estimators", tmp_path) as job:
+        for wrong, sentence in (
+            (Estimators(train="tram", write=True), "--write and --tune are for the two-part train"),
+            (Estimators(train="tram", estimator=["loaded"]), "--estimator loaded: is unknown"),
+            (Estimators(train="trm"), "did you mean tram"),
+        ):
+            with pytest.raises(InputError, match=sentence):
+                wrong.page(job)
+
+
+def test_a_filter_of_another_vehicle_has_the_errors_of_its_estimation():
+    """In the comparison as from `railgrip estimate`."""
+    specification = load_specification(Path("wagon"))
+    recording = recording_of_estimation(specification)
+    estimates = estimate_of(specification, recording)
+    judged = recording["time"].values >= SETTLED
+    rows = {(row["estimator"], row["quantity"]): row for row in rows_of_estimation("wagon")}
+    own = judge(recording, estimates, "alpha", judged)
+    assert rows["fmu", "alpha"]["RMSE"] == pytest.approx(own.rmse, rel=1e-9)
+    assert rows["fmu", "alpha"]["NEES"] == pytest.approx(own.nees, rel=1e-9)
+    assert all(row["bound"] > 0.0 for row in rows.values())
+    assert len(vehicles(list(rows.values())).rows) == len(rows)

@@ -6,8 +6,8 @@ from railgrip.studies.filter_consistency import errors_of
 
 
 @pytest.mark.parametrize("load", [0.8, 1.12])
-def test_a_load_that_nobody_knows_is_learned_over_a_stop(load):
-    """Adhesion without a bias, and as sure as it is right; a seed that its noises were not chosen on."""
+def test_an_unknown_load_is_learned_during_a_stop(load):
+    """Adhesion is unbiased and consistent; the noises were not chosen on this seed."""
     own, other = (errors_of(("sine_sweep", load, "none", 4, name)) for name in ("loaded", "disturbed"))
     assert own.rmse < 0.8 * other.rmse
     assert abs(own.bias) < 0.25 * abs(other.bias)

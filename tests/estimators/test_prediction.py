@@ -11,7 +11,7 @@ from railgrip.estimators.prediction import CasadiPrediction
 
 
 class Pendulum:
-    """A prediction in plain numpy: nothing but the protocol."""
+    """A prediction in plain numpy that has only the methods of the protocol."""
 
     states = ("angle", "rate")
     inputs = ("torque",)
@@ -38,7 +38,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", list(CASES))
-def test_it_keeps_the_contract_of_a_prediction(name):
+def test_it_satisfies_the_contract_of_a_prediction(name):
     prediction_contract(*CASES[name])
 
 
@@ -60,25 +60,25 @@ def test_a_parameter_that_is_missing_or_unknown_is_named():
         CasadiPrediction(wheelset(), WHEELSET | {"r_whel": 0.4})
 
 
-def test_parameters_go_where_their_names_say():
-    """Order of the mapping does not matter, values do."""
+def test_parameters_are_assigned_by_name():
+    """The order of the mapping has no effect."""
     x, u = np.array([22.0, 58.0, 0.36, 0.06]), np.array([2e4, 300.0])
     turned = dict(reversed(WHEELSET.items()))
     expected = CASES["wheelset"][0].derivative(x, u)
     assert np.array_equal(CasadiPrediction(wheelset(), turned).derivative(x, u), expected)
     heavier = CasadiPrediction(wheelset(), WHEELSET | {"J": 2 * WHEELSET["J"]}).derivative(x, u)
-    # The torque is the same, the inertia twice: half the spin, and nothing else.
+    # The torque is the same, the inertia doubled: only the spin changes, to a half.
     assert heavier[1] == pytest.approx(expected[1] / 2, rel=1e-14)
     assert np.array_equal(heavier[[0, 2, 3]], expected[[0, 2, 3]])
 
 
-def test_a_model_that_changes_with_time_is_no_prediction():
+def test_a_time_dependent_model_is_not_a_prediction():
     clock = small_model("x", "", "", "y", lambda t, x, u, p: [ca.sin(t) - x], lambda t, x, u, p: [x])
     with pytest.raises(EstimatorError, match="depends on time"):
         CasadiPrediction(clock, {})
 
 
-def test_a_model_whose_functions_do_not_fit_its_names_is_refused():
+def test_a_model_whose_functions_do_not_match_its_names_is_refused():
     good = wheelset()
     names = (Name("v"), Name("w"))
     bad = SmallModel(names, good.inputs, good.parameters, good.outputs, good.derivative, good.output)

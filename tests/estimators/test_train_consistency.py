@@ -1,29 +1,30 @@
-"""Do the filters of the train know what they do not know? Mean NEES, NIS and whiteness on the model they believe in.
+"""Consistency of the train filters on the model that they assume: mean NEES, NIS and whiteness.
 
 Truth is the stochastic model that the filter assumes: the equations of the prediction over a period with the pressures
-held, then a draw of the process noise that the tuning adds to a period; readings with the tuning's noise; a first error
-drawn from the tuning's start. It is integrated apart from the filter, in CasADi with half the period. What is judged
-is therefore the filter: discretisation, Jacobians, gain, covariance, gate; not how well a model fits a train.
+held, then a draw of the process noise that the tuning adds in a period; readings with the tuning's noise; an initial
+error drawn from the tuning's start. It is integrated separately from the filter, in CasADi with half the period. The
+test therefore evaluates the filter (discretisation, Jacobians, gain, covariance, gate), not the model of a train.
 
 Operation: braking at 22 m/s with an adhesion of 0.1 in every group, suspension settled and wheelsets rolling, at the
 pressures that balance it. Either these are held, or group 2 is released for 0.15 s, so that its gate closes and opens;
-a frozen pad friction rests in truth, too, because that is what the gate assumes.
-That shows a gate to leave the filter consistent, not that it closes: pad friction walks by a twentieth of its start's
-deviation meanwhile. What a frozen state is, test_ekf.py shows.
+a frozen pad friction is constant in truth, too, because that is what the gate assumes. This demonstrates that a gate
+leaves the filter consistent, not that it closes: meanwhile the random walk of pad friction is only a twentieth of its
+initial deviation. test_ekf.py checks frozen states.
 
-All states are judged together. At constant pressures no reading tells one combination of the 25, how braking is shared
-between the two wheelsets of the Jacobs bogie, and three of the 13: there the error of the start stays and P says so.
+All states are evaluated together. At constant pressures no reading determines one combination of the 25 states, the
+distribution of braking between the two wheelsets of the Jacobs bogie, and three of the 13: the initial error remains
+there, and P is large.
 
 Run length: 0.4 s. Errors decay with time constants of 0.7 ms (ideal sensors) to 0.3 s (service sensors), eigenvalues of
-(I − KH)Φ, so the instants reach from what the start left to what noise keeps up. The only nonlinear terms of the
-equations are adhesion times load and v² of the drag. Load is known to 0.25 % at the start and to 0.07 % at the end, v
-to 0.5 %, so the linearisation holds whatever adhesion does. But nothing bounds adhesion's random walk: after 0.4 s at
-0.1/√s it lies between −0.11 and 0.34 in all runs, wheelsets between 35 and 82 rad/s; after some seconds they would turn
-backwards, for which the equations are not meant.
+(I − KH)Φ, so the instants include both the remainder of the initial error and the stationary error due to noise. The
+only nonlinear terms of the equations are adhesion times load and v² of the drag. Load is known to 0.25 % at the start
+and to 0.07 % at the end, v to 0.5 %, so the linearisation holds for any adhesion. But adhesion's random walk is
+unbounded: after 0.4 s at 0.1/√s it is between −0.11 and 0.34 in all runs, wheelset speeds between 35 and 82 rad/s;
+after some seconds wheels would turn backwards, for which the equations are not valid.
 
 Errors at successive instants of a run are correlated, so NEES is averaged over runs at fixed instants, never over time.
 Innovations of a consistent filter are independent in time, so NIS is averaged over runs and steps. All checks together
-have a level of 95 % by Bonferroni's inequality, which holds though instants share their runs.
+have a level of 95 % by Bonferroni's inequality, which holds even though instants belong to the same runs.
 
 Sources: Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation (2001), §5.4; Hosking, The
 Multivariate Portmanteau Statistic, J. American Statistical Association 75 (1980), for whiteness of several readings.
@@ -52,10 +53,10 @@ SPEED, ADHESION, RADIUS = 22.0, 0.10, 0.38
 GATE = pad_gate(pressure_of(1500.0, piston_area=0.0324, rigging=6.0 * 0.95, spring_force=1200.0), groups=4)
 RUNS, STEPS = 100, 400
 INSTANTS = (20, 100, 250, 400)
-"""Steps after which NEES is judged: in the transient, before the release, at its end, and at the end of the run."""
+"""Steps at which NEES is evaluated: in the transient, before the release, at its end, and at the end of the run."""
 RELEASED = slice(100, 250)
 LAGS = 10
-"""Of the whiteness test [steps]: the ideal tuning follows adhesion within 5 of them."""
+"""Lags of the whiteness test [steps]: the ideal tuning follows adhesion within 5 of them."""
 
 MODELS = {
     "TrainPrediction": "train",
@@ -72,7 +73,7 @@ TUNINGS = (
 )
 BRAKING = ("held", "one group released")
 CONFIDENCE = 1.0 - 0.05 / (len(TUNINGS) * len(BRAKING) * (len(INSTANTS) + 2))
-"""Of each two-sided check, for 95 % of all of them together."""
+"""Level of each two-sided check, for 95 % of all of them together."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ class Truth:
 
 @dataclass(frozen=True)
 class Tuned:
-    """A prediction, what its tuning says about noise as variances, and where it starts."""
+    """A prediction, the noise variances of its tuning, and its start."""
 
     prediction: CasadiPrediction
     process: Vector
@@ -117,7 +118,7 @@ def places(prediction: CasadiPrediction, name: str) -> list[int]:
 
 
 def settled(prediction: CasadiPrediction) -> tuple[Vector, Vector]:
-    """State and inputs in which wheelsets roll with the train and the suspension rests."""
+    """State and inputs in which wheelsets roll with the train and the suspension is settled."""
     sizes = {"v": SPEED, "w": SPEED / RADIUS, "mu_b": 0.36, "alpha": ADHESION, "dz": 0.0, "ddz": 0.0}
     state = np.array([sizes.get(name.partition("[")[0], 0.0) for name in prediction.states])
     w, dz, ddz = (places(prediction, name) for name in ("w", "dz", "ddz"))
@@ -168,7 +169,7 @@ def truth(model: str, sensors: str, braking: str) -> Truth:
 
 @dataclass(frozen=True)
 class Check:
-    """A figure and the interval that holds it with the probability CONFIDENCE if the filter is consistent."""
+    """A figure and the interval that contains it with the probability CONFIDENCE if the filter is consistent."""
 
     figure: float
     low: float
@@ -182,7 +183,7 @@ class Check:
 def checks(
     tuning: Tuned, true: Truth, *, process: float = 1.0, reading: float = 1.0
 ) -> tuple[list[Check], Check, Check]:
-    """NEES at each instant, NIS and whiteness of a filter that takes noises for `process`, `reading` times theirs."""
+    """NEES at each instant, NIS and whiteness of a filter whose noises are multiplied by `process` and `reading`."""
     prediction = tuning.prediction
     ours = CompiledFilter(prediction, process * tuning.process, reading * tuning.reading, PERIOD, GATE)
     n, m = len(prediction.states), len(prediction.outputs)
@@ -207,8 +208,7 @@ def checks(
 def portmanteau(innovations: np.ndarray) -> float:
     """Sum of squares of the correlations of all readings over all LAGS, each of variance one: chi-square of LAGS·m².
 
-    Innovations are whitened among readings by what they scatter over the runs at each step, not by what the filter
-    claims: whether S is right is for the NIS to say.
+    Innovations are whitened by their scatter over the runs at each step, not by the filter's covariance: NIS checks S.
     """
     steps, runs, _ = innovations.shape
     factor = np.linalg.cholesky(np.einsum("kri,krj->kij", innovations, innovations) / runs)
@@ -219,7 +219,7 @@ def portmanteau(innovations: np.ndarray) -> float:
 
 @pytest.mark.parametrize("braking", BRAKING)
 @pytest.mark.parametrize(("model", "sensors"), TUNINGS)
-def test_mean_nees_nis_and_whiteness_lie_in_their_chi_square_bounds(model, sensors, braking):
+def test_mean_nees_nis_and_whiteness_are_within_their_chi_square_bounds(model, sensors, braking):
     errors, innovation, white = checks(tuned(model, sensors), truth(model, sensors, braking))
     assert all(error.inside for error in errors), errors
     assert innovation.inside, innovation
@@ -229,11 +229,11 @@ def test_mean_nees_nis_and_whiteness_lie_in_their_chi_square_bounds(model, senso
 @pytest.mark.parametrize("factor", [0.1, 10.0])
 @pytest.mark.parametrize("wrong", ["process", "reading"])
 @pytest.mark.parametrize(("model", "sensors"), TUNINGS)
-def test_a_filter_with_a_tenth_or_ten_times_the_noise_fails(model, sensors, wrong, factor):
-    """Each check can fail: with either noise ten times too small it errs more than it says, or else less. Surprises
-    repeat in both cases, because it weighs readings wrongly.
+def test_a_filter_with_a_tenth_or_ten_times_the_noise_is_inconsistent(model, sensors, wrong, factor):
+    """Each check can fail: noise ten times too small gives errors above the claimed ones, ten times too large below.
 
-    But for the first instant, when what the start left still hides the noise.
+    Innovations are correlated in both cases, because the filter weights readings wrongly. The first instant is
+    excluded: there the remainder of the initial error still hides the noise.
     """
     errors, innovation, white = checks(tuned(model, sensors), truth(model, sensors, "held"), **{wrong: factor})
     for check in (*errors[1:], innovation):

@@ -38,12 +38,12 @@ def parts(prediction, sensors):
 
 
 def rolling(prediction, speed=22.0, adhesion=0.05):
-    """Start rolling, in balance with nothing."""
+    """Start with rolling wheels, not in equilibrium."""
     start = {"v": speed, "w": speed / 0.38, "mu_b": 0.36, "alpha": adhesion}
     return np.array([start.get(name.partition("[")[0], 0.0) for name in prediction.states])
 
 
-def test_it_keeps_the_contract_of_a_prediction(prediction):
+def test_it_satisfies_the_contract_of_a_prediction(prediction):
     prediction_contract(prediction, rolling(prediction) + 1e-3, 0.7 * FULL_BRAKE + 1.0)
 
 
@@ -56,13 +56,13 @@ def test_there_is_a_noise_for_every_state_and_reading(prediction):
     assert np.all(start > 0.0)
 
 
-def test_a_noise_set_for_another_model_says_what_it_lacks():
+def test_missing_names_of_a_noise_set_for_another_model_are_listed():
     with pytest.raises(EstimatorError, match="'reduced train, ideal sensors': no process noise for ddz, dz"):
         NOISE_SETS["reduced_ideal"].process_noise(["v", "dz[1]", "ddz[1]"])
     assert NOISE_SETS["train_ideal"].process_noise(["alpha[2]"]) == pytest.approx([0.1**2])
 
 
-def test_pad_gate_is_the_pressure_that_makes_the_pad_force():
+def test_the_pad_gate_is_the_pressure_of_the_minimum_pad_force():
     """F = η i (p A − F_spring) = 1500 N."""
     assert 0.95 * 6.0 * (GATE.threshold * 0.0324 - 1200.0) == pytest.approx(1500.0, rel=1e-12)
     assert GATE.inputs[2] == "cylinder_pressure[3]"
@@ -70,11 +70,11 @@ def test_pad_gate_is_the_pressure_that_makes_the_pad_force():
 
 
 @pytest.mark.parametrize("sensors", ["ideal", "service"])
-def test_compiled_equals_python_while_brakes_come_and_go(prediction, sensors):
-    """Brakes applied and released by slip control, readings with dropouts, each filter on its own belief.
+def test_compiled_equals_python_while_brakes_apply_and_release(prediction, sensors):
+    """Brakes applied and released by slip control, readings with dropouts, each filter on its own estimate.
 
-    The 25 states with ideal sensors, the worst conditioned of all, go through 10 s in steps of 1 ms; through a whole
-    stop, in its closed loop, they go in tests/stops.
+    The 25 states with ideal sensors, the worst conditioned case, run for 10 s in steps of 1 ms; tests/stops runs them
+    in closed loop through a whole stop.
     """
     arguments, start = parts(prediction, sensors)
     steps = 10_000 if len(prediction.states) == 25 and sensors == "ideal" else 3_000
@@ -87,14 +87,14 @@ def test_compiled_equals_python_while_brakes_come_and_go(prediction, sensors):
         braked = np.sin(k / 400.0 + phase) > -0.4
         held = np.append(np.where(braked, FULL_BRAKE[:4], 0.0), 1e3 * np.cos(k / 2000.0))
         expected = prediction.output(one.mean, held)
-        # A driver who keeps the train rolling: the filters see 22 m/s whatever the brakes do to their models.
+        # The train keeps its speed: the filters read 22 m/s whatever the brakes do in their models.
         expected[0] += 0.05 * (22.0 - expected[0])
         expected[1:5] += 0.05 * (57.0 - expected[1:5])
         seen = expected + noise * random.standard_normal(expected.size)
         seen[random.random(expected.size) < 0.2] = np.nan
         one, two = plain.step(one, held, seen), fast.step(two, held, seen)
         if k % 500 == 499:
-            # In units of what is large in a stop: a filter may know a deflection better than it matters.
+            # In units of typical values in a stop: a filter may estimate a deflection more accurately than necessary.
             assert np.max(np.abs(one.mean - two.mean) / sizes(prediction)) < 1e-9
             spread = np.outer(one.deviation, one.deviation)
             assert np.max(np.abs(one.covariance - two.covariance) / spread) < 1e-9
@@ -102,7 +102,7 @@ def test_compiled_equals_python_while_brakes_come_and_go(prediction, sensors):
 
 @pytest.mark.parametrize("sensors", ["ideal", "service"])
 def test_a_step_of_adhesion_is_followed_within_a_tenth_of_a_second(prediction, sensors):
-    """All groups lose half their adhesion; truth is the prediction, its readings noisy as claimed."""
+    """All groups lose half their adhesion; truth is the prediction, with readings of the assumed noise."""
     arguments, start = parts(prediction, sensors)
     ours = CompiledFilter(*arguments)
     truth = rolling(prediction, adhesion=0.12)
@@ -126,20 +126,20 @@ def test_a_step_of_adhesion_is_followed_within_a_tenth_of_a_second(prediction, s
         assert delay(time, true[:, i], found[:, i], 1000 * PERIOD, tolerance=0.02) <= 0.1
 
 
-def test_what_the_suspension_adds_is_that_adhesion_and_pad_friction_can_be_told_apart(prediction):
-    """With deflections everything is determined at once; without, only in time, from how pressures change."""
+def test_the_suspension_makes_adhesion_and_pad_friction_distinguishable(prediction):
+    """With deflections everything is determined at once; without them only over time, as pressures change."""
     x = rolling(prediction) * (1.0 + 0.1 * np.sin(7.0 * np.arange(len(prediction.states))))
     found = observability(prediction, x, FULL_BRAKE * 0.7, sizes(prediction))
     if len(prediction.states) == 25:
         assert found.complete
     else:
-        # Five accelerations (four wheelsets, the train) and eight coefficients: three directions are open.
+        # Five accelerations (four wheelsets, the train) and eight coefficients: three directions are undetermined.
         assert found.rank == 10
         assert {name.partition("[")[0] for name in found.undetermined} == {"mu_b", "alpha"}
 
 
 def test_released_pads_hide_their_friction(prediction):
-    """The rounded start of the stroke leaves 3 N on released pads; 1e-3 is above that, below a real force."""
+    """The rounded start of the stroke leaves 3 N on released pads; 1e-3 is above that and below a real force."""
     if len(prediction.states) != 25:
         pytest.skip("without the suspension pad friction is not determined at a point in any case")
     pressures = FULL_BRAKE * np.array([0.7, 0.0, 0.7, 0.7, 0.0])

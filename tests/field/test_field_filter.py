@@ -101,12 +101,12 @@ def test_the_track_is_recovered(case):
     assert errors["force"] < 1e3
 
 
-def test_the_friction_of_the_train_is_found_but_not_its_shares(task, filter_):
+def test_the_friction_of_the_train_is_found_but_not_its_distribution(task, filter_):
     errors = score(task, follow(task, filter_, PHYSICAL))
-    # Against the best constants, which are known only afterwards; measured 0.34 and 0.24 of them.
+    # Relative to the best constants, which are only known afterwards; measured 0.34 and 0.24 of their error.
     assert errors["mean_pad_friction"] < 0.5 * errors["mean_pad_friction_constant"]
     assert errors["adhesion"] < 0.4 * errors["adhesion_constant"]
-    # Five rates cannot determine eight frictions: single groups are no better than one constant for all, measured
+    # Five rates cannot determine eight frictions: single groups are as inaccurate as one constant for all, measured
     # 1.1 of its error, yet better than with noises tuned for consistency, measured 0.5 of their error.
     tuned = score(task, follow(task, filter_, load_noise(NOISES / "consistent.toml")))
     assert errors["pad_friction_constant"] < errors["pad_friction"] < 0.85 * tuned["pad_friction"]
@@ -129,7 +129,7 @@ def test_five_rates_do_not_determine_eight_frictions(model):
     assert np.linalg.matrix_rank(jacobian[:5, 5:]) == 5
 
 
-def test_the_estimation_file_has_the_filter_of_the_study(run, case, task, filter_):
+def test_the_estimation_file_contains_the_filter_of_the_study(run, case, task, filter_):
     """`railgrip estimate` with [course], and the arrays of the study."""
     specification = filtering.specification()
     estimates = estimate_of(specification, braking_of(run, specification.course).recording)
@@ -193,7 +193,7 @@ def test_noises_at_a_bound_of_the_search_are_marked():
         assert [row[name].endswith(" (bound)") for name in sets] == [False, True, True]
 
 
-def test_an_oscillation_is_found_where_it_is():
+def test_an_oscillation_is_found_at_its_position():
     """A pulse of 5 % and 0.2 s on a rise over 20 s; the mean over two seconds takes a tenth of it."""
     time = 80.0 + 0.02 * np.arange(1000)
     friction = (0.35 + 0.002 * (time - 80.0)) * np.where(np.abs(time - 86.0) < 0.1, 1.05, 1.0)
@@ -202,8 +202,8 @@ def test_an_oscillation_is_found_where_it_is():
     assert instant == pytest.approx(86.0, abs=0.12)
 
 
-def test_figures_can_be_read(case, task, filter_, tmp_path):
-    """tests/conftest.py checks what is saved."""
+def test_figures_are_readable(case, task, filter_, tmp_path):
+    """tests/conftest.py checks every saved figure."""
     estimates = {title: follow(task, filter_, PHYSICAL) for title in ("sensors and physics", "with consistency")}
     sweep = {name: np.array([1e-8, 1e-4, 1e2]) for name in ("factor", "deviation", "adhesion", "pad_friction", "nees")}
     for name, drawing in {
@@ -226,8 +226,8 @@ def test_an_interrupted_search_ends_like_an_uninterrupted_one(task):
             ), own.run_count
 
     search(1)
-    whole, made = search(2)
-    assert made == 1
+    whole, run_count = search(2)
+    assert run_count == 1
     assert search(2, fresh=True) == (whole, 2)
     assert len(whole[2]) == 2
 

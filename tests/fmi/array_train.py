@@ -22,7 +22,7 @@ WHEELS = 4
 MASS, INERTIA, RADIUS = 40e3, 100.0, 0.45  # kg, kg.m2 and m of each wheelset
 TORQUE = 3.5e-2  # N.m/Pa
 FILLING = 0.1  # s
-PEAK = 0.02  # creep of the highest adhesion
+PEAK = 0.02  # creep at maximum adhesion
 STEPS = 10  # in a communication step
 
 
@@ -32,7 +32,7 @@ class ArrayTrain(Fmi3SlaveBase, Interface):
         self.time = 0.0
         self.demand, self.grip = [0.0] * WHEELS, [0.3] * WHEELS
         self.v0 = 20.0
-        self.state = [0.0, self.v0, *[self.v0 / RADIUS] * WHEELS, *[0.0] * WHEELS]  # way, speed, wheels, cylinders
+        self.state = [0.0, self.v0, *[self.v0 / RADIUS] * WHEELS, *[0.0] * WHEELS]  # distance, speed, wheels, cylinders
         self.register_units(
             [Unit("m/s", m=1, s=-1), Unit("Pa", kg=1, m=-1, s=-2),
              Unit("rad/s", rad=1, s=-1), Unit("m", m=1),
@@ -40,7 +40,9 @@ class ArrayTrain(Fmi3SlaveBase, Interface):
         )  # fmt: skip
         array = [Dimension(start=str(WHEELS))]
         moving = {"variability": Fmi3Variability.continuous}
-        given, shown = (moving | {"causality": causality} for causality in (Fmi3Causality.input, Fmi3Causality.output))
+        inputs, outputs = (
+            moving | {"causality": causality} for causality in (Fmi3Causality.input, Fmi3Causality.output)
+        )
 
         def attribute(name):
             return {"getter": lambda: getattr(self, name), "setter": lambda value: setattr(self, name, value)}
@@ -48,15 +50,15 @@ class ArrayTrain(Fmi3SlaveBase, Interface):
         for variable in (
             Float64("time", causality=Fmi3Causality.independent, **moving),
             *(variable for i in range(2 + 2 * WHEELS) for variable in self.state_and_derivative(i)),
-            Float64("brake_demand", dimensions=array, unit="Pa", **given, **attribute("demand")),
-            Float64("rail_grip", dimensions=array, **given, **attribute("grip")),
+            Float64("brake_demand", dimensions=array, unit="Pa", **inputs, **attribute("demand")),
+            Float64("rail_grip", dimensions=array, **inputs, **attribute("grip")),
             Float64("v0", causality=Fmi3Causality.parameter, variability=Fmi3Variability.fixed, unit="m/s",
                     getter=lambda: self.v0, setter=self.set_start),
-            Float64("odometer", unit="m", getter=lambda: self.state[0], **shown),
-            Float64("velocity", unit="m/s", getter=lambda: self.state[1], **shown),
-            Float64("acceleration", unit="m/s2", getter=lambda: self.slopes()[1], **shown),
-            Float64("wheel_speed", dimensions=array, unit="rad/s", getter=lambda: self.state[2 : 2 + WHEELS], **shown),
-            Float64("brake_pressure", dimensions=array, unit="Pa", getter=lambda: self.state[2 + WHEELS :], **shown),
+            Float64("odometer", unit="m", getter=lambda: self.state[0], **outputs),
+            Float64("velocity", unit="m/s", getter=lambda: self.state[1], **outputs),
+            Float64("acceleration", unit="m/s2", getter=lambda: self.slopes()[1], **outputs),
+            Float64("wheel_speed", dimensions=array, unit="rad/s", getter=lambda: self.state[2:2 + WHEELS], **outputs),
+            Float64("brake_pressure", dimensions=array, unit="Pa", getter=lambda: self.state[2 + WHEELS :], **outputs),
         ):  # fmt: skip
             self.register_variable(variable)
 

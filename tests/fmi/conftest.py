@@ -6,13 +6,13 @@ import pytest
 
 @pytest.fixture(scope="session")
 def foundry(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where tiny FMUs are compiled, once for all tests of this folder."""
+    """The folder for compiling tiny FMUs, once for all tests of this folder."""
     return tmp_path_factory.mktemp("foundry")
 
 
 @pytest.fixture
 def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The only place for temporary files during a test, child processes included, to see what is left in it."""
+    """The only folder for temporary files during a test, child processes included, to check for leftovers."""
     folder = tmp_path / "scratch"
     folder.mkdir()
     monkeypatch.setenv("TMPDIR", str(folder))
@@ -22,7 +22,7 @@ def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def protests(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Where the tiny FMU writes which of its functions were called at the end."""
+    """The file to which the tiny FMU writes at the end which of its functions were called."""
     file = tmp_path / "protests.txt"
     file.write_text("")
     monkeypatch.setenv("TINY_PROTEST", str(file))

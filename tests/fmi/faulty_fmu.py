@@ -1,4 +1,4 @@
-"""Makes the train FMU of faulty.c, well-behaved or misbehaving in one way."""
+"""Creates the train FMU of faulty.c, well-behaved or with one fault."""
 
 import zipfile
 from collections.abc import Mapping, Sequence
@@ -38,11 +38,11 @@ def faulty_fmu(
     Args:
         folder: Where the FMU is written.
         misbehaviour: A name defined in faulty.c.
-        speed_unit: What it says the unit of its speed is.
+        speed_unit: Declared unit of its speed.
         platform: Folder of the binary inside the FMU.
         forged: What FORGES writes.
-        names: Our name → the name it gives to that variable.
-        tool: That it says it was made by.
+        names: Name in railgrip → name of that variable in the FMU.
+        tool: Declared generation tool.
         defined: Names defined in faulty.c with other values, as 'RADIUS=0.46'.
     """
     library = shared_library(

@@ -1,6 +1,6 @@
-"""`railgrip run` with a plant from outside: whatever is wrong with it ends in a sentence and an exit code.
+"""`railgrip run` with a foreign plant: any fault of it is reported in a sentence with an exit code.
 
-The whole way is real: scenario file, mapping, FMU in a process of its own or in this one, loop, result.
+The whole path is real: scenario file, mapping, FMU in a separate process or in this one, loop, result.
 """
 
 import json
@@ -41,13 +41,13 @@ def railgrip(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Railgrip)
     return run
 
 
-def test_a_plant_with_our_names_needs_no_table(railgrip: Railgrip, foundry: Path):
+def test_a_plant_with_the_standard_names_needs_no_table(railgrip: Railgrip, foundry: Path):
     result = railgrip(faulty_fmu(foundry))
     assert result.code == 0, result.err
     # 3.4, 2, 2 and 3.4 bar on average times its rate are 1.08 m/s2. It moves on with the speed at the beginning of a
     # step: over all steps of 10 ms together half a step at 10 m/s too far.
     assert "town: standstill" in result.out
-    # It does not show its adhesion, so there is no share of it, and none is printed.
+    # It does not output its adhesion, so its utilisation is unknown and not printed.
     assert "nan" not in result.out
     content = json.loads(Path("out/stop.json").read_text())
     assert content["distance_m"] == pytest.approx((10**2 - 0.1**2) / 2 / 1.08 + 0.05, abs=2e-3)
@@ -71,13 +71,13 @@ def test_a_plant_that_fails_is_a_result_and_exits_3(
     assert sentence in result.err
     content = json.loads(Path("out/stop.json").read_text())
     assert content["outcome"] == "plant_failed"
-    # What came before is kept.
+    # Earlier samples are kept.
     assert content["duration_s"] == pytest.approx(0.1, abs=0.011)
 
 
 @pytest.mark.parametrize("trust", [True, False])
 def test_a_plant_that_does_not_start_leaves_a_result_without_numbers(railgrip: Railgrip, foundry: Path, trust: bool):
-    """Its one row holds no number, rather than what was in the memory."""
+    """Its only row contains no number, rather than uninitialised memory."""
     result = railgrip(faulty_fmu(foundry, "NEVER_STARTS"), trust=trust)
     assert result.code == 3
     assert "plant_failed: never_starts.fmu: at 0 s fmi2ExitInitializationMode returned fmi2Error" in result.err
@@ -102,7 +102,7 @@ def test_a_plant_that_never_stops_ends_at_the_horizon(railgrip: Railgrip, foundr
         ('wheelset_speed = { variable = "wheelset_speed[{i}]", scale = 0.826 }', (), "a constant slip of 17 %"),
         ('pressure_command = { variable = "pressure_command[{i}]", scale = 1e5 }', (), "full brakes slow the train by"),
         ('cylinder_pressure = { variable = "cylinder_pressure[{i}]", scale = 1e-5 }', (), "it looks like bar for Pa"),
-        # Read with 0.38 m they would slide by 17 % all the time, and slip control would never brake.
+        # Read with 0.38 m the wheels would slide by 17 % all the time, and slip control would never brake.
         (
             "",
             ("RADIUS=0.46",),
@@ -124,13 +124,13 @@ def test_a_short_run_finds_a_wrong_map_or_radius(
 def test_a_plant_on_which_friction_has_no_effect_is_found_before_the_stop(
     railgrip: Railgrip, foundry: Path, trust: bool
 ):
-    """It would stop from 36 km/h in 46 m on any rail, where friction of 0.01 needs 510 m."""
+    """It would stop from 36 km/h in 46 m on any rail, whereas friction of 0.01 requires 510 m."""
     result = railgrip(faulty_fmu(foundry, defined=("GRIP=1e9",)), trust=trust)
     assert result.code == 2
     assert "'mu0' does not bound the brakes: they slow the train by 1.08 m/s2 with friction of 0.4" in result.err
 
 
-def test_a_draft_of_the_map_is_printed_with_what_a_short_run_shows(foundry: Path, command: Railgrip):
+def test_a_draft_of_the_map_is_printed_with_the_results_of_a_short_run(foundry: Path, command: Railgrip):
     theirs = {"speed": "velocity", "distance": "odometer", "acceleration": "retardation", "start_speed": "v0"}
     theirs |= {f"pressure_command[{i}]": f"demand[{i}]" for i in range(1, 5)}
     result = command("map", faulty_fmu(foundry, names=theirs, defined=("RADIUS=0.46",)))
@@ -139,7 +139,7 @@ def test_a_draft_of_the_map_is_printed_with_what_a_short_run_shows(foundry: Path
     draft = tomllib.loads(out)["vehicle"]["map"]
     assert draft["pressure_command"] == "demand[{i}]"
     assert (draft["speed"], draft["distance"], draft["start_speed"]) == ("velocity", "odometer", "v0")
-    # This one counts as we do, whatever its name says, and its wheels are larger: the run tells both.
+    # Its sign convention is ours, whatever the name suggests, and its wheels are larger: the run reveals both.
     assert draft["acceleration"] == "retardation"
     assert "# corrected: acceleration had the other sign; in the first run acceleration has" in out
     assert "WRONG" not in out
@@ -158,7 +158,7 @@ def test_a_draft_of_the_map_is_printed_with_what_a_short_run_shows(foundry: Path
         ("", "parameters.start_sped = 3", "[vehicle.parameters] has no parameter 'start_sped'; did you mean"),
     ],
 )
-def test_a_plant_that_does_not_fit_is_a_wrong_question_and_exits_2(
+def test_a_plant_that_does_not_match_is_refused_with_exit_code_2(
     railgrip: Railgrip, foundry: Path, plant: str, more: str, sentence: str
 ):
     result = railgrip(plant or faulty_fmu(foundry), more=more)

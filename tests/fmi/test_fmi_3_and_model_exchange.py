@@ -95,8 +95,8 @@ def test_cvode_follows_inputs_that_change_at_each_period(foundry: Path):
         assert rows[k + 1][1] == pytest.approx(2 * rows[k + 1][0] + u, rel=1e-12), "y = 2 x + u at the end of the step"
 
 
-def test_bounces_are_found_where_they_are(foundry: Path):
-    """State events: a ball's flights are parabolas, each by the factor of the bounce shorter."""
+def test_bounces_are_located_accurately(foundry: Path):
+    """State events: each flight of a ball is a parabola, shorter than the last by the factor of the bounce."""
     description = describe(ball(foundry))
     plant = IntegratedModel(description, ball_binding(description), period=PERIOD, parameters={})
     rows = flight(plant, np.zeros(2000))
@@ -107,18 +107,18 @@ def test_bounces_are_found_where_they_are(foundry: Path):
     np.testing.assert_allclose(rows[far, :2], exact[far, :2], atol=1e-4)
 
 
-def test_a_time_event_is_taken_when_it_is_due(foundry: Path):
-    """From `gust_at` on, between two communication points, there is 1 m/s² more."""
+def test_a_time_event_occurs_at_its_time(foundry: Path):
+    """From `gust_at` on, between two communication points, the acceleration is 1 m/s² larger."""
     description, at = describe(ball(foundry)), 0.1234567
     plant = IntegratedModel(description, ball_binding(description), period=PERIOD, parameters={"gust_at": at})
     rows = flight(plant, np.zeros(300))
     time = np.arange(301) * PERIOD
     exact = 1 - G * time**2 / 2 + np.maximum(time - at, 0) ** 2 / 2
-    np.testing.assert_allclose(rows[:, 0], exact, atol=1e-5)  # 300 steps of 1e-6 at most; the gust makes 0.016 m
+    np.testing.assert_allclose(rows[:, 0], exact, atol=1e-5)  # up to 300 steps of 1e-6; the gust makes 0.016 m
     np.testing.assert_allclose(rows[:, 1], -G * time + np.maximum(time - at, 0), atol=1e-5)
 
 
-def test_an_element_of_an_array_can_be_set_alone(foundry: Path):
+def test_a_single_element_of_an_array_can_be_set(foundry: Path):
     description = describe(ball(foundry))
     assert [description.variables[f"x[{i}]"].reference for i in (1, 2)] == [1, 1]
     assert description.states == ("x[1]", "x[2]")
@@ -128,7 +128,7 @@ def test_an_element_of_an_array_can_be_set_alone(foundry: Path):
     assert rows[1200, 1] == pytest.approx(BOUNCE * np.sqrt(2 * 1.62) - 1.62 * (1.2 - np.sqrt(2 / 1.62)), abs=1e-4)
 
 
-def test_it_is_the_same_in_a_process_of_its_own(foundry: Path):
+def test_a_separate_process_gives_the_same_result(foundry: Path):
     description, lift = describe(ball(foundry)), np.random.default_rng(5).normal(size=50)
     binding = ball_binding(description)
     plants = [
@@ -138,7 +138,7 @@ def test_it_is_the_same_in_a_process_of_its_own(foundry: Path):
     np.testing.assert_array_equal(here, apart)
 
 
-def test_an_error_in_the_derivatives_ends_in_the_fmus_own_words(foundry: Path):
+def test_an_error_in_the_derivatives_ends_with_the_fmus_message(foundry: Path):
     description = describe(ball(foundry))
     plant = IntegratedModel(description, ball_binding(description), period=PERIOD, parameters={"constants[2]": -1.0})
     with plant:
@@ -162,13 +162,13 @@ def test_an_error_in_the_derivatives_ends_in_the_fmus_own_words(foundry: Path):
     ids=["indicator", "derivative", "next event"],
 )
 def test_a_value_that_is_not_a_number_ends_the_run(foundry: Path, bounce: float, sentence: str):
-    """The ball is below 0.9 m after 0.14 s; lift that changes makes an event of each period."""
+    """The ball is below 0.9 m after 0.14 s; a changing lift causes an event in each period."""
     description = describe(ball(foundry))
     plant = IntegratedModel(description, ball_binding(description), period=PERIOD, parameters={"constants[2]": bounce})
     with pytest.raises(PlantFailed) as failed:
         flight(plant, np.random.default_rng(5).normal(size=200))
     assert sentence in str(failed.value)
-    assert plant.time == pytest.approx(np.sqrt(2 * 0.1 / G), abs=2e-3)  # by the lift a little earlier or later
+    assert plant.time == pytest.approx(np.sqrt(2 * 0.1 / G), abs=2e-3)  # a little earlier or later due to the lift
 
 
 def stepped(**attributes: str) -> str:
@@ -197,7 +197,7 @@ def test_an_internal_step_that_is_not_a_time_is_refused(foundry: Path, step: str
         describe(ball(foundry, stepped(fixedInternalStepSize=step)))
 
 
-def test_an_fmu_that_needs_its_tool_says_so_when_it_does_not_start(foundry: Path):
+def test_an_fmu_that_requires_its_tool_is_reported_when_it_does_not_start(foundry: Path):
     text = xml(ways=("CoSimulation",)).replace("<CoSimulation", '<CoSimulation needsExecutionTool="true"')
     description = describe(tiny(foundry, "REFUSES", description=text))
     plant = open_plant(description, tied(description), period=0.01, parameters={}, trusted=True, notify=lambda _: None)
@@ -218,7 +218,7 @@ def test_an_fmu_that_needs_its_tool_says_so_when_it_does_not_start(foundry: Path
     ],
     ids=["clock", "size", "reference", "starts", "start", "interface", "version"],
 )  # fmt: skip
-def test_what_cannot_be_stepped_is_refused_with_the_reason(foundry: Path, old: str, new: str, fact: str):
+def test_an_fmu_that_cannot_be_stepped_is_refused_with_the_reason(foundry: Path, old: str, new: str, fact: str):
     assert old in BALL
     with pytest.raises(FmuError, match=re.escape(fact)):
         describe(ball(foundry, BALL.replace(old, new)))
@@ -248,13 +248,13 @@ def stop_of(system: System, folder: Path, way: str) -> Stop:
     return run_stop(load(path, ["vehicle.trust=true", "start.speed=20 km/h"]))
 
 
-def test_a_train_stops_where_it_does_by_whatever_interface(system: System, tmp_path: Path):
+def test_a_train_stops_at_the_same_place_by_every_interface(system: System, tmp_path: Path):
     stops = {way: stop_of(system, tmp_path, way) for way in ("CS 2.0", "CS 3.0", "ME 2.0")}
     assert {stop.outcome for stop in stops.values()} == {Outcome.STANDSTILL}
     # The solver is the FMU's own, and the same, by FMI 2.0 and 3.0.
     np.testing.assert_array_equal(stops["CS 3.0"].trace["speed"], stops["CS 2.0"].trace["speed"])
-    # CVODE and the FMU's Rosenbrock method differ by 1e-6 in each step, which moves the switching of slip control by a
-    # sample now and then: by less than the way of one sample in all.
+    # CVODE and the FMU's Rosenbrock method differ by 1e-6 in each step, which occasionally shifts the switching of slip
+    # control by a sample: in total by less than the travel of one sample.
     distance = stops["CS 2.0"].metrics.distance
     assert stops["ME 2.0"].metrics.distance == pytest.approx(distance, abs=20 / 3.6 * PERIOD)
 
@@ -287,5 +287,5 @@ def test_a_train_of_arrays_by_fmi_3_is_mapped_and_stops(tmp_path: Path):
         stop = run_stop(load(scenario, [*brakes, *dry]))
         assert stop.outcome is Outcome.STANDSTILL, stop.reason
         distances.append(stop.metrics.distance)
-    # Heun's method with 0.1 ms in the one, CVODE with 1e-6 in the other: both know their train far better than to 1e-4.
+    # Heun's method with 0.1 ms in one, CVODE with 1e-6 in the other: both are far more accurate than 1e-4.
     assert distances[0] == pytest.approx(distances[1], rel=1e-4)

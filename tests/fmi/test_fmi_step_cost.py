@@ -1,4 +1,4 @@
-"""Step costs compare ways that do the same work, and say so when they do not."""
+"""The benchmark of step costs compares implementations only if they do the same work."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from tiny_fmu import tiny
 from railgrip.studies.bench import fmi
 
 
-def test_three_ways_over_the_boundary_end_on_the_same_outputs(foundry: Path):
+def test_three_ways_across_the_interface_give_the_same_outputs(foundry: Path):
     times = fmi.step_times(tiny(foundry), count=20, rounds=2)
     assert list(times) == ["ours", "fmpy", "c"]
     assert all(len(rounds) == 2 and min(rounds) > 0.0 for rounds in times.values())

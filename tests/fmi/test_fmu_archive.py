@@ -1,4 +1,4 @@
-"""An archive is refused before it is unpacked, and its description before it is parsed, when they are beyond limits."""
+"""An archive beyond the limits is refused before it is unpacked, and its description before it is parsed."""
 
 import stat
 import subprocess
@@ -17,7 +17,7 @@ MIB = 1 << 20
 
 
 def with_more(foundry: Path, folder: Path, *entries: tuple[str | zipfile.ZipInfo, bytes]) -> Path:
-    """Return the well-behaved FMU with more in its archive."""
+    """Return the well-behaved FMU with additional entries in its archive."""
     file = folder / "more.fmu"
     file.write_bytes(tiny(foundry).read_bytes())
     with zipfile.ZipFile(file, "a", zipfile.ZIP_DEFLATED) as archive:
@@ -36,7 +36,7 @@ def with_more(foundry: Path, folder: Path, *entries: tuple[str | zipfile.ZipInfo
         ({"variables": 10}, "modelDescription.xml has more than 10 variables, allowed are 10; raise variables"),
     ],
 )
-def test_each_limit_ends_in_a_sentence_that_names_it(
+def test_each_limit_is_reported_in_a_sentence_that_names_it(
     foundry: Path, tmp_path: Path, limits: dict[str, int], sentence: str
 ):
     file = with_more(foundry, tmp_path, ("resources/zeros", b"\0" * 20 * MIB))
@@ -69,7 +69,7 @@ def test_a_description_of_two_gibibytes_takes_no_memory(tmp_path: Path):
     assert int(more) < 50_000, "KiB"
 
 
-def test_entries_that_overlap_count_each(foundry: Path, tmp_path: Path):
+def test_overlapping_entries_are_counted_separately(foundry: Path, tmp_path: Path):
     """A small archive whose directory names the same megabytes a thousand times."""
     file = with_more(foundry, tmp_path, ("resources/zeros", b"\0" * 15 * MIB))
     with zipfile.ZipFile(file, "a") as archive:
@@ -86,7 +86,7 @@ def test_entries_that_overlap_count_each(foundry: Path, tmp_path: Path):
 
 
 @pytest.mark.parametrize("name", ["../evil", "resources/../../evil", "/etc/evil", "C:/evil", "resources\\..\\evil"])
-def test_an_entry_that_would_land_elsewhere_is_refused(foundry: Path, tmp_path: Path, name: str):
+def test_an_entry_outside_of_the_folder_is_refused(foundry: Path, tmp_path: Path, name: str):
     with pytest.raises(FmuError, match=r"more\.fmu: entry '.*evil' of the archive would be unpacked outside"):
         describe(with_more(foundry, tmp_path, (name, b"")))
 
@@ -99,7 +99,7 @@ def test_a_link_is_refused(foundry: Path, tmp_path: Path):
 
 
 @pytest.mark.filterwarnings("ignore:Duplicate name")
-def test_a_description_that_is_there_twice_is_refused(foundry: Path, tmp_path: Path):
+def test_a_duplicate_description_is_refused(foundry: Path, tmp_path: Path):
     with pytest.raises(FmuError, match=r"the archive has 'modelDescription\.xml' twice"):
         describe(with_more(foundry, tmp_path, ("modelDescription.xml", xml().encode())))
 
@@ -114,7 +114,7 @@ def test_a_description_that_is_there_twice_is_refused(foundry: Path, tmp_path: P
     ],
     ids=["attribute", "no start", "element", "unit"],
 )  # fmt: skip
-def test_a_blemish_that_changes_nothing_is_told_and_run(foundry: Path, change: tuple[str, str]):
+def test_a_harmless_defect_is_reported_and_the_fmu_runs(foundry: Path, change: tuple[str, str]):
     """FMPy refuses these when it validates, and runs them when it does not."""
     description = describe(tiny(foundry, description=xml(state_unit="km/h").replace(*change)))
     assert description.blemishes.startswith("modelDescription.xml is not valid FMI 2.0: ")

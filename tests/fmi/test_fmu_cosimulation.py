@@ -1,4 +1,4 @@
-"""A co-simulation FMU gives its closed form, fails with a sentence, and leaves nothing behind."""
+"""A co-simulation FMU follows its closed form, reports failures in a sentence, and leaves no files behind."""
 
 import pickle
 import zipfile
@@ -49,8 +49,8 @@ def test_a_thousand_steps_give_the_closed_form(foundry: Path):
     np.testing.assert_allclose(outputs[-1], [x, 2 * x + 2.0], rtol=1e-13)
 
 
-def test_inputs_are_held_over_the_step_that_they_are_given_to(foundry: Path):
-    """Outputs of earlier steps stay as they were."""
+def test_inputs_are_held_over_the_step_that_they_are_set_for(foundry: Path):
+    """Outputs of earlier steps do not change."""
     with opened(tiny(foundry)) as plant:
         outputs = [plant.start(np.zeros(1)), plant.step(np.array([1.0])), plant.step(np.array([-1.0]))]
     x = closed_form(PERIOD, 2.0, 3.0, 1.0)
@@ -59,7 +59,7 @@ def test_inputs_are_held_over_the_step_that_they_are_given_to(foundry: Path):
 
 
 def test_time_is_counted_and_not_summed(foundry: Path):
-    """The FMU fails unless it is given k · period to the last bit; a sum of periods is off after a few steps."""
+    """The FMU fails unless it receives exactly k · period; a sum of periods deviates after a few steps."""
     with opened(tiny(foundry), label="strict") as plant:
         plant.start(np.zeros(1))
         for _ in range(30_000):
@@ -73,7 +73,7 @@ def test_a_wrong_number_of_inputs_is_refused(foundry: Path):
         plant.start(np.zeros(2))
 
 
-def test_two_plants_do_not_share_anything(foundry: Path):
+def test_two_plants_share_nothing(foundry: Path):
     file = tiny(foundry)
     with opened(file, rate=1.0) as slow, opened(file, rate=9.0) as fast:
         slow.start(np.zeros(1))
@@ -86,14 +86,14 @@ def test_two_plants_do_not_share_anything(foundry: Path):
 # --- failures --------------------------------------------------------------------------------------------------
 
 
-def test_fmi2_error_ends_the_stop_with_the_fmus_own_words(foundry: Path, protests: Path):
+def test_fmi2_error_ends_the_stop_with_the_fmus_message(foundry: Path, protests: Path):
     failure = failing(tiny(foundry, "ERROR_STATUS"))
     assert failure.failure.reason == "error"
     assert failure.failure.time == pytest.approx(0.003)
     assert str(failure) == (
         "error_status.fmu: at 0.003 s fmi2DoStep returned fmi2Error; it says: error: the wheel came off at 0.003."
     )
-    # Freed, and not terminated: after fmi2Error only freeing is legal.
+    # Freed, and not terminated: after fmi2Error only freeing is allowed.
     assert protests.read_text() == "freed\n"
 
 
@@ -102,7 +102,7 @@ def test_fmi2_error_ends_the_stop_with_the_fmus_own_words(foundry: Path, protest
     [
         ("ENDS", "at 0.003 s the FMU requested the end of the simulation"),
         ("PENDING", "asynchronous FMUs are not supported"),
-        # Not "at most a warning".
+        # Not merely a warning.
         ("NO_STATUS", "no_status.fmu: at 0.003 s fmi2DoStep returned a number that is no fmi2Status (-5)."),
         ("NAN_OUTPUT", "nan_output.fmu: at 0.004 s output 'y' is not a finite number (nan)."),
     ],
@@ -114,7 +114,7 @@ def test_a_step_that_fails_says_when_and_how(foundry: Path, protests: Path, misb
     assert misbehaviour != "NO_STATUS" or protests.read_text() == "freed\n", "after an error only freeing is legal"
 
 
-def test_a_discarded_step_tells_how_far_it_came(foundry: Path):
+def test_a_discarded_step_reports_how_far_it_came(foundry: Path):
     failure = failing(tiny(foundry, "DISCARD")).failure
     assert (failure.reason, failure.call) == ("discard", "fmi2DoStep")
     assert failure.reached == pytest.approx(0.0035)
@@ -125,7 +125,7 @@ def test_after_fmi2_fatal_nothing_is_called(foundry: Path, protests: Path):
     assert protests.read_text() == ""
 
 
-def test_a_number_that_is_no_status_ends_many_steps(foundry: Path):
+def test_an_invalid_status_ends_a_sequence_of_steps(foundry: Path):
     with opened(tiny(foundry, "NO_STATUS")) as plant:
         plant.start(np.zeros(1))
         with pytest.raises(PlantFailed, match=r"at 0\.003 s fmi2DoStep returned a number that is no fmi2Status \(-5\)"):
@@ -148,18 +148,18 @@ def test_an_infinite_output_is_a_failure_and_a_large_one_is_not(foundry: Path):
         ("WELL", "{other}", "the FMU could not be started"),
     ],
 )
-def test_an_fmu_that_refuses_to_start_says_why(foundry: Path, misbehaviour: str, guid: str, sentence: str):
+def test_a_refused_start_is_reported_with_its_reason(foundry: Path, misbehaviour: str, guid: str, sentence: str):
     with pytest.raises(PlantFailed, match=sentence):
         opened(tiny(foundry, misbehaviour, description=xml().replace(GUID, guid))).__enter__()
 
 
-def test_a_failed_initialisation_is_told(foundry: Path):
+def test_a_failed_initialisation_is_reported(foundry: Path):
     failure = failing(tiny(foundry, "BAD_INITIALISATION"))
     assert failure.failure.call == "fmi2ExitInitializationMode"
     assert "the rate does not suit it: 2" in str(failure)
 
 
-def test_a_spent_plant_repeats_its_failure_instead_of_running(foundry: Path):
+def test_a_failed_plant_repeats_its_failure_instead_of_running(foundry: Path):
     with opened(tiny(foundry, "ERROR_STATUS"), allowed=0) as plant:
         plant.start(np.zeros(1))
         for _ in range(2):
@@ -168,7 +168,7 @@ def test_a_spent_plant_repeats_its_failure_instead_of_running(foundry: Path):
 
 
 def test_two_fmus_of_one_guid_and_library_name_are_two_libraries(foundry: Path):
-    """One of them fails in its first step; the other, open at the same time, steps as it should."""
+    """One of them fails in its first step; the other, open at the same time, steps correctly."""
     with opened(tiny(foundry, "ERROR_STATUS"), allowed=0) as ill, opened(tiny(foundry)) as well:
         ill.start(np.zeros(1))
         well.start(np.zeros(1))
@@ -177,12 +177,12 @@ def test_two_fmus_of_one_guid_and_library_name_are_two_libraries(foundry: Path):
         assert well.step(np.ones(1))[0] == pytest.approx(closed_form(PERIOD, 2.0, 3.0, 1.0), rel=1e-15)
 
 
-def test_a_failure_survives_the_way_between_processes(foundry: Path):
+def test_a_failure_is_preserved_between_processes(foundry: Path):
     failure = failing(tiny(foundry, "ERROR_STATUS"))
     assert pickle.loads(pickle.dumps(failure)).failure == failure.failure
 
 
-def test_a_library_that_does_not_load_is_told(foundry: Path, tmp_path: Path):
+def test_a_library_that_does_not_load_is_reported(foundry: Path, tmp_path: Path):
     file = tiny(foundry)
     path = tmp_path / "broken.fmu"
     with zipfile.ZipFile(file) as source, zipfile.ZipFile(path, "w") as target:
@@ -235,7 +235,7 @@ def test_a_period_is_a_positive_time(foundry: Path, period: float):
         CoSimulation(description, tied(description), period=period, parameters={})
 
 
-# --- what is left behind ---------------------------------------------------------------------------------------
+# --- leftovers ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("misbehaviour", ["WELL", "ERROR_STATUS", "DISCARD", "FATAL", "NAN_OUTPUT", "REFUSES"])
@@ -282,7 +282,7 @@ def test_a_plant_is_used_inside_with_and_started_first(foundry: Path):
 
 @pytest.mark.parametrize("when", ["TALKS", "TALKS_AT_ONCE"])
 @pytest.mark.parametrize("tool", ["OpenModelica Compiler OpenModelica v1.27.0", "another tool"])
-def test_of_what_an_fmu_prints_only_openmodelicas_lines_on_its_solver_are_kept_out(
+def test_only_solver_lines_of_openmodelica_are_removed_from_an_fmus_output(
     foundry: Path, tool: str, when: str, capfd: pytest.CaptureFixture[str]
 ):
     """1.28 prints them in fmi2Instantiate."""

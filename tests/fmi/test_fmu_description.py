@@ -1,4 +1,4 @@
-"""What an FMU says about itself is read right, and a file that cannot be a plant is refused with a sentence."""
+"""The description of an FMU is read correctly, and a file that cannot be a plant is refused with a sentence."""
 
 import hashlib
 import re
@@ -13,13 +13,13 @@ from railgrip.fmi import describe
 
 
 def archive(file: Path, members: dict[str, str]) -> Path:
-    with zipfile.ZipFile(file, "w") as made:
+    with zipfile.ZipFile(file, "w") as archive:
         for name, text in members.items():
-            made.writestr(name, text)
+            archive.writestr(name, text)
     return file
 
 
-def test_a_description_holds_what_the_xml_says(foundry: Path):
+def test_a_description_equals_the_xml(foundry: Path):
     description = describe(tiny(foundry, description=xml(state_unit="km/h")))
     assert description.model == "Tiny"
     assert description.states == ("x",)
@@ -47,7 +47,7 @@ def test_a_description_holds_what_the_xml_says(foundry: Path):
         ("rad/s", 6.283185307179586, "s-1"),  # contradicts its name in more than the radian
     ],
 )
-def test_a_radian_left_out_of_a_definition_is_read_from_the_name(
+def test_a_radian_omitted_from_a_definition_is_read_from_the_name(
     foundry: Path, name: str, factor: float, dimension: str
 ):
     """SI's radian is one, FMI's a base unit, and tools differ: OpenModelica's "rad/s" is s⁻¹."""

@@ -1,4 +1,4 @@
-"""A prediction FMU is the function it was written as, in the order asked for, with as few calls as possible."""
+"""A prediction FMU equals the function in its source, in the requested order, with as few calls as possible."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -71,7 +71,7 @@ def test_directional_and_central_jacobians_are_the_closed_form(foundry: Path, x:
 
 @pytest.mark.parametrize("order", ["abc", "cab", "bca"])
 @pytest.mark.parametrize("directional", [True, False])
-def test_states_come_in_the_order_asked_for(foundry: Path, order: str, directional: bool):
+def test_states_are_in_the_requested_order(foundry: Path, order: str, directional: bool):
     x, u = POINTS[0]
     order_of = ["abc".index(s) for s in order]
     f_x, h_x = jacobians(x)
@@ -85,7 +85,7 @@ def test_states_come_in_the_order_asked_for(foundry: Path, order: str, direction
 
 @pytest.mark.parametrize("directional", [True, False])
 def test_outputs_and_jacobians_after_derivatives_are_those_of_the_same_point(foundry: Path, directional: bool):
-    """OpenModelica's FMUs up to 1.27.0 take outputs for evaluated once derivatives were read."""
+    """OpenModelica's FMUs up to 1.27.0 treat outputs as evaluated once derivatives were read."""
     with opened(curved(foundry, directional=directional, forgets=True)) as made:
         for x, u in POINTS:
             np.testing.assert_allclose(made.derivative(x, u), derivative(x, u), rtol=1e-14)
@@ -95,8 +95,8 @@ def test_outputs_and_jacobians_after_derivatives_are_those_of_the_same_point(fou
             np.testing.assert_allclose(made.derivative_jacobian(x, u), jacobians(x)[0], atol=4e-8)
 
 
-def test_a_filter_step_makes_no_call_twice(foundry: Path):
-    """The FMU counts: how often values were sent to it (`sent`) and asked of it (`asked`)."""
+def test_a_filter_step_repeats_no_call(foundry: Path):
+    """The FMU counts how often values were set (`sent`) and read (`asked`)."""
     x, u = POINTS[0]
     with FmuPrediction(
         describe(curved(foundry)), parameters={"k": K}, states=tuple("abc"), inputs=("u[1]", "u[2]"),
@@ -107,9 +107,9 @@ def test_a_filter_step_makes_no_call_twice(foundry: Path):
         before = model.output(x, u)
         step.step(belief, u, np.full(2, np.nan))
         after = model.output(x, u)
-    # States at the prior mean, at three stages of Runge-Kutta and at the predicted mean; inputs once; and what `after`
-    # sends: one state, one input.
-    # Derivatives at four points, outputs at one, both Jacobians once by three directions each; and what `after` asks.
+    # States at the prior mean, at three stages of Runge-Kutta and at the predicted mean; inputs once; and the values
+    # set by `after`: one state, one input. Derivatives at four points, outputs at one, both Jacobians once by three
+    # directions each; and the values read by `after`.
     np.testing.assert_array_equal(after - before, [5 + 1 + 2, 4 + 1 + 3 + 3 + 1])
 
 
@@ -122,7 +122,7 @@ def test_columns_of_a_group_share_no_row_and_each_column_is_in_one_group(rows: l
     assert sorted(column for members in groups for column in members) == sorted(set().union(*rows))
 
 
-def test_a_diagonal_needs_one_directional_derivative_and_a_full_row_one_for_each_column():
+def test_a_diagonal_needs_one_directional_derivative_and_a_full_row_one_per_column():
     assert len(column_groups(tuple((i,) for i in range(9)), 9)) == 1
     assert len(column_groups((tuple(range(9)),), 9)) == 9
 
@@ -145,13 +145,13 @@ def test_a_point_changed_in_place_is_a_new_point(prediction: FmuPrediction):
     np.testing.assert_allclose(prediction.derivative_jacobian(x, u), jacobians(x)[0], rtol=1e-14)
 
 
-def test_a_derivative_that_is_no_number_is_named(prediction: FmuPrediction):
+def test_a_derivative_that_is_not_a_number_is_named(prediction: FmuPrediction):
     with pytest.raises(PlantFailed, match=r"output 'der\(c\)' is not a finite number \(a prediction\)"):
         prediction.derivative(np.array([0.0, 0.0, 2000.0]), np.zeros(2))
 
 
-def test_a_filter_in_c_over_it_is_the_filter_in_numpy(foundry: Path):
-    """With the FMU's own derivatives and with differences, which both filters take in the same way."""
+def test_a_filter_in_c_equals_the_filter_in_numpy(foundry: Path):
+    """With the FMU's own derivatives and with differences, which both filters compute equally."""
     rng = np.random.default_rng(4)
     for directional in (True, False):
         with opened(curved(foundry, directional=directional), "cab") as model:
@@ -167,7 +167,7 @@ def test_a_filter_in_c_over_it_is_the_filter_in_numpy(foundry: Path):
                 np.testing.assert_allclose(belief.covariance, expected.covariance, atol=1e-13)
 
 
-def test_a_filter_says_which_derivative_of_its_fmu_is_no_number(prediction: FmuPrediction):
+def test_a_filter_names_the_derivative_of_its_fmu_that_is_not_a_number(prediction: FmuPrediction):
     step = CompiledFilter(prediction, np.ones(3), np.ones(2), 1e-3)
     belief = step.start(np.array([0.0, 0.0, 2000.0]), np.ones(3))
     with pytest.raises(FilterDiverged, match=r"output 'der\(c\)' is not a finite number \(a prediction\)"):
@@ -188,7 +188,7 @@ def test_a_wrong_number_of_states_is_refused(prediction: FmuPrediction):
         ({"output_unit": "km/h"}, ("x",), ("u",), "'y' of a prediction is in 'km/h', but must be in SI"),
     ],
 )
-def test_an_fmu_that_is_not_the_prediction_wanted_is_refused(
+def test_an_fmu_that_is_not_the_required_prediction_is_refused(
     foundry: Path, claims: dict[str, Any], states: tuple[str, ...], inputs: tuple[str, ...], sentence: str
 ):
     description = describe(tiny(foundry, description=xml(ways=("ModelExchange",), **claims)))
@@ -211,7 +211,7 @@ def test_a_prediction_needs_model_exchange(foundry: Path):
         FmuPrediction(description, parameters={}, states=("x",), inputs=("u",), outputs=("y",)).__enter__()
 
 
-def test_nothing_is_left_behind(foundry: Path, scratch: Path):
+def test_no_files_are_left_behind(foundry: Path, scratch: Path):
     with opened(curved(foundry)) as made:
         assert len(list(scratch.iterdir())) == 1
     assert list(scratch.iterdir()) == []

@@ -1,4 +1,4 @@
-"""An FMU in a process of its own gives the same numbers, and whatever it does ends in a sentence."""
+"""An FMU in a separate process gives the same numbers, and any failure of it is reported in a sentence."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ from railgrip.simulate.loop.parts import LoopPlant
 
 PERIOD = 1e-3
 AT_LEISURE = FmuLimits(patience=100.0)
-SOON = 0.5  # s of real time; only an FMU that never returns waits this long
+SOON = 0.5  # s of real time; only an FMU that never returns takes this long
 
 
 def isolated(file: Path, limits: FmuLimits = AT_LEISURE, **parameters: object) -> IsolatedCoSimulation:
@@ -26,7 +26,7 @@ def isolated(file: Path, limits: FmuLimits = AT_LEISURE, **parameters: object) -
     return IsolatedCoSimulation(description, tied(description), period=PERIOD, parameters=parameters, limits=limits)
 
 
-def test_the_numbers_are_those_of_the_same_process(foundry: Path):
+def test_the_numbers_equal_those_of_the_same_process(foundry: Path):
     description = describe(tiny(foundry))
     inputs = np.random.default_rng(7).normal(size=(20, 1))
     outputs: list[np.ndarray] = []
@@ -50,7 +50,7 @@ def test_the_numbers_are_those_of_the_same_process(foundry: Path):
         ("NAN_OUTPUT", "at 0.004 s output 'y' is not a finite number (nan)."),
     ],
 )
-def test_whatever_it_does_ends_in_a_sentence(foundry: Path, scratch: Path, misbehaviour: str, sentence: str):
+def test_any_failure_is_reported_in_a_sentence(foundry: Path, scratch: Path, misbehaviour: str, sentence: str):
     plant = isolated(tiny(foundry, misbehaviour))
     with plant:
         plant.start(np.zeros(1))
@@ -58,7 +58,7 @@ def test_whatever_it_does_ends_in_a_sentence(foundry: Path, scratch: Path, misbe
         for _ in range(3):  # the steps allowed to it
             plant.step(np.zeros(1))
         if misbehaviour == "NEVER_STOPS":
-            plant._patience = SOON  # a good step may take longer on a busy machine
+            plant._patience = SOON  # a successful step may take longer on a busy machine
         with pytest.raises(PlantFailed) as error:
             plant.step(np.zeros(1))
     assert str(error.value) == f"{misbehaviour.lower()}.fmu: {sentence}"
@@ -75,7 +75,7 @@ def test_it_stays_failed(foundry: Path):
                 plant.step(np.zeros(1))
 
 
-def test_a_refusal_to_start_comes_through(foundry: Path, scratch: Path):
+def test_a_refusal_to_start_is_reported(foundry: Path, scratch: Path):
     with pytest.raises(PlantFailed, match="no licence for plant"):
         isolated(tiny(foundry, "REFUSES")).__enter__()
     assert list(scratch.iterdir()) == []
@@ -86,7 +86,7 @@ def test_a_wrong_parameter_is_refused_before_a_process_starts(foundry: Path):
         isolated(tiny(foundry), rate=11.0)
 
 
-def test_a_stranger_is_isolated_and_its_owner_is_told(foundry: Path):
+def test_a_foreign_fmu_is_isolated_and_the_user_is_notified(foundry: Path):
     description = describe(tiny(foundry))
     messages: list[str] = []
     for trust, kind, count in ((True, CoSimulation, 0), (False, IsolatedCoSimulation, 1)):

@@ -1,4 +1,4 @@
-"""Our signals find the FMU's variables under other names, units and signs, or the author is told what is wrong."""
+"""Signals are mapped to variables of an FMU with other names, units and signs, or the error is reported."""
 
 from pathlib import Path
 
@@ -44,7 +44,7 @@ def foreign(foundry: Path) -> Description:
 def test_values_arrive_in_the_units_and_signs_of_each_side(
     foreign: Description, table: dict[str, object], pressure: float, sign: int
 ):
-    """1 km/h is 1/3.6 m/s, 2e5 Pa is 2 bar: seen through a step of the closed-form FMU."""
+    """1 km/h is 1/3.6 m/s, 2e5 Pa is 2 bar: checked with a step of the closed-form FMU."""
     binding = tied(foreign, table)
     # dx/dt = -2 x + 3 u with x = 1 km/h and u = 2 bar at first; after h, x = 3 - 2 exp(-2 h).
     with CoSimulation(foreign, binding, period=0.5, parameters={}) as plant:
@@ -55,7 +55,7 @@ def test_values_arrive_in_the_units_and_signs_of_each_side(
     np.testing.assert_allclose(after, [sign * (3 - 2 * np.exp(-1)) / 3.6], rtol=1e-14)
 
 
-def test_truth_values_and_counts_travel_as_numbers(foundry: Path):
+def test_booleans_and_integers_are_passed_as_numbers(foundry: Path):
     description = describe(tiny(foundry))
     binding = bind(
         description,
@@ -70,7 +70,7 @@ def test_truth_values_and_counts_travel_as_numbers(foundry: Path):
     np.testing.assert_allclose(outputs, [3, 2 * x + 1, 1, x], rtol=1e-14)
 
 
-def test_the_layout_says_where_each_signal_is(tmp_path: Path, foundry: Path):
+def test_the_layout_gives_the_index_of_each_signal(tmp_path: Path, foundry: Path):
     text = xml().replace('name="x"', 'name="bogie[1].n"').replace('name="y"', 'name="bogie[2].n"')
     description = describe(tiny(foundry, description=text))
     binding = bind(
@@ -92,7 +92,7 @@ def test_the_layout_says_where_each_signal_is(tmp_path: Path, foundry: Path):
     np.testing.assert_array_equal(listing.outputs.channels[0].gain, [1, 3])
 
 
-def test_inputs_that_nothing_drives_are_told(foreign: Description):
+def test_undriven_inputs_are_reported(foreign: Description):
     assert tied(foreign).unused == ("mode",)
 
 
@@ -123,7 +123,7 @@ def test_an_offset_is_dropped_for_a_difference(foundry: Path):
 
 
 def test_temperatures_cross_with_their_offset_both_ways(foundry: Path):
-    """Sending 293.15 K is 20 degC of theirs; their x, in degC too, comes back in K."""
+    """Sending 293.15 K is 20 degC in the FMU; its x, also in degC, is returned in K."""
     description = describe(tiny(foundry, description=xml(state_unit="degC", input_unit="degC")))
     binding = bind(
         description, inputs=[signal("air", "K")], outputs=[signal("disc", "K")], table={"air": "u", "disc": "x"}
@@ -136,15 +136,15 @@ def test_temperatures_cross_with_their_offset_both_ways(foundry: Path):
     np.testing.assert_allclose(after, [273.15 + 30 - 29 * np.exp(-1)], rtol=1e-14)
 
 
-def test_everything_missing_is_told_at_once(foundry: Path):
+def test_everything_missing_is_reported_at_once(foundry: Path):
     with pytest.raises(
         FmuError, match=r"no output 'cont' \(did you mean 'count'\?\), 'torque\[1\]', 'torque\[2\]'; it has"
     ):
         bind(describe(tiny(foundry)), inputs=[], outputs=[signal("cont"), signal("torque", "N.m", 2)])
 
 
-def test_the_vectors_keep_their_layout_when_something_is_absent(foundry: Path):
-    """What the FMU lacks is NaN among outputs and dropped among inputs; the rest is where it always is."""
+def test_the_vectors_keep_their_layout_if_a_signal_is_missing(foundry: Path):
+    """A missing signal is NaN among outputs and dropped among inputs; the others keep their indices."""
     description = describe(tiny(foundry))
     binding = bind(
         description,
@@ -160,7 +160,7 @@ def test_the_vectors_keep_their_layout_when_something_is_absent(foundry: Path):
     np.testing.assert_allclose(outputs[[1, 4]], [2 * x + 0.5, 1.0], rtol=1e-14)
 
 
-def test_a_failure_names_our_signal_when_something_is_absent(foundry: Path):
+def test_a_failure_names_the_signal_if_another_is_missing(foundry: Path):
     description = describe(tiny(foundry, "NAN_OUTPUT"))
     binding = bind(description, inputs=[], outputs=[signal("heat", "J", needed=False), signal("x"), signal("y")])
     with CoSimulation(description, binding, period=1e-3, parameters={"allowed": 0}) as plant:
@@ -169,7 +169,7 @@ def test_a_failure_names_our_signal_when_something_is_absent(foundry: Path):
             plant.step(np.zeros(0))
 
 
-def test_half_an_array_is_a_mistake(foundry: Path):
+def test_an_incomplete_array_is_refused(foundry: Path):
     description = describe(tiny(foundry, description=xml().replace('name="y"', 'name="slip[1]"')))
     with pytest.raises(FmuError, match=r"no output 'slip\[2\]'"):
         bind(description, inputs=[], outputs=[signal("slip", size=2, needed=False)])
@@ -216,7 +216,7 @@ MAYBE = [signal("speed", "m/s", needed=False)]
         ({}, {"parameters": [signal("start_speed", "m/s")]}, "no parameter 'start_speed'; it has rate, gain"),
     ],
 )
-def test_a_table_that_does_not_fit_is_refused(
+def test_a_table_that_does_not_match_is_refused(
     foreign: Description, table: dict[str, object], signals: dict[str, object], sentence: str
 ):
     with pytest.raises(FmuError, match=sentence):
@@ -228,7 +228,7 @@ def test_two_signals_cannot_drive_one_input(foundry: Path):
         bind(describe(tiny(foundry)), inputs=[signal("a"), signal("b")], outputs=[], table={"a": "u", "b": "u"})
 
 
-def test_our_parameters_reach_theirs_in_their_unit(foundry: Path):
+def test_parameters_are_converted_to_the_units_of_the_fmu(foundry: Path):
     text = xml().replace('start="2" min="0.1" max="10"', 'unit="km/h" start="2"')
     description = describe(tiny(foundry, description=text))
     start = [signal("start_speed", "m/s")]
@@ -236,8 +236,8 @@ def test_our_parameters_reach_theirs_in_their_unit(foundry: Path):
     assert binding.translate({"start_speed": 10.0}) == {"rate": pytest.approx(36.0, rel=1e-15)}
 
 
-def test_a_speed_in_turns_that_names_none_is_asked_what_turns(foundry: Path):
-    """`1/min` is 2π away from what a unit library reads in it; nobody may guess."""
+def test_a_rotational_speed_without_a_stated_revolution_is_refused(foundry: Path):
+    """A unit library reads `1/min` as 1/min, a factor of 2π from revolutions; railgrip does not guess."""
     definitions = '<UnitDefinitions>\n<Unit name="1/min"><BaseUnit s="-1" factor="0.016666666666666666"/></Unit>'
     text = xml(state_unit="1/min").replace("<UnitDefinitions>", definitions)
     description = describe(tiny(foundry, description=text))
@@ -253,7 +253,7 @@ def test_a_speed_in_turns_that_names_none_is_asked_what_turns(foundry: Path):
         bind(description, inputs=(), outputs=outputs, table={"wheel": {"variable": "x", "unit": "rev/s"}})
 
 
-def test_a_name_in_turns_is_believed_where_its_definition_counts_them(foundry: Path):
+def test_a_unit_named_in_revolutions_is_accepted_if_its_definition_counts_them(foundry: Path):
     definitions = '<UnitDefinitions>\n<Unit name="rev/min"><BaseUnit s="-1" factor="0.016666666666666666"/></Unit>'
     text = xml(state_unit="rev/min").replace("<UnitDefinitions>", definitions)
     bound = bind(

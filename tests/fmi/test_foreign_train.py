@@ -1,4 +1,4 @@
-"""A plant with other names and units runs through its mapping table, and stops as its own physics says."""
+"""A plant with other names and units runs through its mapping table and stops according to its own physics."""
 
 import math
 import re
@@ -94,7 +94,7 @@ def column(rows: np.ndarray, name: str) -> np.ndarray:
     return rows[:, LAYOUT.output[name]]
 
 
-def test_it_answers_in_our_units(foreign: Description, binding: Binding):
+def test_outputs_are_in_the_units_of_railgrip(foreign: Description, binding: Binding):
     first = stop(foreign, binding, pressure=0.0, grip=0.3, force=0.0, duration=0.0)
     assert column(first, "speed")[0, 0] == pytest.approx(20.0, rel=1e-12), "72 km/h"
     np.testing.assert_allclose(column(first, "wheelset_speed")[0], 20.0 / RADIUS, rtol=1e-12)
@@ -102,7 +102,7 @@ def test_it_answers_in_our_units(foreign: Description, binding: Binding):
     assert column(first, "distance")[0, 0] == 0.0
 
 
-def test_what_it_lacks_is_no_number_and_the_rest_is_there(foreign: Description, binding: Binding):
+def test_missing_signals_are_nan_and_the_others_have_values(foreign: Description, binding: Binding):
     assert binding.outputs.absent == (
         *("deflection", "pad_force", "pad_friction", "disc_temperature", "air_used", "contact_heat", "pad_heat"),
         *("damper_heat", "resistance_work", "kinetic_energy", "standstill"),
@@ -114,7 +114,7 @@ def test_what_it_lacks_is_no_number_and_the_rest_is_there(foreign: Description, 
         assert np.isnan(rows[:, where]).any() == (name in binding.outputs.absent), name
 
 
-def test_rolling_wheels_brake_as_newton_says(foreign: Description, binding: Binding):
+def test_rolling_wheels_brake_according_to_newton(foreign: Description, binding: Binding):
     """All torque reaches the rail and the rotating masses: −a (m + ΣJ (1−s)/r²) = Στ/r."""
     rows = stop(foreign, binding, pressure=3.4e5, grip=0.4, force=0.0, duration=4.0)
     slip = column(rows, "slip")[-1, 0]
@@ -135,31 +135,31 @@ def test_distance_is_the_integral_of_speed(foreign: Description, binding: Bindin
 
 
 def test_a_downhill_force_has_the_right_sign_and_unit(foreign: Description, binding: Binding):
-    """A free train gains force/(m + ΣJ/r²); theirs counts the force the other way and in kN."""
+    """A free train gains force/(m + ΣJ/r²); the FMU has the opposite sign and kN."""
     rows = stop(foreign, binding, pressure=0.0, grip=0.3, force=10e3, duration=2.0)
     expected = 10e3 / (MASS + INERTIA / RADIUS**2)
     # Wheels that are pulled along creep by 1e-4.
     assert column(rows, "acceleration")[-1, 0] == pytest.approx(expected, rel=1e-3)
 
 
-def test_overbraked_wheels_lock_and_slide_with_what_the_curve_leaves(foreign: Description, binding: Binding):
+def test_overbraked_wheels_lock_and_slide_at_the_end_of_the_curve(foreign: Description, binding: Binding):
     rows = stop(foreign, binding, pressure=3.4e5, grip=0.05, force=0.0, duration=3.0)
     # At 100 % creep the argument of the sine is within 4 % of its limit.
-    left = 0.05 * math.sin(SHAPE * math.atan(math.tan(math.pi / 2 / SHAPE) / 0.06))
+    residual = 0.05 * math.sin(SHAPE * math.atan(math.tan(math.pi / 2 / SHAPE) / 0.06))
     assert column(rows, "locked")[-1].tolist() == [1.0] * 4
     np.testing.assert_allclose(column(rows, "slip")[-1], 1.0, atol=2e-3)
-    np.testing.assert_allclose(column(rows, "adhesion")[-1], left, rtol=1e-3)
-    np.testing.assert_allclose(column(rows, "group_adhesion")[-1], left, rtol=1e-3)
-    assert column(rows, "acceleration")[-1, 0] == pytest.approx(-9.81 * left, rel=1e-3)
+    np.testing.assert_allclose(column(rows, "adhesion")[-1], residual, rtol=1e-3)
+    np.testing.assert_allclose(column(rows, "group_adhesion")[-1], residual, rtol=1e-3)
+    assert column(rows, "acceleration")[-1, 0] == pytest.approx(-9.81 * residual, rel=1e-3)
 
 
-def test_without_its_table_the_plant_is_refused_with_what_it_has(foreign: Description):
+def test_without_its_table_the_plant_is_refused_with_its_variables(foreign: Description):
     with pytest.raises(FmuError, match=r"no input 'pressure_command\[1\]'.*; it has demand\[1\], demand\[2\]"):
         bind(foreign, inputs=SENT, outputs=ANSWERED, where="city.toml: [vehicle.map]")
 
 
-def test_its_scenario_runs_from_file_to_stop_in_a_process_of_its_own(foreign: Description, tmp_path: Path):
-    """Slip control on a wet rail, and the same to the last bit when the FMU is trusted."""
+def test_its_scenario_runs_from_file_to_stop_in_a_separate_process(foreign: Description, tmp_path: Path):
+    """Slip control on a wet rail; the result is bit-identical when the FMU is trusted."""
     path = tmp_path / "foreign_train.toml"
     written = re.sub(r'plant = ".*"', f'plant = "{foreign.file}"', SCENARIO.read_text())
     path.write_text(written)
@@ -174,6 +174,6 @@ def test_its_scenario_runs_from_file_to_stop_in_a_process_of_its_own(foreign: De
     assert alone.outcome is Outcome.STANDSTILL
     assert alone.fmus["ForeignTrain.fmu"] == foreign.digest
     np.testing.assert_array_equal(alone.trace["speed"], here.trace["speed"])
-    # Between sliding all the way on what the curve leaves (0.70 of its peak here) and using the peak throughout.
+    # Between sliding throughout at the end of the curve (0.70 of its peak here) and using the peak throughout.
     speed, peak = 20 / 3.6, 0.08 * 9.81
     assert speed**2 / 2 / peak < alone.metrics.distance < speed**2 / 2 / (0.7 * peak) + 2.0

@@ -1,4 +1,4 @@
-"""Whatever an FMU in a process of its own does to this machine, the run ends in a sentence and nothing of it stays."""
+"""Whatever an FMU in a separate process does to the machine, the run ends in a sentence and leaves nothing behind."""
 
 import os
 import pickle
@@ -29,7 +29,7 @@ SIGNALS = [signal for signal in PLANT if signal.name in ("speed", "distance")]
 def isolated(
     plant: Path, limits: FmuLimits = FMU_LIMITS, notify: Callable[[str], object] = lambda sentence: None
 ) -> IsolatedCoSimulation:
-    """Return a train to step by 10 ms in a process of its own."""
+    """Return a train that is stepped by 10 ms in a separate process."""
     description = describe(plant, limits)
     binding = bind(
         description,
@@ -40,7 +40,7 @@ def isolated(
 
 
 def stopped(plant: Path, limits: FmuLimits = FMU_LIMITS) -> str:
-    """Step a plant in a process of its own until it fails, and return the sentence."""
+    """Step a plant in a separate process until it fails, and return the message."""
     plant_in_its_own = isolated(plant, limits)
     try:
         with plant_in_its_own as running:
@@ -54,7 +54,7 @@ def stopped(plant: Path, limits: FmuLimits = FMU_LIMITS) -> str:
 
 @pytest.fixture
 def left_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[], list[int]]]:
-    """Return the numbers of processes that FMUs started, as they wrote them down; they are ended after the test."""
+    """Return the process numbers recorded by the children of FMUs; they are ended after the test."""
     file = tmp_path / "left_behind.txt"
     file.write_text("")
     monkeypatch.setenv("MULE_LEFT_BEHIND", str(file))
@@ -81,7 +81,7 @@ def test_processes_that_leave_their_session_are_ended(
     sentence = stopped(faulty_fmu(foundry, misbehaviour))
     assert sentence.startswith(f"{misbehaviour.lower()}.fmu: at 0.1 s ")
     assert len(left_behind()) == count, "it did start them"
-    deadline = time.monotonic() + 5  # killed they are; a busy machine may need a moment to see to it
+    deadline = time.monotonic() + 5  # they are killed; a busy machine may need a moment
     while any(map(alive, left_behind())):
         assert time.monotonic() < deadline
         time.sleep(0.01)
@@ -101,16 +101,16 @@ def test_memory_is_limited(foundry: Path):
         ("PRINTS", FmuLimits(output_mib=5), "it printed more than allowed; output_mib under [limits.fmu] is 5"),
     ],
 )
-def test_what_it_says_is_limited_in_all(
+def test_the_total_output_is_limited(
     foundry: Path, misbehaviour: str, limits: FmuLimits, sentence: str, capfd: pytest.CaptureFixture[str]
 ):
-    """Ten thousand messages and two megabytes a step: the third step is one too many."""
+    """Ten thousand messages and two megabytes per step: the third step exceeds the limit."""
     file = faulty_fmu(foundry, misbehaviour)
     assert stopped(file, limits) == f"{file.name}: at 0.12 s the FMU was stopped ({sentence})."
     assert len(capfd.readouterr().err) <= 5.1 * 2**20, "the limit, and a piece of 64 KiB"
 
 
-def test_the_calls_of_a_run_have_a_budget_of_time(foundry: Path, scratch: Path):
+def test_the_calls_of_a_run_have_a_time_budget(foundry: Path, scratch: Path):
     """Each step takes a fifth of a second, less than the patience; the process starts in more than half of one."""
     sentence = stopped(faulty_fmu(foundry, "SLEEPS"), FmuLimits(patience=5.0, budget=2.0))
     assert sentence.endswith("(its calls took longer than allowed; budget under [limits.fmu] is 2 s).")
@@ -118,7 +118,7 @@ def test_the_calls_of_a_run_have_a_budget_of_time(foundry: Path, scratch: Path):
 
 
 def test_trial_runs_and_the_stop_share_one_budget(foundry: Path):
-    """A run of seven quick steps and five that print two megabytes each; a second such run is too much."""
+    """A run of seven quick steps and five that print two megabytes each; a second such run exceeds the budget."""
 
     def steps(plant: IsolatedCoSimulation) -> None:
         with plant as running:
@@ -136,7 +136,7 @@ def test_trial_runs_and_the_stop_share_one_budget(foundry: Path):
 
 
 @pytest.mark.parametrize("misbehaviour", ["CRASHES_IN_TERMINATE", "CRASHES_IN_FREE"])
-def test_a_crash_at_the_end_is_told_and_leaves_the_results(foundry: Path, scratch: Path, misbehaviour: str):
+def test_a_crash_at_the_end_is_reported_and_keeps_the_results(foundry: Path, scratch: Path, misbehaviour: str):
     sentences: list[str] = []
     with isolated(faulty_fmu(foundry, misbehaviour), notify=sentences.append) as plant:
         plant.start(np.zeros(4))
@@ -148,12 +148,12 @@ def test_a_crash_at_the_end_is_told_and_leaves_the_results(foundry: Path, scratc
     assert list(scratch.iterdir()) == []
 
 
-def test_a_good_end_is_not_worth_a_word(foundry: Path):
+def test_a_regular_end_prints_nothing(foundry: Path):
     with isolated(faulty_fmu(foundry), notify=pytest.fail) as plant:
         plant.start(np.zeros(4))
 
 
-def test_an_fmu_that_closes_every_descriptor_is_told(foundry: Path, capfd: pytest.CaptureFixture[str]):
+def test_an_fmu_that_closes_every_descriptor_is_reported(foundry: Path, capfd: pytest.CaptureFixture[str]):
     sentence = stopped(faulty_fmu(foundry, "CLOSES"))
     assert sentence.endswith("the FMU crashed (it closed the descriptor by which its process answers).")
     assert "Traceback" not in capfd.readouterr().err
@@ -163,14 +163,14 @@ def test_open_files_are_limited(foundry: Path):
     assert stopped(faulty_fmu(foundry, "OPENS_FILES")).endswith("it says: error: no more files.")
 
 
-def test_a_start_that_does_not_return_is_waited_for_as_long_as_a_step(foundry: Path, scratch: Path):
+def test_a_start_has_the_same_time_limit_as_a_step(foundry: Path, scratch: Path):
     sentence = stopped(faulty_fmu(foundry, "NEVER_INSTANTIATES"), FmuLimits(patience=1.0))
     assert sentence.endswith("at 0 s the FMU did not return (within 1 s of real time, it was stopped).")
     assert list(scratch.iterdir()) == []
 
 
 class Exploit:
-    """Makes a file when it is unpickled."""
+    """Creates a file when it is unpickled."""
 
     def __init__(self, file: Path) -> None:
         self.file = file
@@ -179,7 +179,7 @@ class Exploit:
         return Path.touch, (self.file,)
 
 
-def test_an_answer_that_the_fmu_forges_runs_no_code(foundry: Path, tmp_path: Path):
+def test_an_answer_forged_by_the_fmu_runs_no_code(foundry: Path, tmp_path: Path):
     mark = tmp_path / "ran"
     payload = pickle.dumps(Exploit(mark))
     pickle.loads(payload)
@@ -191,7 +191,7 @@ def test_an_answer_that_the_fmu_forges_runs_no_code(foundry: Path, tmp_path: Pat
 
 
 @pytest.mark.parametrize("length", [3, 1 << 31])
-def test_an_answer_of_the_wrong_length_is_nonsense(foundry: Path, length: int):
+def test_an_answer_of_wrong_length_is_invalid(foundry: Path, length: int):
     sentence = stopped(faulty_fmu(foundry, "FORGES", forged=struct.pack("<BI", ANSWER, length) + b"abc"))
     assert sentence.endswith("the FMU crashed (its process answered nonsense).")
 
@@ -199,7 +199,7 @@ def test_an_answer_of_the_wrong_length_is_nonsense(foundry: Path, length: int):
 def test_the_fmus_process_imports_nothing_from_the_current_folder(
     foundry: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    """As a downloaded folder may hold; it was executed, and the FMU blamed for it."""
+    """A downloaded folder may contain such a module; it used to be executed, and the FMU was blamed."""
     mark = tmp_path / "ran"
     for name in ("random", "numpy", "fmpy", "railgrip", "struct"):
         (tmp_path / f"{name}.py").write_text(f"open({str(mark)!r}, 'w').close()\nraise ImportError('a trap')\n")
@@ -209,7 +209,7 @@ def test_the_fmus_process_imports_nothing_from_the_current_folder(
     assert not mark.exists()
 
 
-def test_the_keeper_needs_the_standard_library_only():
+def test_the_keeper_needs_only_the_standard_library():
     result = subprocess.run(
         [sys.executable, "-I", "-S", "-c", f"import runpy; runpy.run_path({str(KEEPER)!r})"],
         capture_output=True, text=True, check=False,

@@ -1,4 +1,4 @@
-"""Each value that is sent to a plant arrives at the input of its name, whatever the order of the table of signals."""
+"""Each value sent to a plant arrives at the input of its name, whatever the order of the table of signals."""
 
 from itertools import permutations
 from pathlib import Path
@@ -19,7 +19,7 @@ FORMATION = Formation((2, 1, 1, 2))
 @pytest.mark.parametrize(
     "order", list(permutations((*SENT, CURVE[0]))), ids=lambda order: " ".join(s.name for s in order)
 )
-def test_inputs_have_the_places_of_the_loops_vector(order, pneumatic):
+def test_inputs_have_the_indices_of_the_loops_vector(order, pneumatic):
     layout = layout_of(FORMATION, input=order)
     inputs, _, _ = plant_signals(layout, pneumatic=pneumatic, track_force=False)
     first, places = 0, {}
@@ -43,7 +43,7 @@ def braked(file: Path, order) -> np.ndarray:
     return np.array(rows)
 
 
-def test_a_plant_brakes_alike_when_two_signals_are_swapped(foundry: Path):
+def test_swapping_two_signals_does_not_change_the_braking(foundry: Path):
     """The same bytes: friction that arrived as pressure would not brake."""
     file = faulty_fmu(foundry)
     plain, swapped = braked(file, SENT), braked(file, (SENT[1], SENT[0], SENT[2]))

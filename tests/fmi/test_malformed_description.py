@@ -1,4 +1,4 @@
-"""Whatever is malformed in an FMU's archive or modelDescription.xml ends in a sentence that names the file."""
+"""Any malformed part of an FMU's archive or modelDescription.xml is reported in a sentence that names the file."""
 
 import os
 import re
@@ -44,7 +44,7 @@ def packed(members: dict[str, bytes], description: str, file: Path) -> Path:
 
 
 def use(file: Path) -> Description:
-    """Do with an FMU what is done before its code runs."""
+    """Do everything with an FMU that precedes running its code."""
     description = describe(file)
     signals = {name: Port(name=name, unit=unit, size=0, needed=True) for name, unit in UNITS.items()}
     bind(description, inputs=[signals["u"]], outputs=[signals["x"], signals["y"]])
@@ -54,7 +54,7 @@ def use(file: Path) -> Description:
 
 
 def outcome(file: Path) -> str:
-    """Return whether an FMU was used or refused; any exception that is no sentence for the user is raised."""
+    """Return whether an FMU was used or refused; any other exception is raised."""
     try:
         use(file)
     except RailgripError as refusal:
@@ -65,7 +65,7 @@ def outcome(file: Path) -> str:
 UNITS = {"u": "Pa", "x": "m/s", "y": "K"}
 
 
-def test_the_description_that_is_mutated_is_accepted(members: dict[str, bytes], place: Path):
+def test_the_unmutated_description_is_accepted(members: dict[str, bytes], place: Path):
     assert use(packed(members, TEXT, place)).variables["y"].reference == 5
     assert len(ATTRIBUTES) > 80
 
@@ -120,13 +120,13 @@ def test_a_mutated_description_is_used_or_refused_in_a_sentence(
         ('<Unknown index="2"/>', '<Unknown index="2" dependencies="1 x"/>', "variable number 'x', but there are 11"),
     ],
 )  # fmt: skip
-def test_the_sentence_names_what_is_wrong(members: dict[str, bytes], place: Path, old: str, new: str, sentence: str):
+def test_the_sentence_names_the_fault(members: dict[str, bytes], place: Path, old: str, new: str, sentence: str):
     assert TEXT.count(old) >= 1
     with pytest.raises(FmuError, match=sentence):
         use(packed(members, TEXT.replace(old, new, 1), place))
 
 
-def test_that_it_needs_its_tool_is_told(members: dict[str, bytes], place: Path):
+def test_the_need_for_the_exporting_tool_is_reported(members: dict[str, bytes], place: Path):
     text = TEXT.replace("<CoSimulation ", '<CoSimulation needsExecutionTool="true" ')
     assert (
         "needs the tool that made it on this machine (needsExecutionTool)"
@@ -136,7 +136,7 @@ def test_that_it_needs_its_tool_is_told(members: dict[str, bytes], place: Path):
 
 @settings(max_examples=FUZZ, deadline=None)
 @given(st.integers(0), st.binary(min_size=1, max_size=4), st.booleans())
-def test_a_damaged_archive_is_told(members: dict[str, bytes], place: Path, where: int, damage: bytes, cut: bool):
+def test_a_damaged_archive_is_reported(members: dict[str, bytes], place: Path, where: int, damage: bytes, cut: bool):
     with zipfile.ZipFile(place, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in members.items():
             archive.writestr(name, content)

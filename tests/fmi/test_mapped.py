@@ -1,4 +1,4 @@
-"""A mapping for an FMU from outside is found by names of many kinds, and corrected where a short run contradicts it."""
+"""A mapping for a foreign FMU is found by names of many kinds, and corrected where a short run contradicts it."""
 
 import tomllib
 from pathlib import Path
@@ -82,7 +82,7 @@ def test_usual_abbreviations_are_recognised():
     assert table == {"pressure_command": "bcp_cmd_{i}", "cylinder_pressure": "bcp_{i}", "start_speed": "v_init"}
 
 
-def test_a_gap_in_the_numbers_is_no_array():
+def test_a_gap_in_the_numbers_does_not_form_an_array():
     names = {array.name for array in arrays_of(described(output=["omega_1", "omega_3"])) if not array.is_scalar}
     assert not names
 
@@ -110,10 +110,10 @@ UNITS = {
 
 
 class Train:
-    """A mass whose wheels roll until its brakes ask for more than the rail takes; then they lock."""
+    """A mass whose wheels roll until its brakes demand more than the rail supports; then they lock."""
 
     def __init__(self, factors, table):
-        """Take its own units, theirs over ours by signal, and how a table reads them."""
+        """Set the units of the FMU, its factors by signal, and how a table reads them."""
         self.gain = {}
         for name, entry in table.items():
             stated, _ = conversion(unit(entry.unit), unit(UNITS[name])) if entry.unit else (1.0, 0.0)
@@ -128,11 +128,11 @@ class Train:
         command = inputs[LAYOUT.input["command"]] / self.gain["pressure_command"]
         friction = inputs[LAYOUT.input["mu0"]][0] / self.gain["mu0"]
         self.p += (command - self.p) * 0.1
-        wanted = max(self.p[0], 0.0) / FULL[0] * 1.1
-        a = min(wanted, 9.81 * max(friction, 0.0)) if self.v > 0 else 0.0
+        demand = max(self.p[0], 0.0) / FULL[0] * 1.1
+        a = min(demand, 9.81 * max(friction, 0.0)) if self.v > 0 else 0.0
         self.x += PERIOD * (self.v - 0.5 * PERIOD * a)
         self.v -= PERIOD * a
-        return self._shown(-a, wanted > 9.81 * friction + 1.0)
+        return self._shown(-a, demand > 9.81 * friction + 1.0)
 
     def _shown(self, a, locked):
         row = np.full(LAYOUT.outputs, np.nan)
@@ -187,8 +187,8 @@ KMH, BAR, KPA, RPM = 3.6, 1e-5, 1e-3, 30 / np.pi
     ],
     ids=lambda factors: ", ".join(factors) or "nothing",
 )
-def test_units_and_signs_that_a_run_shows_to_be_wrong_are_corrected_and_told(factors):
-    """With the corrected table the train is read as it is: each gain, theirs to ours, is 1."""
+def test_units_and_signs_refuted_by_a_run_are_corrected_and_reported(factors):
+    """With the corrected table the train is read correctly: each gain from the FMU to railgrip is 1."""
     draft = corrected(factors)
     assert [finding for finding in draft.findings if not finding.good] == []
     gains = Train(factors, draft.table).gain
@@ -197,7 +197,7 @@ def test_units_and_signs_that_a_run_shows_to_be_wrong_are_corrected_and_told(fac
     assert draft.nominal["r_wheel"] == pytest.approx([RADIUS] * 2, rel=1e-6)
 
 
-def test_a_unit_is_stated_where_the_fmu_has_none_and_scaled_where_it_has():
+def test_a_unit_is_stated_if_the_fmu_has_none_and_scaled_otherwise():
     signal = Port(name="speed", unit="m/s", size=0, needed=True)
     assert SignalMapping(signal, "v", 1.0, "m/s").rescale(1 / 3.6).plain == {"variable": "v", "unit": "km/h"}
     assert SignalMapping(signal, "v", 1.0, "").rescale(1 / 3.6).plain == {
@@ -223,7 +223,7 @@ def test_the_printed_tables_are_toml_that_binds(foundry: Path):
     assert "WRONG" not in text
 
 
-def test_what_is_not_found_is_told_with_its_unit(foundry: Path):
+def test_a_signal_that_is_not_found_is_reported_with_its_unit(foundry: Path):
     description = describe(faulty_fmu(foundry, names={"speed": "quantity_12"}))
     lines = list(find_mapping(description, wheelsets_per_group=(), speed=20.0, period=1e-3).lines())
     assert "# speed = ?  # needed, in m/s: no similar variable was found" in lines

@@ -26,7 +26,7 @@ THEIRS = (
 
 
 def test_the_scenario_with_the_mapping_of_the_page_runs(foundry: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Their FMU takes friction in per cent and shows what slows it down, as the table says."""
+    """The FMU has friction in per cent and outputs its decelerating forces, as the table states."""
     block = re.search(r"^```toml\n(\[vehicle\]\n.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
     assert block
     monkeypatch.chdir(tmp_path)
@@ -48,7 +48,7 @@ def test_the_scenario_with_the_mapping_of_the_page_runs(foundry: Path, tmp_path:
 def test_the_commands_run(
     page: str, count: int, changes: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    """Those that run a stop, from 20 km/h to save time. tests/fmus has the tests of `railgrip build`."""
+    """Commands that run a stop, from 20 km/h to save time; tests/fmus has the tests of `railgrip build`."""
     monkeypatch.chdir(ROOT)
     text = (ROOT / page).read_text(encoding="utf-8")
     commands = re.findall(r"railgrip (run\s+[^`\n]+)", text)

@@ -1,4 +1,4 @@
-"""Each FMU is recognised by its inputs and outputs: the wrong key refuses it and names the right one."""
+"""Each FMU is recognised by its inputs and outputs: a wrong key refuses it and names the right one."""
 
 import re
 import tomllib
@@ -94,14 +94,14 @@ def refusal(path: Path) -> str:
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_an_fmu_has_the_role_of_its_inputs_and_outputs(name, files):
+def test_the_role_of_an_fmu_follows_from_its_inputs_and_outputs(name, files):
     assert role_of(describe(files[name])) == expected_role(name)
 
 
 @pytest.mark.parametrize("key", ["plant", "controller", "prediction"])
 @pytest.mark.parametrize("name", FILES)
-def test_a_key_takes_fmus_of_its_role_and_refuses_others_with_their_key(name, key, files, folder):
-    """ForeignTrain and its like have other names than ours: they are refused for want of a map, not for their role."""
+def test_a_key_accepts_fmus_of_its_role_and_refuses_others_with_their_key(name, key, files, folder):
+    """ForeignTrain and similar FMUs have other names: they are refused for lack of a map, not for their role."""
     tables = {
         "plant": ("vehicle", f'plant = "{files[name]}"'),
         "controller": ("controller", f'kind = "fmu"\nfile = "{files[name]}"'),
@@ -135,7 +135,7 @@ def test_a_plant_for_another_actuation_is_refused_with_the_actuation(actuation, 
 
 
 @pytest.mark.parametrize("recipe", ["ContactPoint", "LateralWheelset", "MultiPurposeVehicle", "LateralPrediction"])
-def test_a_recipe_that_is_not_a_train_is_refused_with_those_that_are(recipe):
+def test_a_recipe_that_is_not_a_train_is_refused_with_a_list_of_trains(recipe):
     message = refusal_of("trapezoid", f"vehicle.plant={recipe}")
     assert "is not a train" in message
     assert "TwoPartTrainPneumatic" in message
@@ -171,7 +171,7 @@ KNOWN = {
 
 
 def completed(text: str, wheelsets: int, leave_out: str = "") -> str:
-    """Return what `railgrip map` prints with a value in place of each question mark, but for one key."""
+    """Return the output of `railgrip map` with a value for each question mark, except for one key."""
 
     def value(line: re.Match[str]) -> str:
         key = line[1]
@@ -185,7 +185,7 @@ def completed(text: str, wheelsets: int, leave_out: str = "") -> str:
 
 @pytest.fixture(scope="module")
 def plant_text(foundry: Path) -> str:
-    """Return what is printed for a plant that declares nothing of itself, of a formation unlike the library's."""
+    """Return the printed map of a plant without declared data, with a formation unlike the library's."""
     file = faulty_fmu(foundry, names={"speed": "v_train"})
     return "\n".join(find_mapping(describe(file), wheelsets_per_group=(), speed=20.0, period=1e-2).lines())
 
@@ -200,7 +200,7 @@ def scenario_with(text: str, foundry: Path, folder: Path, controller: str) -> Pa
 
 
 @pytest.mark.parametrize("controller", ["full_brake", "slip_two_state", "slip_three_state"])
-def test_the_printed_lines_of_a_plant_are_all_that_a_run_requires(plant_text, controller, foundry, folder):
+def test_the_printed_lines_of_a_plant_are_sufficient_for_a_run(plant_text, controller, foundry, folder):
     text = completed(plant_text.replace("[2, 1, 1, 2]", "[1, 2, 2, 1]"), 6)
     stop = run_stop(load(scenario_with(text, foundry, folder, controller)))
     assert stop.outcome is Outcome.STANDSTILL, stop.reason
@@ -214,7 +214,7 @@ def test_a_line_that_is_always_required_is_named_when_it_is_missing(plant_text, 
         run_stop(load(scenario_with(text, foundry, folder, "full_brake")))
 
 
-def test_a_plant_with_parameters_of_our_names_is_printed_with_their_values():
+def test_parameters_with_standard_names_are_printed_with_their_values():
     lines = list(find_mapping(describe(fmu("TwoPartTrain")), wheelsets_per_group=(), speed=20.0, period=1e-3).lines())
     table = tomllib.loads("\n".join(lines))["vehicle"]["formation"]
     assert table["brakes"]["p_max"] == [3.4e5, 2e5, 2e5, 3.4e5]
@@ -255,7 +255,7 @@ def plain_plant(plant_text: str, foundry: Path, folder: Path, controller: str) -
     return path
 
 
-def test_a_controller_fmu_that_uses_slip_alone_is_asked_for_no_other_data(plant_text, files, foundry, folder):
+def test_a_controller_fmu_that_uses_slip_alone_requires_no_other_data(plant_text, files, foundry, folder):
     path = plain_plant(plant_text, foundry, folder, f'kind = "fmu"\nfile = "{files["numbered"]}"')
     stop = run_stop(load(path))
     assert stop.outcome is Outcome.STANDSTILL, stop.reason
@@ -267,7 +267,7 @@ def test_a_controller_fmu_that_uses_slip_alone_is_asked_for_no_other_data(plant_
      ("self.force = formation.brakes[0].pad_force(1e5)", r"lacks A_piston \(of one brake cylinder"),
      ("print(formation)", "")],
 )  # fmt: skip
-def test_a_class_is_asked_for_the_data_that_it_reads(more, sentence, plant_text, foundry, tmp_path, capfd):
+def test_a_class_requires_only_the_data_that_it_reads(more, sentence, plant_text, foundry, tmp_path, capfd):
     module = f"slip_alone_{abs(hash(more))}"
     (tmp_path / f"{module}.py").write_text(SLIP_ALONE.format(more=more))
     path = plain_plant(plant_text, foundry, tmp_path, f'kind = "{module}:SlipAlone"')

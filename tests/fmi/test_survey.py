@@ -1,4 +1,4 @@
-"""FMUs of a folder are stepped, and those that do not step say why."""
+"""FMUs of a folder are stepped; for those that cannot be stepped the reason is reported."""
 
 import csv
 from collections.abc import Callable
@@ -31,7 +31,7 @@ def folder(tmp_path: Path) -> Path:
     return place.parent
 
 
-def test_what_steps_and_what_does_not_is_known_of_each(folder: Path):
+def test_each_fmu_has_a_result_or_a_reason(folder: Path):
     rows = [*survey(folder)]
     found = {row.file.stem: (row.interface, row.reason) for row in rows}
     assert [(row.interface, row.reason) for row in rows if row.file.stem == "both"] == [("2.0 CS", ""), ("2.0 ME", "")]
@@ -43,7 +43,7 @@ def test_what_steps_and_what_does_not_is_known_of_each(folder: Path):
     assert found["text"] == ("", "no archive of an FMU")
 
 
-def test_the_table_counts_by_tool_and_the_file_has_a_line_of_each(folder: Path, command: Callable[..., Done]):
+def test_the_table_counts_by_tool_and_the_file_has_a_line_per_fmu(folder: Path, command: Callable[..., Done]):
     out = folder.parent / "out" / "fmus.csv"
     result = command("maintain", "fmus", folder, "--out", out)
     assert result.code == 0

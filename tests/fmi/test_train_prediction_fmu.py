@@ -117,7 +117,7 @@ def complex_step(x: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def test_the_fmu_is_the_equations_written_out(
     catalogue: Description, differentiation: str, relative: float, of_the_largest: float
 ):
-    """Derivatives, outputs and Jacobians, at states drawn all over a stop."""
+    """Derivatives, outputs and Jacobians, at random states of a stop."""
     with opened(catalogue, differentiation) as fmu:
         names = ["v", *(f"{name}[{i}]" for name in ("w", "mu_b", "alpha") for i in range(1, 5))]
         names += [f"{name}[{i}]" for name in ("dz", "ddz") for i in range(1, 7)] if len(fmu.states) > 15 else []

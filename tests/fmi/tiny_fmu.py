@@ -1,4 +1,4 @@
-"""Makes the tiny FMU of tiny.c, well-behaved or misbehaving in one way, with any modelDescription.xml."""
+"""Creates the tiny FMU of tiny.c, well-behaved or with one fault, with any modelDescription.xml."""
 
 import zipfile
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Two FMUs of one class side by side: variables by name, whatever order and parameters each compiler gives them."""
+"""Two FMUs of one class are compared: variables by name, whatever order and parameters each compiler gives them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from railgrip.fmi import CoSimulation, Description, Port, bind
 
 STOP, STEP = 3.0, 0.015
 AT_REST = 1e-12
-"""What counts as nothing: at standstill OpenModelica's speed is 4e-21 m/s, ours is 0."""
+"""Values that count as zero: at standstill OpenModelica's speed is 4e-21 m/s, that of the built-in compiler 0."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,13 +25,13 @@ class Pair:
 def nudged(fmus: Pair) -> dict[str, float]:
     """Return every real parameter that both offer, one per cent below its default, where its bounds allow.
 
-    One that a compiler has evaluated for good shows in the trajectories.
+    The effect of parameters that a compiler has evaluated is in the trajectories.
     """
     parameters = [fmus.ours.variables[n] for n in fmus.ours.names("parameter") if n in fmus.theirs.names("parameter")]
     values = {v.name: 0.99 * float(v.start or 0) for v in parameters if v.kind == "Real"}
-    least = {v.name: -np.inf if v.minimum is None else v.minimum for v in parameters}
-    most = {v.name: np.inf if v.maximum is None else v.maximum for v in parameters}
-    return {n: x for n, x in values.items() if least[n] <= x <= most[n]}
+    lower = {v.name: -np.inf if v.minimum is None else v.minimum for v in parameters}
+    upper = {v.name: np.inf if v.maximum is None else v.maximum for v in parameters}
+    return {n: x for n, x in values.items() if lower[n] <= x <= upper[n]}
 
 
 def integrated(
@@ -58,7 +58,7 @@ def integrated(
 def stepped(
     description: Description, values: Mapping[str, float], parameters: Mapping[str, float], until: float = STOP
 ) -> dict[str, np.ndarray]:
-    """Return each output by its name after each millisecond; our own solver is given 1e-8."""
+    """Return each output by its name after each millisecond; the built-in solver uses a tolerance of 1e-8."""
 
     def signals(causality: str) -> list[Port]:
         return [
@@ -78,7 +78,7 @@ def stepped(
 def disagreement(ours: np.ndarray, theirs: np.ndarray, booleans: tuple[str, ...]) -> dict[str, float]:
     """Return for each column the largest difference over its largest value.
 
-    Rows beside one where a Boolean turns are left out: around an event one run is a rounding error early.
+    Rows next to one where a Boolean changes are excluded: one run reaches the event earlier by a rounding error.
     """
     assert len(ours) == len(theirs)
     turned = np.zeros(len(ours), dtype=bool)
@@ -96,7 +96,7 @@ def disagreement(ours: np.ndarray, theirs: np.ndarray, booleans: tuple[str, ...]
 
 
 def turns(run: np.ndarray) -> int:
-    """Return the first row that is as the last one."""
+    """Return the index of the first row that equals the last one."""
     return int(np.argmax(np.abs(run - run[-1]) <= AT_REST))
 
 

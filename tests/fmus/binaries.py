@@ -1,4 +1,4 @@
-"""What a shared library is for, and what it exports, read from its bytes: ELF, PE and Mach-O."""
+"""The platform and the exports of a shared library, read from its bytes: ELF, PE and Mach-O."""
 
 import struct
 

@@ -1,4 +1,4 @@
-"""A brake pipe solved on its own: MUSCL with the limiter of van Leer, HLL fluxes, three-stage Runge-Kutta."""
+"""An independent solver for a brake pipe: MUSCL with the limiter of van Leer, HLL fluxes, three-stage Runge-Kutta."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ Vector = NDArray[np.float64]
 
 
 def nozzle(conductance: float, pressure: Vector) -> Vector:
-    """Return the free air that an orifice of ISO 6358, b = 1/2, lets into the open."""
+    """Return the free air that flows through an orifice of ISO 6358, b = 1/2, into the atmosphere."""
     high = pressure + ATMOSPHERE
     subsonic = 2 * np.sqrt(ATMOSPHERE * np.maximum(pressure, 0))
     return conductance * np.where(high > 2 * ATMOSPHERE, high, subsonic)
@@ -36,7 +36,7 @@ class Pipe:
     closing: float = 2.5e5
 
     def front(self) -> float:
-        """Return the speed from the first vehicle to the last of 5 % of the highest cylinder pressure."""
+        """Return the speed at which 5 % of the highest cylinder pressure travels from the first vehicle to the last."""
         begin, middle = self.begin(), np.cumsum(LENGTHS) - LENGTHS / 2
         return float((middle[-1] - middle[0]) / (begin[-1] - begin[0]))
 
@@ -72,7 +72,7 @@ class Pipe:
         area = np.pi / 4 * self.diameter**2
         (p_left, p_right), (m_left, m_right) = (_faces(one, dx) for one in (absolute, momentum))
         mass, force = _hll(p_right[:-1], m_right[:-1], p_left[1:], m_left[1:])
-        # At the valve the wave that leaves the pipe keeps u - c ln P; the other end is a wall.
+        # At the valve the wave that leaves the pipe conserves u - c ln P; the other end is a wall.
         end = valve[0] + ATMOSPHERE
         speed = m_left[0] * SOUND**2 / p_left[0] + SOUND * np.log(end / p_left[0])
         out = speed * end / SOUND**2
@@ -82,13 +82,13 @@ class Pipe:
         vented, volume = np.zeros(dx.size), np.zeros(dx.size)
         vented[site], volume[site] = np.where(venting, nozzle(self.vent, pressure), 0) * DENSITY, self.branch
         p_rate = SOUND**2 * (-area * np.diff(mass) - vented) / (area * dx + volume)
-        taken = np.maximum(volume / SOUND**2 * p_rate + vented, 0)
+        inflow = np.maximum(volume / SOUND**2 * p_rate + vented, 0)
         speed = momentum * SOUND**2 / absolute
-        drag = self.friction / (2 * self.diameter) * np.abs(momentum) + taken / (area * dx)
+        drag = self.friction / (2 * self.diameter) * np.abs(momentum) + inflow / (area * dx)
         m_rate = -np.diff(force) / dx - drag * speed
         valve_rate = ATMOSPHERE / self.valve_volume * (-out * area / DENSITY - nozzle(self.valve, valve))
-        wanted = FULL * np.clip((5e5 - pressure - 1e4) / 1.4e5, 0, 1)
-        follow = (wanted - cylinder) / RELAY
+        target = FULL * np.clip((5e5 - pressure - 1e4) / 1.4e5, 0, 1)
+        follow = (target - cylinder) / RELAY
         return [
             p_rate,
             m_rate,

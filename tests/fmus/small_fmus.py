@@ -1,4 +1,4 @@
-"""FMUs of small Modelica models: what the fixtures of this folder give."""
+"""FMUs of small Modelica models, returned by the fixtures of this folder."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,7 +13,7 @@ FEATURES = Path(__file__).parent / "modelica" / "Features"
 
 @dataclass(frozen=True, slots=True)
 class Fmu:
-    """A built FMU: the zip, its unpacked folder and its description."""
+    """A built FMU: the archive, its unpacked folder and its description."""
 
     path: Path
     folder: Path
@@ -52,9 +52,9 @@ class Running:
 
 
 def reference_run(library: Path, class_name: str, stop: float, step: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Return rumoca's own simulation at the grid points that no event is near, and its variables there.
+    """Return the grid points without a nearby event, and rumoca's own simulation at these.
 
-    Around an event one of two simulators is a rounding error early; 2 ms on either side are left out.
+    Near an event one of two simulators is earlier by a rounding error, so 2 ms on either side are excluded.
     """
     model = rumoca.Session(roots=[str(library.parent)]).load(str(library / "package.mo"), model=class_name)
     result = model.simulate((0, stop), dt=step, config=rumoca.SimConfig(solver="bdf", rtol=1e-10, atol=1e-12))

@@ -1,4 +1,4 @@
-"""What compares FMUs of two compilers, tried on two of ours that differ as those of two compilers do."""
+"""The comparison of FMUs of two compilers, tested on two built-in FMUs with the differences of two compilers."""
 
 import numpy as np
 import pytest
@@ -29,27 +29,27 @@ Y, Z = "  output Real y;\n", "  output Real z;\n"
 
 @pytest.fixture(scope="module")
 def pair(modelica) -> Pair:
-    """The same equations: outputs in another order, and a component that the second one hides."""
+    """The same equations: outputs in another order, and a component that the second class protects."""
     ours = MODEL.replace("OUTPUTS\n", Y + Z).replace("VISIBILITY\n", "")
     theirs = MODEL.replace("OUTPUTS\n", Z + Y).replace("VISIBILITY\n", "protected\n")
     return Pair(describe(modelica(ours).path), describe(modelica(theirs).path))
 
 
-def test_the_pair_differs_as_meant(pair):
+def test_the_pair_has_the_intended_differences(pair):
     assert pair.ours.names("output") == ("y", "z")
     assert pair.theirs.names("output") == ("z", "y")
     assert {"k", "spring.c"} <= set(pair.ours.names("parameter"))
 
 
-def test_what_a_class_protects_is_hidden_but_for_its_states(pair):
-    """As omc does it (getExportVar in its SimCodeUtil.mo, with --fmiFilter=protected, its default)."""
+def test_protected_variables_are_hidden_except_for_states(pair):
+    """As in omc (getExportVar in its SimCodeUtil.mo, with --fmiFilter=protected, its default)."""
     assert "k" in pair.theirs.variables
     assert "spring.c" not in pair.theirs.variables
     assert pair.theirs.states == pair.ours.states == ("spring.x",)
     assert {"spring.x", "der(spring.x)"} <= set(pair.theirs.variables)
 
 
-def test_only_parameters_that_both_offer_are_nudged(pair):
+def test_only_parameters_that_both_offer_are_perturbed(pair):
     assert nudged(pair) == pytest.approx({"k": 2.97, "_tolerance": 0.99e-6}, rel=1e-12)
 
 
@@ -71,7 +71,7 @@ def test_trajectories_are_compared_by_name_and_a_difference_is_found(pair):
     assert 1e-4 < worst["z"] < 1e-3
 
 
-def test_rows_beside_an_event_are_left_out():
+def test_rows_next_to_an_event_are_excluded():
     kinds = [("locked", bool), ("speed", float)]
     ours = np.array([(False, 1.0), (False, 1.0), (True, 0.0), (True, 0.0), (True, 0.0)], dtype=kinds)
     late = np.array([(False, 1.0), (False, 1.0), (False, 1.0), (True, 0.0), (True, 0.0)], dtype=kinds)
@@ -79,6 +79,6 @@ def test_rows_beside_an_event_are_left_out():
     assert disagreement(ours, late, ())["speed"] == 1.0
 
 
-def test_a_train_that_creeps_at_4e_21_stands():
+def test_a_train_that_creeps_at_4e_21_is_at_standstill():
     assert turns(np.array([3.0, 1.0, 4e-21, 4e-21])) == turns(np.array([3.0, 1.0, 0.0, 0.0])) == 2
     assert turns(np.array([3.0, 1.0, 1e-9, 0.0])) == 3

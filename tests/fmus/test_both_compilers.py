@@ -1,7 +1,7 @@
-"""OpenModelica's FMUs against ours: the same interface, trajectories, derivatives and steps. Needs omc on the PATH.
+"""FMUs of OpenModelica and of the built-in compiler have equal interfaces, trajectories, derivatives and steps.
 
-Trajectories are compared through model exchange, where one integrator runs both FMUs and finds their events. In
-co-simulation each brings its own solver, and OpenModelica's acts on events where a step ends.
+Needs omc on the PATH. Trajectories are compared through model exchange, where one integrator runs both FMUs and finds
+their events. In co-simulation each has its own solver, and OpenModelica's handles events where a step ends.
 """
 
 import shutil
@@ -27,11 +27,11 @@ pytestmark = [
 @pytest.fixture(scope="module")
 def pair(tmp_path_factory):
     """Return a function of a recipe's name that builds its FMU with both compilers, once."""
-    made: dict[str, Pair] = {}
+    pairs: dict[str, Pair] = {}
     folder = tmp_path_factory.mktemp("both")
 
     def build(name: str) -> Pair:
-        if name not in made:
+        if name not in pairs:
             recipe = BOOK[name]
             if "cs" in recipe.interfaces:
                 recipe = recipe.model_copy(update={"interfaces": ("me", "cs")})
@@ -40,15 +40,15 @@ def pair(tmp_path_factory):
                 describe(build_one(name, compiler, folder / compiler, book=book).path)
                 for compiler in ("native", "openmodelica")
             )
-            made[name] = Pair(ours, theirs)
-        return made[name]
+            pairs[name] = Pair(ours, theirs)
+        return pairs[name]
 
     return build
 
 
 @pytest.mark.parametrize("name", BOOK.recipes)
-def test_the_face_is_the_same(pair, name):
-    """Inputs, outputs, parameters, their types, units, bounds and defaults; ours has parameters of the solver more."""
+def test_the_interface_is_the_same(pair, name):
+    """Inputs, outputs and parameters with types, units, bounds and defaults; solver parameters are built-in only."""
     fmus = pair(name)
 
     for causality in ("input", "output", "parameter"):
@@ -67,7 +67,7 @@ def test_the_face_is_the_same(pair, name):
 
 @pytest.mark.parametrize("name", BOOK.recipes)
 def test_the_trajectory_is_the_same(pair, name):
-    """Three seconds, parameters nudged; a difference of compilers is one in rounding, of two integrations 1e-5."""
+    """Three seconds, parameters perturbed; compilers differ by rounding, two integrations by 1e-5."""
     fmus = pair(name)
     inputs = {n: held(n) for n in fmus.ours.names("input")}
     start = nudged(fmus)
@@ -75,7 +75,7 @@ def test_the_trajectory_is_the_same(pair, name):
 
 
 def test_the_trajectory_is_the_same_through_lock_and_standstill(pair):
-    """From 3 m/s on bad rail; after standstill the frames swing out, 1e-4 of their largest deflection apart."""
+    """From 3 m/s on a poor rail; after standstill the frames swing, differing by 1e-4 of the largest deflection."""
     fmus = pair("TwoPartTrain")
     inputs = {n: held(n, HELD | {"pressure_command": 2.0e5, "mu0": 0.05}) for n in fmus.ours.names("input")}
     ours, theirs = (integrated(d, inputs, {"start_speed": 3.0}, 8.0) for d in (fmus.ours, fmus.theirs))
@@ -116,8 +116,8 @@ def test_a_prediction_is_the_same_function(pair, name):
 
 
 @pytest.mark.parametrize("name", PLANTS)
-def test_the_harness_steps_it_to_the_same_end(pair, name):
-    """Co-simulation at 1 kHz, units and all. CVODE as omc sets it is 3e-5 off; a wrong model is 1e-3 and more."""
+def test_the_harness_steps_both_to_the_same_end(pair, name):
+    """Co-simulation at 1 kHz, including units. CVODE in omc is 3e-5 off; a wrong model differs by 1e-3 or more."""
     fmus = pair(name)
     ours, theirs = (stepped(d, HELD, {}) for d in (fmus.ours, fmus.theirs))
     size = {n: max(np.max(np.abs(run)), 1e-9) for n, run in ours.items()}
@@ -125,8 +125,8 @@ def test_the_harness_steps_it_to_the_same_end(pair, name):
     assert {n: w for n, w in worst.items() if w > 1e-3} == {}
 
 
-def test_the_harness_steps_it_through_lock_and_standstill(pair):
-    """Theirs locks and stops up to a step of 1 ms late, which a distance of 9 m does not show to 1e-3."""
+def test_the_harness_steps_both_through_lock_and_standstill(pair):
+    """OpenModelica's FMU locks and stops up to a step of 1 ms late, less than 1e-3 of a distance of 9 m."""
     fmus = pair("TwoPartTrain")
     values = HELD | {"pressure_command": 2.0e5, "mu0": 0.05}
     ours, theirs = (stepped(d, values, {"start_speed": 3.0}, 8.0) for d in (fmus.ours, fmus.theirs))

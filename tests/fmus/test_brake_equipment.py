@@ -1,4 +1,4 @@
-"""The built-in compiler takes air ports, pipes of cells and clocks, and finds the closed forms and published limits."""
+"""Air ports, pipes of cells and clocks, translated by the built-in compiler, reproduce closed forms and limits."""
 
 import re
 from pathlib import Path
@@ -21,7 +21,7 @@ def simulated(tmp_path: Path):
         text = (LIBRARY / (name.replace(".", "/") + ".mo")).read_text()
         until = float(re.search(r"StopTime=([\d.]+)", text)[1])
         source, _ = translate(Recipe.of_class(f"RailBraking.{name}", "cs"))
-        # Not optimised: a second of air takes longer to compile than to simulate.
+        # Not optimised: compilation would take longer than simulating a second of air.
         file = pack(source, tmp_path / "class.fmu", flags=("-O0",))
         return fmpy.simulate_fmu(str(file), stop_time=until, output_interval=0.01, output=outputs)
 
@@ -48,9 +48,9 @@ def test_the_built_in_compiler_finds_the_answer(name: str, simulated) -> None:
 
 
 def test_an_emergency_brake_reaches_the_last_of_ten_coaches(simulated) -> None:
-    """271 m of pipe to the middle of the last one; the first pressure of a cylinder comes at 240 to 270 m/s.
+    """271 m of pipe to the middle of the last coach; its cylinder pressure starts to rise at 240 to 270 m/s.
 
-    UIC 540 gives each distributor 3 to 5 s from there on, in position P.
+    UIC 540 allows each distributor 3 to 5 s from then, in position P.
     """
     pressures = [f"distributor[{k}].pressure" for k in range(1, 12)]
     trace = simulated("Examples.BrakePipeOfTenCoaches", *pressures)

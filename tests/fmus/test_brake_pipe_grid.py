@@ -1,4 +1,4 @@
-"""The front in the brake pipe, against a solver of its own on finer grids."""
+"""The front in the brake pipe, compared with an independent solver on finer grids."""
 
 from types import SimpleNamespace
 
@@ -21,16 +21,16 @@ def test_the_front_is_that_of_an_independent_solver(fronts, litres, error):
     assert fronts[litres, "none"] == pytest.approx(fine, rel=error)
 
 
-def test_with_accelerators_too(fronts):
+def test_the_front_with_accelerators_is_that_of_an_independent_solver(fronts):
     fine = Pipe(cells=17, branch=3e-3, vent=2e-7).front()
     assert fronts[3.0, "in each car"] == pytest.approx(fine, rel=0.02)
-    # No small wave is faster than the sound that branches slow down.
+    # No small wave is faster than the sound, which branches slow down.
     assert fine < SOUND / (1 + 3e-3 / (26.4 * 8.042e-4)) ** 0.5
     assert fronts[3.0, "none"] < fronts[3.0, "in each car"]
 
 
 def test_the_independent_solver_converges():
-    """Thrice the cells move its front by less each time; the error of 17 is below that of the claims above."""
+    """Tripling the cells moves its front by less each time; the error with 17 is below that of the tolerances above."""
     coarse, medium, fine = (Pipe(cells=cells, branch=3e-3).front() for cells in (3, 9, 27))
     assert abs(fine - medium) < abs(medium - coarse)
     assert fine == pytest.approx(medium, rel=3e-3)
@@ -42,8 +42,8 @@ def test_the_table_states_the_error_of_the_grid_of_trains():
     assert (row["1 cell"], row["17 cells"], row["grid error"]) == ("280.0 m/s", "266.0 m/s", "+1.5 %")
 
 
-def test_the_quick_form_has_an_error_against_a_finer_grid():
-    """A front that is faster by 1 % with every cell: the error is that of the cells between both grids."""
+def test_the_quick_form_has_an_error_relative_to_a_finer_grid():
+    """A front that is 1 % faster with every cell: the error is that of the additional cells of the finer grid."""
     work = SimpleNamespace(map=lambda function, grids: [{(0.0, "none"): 250.0 * 1.01**cells} for cells in grids])
     (row,) = brake_pipe.BrakePipeStudy(quick=True).page(work).screen[0].rows
     finest = int(list(row)[-2].removesuffix(" cells"))

@@ -1,4 +1,4 @@
-"""From recipe to FMU: reproducible, only when needed, and with a sentence when it cannot be."""
+"""From recipe to FMU: reproducible, only when necessary, and with a sentence when it is impossible."""
 
 import hashlib
 import os
@@ -30,7 +30,7 @@ step = 1e-3
 
 @pytest.fixture
 def kitchen(tmp_path, own_cache):
-    """A library of one's own to change, a cookbook, a cache, and a folder for the results."""
+    """A modifiable copy of the library, a cookbook, a cache, and a folder for the results."""
     library = tmp_path / "modelica" / "Features"
     shutil.copytree(FEATURES, library)
     (tmp_path / "recipes.toml").write_text(RECIPE)
@@ -50,7 +50,7 @@ def test_the_same_sources_give_the_same_bytes(kitchen):
 
 
 def test_only_what_changed_is_built_again(kitchen):
-    """After a comment Modelica is read again but nothing compiled; after an equation it is compiled."""
+    """After a comment Modelica is parsed again but nothing is compiled; after an equation it is compiled."""
     make, library, folder = kitchen
     file = library / "BouncingBall.mo"
     assert make().action == "built"
@@ -73,7 +73,7 @@ def _write(file: Path, text: str) -> Path:
     return file
 
 
-def test_a_class_that_is_refused_leaves_no_fmu(kitchen):
+def test_a_refused_class_leaves_no_fmu(kitchen):
     make, library, folder = kitchen
     file = library / "BouncingBall.mo"
     file.write_text(file.read_text().replace("der(v) = -g", "der(v) = -delay(g + h, 0.1)"))
@@ -98,12 +98,12 @@ def test_a_wrong_recipe_ends_in_a_sentence_with_file_and_key(tmp_path, change, s
     assert str(file) in str(error.value)
 
 
-def test_a_misspelt_name_gets_the_nearest_one():
+def test_a_misspelt_name_is_answered_with_the_nearest():
     with pytest.raises(InputError, match="did you mean TwoPartTrain"):
         read_recipes()["TwoPartTran"]
 
 
-def test_openmodelica_is_taken_when_it_is_there_and_missed_when_asked_for(monkeypatch, tmp_path):
+def test_openmodelica_is_used_if_available_and_reported_missing_on_request(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     assert choose("auto") == "native"
     with pytest.raises(CompilerMissing, match="omc is not on the PATH"):
@@ -113,7 +113,7 @@ def test_openmodelica_is_taken_when_it_is_there_and_missed_when_asked_for(monkey
     assert choose("native") == "native"
 
 
-def test_the_lock_file_is_read_as_it_was_written_and_tells_what_differs(tmp_path, kitchen):
+def test_the_lock_file_reads_back_and_differences_are_reported(tmp_path, kitchen):
     make, _, folder = kitchen
     interface = make().interface
     book = read_recipes(folder / "recipes.toml")
@@ -132,18 +132,18 @@ def test_the_lock_file_is_read_as_it_was_written_and_tells_what_differs(tmp_path
 
 
 def ended(*command: str | Path, cwd: Path = ROOT, env: dict[str, str] | None = None):
-    """Run a program to its end, which is never a traceback."""
+    """Run a program until it ends, without a traceback."""
     done = subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True, check=False)
     assert "Traceback" not in done.stderr
     return done
 
 
-def test_list_shows_every_recipe_whole_where_there_is_no_screen(command):
-    shown = command("build", "--list")
-    assert shown.code == 0
+def test_list_prints_every_recipe_completely_without_a_terminal(command):
+    output = command("build", "--list")
+    assert output.code == 0
     for name, recipe in tomllib.loads((ROOT / "fmus" / "recipes.toml").read_text()).items():
-        assert f" {name} " in shown.out
-        assert f" {recipe['class']} " in shown.out
+        assert f" {name} " in output.out
+        assert f" {recipe['class']} " in output.out
 
 
 def test_the_program_imports_nothing_from_the_current_folder(tmp_path):
@@ -155,7 +155,7 @@ def test_the_program_imports_nothing_from_the_current_folder(tmp_path):
     assert not (tmp_path / "ran").exists()
 
 
-def test_the_command_line_ends_wrong_questions_with_a_sentence_and_2(command):
+def test_the_command_line_reports_wrong_inputs_in_a_sentence_with_exit_code_2(command):
     done = command("build", "Nothing")
     assert done.code == 2
     assert "has no FMU named 'Nothing'" in done.err
@@ -169,8 +169,8 @@ def test_the_command_line_ends_wrong_questions_with_a_sentence_and_2(command):
     ],
     ids=["build", "run"],
 )
-def test_both_command_lines_without_a_c_compiler_end_with_3(tmp_path, command):
-    """An interpreter without site-packages' ziglang: it is hidden, and the PATH is empty."""
+def test_both_command_lines_without_a_c_compiler_exit_with_3(tmp_path, command):
+    """An interpreter without the ziglang of site-packages, which is hidden, and with an empty PATH."""
     hide = (
         "import sys, importlib.util as u; real = u.find_spec;"
         "u.find_spec = lambda n, *a: None if n == 'ziglang' else real(n, *a);"
@@ -184,7 +184,7 @@ def test_both_command_lines_without_a_c_compiler_end_with_3(tmp_path, command):
 
 @pytest.fixture
 def house(tmp_path):
-    """A copy of the package as it is installed, to break."""
+    """A copy of the installed package that a test may damage."""
     shutil.copytree(ROOT / "harness", tmp_path / "railgrip", ignore=shutil.ignore_patterns("__pycache__"))
     for folder in ("fmus", "modelica", "estimators", "controllers"):
         shutil.copytree(ROOT / folder, tmp_path / "railgrip" / folder, ignore=shutil.ignore_patterns("__pycache__"))
@@ -212,7 +212,7 @@ def test_a_class_that_does_not_compile_is_reported_with_file_and_line(house, com
 
 
 def test_only_the_cache_counts_as_built(kitchen):
-    """An FMU that somebody left where the copies go is neither believed nor spared."""
+    """An FMU that somebody left in the output folder is neither used nor preserved."""
     make, _, folder = kitchen
     (folder / "out").mkdir()
     (folder / "out" / "Ball.fmu").write_text("from a stranger")

@@ -44,19 +44,19 @@ def packed(tmp_path_factory):
 def slave(packed, tmp_path):
     description = read_model_description(packed)
     folder = extract(str(packed), unzipdir=str(tmp_path / "unpacked"))
-    made = FMU2Slave(
+    slave = FMU2Slave(
         guid=description.guid, unzipDirectory=folder, instanceName="one",
         modelIdentifier=description.coSimulation.modelIdentifier,
     )  # fmt: skip
-    made.instantiate()
-    made.setupExperiment(startTime=0.0)
-    made.enterInitializationMode()
-    made.references = {v.name: v.valueReference for v in description.modelVariables}
-    yield made
-    made.freeInstance()
+    slave.instantiate()
+    slave.setupExperiment(startTime=0.0)
+    slave.enterInitializationMode()
+    slave.references = {v.name: v.valueReference for v in description.modelVariables}
+    yield slave
+    slave.freeInstance()
 
 
-def test_it_is_a_valid_fmu(packed):
+def test_the_fmu_is_valid(packed):
     assert validate_fmu(str(packed)) == []
 
 
@@ -82,7 +82,7 @@ def test_a_longer_step_holds_the_input_over_whole_periods(slave):
 
 
 def test_parts_of_a_period_call_the_function_once(slave):
-    """What is set between two samples counts from the next one on."""
+    """An input set between two samples takes effect at the next sample."""
     of = slave.references
     slave.exitInitializationMode()
     seen = []
@@ -96,27 +96,27 @@ def test_parts_of_a_period_call_the_function_once(slave):
 
 
 @pytest.mark.parametrize(("start", "step"), [(0.0, 1.5 * PERIOD), (0.3 * PERIOD, PERIOD), (0.0, 0.0)])
-def test_a_step_that_is_no_whole_sample_is_refused(slave, start, step):
+def test_a_step_that_is_not_a_multiple_of_the_sample_is_refused(slave, start, step):
     slave.exitInitializationMode()
     with pytest.raises(Exception, match="fmi2DoStep"):
         slave.doStep(start, step)
 
 
-def test_a_run_can_be_taken_back(slave):
+def test_a_run_can_be_restored(slave):
     of = slave.references
     slave.exitInitializationMode()
     slave.setReal([of["acceleration"]], [1.0])
-    kept = slave.getFMUState()
+    state = slave.getFMUState()
     slave.doStep(0.0, PERIOD)
     after = slave.getReal([of["memory"]])
-    slave.setFMUState(kept)
+    slave.setFMUState(state)
     slave.doStep(0.0, PERIOD)
     assert slave.getReal([of["memory"]]) == after
-    slave.freeFMUState(kept)
+    slave.freeFMUState(state)
 
 
-def test_a_million_summed_steps_keep_their_place(slave):
-    """A caller that sums its period drifts by less than a hundredth of it over a run of minutes."""
+def test_a_million_summed_steps_stay_on_the_sample_grid(slave):
+    """A caller that sums its period drifts by less than a hundredth of a period during a run of minutes."""
     slave.exitInitializationMode()
     time = 0.0
     for _ in range(20_000):
@@ -141,7 +141,7 @@ def test_a_function_of_the_wrong_size_is_refused():
         )  # fmt: skip
 
 
-def test_two_variables_of_one_name_are_refused():
+def test_two_variables_with_the_same_name_are_refused():
     x, u = ca.SX.sym("x"), ca.SX.sym("u")
     with pytest.raises(InputError, match="more than one variable is named a"):
         sources(

@@ -1,4 +1,4 @@
-"""Events happen when and as they should, against closed forms."""
+"""Events occur at the right instant with the right effect, compared with closed forms."""
 
 import math
 
@@ -21,8 +21,8 @@ def bounces(count, e=0.7, g=9.81, h=1.0):
 
 
 @pytest.mark.parametrize("step", [1e-3, 0.05])
-def test_a_ball_bounces_when_the_parabola_says(feature, run, step):
-    """Ballistic flight is integrated exactly; what is left is the location of each bounce, 1e-10 s."""
+def test_a_ball_bounces_at_the_end_of_its_parabola(feature, run, step):
+    """Ballistic flight is integrated exactly; the remaining error is the location of each bounce, 1e-10 s."""
     instance = run(feature("BouncingBall"))
     end = 1.6
     instance.steps(round(end / step), step)
@@ -33,14 +33,14 @@ def test_a_ball_bounces_when_the_parabola_says(feature, run, step):
     assert instance.get("h")[0] == pytest.approx(v * (end - t) - 0.5 * 9.81 * (end - t) ** 2, abs=1e-8)
 
 
-def test_friction_stops_holds_and_lets_go(feature, run):
+def test_friction_stops_holds_and_releases(feature, run):
     """v²/2 = (F/m) s until it stops; it stays; the pull exceeds friction at 5 s and accelerates it."""
     instance = run(feature("StickSlip"))
     instance.steps(400, 0.01)
     assert instance.get("s")[0] == pytest.approx(1.5**2 / (2 * 3 / 2), abs=1e-9)
     assert instance.get("v")[0] == 0.0
     instance.steps(200, 0.01, first=400)
-    # From 5 s on m dv/dt = t − 5, so that v(6 s) = 1/(2m).
+    # From 5 s m dv/dt = t − 5, so that v(6 s) = 1/(2m).
     assert instance.get("v")[0] == pytest.approx(0.25, abs=1e-8)
 
 
@@ -52,7 +52,7 @@ def test_a_time_event_moves_with_its_parameter(feature, run):
         assert instance.get("x")[0] == pytest.approx(0.25 - 2 * (T - 0.25) + 0.5 * (1 - T), abs=1e-12)
 
 
-def test_an_input_that_jumps_triggers_its_event_at_once(feature, run):
+def test_a_jump_of_an_input_triggers_its_event_at_once(feature, run):
     fmu = feature("Driven")
     instance = run(fmu, start={"k": 1.0})
     instance.steps(10, 0.1)
@@ -84,15 +84,15 @@ end M;
 """
 
 
-def test_what_only_clocked_equations_read_asks_for_no_second_pass(tmp_path):
-    """The delay line is read by itself at ticks, and by a derivative; the flag also by another when clause."""
+def test_variables_read_only_by_clocked_equations_cause_no_second_pass(tmp_path):
+    """Only clocked equations and a derivative read the delay line; another when clause also reads the flag."""
     file = tmp_path / "M.mo"
     file.write_text(COUNTER)
     system = explicit(read("M", file))
     assert [system.variables.discretes[i].name for i in repeating_discretes(system)] == ["odd", "count"]
 
 
-def test_a_clause_acts_at_the_instant_of_the_tick_that_changes_what_it_reads(modelica, run):
+def test_a_clause_acts_at_the_tick_that_changes_its_variables(modelica, run):
     """The flag rises at the ticks of 0.1, 0.3 and 0.5 s."""
     instance = run(modelica(COUNTER))
     counts = []
@@ -101,5 +101,5 @@ def test_a_clause_acts_at_the_instant_of_the_tick_that_changes_what_it_reads(mod
         counts.append(instance.count("count"))
     assert [counts[k] for k in (8, 10, 28, 30, 48, 50)] == [0, 1, 1, 2, 2, 3]
     assert instance.get("line[1]", "line[2]", "line[3]") == [5.0, 4.0, 3.0]
-    # line[3] was 1 from 0.3 s, 2 from 0.4 s and 3 from 0.5 s on.
+    # line[3] was 1 from 0.3 s, 2 from 0.4 s and 3 from 0.5 s.
     assert instance.get("x")[0] == pytest.approx(0.1 * 1 + 0.1 * 2 + 0.05 * 3, abs=1e-9)

@@ -1,4 +1,4 @@
-"""What goes wrong while an FMU runs is told through its logger, with variable and time."""
+"""Failures of a running FMU are reported through its logger, with variable and time."""
 
 import math
 
@@ -6,17 +6,17 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 
-def test_an_assertion_ends_the_step_with_the_models_own_words(feature, run):
+def test_an_assertion_ends_the_step_with_the_models_message(feature, run):
     instance = run(feature("Driven"), start={"limit": 0.8, "k": 0.1})
     with pytest.raises(FMICallException):
         instance.steps(10, 0.1)
-    (said,) = [m for m in instance.messages if "assertion" in m]
-    assert "is 100 %% beyond its limit" in said
-    assert "Driven.mo:" in said
-    assert float(said.split("x = ")[1].split(" ")[0]) == pytest.approx(instance.get("x")[0], rel=1e-4)
+    (message,) = [m for m in instance.messages if "assertion" in m]
+    assert "is 100 %% beyond its limit" in message
+    assert "Driven.mo:" in message
+    assert float(message.split("x = ")[1].split(" ")[0]) == pytest.approx(instance.get("x")[0], rel=1e-4)
 
 
-def test_a_warning_is_said_once_and_does_not_stop(feature, run):
+def test_a_warning_is_printed_once_and_does_not_stop(feature, run):
     instance = run(feature("Driven"), start={"k": 0.1})
     instance.set(u=-9.0)
     instance.steps(10, 0.1)
@@ -34,7 +34,7 @@ def test_a_derivative_that_is_not_a_number_names_its_state(modelica, run):
     with pytest.raises(FMICallException):
         instance.steps(40, 0.1)
     assert any("depth" in m and "time = " in m for m in instance.messages)
-    # It got as far as the closed form 2(√x + a ln(a/(√x + a))) with a = 0.1 allows.
+    # It reached the time that the closed form 2(√x + a ln(a/(√x + a))) with a = 0.1 allows.
     empty = 2 * (1 - 0.1 * math.log(1.1 / 0.1))
     reached = instance.get("time")[0]
     assert reached == pytest.approx(empty, abs=1e-3)
@@ -53,7 +53,7 @@ def test_a_derivative_that_is_not_a_number_names_its_state(modelica, run):
     ],
     ids=["loop without solution", "infinite at 1 s", "chattering"],
 )
-def test_a_model_without_solution_is_told_with_what_fails(modelica, run, variables, equations, words):
+def test_a_model_without_solution_is_reported_with_the_failing_equation(modelica, run, variables, equations, words):
     instance = run(modelica(f"model M {variables} equation {equations} end M;"))
     with pytest.raises(FMICallException):
         instance.steps(20, 0.1)
@@ -71,8 +71,8 @@ def test_calls_out_of_order_are_refused_with_a_sentence(feature, run):
         instance.set(_tolerance=-1.0)
 
 
-def test_a_model_that_chatters_ends_the_step_instead_of_never_returning(modelica, run):
-    """It swings to and fro between two events 0.2 µs apart: five million in a second."""
+def test_a_model_that_chatters_ends_the_step_instead_of_hanging(modelica, run):
+    """It alternates between two events 0.2 µs apart: five million in a second."""
     fmu = modelica(
         "model M parameter Real d=1e-7; Real x(start=0,fixed=true); discrete Real s(start=1,fixed=true);"
         " equation der(x) = s; when x > d or x < -d then s = if x > 0 then -1 else 1; end when; end M;"
@@ -82,7 +82,7 @@ def test_a_model_that_chatters_ends_the_step_instead_of_never_returning(modelica
         instance.steps(1000, 1e-3)
     assert any("too many internal steps, more than 300000 in a second, at time = " in m
                for m in instance.messages)  # fmt: skip
-    # Five thousand in a second are a model one may have.
+    # Five thousand in a second occur in valid models.
     patient = run(fmu, start={"d": 1e-4})
     patient.steps(1000, 1e-3)
     assert patient.get("time")[0] == pytest.approx(1.0)

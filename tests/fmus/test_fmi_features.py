@@ -1,4 +1,4 @@
-"""Directional derivatives, FMU state, tunable parameters, and what modelDescription.xml says."""
+"""Directional derivatives, FMU state, tunable parameters, and the contents of modelDescription.xml."""
 
 import numpy as np
 import pytest
@@ -31,14 +31,14 @@ def compare(instance, unknown, known, relative=1e-6):
         assert given == pytest.approx((sides[0] - sides[1]) / (2 * h), rel=1e-5, abs=1e-5), name
 
 
-def test_an_input_has_directional_derivatives_too(feature, run):
+def test_an_input_also_has_directional_derivatives(feature, run):
     instance = run(feature("Driven"), "me")
     compare(instance, ["der(x)", "y"], ["u", "x", "k"])
 
 
 @pytest.mark.parametrize("name", ["NonlinearLoop", "Redeclared"])
 def test_several_states_at_once_are_the_sum_of_one_at_a_time(feature, run, name):
-    """Also after another point was seen and after a kept state was restored: the Jacobian is that of the point."""
+    """Also after evaluating another point and after restoring a saved state: the Jacobian is that of the point."""
     fmu = feature(name)
     instance = run(fmu, "me")
     states = [u.variable.derivative.name for u in fmu.description.derivatives]
@@ -49,47 +49,47 @@ def test_several_states_at_once_are_the_sum_of_one_at_a_time(feature, run, name)
     def columns():
         return [instance.instance.getDirectionalDerivative(unknown, [k], [1.0]) for k in known]
 
-    kept = instance.instance.getFMUState()
+    state = instance.instance.getFMUState()
     first = columns()
     together = instance.instance.getDirectionalDerivative(unknown, known, along)
     assert together == pytest.approx(np.array(first).T @ along, rel=1e-14, abs=1e-14)  # the same sum
     instance.set(**{states[0]: instance.get(states[0])[0] + 0.7})
     assert columns() != first
-    instance.instance.setFMUState(kept)
+    instance.instance.setFMUState(state)
     assert columns() == first
-    instance.instance.freeFMUState(kept)
+    instance.instance.freeFMUState(state)
 
 
-def test_a_state_that_was_kept_gives_the_same_future(feature, run):
-    """Also after events, also through bytes, also in another instance."""
+def test_a_restored_state_gives_the_same_future(feature, run):
+    """Also after events, from bytes, and in another instance."""
     fmu = feature("Sampled")
     instance = run(fmu)
     instance.steps(37, 0.01)
-    kept = instance.instance.getFMUState()
-    data = instance.instance.serializeFMUState(kept)
+    state = instance.instance.getFMUState()
+    data = instance.instance.serializeFMUState(state)
     instance.steps(200, 0.01, first=37)
     first = instance.get("x", "u")
-    instance.instance.setFMUState(kept)
+    instance.instance.setFMUState(state)
     instance.steps(200, 0.01, first=37)
     assert instance.get("x", "u") == first
     instance.instance.setFMUState(instance.instance.deSerializeFMUstate(data))
     instance.steps(200, 0.01, first=37)
     assert instance.get("x", "u") == first
-    instance.instance.freeFMUState(kept)
+    instance.instance.freeFMUState(state)
     other = run(fmu)
     other.instance.setFMUState(other.instance.deSerializeFMUstate(data))
     other.steps(200, 0.01, first=37)
     assert other.get("x", "u") == first
 
 
-def test_bytes_of_another_fmu_are_no_state(feature, run):
+def test_bytes_of_another_fmu_are_not_a_state(feature, run):
     a, b = run(feature("Sampled")), run(feature("Oscillator"))
     data = a.instance.serializeFMUState(a.instance.getFMUState())
     with pytest.raises(FMICallException):
         b.instance.deSerializeFMUstate(data)
 
 
-def test_reset_forgets_everything(feature, run):
+def test_reset_restores_the_initial_state(feature, run):
     fmu = feature("BouncingBall")
     instance = run(fmu, start={"e": 0.5})
     instance.steps(100, 0.01)
@@ -125,7 +125,7 @@ def test_initial_equations_hold(feature, run):
         assert z == 2.0
 
 
-def test_the_description_says_what_the_model_says(feature):
+def test_the_description_matches_the_model(feature):
     description = feature("Driven").description
     v = {v.name: v for v in description.modelVariables}
     assert (v["u"].unit, v["u"].min, v["u"].max, v["u"].start, v["u"].causality) == (

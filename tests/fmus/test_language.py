@@ -9,7 +9,7 @@ from fmpy.validation import validate_fmu
 from small_fmus import FEATURES, reference_run
 
 CLASSES = sorted(f.stem for f in FEATURES.glob("*.mo") if f.stem != "package")
-# rumoca's simulate needs values for inputs; Driven has tests of its own.
+# rumoca's simulate requires values for inputs; Driven has separate tests.
 CLOSED = [name for name in CLASSES if name != "Driven"]
 STOP, STEP = 2.0, 0.01
 
@@ -27,7 +27,7 @@ def test_the_fmu_is_valid(feature, name):
 @pytest.mark.parametrize("interface", ["ModelExchange", "CoSimulation"])
 @pytest.mark.parametrize("name", CLOSED)
 def test_the_trajectory_is_that_of_rumoca(feature, references, name, interface):
-    """Within 1e-5 of the largest value; the solvers are asked for 1e-8 and events are located to 1e-10 s."""
+    """Within 1e-5 of the largest value; the solvers have a tolerance of 1e-8 and events are located to 1e-10 s."""
     fmu = feature(name)
     time, reference = references[name]
     shared = [n for n in reference if any(v.name == n for v in fmu.description.modelVariables)]

@@ -1,4 +1,4 @@
-"""Parts of the built-in compiler on their own."""
+"""Parts of the built-in compiler, each tested separately."""
 
 import ctypes
 import math
@@ -49,9 +49,9 @@ def elimination_library(n, pattern):
 
 @pytest.mark.parametrize(("seed", "n", "density"), [(0, 17, 0.15), (1, 17, 0.15), (2, 17, 0.15), (3, 60, 0.08)])
 def test_sparse_elimination_solves_what_numpy_solves(seed, n, density):
-    """Random sparse J, shifted so far that no pivot is needed; condition below 100, so 1e-11 is ample.
+    """Random sparse J with a shift that makes pivoting unnecessary; condition below 100, so 1e-11 is ample.
 
-    With 60 unknowns factors and solution have more lines than one part of them holds.
+    With 60 unknowns factors and solution take more lines than one part of the generated code.
     """
     rng = np.random.default_rng(seed)
     dense = np.where(rng.random((n, n)) < density, rng.normal(size=(n, n)), 0.0)
@@ -74,7 +74,7 @@ def test_a_cancelled_pivot_is_reported():
 
 
 @pytest.mark.parametrize("n", [math.isqrt(MAX_ENTRIES) + 1, round((3 * MAX_PRODUCTS) ** (1 / 3)) + 2])
-def test_elimination_with_too_many_entries_or_products_is_left_to_pivoting(n):
+def test_elimination_with_too_many_entries_or_products_uses_pivoting(n):
     """A full matrix of n unknowns has n² entries, and takes (n − 1) n (2 n − 1) / 6 products."""
     library, factors = elimination_library(n, [(i, j) for j in range(n) for i in range(n)])
     assert factors.size == 0
@@ -82,7 +82,7 @@ def test_elimination_with_too_many_entries_or_products_is_left_to_pivoting(n):
 
 
 def played(function, prelude, code, given):
-    """Return the results of a function as our C computes them."""
+    """Return the results of a function computed by the generated C."""
     run = f"{EXPORTED} void run(const double **a, double **r) {{ {function.name()}(a, r); }}"
     text = "\n".join(["#include <math.h>", *prelude, code, run])
     sources = {"model.c": text, "tape.c": (RUNTIME / "tape.c").read_text()}
@@ -94,8 +94,8 @@ def played(function, prelude, code, given):
 
 @pytest.mark.parametrize("values", [(2.5, 1.75), (1.75, 2.5), (0.5, -1.25)])
 @pytest.mark.parametrize(("prelude", "write"), [(interpreter(), tape), ([], straight)], ids=["tape", "straight"])
-def test_our_c_computes_what_casadi_computes(prelude, write, values):
-    """Every operation on both sides of its branches, against CasADi's own evaluation, to the last bit."""
+def test_generated_c_computes_the_same_as_casadi(prelude, write, values):
+    """Every operation on both sides of its branches, compared bit by bit with CasADi's own evaluation."""
     x, y = ca.SX.sym("x", 2), ca.SX.sym("y")
     a, b = x[0], x[1]
     every = [
@@ -109,12 +109,12 @@ def test_our_c_computes_what_casadi_computes(prelude, write, values):
     function = ca.Function("f_every", [x, y], [ca.vertcat(*every), a + y])
     given = [np.array(values), np.array([-7.5])]
     found = played(function, prelude, write(function), given)
-    for result, wanted in zip(found, function(*given), strict=True):
-        np.testing.assert_array_equal(result, np.asarray(wanted).ravel())
+    for result, expected in zip(found, function(*given), strict=True):
+        np.testing.assert_array_equal(result, np.asarray(expected).ravel())
 
 
-def test_a_long_function_is_many_parts_that_hand_on_their_values():
-    """A chaotic map, whose every step would show a value that went astray between two parts."""
+def test_a_long_function_is_split_into_parts_that_pass_on_their_values():
+    """A chaotic map amplifies any value lost between two parts."""
     x = ca.SX.sym("x")
     orbit = [x]
     for k in range(LONGEST):
@@ -123,11 +123,11 @@ def test_a_long_function_is_many_parts_that_hand_on_their_values():
     code = straight(function)
     assert code.count("static void f_orbit") > function.n_instructions() // LONGEST
     found = played(function, [], code, [np.array([0.3])])
-    for result, wanted in zip(found, function(0.3), strict=True):
-        np.testing.assert_array_equal(result, np.asarray(wanted).ravel())
+    for result, expected in zip(found, function(0.3), strict=True):
+        np.testing.assert_array_equal(result, np.asarray(expected).ravel())
 
 
-def test_a_lowered_class_is_its_equations(tmp_path):
+def test_a_lowered_class_equals_its_equations(tmp_path):
     """m dv/dt = u − c v, y = m v, with c computed from a parameter."""
     file = tmp_path / "M.mo"
     file.write_text(
@@ -145,7 +145,7 @@ def test_a_lowered_class_is_its_equations(tmp_path):
     assert float(model.initial([7, 1])) == 7
 
 
-def test_a_class_of_a_library_is_lowered_once_and_again_when_the_library_changes(tmp_path, own_cache, monkeypatch):
+def test_a_library_class_is_lowered_once_and_again_after_a_change(tmp_path, own_cache, monkeypatch):
     library = tmp_path / "Features"
     shutil.copytree(FEATURES, library)
 
@@ -165,7 +165,7 @@ def test_a_class_of_a_library_is_lowered_once_and_again_when_the_library_changes
     assert pull() == -6
 
 
-def test_without_any_c_compiler_the_sentence_says_what_to_install(monkeypatch):
+def test_without_any_c_compiler_the_message_names_what_to_install(monkeypatch):
     monkeypatch.setenv("PATH", "")
     monkeypatch.delenv("CC", raising=False)
     monkeypatch.setattr(toolchain.importlib.util, "find_spec", lambda _name: None)
@@ -173,20 +173,20 @@ def test_without_any_c_compiler_the_sentence_says_what_to_install(monkeypatch):
         toolchain.compiler()
 
 
-def test_without_a_system_compiler_zig_is_taken(monkeypatch):
+def test_without_a_system_compiler_zig_is_used(monkeypatch):
     monkeypatch.setenv("PATH", "")
     monkeypatch.delenv("CC", raising=False)
     assert toolchain.compiler().command[1:] == ("-P", "-m", "ziglang", "cc")
 
 
-def test_a_c_error_is_shown():
+def test_a_c_error_is_printed():
     with pytest.raises(BuildFailed, match=r"(?s)could not compile wrong.*wrong\.c"):
         toolchain.shared_library({"wrong.c": "int f(void) { return }"}, "wrong")
 
 
 def test_a_library_is_compiled_once(own_cache):
     first = toolchain.shared_library({"a.c": "int f(void) { return 1; }"}, "a")
-    file = first.stat().st_ino  # its time changes: the cache notes when it was last used
+    file = first.stat().st_ino  # the file's time changes: the cache notes when it was last used
     assert toolchain.shared_library({"a.c": "int f(void) { return 1; }"}, "a").stat().st_ino == file
     other = toolchain.shared_library({"a.c": "int f(void) { return 2; }"}, "a")
     assert other != first
@@ -194,8 +194,8 @@ def test_a_library_is_compiled_once(own_cache):
 
 
 @pytest.mark.parametrize(("size", "wanted"), [(0, (0.0, 1.0, LARGEST_REAL, -LARGEST_REAL)), (2, (5.0, 6.0, 2.0, 3.0))])
-def test_a_reduction_over_nothing_is_its_neutral_element(tmp_path, size, wanted):
-    """Modelica Language Specification 3.6, section 10.3.4; of a vector and as a comprehension."""
+def test_a_reduction_over_an_empty_set_is_its_neutral_element(tmp_path, size, wanted):
+    """Modelica Language Specification 3.6, section 10.3.4; for a vector and as a comprehension."""
     file = tmp_path / "M.mo"
     kinds = ("sum", "product", "min", "max")
     outputs = [f"output Real {kind}_v = {kind}(v);" for kind in kinds]

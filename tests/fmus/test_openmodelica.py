@@ -1,4 +1,4 @@
-"""The OpenModelica side: script and answers, with a stand-in for omc. test_both_compilers.py wants the real one."""
+"""The OpenModelica side: script and answers, with a substitute for omc; test_both_compilers.py needs the real one."""
 
 import stat
 import warnings
@@ -21,7 +21,7 @@ PREDICTION = RECIPE.model_copy(update={"interfaces": ("me",)})
 
 @pytest.fixture
 def omc(tmp_path, monkeypatch):
-    """Return a function that puts an `omc` on the PATH which runs the given shell lines."""
+    """Return a function that puts an `omc` on the PATH that runs the given shell lines."""
     folder = tmp_path / "bin"
     folder.mkdir()
 
@@ -56,20 +56,20 @@ def test_the_script_loads_the_package_as_a_user_would(library):
 
 
 @pytest.mark.parametrize("interfaces", [("cs",), ("me", "cs")])
-def test_co_simulation_never_comes_alone(tmp_path, interfaces):
+def test_co_simulation_is_never_requested_alone(tmp_path, interfaces):
     """OpenModelica issues 9782 and 9785: with fmuType="cs" inputs count as constant in the derivatives of outputs."""
     recipe = RECIPE.model_copy(update={"interfaces": interfaces})
     assert 'fmuType="me_cs"' in openmodelica.script(recipe, tmp_path, derivatives=False)
 
 
-def test_model_exchange_asks_for_derivatives_and_for_no_solver(tmp_path):
+def test_model_exchange_requests_derivatives_and_no_solver(tmp_path):
     text = openmodelica.script(PREDICTION, tmp_path, derivatives=True)
     assert 'fmuType="me"' in text
     assert text.startswith('setCommandLineOptions("-d=-disableDirectionalDerivatives");')
     assert "cvode" not in text
 
 
-def test_errors_are_told_from_warnings():
+def test_errors_are_distinguished_from_warnings():
     printed = '''true
 "Notification: Automatically loaded package Complex.
 "
@@ -94,25 +94,25 @@ UNSET = (
 
 
 def test_a_parameter_without_a_value_fails_the_build(omc, tmp_path):
-    """A modifier that a redeclaration drops shows in nothing else: FMUs stopped 19 % short, without an error."""
+    """A modifier lost in a redeclaration is otherwise invisible: FMUs stopped 19 % short without an error."""
     omc("printf 'an fmu' > Lib_FMUs_Plant.fmu", f"echo '\"Warning: Something is odd.'; echo '{UNSET}'; echo '\"'")
     with pytest.raises(BuildFailed, match=r"start values of Lib\.FMUs\.Plant .*\n.*contact\.r has no value") as failure:
         openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
     assert "odd" not in str(failure.value)
-    # A parameter of the class itself is set by whoever runs the FMU.
+    # A parameter of the class itself is set by the caller of the FMU.
     assert openmodelica.unset(UNSET.replace("bogie1.axle.contact.r ", "r_wheel[1] ")) == []
     assert not (tmp_path / "Plant.fmu").exists()
 
 
-def test_the_fmu_it_made_is_put_in_place(omc, tmp_path):
+def test_the_resulting_fmu_is_put_in_place(omc, tmp_path):
     omc("printf 'an fmu' > Lib_FMUs_Plant.fmu", 'echo true; echo "\\"Lib_FMUs_Plant.fmu\\""')
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        made = openmodelica.export(RECIPE, tmp_path, tmp_path / "out" / "Plant.fmu")
-    assert made.read_text() == "an fmu"
+        result = openmodelica.export(RECIPE, tmp_path, tmp_path / "out" / "Plant.fmu")
+    assert result.read_text() == "an fmu"
 
 
-def test_an_error_beside_an_fmu_is_told(omc, tmp_path):
+def test_an_error_is_reported_even_if_there_is_an_fmu(omc, tmp_path):
     omc("printf 'an fmu' > Lib_FMUs_Plant.fmu", "echo '\"Error: Internal error createFMIModelDerivatives failed'")
     with pytest.warns(UserWarning, match=r"built Lib\.FMUs\.Plant, but reports:\nError: .*createFMIModelDerivatives"):
         openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
@@ -124,47 +124,47 @@ SULKS = (
 )
 
 
-def test_a_prediction_gets_a_second_chance_without_derivatives(omc, tmp_path):
+def test_a_prediction_is_built_again_without_derivatives(omc, tmp_path):
     omc(*SULKS)
     with pytest.warns(UserWarning, match=r"built Lib\.FMUs\.Plant without directional derivatives, .*\nError: No der"):
-        made = openmodelica.export(PREDICTION, tmp_path, tmp_path / "Plant.fmu")
-    assert made.read_text() == "an fmu"
+        result = openmodelica.export(PREDICTION, tmp_path, tmp_path / "Plant.fmu")
+    assert result.read_text() == "an fmu"
 
 
-def test_a_plant_is_not_asked_for_derivatives(omc, tmp_path):
+def test_derivatives_of_a_plant_are_not_requested(omc, tmp_path):
     omc(*SULKS)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
 
 
-def test_it_is_asked_again_only_when_something_moved(omc, own_cache, library, tmp_path):
-    """An own version line and a changed Modelica file are each something."""
+def test_omc_runs_again_only_after_a_change(omc, own_cache, library, tmp_path):
+    """A different version line counts as a change, and so does a changed Modelica file."""
     book = Cookbook(file=tmp_path / "recipes.toml", recipes={"Plant": RECIPE})
 
-    def made() -> str:
+    def action() -> str:
         return build_one("Plant", "openmodelica", tmp_path / "out", book=book, library=library).action
 
     def answering(version: str) -> None:
         omc(f'if [ "$1" = --version ]; then echo {version}; else printf {version} > Lib_FMUs_Plant.fmu; fi')
 
     answering("1.26")
-    assert [made(), made()] == ["built", "current"]
+    assert [action(), action()] == ["built", "current"]
     answering("1.27")
-    assert [made(), made()] == ["built", "current"]
+    assert [action(), action()] == ["built", "current"]
     assert (tmp_path / "out" / "Plant.fmu").read_text() == "1.27"
     (library / "package.mo").write_text('package Lib "other" end Lib;')
-    assert made() == "built"
+    assert action() == "built"
 
 
-def test_its_error_is_passed_on(omc, tmp_path):
+def test_an_error_of_omc_is_passed_on(omc, tmp_path):
     omc("echo '\"[/lib/A.mo:3:5-3:20:writable] Error: Variable k not found in scope Lib.A.'", "echo '\"'")
     with pytest.raises(BuildFailed, match=r"could not build Lib\.FMUs\.Plant:\n.*Variable k not found"):
         openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
 
 
-def test_of_a_long_build_log_only_the_lines_that_tell_are_passed_on(omc, tmp_path):
-    """As omc does it when make fails: the whole log is one error."""
+def test_only_the_relevant_lines_of_a_long_build_log_are_passed_on(omc, tmp_path):
+    """As omc reports a failing make: the whole log is one error."""
     telling = "part7.c:3:1: fatal error: 'x.h' file not found"
     lines = [*(f"clang -O2 -c part{k}.c" for k in range(150)), telling, "make: 1"]
     log = "\n".join(['"Error: Error building simulator. Build log: cmake ..', *lines, '"'])
@@ -183,9 +183,9 @@ def test_of_a_long_build_log_only_the_lines_that_tell_are_passed_on(omc, tmp_pat
 
 
 @pytest.mark.parametrize("copied", [True, False])
-def test_the_log_that_a_message_names_is_there_after_the_build(omc, own_cache, library, tmp_path, copied):
+def test_the_log_named_in_a_message_exists_after_the_build(omc, own_cache, library, tmp_path, copied):
     book = Cookbook(file=tmp_path / "recipes.toml", recipes={"Plant": PREDICTION})
-    # The first attempt, with directional derivatives, fails at length; the second makes an FMU.
+    # The first attempt, with directional derivatives, fails with a long log; the second yields an FMU.
     omc(
         'if [ "$1" = --version ]; then echo 1.27; exit 0; fi',
         "if grep -q DirectionalDerivatives export.mos",
@@ -193,9 +193,9 @@ def test_the_log_that_a_message_names_is_there_after_the_build(omc, own_cache, l
         "printf 'an fmu' > Lib_FMUs_Plant.fmu",
     )
     directory = tmp_path / "out" if copied else None
-    with pytest.warns(UserWarning, match=r"All 201 lines are in ") as told:
+    with pytest.warns(UserWarning, match=r"All 201 lines are in ") as warned:
         fmu = build_one("Plant", "openmodelica", directory, book=book, library=library).path
-    log = Path(str(told[0].message).rpartition("All 201 lines are in ")[2].rstrip("."))
+    log = Path(str(warned[0].message).rpartition("All 201 lines are in ")[2].rstrip("."))
     assert log.read_text().splitlines()[1:] == [str(k) for k in range(1, 201)]
     assert not copied or log.parent == fmu.parent
 
@@ -209,13 +209,13 @@ def test_of_a_long_log_without_errors_the_end_is_passed_on(omc, tmp_path):
     assert words[-2:] == ["200", f"All 200 lines are in {tmp_path / 'Plant.log'}."]
 
 
-def test_silence_without_an_fmu_is_an_error_too(omc, tmp_path):
+def test_no_output_and_no_fmu_is_an_error(omc, tmp_path):
     omc("exit 0")
     with pytest.raises(BuildFailed, match="omc ended with 0"):
         openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
 
 
-def test_no_omc_is_said(monkeypatch, tmp_path):
+def test_a_missing_omc_is_reported(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(CompilerMissing, match="omc is not on the PATH"):
         openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")

@@ -1,7 +1,7 @@
-"""FMUs for other platforms and by FMI 3: those for this machine are stepped, of the others the bytes are read.
+"""FMUs for other platforms and by FMI 3: those for this machine are stepped, the bytes of the others are inspected.
 
 Linking for Windows first compiles the C library of MinGW, a minute for each fresh clone: `make test` reads the object
-file, which names the exports too, and `make portable` links.
+file, which also names the exports, and `make portable` links.
 """
 
 import os
@@ -32,7 +32,7 @@ FOLDERS = {
     2: {"x86_64-linux": "linux64", "x86_64-windows": "win64", "x86_64-darwin": "darwin64"},
     3: {},
 }
-"""Of binaries, where they are not called as FMI 3 calls the platform."""
+"""Folders of binaries whose names differ from those of FMI 3."""
 
 
 @pytest.fixture(scope="module", params=[2, 3])
@@ -64,7 +64,7 @@ def packed(source, tmp_path_factory):
 def functions(version):
     """Return the functions of Co-Simulation that the headers of the standard declare."""
     header = (HEADERS / f"fmi{version}Functions.h").read_text()
-    if version == 2:  # without what only Model Exchange has
+    if version == 2:  # without those that only Model Exchange has
         begin, end = (header.rindex(f"Functions for FMI2 for {kind}") for kind in ("Model Exchange", "Co-Simulation"))
         header = header[:begin] + header[end:]
     declared = set(re.findall(rf"^\s*FMI{version}_Export\s+\w+\s+(\w+);", header, re.MULTILINE))
@@ -72,7 +72,7 @@ def functions(version):
     return declared
 
 
-def test_each_library_is_for_its_platform_and_exports_the_functions_of_its_standard(packed):
+def test_each_library_exports_the_functions_of_its_standard_on_its_platform(packed):
     version, path = packed
     with zipfile.ZipFile(path) as archive:
         for target in LINKED:
@@ -83,7 +83,7 @@ def test_each_library_is_for_its_platform_and_exports_the_functions_of_its_stand
             assert functions(version) <= exports
 
 
-def test_it_compiles_for_windows_and_asks_to_export_the_functions_of_its_standard(source):
+def test_object_files_for_windows_export_the_functions_of_their_standard(source):
     version, text = source
     flags = (*FMU_FLAGS, "-c")
     content = binary(

@@ -1,4 +1,4 @@
-"""What the built-in compiler does not translate it refuses: construct, file and line, never silence."""
+"""Constructs that the built-in compiler does not translate are refused with file and line, never ignored."""
 
 import pytest
 
@@ -15,7 +15,7 @@ WHEELS = (
 )
 PLAIN = STATE + "equation\n der(x) = -x;\n"
 
-# What must be named, to (the line that must be named, the model).
+# The construct to be named → (the line to be named, the model).
 REFUSED = {
     "delay": ("delay(x", STATE + "equation\n der(x) = -delay(x, 0.1);\nend M;"),
     "terminate": ("x < 0.2", PLAIN + ' when x < 0.2 then\n  terminate("done");\n end when;\nend M;'),
@@ -56,7 +56,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("construct", REFUSED)
-def test_it_is_refused_with_construct_file_and_line(tmp_path, construct):
+def test_an_unsupported_construct_is_refused_with_file_and_line(tmp_path, construct):
     word, text = REFUSED[construct]
     file = tmp_path / "Model.mo"
     file.write_text(text)
@@ -68,7 +68,7 @@ def test_it_is_refused_with_construct_file_and_line(tmp_path, construct):
     assert word in text.splitlines()[int(line) - 1]
 
 
-def test_what_is_advised_for_two_arrays_of_components_is_translated(tmp_path):
+def test_the_recommended_form_of_two_component_arrays_is_translated(tmp_path):
     file = tmp_path / "Model.mo"
     outputs = []
     for equation in ("y = {wheels[i].contact[2].slip for i in 1:2};", "y[1] = wheels[1].contact[2].slip; y[2] = y[1];"):
@@ -78,7 +78,7 @@ def test_what_is_advised_for_two_arrays_of_components_is_translated(tmp_path):
     assert outputs == [[6.0, 6.0], [6.0, 6.0]]
 
 
-def test_a_missing_file_and_a_missing_class_are_told(tmp_path):
+def test_a_missing_file_or_class_is_reported(tmp_path):
     with pytest.raises(InputError, match=r"no Modelica file .*Nowhere\.mo"):
         lower("M", tmp_path / "Nowhere.mo")
     file = tmp_path / "Model.mo"
@@ -95,8 +95,8 @@ BROKEN = {
 
 
 @pytest.mark.parametrize("mistake", BROKEN)
-def test_a_mistake_in_a_library_is_told_with_file_and_line(tmp_path, mistake):
-    """The front end names the thing, for a library of many files not where it stands."""
+def test_an_error_in_a_library_is_reported_with_file_and_line(tmp_path, mistake):
+    """The front end names the component; for a library of many files it does not give the position."""
     right, wrong, place = BROKEN[mistake]
     library = tmp_path / "Broken"
     library.mkdir()
@@ -113,14 +113,14 @@ def test_a_mistake_in_a_library_is_told_with_file_and_line(tmp_path, mistake):
     assert place in str(refusal.value)
 
 
-def test_too_few_equations_are_counted(tmp_path):
+def test_missing_equations_are_counted(tmp_path):
     file = tmp_path / "Model.mo"
     file.write_text("model M Real x; Real y; equation x = 1; end M;")
     with pytest.raises(InputError, match="1 equations"):
         lower("M", file)
 
 
-def test_a_class_with_events_is_no_plain_differential_equation(tmp_path):
+def test_a_class_with_events_is_not_a_plain_differential_equation(tmp_path):
     file = tmp_path / "Model.mo"
     file.write_text("model M Real x(start=1,fixed=true); equation der(x) = if x > 0.5 then -1 else -x; end M;")
     with pytest.raises(TranslationError, match="noEvent"):

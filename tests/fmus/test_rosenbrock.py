@@ -1,4 +1,4 @@
-"""The co-simulation solvers have the order they claim, keep their tolerance, and survive stiffness."""
+"""The co-simulation solvers have their nominal order, meet their tolerance, and are stable for stiff problems."""
 
 import math
 from itertools import pairwise
@@ -12,7 +12,7 @@ RODAS3, RODAS4 = 3, 4
 
 @pytest.mark.parametrize(("solver", "order"), [(RODAS3, 3), (RODAS4, 4)])
 def test_the_error_falls_with_the_order_of_the_method(feature, run, solver, order):
-    """Loosely, every communication step is one internal step; halving it divides the error by 2^order."""
+    """With a loose tolerance every communication step is one internal step; halving it divides the error by 2^order."""
     errors = []
     for steps in (20, 40, 80):
         instance = run(feature("Oscillator"), start={"_solver": solver, "_tolerance": 0.5})
@@ -20,7 +20,7 @@ def test_the_error_falls_with_the_order_of_the_method(feature, run, solver, orde
         assert instance.count("_steps") == steps
         errors.append(math.hypot(instance.get("x")[0] - math.cos(2.0), instance.get("v")[0] + math.sin(2.0)))
     observed = [math.log2(a / b) for a, b in pairwise(errors)]
-    # The leading error term is not yet alone at these step sizes.
+    # The leading error term does not yet dominate at these step sizes.
     assert min(observed) > order - 0.25
 
 
@@ -56,8 +56,8 @@ def test_the_answer_does_not_depend_on_the_communication_step(feature, run):
     assert np.allclose(ends[0], ends[1], rtol=1e-6)
 
 
-def test_a_pivot_that_cancels_is_pivoted_for(modelica, run):
-    """With J = 2/h on the diagonal, I·c − J of RODAS3 has a zero there; the answer is a known rotation."""
+def test_a_cancelled_pivot_is_avoided_by_pivoting(modelica, run):
+    """With J = 2/h on the diagonal, I·c − J of RODAS3 has a zero there; the solution is a known rotation."""
     fmu = modelica(
         "model M Real x(start=1,fixed=true); Real y(start=0,fixed=true);"
         " equation der(x)=200*x+1000*y; der(y)=-1000*x+200*y; end M;"

@@ -1,4 +1,4 @@
-"""rumoca keeps parsed files in a cache that it does not check; railgrip does without it."""
+"""rumoca caches parsed files without checking them; railgrip does not use this cache."""
 
 import os
 import shutil
@@ -24,7 +24,7 @@ DAMAGES: dict[str, Callable[[bytes], bytes]] = {
 
 
 def python(code: str, cache: Path) -> "subprocess.CompletedProcess[str]":
-    """Run Python with `cache` as the folder of all caches but railgrip's."""
+    """Run Python with `cache` as the folder of all caches except railgrip's."""
     environment = {**os.environ, "XDG_CACHE_HOME": str(cache), "RAILGRIP_CACHE": str(cache / "own")}
     return subprocess.run(
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False, timeout=120
@@ -54,8 +54,8 @@ def test_a_damaged_file_in_the_cache_of_rumoca_changes_nothing(filled: Path, tmp
     assert left == damaged, "railgrip writes nothing into it"
 
 
-def test_only_rumoca_sees_another_cache_folder(tmp_path: Path) -> None:
-    """Programs that are started later find the caches of the user."""
+def test_only_rumoca_gets_another_cache_folder(tmp_path: Path) -> None:
+    """Programs that are started later find the user's caches."""
     code = f"{READ}; import os; os.system('echo $XDG_CACHE_HOME'); print(os.environ['XDG_CACHE_HOME'])"
     done = python(code, tmp_path)
     assert done.stdout.split() == [CLASS, str(tmp_path), str(tmp_path)] or sys.platform == "win32", done.stdout

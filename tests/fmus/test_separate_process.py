@@ -1,4 +1,4 @@
-"""Modelica of a user that cannot be compiled ends in a sentence, whatever it does to the compiler."""
+"""Modelica of a user that cannot be compiled is refused in a sentence, whatever it does to the compiler."""
 
 import sys
 import time
@@ -46,14 +46,14 @@ REFUSED = {
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux")
 @pytest.mark.parametrize("text", REFUSED)
-def test_it_ends_in_a_sentence(
+def test_an_invalid_class_is_refused_in_a_sentence(
     tmp_path: Path, text: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ):
     modelica, sentence = REFUSED[text]
     file = tmp_path / "M.mo"
     file.write_text(modelica)
     name = "P.M" if modelica.startswith("package P") else "M"
-    seconds = 2 if "2 s" in sentence else 60  # a busy machine needs more for a better sentence
+    seconds = 2 if "2 s" in sentence else 60  # a busy machine needs more time
     monkeypatch.setattr(
         separate_process, "LIMITS", separate_process.TranslationLimits(seconds=seconds, memory_mib=2048)
     )
@@ -64,14 +64,14 @@ def test_it_ends_in_a_sentence(
     assert "Traceback" not in capfd.readouterr().err
 
 
-def test_a_class_for_a_filter_is_confined_too(tmp_path: Path):
+def test_a_class_for_a_filter_is_also_confined(tmp_path: Path):
     (tmp_path / "M.mo").write_text(REFUSED["50,000 terms"][0])
     with pytest.raises(InputError, match="M has an expression that is too long"):
         lower("M", tmp_path / "M.mo")
 
 
 @pytest.mark.parametrize("library", [False, True], ids=["file", "library"])
-def test_another_encoding_is_told_with_file_and_line(tmp_path: Path, library: bool):
+def test_another_encoding_is_reported_with_file_and_line(tmp_path: Path, library: bool):
     file = tmp_path / ("package.mo" if library else "M.mo")
     text = 'package P\n  model M "Räder" Real x(start=1); equation der(x) = -x; end M;\nend P;\n'
     file.write_bytes(text.encode("latin-1"))
@@ -86,7 +86,7 @@ def test_brackets_in_texts_and_comments_do_not_count(tmp_path: Path):
     assert lower("M", file).states[0].name == "x"
 
 
-def test_a_class_translated_apart_is_the_one_translated_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_translation_in_a_separate_process_gives_the_same_class(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     from railgrip.fmus.build import translate, translate_here
     from railgrip.fmus.recipe import Recipe
 
@@ -98,7 +98,7 @@ def test_a_class_translated_apart_is_the_one_translated_here(tmp_path: Path, mon
     assert translate(recipe, file)[0].xml == apart[0]["xml"]
 
 
-def test_classes_of_this_project_are_translated_without_a_process(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+def test_built_in_classes_are_translated_without_a_process(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     monkeypatch.setattr(separate_process, "call", lambda *_, **__: pytest.fail("a process was started"))
     monkeypatch.setenv("RAILGRIP_CACHE", str(tmp_path / "cache"))
     assert lower("RailBraking.FMUs.ContactPoint", LIBRARY).outputs
@@ -114,8 +114,8 @@ def test_modules_of_the_current_folder_are_not_imported(tmp_path: Path, monkeypa
     assert not (tmp_path / "ran").exists()
 
 
-def test_a_c_compiler_that_does_not_end_is_ended(monkeypatch, tmp_path):
-    """With what it started: here the shell's own child, which would have left a file."""
+def test_a_hanging_c_compiler_is_ended(monkeypatch, tmp_path):
+    """Its child processes end, too: here the shell's child, which would have left a file."""
     mark = tmp_path / "went_on"
     slow = toolchain.Compiler(command=("sh", "-c", f"(sleep 2; touch {mark}) & wait", "cc"), version="slow")
     monkeypatch.setattr(toolchain, "compiler", lambda: slow)

@@ -1,4 +1,4 @@
-"""The built-in compiler refuses what other compilers would read otherwise; sections of the specification 3.6."""
+"""The built-in compiler refuses Modelica that other compilers would read differently; sections of specification 3.6."""
 
 import re
 
@@ -83,7 +83,7 @@ def extending(line: str, base: str = "A") -> str:
 
 
 def using(line: str, modifiers: str = "") -> str:
-    """Return a model Y with a line, and a model X with a component of it that has modifiers."""
+    """Return a model Y with a line, and a model X with a component of Y that has modifiers."""
     return f"  model Y\n    {line}\n  end Y;\n" + model(f"Y y{modifiers};")
 
 
@@ -220,17 +220,17 @@ def test_invalid_modelica_is_refused_with_file_and_line(tmp_path, form):
 
 
 @pytest.mark.parametrize("form", STRICT)
-def test_what_the_front_end_refuses_it_still_refuses(tmp_path, form):
+def test_classes_refused_by_the_front_end_are_still_refused(tmp_path, form):
     text, sentence = STRICT[form]
     with pytest.raises(InputError, match=sentence):
         read("P.X", file_of(tmp_path, text))
 
 
 @pytest.mark.parametrize("form", RIGHT)
-def test_what_is_accepted_has_the_values_that_the_language_gives_it(tmp_path, form):
-    text, wanted = RIGHT[form]
+def test_accepted_classes_have_the_values_defined_by_the_language(tmp_path, form):
+    text, expected = RIGHT[form]
     values = parameters(explicit(read("P.X", file_of(tmp_path, text), complete=True)))
-    assert {name: values[name] for name in wanted} == wanted
+    assert {name: values[name] for name in expected} == expected
 
 
 def parameters(system) -> dict[str, float]:
@@ -256,8 +256,8 @@ def test_every_finding_names_its_line(tmp_path):
     ]
 
 
-def test_no_replaceable_component_of_ours_has_modifiers_outside_its_constraining_clause():
-    """Every axle had a radius of 0.38 m in OpenModelica's FMUs, which dropped what stood on the declaration."""
+def test_no_replaceable_component_has_modifiers_outside_its_constraining_clause():
+    """OpenModelica dropped modifiers of the declaration, so that every axle in its FMUs had a radius of 0.38 m."""
     form = re.compile(r"^ *replaceable\s+(?!block\b|model\b|function\b)[^;\"]*\)\s*constrainedby", re.MULTILINE)
     assert form.search("  replaceable A a[n](\n    r=r)\n    constrainedby B;")
     libraries = LIBRARY.parent
@@ -265,6 +265,6 @@ def test_no_replaceable_component_of_ours_has_modifiers_outside_its_constraining
 
 
 @pytest.mark.parametrize("name", ["Examples.BrakedWheelset", "Validation.PredictedParts", "Validation.LockedWheel"])
-def test_classes_that_are_no_recipe_are_read_too(name):
-    """Their contact is not redeclared, and rumoca then leaves it without what a constraining clause binds."""
+def test_classes_without_a_recipe_are_also_translated(name):
+    """Their contact is not redeclared; rumoca then omits the bindings of a constraining clause."""
     assert read(f"RailBraking.{name}").variables

@@ -1,4 +1,4 @@
-"""Whatever text a Modelica class has as name, unit, message or description, the C of its FMU stays what it was."""
+"""Names, units, messages and descriptions of a Modelica class cannot change the structure of the C code of its FMU."""
 
 import ctypes
 import re
@@ -46,7 +46,7 @@ end M;
 """
 LOOP_TABLES = ("guesses", "updates", "residuals")
 TEXTS = st.text(max_size=40) | st.sampled_from(NASTY)
-# Without surrogates and NUL, which no C string in UTF-8 can hold.
+# Without surrogates and NUL, which a C string in UTF-8 cannot contain.
 STORABLE = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=40)
 
 
@@ -58,7 +58,7 @@ def stone(tmp_path_factory: pytest.TempPathFactory) -> System:
 
 
 def source_with(stone: System, name: str, unit: str, message: str, description: str) -> Source:
-    """Return the sources of the stone's FMU with other texts than the front end would let through."""
+    """Return the sources of the stone's FMU with texts that the front end would refuse."""
     (v,) = stone.states
     tables = {k: dict(zip([name], getattr(stone.loops, k).values(), strict=True)) for k in LOOP_TABLES}
     loops = replace(stone.loops, **tables)
@@ -84,7 +84,7 @@ def without_literals(c: str) -> str:
 def test_c_is_the_same_but_for_plain_string_literals(
     stone: System, name: str, unit: str, message: str, description: str
 ):
-    # No front end lets two variables of one name through.
+    # The front end refuses two variables of one name.
     assume(name not in {scalar.name for scalars in stone.variables.of_id.values() for scalar in scalars})
     plain, other = source_with(stone, "w", "m", "", ""), source_with(stone, name, unit, message, description)
     assert without_literals(other.files["model.c"]) == without_literals(plain.files["model.c"])
@@ -109,7 +109,7 @@ def test_the_fmu_with_such_texts_compiles_and_runs_no_constructor(stone: System,
 
 
 def test_a_trigraph_in_an_assertion_of_a_class_is_text(tmp_path: Path):
-    """With trigraphs, `??/` before the closing quotation mark made code of what follows."""
+    """With trigraphs, `??/` before the closing quotation mark would turn the following text into code."""
     file = tmp_path / "M.mo"
     file.write_text(MODEL.replace("too fast, ", "too fast ??/").replace(' m/s")', ' m/s\\a\\v\\?\t")'))
     system = explicit(read("M", file))
@@ -119,8 +119,8 @@ def test_a_trigraph_in_an_assertion_of_a_class_is_text(tmp_path: Path):
 
 
 @pytest.mark.parametrize("name", [CANARY, "*/", "\n#error\n"])
-def test_c_that_casadi_writes_has_no_names_of_variables(name: str):
-    """Compiled filters, formulas of the loop and the contact patch are such C."""
+def test_c_generated_by_casadi_contains_no_variable_names(name: str):
+    """This C is part of compiled filters, formulas of the loop and the contact patch."""
 
     def text(symbol: str) -> str:
         x, u = ca.SX.sym(symbol, 2), ca.SX.sym(f"u{symbol}")
@@ -149,7 +149,7 @@ def test_a_quoted_name_of_a_class_is_text(tmp_path: Path):
 @settings(max_examples=5, deadline=None)
 @given(st.lists(STORABLE, min_size=1, max_size=200))
 @example(NASTY)
-def test_the_table_of_strings_holds_what_went_in(texts: list[str]):
+def test_the_table_of_strings_returns_its_input(texts: list[str]):
     code = "\n".join(
         [
             strings("table", [None, *texts]),
@@ -176,8 +176,8 @@ def test_the_name_of_the_library_is_an_identifier(name: str):
 
 
 @pytest.mark.parametrize("name", ["M'/../../x", "../x", "/tmp/x", "'q'", 'M");system("true', "M.", "", "Mö", "M\n"])
-def test_a_class_name_is_plain_identifiers(tmp_path: Path, name: str):
-    """It is part of file names, and of the script that OpenModelica runs."""
+def test_a_class_name_consists_of_plain_identifiers(tmp_path: Path, name: str):
+    """It is part of file names and of the script that OpenModelica runs."""
     file = tmp_path / "M.mo"
     file.write_text(MODEL)
     with pytest.raises(InputError, match="is not the name of a Modelica class"):
@@ -186,7 +186,7 @@ def test_a_class_name_is_plain_identifiers(tmp_path: Path, name: str):
         lower(name, file)
 
 
-def test_the_c_compiler_of_python_is_not_looked_for_in_the_current_folder(tmp_path, monkeypatch):
+def test_the_c_compiler_of_python_is_not_searched_in_the_current_folder(tmp_path, monkeypatch):
     from railgrip.fmus.native import toolchain
 
     (tmp_path / "ziglang.py").write_text("open('ran', 'w').close()\nprint('a trap')\n")

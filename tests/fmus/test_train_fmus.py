@@ -1,4 +1,4 @@
-"""Every FMU of recipes.toml: valid, as lock.toml says, and with the trajectory of rumoca's own simulator."""
+"""Every FMU of recipes.toml is valid, agrees with lock.toml, and has the trajectory of rumoca's own simulator."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -17,8 +17,8 @@ from railgrip.fmus.native.dae import LIBRARY
 from railgrip.fmus.recipe import read_recipes
 
 BOOK = read_recipes()
-STOP, STEP = 3.0, 0.015  # no point is a sample of the valves, 0.5 ms + k 2 ms
-# What each input is held at: service braking on wet rail, with a little more under each wheelset further back.
+STOP, STEP = 3.0, 0.015  # no point is at a sample of the valves, 0.5 ms + k 2 ms
+# Constant value of each input: service braking on wet rail, with slightly more friction for each wheelset further back.
 HELD = {
     "pressure_command": 3.0e5,
     "cylinder_pressure": 3.0e5,
@@ -73,14 +73,14 @@ def train(catalogue, tmp_path_factory):
 
 @cache
 def session() -> rumoca.Session:
-    """One for all classes: it reads the library once."""
+    """One session for all classes: it reads the library once."""
     return rumoca.Session(roots=[str(Path(LIBRARY).parent)])
 
 
 def reference(
     class_name: str, inputs: Mapping[str, float], until: float = STOP, more: str = "", *, solver: str = "bdf"
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Simulate the class with its inputs bound in a wrapper; rumoca takes no inputs from outside."""
+    """Simulate the class with its inputs bound in a wrapper; rumoca accepts no external inputs."""
     groups: dict[str, list[float]] = {}
     for name, value in inputs.items():
         groups.setdefault(name.partition("[")[0], []).append(value)
@@ -107,15 +107,15 @@ def test_the_fmu_is_valid(train, name):
 
 @pytest.mark.parametrize("name", ["TwoPartTrainPneumatic", "TrainPrediction"])
 def test_building_it_elsewhere_gives_the_same_bytes(catalogue, name, tmp_path, own_cache):
-    """Another folder, another hour, another process than built the first: neither paths nor times are inside."""
+    """Built in another folder, at another time, by another process: the FMU contains neither paths nor times."""
     (again,) = build([name], "native", tmp_path)
     assert again.action == "built"
     assert again.path.read_bytes() == catalogue[name].path.read_bytes()
 
 
 @pytest.mark.parametrize("name", BOOK.recipes)
-def test_its_face_is_the_one_in_the_lock_file(catalogue, name):
-    """A difference means that the models changed: look at it, then `railgrip build --check --update`."""
+def test_its_interface_is_the_one_in_the_lock_file(catalogue, name):
+    """A difference means that the models changed: inspect it, then run `railgrip build --check --update`."""
     assert differences(name, read_lock(), catalogue[name].interface) == []
 
 
@@ -130,18 +130,18 @@ def test_every_variable_has_a_unit_the_compiler_knows(train, name):
     [(n, i) for n, r in BOOK.recipes.items() for i in r.interfaces],
 )
 def test_the_trajectory_is_that_of_rumoca(train, name, interface):
-    """Every output within 1e-5 of its largest value, through the cylinder filling and into braking."""
+    """Every output within 1e-5 of its largest value, through cylinder filling and into braking."""
     fmu = train(name)
     inputs = {n: held(n) for n in fmu.names("input")}
     settings = {"relative_tolerance": 1e-9} if interface == "me" else {"start_values": {"_tolerance": 1e-8}}
     found = simulated(fmu, interface, inputs, STOP, **settings)
-    # BDF starts anew at every tick of the valves' clock; both solvers agree to 1e-8 there.
+    # BDF restarts at every tick of the valves' clock; both solvers agree to 1e-8 there.
     solver = "rk-like" if name == "TwoPartTrainPneumatic" else "bdf"
     compare(fmu, found, *reference(BOOK[name].class_name, inputs, solver=solver))
 
 
 def test_the_trajectory_is_that_of_rumoca_through_lock_and_standstill(train):
-    """From 3 m/s on bad rail: the wheelsets lock one after the other, the train comes to rest after six seconds."""
+    """From 3 m/s on a poor rail: the wheelsets lock one after the other, and the train stops after six seconds."""
     fmu = train("TwoPartTrain")
     inputs = {n: held(n, HELD | {"pressure_command": 2.0e5, "mu0": 0.05}) for n in fmu.names("input")}
     found = simulated(fmu, "cs", inputs, 8.0, start_values={"_tolerance": 1e-8, "start_speed": 3.0})

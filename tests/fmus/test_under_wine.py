@@ -1,7 +1,7 @@
-"""Libraries for Windows, stepped by Wine, against those for this machine.
+"""Libraries for Windows, stepped by Wine, compared with those for this machine.
 
-Wine comes from the system's packages; linking for Windows compiles the C library of MinGW first. So it is no part of
-`make test` but of `make portable`, where Wine is installed.
+Wine comes from the system's packages; linking for Windows compiles the C library of MinGW first. The tests therefore
+belong to `make portable`, where Wine is installed, and not to `make test`.
 """
 
 import os
@@ -56,10 +56,10 @@ def stepped(program: list[str], file: Path, library: str, folder: Path, environm
 
 
 @pytest.mark.parametrize(("part", "tolerance"), [("onboard", 0.0), ("plant", 1e-12)])
-def test_the_library_for_windows_gives_what_that_for_linux_gives(command, tmp_path, part, tolerance):
-    """The plant takes powers and logarithms from the C library, of which MinGW has another: its last digits differ.
+def test_the_library_for_windows_gives_the_results_of_the_one_for_linux(command, tmp_path, part, tolerance):
+    """The plant uses powers and logarithms of the C library, of which MinGW has another: the last digits differ.
 
-    By 1e-15 of the greatest output after 3 s; 1e-12 leaves room for the last digits of other C libraries.
+    By 1e-15 of the greatest output after 3 s; 1e-12 leaves a margin for the last digits of other C libraries.
     """
     file = tmp_path / "exported.fmu"
     platforms = ["--platforms", "x86_64-linux", "--platforms", "x86_64-windows"]

@@ -1,6 +1,6 @@
 """Random layers of a scenario: the value of each array element is that of the highest layer that names it.
 
-The layers are those that users have: a file, a file that extends it, a variant of a campaign, and `--set`.
+The layers are those of users: a file, a file that extends it, a variant of a campaign, and `--set`.
 """
 
 import os
@@ -38,7 +38,7 @@ layers = st.one_of(
 
 
 def named(layer, element):
-    """Return the value that a layer states of an element, or None."""
+    """Return the value that a layer gives to an element, or None."""
     if (value := layer.get(f"r_wheel[{element}]")) is not None:
         return value
     value = layer.get("r_wheel")
@@ -110,7 +110,7 @@ def test_a_list_of_another_length_or_with_an_element_is_refused_in_any_layer(
 
 @many
 @given(layer=layers, with_scalar=radius, element=st.integers(1, GROUPS))
-def test_one_value_for_all_may_stand_with_an_exception(layer, with_scalar, element, tmp_path):
+def test_one_value_for_all_may_have_an_exception(layer, with_scalar, element, tmp_path):
     """In one table an element is more specific than the value for all."""
     above = {"r_wheel": with_scalar, f"r_wheel[{element}]": 0.55}
     assert tomllib.loads(lines(above)) == above

@@ -1,6 +1,6 @@
-"""Wrong questions, by the thousand: each ends in a sentence or a result, within ten seconds, never in a traceback.
+"""Thousands of wrong inputs: each ends in a sentence or a result within ten seconds, never in a traceback.
 
-`make fuzz` asks more of them than the tests do; RAILGRIP_FUZZ is how many of each sort.
+`make fuzz` runs more of them than the tests; RAILGRIP_FUZZ is the number of each kind.
 """
 
 import os
@@ -79,7 +79,7 @@ values = st.one_of(
 
 
 def answered(question):
-    """Ask; a refusal is a sentence of less than a screen, whatever was written."""
+    """Run a command; a refusal is a sentence of less than a screen for any input."""
     sentences = "an answer"
     try:
         question()
@@ -90,7 +90,7 @@ def answered(question):
 
 
 def places(table, path=()):
-    """Every key of nested tables."""
+    """Yield every key of nested tables."""
     for key, value in table.items():
         yield (*path, key)
         if isinstance(value, dict):
@@ -98,7 +98,7 @@ def places(table, path=()):
 
 
 def changed(table, draw):
-    """Give one key another value, take it away, or put it under another name."""
+    """Give one key another value, remove it, or rename it."""
     place = draw(st.sampled_from(sorted(places(table))))
     inner = table
     for key in place[:-1]:
@@ -114,7 +114,7 @@ def changed(table, draw):
 
 @many
 @given(data=st.data())
-def test_a_mutated_scenario_is_asked_about_or_refused(data):
+def test_a_mutated_scenario_is_accepted_or_refused(data):
     table = tomllib.loads(data.draw(st.sampled_from(SCENARIOS)).read_text(encoding="utf-8"))
     if data.draw(st.booleans()):
         table = merge(table, SERVICE)
@@ -154,7 +154,7 @@ def test_a_mutilated_file_is_read_or_refused(data, tmp_path):
         st.builds("{}={}".format, st.sampled_from(["start.speed", "seed", "name", "track", "a.b"]), values),
     )
 )
-def test_any_override_is_taken_or_refused(override):
+def test_any_override_is_accepted_or_refused(override):
     answered(lambda: load(SCENARIOS[0], [override]))
 
 
@@ -174,7 +174,7 @@ MAP = {
 
 
 def run(draw):
-    """A short braking as columns, one or more of them damaged."""
+    """A short brake application as columns, one or more of them damaged."""
     count = draw(st.sampled_from([0, 1, 2, 3, 8, 200]))
     time = 10.0 * np.arange(count)
     frame = {"t": time, "v": 80.0 - 0.01 * time, "n": 400.0 - 0.05 * time, "F": 20.0 + 0.0 * time}
@@ -212,7 +212,7 @@ def run(draw):
 
 @many
 @given(data=st.data())
-def test_a_damaged_recording_is_mended_or_refused(data, tmp_path):
+def test_a_damaged_recording_is_repaired_or_refused(data, tmp_path):
     frame = run(data.draw)
     suffix = data.draw(st.sampled_from([".csv", ".csv", ".parquet", ".mat"]))
     path = tmp_path / f"run{suffix}"
@@ -223,7 +223,7 @@ def test_a_damaged_recording_is_mended_or_refused(data, tmp_path):
             whole = pd.DataFrame({name: pd.Series(column) for name, column in frame.items()})
             whole.to_csv(path, index=False) if suffix == ".csv" else whole.to_parquet(path)
     except (ValueError, NotImplementedError, TypeError, OverflowError, UnicodeEncodeError):
-        path.write_bytes(b"")  # what the writer of the format cannot hold
+        path.write_bytes(b"")  # values that the writer of the format cannot represent
     if data.draw(st.integers(0, 9)) == 0:
         content = bytearray(path.read_bytes())
         content[len(content) // 2 :] = data.draw(st.binary(max_size=20))

@@ -1,6 +1,6 @@
 """Recordings with any units, factors, rows of units and decimal signs: estimated or refused, without traceback or hang.
 
-`make fuzz` asks more of them than the tests do.
+`make fuzz` runs more of them than the tests.
 """
 
 import json
@@ -42,7 +42,7 @@ SIGNALS = {
     "wheelset_speed": (["rad/s", "rev/min", "U/min", "deg/s"], ["1/min", "Hz", "m/s"]),
     "pad_force": (["N", "kN"], ["bar", "kPa", "psi", "mA", "t", "furlong"]),
 }
-"""Right and wrong units of each."""
+"""Right and wrong units of each signal."""
 SI = {"v": "m/s", "n": "rad/s", "F": "N", "t": "s"}
 FACTORS = st.sampled_from(
     [1.0, -1.0, 3.6, 0.0, 1e6, 1e-9, 1e300, "8 kN/bar", "2 1/m", "1 m/rad", "5 kN/mA", "0 N/bar", "x"]
@@ -50,7 +50,7 @@ FACTORS = st.sampled_from(
 OFFSETS = st.sampled_from([0.0, -4.0, 1e5, 1e300, "1 kN"])
 MINIMA = st.sampled_from(["0 N", "0 m/s", "0", 0.0, 1e9, "1 bar"])
 SELDOM = st.sampled_from([False, False, False, False, False, False, True])
-"""Most of what is drawn is right, so that the rest is reached at all."""
+"""Mostly right values are drawn, so that later stages are reached."""
 CELLS = st.sampled_from(["", "-", "n/a", "50,000", "1.234,5", "1_000", "∞", "1e400", "0x10", "true", "'", '"'])
 MOST = 300
 """Samples of a file."""
@@ -77,7 +77,7 @@ def recordings(draw: st.DrawFn) -> tuple[str, str]:
     units = {name: draw(st.sampled_from(of[draw(SELDOM)])) for name, of in zip("vnF", SIGNALS.values(), strict=True)}
     units["t"] = draw(st.sampled_from(["ms", "min", "timestamp", ""])) if draw(SELDOM) else "s"
     for name, symbol in units.items():
-        with suppress(UnitError, KeyError):  # a wrong unit has no right numbers
+        with suppress(UnitError, KeyError):  # a wrong unit has no correct numbers
             values[name] = values[name] / conversion(unit(SPELLINGS.get(symbol.lower(), symbol)), unit(SI[name]))[0]
     place = draw(st.sampled_from(["map", "header", "row", "both"]))
     names = {name: f"{name} [{units[name]}]" if place == "header" and name != "t" else name for name in values}
@@ -112,7 +112,7 @@ def recordings(draw: st.DrawFn) -> tuple[str, str]:
 @many
 @given(recordings(), st.sampled_from([None, None, ".", ","]))
 def test_a_recording_with_any_units_is_estimated_or_refused(tmp_path: Path, recording, decimal):
-    """What is estimated has an input at every sample, and no library warns the user on the way."""
+    """An estimated recording has an input at every sample, and no library warning reaches the user."""
     text, toml = recording
     file, estimation = tmp_path / "run.csv", tmp_path / "run.toml"
     file.write_text(text, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Mutated folders of results: each is read or refused in a sentence, and nothing outside of it is touched."""
+"""Mutated folders of results: each is read or refused in a sentence, and nothing outside the folder is changed."""
 
 import hashlib
 import json
@@ -32,7 +32,7 @@ many = settings(
     max_examples=int(os.environ.get("RAILGRIP_FUZZ", "25")),
     derandomize="RAILGRIP_FUZZ" not in os.environ,
     deadline=timedelta(seconds=60),  # pages with figures, on a busy machine
-    phases=(Phase.explicit, Phase.reuse, Phase.generate),  # to shrink takes minutes of drawing
+    phases=(Phase.explicit, Phase.reuse, Phase.generate),  # shrinking takes minutes of drawing
     database=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
@@ -54,7 +54,7 @@ values = st.recursive(
 
 @pytest.fixture(scope="module")
 def valid(tmp_path_factory):
-    """The folder of a campaign of two stops, with a page of earlier."""
+    """The folder of a campaign of two stops, with an earlier page."""
     folder = tmp_path_factory.mktemp("valid") / "results"
     campaign = load_campaign(CAMPAIGN, COARSE).only(lambda stop: stop.name in NAMES)
     assert len(campaign.stops) == 2
@@ -66,7 +66,7 @@ def valid(tmp_path_factory):
 
 
 def places(value, path=()):
-    """Every place in nested tables and lists."""
+    """Yield every place in nested tables and lists."""
     inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for key, element in inner:
         yield (*path, key)
@@ -74,7 +74,7 @@ def places(value, path=()):
 
 
 def mutate_table(table, draw):
-    """Give one place another value, or take it away."""
+    """Give one place another value, or remove it."""
     place = draw(st.sampled_from(sorted(places(table), key=repr)))
     holder = table
     for key in place[:-1]:
@@ -86,7 +86,7 @@ def mutate_table(table, draw):
 
 
 def write_table(path, table):
-    """Write JSON, and the digests that a stop has of itself: a sender can compute them."""
+    """Write JSON with the digests that a stop contains: an attacker can compute them."""
     if path.name == "stop.json":
         trace = path.with_name("trace.nc")
         if not isinstance(table, dict):
@@ -104,7 +104,7 @@ RAW = [b"[" * 200_000, b'{"a":' * 100_000, b"", b"{", b"null", b"\xff\xfe", b"9"
 
 
 def mutate_file(path, outside, draw):
-    """Put something else in the place of a file."""
+    """Replace a file by something else."""
     other = draw(st.sampled_from(["raw", "cut", "pipe", "folder", "link", "device", "circle", "gone"]))
     content = path.read_bytes()
     path.unlink()
@@ -170,7 +170,7 @@ QUESTIONS = {
     "comparison of campaigns": lambda folder: compare(folder, folder).page(),
     "comparison of stops": lambda folder: compare(folder / NAMES[0], folder / NAMES[1]).page(),
 }
-"""Everything that reads a folder of results."""
+"""Run everything that reads a folder of results."""
 
 
 @pytest.mark.skipif(os.name != "posix", reason="links and pipes of POSIX")
@@ -227,7 +227,7 @@ def test_a_mutated_folder_of_results_is_read_or_refused(data, valid):
 @pytest.mark.skipif(os.name != "posix", reason="links of POSIX")
 @pytest.mark.parametrize("name", ["../victim", "../../victim", "/absolute", "victim/../../victim", "..", "."])
 def test_a_report_writes_no_page_outside_of_its_folder(tmp_path, valid, name):
-    """A name in campaign.json is a path: it may not leave the folder, nor may a link of a plain name."""
+    """A name in campaign.json is a path: neither it nor a link of a plain name may leave the folder."""
     folder, victim = tmp_path / "deep" / "sent", tmp_path / "deep" / "victim"
     shutil.copytree(valid, folder)
     shutil.copytree(valid / NAMES[0], victim)

@@ -1,4 +1,4 @@
-"""A brake whose K is known in closed form: linear in Gaussian numbers, and each isolated unit takes its share."""
+"""A brake whose K is known in closed form: linear in Gaussian numbers and in the share of units that brake."""
 
 from itertools import product
 
@@ -10,7 +10,7 @@ from railgrip.studies.k_factors.specification import KFactorSpecification
 
 
 class LinearBrake:
-    """Share of the units that brake, times 1 minus 5 % of the first of eight numbers, and the same of all eight."""
+    """Share of the braking units, times 1 minus 5 % of the first of eight numbers; the same formula for all eight."""
 
     units = (3, 2, 2, 3)
     dimension = 8
@@ -22,11 +22,11 @@ class LinearBrake:
         return sum(available) / sum(self.units) * (1 + self.SIGMA * np.stack([standard[:, 0], whole], axis=1))
 
     def probability(self, k, isolated):
-        """P(ratio < k) where no valve sticks: units are isolated independently of each other."""
+        """P(ratio < k) if no valve fails: units are isolated independently of each other."""
         n = sum(self.units)
-        left = np.arange(1, n + 1)
-        below = norm.cdf((k * n / left - 1) / self.SIGMA)
-        return float(binom.pmf(left, n, 1 - isolated) @ below) + isolated**n * (k > 0)
+        available = np.arange(1, n + 1)
+        below = norm.cdf((k * n / available - 1) / self.SIGMA)
+        return float(binom.pmf(available, n, 1 - isolated) @ below) + isolated**n * (k > 0)
 
     def quantile(self, probability, isolated):
         return brentq(lambda k: np.log(self.probability(k, isolated) / probability), 1e-3, 1.5, xtol=1e-12)
@@ -70,6 +70,6 @@ def brute_states(units, isolated, stuck):
     for losses in product(*(product((0, 1), repeat=n + 1) for n in units)):
         p = np.prod([(stuck if f[0] else 1 - stuck) * np.prod([isolated if u else 1 - isolated for u in f[1:]])
                      for f in losses])  # fmt: skip
-        left = tuple(0 if f[0] else len(f) - 1 - sum(f[1:]) for f in losses)
-        states[left] = states.get(left, 0.0) + p
+        available = tuple(0 if f[0] else len(f) - 1 - sum(f[1:]) for f in losses)
+        states[available] = states.get(available, 0.0) + p
     return states

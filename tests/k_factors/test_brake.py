@@ -1,4 +1,4 @@
-"""The quasi-static brake against the plant in the loop, against brute force, and against what a brake must do."""
+"""The quasi-static brake compared with the plant in the loop, with brute force, and with physical requirements."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from railgrip.studies.k_factors.rare import estimates
 from railgrip.studies.k_factors.specification import load_specification
 
 PER_DRAW = 0.01
-"""Share of the deceleration: pads settle over 0.2 MJ of 5 MJ of a unit, in which friction rises by some 20 %."""
+"""Share of the deceleration: pads settle over 0.2 MJ of 5 MJ of a unit, while friction rises by some 20 %."""
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def test_the_nominal_stop_is_that_of_the_plant(vt642):
 
 
 @pytest.mark.parametrize("available", [(3, 2, 2, 3), (2, 2, 1, 3), (0, 2, 2, 3)])
-def test_a_drawn_train_stops_in_the_loop_as_the_quasi_static_one(vt642, available):
+def test_a_drawn_train_stops_in_the_loop_like_the_quasi_static_one(vt642, available):
     _, scenario, brake = vt642
     standard = 1.5 * np.random.default_rng(sum(available)).standard_normal(brake.dimension)
     nominal, drawn = (
@@ -51,16 +51,16 @@ def test_a_drawn_train_stops_in_the_loop_as_the_quasi_static_one(vt642, availabl
     assert nominal is not None
     assert drawn is not None
     ratio = brake.equivalent_deceleration(drawn) / brake.equivalent_deceleration(nominal)
-    # what both leave out of the nominal stop cancels but for the share that depends on the draw
+    # effects neglected in the nominal stop cancel, except for the part that depends on the draw
     assert brake.ratios(available, standard[None, :])[0, -1] == pytest.approx(ratio, rel=0.5 * PER_DRAW)
 
 
 @pytest.mark.usefixtures("few_rates")
 def test_brute_force_finds_the_same_k_at_one_in_ten_thousand(vt642, monkeypatch):
-    """10⁷ draws, failures drawn like everything else; one step of speed in one part, on both sides, for speed.
+    """10⁷ draws, failures drawn like all other quantities; one speed step and one part on both sides, to save time.
 
-    Of trains without a failure, 99.9 % of all, every eighth one is braked and counts for eight: they decide the
-    quantile of one in a thousand, those with failures the rarer ones.
+    Of trains without a failure, 99.9 % of all, one in eight is braked and counts eightfold: they determine the quantile
+    of one in a thousand, those with failures the rarer ones.
     """
     specification, scenario, _ = vt642
     monkeypatch.setattr(brake_module, "PARTS", 1)
@@ -72,7 +72,7 @@ def test_brute_force_finds_the_same_k_at_one_in_ten_thousand(vt642, monkeypatch)
     unit, valve = failures.isolated_unit, failures.stuck_valve
     together = unit.common_cause.beta * unit.probability
     alone = unit.probability - together
-    # Failures of all trains first, for trains of the same units are braked together.
+    # Failures of all trains first, because trains with the same units are braked together.
     places = np.array(brake.units) + 1
     trains = np.zeros(places.prod(), dtype=int)
     for _ in range(10):
@@ -95,7 +95,7 @@ def test_brute_force_finds_the_same_k_at_one_in_ten_thousand(vt642, monkeypatch)
     order = np.argsort(ratios)
     below, reach = np.cumsum(weights[order]), 3.3 * np.sqrt(np.cumsum(weights[order] ** 2))
     for level, probability in ((3, 1e-3), (4, 1e-4), (5, 1e-5)):
-        # The number of draws below a quantile is binomial: order statistics hold it with 99.9 %.
+        # The number of draws below a quantile is binomial: order statistics enclose it with 99.9 %.
         low, high = (
             ratios[order[np.argmax(number >= count * probability)]] for number in (below + reach, below - reach)
         )
@@ -106,7 +106,7 @@ def test_brute_force_finds_the_same_k_at_one_in_ten_thousand(vt642, monkeypatch)
 
 def test_a_draw_without_deviation_is_the_nominal_train(vt642):
     specification, scenario, brake = vt642
-    # All but the wheels, which are nominal when new, have their nominal value at zero.
+    # All values are nominal at zero, except the wheels, which are nominal when new.
     around = [one for one in specification.dispersion if one.quantity != "wheel_radius"]
     same = brake_of_scenario(specification.model_copy(update={"dispersion": tuple(around)}), scenario)
     assert same.ratios(same.units, np.zeros((1, same.dimension))) == pytest.approx(np.ones((1, 4)), rel=1e-12)
@@ -115,22 +115,22 @@ def test_a_draw_without_deviation_is_the_nominal_train(vt642):
 
 @settings(max_examples=30)
 @given(seed=st.integers(0, 2**32), group=st.integers(0, 3))
-def test_fewer_units_brake_less_and_many_draws_are_as_many_single_ones(brake, seed, group):
+def test_fewer_units_brake_less_and_draws_together_equal_single_ones(brake, seed, group):
     standard = np.random.default_rng(seed).standard_normal((5, brake.dimension))
-    left = [n - (g == group) for g, n in enumerate(brake.units)]
-    whole, fewer = brake.ratios(brake.units, standard), brake.ratios(left, standard)
+    available = [n - (g == group) for g, n in enumerate(brake.units)]
+    whole, fewer = brake.ratios(brake.units, standard), brake.ratios(available, standard)
     assert (fewer < whole).all()
     one_by_one = np.concatenate([brake.ratios(brake.units, one[None, :]) for one in standard])
     assert whole == pytest.approx(one_by_one, rel=1e-12)
 
 
-# sign of what a larger value does to the deceleration of every step
+# sign of the effect of a larger value on the deceleration of every step
 SENSE = {"pad_friction": 1, "pressure": 1, "efficiency": 1, "friction_radius": 1, "wheel_radius": -1, "mass": -1}
 
 
 @settings(max_examples=30)
 @given(seed=st.integers(0, 2**32))
-def test_each_deviation_has_its_sense(vt642, seed):
+def test_each_deviation_has_the_right_sign(vt642, seed):
     specification, _, brake = vt642
     standard = np.random.default_rng(seed).standard_normal(brake.dimension)
     widths = {"train": 1, "group": len(brake.units), "unit": sum(brake.units)}
@@ -140,7 +140,7 @@ def test_each_deviation_has_its_sense(vt642, seed):
         shifted_draw[first : first + widths[one.per]] += 0.1
         first += widths[one.per]
         change = np.diff(brake.ratios(brake.units, np.stack([standard, shifted_draw])), axis=0)[0]
-        if one.quantity == "build_up":  # is in the whole stop alone
+        if one.quantity == "build_up":  # occurs only in the whole stop
             assert change[:-1] == pytest.approx(np.zeros(3), abs=1e-15)
             assert change[-1] < 0
         else:
@@ -148,16 +148,16 @@ def test_each_deviation_has_its_sense(vt642, seed):
     assert first == brake.dimension
 
 
-def test_a_brake_that_has_lost_everything_is_slowed_by_its_resistance(brake):
+def test_a_brake_without_any_units_is_slowed_by_resistance(brake):
     """Over a step s = M/(2C) ln((A + C v₁²)/(A + C v₂²)) with resistance A + C v²."""
-    new_wheels = np.where(np.arange(brake.dimension) < brake.dimension - 2, 8.0, 0.0)  # mass and build-up come last
-    left = (brake.ratios([0, 0, 0, 0], new_wheels[None, :])[0] * brake.nominal)[:-1]
+    new_wheels = np.where(np.arange(brake.dimension) < brake.dimension - 2, 8.0, 0.0)  # mass and build-up are last
+    ratios = (brake.ratios([0, 0, 0, 0], new_wheels[None, :])[0] * brake.nominal)[:-1]
     mass, c = 84e3, 0.5 * 1.2 * 0.9 * 10
     a = mass * 9.81 * (0.0018 * 0.065 + 0.0004) / 0.385
     mass += (2 * 222 + 2 * 209) / 0.385**2
     limits = np.array([0.0, 40.0, 80.0, 120.0]) / 3.6
     exact = c * np.diff(limits**2) / (mass * np.diff(np.log(a + c * limits**2)))
-    assert left == pytest.approx(exact, rel=0.005)  # four parts of a step
+    assert ratios == pytest.approx(exact, rel=0.005)  # four parts of a step
 
 
 @pytest.mark.usefixtures("few_rates")

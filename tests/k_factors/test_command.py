@@ -1,4 +1,4 @@
-"""`railgrip study k_factors`: its files, its sentences, and stops with the controller that go on where they stopped."""
+"""`railgrip study k_factors`: its files, its messages, and stops with the controller that can be interrupted."""
 
 import json
 from pathlib import Path
@@ -17,7 +17,7 @@ def files(folder):
 
 
 @pytest.mark.usefixtures("few_rates")
-def test_the_same_file_gives_the_same_bytes_but_for_seconds(tmp_path, capsys, monkeypatch):
+def test_the_same_file_gives_the_same_bytes_except_for_seconds(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     page = tmp_path / "docs" / "k_factors.md"
     page.parent.mkdir()
@@ -32,7 +32,7 @@ def test_the_same_file_gives_the_same_bytes_but_for_seconds(tmp_path, capsys, mo
     contents = [json.loads(folder_files.pop("k_factors.json")) for folder_files in (first, again)]
     assert all(content.pop("seconds")["quasi_static"] > 0 for content in contents)
     assert contents[0] == contents[1]
-    # The page says when it was written.
+    # The page contains the time of writing.
     assert all("EBCL" in folder_files.pop("index.html").decode() for folder_files in (first, again))
     assert first == again
     assert set(first) == {"k_factors.png", ".railgrip.json"}
@@ -71,7 +71,8 @@ def test_stops_in_the_loop_agree_with_the_quasi_static_brake(tmp_path):
     assert (first["seconds"].pop("new_stops"), again["seconds"].pop("new_stops")) == (40, 0)
     assert first["loop"] == again["loop"]
     assert first["loop"]["samples"] == 40
-    # Two runs of 20 draws: an interval of some hundredths about the tenth percentile, which 4000 draws tell sharper.
+    # Two runs of 20 draws: an interval of some hundredths about the tenth percentile, which 4000 draws determine
+    # better.
     assert first["loop"]["low"] <= first["loop"]["quasi_static"]["k"] <= first["loop"]["high"]
     assert first["loop"]["high"] - first["loop"]["low"] < 1.0
     assert abs(first["loop"]["k"] - first["loop"]["quasi_static"]["k"]) < 0.05
@@ -101,14 +102,14 @@ def test_stops_in_the_loop_agree_with_the_quasi_static_brake(tmp_path):
         ("scenario='wagon'; speed_steps=[]", "K factors"),
     ],
 )
-def test_a_wrong_file_ends_in_a_sentence(change, sentence, tmp_path, command):
+def test_a_wrong_file_is_reported_in_a_sentence(change, sentence, tmp_path, command):
     changes = [part for one in change.split("; ") for part in ("--set", one)]
     refused = command("study", "k_factors", "vt642", "--out", tmp_path, *changes)
     assert refused.code == 2
     assert sentence in refused.err
 
 
-def test_stops_want_their_table(tmp_path, command):
+def test_stops_require_their_table(tmp_path, command):
     study = tmp_path / "study.toml"
     text = (
         (LIBRARY / "vt642.toml").read_text(encoding="utf-8").replace("vt642_dry.toml", str(LIBRARY / "vt642_dry.toml"))
@@ -118,7 +119,7 @@ def test_stops_want_their_table(tmp_path, command):
     assert (refused.code, "has no [loop]" in refused.err) == (2, True)
 
 
-def test_every_value_of_ours_has_a_source():
+def test_every_value_of_the_library_has_a_source():
     text = (LIBRARY / "vt642.toml").read_text(encoding="utf-8")
     assert text.count("source = ") == text.count("[[dispersion]]") + text.count("[failures.")
     assert Path(LIBRARY / "vt642_dry.toml").is_file()

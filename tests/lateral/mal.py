@@ -1,8 +1,8 @@
 """Wheelset and filter of Mal et al. (2020) in numpy, independent of the code under test.
 
-The text of the paper that was available lacks the bodies of its equations (1) to (36). This is the same reconstruction
-as in the Modelica library, from the words, Tables 1 and 3, Polach (2005) and Hussain and Mei (2009), in a second
-program: agreement shows that both solve the same equations, not that these are the equations of the authors.
+The available text of the paper lacks the bodies of its equations (1) to (36). This is the same reconstruction as in the
+Modelica library, from the text, Tables 1 and 3, Polach (2005) and Hussain and Mei (2009), in a second program:
+agreement shows that both solve the same equations, not that these are the equations of the authors.
 """
 
 from dataclasses import dataclass
@@ -100,7 +100,7 @@ def jacobian(function, x):
 
 
 def reconstruction_step(x, P, y, psi, seen, T, Q, R, given):
-    """One step of an extended Kalman filter by forward Euler; `given` is track, its rate, speed and rail."""
+    """One step of an extended Kalman filter by forward Euler; `given` contains track, its rate, speed and rail."""
     F = np.eye(5) + T * jacobian(lambda z: slopes(z, y, psi, *given)[0], x)
     x = x + T * slopes(x, y, psi, *given)[0]
     P = F @ P @ F.T + Q

@@ -1,4 +1,4 @@
-"""The filters against a second program of the same equations, runs against single steps, and accuracy."""
+"""The filters compared with a second program of the same equations, runs with single steps, and accuracy."""
 
 import mal
 import numpy as np
@@ -84,7 +84,7 @@ def test_order_1_is_forward_euler_in_both_filters():
 
 
 def test_partial_derivatives_of_the_force_are_those_of_the_force():
-    """Slopes of the reconstruction against differences of Polach's force."""
+    """Slopes of the reconstruction compared with differences of Polach's force."""
     model = lower("RailBraking.Predictions.LateralReconstruction")
     reconstruction = CasadiPrediction(model, {p.name: p.start for p in model.parameters})
     x = np.array([0.02, -0.01, 5e-4, 0.2, mal.force(5e-4, 0.2)])
@@ -94,11 +94,11 @@ def test_partial_derivatives_of_the_force_are_those_of_the_force():
     ahead = mal.force(x[2] * (1 + h), x[3]) - mal.force(x[2] * (1 - h), x[3])
     aside = mal.force(x[2], x[3] * (1 + h)) - mal.force(x[2], x[3] * (1 - h))
     expected = ahead / (2 * h * x[2]) * rates[2] + aside / (2 * h * x[3]) * rates[3]
-    assert rates[4] == pytest.approx(expected, rel=1e-5)  # h² of central differences, some ten times over
+    assert rates[4] == pytest.approx(expected, rel=1e-5)  # h² of central differences, times about ten
 
 
-def test_the_friction_of_the_worst_rail_is_found():
-    """From 0.25 to 0.10 within a second, with a known track; a filter with a perfect model knows its errors."""
+def test_the_friction_of_the_worst_rail_is_estimated():
+    """From 0.25 to 0.10 within a second, with a known track; a filter with a perfect model is consistent."""
     worst = SurfaceTest(name="worst", changes=((0.0, WORST),), duration=1.0)
     trace = simulate(LateralCase(test=worst, speed=25.0, plant="paper", seed=3), ("known_track",))
     beliefs = beliefs_about(trace, "known_track")
@@ -111,7 +111,7 @@ def test_the_friction_of_the_worst_rail_is_found():
 
 
 def test_the_reconstruction_keeps_its_friction_when_the_rail_changes():
-    """Its friction changes with the creep only, not with the condition that it knows."""
+    """Its friction depends only on the creep, not on the known condition of the rail."""
     change = SurfaceTest(name="change", changes=((0.0, DRY), (0.4, WORST)), duration=0.8)
     trace = simulate(LateralCase(test=change, speed=25.0, plant="paper", seed=1), ("reconstruction",))
     friction = beliefs_about(trace, "reconstruction")["friction"].mean
@@ -121,7 +121,7 @@ def test_the_reconstruction_keeps_its_friction_when_the_rail_changes():
 
 @pytest.mark.parametrize(("plant", "lost"), [("paper", False), ("twisting", True)])
 def test_innovations_reveal_a_lost_filter(plant, lost):
-    """On a twisting axle its maximum friction is finite but beyond 1e9."""
+    """With a twisting axle its maximum friction is finite but beyond 1e9."""
     dry = SurfaceTest(name="dry", changes=((0.0, DRY),), duration=1.0)
     trace = simulate(LateralCase(test=dry, speed=25.0, plant=plant, seed=1), ("known_track",))
     measures = measure(trace, observe=False)
@@ -137,8 +137,8 @@ SPEED = 25.0
 CASE = LateralCase(test=TESTS[0].shorten(STEPS * PERIOD), speed=SPEED, plant="paper", seed=5)
 
 
-def test_one_call_and_single_steps_agree_to_the_last_bit(monkeypatch):
-    """Two inputs of the reconstruction are integrals of its own states, before each step."""
+def test_one_call_and_single_steps_are_bit_identical(monkeypatch):
+    """Two inputs of the reconstruction are integrals of its states before each step."""
     monkeypatch.setattr(run, "EVERY", 1)
     trace, drawn = simulate(CASE), course(CASE.test, 5)
     with wheelset(SPEED, PLANTS[CASE.plant]) as plant:

@@ -1,4 +1,4 @@
-"""Detector of the condition, statistics over seeds, and the study with its cache."""
+"""Detector of the rail condition, statistics over seeds, and the study with its cache."""
 
 import math
 import time
@@ -31,13 +31,13 @@ def test_probabilities_are_those_of_a_gaussian_between_midpoints():
     assert shares.sum() == pytest.approx(1.0, rel=1e-15)
 
 
-def test_a_condition_is_announced_after_the_hold_time_and_kept_while_uncertain():
+def test_a_condition_is_reported_after_the_hold_time_and_kept_while_uncertain():
     mean = np.array([0.46] * 5 + [0.38] * 3 + [0.10] * 5)
     labels = detector().labels(mean, np.full(13, 0.01), 1e-3)
     assert labels.tolist() == [UNDECIDED] * 2 + [0] * 3 + [0] * 3 + [0] * 2 + [3] * 3
 
 
-def test_a_belief_of_nan_announces_nothing():
+def test_an_estimate_of_nan_reports_no_condition():
     labels = detector(hold=0.0).labels(np.array([np.nan, 0.2]), np.array([np.nan, 0.001]), 1e-3)
     assert labels.tolist() == [UNDECIDED, 2]
 
@@ -62,7 +62,7 @@ def test_a_detector_that_cannot_decide_is_refused(wrong):
 
 
 def test_the_interval_of_ten_seeds_is_second_to_ninth():
-    """Binomial: the median of ten lies between the second and the ninth value with 1 − 22/1024."""
+    """Binomial: the median of ten is between the second and the ninth value with 1 − 22/1024."""
     result = median_interval([float(k) for k in range(1, 11)])
     assert (result.median, result.low, result.high) == (5.5, 2.0, 9.0)
     assert result.confidence == pytest.approx(1 - 22 / 1024)
@@ -77,14 +77,14 @@ def test_runs_without_a_value_count_as_infinite():
 
 @pytest.mark.filterwarnings("ignore:overflow encountered")  # of a filter that diverges
 @pytest.mark.usefixtures("in_process")
-def test_a_repeated_study_takes_its_runs_from_the_cache_and_writes_a_page(tmp_path):
+def test_a_repeated_study_reads_its_runs_from_the_cache_and_writes_a_page(tmp_path):
     """A study of two runs: same results from the cache, one page, one figure for each test and plant."""
     never_run = 25.0 + 1e-9 * time.time_ns() % 1e-3
     short = SurfaceTest(name="change", changes=((0.0, DRY), (0.3, WET)), duration=0.6)
     plan = LateralPlan(tests=(short,), speeds=(never_run,), seeds=1)
     with work("lateral", workers=1) as own:
         page_of(plan, own)
-        # The runs, the information in one of them, and the figures, which are not kept.
+        # The runs, the information of one run, and the figures, which are not cached.
         assert own.run_count == 2 * len(PLANTS) + 1
         page = page_of(plan, own).write(tmp_path)
         assert own.run_count == 3 * len(PLANTS) + 1
@@ -94,7 +94,7 @@ def test_a_repeated_study_takes_its_runs_from_the_cache_and_writes_a_page(tmp_pa
     assert (tmp_path / "errors.csv").read_text(encoding="utf-8").count("\n") == 1 + len(PLANTS) * 3 * 5
 
 
-def test_the_page_names_the_conditions_in_which_a_filter_is_wrong():
+def test_the_page_names_the_conditions_that_a_filter_estimates_wrongly():
     right, wrong = (
         LateralResult(case=case("paper"), measures=levels_of(0.46)),
         LateralResult(case=case("softer"), measures=levels_of(0.11)),
@@ -108,7 +108,7 @@ def test_the_page_names_the_conditions_in_which_a_filter_is_wrong():
     assert sentence.endswith("in worst; is lost in dry.")
 
 
-def test_errors_are_shown_over_those_of_the_best_constant():
+def test_errors_are_relative_to_those_of_the_best_constant():
     errors = {name: {quantity: {"rmse": 3.0} for quantity in QUANTITIES} for name in NAMES}
     errors["reconstruction"]["creep"] = {"rmse": None}
     measures = {"errors": errors, "constant": dict.fromkeys(QUANTITIES, 2.0)}
@@ -118,7 +118,7 @@ def test_errors_are_shown_over_those_of_the_best_constant():
     assert [row["reconstruction"] for row in table.texts] == ["1.5", "1.5", "∞", "1.5"]
 
 
-def test_errors_of_friction_are_shown_by_condition():
+def test_errors_of_friction_are_listed_by_condition():
     (row,) = friction_errors([LateralResult(case=case("softer"), measures=levels_of(0.11))], speed=25.0).texts
     assert (row["dry 0.46"], row["worst 0.1"]) == ("0.35", "0.001")
 

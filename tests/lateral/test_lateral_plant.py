@@ -1,4 +1,4 @@
-"""The wheelset as an FMU against its reconstructed equations solved by scipy, and against published modes."""
+"""The wheelset FMU compared with its reconstructed equations solved by scipy, and with published modes."""
 
 import casadi as ca
 import mal
@@ -27,7 +27,7 @@ def test_the_creep_curves_are_polachs_with_table_3(condition):
     creep, speed = np.geomspace(1e-4, 0.1, 20), 25.0
     rail = mal.Rail(condition.mu0, condition.A, condition.B)
     exact = mal.force(creep, mal.friction(creep, speed, rail)) / mal.N
-    # The smallest creep speed of the falling friction takes 1 mm/s off the creep: 4e-4 of the largest adhesion.
+    # The smallest creep speed of the falling friction subtracts 1 mm/s from the creep: 4e-4 of the largest adhesion.
     assert adhesion(condition, creep, speed) == pytest.approx(exact, rel=5e-4)
 
 
@@ -48,7 +48,7 @@ def test_the_fmu_solves_the_reconstructed_equations(rolling, condition):
     ).y  # fmt: skip
     for row, name in enumerate(("lateral_position", "lateral_velocity", "yaw_angle", "yaw_rate", "speed")):
         simulated = rows[:, COLUMNS[name]][:, 0]
-        # Solver tolerance 1e-6 for each step of 50 µs; rounding of the falling friction takes 1 mm/s off the creep
+        # Solver tolerance 1e-6 for each step of 50 µs; rounding of the falling friction subtracts 1 mm/s from the creep
         # speed, 4e-4 of the friction, and saturated forces are proportional to friction.
         assert simulated == pytest.approx(exact[row], abs=2e-3 * np.max(np.abs(exact[row]))), name
 
@@ -56,7 +56,7 @@ def test_the_fmu_solves_the_reconstructed_equations(rolling, condition):
 @pytest.mark.parametrize(
     ("speed", "dominant", "hertz", "fastest"), [(10.0, -1.8, 1.0, -1900.0), (55.0, -6.8, 5.5, -350.0)]
 )
-def test_the_modes_are_those_in_the_literature_of_this_model(speed, dominant, hertz, fastest):
+def test_the_modes_are_those_in_the_literature_on_this_model(speed, dominant, hertz, fastest):
     """Kinematic mode and fastest mode of the linearised lateral dynamics, computed independently."""
     model = lower("RailBraking.Predictions.LateralPrediction")
     x = ca.SX.sym("x", 5)
@@ -94,7 +94,7 @@ def test_the_force_never_exceeds_friction_times_load():
 
 @pytest.mark.parametrize("name", ["braking", "hard_braking", "traction"])
 def test_torque_of_the_motor_accelerates_train_and_wheels(name):
-    """Force over the mass with that of the wheels, Newton's law: the wheels roll and no force is lost to wander."""
+    """Force divided by mass with the wheels' inertia: the wheels roll, and hunting consumes no force."""
     variant = PLANTS[name]
     drawn = course(TESTS[0].shorten(0.5), 1, variant)
     with wheelset(25.0, variant) as plant:
@@ -103,12 +103,12 @@ def test_torque_of_the_motor_accelerates_train_and_wheels(name):
     v = rows[:, COLUMNS["speed"]][:, 0]
     mass = mal.MV + (mal.IR + mal.IL) / mal.R0**2
     expected = variant.utilisation * mal.MV * 9.81 / mass
-    # The twist settles within a few ms of 500, and wandering takes some 1e-3 of the force.
+    # The twist settles within a few of 500 ms, and hunting takes some 1e-3 of the force.
     assert (v[-1] - 25.0) / (len(v) * PERIOD) == pytest.approx(expected, rel=0.02)
 
 
-def test_plants_that_differ_from_the_filters_differ_in_the_parameters_of_their_titles():
-    """Against Table 1 as programmed for the tests."""
+def test_plants_unlike_the_filters_differ_in_the_parameters_of_their_titles():
+    """Compared with Table 1 as written for the tests."""
     table = {"m_unsprung": mal.MW, "I_yaw": mal.IW, "conicity": mal.CONICITY, "m_wheelset": mal.MV, "k_A": 1, "k_S": 1}
     percent = {"softer": -5, "slightly_softer": -1, "heavier": 5, "yaw_inertia": 5, "conicity": 10, "loaded": 10}
     assert {name for name, variant in PLANTS.items() if variant.parameters} == set(percent)

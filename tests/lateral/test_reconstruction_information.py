@@ -15,17 +15,17 @@ def found():
     )
 
 
-def test_readings_do_not_tell_the_sign_of_creep_and_force(found):
+def test_readings_do_not_determine_the_sign_of_creep_and_force(found):
     assert found.mirrored < 1e-9
 
 
-def test_longer_windows_tell_more_than_short_ones(found):
-    """25 short windows in a long one: an exact model cannot know less from more readings."""
+def test_longer_windows_contain_more_information(found):
+    """25 short windows in a long one: with an exact model more readings cannot reduce the information."""
     assert np.all(np.median(found.long, axis=0) < np.median(found.short, axis=0))
 
 
 def test_a_change_of_the_surface_is_beyond_the_process_noise(found):
-    """Friction falls by 0.1 at least where the surface changes; the walk of Table Q adds 1e-12 a step at most."""
+    """Friction falls by 0.1 or more where the surface changes; the walk of Table Q adds up to 1e-12 per step."""
     assert found.jump[0] > 0.05
     assert found.allowed == pytest.approx(np.sqrt(1e-12 * 0.5 / PERIOD))
     assert np.all(found.jump > 100 * found.allowed)

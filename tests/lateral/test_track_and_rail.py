@@ -29,11 +29,11 @@ def test_the_spectrum_is_the_stated_one():
         band = (f >= low) & (f <= high)
         shape = density[band] * (1 + (f[band] / 2.0) ** 4)
         flat = density[(f > 0.3) & (f < 1.0)].mean()
-        # 100 segments give 10 % for each line, averaged over at least four; holding the noise over 10 ms adds 2 %.
+        # 100 segments give 10 % for each line, averaged over four or more; holding the noise over 10 ms adds 2 %.
         assert shape.mean() == pytest.approx(flat, rel=0.15)
 
 
-def test_the_seed_determines_track_and_noise_whatever_the_rail():
+def test_the_seed_determines_track_and_noise_on_any_rail():
     tests = [test.shorten(0.05) for test in TESTS]
     first, again, other = (course(tests[0], seed) for seed in (1, 1, 2))
     wet = course(tests[1], 1)
@@ -46,7 +46,7 @@ def test_the_seed_determines_track_and_noise_whatever_the_rail():
 
 def test_the_readings_have_the_noise_of_equation_37():
     noise = course(TESTS[0].shorten(1.0), 4).noise
-    # 20 000 draws: 1 % in a variance, four times that is allowed.
+    # 20 000 draws determine a variance to 1 %; four times that is allowed.
     assert noise.var(axis=0) == pytest.approx([1e-7, 1e-13], rel=0.04)
 
 

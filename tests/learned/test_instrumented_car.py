@@ -1,4 +1,4 @@
-"""The instrumented car, its track and its sensors, against published and closed-form values."""
+"""The instrumented car, its track and its sensors, compared with published and closed-form values."""
 
 from dataclasses import replace
 
@@ -29,7 +29,7 @@ def test_a_realisation_has_the_power_of_its_spectrum():
     """Over one whole period of the sum its mean square is that of the lines, whatever the phases."""
     band = Band(lowest=0.02, highest=0.22, lines=40)
     track = realise("erri-low", 1 / band.spacing, np.random.default_rng(1), band)
-    # Lines lie half a spacing off the multiples of the period, so the sum repeats with its sign reversed.
+    # Lines are half a spacing off the multiples of the period, so the sum repeats with its sign reversed.
     place = np.linspace(0, 1 / band.spacing, 4000, endpoint=False)
     for kind in KINDS:
         power = np.sqrt(np.mean(track.at(kind, place) ** 2))
@@ -97,9 +97,9 @@ def plain():
     return ride(short())
 
 
-def test_the_car_holds_its_speed_and_its_track(plain):
+def test_the_car_keeps_its_speed_and_its_track(plain):
     assert np.ptp(plain.speed) < 0.05
-    assert np.abs(plain.offset).max() < 0.012  # clearance of 6 mm and the flange a few millimetres into its spring
+    assert np.abs(plain.offset).max() < 0.012  # clearance of 6 mm and a few millimetres of flange contact
     assert 0.15 < plain.friction.mean() < 0.25
 
 
@@ -113,7 +113,7 @@ def test_coarser_communication_changes_nothing_below_the_plate(plain):
         assert two.std(axis=0) == pytest.approx(one.std(axis=0), rel=0.03)
 
 
-def test_backwards_the_car_has_accelerations_of_the_same_size(plain):
+def test_running_backwards_the_car_has_accelerations_of_equal_size(plain):
     """The car is symmetric except for its wheels."""
     behind = ride(short(backwards=True))
     assert plain.longitudinal.shape == behind.longitudinal.shape

@@ -1,4 +1,4 @@
-"""The trained chain in CasADi, sample by sample, equals the chain offline."""
+"""The trained chain in CasADi, sample by sample, equals the offline chain."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from railgrip.estimators.learned.preprocessing import AntiAlias, Chain, Scale, m
 from railgrip.estimators.learned.spectral import Spectral
 
 ROUNDING = 1e-9
-"""Relative: thousands of recursive filter steps in another order of additions, behind a network of slope about 1."""
+"""Relative: thousands of recursive filter steps with additions in another order, then a network of slope about 1."""
 
 
 def network(generator, inputs, hidden=6, bias="inside"):

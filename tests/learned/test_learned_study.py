@@ -1,4 +1,4 @@
-"""The study from runs to report, figures and estimators, on made-up runs with known properties."""
+"""The study from runs to report, figures and estimators, on synthetic runs with known properties."""
 
 from dataclasses import replace
 
@@ -51,15 +51,15 @@ def test_the_study_reveals_that_networks_recognise_runs(study):
     assert study.honest["a run left out"][60].mae > 0.03
 
 
-def test_the_error_beside_figure_13_is_that_of_the_network_drawn(study):
+def test_the_error_next_to_figure_13_is_that_of_the_drawn_network(study):
     run_errors = []
     for run in study.runs[60]:
-        # The last fifth of 100 blocks, which training did not have.
+        # The last fifth of 100 blocks, which was not used for training.
         run_errors.append(study.networks[60](study.recipe.blocks(run)[80:]) - run.friction)
     rows = {row["figure"]: row for row in compare_with_paper(study).texts}
     assert rows["Fig. 13"]["published"] == "0.0027"
     assert rows["Fig. 13"]["ours"] == f"{np.abs(run_errors).mean():.4f}"
-    # A number that was chosen after the published one is not compared with it.
+    # A number chosen after the published one is not compared with it.
     assert list(rows["Fig. 9"].values())[2:] == ["6", "6", "*chosen*"]
 
 
@@ -73,7 +73,7 @@ def test_the_number_of_hidden_neurons_is_that_of_the_recipe(study):
 
 
 def test_slip_rate_is_compared_with_friction_by_ranks(study):
-    """Made-up rates are 0.1/friction: they fall as friction rises, as the paper argues from its equation 3."""
+    """Synthetic rates are 0.1/friction: they fall as friction rises, as the paper argues from its equation 3."""
     rows = {row[""]: row["60 mph"] for row in tables_of(study)["slip_rate"].texts}
     assert rows["campaign: rank correlation"] == "−1.00"
     # Table 2: 0.11 is the lowest and 0.35 the highest friction at 60 mph.
@@ -93,7 +93,7 @@ def test_the_report_has_every_row(study):
 
 
 def test_the_rule_of_dry_or_not_is_judged_like_the_estimator(study):
-    """0.30 and 0.35 are the dry rails at 60 mph, the other four are covered; labels are means of the design."""
+    """0.30 and 0.35 are the dry rails at 60 mph, the other four are contaminated; labels are means of the design."""
     sets = passes(SIZE)
     rule = dry_or_not(sets)
     dry = np.mean([p.friction for p in sets["design"] if p.condition == "dry"])
@@ -105,7 +105,7 @@ def test_the_rule_of_dry_or_not_is_judged_like_the_estimator(study):
     assert f"| {np.mean(errors):.4f} |" in report(study)
 
 
-def test_figures_are_drawn_and_estimators_come_out(study, tmp_path):
+def test_figures_are_drawn_and_estimators_exported(study, tmp_path):
     figures = draw(study)
     assert list(figures) == ["errors.png", "processed.png", "network.svg", "campaign.png", "within_runs.png"]
     assert all(save(figure, tmp_path / name).stat().st_size > 10_000 for name, figure in figures.items())

@@ -1,4 +1,4 @@
-"""Filters, networks and judgements, independent of data."""
+"""Filters, networks and evaluations, independent of data."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from railgrip.studies.axle_box.reduction import CHANNELS, LabelledRun
 
 
 def test_the_high_pass_keeps_the_offset_of_the_first_sample():
-    """Time constant 1/(2π 1e-4 Hz) = 1592 s: over a run it mainly subtracts the first sample."""
+    """Time constant 1/(2π 1e-4 Hz) = 1592 s: during a run it mainly subtracts the first sample."""
     chain = Chain(rate=512, block=8)
     raw = np.full((512 * 20, 1), 270.0)
     raw[0] = 268.5  # vibration at the first sample
@@ -52,7 +52,7 @@ def test_scaling_ends_at_plus_and_minus_one():
 
 
 @pytest.mark.parametrize("bias", ["inside", "outside"])
-def test_the_network_of_the_paper_has_37_parameters_and_a_right_jacobian(bias):
+def test_the_network_of_the_paper_has_37_parameters_and_a_correct_jacobian(bias):
     draw = np.random.default_rng(1)
     x = draw.uniform(-1, 1, (5, 4))
     p = draw.standard_normal(37)
@@ -63,7 +63,7 @@ def test_the_network_of_the_paper_has_37_parameters_and_a_right_jacobian(bias):
     assert nn._unpack(p, 4, 6, bias).size == 37
 
 
-def test_training_finds_the_minimum_that_minpack_finds():
+def test_training_finds_the_same_minimum_as_minpack():
     draw = np.random.default_rng(2)
     target = draw.standard_normal(3)
 
@@ -82,8 +82,8 @@ def test_a_network_learns_a_smooth_function():
     draw = np.random.default_rng(3)
     x = draw.uniform(-1, 1, (400, 4))
     y = 0.2 + 0.1 * np.tanh(x @ [1.0, -1.0, 0.5, 0.0])
-    made = nn.train(x, y, hidden=6, bias="inside", generator=draw)
-    assert np.abs(made(x) - y).max() < 2e-3
+    network = nn.train(x, y, hidden=6, bias="inside", generator=draw)
+    assert np.abs(network(x) - y).max() < 2e-3
 
 
 def run(name, friction, blocks, generator, slow=None):
@@ -94,9 +94,11 @@ def run(name, friction, blocks, generator, slow=None):
     )  # fmt: skip
 
 
-def test_the_papers_split_cannot_tell_recognition_from_estimation():
-    """With an offset of each run that is independent of friction, the split is passed, even with exchanged labels, but
-    a run that was left out is not."""
+def test_the_papers_split_does_not_distinguish_recognition_from_estimation():
+    """With a friction-independent offset of each run, the network passes the split but not a run left out.
+
+    It passes the split even with exchanged labels.
+    """
     draw = np.random.default_rng(4)
     frictions = [0.1, 0.17, 0.22, 0.24, 0.31, 0.37]
     runs = [run(f"run {k}", mu, draw.uniform(0, 3, 4), draw) for k, mu in enumerate(frictions)]
@@ -115,19 +117,19 @@ def test_exchanged_labels_are_those_of_other_runs():
     assert all(label != one.friction for label, one in zip(labels, runs, strict=True))
 
 
-def test_intervals_of_an_ensemble_cover_nine_in_ten_of_like_runs():
+def test_intervals_of_an_ensemble_cover_nine_in_ten_of_similar_runs():
     """Runs of a known law with noise between runs; 60 new ones: 90 % within three binomial deviations of 4 %."""
     draw = np.random.default_rng(5)
 
-    def made(count):
+    def draw_runs(count):
         x = draw.uniform(-1, 1, (count, 3))
         y = 0.25 + 0.1 * np.tanh(x[:, 0]) + 0.02 * draw.standard_normal(count)
         rows = np.repeat(np.arange(count), 4)
         return x[rows] + 0.02 * draw.standard_normal((4 * count, 3)), y[rows], rows
 
-    x, y, number = made(60)
+    x, y, number = draw_runs(60)
     ensemble = fit(x, y, number, generator=draw, members=12)
-    x, y, _ = made(60)
+    x, y, _ = draw_runs(60)
     answer = ensemble(x)
     share = np.mean((answer.lower <= y) & (y <= answer.upper))
     assert 0.78 <= share <= 1.0
@@ -141,7 +143,7 @@ def test_too_few_networks_for_an_interval_are_refused():
         fit(x, np.array([0.1, 0.2, 0.3, 0.4]), number, generator=draw, members=2, steps=2)
 
 
-def test_a_second_stage_turns_slope_into_friction():
+def test_a_second_stage_maps_slope_to_friction():
     """Friction is a nonlinear function of slope and slope of the features: two stages find both."""
     draw = np.random.default_rng(7)
     slope = draw.uniform(0.15, 0.75, 80)
@@ -207,8 +209,10 @@ def test_decay_is_part_of_the_minimised_cost():
     y = np.where(x[:, 0] > 0, 0.3, 0.15)
     sizes = {}
     for decay in (0.0, 1e-5):
-        made = nn.train(x, y, hidden=6, bias="inside", generator=np.random.default_rng(1), decay=decay, steps=400)
-        p = np.concatenate([made.hidden_weights.ravel(), made.hidden_bias, made.output_weights, [made.output_bias]])
+        network = nn.train(x, y, hidden=6, bias="inside", generator=np.random.default_rng(1), decay=decay, steps=400)
+        p = np.concatenate(
+            [network.hidden_weights.ravel(), network.hidden_bias, network.output_weights, [network.output_bias]]
+        )
         sizes[decay] = float(p @ p)
 
     def cost(q):

@@ -1,4 +1,4 @@
-"""A folder of a user's own runs is read, judged and used for training; unusable data are refused."""
+"""A folder of a user's own runs is read, evaluated and used for training; unusable data are refused."""
 
 import numpy as np
 import pandas as pd
@@ -52,10 +52,10 @@ def write_labels(file, rows, header="file,friction,direction"):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    made = tmp_path_factory.mktemp("runs")
+    folder = tmp_path_factory.mktemp("runs")
     for k in range(4):
-        write(made / f"{k}.parquet", signals(k))
-    return made
+        write(folder / f"{k}.parquet", signals(k))
+    return folder
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +64,7 @@ def dataset(folder):
     return read_folder(folder, labels)
 
 
-def test_runs_become_a_report_and_estimators(dataset):
+def test_runs_yield_a_report_and_estimators(dataset):
     assert [run.group for run in dataset[0]] == [60] * 4
     assert [run.friction for run in dataset[0]] == pytest.approx([0.10, 0.18, 0.26, 0.34])
     assert dataset[0][0].blocks.shape == (int(SECONDS * RATE) // 50, 20)
@@ -115,7 +115,7 @@ def test_units_and_names_are_converted_by_the_map(folder, dataset, tmp_path):
 
 
 def test_another_rate_is_resampled(tmp_path):
-    """2560 samples a second of motions below 20 Hz give the slow signals of 5120, but for interpolation.
+    """2560 samples a second of motions below 20 Hz give the slow signals of 5120, apart from interpolation.
 
     Straight lines between samples of 20 Hz are off by (2 pi 20 / 2560)^2 / 8 = 3e-4 of the amplitude.
     """
@@ -139,7 +139,7 @@ def test_a_short_gap_is_interpolated_and_a_spike_is_reported(tmp_path):
     assert any(remark.startswith("a.parquet: right[1], 1.758 s (1 samples): off") for remark in run[1])
 
 
-def test_only_the_part_that_all_sensors_cover_is_used(tmp_path):
+def test_only_the_period_covered_by_all_sensors_is_used(tmp_path):
     columns = signals(0, seconds=7.0)
     columns["left[1]"][:1024] = np.nan
     assert len(one_run(tmp_path, columns)[0][0].slow) == (int(7.0 * RATE) - 1024) // 40

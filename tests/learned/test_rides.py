@@ -1,4 +1,4 @@
-"""A trained estimator over a ride of the car: sample by sample in CasADi, as FMU, and over all readings at once."""
+"""A trained estimator during a ride of the car: sample by sample in CasADi, as FMU, and over all readings at once."""
 
 from zipfile import ZipFile
 
@@ -30,8 +30,11 @@ from railgrip.studies.axle_box.ride import (
 )
 
 ROUNDING = 1e-11
-"""Friction, absolute. Offsets of 270 m/s² in doubles are rounded at 6e-14; some ten thousand recursive steps and a
-network of slope about 1 add two orders; the result of another order of additions was 3e-14."""
+"""Friction, absolute.
+
+Offsets of 270 m/s² are rounded at 6e-14 in double precision; some ten thousand recursive steps and a network of slope
+about 1 add two orders; additions in another order differed by 3e-14.
+"""
 
 # The comparisons do not depend on the length; the filters here settle in 0.2 s.
 RIDE = Pass(
@@ -105,7 +108,7 @@ def still(count=1):
 
 
 def test_the_last_known_estimate_is_held_with_its_interval():
-    """An FMU may have no estimate for a while. The shorter half of an interval is limited by 0."""
+    """An FMU may have no estimate for some time. The shorter half of an interval is limited by 0."""
     outputs = {"known": np.array([0, 1, 0, 1.0]), "friction": np.array([9, 0.2, 9, 0.3])}
     friction, deviation = belief_of(outputs)
     np.testing.assert_array_equal(friction, [np.nan, 0.2, 0.2, 0.3])
@@ -114,7 +117,7 @@ def test_the_last_known_estimate_is_held_with_its_interval():
     np.testing.assert_allclose(1.6449 * belief_of(outputs | interval)[1], [np.inf, 0.3, 0.3, 0.2])
 
 
-def test_backwards_is_half_a_turn():
+def test_running_backwards_is_a_rotation_by_half_a_turn():
     """The same motion in axes of a rotated car: wheelset 1 is last, left is right, forwards is backwards."""
     boxes = np.arange(1.0, 9.0).reshape(1, 4, 2)
     motion = Ride(
@@ -140,11 +143,11 @@ def test_a_saved_estimator_is_read_back(kind, estimators, tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["general", "paper"])
-def test_over_a_ride_an_estimator_is_the_same_online_and_offline(kind, estimators, tmp_path):
+def test_an_estimator_is_the_same_online_and_offline_during_a_ride(kind, estimators, tmp_path):
     save(estimators[kind], tmp_path / "mine.json")
     trace, apart = ride_with_estimator(read_ride(written(tmp_path, length=12.0)), tmp_path)
     assert apart < ROUNDING
-    assert trace.sizes["time"] == pytest.approx(12.0 / 26.82 * RATE, rel=0.05)  # the car keeps about that speed
+    assert trace.sizes["time"] == pytest.approx(12.0 / 26.82 * RATE, rel=0.05)  # the car keeps approximately that speed
     friction = trace["friction"].values
     known = friction[np.isfinite(friction)]
     assert np.unique(known).size >= 30
@@ -153,7 +156,7 @@ def test_over_a_ride_an_estimator_is_the_same_online_and_offline(kind, estimator
 
 
 @pytest.mark.parametrize("trusted", [False, True])
-def test_an_fmu_rides_in_a_process_of_its_own_unless_it_is_trusted(trusted, files):
+def test_an_fmu_runs_in_a_separate_process_unless_it_is_trusted(trusted, files):
     sentences = []
     outputs_of_fmu(*bind_estimator(files["paper"]), RATE, still(), trusted=trusted, notify=sentences.append)
     assert ["runs in a separate process" in sentence for sentence in sentences] == [True] * (not trusted)

@@ -1,4 +1,4 @@
-"""Rails of constant friction, and the outputs of a plant at its place on them, for a vehicle of `synthetic.LAYOUT`."""
+"""Rails of constant friction, and outputs of a plant at its position on them, for a vehicle of `synthetic.LAYOUT`."""
 
 import numpy as np
 from synthetic import LAYOUT
@@ -11,13 +11,13 @@ STRAIGHT = TrackForce(begins=(-np.inf,), forces=(0.0,), rates=(0.0,))
 
 
 def constant_rail(mu0, **surface):
-    """Return a level rail of this friction; `surface` is its field of recovery or its sand."""
+    """Return a level rail of this friction; `surface` is its cleaning field or its sand."""
     profile = FrictionTable(over_time=True, step=1.0, mu0_at=np.full((1, 6), mu0))
     return TabulatedRail(LAYOUT, profile, STRAIGHT, **surface)
 
 
 def outputs(**values):
-    """Return the outputs of a plant that shows these signals alone."""
+    """Return the outputs of a plant that outputs only these signals."""
     truth = np.full(LAYOUT.outputs, np.nan)
     for name, value in values.items():
         truth[LAYOUT.output[name]] = value

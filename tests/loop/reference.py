@@ -1,6 +1,6 @@
-"""The order of events in a stop, in Python: what the loop in C is compared with, to the last bit.
+"""The order of events in a stop, in Python: the loop in C must be bit-identical to it.
 
-Parts are a plant, a filter and a law in Python; sensors, driver, faults and rail are those of the loop.
+Plant, filter and law are in Python; sensors, driver, faults and rail are those of the loop.
 """
 
 import math
@@ -18,12 +18,12 @@ AT, READ = LAYOUT.output, LAYOUT.reading
 
 
 def is_due(k, every):
-    """Whether sample k is the first at or after a multiple of `every` samples, not necessarily a whole number."""
+    """Return whether sample k is the first at or after a multiple of `every` samples, which may be fractional."""
     return k // every > (k - 1) // every
 
 
 def brake(parts):
-    """Run a stop; return its outcome and the number of its rows, which are in the recorder."""
+    """Run a stop; return its outcome and the number of rows in the recorder."""
     clock, recorder, belief = parts.clock, parts.recorder, parts.estimator
     columns = recorder.columns
     keep = lambda k, name, values: recorder.rows[k].__setitem__(columns[name], values)
@@ -99,18 +99,18 @@ def brake(parts):
 
 
 def observation(parts, k, latest, pressure):
-    """Return what a law is shown, by the filter or else as it is read."""
+    """Return the input of a law, from the filter or else from the readings."""
     belief, time = parts.estimator, k * parts.clock.period
     acceleration, measured = float(latest[READ["acceleration"]][0]), latest[READ["cylinder_pressure"]]
     if belief is None:
         speed, wheels, estimates = float(latest[READ["speed"]][0]), latest[READ["wheelset_speed"]], (None, None)
-        shown = wheels
+        readings = wheels
     else:
         mean, variance = belief.filter.mean, np.diagonal(belief.filter.covariance)
         speed, wheels = float(mean[belief.speed]), mean[belief.wheelset_speed]
         estimates = mean[belief.adhesion], mean[belief.pad_friction]
         lost = variance[belief.wheelset_speed] > (1.0 / np.array(belief.wheel_radius)) ** 2
-        shown = np.where(lost, np.nan, wheels)
+        readings = np.where(lost, np.nan, wheels)
     radius = np.array(parts.wheel_radius if belief is None else belief.wheel_radius)
     slip = np.zeros(4) if speed < 0.05 else 1.0 - radius * wheels / speed
-    return Observation(time, speed, acceleration, shown, slip, belief is not None, *estimates, measured, pressure)
+    return Observation(time, speed, acceleration, readings, slip, belief is not None, *estimates, measured, pressure)

@@ -1,4 +1,4 @@
-"""The demand of the driver at a place, a time and a speed."""
+"""The demand of the driver as a function of place, time and speed."""
 
 import numpy as np
 import pytest
@@ -27,8 +27,8 @@ def pressure_at(one, sample, speed=20.0, distance=0.0):
     return pressure[0]
 
 
-def test_times_are_meant_to_the_nearest_sample():
-    """0.57 s is sample 57, though 57 times 0.01 s is less in floating point."""
+def test_times_are_rounded_to_the_nearest_sample():
+    """0.57 s is sample 57, although 57 times 0.01 s is less in floating point."""
     one = driver(phase(1.0, "time", 0.57), phase(2.0, "duration", 0.29), phase(3.0))
     pressures = [pressure_at(one, k) for k in range(100)]
     assert pressures == [1.0] * 57 + [2.0] * 29 + [3.0] * 14
@@ -42,12 +42,12 @@ def test_places_and_speeds_end_phases():
     assert [pressure_at(one, k, *course) for k, course in enumerate(courses)] == [1, 2, 2, 3, 3, 0, 0]
 
 
-def test_phases_whose_end_is_past_are_passed_at_once():
+def test_phases_that_have_already_ended_are_skipped():
     one = driver(phase(1.0, "distance", 10.0), phase(2.0, "speed_below", 30.0), phase(3.0, "time", 0.0), phase(4.0))
     assert pressure_at(one, 0, speed=20.0, distance=11.0) == 4.0
 
 
-def test_a_profile_is_a_straight_line():
+def test_a_profile_is_linear():
     line = phase_of("time", limit=2.0, begin=1.0, pressure=1e5, slope=5e4)
     one = driver(phase(1e5, "time", 1.0), line, phase(1.5e5))
     assert [pressure_at(one, k) for k in (0, 100, 150, 199, 200, 300)] == pytest.approx(
@@ -56,7 +56,7 @@ def test_a_profile_is_a_straight_line():
 
 
 def test_traction_is_limited_by_force_power_and_rate():
-    """50 kN, 500 kW: the power counts above 10 m/s; 100 kN/s are 1 kN a sample, on the way down, too."""
+    """50 kN, 500 kW: the power limits above 10 m/s; 100 kN/s are 1 kN per sample, also when falling."""
     traction = {"force": 5e4, "rate": 1e5}
     one = driver(phase(until="time", limit=1.0, power=5e5, **traction), phase(rate=1e5))
 
@@ -72,8 +72,10 @@ def test_traction_is_limited_by_force_power_and_rate():
 
 @pytest.mark.parametrize("braking", [0.7, 1.0, 1.2])
 def test_a_block_stops_at_the_target(braking):
-    """A block that brakes at once, by a share more or less than the driver expects, stands within a centimetre of the
-    target all the same. No brake is demanded before the curve of 0.6 m/s², v²/(2 a) before the target."""
+    """A block that brakes immediately stops within a centimetre of the target with a brake of unexpected strength.
+
+    No brake is demanded before the curve of 0.6 m/s², v²/(2 a) before the target.
+    """
     one = driver(phase(target=500.0, deceleration=0.6, full_deceleration=1.2))
     speed, distance, begun = 20.0, 0.0, None
     for k in range(20_000):
@@ -88,6 +90,6 @@ def test_a_block_stops_at_the_target(braking):
     assert distance == pytest.approx(500.0, abs=0.01)
 
 
-def test_beyond_the_target_it_is_full_brake():
+def test_beyond_the_target_full_brake_is_demanded():
     one = driver(phase(target=500.0, deceleration=0.6, full_deceleration=1.2))
     assert pressure_at(one, 0, 5.0, 500.0) == FULL[0]

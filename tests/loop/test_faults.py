@@ -1,4 +1,4 @@
-"""What a broken sensor shows and what a broken brake does, sample by sample."""
+"""The readings of a faulty sensor and the effect of a faulty brake, sample by sample."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from railgrip.simulate.loop.sensors import MissingTeeth
 SPEED = LAYOUT.reading["speed"].start
 
 
-def shown(course, *, valves=True, noise_rate=1, **fault):
+def readings_of(course, *, valves=True, noise_rate=1, **fault):
     """Readings of the train speed with one fault between samples 3 and 6; -1 for none."""
     values = {"place": SPEED, "begin": 3, "end": 6} | fault
     faults = Faults(LAYOUT, valves=valves, noise_rate=noise_rate)
@@ -43,15 +43,15 @@ COURSE = [20, 19, 18, 17, 16, 15, 14, 13]
     ],
     ids=lambda value: value["kind"] if isinstance(value, dict) else "",
 )  # fmt: skip
-def test_each_fault_does_what_it_says_and_ends(fault, expected):
-    assert shown(COURSE, **fault) == expected
+def test_each_fault_has_its_effect_and_ends(fault, expected):
+    assert readings_of(COURSE, **fault) == expected
 
 
 @pytest.mark.parametrize("kind", ["dead", "stuck"])
-def test_a_sensor_that_is_broken_from_the_start_shows_its_first_reading_only(kind):
-    """Nothing was read before sample 1: that reading is what it showed when it broke."""
+def test_a_sensor_faulty_from_the_start_repeats_its_first_reading(kind):
+    """Nothing was read before sample 1, so that reading is the one that the fault holds."""
     after = -1 if kind == "dead" else 19
-    assert shown([-1, 19, 18, -1, 16], kind=kind, begin=0, end=99) == [-1, 19, after, -1, after]
+    assert readings_of([-1, 19, 18, -1, 16], kind=kind, begin=0, end=99) == [-1, 19, after, -1, after]
 
 
 def test_faults_of_one_sensor_act_in_their_order():
@@ -80,19 +80,21 @@ def passed(commands, *, valves, inside=(0.0,) * 20, air=(0.0,) * 20, **fault):
     return arrived
 
 
-def test_a_valve_is_fixed_kept_or_late():
+def test_a_valve_is_fixed_held_or_late():
     course = [1, 2, 3, 4, 5, 6]
     assert passed(course, valves=False, kind="fixed", value=-1.0) == [1, 2, -1, -1, -1, 6]
     assert passed(course, valves=False, kind="kept") == [1, 2, 2, 2, 2, 6]
-    # Broken from the start it keeps the first command: there was none before.
+    # Faulty from the start, it holds the first command.
     assert passed(course, valves=False, kind="kept", begin=0) == [1, 1, 1, 1, 1, 6]
     assert passed(course, valves=False, kind="late", delay=2) == [1, 2, 1, 2, 3, 6]
     assert passed(course, valves=False, kind="late", delay=0) == course
 
 
-def test_a_reservoir_empties_with_the_air_it_gives():
-    """p = p0 - p_free ΔV/V: of 10 l at 2 bar, a litre of free air takes 0.101 bar; what was used before is past.
-    A check valve keeps what is in the cylinder, so that a command is never lowered below that."""
+def test_a_reservoir_empties_by_the_air_that_it_supplies():
+    """p = p0 - p_free ΔV/V: for 10 l at 2 bar, a litre of free air lowers it by 0.101 bar; earlier consumption counts.
+
+    A check valve keeps the pressure in the cylinder, so that a command is never limited below it.
+    """
     air = [0.5, 0.5, 0.5, 0.501, 0.510, 0.6]
     common = dict(kind="limited", value=0.01, pressure=2e5, air=air)
     limits = [3e5, 3e5, 2e5, 2e5 - 0.1 * FREE, 2e5 - FREE, 3e5]
@@ -106,7 +108,7 @@ def test_a_reservoir_empties_with_the_air_it_gives():
 
 
 def test_a_compressor_refills_a_reservoir_until_it_is_full():
-    """Half a litre of free air a sample is 0.051 bar of 10 l; what is not missing cannot be refilled."""
+    """Half a litre of free air per sample raises 10 l by 0.051 bar; a full reservoir is not refilled."""
     air = [0.5, 0.5, 0.5, 0.501, 0.510, 0.6]
     common = dict(kind="limited", value=0.01, pressure=2e5, air=air, valves=False)
     limits = [3e5, 3e5, 2e5, 2e5 - 0.05 * FREE, 2e5 - 0.9 * FREE, 3e5]
@@ -116,8 +118,10 @@ def test_a_compressor_refills_a_reservoir_until_it_is_full():
 
 @pytest.mark.parametrize("missing", [1, 2, 7])
 def test_a_gap_in_a_pole_wheel_reads_slow_once_a_revolution(missing):
-    """Over a gap of m teeth one pulse comes in the time of m + 1 pitches: ω/(m + 1), once in a revolution; elsewhere ω.
-    A pitch lasts 1.3 samples, so that each pulse is a reading of its own."""
+    """Over a gap of m teeth one pulse takes m + 1 pitches: the reading is ω/(m + 1), once per revolution; elsewhere ω.
+
+    A pitch lasts 1.3 samples, so that each pulse gives a new reading.
+    """
     speed = 2 * np.pi / 100 / 1.3e-3
     encoder = Encoder(instruments(pitch_error=0.0, clock=1e-9), PERIOD, np.random.default_rng(1),
                       MissingTeeth(missing, 0, 10**9))  # fmt: skip
@@ -128,7 +132,7 @@ def test_a_gap_in_a_pole_wheel_reads_slow_once_a_revolution(missing):
     assert slow.sum() in (19, 20)
 
 
-def test_a_pole_wheel_without_gap_reads_as_ever():
+def test_a_pole_wheel_without_a_gap_reads_the_same():
     encoder = Encoder(instruments(), PERIOD, np.random.default_rng(1), MissingTeeth(3, 10**6, 10**9))
     _, true, plain = encoder_readings(lambda t: 50 - 2 * t, 2.0)
     assert np.array_equal([encoder.read(k, w) for k, w in enumerate(true)], plain, equal_nan=True)

@@ -1,4 +1,4 @@
-"""The loop on parts of a few lines: which acts when, and how it ends."""
+"""The loop with minimal parts: when each of them acts, and how a stop ends."""
 
 from dataclasses import replace
 
@@ -46,7 +46,7 @@ class Block:
 
 
 def rail():
-    """Friction that rises by 1e-6 a metre, and a force."""
+    """Friction that rises by 1e-6 per metre, and a force."""
     friction = np.linspace(0.1, 0.1 + 1e-4, 101)[:, None].repeat(6, axis=1)
     force = TrackForce(begins=(-np.inf,), forces=(5.0,), rates=(0.0,))
     return TabulatedRail(LAYOUT, FrictionTable(over_time=False, step=1.0, mu0_at=friction), force)
@@ -90,7 +90,7 @@ def test_a_block_stops_after_the_textbook_distance():
 
 
 class Spy:
-    """An estimator that keeps what it reads and believes in the first state growing by one a step."""
+    """An estimator that stores its readings and whose first state grows by one per step."""
 
     def __init__(self):
         self.read = []
@@ -119,7 +119,7 @@ def state_estimator(spy):
 
 
 class Sparse:
-    """Sensors whose train speed comes every third sample."""
+    """Sensors whose train speed arrives every third sample."""
 
     def read(self, sample, truth):
         reading = np.zeros(LAYOUT.readings)
@@ -128,8 +128,10 @@ class Sparse:
 
 
 def test_a_reading_is_used_once_and_never_lost():
-    """Estimator every two samples, train speed every three: 3, 9, 15 … fall between its steps and still arrive, at the
-    next one; a step without a new reading sees NaN."""
+    """Estimator every two samples, train speed every three: readings at 3, 9, 15 … fall between the steps.
+
+    They arrive at the next step; a step without a new reading receives NaN.
+    """
     spy = Spy()
     brake(Block(10.0), estimator=state_estimator(spy), sensors=Sparse(), samples=24, every=2)
     speeds = [readings[0] for readings in spy.read]
@@ -138,7 +140,7 @@ def test_a_reading_is_used_once_and_never_lost():
 
 
 def test_a_row_has_the_estimate_of_its_sample():
-    """Its wheels turn twice as many rad/s as the train does m/s, on radii of 0.4 m: slip 0.2, but none at rest."""
+    """Wheels turn twice as many rad/s as the train does m/s, on radii of 0.4 m: slip 0.2, but zero at standstill."""
     _, recorder = brake(Block(10.0), estimator=state_estimator(Spy()), samples=3)
     assert recorder.rows[:4, recorder.at["estimate_speed"]].tolist() == [0.0, 1.0, 2.0, 3.0]
     slips = recorder.rows[:4, recorder.columns["estimate_slip"]]
@@ -146,8 +148,8 @@ def test_a_row_has_the_estimate_of_its_sample():
     assert recorder.rows[:4, recorder.at["estimate_adhesion_sd"]].tolist() == [1.0, 2.0, 2.0, 2.0]
 
 
-def test_an_unknown_load_counts_in_the_deviation_of_adhesion():
-    """The filter says 0.04 ± 1 of the first group, and 2 from the first step on; a load off by a half adds 0.02."""
+def test_an_unknown_load_increases_the_deviation_of_adhesion():
+    """The filter estimates 0.04 ± 1 for the first group, and 2 from the first step; a load wrong by half adds 0.02."""
     spy = Spy()
     spy.mean[9:13] = [0.04, 3.0, 0.0, -3.0]
     believing = replace(state_estimator(spy), load_deviation=0.5)

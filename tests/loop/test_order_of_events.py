@@ -1,4 +1,4 @@
-"""The order of events in a stop: the loop against `reference`, to the last bit.
+"""The order of events in a stop: the loop is bit-identical to `reference`.
 
 Also where parts fail, and where blocks of samples end.
 """
@@ -70,14 +70,14 @@ INSTRUMENTS = ServiceInstruments(
 
 
 ANY_TRAIN = Slowing(lightest=1e9, heaviest=np.inf, constant=12.0, quadratic=0.0)
-"""Whatever friction is on the rail, and whatever the force."""
+"""Bounds of the deceleration that any friction and force satisfy."""
 TRAIN = slowing_of(84e3, is_known=True)
 
 
 class Plant:
-    """Slows down evenly, rolls back a little at first, slides now and then; noisy.
+    """Decelerates uniformly, rolls back a little at first, slides now and then; noisy.
 
-    `wrong` is a function of sample and truth that changes what it shows.
+    `wrong` is a function of sample and truth that modifies the outputs.
     """
 
     def __init__(self, *, speed=20.0, slowing=0.8, fails_at=None, lacks=(), wrong=None):
@@ -124,7 +124,7 @@ class Plant:
 
 
 class Filter:
-    """Counts, remembers what it is shown, and fails, or believes in a negative variance, at a call."""
+    """Counts calls, records its inputs, and fails, or returns a negative variance, at a given call."""
 
     def __init__(self, fails_at=None, negative_at=None):
         self.fails_at, self.negative_at, self.calls = fails_at, negative_at, 0
@@ -160,7 +160,7 @@ def state_estimator(filter_):
 
 
 def law_that_ends(calls):
-    """Return a law that gives numbers for so many calls, and then none."""
+    """Return a law that returns numbers for a given number of calls, and then NaN."""
 
     def demand_with(draft):
         left = draft.state("left", "1", "calls", start=float(calls))
@@ -248,7 +248,7 @@ def by_the_loop(parts):
 
 
 def same(plant=Plant, controller=SLIP, filter_=None, keep=None, **changed):
-    """Return how a stop ends: by the loop with its law in C, with it in Python, and by the reference."""
+    """Return how a stop ends: in the loop with its law in C, with it in Python, and in the reference."""
     setup = dict(samples=BLOCK + 40, sensors="service", valves=False, every=(1, 1), over_time=True) | changed
     ends, bits = [], []
     for run, wrap in ((by_the_loop, lambda law: law), (by_the_loop, InPython), (brake, lambda law: law)):
@@ -302,14 +302,14 @@ def test_a_plant_that_fails(sample):
 
 
 @pytest.mark.parametrize("sample", [0, 1, BLOCK - 1, BLOCK, BLOCK + 1])
-def test_a_train_that_stands(sample):
+def test_a_train_at_standstill(sample):
     outcome, _, written = same(lambda: Plant(speed=0.1 + 0.8e-3 * (sample - 0.5)), filter_=Filter)
     assert (outcome, written) == (Outcome.STANDSTILL, sample + 1)
 
 
 @pytest.mark.parametrize("valves", [False, True])
 @pytest.mark.parametrize("calls", [0, 300, BLOCK, BLOCK + 1])
-def test_a_law_that_gives_no_number(calls, valves):
+def test_a_law_that_returns_nan(calls, valves):
     """Also where valve logic could hold the pressure."""
     outcome, reason, written = same(controller=lambda: law_that_ends(calls), valves=valves)
     assert (outcome, written) == (Outcome.CONTROLLER_FAILED, calls + 1)
@@ -317,7 +317,7 @@ def test_a_law_that_gives_no_number(calls, valves):
 
 
 class Wild:
-    """Demands far below none and above what cylinders take."""
+    """Demands far below zero and above the maximum cylinder pressure."""
 
     def __init__(self):
         self.random = np.random.default_rng(5)
@@ -358,9 +358,11 @@ def test_a_filter_that_diverges(call, way):
     ("controller", "valves", "every", "over_time"),
     [(SLIP, False, (1, 1), False), (HOLD, True, (5, 10), True), (HOLD, False, (2, 3), False)],
 )
-def test_mixes_of_parts(lacks, sensors, filter_, controller, valves, every, over_time):
-    """Sensors without a new reading, outputs that a plant lacks, parts at periods of their own; into the second
-    block, and over the end of the friction's table, which is 1 s or 1 m long."""
+def test_combinations_of_parts(lacks, sensors, filter_, controller, valves, every, over_time):
+    """Sensors without a new reading, missing plant outputs, parts with different periods.
+
+    The stops reach into the second block and beyond the end of the table of friction, which is 1 s or 1 m long.
+    """
     outcome, _, _ = same(
         lambda: Plant(speed=12.0, slowing=10.6, lacks=lacks), controller, filter_,
         sensors=sensors, valves=valves, every=every, over_time=over_time, samples=BLOCK + 300,
@@ -369,8 +371,8 @@ def test_mixes_of_parts(lacks, sensors, filter_, controller, valves, every, over
 
 
 @pytest.mark.parametrize("reach", [20.0, 5.0])
-def test_a_rail_that_slip_changes(reach):
-    """Slip and adhesion of either sign, a train that rolls back, or gets farther than it should."""
+def test_a_rail_changed_by_slip(reach):
+    """Slip and adhesion of either sign, a train that rolls back or travels farther than expected."""
 
     def slides(k, truth):
         truth[LAYOUT.output["slip"]] = 0.5 + 0.5 * np.sin(0.01 * k + np.arange(4))
@@ -429,7 +431,7 @@ pressures = st.tuples(*[st.floats(0.0, 3.4e5)] * 4)
 
 @st.composite
 def driven(draw):
-    """Phases of every sort, in any order."""
+    """Phases of every kind, in any order."""
     phases, ends = [], draw(st.lists(until, max_size=5))
     for kind, limit in [*ends, ("end", np.nan)]:
         aim = {"target": draw(st.floats(1.0, 8.0)), "deceleration": 8.0, "full_deceleration": 10.6}
@@ -442,8 +444,8 @@ def driven(draw):
 
 @settings(max_examples=40)
 @given(phases=driven(), every=st.sampled_from([(1, 1), (2, 3)]))
-def test_what_is_sent_is_never_more_than_the_driver_demands(phases, every):
-    """Whatever the phases."""
+def test_commands_never_exceed_the_driver_demand(phases, every):
+    """For any phases."""
     rows, columns = [], {}
 
     def keep(recorder):
@@ -456,7 +458,7 @@ def test_what_is_sent_is_never_more_than_the_driver_demands(phases, every):
 
 
 def showing(signal, change, element=0):
-    """Return what makes a plant show a signal changed by `change`(sample, value)."""
+    """Return a function that makes a plant modify a signal by `change`(sample, value)."""
 
     def wrong(sample, truth):
         at = LAYOUT.output[signal].start + element
@@ -478,7 +480,7 @@ def showing(signal, change, element=0):
     ],
 )
 def test_a_plant_with_impossible_outputs_is_implausible(sample, signal, element, value, words):
-    """The sample is not kept, and the sentence names signal, time, value and what was expected."""
+    """The sample is discarded, and the message names signal, time, value and expectation."""
     shown = showing(signal, lambda k, true: value if k == sample else true, element)
     outcome, reason, written = same(lambda: Plant(wrong=shown), filter_=Filter)
     assert (outcome, written) == (Outcome.IMPLAUSIBLE, sample)
@@ -499,8 +501,8 @@ def test_a_plant_with_impossible_outputs_is_implausible(sample, signal, element,
     ],
     ids=["km/h", "backwards", "begins elsewhere", "other sign", "km", "odometer", "stuck", "percent"],
 )
-def test_a_plant_in_other_units_or_signs(signal, change, latest):
-    """It does not get far."""
+def test_a_plant_with_wrong_units_or_signs(signal, change, latest):
+    """It ends early."""
     outcome, reason, written = same(lambda: Plant(wrong=showing(signal, change)))
     assert outcome is Outcome.IMPLAUSIBLE
     assert written <= latest
@@ -520,17 +522,17 @@ def test_a_plant_that_starts_with_another_speed_than_the_scenario():
     grid=st.sampled_from([0.0, 1e-3, 5e-3]),
     rounding=st.sampled_from([0.0, 0.01 / 3.6, 0.1 / 3.6]),
 )
-def test_an_honest_plant_is_never_implausible(speed, slowing, late, grid, rounding):
-    """Whatever its speed and deceleration; its speed may be of the sample before, both may be rounded.
+def test_a_correct_plant_is_never_implausible(speed, slowing, late, grid, rounding):
+    """For any speed and deceleration; its speed may be of the previous sample, and both may be rounded.
 
-    The speed to 0.1 % of that at the start, which is what this says of the braking distance, twice.
+    The speed to 0.1 % of the initial speed, that is twice the resulting error of the braking distance.
     """
     assume(rounding <= 1e-3 * speed)
 
     def honest(k, truth):
-        shown = speed - slowing * 1e-3 * (k - late if k else 0)
+        output = speed - slowing * 1e-3 * (k - late if k else 0)
         gone = speed * 1e-3 * k - slowing * (1e-3 * k) ** 2 / 2
-        truth[LAYOUT.output["speed"]] = rounding * round(shown / rounding) if rounding else shown
+        truth[LAYOUT.output["speed"]] = rounding * round(output / rounding) if rounding else output
         truth[LAYOUT.output["distance"]] = grid * round(gone / grid) if grid else gone
 
     plausibility = Plausibility(LAYOUT, 1e-3, speed, ANY_TRAIN)
@@ -543,7 +545,7 @@ def test_an_honest_plant_is_never_implausible(speed, slowing, late, grid, roundi
 
 
 def outputs_of(speed, distance, acceleration):
-    """Outputs of a plant that hides loads, slip and adhesion."""
+    """Outputs of a plant without loads, slip and adhesion."""
     truth = np.full(LAYOUT.outputs, np.nan)
     for name, value in (("speed", speed), ("distance", distance), ("acceleration", acceleration)):
         truth[LAYOUT.output[name]] = value
@@ -551,7 +553,7 @@ def outputs_of(speed, distance, acceleration):
 
 
 def braked(deceleration, *, friction=0.1, force=0.0, bounds=TRAIN, speed=20.0, period=1e-2, shown=1.0):
-    """Brake to 0.2 m/s with a deceleration of speed; return how far that came before it was implausible, 0 to 1."""
+    """Brake to 0.2 m/s with a deceleration of speed; return how far it came, 0 to 1, before it was implausible."""
     inputs = np.zeros(LAYOUT.inputs)
     inputs[LAYOUT.input["mu0"]], inputs[LAYOUT.input["track_force"]] = friction, force
     plausibility, v, s, k = Plausibility(LAYOUT, period, speed, bounds), speed, 0.0, 0
@@ -567,8 +569,8 @@ def braked(deceleration, *, friction=0.1, force=0.0, bounds=TRAIN, speed=20.0, p
 
 @pytest.mark.parametrize("friction", [0.01, 0.1, 0.4])
 @pytest.mark.parametrize("force", [0.0, -15e3, 3e3], ids=["level", "uphill", "downhill"])
-def test_a_speed_falls_by_no_more_than_friction_gradient_and_resistance_allow(friction, force):
-    """A plant that brakes with all that there is stops; one with 0.5 % more does not come to 60 % of its speed."""
+def test_deceleration_is_limited_by_friction_gradient_and_resistance(friction, force):
+    """A plant that uses all of it stops; one with 0.5 % more does not come down to 60 % of its speed."""
 
     def most(share):
         return lambda v: share * (9.81 * friction + TRAIN.maximum(v) - force / 84e3)
@@ -577,15 +579,15 @@ def test_a_speed_falls_by_no_more_than_friction_gradient_and_resistance_allow(fr
     assert braked(most(1.005), friction=friction, force=force) < 0.6
 
 
-def test_track_brakes_brake_beyond_friction():
+def test_track_brakes_exceed_friction():
     magnets = slowing_of(84e3, is_known=True, track_brakes=50e3)
     both = lambda v: 9.81 * 0.03 + 50e3 / 84e3
     assert braked(both, friction=0.03, bounds=magnets) == 1.0
     assert braked(both, friction=0.03) < 0.01
 
 
-def test_an_unknown_mass_bounds_no_push_and_halves_a_pull():
-    """On a gradient the force is known and the mass is not: the plant may be as light as half, or heavy without end."""
+def test_an_unknown_mass_makes_a_push_unlimited_and_halves_a_pull():
+    """On a gradient the force is known and the mass is not: it may be half the assumed mass, or arbitrarily large."""
     unknown = slowing_of(84e3, is_known=False)
     assert braked(lambda v: 9.81 * 0.05, friction=0.05, force=20e3, bounds=unknown) == 1.0
     assert braked(lambda v: 9.81 * 0.05 + 20e3 / 42e3, friction=0.05, force=-20e3, bounds=unknown) == 1.0
@@ -593,30 +595,30 @@ def test_an_unknown_mass_bounds_no_push_and_halves_a_pull():
 
 
 @pytest.mark.parametrize("shown", [-1.0, 0.98, 1.02, 3.6])
-def test_the_acceleration_is_that_of_the_speed_all_the_way(shown):
-    """2 % are more than 0.1 % of the speed and one sample of the acceleration before the train stands."""
+def test_the_acceleration_is_that_of_the_speed_throughout(shown):
+    """2 % is more than 0.1 % of the speed and one sample of the acceleration before standstill."""
     assert braked(lambda v: 0.8, shown=1.0) == 1.0
     assert braked(lambda v: 0.8, shown=shown) < 0.9
 
 
 @pytest.mark.parametrize("jump", [-0.09, 0.09])
-def test_a_speed_that_jumps_a_little_at_every_sample_is_implausible(jump):
-    """0.09 m/s in a millisecond are nine times the acceleration of gravity, and are found in the first of them."""
+def test_a_small_jump_of_the_speed_in_every_sample_is_implausible(jump):
+    """0.09 m/s in a millisecond is nine times the acceleration of gravity; the first jump is detected."""
     outcome, reason, written = same(lambda: Plant(wrong=showing("speed", lambda k, true: true + jump * k)))
     assert (outcome, written) == (Outcome.IMPLAUSIBLE, 1)
     assert "At 0.001 s the plant outputs speed = " in reason
 
 
 @pytest.mark.parametrize(("share", "fits"), [(0.9992, True), (1.0008, True), (0.998, False), (1.002, False)])
-def test_a_start_speed_is_that_of_the_scenario_to_0_1_percent(share, fits):
+def test_the_initial_speed_is_that_of_the_scenario_to_0_1_percent(share, fits):
     plausibility = Plausibility(LAYOUT, 1e-3, 20.0, TRAIN)
     assert holds(plausibility, 0, outputs_of(20.0 * share, 0.0, 0.0), np.zeros(LAYOUT.inputs)) is fits
 
 
 @settings(max_examples=30)
 @given(scale=st.floats(-1e3, 1e3).filter(lambda scale: abs(scale - 1) > 0.004), offset=st.floats(-20, 20))
-def test_a_wrong_distance_never_ends_in_a_braking_distance(scale, offset):
-    """A stop of 25 m from 20 m/s, of which 0.1 %, one sample of travel and a centimetre are 5.5 cm."""
+def test_a_wrong_distance_never_yields_a_braking_distance(scale, offset):
+    """A stop of 25 m from 20 m/s: 0.1 %, one sample of travel and a centimetre add up to 5.5 cm."""
 
     def wrong(k, truth):
         truth[LAYOUT.output["distance"]] = scale * truth[LAYOUT.output["distance"]] + offset
@@ -629,7 +631,7 @@ def test_a_wrong_distance_never_ends_in_a_braking_distance(scale, offset):
 
 
 def test_a_law_for_fewer_groups_is_not_called_from_c():
-    """C writes four numbers where it would find room for one."""
+    """C would write four numbers into an array of one."""
     with pytest.raises(LoopError, match="takes 8 inputs, and 26 belong to 4 groups"):
         same(
             controller=lambda: SlipTwoState(GROUPS[:1], SlipTwoState.load_tuning("ideal", "read", "paper")),

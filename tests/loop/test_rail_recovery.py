@@ -1,4 +1,4 @@
-"""Slip changes the rail as the published law says, for the wheel that slips and for those behind it."""
+"""Slip changes the rail according to the published law, for the slipping wheel and for those behind it."""
 
 import runpy
 from collections import namedtuple
@@ -49,15 +49,15 @@ def rolled(track, to, step=0.05, slip=lambda place: 0.1, **shown):
 
 
 def law(energy, mu0, slip_speed, clean=CLEAN):
-    """The law by hand: friction at no slip speed, as a contact takes it that lets friction fall as LAID says."""
+    """The law by hand: friction at zero slip speed, for a contact whose friction falls as in LAID."""
     falling = lambda of: (1 - of.A) * np.exp(-of.B * slip_speed) + of.A
     laid = mu0 * falling(LAID)
     gained = max(clean.mu0 * falling(clean) - laid, 0.0)
     return (laid + (1 - np.exp(-clean.rate * energy)) * gained) / falling(LAID)
 
 
-def test_each_wheelset_begins_with_what_those_ahead_have_won():
-    """Constant force and slip: behind n wheelsets, and with its own, a wheel has had n + 1 times F s."""
+def test_each_wheelset_starts_with_the_gain_of_those_ahead():
+    """Constant force and slip: behind n wheelsets, and with its own contribution, a wheel has n + 1 times F s."""
     track = rolled(rail(), 60.0)
     each = 0.5 * 0.05 * LOAD * 0.1  # F s of a wheel, 250 J/m
     expected = [law((ahead + 1) * each, 0.05, slip_speed=2.0) for ahead in range(6)]
@@ -66,24 +66,24 @@ def test_each_wheelset_begins_with_what_those_ahead_have_won():
 
 
 def test_the_product_of_shares_is_the_sum_of_energies():
-    """1 − λ of wheels one after the other multiply, whatever each of them did."""
+    """The factors 1 − λ of successive wheels multiply, whatever the slip of each."""
     track = rail()
     slips = np.array([0.05, 0.3, 0.1, 0.2])
     for place in np.arange(0, 60, 0.05):
-        shown = truth(place)
-        shown[LAYOUT.output["slip"]] = slips
-        track.advance(0.0, shown)
+        outputs = truth(place)
+        outputs[LAYOUT.output["slip"]] = slips
+        track.advance(0.0, outputs)
     each = 0.5 * 0.05 * LOAD * slips[TWO_PART_TRAIN.group_of_wheelset]
-    kept = np.cumprod(np.exp(-CLEAN.rate * each))
+    shares = np.cumprod(np.exp(-CLEAN.rate * each))
     speeds = 20.0 * slips[TWO_PART_TRAIN.group_of_wheelset]
-    expected = [law(-np.log(share) / CLEAN.rate, 0.05, speed) for share, speed in zip(kept, speeds, strict=True)]
+    expected = [law(-np.log(share) / CLEAN.rate, 0.05, speed) for share, speed in zip(shares, speeds, strict=True)]
     assert track.mu0 == pytest.approx(expected, rel=1e-9)
 
 
 @settings(max_examples=30)
 @given(st.lists(st.tuples(st.floats(0.0, 3.0), st.floats(0.0, 1.0)), min_size=2, max_size=60))
-def test_the_rail_keeps_all_the_energy(moves):
-    """Of every wheel the integral of F s over its way, in strides from nothing to thirty cells."""
+def test_the_rail_stores_all_the_energy(moves):
+    """For every wheel the integral of F s over its path, in strides from zero to thirty cells."""
     track, place = rail(), 0.0
     track.advance(0.0, truth(0.0, slip=0.2))
     spent, before = 0.0, 0.2
@@ -92,11 +92,11 @@ def test_the_rail_keeps_all_the_energy(moves):
         track.advance(0.0, truth(place, slip=slip))
         spent += 6 * 0.5 * 0.05 * LOAD * 0.5 * (before + slip) * stride
         before = slip
-    kept = CELL * track.slip_energy.energy.sum() + sum(track.slip_energy.struct.pointer.energy_own)
-    assert kept == pytest.approx(spent, rel=1e-9, abs=1e-6)
+    stored = CELL * track.slip_energy.energy.sum() + sum(track.slip_energy.struct.pointer.energy_own)
+    assert stored == pytest.approx(spent, rel=1e-9, abs=1e-6)
 
 
-def test_wheels_that_are_driven_clean_nothing():
+def test_driven_wheels_do_not_clean():
     track = rolled(rail(), 20.0, slip=lambda place: -0.1)
     assert not track.slip_energy.energy.any()
     assert track.mu0 == pytest.approx([0.05] * 6)
@@ -112,11 +112,11 @@ def test_halving_the_stride_changes_the_rail_by_a_quarter_each_time():
     assert second < 3e-4 * found[-1]
 
 
-def test_better_rail_than_the_clean_one_stays_as_it_lies():
+def test_a_rail_better_than_the_clean_one_does_not_change():
     assert rolled(rail(mu0=0.5, clean=CLEAN.model_copy(update={"B": 5.0})), 50.0).mu0 == pytest.approx(np.full(6, 0.5))
 
 
-def test_rolling_wheels_leave_the_rail_alone_and_standing_ones_do_not_dig():
+def test_rolling_and_stationary_wheels_do_not_change_the_rail():
     assert rolled(rail(), 50.0, slip=lambda place: 0.0).mu0 == pytest.approx(np.full(6, 0.05))
     track = rolled(rail(), 50.0)
     before = track.slip_energy.energy.copy()
@@ -125,8 +125,8 @@ def test_rolling_wheels_leave_the_rail_alone_and_standing_ones_do_not_dig():
     assert np.array_equal(track.slip_energy.energy, before)
 
 
-def test_beyond_the_reach_the_rail_is_the_last_cell_s():
-    """A train cannot get there; if one does, memory stays whole."""
+def test_beyond_the_table_the_last_cell_holds():
+    """A train cannot get there; if it does, no memory is overwritten."""
     track = rolled(rail(reach=20.0), 60.0)
     assert np.isfinite(track.mu0).all()
     assert track.slip_energy.energy[:-1].max() == pytest.approx(6 * 250.0)
@@ -137,15 +137,15 @@ def test_the_heat_of_the_contacts_is_on_the_rail():
     with assemble(scenario) as parts:
         ended = parts.run()
         field, trace = parts.parts.rail.slip_energy, parts.recorder.trace(ended.samples, 1e-3)
-    # Of both wheels of each wheelset; the plant's heat is that of all slip, the rail's that of samples 1 ms apart.
-    kept = 2 * (CELL * field.energy.sum() + sum(field.struct.pointer.energy_own))
-    assert kept == pytest.approx(float(trace.contact_heat[-1]), rel=1e-3)
+    # For both wheels of each wheelset; the plant's heat includes all slip, the rail's is sampled every 1 ms.
+    stored = 2 * (CELL * field.energy.sum() + sum(field.struct.pointer.energy_own))
+    assert stored == pytest.approx(float(trace.contact_heat[-1]), rel=1e-3)
     assert float(trace.mu0.max()) > 0.1
 
 
 @pytest.mark.parametrize("controller", ["slip_two_state", "full_brake"])
-def test_slip_that_cleans_stops_earlier_and_half_the_period_changes_little(controller):
-    """Sensors, law and valves of the ideal stop have a period of their own; the rail has the communication's."""
+def test_cleaning_slip_shortens_the_stop_and_half_the_period_changes_little(controller):
+    """Sensors, law and valves of the ideal stop keep their periods; the rail uses the communication step."""
     changes = (*LOW[:3], f"controller.kind={controller}", "limits.horizon=100 s", "start.speed=50 km/h")
     plain = run_stop(load(LIBRARY / "plain.toml", changes))
     stops = [
@@ -164,9 +164,9 @@ def test_slip_that_cleans_stops_earlier_and_half_the_period_changes_little(contr
     [
         ("trapezoid", [WRITTEN], "conditioning.fraction = 0"),
         (
-            "plain",
-            [WRITTEN, "controller.kind=ideal_bound", "estimator.kind=none"],
-            "depends on the slip of those ahead",
+            "trapezoid",
+            [WRITTEN, "adhesion.conditioning.fraction=0", "controller.kind=ideal_bound", "estimator.kind=none"],
+            "takes friction over distance where slip cleans the rail",
         ),
         ("plain", ["adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='2 m'}"], "recovery] rate"),
         ("plain", ["adhesion.recovery={mu0=0.3, A=0.4, B=0.6}"], "recovery"),
@@ -179,12 +179,12 @@ def test_recovery_that_contradicts_the_scenario_is_refused(scenario, changes, wo
     assert words in str(refusal.value)
 
 
-def test_a_plant_without_loads_or_places_is_refused():
-    shown = truth(0.0)
-    shown[LAYOUT.output["wheelset_load"]] = np.nan
+def test_a_plant_without_loads_or_positions_is_refused():
+    outputs = truth(0.0)
+    outputs[LAYOUT.output["wheelset_load"]] = np.nan
     with pytest.raises(ScenarioError, match="does not output adhesion and wheelset_load"):
-        rail().check_plant(shown)
-    constant_rail(0.1).check_plant(shown)
+        rail().check_plant(outputs)
+    constant_rail(0.1).check_plant(outputs)
     nowhere = replace(TWO_PART_TRAIN, wheelset_position=())
     with pytest.raises(ScenarioError, match=r"has recovery, and the plant does not declare the positions"):
         position_of(load(LIBRARY / "plain.toml", [WRITTEN]), nowhere)
@@ -196,7 +196,7 @@ def example():
 
 
 def test_adhesion_falls_behind_the_peak_and_rises_again_at_large_slip(example):
-    """The second maximum of contaminated rails; where slip does not clean, adhesion only falls behind the peak."""
+    """The second maximum of contaminated rails; without cleaning, adhesion only falls behind the peak."""
     slips = np.concatenate([[0.0], np.geomspace(2e-3, 1.0, 14)])
     as_it_lies, cleaned = example.curves("low", 0.06, slips)
     peak = np.argmax(as_it_lies)
@@ -206,7 +206,7 @@ def test_adhesion_falls_behind_the_peak_and_rises_again_at_large_slip(example):
     assert slips[valley] == pytest.approx(0.28, abs=0.1)
     assert first[valley] < 0.9 * first[: valley + 1].max()
     assert first[-1] > 1.5 * first[: valley + 1].max()
-    assert np.all(cleaned[1:, 1:] >= cleaned[1:, :-1] - 1e-12)  # lead to trail, at any slip
+    assert np.all(cleaned[1:, 1:] >= cleaned[1:, :-1] - 1e-12)  # front to rear, at any slip
 
 
 def test_the_figure_of_the_manual_is_drawn_by_the_example(example, tmp_path):

@@ -1,4 +1,4 @@
-"""Friction is that of the nearest value of the table, the force that of the section, wherever the train is."""
+"""Friction is the nearest value of the table, and the force that of the section, wherever the train is."""
 
 from collections import namedtuple
 
@@ -35,7 +35,7 @@ def test_friction_is_that_of_the_nearest_time_or_place(over_time, place, nearest
 
 
 def test_the_force_is_that_of_the_section_ahead_and_back():
-    """A plant that is reset, or rolls back, comes to sections before."""
+    """A plant that is reset, or rolls back, returns to earlier sections."""
     track = rail(over_time=True)
     for distance, force in ((0, 0), (10, 1e3), (29.9, 1e3), (31, -1950), (40, -1500), (29, 1e3), (9.9, 0), (-1, 0)):
         track.advance(0.0, at(distance))

@@ -1,4 +1,4 @@
-"""Sand raises friction for the wheelset it is laid for, and less for each one behind."""
+"""Sand raises friction for the wheelset that is sanded, and less for each one behind."""
 
 import numpy as np
 import pytest
@@ -42,66 +42,66 @@ def law(density, mu0=0.02, sand=SAND):
 
 
 def behind(density, first):
-    """What each of six wheelsets meets of sand that is laid for one of them."""
+    """Friction under each of six wheelsets with sand for one of them."""
     return np.array([density * SAND["left"] ** (w - first) if w >= first else 0.0 for w in range(6)])
 
 
-def test_each_wheelset_behind_a_sander_meets_a_share_less():
-    met = behind(2 * KG_PER_MIN / SPEED, first=2)
-    assert rolled(rail(FIXED), 100.0).mu0 == pytest.approx(law(met), rel=1e-12)
-    assert met[2] == pytest.approx(1.667e-3, rel=1e-3)  # 1.7 g/m at 72 km/h
+def test_each_wheelset_behind_a_sander_gets_a_smaller_share():
+    density = behind(2 * KG_PER_MIN / SPEED, first=2)
+    assert rolled(rail(FIXED), 100.0).mu0 == pytest.approx(law(density), rel=1e-12)
+    assert density[2] == pytest.approx(1.667e-3, rel=1e-3)  # 1.7 g/m at 72 km/h
 
 
 def test_sand_of_two_sanders_adds_up():
-    met = behind(2 * KG_PER_MIN / SPEED, first=2) + behind(2 * KG_PER_MIN / SPEED, first=4)
+    density = behind(2 * KG_PER_MIN / SPEED, first=2) + behind(2 * KG_PER_MIN / SPEED, first=4)
     track = rolled(rail(FIXED, Sander(wheelset=5, rate=2 * KG_PER_MIN, delay=0.0)), 100.0)
-    assert track.mu0 == pytest.approx(law(met), rel=1e-12)
+    assert track.mu0 == pytest.approx(law(density), rel=1e-12)
 
 
 @pytest.mark.parametrize("speed", [5.0, 15.0, 20.8, 22.0, 40.0])
-def test_a_variable_rate_keeps_sand_on_a_metre_until_it_can_no_more(speed):
-    met = behind(min(4e-3, 5 * KG_PER_MIN / speed), first=2)
-    assert rolled(rail(VARIABLE), 100.0, speed, 1e-3).mu0 == pytest.approx(law(met), rel=1e-12)
+def test_a_variable_rate_keeps_sand_per_metre_constant_up_to_its_limit(speed):
+    density = behind(min(4e-3, 5 * KG_PER_MIN / speed), first=2)
+    assert rolled(rail(VARIABLE), 100.0, speed, 1e-3).mu0 == pytest.approx(law(density), rel=1e-12)
 
 
-def test_all_sand_that_left_the_nozzles_lies_on_the_rail():
-    """With all of it left, on one rail: rate times time."""
+def test_all_sand_that_left_the_nozzles_is_on_the_rail():
+    """With all of it remaining, on one rail: rate times time."""
     track = rolled(rail(FIXED, sand=SAND | {"left": 1.0}), 300.0)
     cell = 0.1
     assert cell * track.sand.deposited.sum() == pytest.approx(2 * KG_PER_MIN * 300.0 / SPEED, rel=1e-3)
 
 
-def test_sand_comes_and_goes_and_stays_where_it_lies():
+def test_sand_starts_and_ends_and_stays_in_place():
     sander = Sander(wheelset=1, rate=2 * KG_PER_MIN, begin=1.0, end=2.0, delay=0.5)
-    met = behind(2 * KG_PER_MIN / SPEED, first=0)
+    density = behind(2 * KG_PER_MIN / SPEED, first=0)
     track = rail(sander)
     found = {}
     for k in range(5000):
         track.advance(k * 1e-3, truth(SPEED * k * 1e-3))
         found[k] = track.mu0.copy()
-    laid, last = 1500, 2500
+    first, last = 1500, 2500
     position = np.array(TWO_PART_TRAIN.wheelset_position)
     for w in range(6):
-        arrives, leaves = (round(k + position[w] / SPEED * 1e3) for k in (laid, last))
+        arrives, leaves = (round(k + position[w] / SPEED * 1e3) for k in (first, last))
         a_cell = 6  # samples
         assert found[arrives - a_cell][w] == pytest.approx(0.02)
-        assert found[arrives + a_cell][w] == pytest.approx(law(met)[w])
-        assert found[leaves - a_cell][w] == pytest.approx(law(met)[w])
+        assert found[arrives + a_cell][w] == pytest.approx(law(density)[w])
+        assert found[leaves - a_cell][w] == pytest.approx(law(density)[w])
         assert found[leaves + a_cell][w] == pytest.approx(0.02)
 
 
-def test_better_friction_than_that_of_sand_stays():
+def test_friction_better_than_that_of_sand_does_not_change():
     assert rolled(rail(FIXED, mu0=0.3), 50.0).mu0 == pytest.approx(np.full(6, 0.3))
 
 
-def test_a_train_that_stands_or_leaves_the_table_keeps_finite_friction():
+def test_friction_stays_finite_at_standstill_and_beyond_the_table():
     track = rolled(rail(FIXED, reach=20.0), 100.0)
     for _ in range(10):
         track.advance(6.0, truth(100.0, 0.0))
     assert np.isfinite(track.mu0).all()
 
 
-def test_sand_reaches_the_rail_a_second_later_and_less_of_it_each_wheelset():
+def test_sand_arrives_a_second_later_and_each_wheelset_gets_less():
     scenario = load(LIBRARY / "plain.toml", [*LOW, *WRITTEN, "limits.horizon=4 s"])
     with assemble(scenario) as parts:
         ended = parts.run()
@@ -110,7 +110,7 @@ def test_sand_reaches_the_rail_a_second_later_and_less_of_it_each_wheelset():
     assert last[0] == 0.03
     assert np.all(np.diff(last[1:]) < 0)
     assert last[-1] > 0.03
-    assert np.all(trace.mu0.values[:1000] == 0.03)  # the sand takes a second to the rail
+    assert np.all(trace.mu0.values[:1000] == 0.03)  # the sand takes a second to reach the rail
     assert trace.mu0.values[1010, 1] > 0.03
 
 

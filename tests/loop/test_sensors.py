@@ -1,4 +1,4 @@
-"""Service sensors against what their data sheets promise."""
+"""Service sensors compared with their data sheets."""
 
 import numpy as np
 import pytest
@@ -54,14 +54,14 @@ def encoder_readings(speed_of, seconds, **changes):
     return samples * PERIOD, true, np.array([encoder.read(int(k), w) for k, w in zip(samples, true, strict=True)])
 
 
-def test_ideal_sensors_show_the_truth():
+def test_ideal_sensors_read_the_truth():
     reading = read(IdealSensors(LAYOUT), 0, truth())
     assert reading[LAYOUT.reading["speed"]].tolist() == [20.0]
     assert reading[LAYOUT.reading["cylinder_pressure"]].tolist() == [2e5] * 4
 
 
 def test_white_sensors_err_by_gain_bias_and_noise_as_stated():
-    """20 s of a constant truth: means within four deviations of the mean, deviations within 5 %."""
+    """20 s of constant truth: means within four standard errors, deviations within 5 %."""
     size, speed = LAYOUT.readings, LAYOUT.reading["speed"].start
     deviation = np.zeros(size)
     deviation[speed] = 0.1
@@ -74,9 +74,11 @@ def test_white_sensors_err_by_gain_bias_and_noise_as_stated():
     assert np.all(readings[:, LAYOUT.reading["cylinder_pressure"]] == 2e5 * 1.01 + 0.5)
 
 
-def test_a_perfect_encoder_is_as_good_as_its_clock():
-    """One tick of the clock on each of two pulses over at least one pitch: ω·clock/gap, and the speed drifts by less
-    than 1e-3 of itself over a gap."""
+def test_a_perfect_encoder_is_as_accurate_as_its_clock():
+    """One clock tick on each of two pulses at a distance of one pitch or more: ω·clock/gap.
+
+    The speed drifts by less than 1e-3 of itself over a gap.
+    """
     _, true, read = encoder_readings(lambda t: 50 - 2 * t, 5.0, pitch_error=0.0)
     there = ~np.isnan(read)
     there[:20] = False
@@ -84,8 +86,8 @@ def test_a_perfect_encoder_is_as_good_as_its_clock():
     assert np.all(np.abs(read[there] - true[there]) < true[there] * (1e-6 / gap * 1.01) + 2 * (gap + PERIOD))
 
 
-def test_tooth_errors_scatter_as_stated():
-    """At a pulse a sample the relative error of a reading has the pitch error's deviation, here 0.3 %."""
+def test_tooth_errors_scatter_as_specified():
+    """At one pulse per sample the relative error of a reading has the pitch error's deviation, here 0.3 %."""
     _, true, read = encoder_readings(lambda t: 2 * np.pi / 100 / 1.3e-3, 5.0, clock=1e-9)
     error = (read / true - 1)[~np.isnan(read)][10:]
     # Readings repeat each revolution, so there are 100 independent ones: 15 % is two deviations of their scatter.
@@ -93,7 +95,7 @@ def test_tooth_errors_scatter_as_stated():
     assert abs(error.mean()) < 1e-4
 
 
-def test_slow_wheels_read_rarely_and_standing_ones_zero():
+def test_slow_wheels_read_rarely_and_stationary_ones_zero():
     """At 2 rad/s a pitch takes 31 ms; below the cut-off of 0.3 m/s, 0.8 rad/s, it reads zero."""
     _, _, read = encoder_readings(lambda t: 2.0, 2.0)
     gaps = np.diff(np.flatnonzero(~np.isnan(read)))
@@ -109,13 +111,13 @@ def test_a_wheel_that_turns_again_is_read_again():
     assert np.allclose(read[late], true[late], rtol=1e-3)
 
 
-def test_noises_and_biases_are_those_of_the_sheet():
-    """20 s of a constant truth: means within four deviations of the mean, deviations within 10 %."""
+def test_noises_and_biases_are_those_of_the_data_sheet():
+    """20 s of constant truth: means within four standard errors, deviations within 10 %."""
     sensors = ServiceSensors(LAYOUT, instruments(), PERIOD, np.random.default_rng(3))
     readings = np.array([read(sensors, k, truth()) for k in range(20000)])
     speed = readings[:, 0][~np.isnan(readings[:, 0])]
     assert len(speed) == pytest.approx(20000 / 50, abs=2)
-    # Late by 50 ms and carried forward by the (biased) acceleration over 50 ms.
+    # Late by 50 ms and extrapolated with the (biased) acceleration over 50 ms.
     assert speed.mean() == pytest.approx(20 * 1.002 + (-0.8 + 0.04) * 0.05, abs=4 * 0.1 / np.sqrt(len(speed)))
     assert speed.std() == pytest.approx(0.1, rel=0.1)
     acceleration = readings[:, LAYOUT.reading["acceleration"].start]
@@ -144,8 +146,8 @@ def test_the_same_seed_reads_the_same():
         assert np.array_equal(read(one, k, truth()), read(two, k, truth()), equal_nan=True)
 
 
-def test_a_lost_reading_is_none_and_factors_go_on_in_turn():
-    """Readings every 50 ms are 1.01, none, 0.99 of the speed, and again; the first one is due after the latency."""
+def test_a_lost_reading_is_nan_and_factors_continue_in_turn():
+    """Readings every 50 ms are 1.01, NaN, 0.99 of the speed, and so on; the first one is due after the latency."""
     factors = np.array([1.01, np.nan, 0.99])
     perfect = dict(speed_noise=0.0, acceleration_noise=0.0, acceleration_bias=0.0)
     sensors = ServiceSensors(LAYOUT, instruments(speed_factor=factors, **perfect), PERIOD, np.random.default_rng(3))
@@ -153,8 +155,8 @@ def test_a_lost_reading_is_none_and_factors_go_on_in_turn():
     assert readings[::50] == pytest.approx([np.nan, np.nan, 19.8, 20.2, np.nan, 19.8, 20.2], nan_ok=True)
 
 
-def test_an_accelerometer_feels_the_slope_under_it():
-    """A ramp of gravity from 0 at 10 m to 0.1 m/s² at 20 m; as at its ends before and beyond."""
+def test_an_accelerometer_measures_the_slope_under_it():
+    """A gravity component rising from 0 at 10 m to 0.1 m/s² at 20 m, and constant before and beyond."""
     gravity = TrackQuantity(begin=10.0, step=5.0, values=np.array([0.0, 0.05, 0.1]))
     perfect = dict(acceleration_noise=0.0, acceleration_bias=0.0)
     sensors = ServiceSensors(LAYOUT, instruments(gravity=gravity, **perfect), PERIOD, np.random.default_rng(3))

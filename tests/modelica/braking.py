@@ -1,4 +1,4 @@
-"""Stops of the train FMUs, stepped here through FMPy, for the tests of the Modelica library."""
+"""Stops of the train FMUs, stepped through FMPy, for the tests of the Modelica library."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
@@ -20,7 +20,7 @@ WATCHED = [
     *("wheelset_load[6]", "deflection[6]", "cylinder_pressure[4]", "pad_force[4]", "pad_friction[4]"),
     *("disc_temperature[4]", "disc_surface_temperature[4]", "brake_torque[4]"),
 ]
-"""Outputs that are recorded; a number in brackets is a length."""
+"""Recorded outputs; a number in brackets is a length."""
 
 
 def scalars(name: str) -> list[str]:
@@ -30,7 +30,7 @@ def scalars(name: str) -> list[str]:
 
 
 class Train:
-    """A train FMU that can be stopped again and again."""
+    """A train FMU that can be stopped repeatedly."""
 
     def __init__(self, name: str, scratch: Path) -> None:
         self.description = fmpy.read_model_description(str(fmu(name)))
@@ -131,5 +131,5 @@ def brake(train: Train, km_h: float, mu0: float | Signal, surface: dict[str, flo
 
 @cache
 def emergency_stop(train: Train, km_h: float) -> Record:
-    """Stop on a dry rail; run once, so leave it as it is."""
+    """Stop on a dry rail; run once and shared, so do not modify it."""
     return brake(train, km_h, 0.55, DRY)

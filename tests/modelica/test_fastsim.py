@@ -1,4 +1,4 @@
-"""Contact forces of the library against Kalker's simplified theory in strips, at longitudinal creepage."""
+"""Contact forces of the library compared with Kalker's simplified theory in strips, at longitudinal creepage."""
 
 import numpy as np
 import pytest
@@ -17,20 +17,20 @@ def rise_of(epsilon):
 
 
 def of_library(epsilon, point="ContactPoint"):
-    """Return force over friction times load by the library, at slips that have these gradients."""
+    """Return force over friction times load from the library, at slips with these gradients."""
     shape = {"k_A": 1.0, "k_S": 1.0, "A_falling": 1.0, "B_falling": 0.0}
     contact = compiled_contact(lower(f"RailBraking.FMUs.{point}"), {}, shape)
     mu0, load = 0.3, np.full(1, 137e3)
     small = np.full(1, 1e-7)
-    # At vanishing slip the force is 4 ε/π friction times load, which gives ε over slip of this wheel.
+    # For vanishing slip the force is 4 ε/π times friction times load, which yields ε over slip of this wheel.
     slope = contact(small, np.ones(1), load, np.full(1, mu0)) / small / mu0 * np.pi / 4
     slip = epsilon / slope
     same = np.ones_like(slip)
     return contact(slip, same, load * same, mu0 * same) / mu0
 
 
-def test_the_stepped_strips_meet_the_closed_form():
-    """First order in the step of a strip, 1/400 of it."""
+def test_the_stepped_strips_agree_with_the_closed_form():
+    """First order in the step of a strip, 1/400 of its length."""
     for epsilon in EPSILONS:
         assert creep_force(rise_of(epsilon)) == pytest.approx(closed_form(rise_of(epsilon)), rel=5e-3)
 
@@ -48,7 +48,7 @@ def test_polach_is_above_fastsim_in_partial_slip_and_below_it_near_full_slip():
     assert np.all(ratio[(EPSILONS > 1.4) & (EPSILONS < 9)] < 1.0)
 
 
-def test_the_simplified_contact_is_that_theory():
-    """The strips of the reference have an error of 1/4000 of the small axis, which its narrowest strips enlarge."""
+def test_the_simplified_contact_agrees_with_fastsim():
+    """Strips of the reference have an error of 1/4000 of the small axis, which is larger for the narrowest."""
     expected = [closed_form(rise_of(epsilon)) for epsilon in EPSILONS]
     assert of_library(EPSILONS, "SimplifiedContactPoint") == pytest.approx(expected, rel=2e-5)

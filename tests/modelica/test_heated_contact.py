@@ -1,4 +1,4 @@
-"""Contacts that slip heats and cleans: flash temperature, friction, and the same cleaning as that of the rail."""
+"""Contacts heated and cleaned by slip: flash temperature, friction, and the same cleaning as that of the rail."""
 
 from pathlib import Path
 
@@ -40,8 +40,8 @@ def call(function: str, tmp_path, **arguments: float) -> float:
     return float(ca.evalf(ca.SX(model.output(0, ca.SX(0, 1), ca.SX(0, 1), ca.SX(0, 1)))))
 
 
-def test_a_band_under_uniform_heat_has_its_closed_form():
-    """Heat enters a half-space for the time that the band takes; an explicit scheme of finite differences agrees."""
+def test_a_uniformly_heated_band_has_its_closed_form():
+    """Heat flows into a half-space while the band passes; an explicit scheme of finite differences agrees."""
     q, time, cells = 1e6, 5e-4, 400
     diffusivity = K / (RHO * C_P)
     dx = 6 * np.sqrt(diffusivity * time) / cells
@@ -56,7 +56,7 @@ def test_a_band_under_uniform_heat_has_its_closed_form():
 
 
 def test_the_formula_of_the_flash_temperature_is_the_quadrature_of_moving_sources(tmp_path):
-    """Tian and Kennedy's form is an interpolation: exact at both ends, 4 % low where heat just keeps up with motion."""
+    """Tian and Kennedy's formula is an interpolation: exact at both ends, 4 % low at intermediate Péclet numbers."""
     for peclet in PECLETS:
         assert interpolated_rise(peclet) == pytest.approx(mean_rise(peclet), rel=0.04)
     assert interpolated_rise(0.0) == pytest.approx(mean_rise(0.0), rel=1e-3)
@@ -66,23 +66,23 @@ def test_the_formula_of_the_flash_temperature_is_the_quadrature_of_moving_source
     assert found == pytest.approx(interpolated_rise(peclet) * a / K / (np.pi * a**2), rel=1e-9)
 
 
-def test_without_loss_by_temperature_the_heated_contact_is_the_cold_one():
+def test_with_temperature_independent_friction_the_heated_contact_is_the_cold_one():
     cold = compiled_contact(lower("RailBraking.FMUs.ContactPoint"), {}, DRY)
     assert np.array_equal(at(heated(DRY, **UNHEATED), SLIPS, 20.0, 0.3), at(cold, SLIPS, 20.0, 0.3))
 
 
-def test_heat_replaces_the_fall_of_polachs_dry_curve():
+def test_heating_replaces_the_fall_of_polachs_dry_curve():
     """The default of temperature_loss: Polach (2005), dry, at 40 km/h, within 6 % in the root mean square."""
     slip_speed = np.linspace(0.1, 5.0, 50)
     speed, full = 40 / 3.6, {"k_A": 1.0, "k_S": 1.0, "A_falling": 1.0, "B_falling": 0.0}
     friction = at(heated(full, temperature_loss=PER_KELVIN), slip_speed / speed, speed, 0.55)
-    # Full sliding: with k_A = k_S = 1 adhesion is friction but for 1/epsilon^3.
+    # Full sliding: with k_A = k_S = 1 adhesion equals friction, apart from 1/epsilon^3.
     published = 0.55 * (0.6 * np.exp(-0.6 * slip_speed) + 0.4)
     assert np.sqrt(np.mean((friction / published - 1) ** 2)) < 0.06
 
 
 def test_a_hot_tread_lowers_friction_by_its_share_of_the_contact():
-    """Two equal bodies in rolling contact meet in the middle of their temperatures."""
+    """The contact of two equal rolling bodies has the mean of their temperatures."""
     mu0, rise = 0.3, 200.0
     full = {"k_A": 1.0, "k_S": 1.0, "A_falling": 1.0, "B_falling": 0.0}
     slip = np.array([1e-2])
@@ -97,8 +97,8 @@ def session() -> rumoca.Session:
 
 
 @pytest.mark.parametrize("rail", RAILS)
-def test_a_contact_cleans_itself_as_the_rail_does(session: rumoca.Session, rail: str):
-    """Steady adhesion of CleaningContact on cold treads is that of a heated contact on the rail's recovery."""
+def test_a_contact_cleans_itself_like_the_rail(session: rumoca.Session, rail: str):
+    """The steady adhesion of CleaningContact on cold treads is that of a heated contact on a cleaned rail."""
     name, mu0 = RAILS[rail]
     polach, slips, speed = Polach.model_validate(name), np.array([0.02, 0.1, 0.3, 0.6]), 80 / 3.6
     clean = polach.recovery
@@ -122,5 +122,5 @@ end Sliding;
     result = model.simulate((0, 1), dt=0.1, config=rumoca.SimConfig(solver="bdf", rtol=1e-8, atol=1e-9))
     contact = [np.asarray(result[f"contact[{i}].alpha"])[-1] for i in range(1, slips.size + 1)]
     _, cleaned = curves(name, mu0, slips, way=10.0)
-    # The gain by cleaning is rounded by 1e-6/(4 gain), and the contact is as slow as its slip is regularised: 1e-5.
+    # The gain by cleaning is rounded by 1e-6/(4 gain), and the contact is as slow as its regularised slip: 1e-5.
     assert contact == pytest.approx(cleaned[:, 0], rel=1e-3)

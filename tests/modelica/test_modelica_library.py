@@ -1,4 +1,4 @@
-"""The library on disk keeps to its style: order, documentation, units, coverage."""
+"""The library on disk follows its style: order, documentation, units, coverage."""
 
 import re
 from functools import cache
@@ -82,7 +82,7 @@ def test_package_order_is_complete(folder: Path) -> None:
 
 
 def test_every_class_is_used_by_a_validation_or_an_example() -> None:
-    """Used directly or through classes that are used; connectors and the user's guide apart."""
+    """Used directly or through other used classes; connectors and the user's guide are exempt."""
     apart = {"UsersGuide", "Validation", "Examples"}
     classes = {p.stem: p for p in FILES if p.name != "package.mo" and p.parent.name not in apart}
     reached: set[str] = set()
@@ -107,14 +107,14 @@ def test_every_parameter_of_an_exported_block_has_a_value_and_every_input_a_star
             assert "final unit" in public
 
 
-def test_every_array_that_goes_in_or_out_has_one_unit() -> None:
-    """Another compiler takes one unit for all elements of an array, and warns of equations that give it two."""
+def test_every_array_input_or_output_has_one_unit() -> None:
+    """Another compiler assigns one unit to all elements of an array, and warns of equations that give it two."""
     for path in FILES:
         for found in re.findall(r"Interfaces\.Real(?:In|Out)put \w+\[[^;]*;", text(path)):
             assert "final unit=" in found, f"{path.name}: {found}"
 
 
-def test_the_version_is_the_projects() -> None:
+def test_the_version_is_that_of_the_project() -> None:
     version = re.search(r'version="([^"]+)"', text(LIBRARY / "package.mo"))[1]
     pyproject = (LIBRARY.parents[1] / "pyproject.toml").read_text()
     assert f'\nversion = "{version}"\n' in pyproject
@@ -137,7 +137,7 @@ EXTENT = re.compile(r"extent=\{\{(-?\d+), (-?\d+)\}, \{(-?\d+), (-?\d+)\}\}")
 
 @pytest.mark.parametrize("path", DRAWN, ids=identify)
 def test_a_class_has_an_icon_and_places_its_components(path: Path) -> None:
-    """Places lie inside the diagram and do not cover each other."""
+    """Components are inside the diagram and do not overlap."""
     source = text(path)
     assert "  extends Icons." in source or ("Icon(" in code(path) and "%name" in source)
     if not re.search(r"^(?:partial )?(?:model|block) ", source, re.MULTILINE):
@@ -158,7 +158,7 @@ def test_a_class_has_an_icon_and_places_its_components(path: Path) -> None:
 
 
 def test_the_icon_of_a_kind_is_drawn_once() -> None:
-    """A class draws what tells it from others over the icon that it extends."""
+    """A class draws only what distinguishes it over the icon that it extends."""
     frames = [path for path in FILES if '"%name"' in text(path) and re.search(r"-100, 100\}, \{100, -100", text(path))]
     kinds = [path for path in FILES if path.parent.name == "Icons" and path.name != "package.mo"]
     assert {path for path in frames if path.parent.name != "Interfaces"} == set(kinds)

@@ -1,4 +1,4 @@
-"""Every model of Validation finds its answer and every example runs, in rumoca's own simulator."""
+"""Every model of Validation reproduces its reference and every example runs, in rumoca's own simulator."""
 
 import re
 from pathlib import Path
@@ -13,7 +13,7 @@ EXPLICIT = {
     "EnergyOfAStop", "EnergyOfAConsist", "TrainOfComponents", "ValveTimes", "AirCounted", "ReservoirBalance",
     "BrakePipeOfTenCoaches",
 }  # fmt: skip
-"""Models with a whole train, air or a clock: rumoca's BDF is slow, or stops with a complaint about its sampler."""
+"""Models with a whole train, air or a clock: rumoca's BDF is slow, or fails with an error of its sampler."""
 
 
 def models(package: str) -> list[str]:
@@ -29,7 +29,7 @@ def simulate(model: rumoca.Model, until: float, *, explicit: bool = False) -> ru
 
 @pytest.fixture(scope="module")
 def session() -> rumoca.Session:
-    """Reads the library once: that takes longer than most of the models."""
+    """One session for all models: reading the library takes longer than most of them."""
     return rumoca.Session(roots=[str(LIBRARY.parent)])
 
 
@@ -43,7 +43,7 @@ def load(session: rumoca.Session, class_name: str) -> tuple[rumoca.Model, float]
 
 
 @pytest.mark.parametrize("name", models("Validation"))
-def test_the_answer_is_the_closed_form(session: rumoca.Session, name: str) -> None:
+def test_the_model_reproduces_the_closed_form(session: rumoca.Session, name: str) -> None:
     result = simulate(*load(session, f"Validation.{name}"), explicit=name in EXPLICIT)
     error = np.asarray(result["error"])
     assert error.size > 10
@@ -51,7 +51,7 @@ def test_the_answer_is_the_closed_form(session: rumoca.Session, name: str) -> No
 
 
 def test_a_wrong_answer_fails(session: rumoca.Session) -> None:
-    """A model that judges itself must be able to say no."""
+    """A self-checking model must be able to fail."""
     source = "model Strict extends RailBraking.Validation.LoadTransfer(tolerance=-1); end Strict;"
     with pytest.raises(rumoca.SimulationError, match="off by"):
         simulate(session.loads(source, model="Strict", filename="Strict.mo"), 1.0)

@@ -1,4 +1,4 @@
-"""The contact against tabulated Hertz ellipses, peaks of Polach's curve, and its limits."""
+"""The contact compared with tabulated Hertz ellipses, peaks of Polach's curve, and its limits."""
 
 import casadi as ca
 import numpy as np
@@ -77,8 +77,8 @@ def adhesion(point: Model, surface: str, slip: np.ndarray, speed: float, load: f
 
 
 @pytest.mark.parametrize(("surface", "km_h"), list(PEAKS))
-def test_peaks_lie_where_they_were_computed(point: Model, surface: str, km_h: float) -> None:
-    """Three per cent are required; two digits of the table are worth 0.5 to 1 %."""
+def test_peaks_are_at_the_computed_slips(point: Model, surface: str, km_h: float) -> None:
+    """Three per cent is required; two digits of the table correspond to 0.5 to 1 %."""
     curve = adhesion(point, surface, SLIP, km_h / 3.6)
     slip, alpha = PEAKS[surface, km_h]
     assert SLIP[curve.argmax()] == pytest.approx(slip * PER_CENT, rel=0.03)
@@ -86,7 +86,7 @@ def test_peaks_lie_where_they_were_computed(point: Model, surface: str, km_h: fl
 
 
 def test_the_shape_beyond_the_peak(point: Model) -> None:
-    """Adhesion at 10 %, 15 % and 100 % slip over the peak at 80 km/h, two digits."""
+    """Adhesion at 10 %, 15 % and 100 % slip relative to the peak at 80 km/h, two digits."""
     for surface, shape in {
         "Dry": (0.76, 0.67, 0.56),
         "Wet": (0.98, 0.92, 0.55),
@@ -117,7 +117,7 @@ def ellipse(load: float, r: float = 0.38, r_rail: float = 0.30, E: float = 2.1e1
     low, high = sorted((1 / r, 1 / r_rail))
 
     def curvatures(m: float) -> float:
-        """Ratio of the relative curvatures that an ellipse of parameter m = 1 − (minor/major)² belongs to."""
+        """Ratio of the relative curvatures of an ellipse of parameter m = 1 − (minor/major)²."""
         return (ellipe(m) / (1 - m) - ellipk(m)) / (ellipk(m) - ellipe(m))
 
     m = brentq(lambda m: curvatures(m) - high / low, 1e-9, 0.99)
@@ -134,13 +134,13 @@ def stiffness(load: float) -> float:
 
 
 def test_the_reference_has_the_tabulated_ellipses() -> None:
-    """Those of `Validation.HertzTable`, which have three digits."""
+    """Those of `Validation.HertzTable`, given to three digits."""
     for load, a, b in ((65.7e3, 5.69e-3, 4.86e-3), (69.2e3, 5.79e-3, 4.95e-3), (71.1e3, 5.85e-3, 4.99e-3)):
         assert ellipse(load) == pytest.approx((a, b), rel=1.1e-3)
 
 
-def test_the_slope_at_no_slip_is_kalkers_reduced_by_the_layer(point: Model) -> None:
-    """F ≈ ½(k_A + k_S)·G·a·b·c11·slip for each wheel, whatever the friction.
+def test_the_initial_slope_is_kalkers_reduced_by_the_layer(point: Model) -> None:
+    """F ≈ ½(k_A + k_S)·G·a·b·c11·slip for each wheel, independent of friction.
 
     0.5 %: 0.2 % of Greenwood's ellipse, 0.17 % of the parabola for c11, and the table's last digit.
     """

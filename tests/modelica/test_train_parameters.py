@@ -1,4 +1,4 @@
-"""Every parameter of the plants can be set before initialisation, and decides something."""
+"""Every parameter of the plants can be set before initialisation and has an effect."""
 
 from collections.abc import Mapping
 
@@ -12,7 +12,7 @@ from railgrip.vehicle.parameters import DESCRIPTIVE
 PERIOD = 0.05
 
 NUMERICS = {"v_rest": 20.0, "F_small": 500.0, "tau_small": 20.0, "v_small": 2.0}
-"""Factors for what only rounds a corner: one per cent more of it may change no digit of an output."""
+"""Changes of regularisation parameters: one per cent may not change a digit of any output."""
 
 DEAD_TIMES = {"dead_fill": 1.5, "dead_vent": 1.5}
 """They have a resolution of 2 ms."""
@@ -28,7 +28,7 @@ def plant(name: str) -> tuple[Description, Binding]:
 
 
 def course(plant: tuple[Description, Binding], parameters: Mapping[str, float]) -> np.ndarray:
-    """Outputs of 15 s: braking, a lock on bad rail, a release, braking to rest, and a pull that grows until it goes."""
+    """Outputs of 15 s: braking, lock on a poor rail, release, standstill, and a pull that grows until departure."""
     found, binding = plant
 
     def value(name: str, t: float) -> float:
@@ -45,7 +45,7 @@ def course(plant: tuple[Description, Binding], parameters: Mapping[str, float]) 
 
 
 def changed(found: Description, name: str) -> float:
-    """One per cent beside the value that a parameter has."""
+    """A value of the parameter that differs by one per cent."""
     variable = found.variables[name]
     value = float(variable.start or 0.0)
     factor = (NUMERICS | DEAD_TIMES).get(name, 1.01)
@@ -63,8 +63,8 @@ def ideal() -> tuple[Description, Binding]:
     return plant("TwoPartTrain")
 
 
-def test_the_course_sees_lock_release_rest_and_departure(ideal: tuple[Description, Binding]) -> None:
-    """Without these, parameters of lock and rest could not show."""
+def test_the_run_includes_lock_release_standstill_and_departure(ideal: tuple[Description, Binding]) -> None:
+    """Otherwise parameters of lock and standstill would have no effect."""
     outputs = ideal[0].names("output")
     rows = course(ideal, {"start_speed": 10.0})
     locked, rest = rows[:, outputs.index("locked[1]")] > 0.5, rows[:, outputs.index("standstill")] > 0.5
@@ -74,8 +74,8 @@ def test_the_course_sees_lock_release_rest_and_departure(ideal: tuple[Descriptio
     assert np.any(rest[:-1] & ~rest[1:])
 
 
-def test_every_parameter_of_the_train_decides_something(ideal: tuple[Description, Binding]) -> None:
-    # Which wheelsets turn as one and where they are describes the train to the harness; it is no value to change.
+def test_every_parameter_of_the_train_has_an_effect(ideal: tuple[Description, Binding]) -> None:
+    # Coupling and positions of wheelsets describe the train to the harness and do not affect the equations.
     names = [name for name in numbers(ideal[0]) if name.partition("[")[0] not in DESCRIPTIVE]
     assert len(names) > 100
     start = {"start_speed": 10.0}
@@ -85,8 +85,8 @@ def test_every_parameter_of_the_train_decides_something(ideal: tuple[Description
     assert silent == []
 
 
-def test_every_parameter_of_the_valves_decides_something(ideal: tuple[Description, Binding]) -> None:
-    """Supply pressure, leak, time constants and dead times: what the train has only with valves."""
+def test_every_parameter_of_the_valves_has_an_effect(ideal: tuple[Description, Binding]) -> None:
+    """Supply pressure, leak, time constants and dead times: the parameters that exist only with valves."""
     valves = plant("TwoPartTrainPneumatic")
     names = sorted(set(numbers(valves[0])) - set(numbers(ideal[0])))
     assert {"T_fill", "T_vent", "leak", "rate_choked", "dead_fill", "dead_vent"} <= set(names)

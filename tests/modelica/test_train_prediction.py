@@ -1,4 +1,4 @@
-"""The prediction models against the plant that they predict."""
+"""The prediction models compared with the plant that they predict."""
 
 import casadi as ca
 import numpy as np
@@ -18,14 +18,14 @@ def defaults(model: Model) -> list[float]:
 
 
 @pytest.mark.parametrize(("surface", "mu0"), [(DRY, 0.55), (WET, 0.2)])
-def test_a_prediction_that_knows_the_state_knows_the_acceleration(
+def test_a_prediction_with_the_true_state_has_the_true_acceleration(
     train: Train, prediction: Model, surface: dict[str, float], mu0: float
 ) -> None:
     """Given the plant's adhesion and pad friction, the prediction has the plant's accelerations.
 
-    The full model knows the loads but for the dampers, whose speed the plant does not tell (a few N): 1e-4.
-    The reduced one takes static loads: its sum of forces errs where adhesion differs within a bogie,
-    by less than one per cent.
+    The full model knows the loads except for the dampers, whose speed the plant does not output (a few N): 1e-4. The
+    reduced one uses static loads: its sum of forces is wrong by less than one per cent where adhesion differs within a
+    bogie.
     """
     stop = brake(train, 80, mu0, surface, until=10.0)
     reduced = len(prediction.states) == 13
@@ -39,8 +39,8 @@ def test_a_prediction_that_knows_the_state_knows_the_acceleration(
         u = [*stop["cylinder_pressure"][k], 0.0]
         dx = np.asarray(prediction.derivative(0, x, u, p)).ravel()
         assert dx[0] == pytest.approx(stop["acceleration"][k], rel=1e-2 if reduced else 1e-4)
-        # The plant's own rate by central differences over 20 ms. With J of 222 kg m2 a torque of 14 kN m
-        # wrong by 0.2 % makes 0.1 rad/s2; a load wrong by 4 kN on a wheelset of the trailer bogie 1 rad/s2.
+        # The plant's acceleration by central differences over 20 ms. With J of 222 kg m2 an error of 0.2 % in a torque
+        # of 14 kN m gives 0.1 rad/s2; an error of 4 kN in the load of a wheelset of the trailer bogie 1 rad/s2.
         seen = (stop["wheelset_speed"][k + 1] - stop["wheelset_speed"][k - 1]) / 0.02
         assert dx[1:5] == pytest.approx(seen, abs=2.0 if reduced else 0.1)
         assert np.all(dx[5:13] == 0)
@@ -64,8 +64,8 @@ def test_the_jacobian_is_finite_at_rest_and_everywhere(prediction: Model) -> Non
             assert np.isfinite(values).all()
 
 
-def test_nothing_in_a_prediction_has_a_kink(prediction: Model) -> None:
-    """`lower` refuses events; what it would let through is looked for among the operations themselves."""
+def test_a_prediction_is_smooth_everywhere(prediction: Model) -> None:
+    """`lower` refuses events; the test inspects the operations for kinks that it might miss."""
     x, u, p = symbols(prediction)
     values = [prediction.derivative(0, x, u, p), prediction.output(0, x, u, p)]
     expanded = ca.Function("values", [x, u, p], values).expand()

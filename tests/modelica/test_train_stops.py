@@ -1,4 +1,4 @@
-"""What a train does when it brakes: published stops, energies, loads, lock, release and rest."""
+"""Braking of a train: published stops, energies, loads, lock, release and standstill."""
 
 import numpy as np
 import pytest
@@ -6,14 +6,14 @@ from braking import DRY, FULL, MASS, WET, G, Record, Train, brake, emergency_sto
 
 
 def balance(stop: Record) -> np.ndarray:
-    """Energy of motion plus what has become heat and work, over the energy at the start."""
+    """Kinetic energy plus heat and work so far, over the initial energy."""
     total = stop["kinetic_energy"] + stop["contact_heat"] + stop["pad_heat"] + stop["resistance_work"]
     return total / stop["kinetic_energy"][0]
 
 
 @pytest.mark.parametrize(("km_h", "metres"), [(85, 264), (115, 474), (120, 515)])
-def test_emergency_stops_on_a_dry_rail_take_the_published_distance(train: Train, km_h: float, metres: float) -> None:
-    """Two per cent is the agreement asked for with parameters that are estimates to five."""
+def test_emergency_stops_on_a_dry_rail_have_the_published_distance(train: Train, km_h: float, metres: float) -> None:
+    """Two per cent is the required agreement with parameters estimated to five per cent."""
     stop = emergency_stop(train, km_h)
     assert stop["speed"][-1] == 0.0
     assert stop["distance"][-1] == pytest.approx(metres, rel=0.02)
@@ -29,7 +29,7 @@ def test_the_stop_from_85_km_h_takes_21_seconds_and_heats_pads_as_measured(train
 
 
 def test_energy_becomes_heat_and_work(train: Train) -> None:
-    """A thousandth is asked for; the solver's tolerance of 1e-5 a step leaves a millionth."""
+    """A thousandth is required; the solver's tolerance of 1e-5 per step leaves a millionth."""
     for surface, mu0 in ((DRY, 0.55), (WET, 0.10)):
         stop = brake(train, 85, mu0, surface, track_force=lambda t: 3000.0 * np.sin(t))
         assert stop["speed"][-1] == 0.0
@@ -37,12 +37,12 @@ def test_energy_becomes_heat_and_work(train: Train) -> None:
         for heat in ("contact_heat", "pad_heat", "damper_heat"):
             assert np.all(np.diff(stop[heat]) >= 0)
         assert stop["damper_heat"][-1] < 1e-5 * stop["kinetic_energy"][0]
-    # Locked wheels make their heat on the rail.
+    # Locked wheels heat the rail.
     assert stop["contact_heat"][-1] > 0.5 * stop["kinetic_energy"][0]
 
 
-def test_energy_becomes_heat_and_work_with_valves_too(pneumatic_train: Train) -> None:
-    """Wheels that lock and turn again many times, as valves open and close; a millionth, as above."""
+def test_energy_becomes_heat_and_work_also_with_valves(pneumatic_train: Train) -> None:
+    """Wheels lock and turn again many times as valves open and close; a millionth, as above."""
     valves = lambda t: [1.0 if t % 1.5 < 0.9 else -1.0 if t % 1.5 < 1.2 else 0.0] * 4
     inputs = {"valve_command": valves, "mu0": friction(0.10), "track_force": lambda t: 3000.0 * np.sin(t)}
     stop = pneumatic_train.run(WET | {"start_speed": 60 / 3.6}, inputs, 60.0)
@@ -50,13 +50,13 @@ def test_energy_becomes_heat_and_work_with_valves_too(pneumatic_train: Train) ->
     locked = stop["locked"][:, 0] > 0.5
     assert np.sum(locked[1:] & ~locked[:-1]) >= 5
     assert balance(stop) == pytest.approx(1.0, abs=1e-5)
-    # Each filling is paid for: what a group holds at most, many times over.
+    # Each filling consumes air: many times the maximum content of a group.
     volume = 3e-3 * np.array([3, 2, 2, 3])
     assert stop["air_used"][-1] > 5 * volume @ stop["cylinder_pressure"].max(axis=0) / 1.01325e5
     assert np.all(np.diff(stop["air_used"]) >= 0)
 
 
-def test_discs_hold_the_heat_of_their_pads(train: Train) -> None:
+def test_discs_store_the_heat_of_their_pads(train: Train) -> None:
     """Without cooling and pad share the discs' energy is exactly the pad heat."""
     adiabatic = {"G_rest": 0.0, "G_speed": 0.0, "pad_share": 0.0}
     stop = brake(train, 85, 0.55, DRY | adiabatic)
@@ -66,7 +66,7 @@ def test_discs_hold_the_heat_of_their_pads(train: Train) -> None:
 
 
 def test_braking_shifts_load_by_the_moment_of_the_traction_rod(train: Train) -> None:
-    """Quasi-static: what tips a frame is carried by its primary springs, ±(tipping torque)/wheelbase.
+    """Quasi-static: the primary springs carry the tipping torque of a frame, ±(tipping torque)/wheelbase.
 
     The forces drift by 1 % a second with pad friction and the frames follow within 0.05 s: 0.1 %.
     """
@@ -94,7 +94,7 @@ def test_braking_shifts_load_by_the_moment_of_the_traction_rod(train: Train) -> 
     assert stop["deflection"][-1] == pytest.approx((stop["wheelset_load"][-1] - static) / 2.4e6, abs=2e-6)
 
 
-def test_no_wheelset_turns_backwards_and_a_locked_one_stands(train: Train) -> None:
+def test_no_wheelset_turns_backwards_and_a_locked_one_does_not_turn(train: Train) -> None:
     stop = brake(train, 80, 0.10, WET)
     w, locked = stop["wheelset_speed"], stop["locked"] > 0.5
     assert w.min() >= 0.0
@@ -106,7 +106,7 @@ def test_no_wheelset_turns_backwards_and_a_locked_one_stands(train: Train) -> No
     assert onset[0] < 3.0
     assert onset[3] < 3.0
     assert min(onset[1], onset[2]) > onset[0]
-    # A locked brake exerts what the track exerts, not what it could.
+    # A locked brake exerts the torque of the rail, not its maximum.
     middle = len(w) // 2
     force = (stop["adhesion"] * stop["wheelset_load"])[middle, :2].sum()
     assert stop["brake_torque"][middle, 0] == pytest.approx(0.38 * force, rel=1e-9)
@@ -119,7 +119,7 @@ def test_locked_wheelsets_turn_again_when_the_brake_is_released(train: Train) ->
     assert locked[stop["time"] == 5.0].all()
     assert not locked[released].any()
     rolling = stop["speed"][-1] - 0.38 * stop["wheelset_speed"][-1]
-    # Only bearing and rolling resistance are left: a creep of a few hundred-thousandths.
+    # Only bearing and rolling resistance remain: a creep of a few hundred-thousandths.
     assert np.all(np.abs(rolling) < 1e-3 * stop["speed"][-1])
 
 
@@ -130,7 +130,7 @@ def test_locked_wheelsets_turn_again_when_the_rail_recovers(train: Train) -> Non
     assert not (stop["locked"][stop["time"] > 7.0] > 0.5).any()
 
 
-def test_a_braked_train_rests_until_the_slope_is_stronger(train: Train) -> None:
+def test_a_braked_train_stays_at_rest_until_the_slope_is_stronger(train: Train) -> None:
     """The brake holds Σ n μ F⊥ r_friction / r_wheel and the resistance of bearings and rolling."""
     share = 0.2
     slope = lambda t: 2000.0 * t
@@ -149,7 +149,7 @@ def test_a_braked_train_rests_until_the_slope_is_stronger(train: Train) -> None:
     k = np.argmax(stop["standstill"][1:] < 0.5) + 1
     leaves, mu_b = stop["time"][k], stop["pad_friction"][k]
     hold = np.sum(np.array([3, 2, 2, 3]) * np.array([0.235, 0.22, 0.22, 0.235]) * mu_b * pad_force) / 0.38
-    # 10 N of hysteresis are 5 ms, a recorded sample 10 ms; the build-up of pressure is long over.
+    # 10 N of hysteresis are 5 ms, a recorded sample 10 ms; the pressure has long been built up.
     assert leaves == pytest.approx((hold + resistance + 10) / 2000.0, abs=0.025)
     resting = (stop["time"] > 0) & (stop["time"] < leaves)
     assert np.all(stop["speed"][resting] == 0.0)
@@ -157,7 +157,7 @@ def test_a_braked_train_rests_until_the_slope_is_stronger(train: Train) -> None:
     assert stop["speed"][-1] > 0.05
 
 
-def test_a_train_that_has_stopped_stays(train: Train) -> None:
+def test_a_stopped_train_does_not_move(train: Train) -> None:
     stop = brake(train, 20, 0.3, WET, track_force=lambda _: 8000.0, until=20.0, past_standstill=True)
     rest = stop["standstill"] > 0.5
     assert rest.sum() > 500
@@ -167,26 +167,26 @@ def test_a_train_that_has_stopped_stays(train: Train) -> None:
     assert np.ptp(stop["distance"][rest]) == 0.0
 
 
-def test_the_communication_step_does_not_decide_the_distance(train: Train) -> None:
-    """Commands that do not change: halving the step must not move the distance by more than 0.05 %."""
+def test_the_communication_step_hardly_changes_the_distance(train: Train) -> None:
+    """Commands are constant: halving the step must not change the distance by more than 0.05 %."""
     constant = lambda _: FULL
     coarse = brake(train, 80, 0.10, WET, pressure=constant, step=2e-3, keep=5)
     fine = brake(train, 80, 0.10, WET, pressure=constant, step=1e-3, keep=10)
     assert coarse["distance"][-1] == pytest.approx(fine["distance"][-1], rel=5e-4)
 
 
-def test_slip_regularisation_does_not_decide_the_distance(train: Train) -> None:
-    """Doubling v_small from 0.1 m/s moves a stop by less than 1 mm in 265 m."""
+def test_slip_regularisation_hardly_changes_the_distance(train: Train) -> None:
+    """Doubling v_small from 0.1 m/s changes a stop of 265 m by less than 1 mm."""
     once = emergency_stop(train, 85)
     twice = brake(train, 85, 0.55, DRY | {"v_small": 0.2})
     assert once["distance"][-1] == pytest.approx(twice["distance"][-1], abs=1e-3)
 
 
 def test_valves_fill_hold_and_vent_after_their_dead_times(pneumatic_train: Train) -> None:
-    """Dead times have a resolution of 2 ms, pressures 0.5 % for it; holding loses what leaks."""
+    """Dead times have a resolution of 2 ms, pressures 0.5 % because of it; leakage continues during holding."""
 
     def command(t: float) -> list[float]:
-        # Half a step before the change: a clock that is met exactly belongs to either side.
+        # Half a step before the change: a value exactly at a clock tick could belong to either side.
         return [0.0 if t < 0.9985 else 1.0 if t < 2.9985 else 0.0 if t < 3.9985 else -1.0] * 4
 
     quiet = {"valve_command": command, "mu0": friction(0.3), "track_force": lambda _: 0.0}
@@ -201,7 +201,7 @@ def test_valves_fill_hold_and_vent_after_their_dead_times(pneumatic_train: Train
     for later in (0.1, 0.4):
         assert at(4.04 + later) == pytest.approx(at(4.035) * np.exp(-later / 0.2), rel=0.015)
     volume = 3e-3 * np.array([3, 2, 2, 3])
-    # What leaks during two seconds, 1 kPa/s from each group, is filled again.
+    # The leakage during two seconds, 1 kPa/s from each group, is filled again.
     assert stop["air_used"][3000] == pytest.approx(volume @ (at(3.0) + 1.95e3) / 1.01325e5, rel=1e-3)
     assert stop["air_used"][-1] == pytest.approx(stop["air_used"][3100], rel=1e-9)
 
@@ -226,7 +226,7 @@ def test_pad_force_is_pressure_on_the_piston_less_the_spring_times_the_rigging(t
     assert stop["pad_force"][-1, 3] < 1e-3 * force[0]
 
 
-def test_ideal_cylinders_follow_and_keep_their_bounds(train: Train) -> None:
+def test_ideal_cylinders_follow_within_their_bounds(train: Train) -> None:
     stop = brake(train, 80, 0.3, WET, pressure=lambda t: [9e5, -1e5, 1e5, 2e5], until=1.0, keep=1)
     at_time_constant = stop["cylinder_pressure"][20]
     assert at_time_constant == pytest.approx((1 - np.exp(-1)) * np.array([3.4e5, 0.0, 1e5, 2e5]), rel=1e-3, abs=1e-6)

@@ -22,13 +22,13 @@ def pair(tmp_path_factory: pytest.TempPathFactory) -> tuple[System, System]:
     return explicit(read("Pair.Plain", file)), explicit(read("Pair.ConstantPads", file))
 
 
-def test_what_a_train_offers_reaches_every_part(pair: tuple[System, System]) -> None:
-    """A parameter of a part that may be set by itself is not bound to that of the train any more."""
+def test_parameters_of_a_train_reach_every_part(pair: tuple[System, System]) -> None:
+    """A parameter set in a part is independent of the train's parameter."""
     loose = [p.name for p in pair[0].variables.free if "." in p.name and not p.name.endswith("curvature_rail")]
     assert loose == [f"coupler[1].{name}" for name in ("x_small",)]
 
 
-def test_the_law_of_the_pads_is_replaced_in_every_axle(pair: tuple[System, System]) -> None:
+def test_the_pad_law_is_replaced_in_every_axle(pair: tuple[System, System]) -> None:
     plain, constant = ({s.name for s in system.states} for system in pair)
     assert {name for name in plain if name.endswith(".pad.mu")} == plain - constant
     assert len(plain - constant) == 8

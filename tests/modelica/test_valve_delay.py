@@ -1,4 +1,4 @@
-"""The delay line of the valves, against one that is written as what it means: an array, shifted and interpolated."""
+"""The delay line of the valves, compared with its definition: an array, shifted and interpolated."""
 
 import fmpy
 import numpy as np
@@ -64,14 +64,14 @@ def wanted(commands: np.ndarray, dead_fill: float, dead_vent: float) -> np.ndarr
     [(0.0, 0.126), (0.126, 0.0), (0.05, 0.04), (0.062, 0.064), (0.0637, 0.0633), (0.0755, 0.0612), (0.1253, 0.0007)],
 )
 def test_valves_follow_the_command_after_their_dead_times(delay: FMU2Slave, dead_fill: float, dead_vent: float) -> None:
-    """Ends of the range, whole and broken periods, and the seam between the two numbers that hold the line."""
+    """Ends of the range, whole and fractional periods, and the boundary between the two numbers that store the line."""
     rng = np.random.default_rng(7)
     commands = np.repeat(rng.choice([-1.0, -0.3, 0.0, 0.49, 0.5, 1.0], 120), rng.integers(1, 12, 120))
     np.testing.assert_array_equal(run(delay, commands, dead_fill, dead_vent), wanted(commands, dead_fill, dead_vent))
 
 
 def test_no_sample_falls_on_a_whole_millisecond(delay: FMU2Slave) -> None:
-    """There communication steps end, where the sample would be a matter of rounding. It falls half a step beyond."""
+    """Communication steps end there, so rounding would decide on the sample. It is half a step later."""
     begin(delay, 1.0, 0.0, 0.0)
     filling = [delay.references["filling"]]
     delay.doStep(0.0, 0.00049)

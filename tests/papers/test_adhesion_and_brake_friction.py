@@ -1,4 +1,4 @@
-"""The page on Schwarz and Keck (2020): what is measured in the figures, and that the page has it."""
+"""The page on Schwarz and Keck (2020): measurements on the figures, which the page must contain."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ PROJECT = Path(__file__).parents[2]
 PERIOD = 0.005
 
 
-def test_the_page_has_what_was_measured():
+def test_the_page_contains_the_measurements():
     text = (PROJECT / FOLDER / page.PAGE).read_text(encoding="utf-8")
     tables = {"published": page.table(measures_of(page.PAGE, PROJECT))}
     assert with_tables(text, tables) == text
@@ -27,7 +27,7 @@ def test_the_page_has_what_was_measured():
     assert with_tables(stale, tables) == text != stale
 
 
-def test_brakings_before_the_long_pause_are_short_ones():
+def test_brake_applications_before_the_long_pause_are_the_short_ones():
     time = np.arange(12000) * PERIOD
     begins = np.array([18.0, 24.0, 30.0, 42.0, 44.0, 46.0, 48.0])
     force = np.zeros(time.size)
@@ -37,11 +37,11 @@ def test_brakings_before_the_long_pause_are_short_ones():
     assert found["stop"] == pytest.approx(42.0, abs=2 * PERIOD)
     assert [begin for begin, _ in found["short"]] == pytest.approx([18.0, 24.0, 30.0], abs=2 * PERIOD)
     assert [end for _, end in found["short"]] == pytest.approx([19.0, 25.0, 31.0], abs=2 * PERIOD)
-    # Four brakings until the end, at 60 s.
+    # Four brake applications until the end, at 60 s.
     assert found["applications"] == pytest.approx(4 / 18, rel=1e-3)
 
 
-def test_errors_above_the_limit_count_once_a_stretch_and_only_in_the_deep_slide():
+def test_errors_above_the_limit_count_once_per_interval_in_the_deep_slide():
     time = np.arange(4000) * PERIOD
     error = np.zeros(time.size)
     for begin, end in ((1.0, 1.1), (4.0, 4.2), (6.0, 6.01), (12.0, 12.5)):
@@ -89,7 +89,7 @@ def slide():
     return page.points_of_slide(recording_of_rig(scenario), VehicleData(scenario).contact)
 
 
-def test_the_release_lies_behind_the_peak_and_the_wheelset_comes_back_over_it(slide):
+def test_the_release_is_beyond_the_peak_and_the_wheelset_returns_over_it(slide):
     (peak_slip, peak), (release_slip, release), (rolling_slip, rolling) = slide["points"].values()
     assert rolling_slip < peak_slip < release_slip
     assert max(release, rolling) < 0.7 * peak
@@ -101,10 +101,10 @@ def test_the_release_lies_behind_the_peak_and_the_wheelset_comes_back_over_it(sl
     assert 0.3 * peak_slip < slip[np.argmax(adhesion)] < 3 * peak_slip
 
 
-def test_the_adhesion_of_the_plant_lies_on_the_curve_of_its_friction(slide):
+def test_the_adhesion_of_the_plant_is_on_the_curve_of_its_friction(slide):
     slips, curve = slide["curve"]
     slip, adhesion = slide["points"][2]
-    # The curve has 60 points between 0.1 and 50 %; friction of the row is held until the next one.
+    # The curve has 60 points between 0.1 and 50 %; the friction of a row holds until the next one.
     assert np.interp(slip, slips, curve) == pytest.approx(adhesion, rel=0.01)
 
 

@@ -27,13 +27,13 @@ def test_only_heat_and_cleaning_together_have_two_maxima(of_causes):
     assert 0.2 < second < 0.6
 
 
-def test_wet_rail_and_leaves_have_two_distinct_maxima_and_fall_before_the_wheel_locks(of_rails):
+def test_wet_rail_and_leaves_have_two_maxima_and_fall_before_lock(of_rails):
     assert len(of_rails) == len(RAILS) * len(SPEEDS)
     for curve in of_rails:
         (first, low), (second, high) = curve.maxima
         assert first < 0.1 < 0.2 < second < 0.6
         between = curve.adhesion[(first < SLIPS) & (second > SLIPS)]
-        # Distinct: a valley of 4 % is seen on the figure, and is a hundred times the noise of the iteration.
+        # Distinct: a valley of 4 % is visible in the figure, and is a hundred times the noise of the iteration.
         assert between.min() < 0.96 * min(low, high)
         assert curve.adhesion[-1] < 0.75 * high
 
@@ -48,7 +48,7 @@ def test_the_first_maximum_falls_with_speed_and_leaves_have_the_higher_second(of
         assert second > 1.4 * first
 
 
-def test_maxima_of_a_polynomial_are_where_its_derivative_is_zero():
+def test_maxima_of_a_polynomial_are_at_zeros_of_its_derivative():
     """x (x − 1)² (3 − x): its derivative is (x − 1)(−4 x² + 11 x − 3), and 1 is the minimum."""
     x = np.linspace(0.0, 3.0, 3001)
     places = x[maxima(x * (x - 1) ** 2 * (3 - x))]

@@ -1,6 +1,7 @@
 """Equations 9 and 12 to 15 of Schwarz, Posielek and Goetjes (2021) along a stop with their law as printed.
 
-Judged where friction of the rail rests, as the proof assumes, above 3 m/s, and on the slip of the second group.
+Evaluated where friction of the rail is constant, as the proof assumes, above 3 m/s, and on the slip of the second
+group.
 """
 
 from types import SimpleNamespace
@@ -16,7 +17,7 @@ from railgrip.studies.papers.table1 import Candidate, law_of
 GROUP, WHEELSET = 1, 2
 
 BROAD = Candidate(k_A=0.1991, k_S=0.03971, A=0.1018, B=0.6175, filter_time=0.09222, slip_small=0.0003)
-"""A curve so broad that slip is slower than the cylinders, whose lag the proof does not know."""
+"""A curve so broad that slip is slower than the cylinders, whose lag the proof neglects."""
 
 
 @pytest.fixture(scope="module")
@@ -56,27 +57,27 @@ def rms(values):
     return float(np.sqrt(np.mean(values**2)))
 
 
-def test_adhesion_changes_as_equation_12_says_and_the_neglected_term_is_small(stop):
+def test_adhesion_follows_equation_12_and_the_neglected_term_is_small(stop):
     neglected = stop.by_speed * stop.acceleration
     rest = stop.adhesion_rate - stop.sigma * stop.slip_rate - neglected
     assert rms(rest) < 0.02 * rms(stop.adhesion_rate)
     assert rms(neglected) < 0.01 * rms(stop.adhesion_rate)
 
 
-def test_the_product_of_rates_has_the_sign_of_the_slope_as_equation_13_says(stop):
+def test_the_product_of_rates_has_the_sign_of_the_slope_as_in_equation_13(stop):
     same = np.sign(stop.slip_rate * stop.adhesion_rate) == np.sign(stop.sigma)
     assert len(same) > 1000
     assert np.mean(same) > 0.98
     assert same[np.abs(stop.slip_rate) > 0.05].all()
 
 
-def test_the_slope_changes_as_equation_15_says(stop):
+def test_the_slope_follows_equation_15(stop):
     predicted = stop.curvature * stop.slip_rate + stop.cross * stop.acceleration
     assert rms(stop.sigma_rate - predicted) < 0.02 * rms(stop.sigma_rate)
 
 
 def test_the_lyapunov_function_falls_exactly_where_equation_9_holds(stop):
-    """The filter of the law delays it, so that the brake has the other sign for a part of the stop, and V rises."""
+    """The filter of the law delays it: for part of the stop the brake acts with the other sign, and V rises."""
     change = stop.sigma * stop.sigma_rate
     obeys = (stop.sigma < 0) == stop.released
     assert (stop.curvature < 0).all()

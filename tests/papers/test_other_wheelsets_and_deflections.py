@@ -28,13 +28,13 @@ def test_used_adhesion_is_relative_to_the_peak_of_the_group():
         coords={"time": time},
     )
     used = used_by_wheelset(SimpleNamespace(trace=trace), limit=0.10)
-    # Of group 1 the limit 0.10 is used, of group 2 its peak 0.06; adhesion halves at 9 s.
+    # Group 1 uses the limit 0.10, group 2 its peak 0.06; adhesion halves at 9 s.
     assert np.allclose(used, [[0.5, 0.25, 0.25], [1.0, 0.5, 0.5], [0.5, 0.25, 0.25]])
     rows = used_table({"a law": used}).texts
     assert [row["a law"] for row in rows] == ["50 % / 25 % / 25 %", "100 % / 50 % / 50 %", "50 % / 25 % / 25 %"]
 
 
-def test_changes_are_against_the_filter_that_reads_deflections():
+def test_changes_are_relative_to_the_filter_that_reads_deflections():
     found = {"slope_seeking": {"read": {"random": [300.0, 1e-3]}, "not read": {"random": [298.5, 2e-3]}}}
     rows = [list(row.values()) for row in deflection_table(found).texts]
     assert rows[0][:2] == ["slope-seeking control: read", "300.0 m, 0.0010"]
@@ -42,10 +42,10 @@ def test_changes_are_against_the_filter_that_reads_deflections():
 
 
 @pytest.mark.parametrize(("name", "count"), list(zip(FILTERS, (12, 6, 6), strict=True)))
-def test_each_filter_uses_its_readings_and_stops_as_the_page_says(name, count):
+def test_each_filter_uses_its_readings_and_has_the_distance_of_the_page(name, count):
     """Readings are those of equation 6: speed, four wheelset speeds, acceleration, and six deflections if read."""
     stop = run_stop(Scenario.load("trapezoid", {"controller.kind": "slope_seeking", **FILTERS[name]}))
     assert stop.trace["estimate_readings"].values[1:].max() == count
     distance, _ = measures_of(PAGE, PROJECT)["deflections"]["slope_seeking"][name]["trapezoid"]
-    # The stop is smooth: repeats with perturbed plants move it by 0.02 m at most.
+    # The stop is smooth: repeats with perturbed plants change it by up to 0.02 m.
     assert stop.metrics.distance == pytest.approx(distance, abs=0.02)

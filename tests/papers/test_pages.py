@@ -1,4 +1,4 @@
-"""The table that compares published figures with ours."""
+"""The table that compares published figures with computed ones."""
 
 import math
 
@@ -26,7 +26,7 @@ def test_a_difference_is_a_change_or_the_distance_to_a_range(published, ours, sh
     assert (row["published"], row["difference"]) == (shown, difference)
 
 
-def test_a_number_chosen_after_the_published_one_has_no_difference():
+def test_a_value_chosen_after_the_published_one_has_no_difference():
     chosen, found = (
         PaperRow("Fig. 1", "speed", 120.0, 120.0, is_chosen=is_chosen, form="{:.0f} km/h")
         for is_chosen in (True, False)

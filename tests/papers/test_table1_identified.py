@@ -47,7 +47,7 @@ def tables(identified):
     return tables_of(read_fits(FITS), identified, measures_of(PAGE, PROJECT))
 
 
-def test_the_page_says_what_the_files_of_results_say(tables):
+def test_the_page_agrees_with_the_files_of_results(tables):
     text = PATH.read_text(encoding="utf-8")
     assert with_tables(text, tables) == text
     assert all(f"<!-- {name}: written by `railgrip study papers --write` -->\n" in text for name in tables)
@@ -81,7 +81,7 @@ def test_the_campaign_has_the_identified_levels_and_law(identified):
     assert all({name: value.entry for name, value in law.parameters.items()} == expected for law in laws)
 
 
-def test_the_identified_curve_is_like_published_ones(identified):
+def test_the_identified_curve_resembles_published_ones(identified):
     """k_S/k_A of Polach's dry and wet sets is 0.4 and 1/3, that of Mal et al. is 1."""
     candidate, level = identified.candidate, identified.levels["trapezoid"]
     assert 0.33 <= candidate.k_S / candidate.k_A <= 1.0
@@ -94,7 +94,7 @@ def test_the_identified_curve_is_like_published_ones(identified):
     assert identified.share == pytest.approx(np.interp(0.15, slips, curve) / curve.max(), abs=2e-3)
 
 
-def test_the_required_sentences_hold(identified):
+def test_the_required_statements_hold(identified):
     assert identified.is_admissible
     assert all(
         abc <= (1 - 0.0875) * sbc for abc, sbc in zip(identified.abc.values(), identified.sbc.values(), strict=True)
@@ -120,7 +120,7 @@ def test_a_candidate_is_found_again_at_its_point():
         assert point_of(candidate_at(point)) == pytest.approx(point, abs=1e-3)
 
 
-def test_a_fit_that_lacks_a_sentence_is_not_admissible():
+def test_a_fit_that_violates_a_statement_is_not_admissible():
     course = dict.fromkeys(COURSE, 0.0) | {"used_before": 0.95, "used_coupled": 0.8, "used_after": 0.93}
     course |= {"chatter_before": 0.001, "chatter_after": 0.002, "over": 0.05}
     levels = dict.fromkeys(SCENARIOS, 1.0)
@@ -140,7 +140,7 @@ def test_a_fit_that_lacks_a_sentence_is_not_admissible():
 
 
 def test_a_third_distance_is_predicted_by_the_fit_to_the_other_two():
-    """Of two fits each of which misses another distance, one by 10 %, one by 20 %."""
+    """Two fits each miss another distance, one by 10 %, one by 20 %."""
     course, levels = dict.fromkeys(COURSE, float("nan")), dict.fromkeys(SCENARIOS, 1.0)
     fits = [
         CandidateFit(
@@ -154,14 +154,14 @@ def test_a_third_distance_is_predicted_by_the_fit_to_the_other_two():
 
 
 def test_all_six_distances_are_within_three_per_cent(identified):
-    """Under the constraints; single stops with the law as printed stray by more, see below."""
+    """Under the constraints; single stops with the law as printed deviate more, see below."""
     assert identified.largest < 0.03
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
 @pytest.mark.parametrize("controller", ["sbc", "abc"])
-def test_stops_repeat_what_the_file_says(identified, name, controller):
-    """Of the search: slip-based control once, the law as printed three times. Its single stops stray by 8 %."""
+def test_stops_reproduce_the_file(identified, name, controller):
+    """Slip-based control once, the law as printed three times; its single stops vary by 8 %."""
     repeats, rel = {"sbc": (1, 5e-3), "abc": (3, 2e-2)}[controller]
     (found,) = [fit for fit in read_fits(FITS) if fit.candidate == identified.candidate]
     distance = median_distance(name, identified.candidate, identified.levels[name], controller, repeats=repeats)

@@ -52,8 +52,8 @@ def course(stop):
     return course_of(stop)
 
 
-def test_figures_can_be_read(stop, tmp_path):
-    """tests/conftest.py checks what is saved; one stop stands for all, so that no further one is run."""
+def test_figures_are_readable(stop, tmp_path):
+    """tests/conftest.py checks every saved figure; one stop is used for all of them, to save time."""
     stops = dict.fromkeys([*SCENARIOS, *(f"library {name}" for name in SCENARIOS), *LAWS], stop)
     for name, drawing in {
         "rail": rail_figure(stops),
@@ -65,7 +65,7 @@ def test_figures_can_be_read(stop, tmp_path):
         assert save(drawing, tmp_path / f"{name}.png").is_file()
 
 
-def test_a_brake_that_obeys_equation_9_suffices_where_the_curve_is_concave(course):
+def test_a_brake_that_satisfies_equation_9_suffices_where_the_curve_is_concave(course):
     sufficient = inequalities(course)["(15) dV/dt < 0 with u of (9)"]
     concave = course.judged & (course.slopes.curvature < 0)
     assert concave.sum() > 1000
@@ -73,7 +73,7 @@ def test_a_brake_that_obeys_equation_9_suffices_where_the_curve_is_concave(cours
     assert np.mean(sufficient[course.judged & ~concave]) < 0.01
 
 
-def test_pressure_raises_the_slip_rate_by_what_the_torque_of_the_plant_does(stop, course):
+def test_pressure_raises_the_slip_rate_by_its_torque(stop, course):
     """From J ω̇ = r F − T, where the torque is an output of the plant, which rounds the corner at the spring's force."""
     brake, trace = VehicleData(stop.scenario).true.brakes[GROUP], stop.trace
     torque = trace["brake_torque"].values[1:, GROUP]
@@ -85,7 +85,7 @@ def test_pressure_raises_the_slip_rate_by_what_the_torque_of_the_plant_does(stop
     assert (course.gain > 0).all()
 
 
-def test_violations_are_shares_of_the_judged_samples(course):
+def test_violations_are_shares_of_the_evaluated_samples(course):
     judged = np.zeros_like(course.judged)
     judged[:10] = True
     slopes = replace(course.slopes, curvature=np.where(np.arange(course.judged.size) < 3, 1.0, -1.0))

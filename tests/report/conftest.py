@@ -16,7 +16,7 @@ COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "co
 
 @pytest.fixture(scope="session")
 def write_campaign():
-    """Write results of some stops of a campaign as if they had been run; return the campaign of these."""
+    """Write results of some stops of a campaign as if they had been run; return the campaign with only these stops."""
 
     def write(directory, keep, overrides=(), file=TABLE1):
         whole = load_campaign(file, [*COARSE, *overrides])

@@ -1,4 +1,4 @@
-"""Baselines keep distances, say what moved, and move only for a reason."""
+"""Baselines keep distances, report changes, and are only changed with a reason."""
 
 from dataclasses import replace
 
@@ -53,7 +53,7 @@ def states(comparisons):
     return {comparison.name: comparison.state for comparison in comparisons}
 
 
-def test_what_moved_appeared_or_went_is_said_first(results):
+def test_changed_new_and_missing_stops_are_reported_first(results):
     before = Baseline(
         campaign="c.toml",
         accepted={
@@ -67,7 +67,7 @@ def test_what_moved_appeared_or_went_is_said_first(results):
     assert {row["state"] for row in comparison_table(comparisons).rows} == {"moved", "new", "gone"}
 
 
-def test_a_distance_inside_its_tolerance_is_kept(results):
+def test_a_distance_within_its_tolerance_is_kept(results):
     stops = {
         name: AcceptedValue(unit="m", value=distance(results, name) + shift, tolerance=0.5, reason="First.")
         for name, shift in ((SBC, 0.49), (FULL, -0.49))
@@ -75,7 +75,7 @@ def test_a_distance_inside_its_tolerance_is_kept(results):
     assert set(states(compare(Baseline(campaign="c", accepted=stops), findings_of(results))).values()) == {"kept"}
 
 
-def test_accepting_moves_only_what_moved_and_keeps_the_relative_tolerance(results):
+def test_accepting_changes_only_what_moved_and_keeps_the_relative_tolerance(results):
     moved_distance = distance(results, SBC)
     baseline = AcceptedValue(unit="m", value=distance(results, FULL) + 0.1, tolerance=0.5, reason="First.")
     before = Baseline(
@@ -104,21 +104,21 @@ def test_nothing_is_accepted_without_a_reason(results, reason):
         accept(Baseline(campaign="c"), findings_of(results), reason)
 
 
-def test_a_stop_that_did_not_stand_cannot_be_accepted(results):
+def test_a_stop_without_standstill_cannot_be_accepted(results):
     sliding = replace(results, stops=tuple(replace(s, outcome=Outcome.HORIZON) for s in results.stops))
     assert set(states(compare(Baseline(campaign="c"), findings_of(sliding))).values()) == {"no value"}
     with pytest.raises(ScenarioError, match="has no value"):
         accept(Baseline(campaign="c"), findings_of(sliding), "Why not.")
 
 
-def test_a_stop_without_result_is_not_forgotten(results):
+def test_a_stop_without_result_stays_in_the_baseline(results):
     before = Baseline(campaign="c", accepted={"x": AcceptedValue(unit="m", value=1, tolerance=1, reason="r")})
     with pytest.raises(ScenarioError, match="x has no result; run the campaign first"):
         accept(before, findings_of(replace(results, missing=("x",))), "Gone.")
     assert "x" not in accept(before, findings_of(results), "No longer planned.").accepted
 
 
-def test_a_baseline_file_says_what_was_written(tmp_path, results):
+def test_a_baseline_file_reads_back_as_written(tmp_path, results):
     after = accept(Baseline(campaign="../c.toml"), findings_of(results), 'A "quoted" reason – with a dash.')
     write_baseline(after, tmp_path / "b.toml")
     assert load_baseline(tmp_path / "b.toml") == after
@@ -143,7 +143,7 @@ def figure(value, reason="First."):
     return AcceptedValue(value=value, tolerance=0.01, unit="1", reason=reason)
 
 
-def test_figures_of_a_study_are_kept_moved_and_missed_as_distances_are():
+def test_figures_of_a_study_are_kept_moved_and_missed_like_distances():
     before = Baseline(study="s", accepted={"a": figure(0.5), "b": figure(0.5), "c": figure(0.0), "d": figure(1.0)})
     comparisons = compare(before, study(a=0.509, b=0.511, c=None, e=0.2))
     assert states(comparisons) == {"a": "kept", "b": "moved", "c": "no value", "d": "gone", "e": "new"}
@@ -156,7 +156,7 @@ def test_figures_of_a_study_are_kept_moved_and_missed_as_distances_are():
     }  # fmt: skip
 
 
-def test_figures_are_found_again_and_written_as_accepted(tmp_path):
+def test_figures_read_back_and_are_written_as_accepted(tmp_path):
     findings = study(a=0.0, b=-3.25e-5)
     write_findings(findings, tmp_path)
     assert read_findings(tmp_path) == findings
@@ -165,7 +165,7 @@ def test_figures_are_found_again_and_written_as_accepted(tmp_path):
     assert load_baseline(tmp_path / "b.toml") == after
 
 
-def test_a_baseline_is_of_a_campaign_or_of_a_study(tmp_path):
+def test_a_baseline_belongs_to_a_campaign_or_a_study(tmp_path):
     path = tmp_path / "b.toml"
     for text in ("", 'campaign = "c"\nstudy = "s"\n'):
         path.write_text(text, encoding="utf-8")
@@ -174,7 +174,7 @@ def test_a_baseline_is_of_a_campaign_or_of_a_study(tmp_path):
 
 
 def test_distances_agree_across_compilers_to_half_a_percent():
-    """The law as printed stopped in 324.3 m with our FMU and in 279.8 m with OpenModelica's, 1e-7 apart."""
+    """The law as printed stopped in 324.3 m with the built-in compiler and in 279.8 m with OpenModelica, 1e-7 apart."""
     plain = AcceptedValue(unit="m", value=380.0, tolerance=0.38, reason="First.")
     differing = plain.model_copy(update={"value": 324.3, "compilers": {"openmodelica": 279.8}})
     wide = Baseline(campaign="c.toml", accepted={"plain": plain, "differing": differing}).across_compilers()
@@ -194,7 +194,7 @@ def test_distances_agree_across_compilers_to_half_a_percent():
         assert found(plain=380.0, differing=distance)["differing"] == "moved"
 
 
-def test_what_another_compiler_gave_is_kept_when_the_distance_moves(tmp_path):
+def test_the_value_of_another_compiler_is_kept_when_the_distance_moves(tmp_path):
     stop = AcceptedValue(unit="m", value=324.3, tolerance=0.33, reason="First.", compilers={"openmodelica": 279.8})
     before = Baseline(campaign="c.toml", accepted={SBC: stop})
     after = accept(before, Findings(values=(Finding(name=SBC, value=300.0, unit="m"),)), "Another law.")
@@ -203,8 +203,8 @@ def test_what_another_compiler_gave_is_kept_when_the_distance_moves(tmp_path):
     assert load_baseline(tmp_path / "c.toml") == after
 
 
-def test_distances_of_another_compiler_beyond_half_a_percent_are_told(results, tmp_path):
-    """Nothing where all FMUs are ours: their distances have tolerances of their own."""
+def test_distances_of_another_compiler_beyond_half_a_percent_are_reported(results, tmp_path):
+    """Nothing is reported if all FMUs are built-in: their distances have separate tolerances."""
     stops = {
         SBC: AcceptedValue(unit="m", value=distance(results, SBC) * 1.01, tolerance=0.1, reason="First."),
         FULL: AcceptedValue(unit="m", value=distance(results, FULL) * 1.004, tolerance=0.1, reason="First."),
@@ -233,7 +233,7 @@ def stop_with(repeated=None, value=300.0, **figures):
     return Findings(values=(Finding(name=SBC, value=value, unit="m", repeated=repeated, figures=figures),))
 
 
-def test_a_stop_moves_with_a_figure_beside_its_distance_and_the_table_names_it():
+def test_a_stop_moves_with_another_figure_than_distance_and_the_table_names_it():
     accepted = AcceptedValue(
         unit="m",
         value=300.0,
@@ -243,14 +243,14 @@ def test_a_stop_moves_with_a_figure_beside_its_distance_and_the_table_names_it()
     )
     before = Baseline(campaign="c", accepted={SBC: accepted})
     assert states(compare(before, stop_with(nis_ratio=1.0009))) == {SBC: "kept"}
-    for figures in ({"nis_ratio": 1.0011}, {}):  # a figure that is gone is not kept either
+    for figures in ({"nis_ratio": 1.0011}, {}):  # a figure that is missing is not kept either
         (moved,) = compare(before, stop_with(**figures))
         assert (moved.state, moved.change) == ("moved", 0.0)
         assert "nis_ratio 1 →" in comparison_table([moved]).rows[0]["figures"]
     assert states(compare(before.across_compilers(), stop_with(nis_ratio=2.0))) == {SBC: "kept"}
 
 
-def test_a_stop_without_a_steady_figure_is_compared_by_less_steady_ones():
+def test_a_stop_without_a_reproducible_figure_is_compared_by_less_reproducible_ones():
     """Student's t of four degrees of freedom at 99.99 % is 15.54: 2.4 % for the air, and too much for the strokes."""
     some = {"air_used": (1.0, 1.002, 0.998, 1.0, 1.0), "actuations": (100.0, 101.0, 99.0, 100.0, 100.0)}
     after = accept(Baseline(campaign="c"), stop_with(repeats(**some), air_used=1.0, actuations=100.0), "r")
@@ -261,12 +261,12 @@ def test_a_stop_without_a_steady_figure_is_compared_by_less_steady_ones():
     )
 
 
-def test_repeats_decide_which_figures_are_accepted_and_how_closely(tmp_path):
+def test_repeats_determine_the_accepted_figures_and_their_tolerances(tmp_path):
     repeated = repeats(nis_ratio=(1.0, 1.0005, 0.9995, 1.0), air_used=(1.0, 1.1, 0.9, 1.0), longest_lock=(0.0,) * 4)
     found = stop_with(repeated, nis_ratio=1.0, air_used=1.0, longest_lock=0.0, adhesion_rmse=0.1)
     after = accept(Baseline(campaign="c"), found, "New figures.")
     figures = after.accepted[SBC].figures
-    # Air spreads by more than 0.5 %, and of the error there is no repeat.
+    # Air varies by more than 0.5 %, and the error has no repeats.
     assert set(figures) == {"nis_ratio", "longest_lock"}
     # 99 % of Student's t with three degrees of freedom is 5.841.
     spread = np.std((1.0, 1.0005, 0.9995, 1.0), ddof=1)

@@ -1,4 +1,4 @@
-"""A comparison says what differs in the question and in the answer, with units and signs, and where."""
+"""A comparison lists differences of scenario and result, with units and signs, and their place."""
 
 import json
 import sys
@@ -40,7 +40,7 @@ def rows(table, key):
     return {row[key]: row for row in table.rows}
 
 
-def test_the_question_names_each_key_that_differs_with_its_unit(slip):
+def test_each_differing_key_of_the_scenario_has_its_unit(slip):
     other = stop("controller.kind=slip_two_state", "start.speed=100 km/h", "seed=7")
     question = rows(compare(slip, other).question, "key")
     assert set(question) == {"start.speed", "seed", "scenario digest"}
@@ -48,7 +48,7 @@ def test_the_question_names_each_key_that_differs_with_its_unit(slip):
     assert (question["seed"]["A"], question["seed"]["B"]) == ("2021", "7")
 
 
-def test_versions_and_parts_are_of_the_question(slip, adhesion, tmp_path):
+def test_versions_and_parts_belong_to_the_scenario(slip, adhesion, tmp_path):
     other = replace(
         slip, versions={"railgrip": "1"}, fmus={"Plant.fmu": "1" * 64}, classes={"controller": {"class": "Mine"}}
     )
@@ -59,7 +59,7 @@ def test_versions_and_parts_are_of_the_question(slip, adhesion, tmp_path):
         assert question["classes.controller.class"]["A"] == "–"
 
 
-def test_the_answer_has_each_figure_that_differs_with_unit_and_sign(slip, adhesion):
+def test_each_differing_figure_of_the_result_has_unit_and_sign(slip, adhesion):
     comparison = compare(slip, adhesion)
     a, b = DECELERATION["slip_two_state"], DECELERATION["adhesion_based"]
     distance = rows(comparison.answer, "figure")["distance"]
@@ -82,14 +82,14 @@ def test_a_stop_without_a_standstill_has_no_difference_of_distances(slip):
     assert slip.outcome is Outcome.STANDSTILL
 
 
-def test_the_same_stop_differs_in_nothing(slip):
+def test_the_same_stop_has_no_differences(slip):
     comparison = compare(slip, slip)
     assert not comparison.question
     assert not comparison.answer
     assert len(comparison.sentences) == 1
 
 
-def test_stored_stops_compare_as_those_in_memory(slip, adhesion, tmp_path):
+def test_stored_stops_compare_like_those_in_memory(slip, adhesion, tmp_path):
     for name, one in (("a", slip), ("b", adhesion)):
         write_stop(one, tmp_path / name)
     stored, own = compare(tmp_path / "a", tmp_path / "b" / "stop.json"), compare(slip, adhesion)
@@ -98,7 +98,7 @@ def test_stored_stops_compare_as_those_in_memory(slip, adhesion, tmp_path):
     assert [row["figure"] for row in stored.answer.rows] == [row["figure"] for row in own.answer.rows]
 
 
-def test_without_samples_the_place_is_not_known_and_said_so(slip, adhesion, tmp_path):
+def test_without_a_trace_the_place_is_reported_as_unknown(slip, adhesion, tmp_path):
     write_stop(adhesion, tmp_path, keep_trace=False)
     comparison = compare(slip, tmp_path)
     assert not comparison.along
@@ -122,7 +122,7 @@ def test_three_stops_are_compared_with_the_first(slip, adhesion):
         (("one",), "expects two to 26 results, got 1"),
     ],
 )
-def test_what_is_no_result_is_refused(results, sentence):
+def test_a_path_without_a_result_is_refused(results, sentence):
     with pytest.raises(RecordError, match=sentence):
         compare(*results)
 
@@ -150,17 +150,17 @@ def test_the_command_prints_tables_or_json_and_writes_a_page(slip, adhesion, tmp
     monkeypatch.chdir(tmp_path)
     write_stop(slip, tmp_path / "runs" / "a")
     write_stop(adhesion, tmp_path / "runs" / "b")
-    shown = command("compare", "runs/a", "runs/b")
-    assert shown.code == 0, shown.err
-    assert "controller.kind" in shown.out
-    assert "mean_deceleration" in shown.out
+    output = command("compare", "runs/a", "runs/b")
+    assert output.code == 0, output.err
+    assert "controller.kind" in output.out
+    assert "mean_deceleration" in output.out
     page = tmp_path / "build/compare/a-b/index.html"
     assert list(plots_of(page)) == ["figures/comparison.png"]
     assert needs_nothing_else(page)
     assert "Where B loses distance against A" in page.read_text(encoding="utf-8")
-    shown = command("compare", "runs/a", "runs/b", "--json")
-    content = json.loads(shown.out)
-    assert shown.code == 0
+    output = command("compare", "runs/a", "runs/b", "--json")
+    content = json.loads(output.out)
+    assert output.code == 0
     assert content["results"] == {"A": "runs/a", "B": "runs/b"}
     assert content == json.loads((tmp_path / "build/compare/a-b/comparison.json").read_text(encoding="utf-8"))
     assert {row["figure"]: row["unit"] for row in content["answer"]}["distance"] == "m"
@@ -168,7 +168,7 @@ def test_the_command_prints_tables_or_json_and_writes_a_page(slip, adhesion, tmp
     assert (refused.code, "runs/a: holds a result with its own page" in refused.err) == (2, True)
 
 
-def test_comparing_loads_no_matplotlib_until_it_is_drawn(slip, adhesion, monkeypatch):
+def test_comparing_loads_matplotlib_only_for_drawing(slip, adhesion, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     monkeypatch.delitem(sys.modules, "railgrip.report.comparison_figure", raising=False)
     comparison = compare(slip, adhesion)
@@ -183,7 +183,7 @@ def test_keys_of_lists_of_tables_are_counted_from_1():
 
 
 def test_keys_of_a_scenario_have_meanings():
-    """The page of a stop shows all keys; those of tables of different kinds may mean different things."""
+    """The page of a stop lists all keys; keys in tables of different kinds may have different meanings."""
     table = scenario_table(load(LIBRARY / "trapezoid.toml").resolved())
     meanings = {row["key"]: row["meaning"] for row in table.rows}
     assert meanings["limits.fmu.files"] == "maximum number of entries of the archive"

@@ -1,4 +1,4 @@
-"""A distance that rounding decides is shown, accepted and compared as a range."""
+"""A distance that depends on rounding is printed, accepted and compared as a range."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -38,7 +38,7 @@ CHAOTIC = RepeatedDistances(digest="d", distances=(280.0, 300.0, 324.0, None))
 FIRM = RepeatedDistances(digest="d", distances=(280.0, 280.001, 280.002))
 
 
-def test_repeats_without_standstill_are_endless():
+def test_repeats_without_standstill_are_infinite():
     assert (CHAOTIC.lowest, CHAOTIC.median, CHAOTIC.highest) == (280, 312, float("inf"))
     assert CHAOTIC.spreads
     assert not FIRM.spreads
@@ -49,7 +49,7 @@ def test_repeats_without_standstill_are_endless():
     [
         ("d", 280.001, "280.00 m (280.00 – 280.00 m)"),
         ("e", 280.001, STALE),  # another scenario
-        ("d", 281.0, STALE),  # another controller: the digest does not know it, the distance does
+        ("d", 281.0, STALE),  # another controller: the digest does not include it, the distance differs
         ("d", None, STALE),
     ],
 )
@@ -58,13 +58,13 @@ def test_repeats_of_another_stop_are_called_stale(digest, distance, text):
     assert range_text(None, digest, distance) == ""
 
 
-def test_a_range_is_told_with_what_the_other_compiler_gives():
+def test_a_range_is_printed_with_the_value_of_the_other_compiler():
     repeats = RepeatedDistances(digest="d", distances=(280.0, 300.0, 324.0), compilers={"native": 290.0})
     assert range_text(repeats, "d", 330.0) == "300.00 m (280.00 – 324.00 m); native 290.0 m"
     assert range_text(repeats, "d", 336.0) == STALE  # beyond a quarter of the range
 
 
-def test_the_stops_of_a_campaign_are_repeated_and_shown_beside_their_distances(tmp_path, write_campaign):
+def test_the_stops_of_a_campaign_are_repeated_and_printed_next_to_their_distances(tmp_path, write_campaign):
     campaign = write_campaign(tmp_path, lambda stop: stop.name == "trapezoid-ideal-adhesion_based")
     (stop,) = campaign.stops
     repeats = {stop.name: repeats_of(stop, count=3, lots=4, relative=1e-7)}
@@ -99,8 +99,8 @@ def test_a_stop_with_erroneous_sensors_is_repeated_with_other_lots_on_the_same_r
     assert lots[0] != lots[1]
 
 
-def test_what_a_divided_step_moves_is_compared_with_what_rounding_moves():
-    """Against draws: of medians of 5 and of 20 normal draws, 95 % differ by less than the noise that is stated."""
+def test_the_effect_of_a_divided_step_is_compared_with_that_of_rounding():
+    """Compared with draws: 95 % of medians of 5 and of 20 normal draws differ by less than the stated noise."""
     draws = np.random.default_rng(1).normal(300.0, 1.0, (2000, 25))
     repeats = [
         RepeatedDistances(digest="d", distances=tuple(sorted(row[:20])), steps={2: tuple(row[20:])})
@@ -126,7 +126,7 @@ def test_new_repeats_keep_the_distances_at_divided_steps_of_the_same_stop():
 
 
 def test_a_divided_step_keeps_the_periods_of_all_other_parts(tmp_path, write_campaign):
-    """And stops whose repeats are of another scenario get none."""
+    """Stops whose repeats belong to another scenario get none."""
     campaign = write_campaign(tmp_path, lambda stop: stop.name.startswith("trapezoid-ideal-"))
     stop, *others = campaign.stops
     repeated = RepeatedDistances(digest=stop.scenario.digest(), distances=(300.0, 301.0, 302.0))
@@ -150,7 +150,7 @@ def test_a_divided_step_keeps_the_periods_of_all_other_parts(tmp_path, write_cam
     assert [case.vehicle.nudge.seed for case in seen] == [1, 2, 1, 2]
 
 
-def test_a_missing_file_of_conditioning_says_how_it_is_made(tmp_path):
+def test_a_missing_conditioning_file_is_reported_with_the_command_that_creates_it(tmp_path):
     with pytest.raises(
         ScenarioError, match=r"there is no such file; correct the path; `railgrip maintain conditioning FILE\.toml`"
     ):
@@ -174,14 +174,14 @@ def test_a_chaotic_stop_is_kept_within_the_range_of_its_repeats(tmp_path):
     assert states == {269.9: "moved", 270.1: "kept", 310.0: "kept", 329.9: "kept", 330.1: "moved"}
     write_baseline(after, tmp_path / "b.toml")
     assert load_baseline(tmp_path / "b.toml") == after
-    # Repeats that are not known keep it a range; ones that no longer spread make it a number.
+    # Without known repeats it stays a range; repeats that no longer vary make it a number.
     assert accept(after, finding(310.0), "Again.").accepted["x"].is_range
-    # Repeats that stay within 2 cm give the tolerance of a smooth stop, 2 cm in place of 0.1 %.
+    # Repeats within 2 cm give the tolerance of a smooth stop, 2 cm instead of 0.1 %.
     firm = accept(after, finding(280.0, FIRM), "No longer chaotic.").accepted["x"]
     assert (firm.is_range, firm.value, firm.tolerance) == (False, 280.0, 0.02)
 
 
-def test_half_a_range_is_refused(tmp_path):
+def test_an_incomplete_range_is_refused(tmp_path):
     path = tmp_path / "b.toml"
     path.write_text(
         'campaign = "c"\n[accepted.x]\nvalue = 3\nunit = "m"\ntolerance = 1\nlowest = 2\nreason = "r"\n',
@@ -191,8 +191,8 @@ def test_half_a_range_is_refused(tmp_path):
         load_baseline(path)
 
 
-def test_the_conditioning_of_table_1_is_of_its_stops_or_is_called_stale():
-    """What is committed is shown beside a distance only where scenario and distance are those that were repeated."""
+def test_the_conditioning_of_table_1_belongs_to_its_stops_or_is_stale():
+    """Committed repeats are printed with a distance only if scenario and distance are those that were repeated."""
     campaign = load_campaign(CAMPAIGNS / "table1.toml")
     repeats_of = read_conditioning(campaign.conditioning).stops
     digests = {stop.name: stop.scenario.digest() for stop in campaign.stops}

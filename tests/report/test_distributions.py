@@ -1,4 +1,4 @@
-"""Many draws become one line for each controller: its distribution, and its change draw by draw against SBC."""
+"""Many draws are summarised for each controller: the distribution, and the change of each draw relative to SBC."""
 
 import math
 import re
@@ -50,7 +50,7 @@ def rows(distances, others):
 
 
 def test_draws_are_compared_one_by_one():
-    """Rails differ by far more than controllers do: 3 % less on each of them is told as that, exactly."""
+    """Rails differ by far more than controllers: a change of 3 % on each of them is reported exactly."""
     rails = np.linspace(200, 500, 101)
     abc, sbc = distributions_of(rows(0.97 * rails, rails))
     assert sbc.vs_sbc is None
@@ -64,15 +64,15 @@ def test_draws_are_compared_one_by_one():
 
 
 @pytest.mark.parametrize("actuations", [("ideal",), ("ideal", "pneumatic")])
-def test_a_table_for_the_documentation_names_settings_in_which_its_rows_differ(actuations):
+def test_a_table_for_the_documentation_names_the_settings_that_differ(actuations):
     drawn = [replace(each, actuation=name) for name in actuations for each in rows(np.ones(3), np.ones(3))]
     table = documentation_tables(drawn)["draws"]
     assert ("actuation" in table.columns) == (len(actuations) > 1)
     assert not {"sensors", "creep curve"} & set(table.columns)
 
 
-def test_the_interval_of_the_median_holds_what_it_says():
-    """Of 400 samples of 20 draws from a skewed distribution, the interval misses the true median in 5 % at most."""
+def test_the_interval_of_the_median_has_its_nominal_coverage():
+    """In 400 samples of 20 draws from a skewed distribution, the interval misses the true median in up to 5 %."""
     rng = np.random.default_rng(1)
     misses = 0
     for _ in range(400):
@@ -81,10 +81,10 @@ def test_the_interval_of_the_median_holds_what_it_says():
         low, high = one_draw.change_interval
         misses += not low <= math.log(2) <= high
     assert misses <= stats.binom.ppf(0.999, 400, 0.05)
-    assert misses > 0  # an interval that never misses says nothing
+    assert misses > 0  # an interval that never misses would be too wide
 
 
-def test_an_interval_of_a_quantile_may_end_in_endless_distances():
+def test_an_interval_of_a_quantile_may_end_in_infinite_distances():
     """The quantile of five at 95 % is their largest: within 1.1 with probability 0.4^5 = 1 %, within 1.2 with 7.8 %."""
     assert quantile_interval([1.0, 1.1, 1.2, math.inf, math.inf], 0.95) == (1.2, math.inf)
     assert quantile_interval([math.inf] * 5, 0.95) == (math.inf, math.inf)
@@ -112,7 +112,7 @@ def folder(tmp_path_factory, write_campaign):
     return folder
 
 
-def test_controllers_are_compared_with_the_published_and_with_the_best_tuned_sbc(folder):
+def test_controllers_are_compared_with_the_published_and_the_best_tuned_sbc(folder):
     """The synthetic three-state control stops shorter than the two-state one, whatever its thresholds."""
     distributions = {one.controller_label: one for one in distributions_of(rows_of(read_results(folder)))}
     published, low, mid = "SBC, two-state 10/15 %", "SBC, two-state 1/2 %", "SBC, three-state 5/15 %"
@@ -126,7 +126,7 @@ def test_controllers_are_compared_with_the_published_and_with_the_best_tuned_sbc
     assert distributions[low].vs_tuned.change == pytest.approx(0.85 / 0.8 - 1, abs=1e-3)
 
 
-def test_a_page_of_draws_has_lines_of_controllers_not_of_stops(folder):
+def test_a_page_of_draws_lists_controllers_instead_of_stops(folder):
     as_json, as_markdown = write_table(read_results(folder), folder)
     text = as_markdown.read_text(encoding="utf-8")
     assert text.count("| random |") == 4
@@ -135,9 +135,10 @@ def test_a_page_of_draws_has_lines_of_controllers_not_of_stops(folder):
     page = write_report(folder, panels="none")
     assert list(plots_of(page)) == [f"figures/{name}.png" for name in ("exceedance", "distributions", "friction")]
     html = page.read_text(encoding="utf-8")
-    assert html.count('<td class="text">random</td>') == 1  # of the scenarios; the other tables say it above their rows
+    # For the scenarios; the other tables state it above their rows.
+    assert html.count('<td class="text">random</td>') == 1
     same = "Same in all rows: scenario random; actuation ideal; sensors ideal; creep curve dry; draws 4."
-    assert html.count(same) == 2  # of quantiles, and of distances
+    assert html.count(same) == 2  # for quantiles, and for distances
 
 
 def test_the_figure_has_a_point_for_each_draw_and_a_panel_for_each_reference(folder):
@@ -156,7 +157,7 @@ def test_the_figure_has_a_point_for_each_draw_and_a_panel_for_each_reference(fol
 
 
 def test_the_published_thresholds_are_those_of_the_law():
-    """The name of a law without parameters of its own says 10/15 %, and `vs SBC` is against it."""
+    """The name of a law with default parameters contains 10/15 %, and `vs SBC` refers to it."""
     from railgrip.controllers.laws.slip_two_state import SlipTwoState
     from railgrip.report.reference import PUBLISHED
 
@@ -178,7 +179,7 @@ def test_quantiles_of_a_controller_under_two_actuations_are_distinguished(folder
 
 
 def test_quantiles_and_exceedance_of_many_draws_agree_with_their_distribution(folder):
-    """Ten thousand draws of a known distribution: quantiles lie in their intervals, and few points are drawn."""
+    """Ten thousand draws of a known distribution: quantiles are within their intervals, and few points are drawn."""
     (one, *_) = distributions_of(rows_of(read_results(folder)))
     draws = 300.0 + 20.0 * norm.ppf((np.arange(10_000) + 0.5) / 10_000)
     many = replace(one, draws=draws.size, stood=draws.size, distances_m=dict(enumerate(draws)))

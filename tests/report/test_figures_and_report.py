@@ -1,4 +1,4 @@
-"""Figures have labels and units, show the data of the results, and make one self-contained page."""
+"""Figures have labels and units, contain the data of the results, and form one self-contained page."""
 
 import hashlib
 import re
@@ -52,8 +52,8 @@ def test_friction_has_a_panel_for_each_scenario_from_blue_to_purple(stops):
     assert panels[0].get_legend().get_texts()[0].get_text() == "wheelsets 1, 2"
 
 
-def test_each_rail_of_a_scenario_has_a_line_that_the_variants_name(stops):
-    """Levels that are calibrated for each creep curve are rails of their own; controllers share one."""
+def test_each_rail_of_a_scenario_has_a_line_named_by_the_variants(stops):
+    """Levels calibrated for each creep curve are separate rails, which controllers share."""
     stop, other = stops["trapezoid-ideal-slip_two_state"], stops["trapezoid-ideal-adhesion_based"]
     adhesion = stop.inputs["adhesion"]
     steep = replace(
@@ -68,7 +68,7 @@ def test_each_rail_of_a_scenario_has_a_line_that_the_variants_name(stops):
     assert [line.get_label() for line in panel.lines] == ["dry", "steep"]
 
 
-def test_adhesion_shows_sbc_abc_estimate_maximum_and_limit(stops):
+def test_adhesion_includes_sbc_abc_estimate_maximum_and_limit(stops):
     sbc, abc = stops["trapezoid-ideal-slip_two_state"], stops["trapezoid-ideal-adhesion_based"]
     panel = adhesion_figure(sbc, abc).axes[0]
     lines = {line.get_label(): line for line in panel.lines}
@@ -81,7 +81,7 @@ def test_adhesion_shows_sbc_abc_estimate_maximum_and_limit(stops):
     assert panel.get_xlim()[1] == max(trace["time"].values[-1] for trace in stops_of.values())
 
 
-def test_distances_stand_beside_the_published_ones(folder):
+def test_distances_are_drawn_next_to_the_published_ones(folder):
     rows = rows_of(read_results(folder))
     panel = distance_figure(rows).axes[0]
     heights = sorted(bar.get_height() for bar in panel.patches)
@@ -91,14 +91,14 @@ def test_distances_stand_beside_the_published_ones(folder):
 
 
 def test_the_panels_of_a_stop_have_units_and_share_their_scales(stops):
-    made = stops["trapezoid-ideal-adhesion_based"].plot()
-    labels = [panel.get_ylabel() for panel in made.axes if panel.get_ylabel()]
+    figure = stops["trapezoid-ideal-adhesion_based"].plot()
+    labels = [panel.get_ylabel() for panel in figure.axes if panel.get_ylabel()]
     assert labels == ["speed [km/h]", "slip [%]", "adhesion", "pad friction", "cylinder pressure [bar]"]
-    assert len(made.axes) == 20
-    assert made.axes[0].lines[0].get_ydata()[0] == pytest.approx(80.0)
+    assert len(figure.axes) == 20
+    assert figure.axes[0].lines[0].get_ydata()[0] == pytest.approx(80.0)
 
 
-def test_what_a_plant_hides_has_no_row_and_no_number(tmp_path, write_campaign):
+def test_signals_missing_in_a_plant_have_no_row_and_no_number(tmp_path, write_campaign):
     campaign = write_campaign(tmp_path, lambda stop: stop.name == "random-ideal-slip_two_state")
     (stop,) = read_results(tmp_path).stops
     trace = stop.trace.drop_vars("pad_friction")
@@ -110,18 +110,18 @@ def test_what_a_plant_hides_has_no_row_and_no_number(tmp_path, write_campaign):
         metrics=replace(stop.metrics, utilisation=float("nan")),
         trace_digest=hashlib.sha256(path.read_bytes()).hexdigest(),
     )
-    made = without_utilisation.plot()
-    labels = [panel.get_ylabel() for panel in made.axes if panel.get_ylabel()]
+    figure = without_utilisation.plot()
+    labels = [panel.get_ylabel() for panel in figure.axes if panel.get_ylabel()]
     assert labels == ["speed [km/h]", "slip [%]", "adhesion"]
-    assert all(panel.lines for panel in made.axes)
-    assert "nan" not in made.get_suptitle()
-    assert "adhesion used" not in made.get_suptitle()
-    # One draw of many says which.
-    assert made.get_suptitle().startswith(f"random, seed {campaign.stops[0].scenario.seed}: ")
+    assert all(panel.lines for panel in figure.axes)
+    assert "nan" not in figure.get_suptitle()
+    assert "adhesion used" not in figure.get_suptitle()
+    # One draw of many states its number.
+    assert figure.get_suptitle().startswith(f"random, seed {campaign.stops[0].scenario.seed}: ")
 
 
 def test_distances_of_many_stops_are_drawn_as_a_distribution(folder):
-    """The figure of draws: a line for each controller, with a dot for each stop, and no taller for more stops."""
+    """The figure of draws: a line for each controller, with a dot for each stop, and constant height."""
     rows = rows_of(read_results(folder))
     many = [
         replace(row, case=f"seed {seed}", distance_m=row.distance_m + seed)
@@ -129,17 +129,17 @@ def test_distances_of_many_stops_are_drawn_as_a_distribution(folder):
         for row in rows
         if row.distance_m is not None
     ]
-    made = distance_figure(many)
-    assert len(made.axes) == 3 * 2  # scenarios; distance, and change against the published control
-    for panel in made.axes[::2]:
+    figure = distance_figure(many)
+    assert len(figure.axes) == 3 * 2  # scenarios; distance, and change against the published control
+    for panel in figure.axes[::2]:
         assert [text.get_text() for text in panel.get_yticklabels()] == ["SBC, two-state 10/15 %", "ABC"]
         assert [len(line.get_xdata()) for line in panel.lines if line.get_marker() == "."] == [30, 30]
-    assert "[m]" in made.axes[-2].get_xlabel()
-    assert made.legends[0].get_texts()[0].get_text() == "a stop"
-    assert made.get_figheight() == distance_figure([*many, *many]).get_figheight()
+    assert "[m]" in figure.axes[-2].get_xlabel()
+    assert figure.legends[0].get_texts()[0].get_text() == "a stop"
+    assert figure.get_figheight() == distance_figure([*many, *many]).get_figheight()
 
 
-def test_each_of_some_cases_has_a_line_with_its_friction(folder):
+def test_each_of_a_few_cases_has_a_line_with_its_friction(folder):
     """Ten cases with a friction each, in two families: a panel of distances and one of changes for each family."""
     rows = [row for row in rows_of(read_results(folder)) if row.scenario == "trapezoid"]
     cases = [
@@ -148,17 +148,17 @@ def test_each_of_some_cases_has_a_line_with_its_friction(folder):
         for number in range(10)
         for row in rows
     ]  # fmt: skip
-    made = distance_figure(cases)
-    names = [[text.get_text() for text in panel.get_yticklabels()] for panel in made.axes[::2]]
+    figure = distance_figure(cases)
+    names = [[text.get_text() for text in panel.get_yticklabels()] for panel in figure.axes[::2]]
     assert [len(lines) for lines in names] == [8, 2]
     assert names[1][1] == "case 9, $\\mu_0$ 0.09"
-    of_first = [line.get_xdata()[0] for line in made.axes[0].lines]
+    of_first = [line.get_xdata()[0] for line in figure.axes[0].lines]
     assert sorted(of_first) == pytest.approx(sorted(8 * [row.distance_m for row in rows]))
-    assert [line.get_marker() for line in made.axes[2].lines].count("x") == len(rows)
+    assert [line.get_marker() for line in figure.axes[2].lines].count("x") == len(rows)
 
 
-def test_controllers_of_one_kind_have_a_bar_each(folder):
-    """Two-state control with its own thresholds and with others; the second is not drawn over the first."""
+def test_controllers_of_one_kind_have_separate_bars(folder):
+    """Two-state control with published and with other thresholds; the second is not drawn over the first."""
     rows = [row for row in rows_of(read_results(folder)) if row.controller == "slip_two_state"]
     others = [
         replace(row, controller_label="SBC, two-state 1/2 %", distance_m=0.9 * row.distance_m, paper_distance_m=None)
@@ -178,10 +178,10 @@ def test_the_same_figure_gives_the_same_bytes(stops, tmp_path):
     assert one == other
 
 
-def test_a_campaign_becomes_one_page_that_needs_nothing_else(folder):
+def test_a_campaign_yields_one_self_contained_page(folder):
     page = write_report(folder, panels="abc", formats=("png", "svg", "pdf"))
     assert needs_nothing_else(page)
-    # Distances, friction, and of every stop with ABC its adhesion.
+    # Distances, friction, and the adhesion of every stop with ABC.
     assert len(plots_of(page)) == 2 + 3
     assert (folder / "table1.json").exists()
     heads = {suffix: (folder / "figures" / f"friction.{suffix}").read_bytes()[:5] for suffix in ("png", "svg", "pdf")}
@@ -191,7 +191,7 @@ def test_a_campaign_becomes_one_page_that_needs_nothing_else(folder):
     assert all((folder / one).exists() for one in linked)
 
 
-def test_a_single_stop_has_a_page_too(folder, stops):
+def test_a_single_stop_also_has_a_page(folder, stops):
     page = write_report(folder / "trapezoid-ideal-adhesion_based")
     assert needs_nothing_else(page)
     lines, trace = plots_of(page)["signals"]["data"], stops["trapezoid-ideal-adhesion_based"].trace
@@ -218,7 +218,7 @@ def test_a_figure_on_a_page_has_the_data_of_the_figure_in_a_paper(stops):
     ]
 
 
-def test_texts_and_ticks_of_a_figure_come_once_on_a_page():
+def test_texts_and_ticks_of_a_figure_occur_once_on_a_page():
     drawing, axes = style.panels(6, 4)
     axes.plot([0, 1], [0, 1])
     drawing.supxlabel("below all panels")
@@ -228,7 +228,7 @@ def test_texts_and_ticks_of_a_figure_come_once_on_a_page():
     assert [note["text"] for note in layout["annotations"]] == ["below all panels"]
     assert layout["xaxis"]["showticklabels"]
     assert not layout["xaxis2"]["showticklabels"]
-    # Round numbers, not those that stand where the ticks of the first scale are.
+    # Round numbers, not those at the ticks of the first scale.
     assert layout["yaxis2"]["tickmode"] == "auto"
 
 
@@ -250,7 +250,7 @@ def test_a_formula_is_written_in_html_on_a_page(formula, shown):
 
 
 def test_a_legend_stays_in_its_panel_on_a_page():
-    """Four names in two rows have as many rows on a page, where columns are not counted."""
+    """Four names in two rows also have two rows on a page, where columns are not counted."""
     drawing, (axes, _) = style.panels(10, 4, 1, 2)
     for name in "abcd":
         axes.plot([0, 1], [0, 1], label=name)
@@ -265,6 +265,6 @@ def test_a_campaign_without_any_result_still_has_a_page(tmp_path, write_campaign
     assert "Not run: trapezoid-ideal-full_brake" in write_report(tmp_path).read_text(encoding="utf-8")
 
 
-def test_a_folder_with_nothing_in_it_is_refused(tmp_path):
+def test_a_folder_without_results_is_refused(tmp_path):
     with pytest.raises(RecordError, match=r"has neither campaign\.json nor stop\.json"):
         write_report(tmp_path)

@@ -53,13 +53,13 @@ FIGURES = {
 
 
 @pytest.mark.parametrize("name", FIGURES)
-def test_a_figure_can_be_read(name, stops, folder):
+def test_a_figure_is_readable(name, stops, folder):
     drawing = FIGURES[name](stops, folder)
     assert defects_of(drawing) == []
-    # What a page shows of it has all panels, too.
+    # The version on a page has all panels, too.
     plot = interactive(drawing)
-    shown = {trace["xaxis"] for trace in plot["data"] if "xaxis" in trace}
-    assert len(shown) == len(drawing.axes)
+    axes = {trace["xaxis"] for trace in plot["data"] if "xaxis" in trace}
+    assert len(axes) == len(drawing.axes)
 
 
 def crowd_ticks(axes):
@@ -106,7 +106,7 @@ DEFECTS = {
 
 
 @pytest.mark.parametrize("spoil", DEFECTS)
-def test_a_figure_that_cannot_be_read_is_found(spoil, tmp_path):
+def test_an_unreadable_figure_is_found(spoil, tmp_path):
     drawing, axes = panels(6, 3)
     axes.plot([0, 1], [0, 1], label="a line")
     save(drawing, tmp_path / "good.png")

@@ -1,4 +1,4 @@
-"""The studies behind baselines, and the files that keep what was accepted of them."""
+"""The studies behind baselines, and the files with the accepted figures."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ BASELINES = Path(__file__).parents[1] / "baselines"
 
 
 @pytest.mark.parametrize("path", sorted(BASELINES.glob("*.toml")), ids=lambda path: path.stem)
-def test_every_baseline_is_of_something_that_can_be_run_and_accepts_something(path):
+def test_every_baseline_can_be_run_and_accepts_a_figure(path):
     baseline = load_baseline(path)
     assert baseline.accepted
     if baseline.campaign is None:
@@ -20,8 +20,8 @@ def test_every_baseline_is_of_something_that_can_be_run_and_accepts_something(pa
         assert (path.parent / baseline.campaign).exists()
 
 
-def test_the_accepted_figures_are_what_was_asked_for():
-    """Adhesion within 0.02 outside protection events, longer than 0.1 s nowhere; distance to 0.5 %; ten stops."""
+def test_the_accepted_figures_meet_the_requirements():
+    """Adhesion within 0.02 outside protection events, never longer than 0.1 s beyond; distance to 0.5 %; ten stops."""
     figures = {
         name: figure
         for study in ("roller_rig", "field_test", "pad_monitor")
@@ -40,8 +40,8 @@ def test_the_accepted_figures_are_what_was_asked_for():
     )
     mean = figures["field c6, noises 'physical': mean pad friction RMSE"].value
     assert mean < 0.5 * figures[f"{constant}: mean pad friction RMSE"].value
-    # Of single brakes little is told: as much as a constant, within what twelve seeds spread (0.018 ± 0.0013); the
-    # noises taken are at least better than those tuned for consistency.
+    # Single brakes are hardly determined: as well as by a constant, within the scatter of twelve seeds (0.018 ±
+    # 0.0013); the chosen noises are better than those tuned for consistency.
     single = {n: figures[f"field c6, noises '{n}': pad friction RMSE"].value for n in ("physical", "consistent")}
     assert single["physical"] == pytest.approx(figures[f"{constant}: pad friction RMSE"].value, rel=0.25)
     assert single["physical"] < 0.85 * single["consistent"]
@@ -50,8 +50,8 @@ def test_the_accepted_figures_are_what_was_asked_for():
     assert figures["monitor: false alarms"].value == 0
 
 
-def test_the_accepted_figures_of_lateral_and_learn_are_what_was_asked_for():
-    """The paper's MAE at 60 mph under its split, which exchanged labels reach too and a run left out does not."""
+def test_the_accepted_figures_of_lateral_and_learn_meet_the_requirements():
+    """The paper's MAE at 60 mph with its split, which exchanged labels also achieve and a run left out does not."""
     learn = load_baseline(BASELINES / "axle_box.toml").accepted
     for name in ("bias inside", "bias outside", "labels exchanged"):
         assert learn[f"learn 60 mph, {name}: MAE"].value <= 0.0063
@@ -74,7 +74,8 @@ def test_the_accepted_figures_of_lateral_and_learn_are_what_was_asked_for():
         plant: lateral[f"lateral, {plant}, the best constant: friction RMSE"].value
         for plant in ("paper", "softer", "slightly_softer", "service")
     }
-    # What a constant knows, too: a contact 1 % softer blinds the filter, service sensors the one without the track.
+    # Compared with a constant: a contact 1 % softer misleads the filter, service sensors mislead the one without the
+    # track.
     assert rmse["paper, unknown_track"] < 0.4 * constant["paper"]
     for blind in (
         "softer, known_track",

@@ -1,4 +1,4 @@
-"""Results print in five lines, show themselves in notebooks, and load matplotlib when they are drawn."""
+"""Results print in five lines, display in notebooks, and load matplotlib only when they are drawn."""
 
 import subprocess
 import sys
@@ -63,7 +63,7 @@ def test_a_sweep_prints_its_shortest_and_longest_stop():
     assert lines[4] == "  longest 900.00 m with start.speed = 30.0, controller.kind = full_brake"
 
 
-def test_a_sweep_without_a_standstill_prints_too():
+def test_a_sweep_without_a_standstill_is_also_printed():
     nothing = Sweep({"seed": (1,)}, (Result("refused", "no train", None),))
     assert repr(nothing).splitlines()[2:] == ["  shortest none", "  median none", "  longest none"]
 
@@ -103,7 +103,7 @@ def test_the_figure_of_a_stop_has_a_column_for_each_group_and_its_speed():
     assert panel.get_lines()[0].get_ydata()[0] == pytest.approx(80.0)
 
 
-def test_nothing_is_drawn_unless_it_is_asked_for():
+def test_nothing_is_drawn_unless_requested():
     program = (
         "import sys; sys.path.insert(0, 'tests/report'); sys.path.insert(0, 'tests')\n"
         "import test_in_short as own\n"

@@ -1,4 +1,4 @@
-"""Results in folders come back as values of the Python interface, and as tables in files of other programs."""
+"""Folders of results load as values of the Python interface, and as tables in files of other programs."""
 
 import io
 
@@ -48,7 +48,7 @@ def stop(tmp_path):
     return tmp_path / "stop"
 
 
-def test_a_stop_comes_back_as_it_was_written(stop):
+def test_a_stop_loads_as_it_was_written(stop):
     loaded, record = rg.load(stop), read_stop(stop)
     assert isinstance(loaded, rg.Stop)
     assert loaded.scenario.digest() == record.digest
@@ -60,7 +60,7 @@ def test_a_stop_comes_back_as_it_was_written(stop):
     assert frame.attrs["units"]["speed"] == "m/s"
 
 
-def test_a_campaign_comes_back_over_its_axes_with_what_it_excludes_left_out(campaign):
+def test_a_campaign_loads_over_its_axes_without_excluded_stops(campaign):
     loaded = rg.load(campaign)
     assert isinstance(loaded, Sweep)
     frame = loaded.to_pandas()
@@ -101,7 +101,7 @@ def test_a_table_is_printed_and_written_with_units(campaign, stop, capfd, tmp_pa
         assert written["wheelset_speed[1] [rad/s]"].notna().all()
 
 
-def test_a_campaign_with_an_axis_of_the_name_of_a_metric_is_a_table(tmp_path):
+def test_an_axis_with_the_name_of_a_metric_is_allowed_in_a_table(tmp_path):
     metrics = run_stop(load(LIBRARY / "trapezoid.toml", COARSE)).metrics
     frame = Sweep({"distance": ("near", "far")}, (Result("standstill", "", metrics),) * 2).to_pandas()
     assert csv_of(frame).startswith("distance (axis),outcome")
@@ -109,7 +109,7 @@ def test_a_campaign_with_an_axis_of_the_name_of_a_metric_is_a_table(tmp_path):
     assert pandas.read_parquet(tmp_path / "x.parquet")["distance (axis)"].tolist() == ["near", "far"]
 
 
-def test_what_is_no_result_or_no_table_is_refused(tmp_path, stop):
+def test_a_path_without_result_or_table_is_refused(tmp_path, stop):
     with pytest.raises(RecordError, match=r"has neither campaign\.json nor stop\.json"):
         rg.load(tmp_path / "nothing")
     with pytest.raises(InputError, match=r"x\.xlsx: a table is written as \.csv or \.parquet"):

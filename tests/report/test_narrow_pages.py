@@ -52,7 +52,7 @@ def folder(tmp_path_factory, write_campaign):
 def boxes(page, folder, **what):
     """Return by name the boxes of elements of a page on a screen of `WIDTH` pixels, in pixels.
 
-    A window of Chromium is 500 pixels wide at least; the page is in a frame of it.
+    A window of Chromium is never narrower than 500 pixels, so the page is shown in a frame.
     """
     script = BOXES.replace("WHAT", json.dumps(what))
     (folder / "measured.html").write_text(
@@ -82,7 +82,7 @@ def test_train_and_signals_of_a_stop_fit_a_narrow_screen(folder, tmp_path):
 
 
 @needs_browser
-def test_distances_of_a_campaign_are_on_a_narrow_screen(folder, tmp_path):
+def test_distances_of_a_campaign_fit_a_narrow_screen(folder, tmp_path):
     found = boxes(folder / "index.html", tmp_path, head="table.data th", cells="table.data td")
     (distance,) = (box for box in found["head"] if box["text"] == "distance")
     assert distance["right"] <= WIDTH
@@ -92,7 +92,7 @@ def test_distances_of_a_campaign_are_on_a_narrow_screen(folder, tmp_path):
 
 @needs_browser
 def test_figures_are_as_wide_as_paper(folder, tmp_path):
-    """A4 between its margins is 690 pixels wide across; the summary leaves a figure of a stop most of its height."""
+    """A4 without margins is 690 pixels wide; the summary leaves most of the height to a figure of a stop."""
     page = next(folder.glob("*abc*/index.html"))
     (plot,) = boxes(page, tmp_path, printed="html", plot=".plot .svg-container")["plot"]
     assert plot["right"] - plot["left"] == pytest.approx(690, abs=1)
@@ -100,7 +100,7 @@ def test_figures_are_as_wide_as_paper(folder, tmp_path):
 
 
 @needs_browser
-def test_labels_of_bars_are_whole(folder, tmp_path):
+def test_labels_of_bars_are_complete(folder, tmp_path):
     """Each is in the drawing, and none overlaps its neighbour."""
     found = boxes(folder / "index.html", tmp_path, ticks=".xtick", plot=".plot:first-of-type .svg-container")
     plot = found["plot"][0]
@@ -110,7 +110,7 @@ def test_labels_of_bars_are_whole(folder, tmp_path):
     assert ticks[0]["right"] < ticks[1]["left"]
 
 
-def test_the_axis_of_bars_shows_what_differs_between_them(folder):
+def test_the_axis_of_bars_reveals_their_differences(folder):
     panel = distance_figure(rows_of(read_results(folder))).axes[-1]
     assert [text.get_text() for text in panel.get_xticklabels()] == ["80 km/h", "120 km/h"]
     assert panel.get_xlabel() == "start.speed"

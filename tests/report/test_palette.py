@@ -39,7 +39,7 @@ def test_lab_is_that_of_the_standard():
 
 
 @pytest.mark.parametrize("vision", VISION)
-def test_two_lines_are_ten_times_further_apart_than_is_just_noticeable(vision):
+def test_two_lines_differ_by_ten_times_the_just_noticeable_difference(vision):
     seen = [lab(np.array(VISION[vision]) @ linear(colour)) for colour in LINES]
     assert min(np.linalg.norm(a - b) for a, b in combinations(seen, 2)) > 10 * 2.3
 
@@ -49,7 +49,7 @@ def test_lines_differ_by_lightness_in_grey_and_from_the_paper():
     assert np.diff(lightness).min() > 10
 
 
-def test_shades_and_wheelsets_go_one_way_in_lightness():
+def test_lightness_of_shades_and_wheelsets_is_monotonic():
     shades = [lab(linear(f"#{red:02X}{green:02X}{blue:02X}"))[0] for red, green, blue in SHADES]
     assert np.diff(shades).max() < -8
     wheelsets = [lab(linear(colour))[0] for colour in lead_to_trail(6)]

@@ -1,4 +1,4 @@
-"""Pages come out of a printer whole: every column of the widest table, and what is folded on the screen."""
+"""Pages are printed completely: every column of the widest table, and sections that are folded on the screen."""
 
 import re
 import shutil
@@ -31,7 +31,7 @@ def folder(tmp_path_factory, write_campaign):
 
 
 def printed(page, folder):
-    """Return the text of each printed page, without spaces, and their sizes in points."""
+    """Return the text of each printed page, without spaces, and the page sizes in points."""
     from pypdf import PdfReader  # only where there is a browser
 
     path = folder / "printed.pdf"
@@ -63,7 +63,7 @@ def test_all_columns_of_a_campaign_are_on_paper(folder, tmp_path):
     assert [cell for row in table.texts for cell in row.values() if bare(cell) not in everything] == []
 
 
-def test_a_stop_is_on_paper_with_what_is_folded_on_the_screen(folder, tmp_path):
+def test_sections_folded_on_the_screen_are_printed(folder, tmp_path):
     stop = next(one for one in read_results(folder).stops if one.variants["controller"] == "adhesion_based")
     texts, _ = printed(folder / stop.name / "index.html", tmp_path)
     everything = "".join(texts)
@@ -76,7 +76,7 @@ def test_a_stop_is_on_paper_with_what_is_folded_on_the_screen(folder, tmp_path):
 
 @pytest.mark.parametrize("space", [0, 200, 400, 600, 800])
 def test_no_heading_is_stranded_at_the_end_of_a_page(folder, tmp_path, space):
-    """Whatever is above it, a heading is followed by what it is the heading of."""
+    """Whatever precedes it, a heading is followed by its section."""
     page = next(folder.glob("*adhesion_based/index.html"))
     moved = tmp_path / "moved.html"
     gap = f'<div style="height:{space}px"></div>'

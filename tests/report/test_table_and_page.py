@@ -1,4 +1,4 @@
-"""One table is shown in every way, and a page escapes what is not its own markup."""
+"""One table is output in every format, and a page escapes all text that is not its own markup."""
 
 import csv
 import math
@@ -43,8 +43,8 @@ def test_a_table_is_html_in_a_page_of_html(tmp_path):
     assert 'id="plotly"' not in text  # without a figure there is nothing to draw
 
 
-def test_what_is_the_same_in_all_rows_is_said_once_above_the_table():
-    """A column of numbers stays: it is a result. Links are on the first column that is left."""
+def test_a_value_common_to_all_rows_is_stated_once_above_the_table():
+    """A column of numbers stays: it is a result. Links are in the first remaining column."""
     rows = [{"scenario": "dry", "actuation": "ideal", "controller": name, "distance": 12.34} for name in ("SBC", "ABC")]
     sentence, table = ReportTable(rows).parts(["sbc.html", None])
     assert sentence == "Same in all rows: scenario dry; actuation ideal."
@@ -67,7 +67,7 @@ def test_a_command_is_code_in_html_and_in_markdown():
     assert str(table).endswith("| `railgrip run < a` |")
 
 
-def test_rows_that_do_not_fit_across_a_page_make_a_table_wide():
+def test_rows_wider_than_a_page_make_a_table_wide():
     """Long texts wrap, numbers with their intervals do not."""
     interval = "1.23e-05 [9.9e-06, 1.2e-05]"
     assert 'class="data wide"' in ReportTable([{str(column): interval for column in range(6)}]).__html__()
@@ -82,7 +82,7 @@ def test_a_table_is_csv_with_its_values(tmp_path):
     assert first == {"stop": "<dry>", "distance": "12.34", "change": "0.1", "kept": "True", "beside": ""}
 
 
-def test_a_page_of_markdown_escapes_what_markdown_would_interpret(tmp_path):
+def test_a_page_of_markdown_escapes_markup(tmp_path):
     results = {"name": "a & b", "description": "It's < 1."}
     page = write_page(
         tmp_path / "page.md", "report/distances.md.jinja", results=results, missing="x", notes=["Note."],

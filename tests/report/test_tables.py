@@ -1,4 +1,4 @@
-"""The table of distances: rows, reductions and what the paper says beside them."""
+"""The table of distances: rows, reductions and published values."""
 
 import json
 from dataclasses import replace
@@ -23,7 +23,7 @@ def folder(tmp_path_factory, write_campaign):
     return directory
 
 
-def test_reductions_are_against_sbc_in_the_same_conditions(folder):
+def test_reductions_are_relative_to_sbc_in_the_same_conditions(folder):
     rows = {(row.actuation, row.controller): row for row in rows_of(read_results(folder)) if "instant" not in row.case}
     expected = 1 - DECELERATION["slip_two_state"] / DECELERATION["adhesion_based"]
     for actuation in ("ideal", "pneumatic"):
@@ -35,8 +35,8 @@ def test_reductions_are_against_sbc_in_the_same_conditions(folder):
     assert rows["pneumatic", "adhesion_based"].paper_distance_m is None
 
 
-def test_searched_levels_have_rows_of_their_own_against_the_papers(folder):
-    """Two forms, each with slip as read and as estimated; what all are compared with stays the paper's SBC."""
+def test_searched_levels_have_separate_rows_relative_to_the_papers(folder):
+    """Two forms, each with slip as read and as estimated; the reference remains the paper's SBC."""
     rows = [row for row in rows_of(read_results(folder)) if row.actuation == "ideal" and "instant" not in row.case]
     controllers = [row.controller for row in rows]
     names = [f"slip_{form}_state_{slip}" for slip in ("read", "estimated") for form in ("two", "three")]
@@ -46,8 +46,8 @@ def test_searched_levels_have_rows_of_their_own_against_the_papers(folder):
     assert [row.controller for row in rows if row.reduction_vs_sbc is None] == ["slip_two_state"]
 
 
-def test_stops_that_look_alike_are_told_apart_and_compared_in_their_own_conditions(tmp_path, write_campaign):
-    """An axis that no column shows, the start speed: each ABC has its own SBC, and the table says which is which."""
+def test_similar_stops_are_distinguished_and_compared_in_their_own_conditions(tmp_path, write_campaign):
+    """An axis without a column, the start speed: each ABC has its own SBC, and the table distinguishes them."""
     library = Path(railgrip.scenario.__file__).parent / "library"
     file = tmp_path / "speeds.toml"
     file.write_text(f'''
@@ -83,7 +83,7 @@ adhesion.polach_of_wheelset = ["dry", "dry", "dry", "soap", "dry", "dry"]
     assert [row.polach for row in rows_of(read_results(tmp_path))] == ["dry, soap, leaf"]
 
 
-def test_json_has_the_rows_that_were_asked_for(folder):
+def test_json_has_the_requested_rows(folder):
     as_json, as_markdown = write_table(read_results(folder), folder)
     content = json.loads(as_json.read_text(encoding="utf-8"))
     expected = {
@@ -98,7 +98,7 @@ def test_json_has_the_rows_that_were_asked_for(folder):
     assert "−12.9 %" in text
 
 
-def test_a_figure_that_does_not_exist_is_null_and_an_empty_cell(folder):
+def test_a_missing_figure_is_null_and_an_empty_cell(folder):
     results = read_results(folder)
     first, *others = (stop for stop in results.stops if stop.variants["equipment"] == "service")
     without_air = replace(first, metrics=replace(first.metrics, air_used=np.nan))
@@ -112,7 +112,7 @@ def test_a_figure_that_does_not_exist_is_null_and_an_empty_cell(folder):
     assert cells[" air "].strip() == ""
 
 
-def test_air_is_left_out_with_ideal_actuation_which_has_no_valves(folder):
+def test_air_is_omitted_with_ideal_actuation_which_has_no_valves(folder):
     rows = rows_of(read_results(folder))
     assert {row.actuation for row in rows if row.air_l is not None} == {"pneumatic"}
     stop = next(stop for stop in read_results(folder).stops if stop.inputs["actuation"]["kind"] == "ideal")
@@ -121,7 +121,7 @@ def test_air_is_left_out_with_ideal_actuation_which_has_no_valves(folder):
     assert figures["air used"] == "–"
 
 
-def test_a_stop_that_did_not_stand_has_no_distance_and_no_reduction(tmp_path, write_campaign):
+def test_a_stop_without_standstill_has_no_distance_and_no_reduction(tmp_path, write_campaign):
     write_campaign(
         tmp_path, lambda stop: stop.name in {"trapezoid-ideal-slip_two_state", "trapezoid-ideal-adhesion_based"},
         overrides=["description=slide"],
@@ -133,7 +133,7 @@ def test_a_stop_that_did_not_stand_has_no_distance_and_no_reduction(tmp_path, wr
     assert "none: horizon" in write_table(read_results(tmp_path), tmp_path)[1].read_text(encoding="utf-8")
 
 
-def test_results_that_are_not_there_or_of_another_scenario_are_missing(tmp_path, write_campaign):
+def test_absent_results_and_those_of_another_scenario_are_missing(tmp_path, write_campaign):
     campaign = write_campaign(
         tmp_path, lambda stop: stop.name in {f"random-ideal-slip_{n}_state" for n in ("two", "three")}
     )
@@ -146,7 +146,7 @@ def test_results_that_are_not_there_or_of_another_scenario_are_missing(tmp_path,
 
 
 @pytest.mark.parametrize("content", [None, "{", "[]", '{"name": 1}'])
-def test_a_folder_that_is_no_campaign_is_refused(tmp_path, content):
+def test_a_folder_without_a_campaign_is_refused(tmp_path, content):
     if content is not None:
         (tmp_path / "campaign.json").write_text(content, encoding="utf-8")
     with pytest.raises(

@@ -1,4 +1,4 @@
-"""Names and descriptions of users are text in every page: no element, attribute, link, image or heading of theirs."""
+"""Names and descriptions of users are text in every page: they add no element, attribute, link, image or heading."""
 
 import re
 from html.parser import HTMLParser
@@ -52,7 +52,7 @@ class Elements(HTMLParser):
 
 
 def words(text):
-    """Return a text as a page shows it: white space and control characters are one blank."""
+    """Return a text as a page displays it: white space and control characters become one space."""
     return " ".join(re.sub(r"[\x00-\x1f\x7f-\x9f\u2028\u2029]", " ", text).split())
 
 
@@ -77,7 +77,7 @@ def with_hostile(test):
 
 @with_hostile
 @given(TEXTS)
-def test_a_page_has_the_same_elements_whatever_its_texts_are(tmp_path_factory, text):
+def test_a_page_has_the_same_elements_whatever_its_texts(tmp_path_factory, text):
     plain, page = (Elements(page_of(words_, tmp_path_factory.mktemp("page"))) for words_ in ("x", text))
     if words(text):
         # A command between backticks in a cell of a table is code.

@@ -1,4 +1,4 @@
-"""The tables and the figure of the documentation have the accepted distances and no others."""
+"""The tables and the figure of the documentation have exactly the accepted distances."""
 
 import html
 import re
@@ -41,7 +41,7 @@ BEGIN = "<!-- distances: written by `make validation` -->"
 
 @pytest.mark.parametrize("name", TABLES)
 def test_the_table_of_the_page_is_the_accepted_one(name):
-    """Fails if a baseline was accepted without `make validation`, which writes the table."""
+    """If this fails after accepting a baseline, run `make validation`, which writes the table."""
     page, tables_of = TABLES[name]
     baseline = load_baseline(BASELINES / f"{name}.toml")
     campaign = load_campaign(BASELINES / baseline.campaign)
@@ -57,7 +57,7 @@ def description_of(svg):
 
 
 def test_the_figure_of_the_pages_is_of_the_accepted_distances():
-    """Fails if a baseline was accepted, or lots of sensors were repeated, without `make validation`."""
+    """If this fails after accepting a baseline or repeating lots of sensors, run `make validation`."""
     baseline = load_baseline(BASELINES / f"{BASELINE}.toml")
     _, numbers = distances_figure(load_campaign(BASELINES / baseline.campaign), baseline)
     assert description_of(ROOT / "docs" / FILE) == numbers
@@ -87,17 +87,17 @@ def test_the_figure_has_distances_ranges_and_published_distances(campaign, basel
     assert description_of(save(figure, tmp_path / "f.svg", numbers)) == numbers
 
 
-def test_the_figure_has_medians_over_lots_or_the_accepted_distance_without_lots(campaign_with_lots):
+def test_the_figure_has_medians_over_lots_or_else_the_accepted_distance(campaign_with_lots):
     campaign, baseline = campaign_with_lots
     medians, ranges, _ = drawn(distances_figure(campaign, baseline)[0])
     assert medians == pytest.approx([369.9, 370, 400])
-    # Lots shift SBC and ABC by ±9.5 m, slope seeking by 1.2 times as much.
+    # Lots shift SBC and ABC by ±9.5 m, slope seeking by 1.2 times that.
     assert ranges == [pytest.approx([358.5, 381.3]), [360.5, 379.5], [390.5, 409.5]]
     moved = baseline.model_copy(update={"accepted": {name: stop(500) for name in baseline.accepted}})
     assert drawn(distances_figure(campaign, moved)[0])[:2] == ([500, 500, 500], [])
 
 
-def test_a_controller_that_slides_on_does_not_stretch_the_scale(campaign_with_lots, tmp_path):
+def test_a_controller_that_does_not_stop_does_not_stretch_the_scale(campaign_with_lots, tmp_path):
     path = tmp_path / "c.toml"
     path.write_text(path.read_text().replace('"slip_two_state"', '"full_brake"'), encoding="utf-8")
     campaign = load_campaign(path)
@@ -169,7 +169,7 @@ def baseline():
     )
 
 
-def test_changes_are_against_the_published_and_the_best_tuned_and_ranges_are_ranges(campaign, baseline):
+def test_changes_are_relative_to_the_published_and_the_best_tuned_control(campaign, baseline):
     lines = str(tables(campaign, baseline)["distances"]).splitlines()
     assert lines == [
         "| braking distance | random | greatest adhesion | longest lock | valve strokes |",
@@ -205,7 +205,7 @@ def campaign_with_lots(tmp_path, write_lots):
         encoding="utf-8",
     )
     campaign = load_campaign(path)
-    # Lots shift all controllers alike by up to ±9.5 m; the last pair differs by −0.1 ± 1.9 m.
+    # Lots shift all controllers equally by up to ±9.5 m; the last pair differs by −0.1 ± 1.9 m.
     shifts = [number - 9.5 for number in range(20)]
     lots = {
         "sbc": [400 + shift for shift in shifts],
@@ -254,7 +254,7 @@ def test_a_table_without_repeats_of_the_accepted_stops_is_refused(campaign_with_
         tables(campaign, moved)
 
 
-def test_only_what_stands_between_the_marks_is_written(tmp_path, campaign, baseline):
+def test_only_the_text_between_the_marks_is_written(tmp_path, campaign, baseline):
     path = tmp_path / "validation.md"
     path.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n", encoding="utf-8")
     write_tables(path, {"distances": tables(campaign, baseline)["distances"]})

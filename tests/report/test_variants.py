@@ -1,4 +1,4 @@
-"""Any two variants of a campaign are compared in pairs, and nothing that breaks a clause is recommended."""
+"""Any two variants of a campaign are compared in pairs, and a variant that violates a clause is never recommended."""
 
 from dataclasses import replace
 from functools import cache
@@ -45,7 +45,7 @@ def campaign(tmp_path_factory, write_campaign):
 
 
 def with_distances(results, shorter):
-    """Return stops whose distance grows with the seed, and with sand is shorter by a share that is given by seed."""
+    """Return stops whose distance grows with the seed, and is shorter with sand by a share that depends on the seed."""
     stops = []
     for stop in results.stops:
         seed = stop.inputs["seed"]
@@ -60,8 +60,8 @@ def changes_of(results, text="none"):
     return reference, changes_against(reference, results.stops, rows_of(results))
 
 
-def test_a_pair_differs_in_the_variant_only(campaign):
-    """Distances differ by 50 m between draws, and within each pair by the share that its seed says, exactly."""
+def test_a_pair_differs_only_in_the_variant(campaign):
+    """Distances differ by 50 m between draws, and within each pair exactly by the share of its seed."""
     results = with_distances(read_results(campaign()), lambda seed: 0.01 * seed)
     _, changes = changes_of(results)
     assert [(change.conditions["controller"], change.variant) for change in changes] == [
@@ -112,7 +112,7 @@ def test_a_variant_of_two_axes_needs_the_name_of_its_axis():
 
 
 @pytest.mark.usefixtures("blank_figures")
-def test_page_and_terminal_show_the_pairs(campaign, capfd):
+def test_page_and_terminal_list_the_pairs(campaign, capfd):
     folder = campaign()
     page = write_report(folder, panels="none", against="none").read_text(encoding="utf-8")
     assert "Variants in pairs" in page
@@ -166,7 +166,7 @@ def test_a_law_that_locks_wheels_is_not_recommended(campaign):
     assert "largest reduction" not in text
 
 
-def test_a_law_that_keeps_all_clauses_is_named_before_one_that_locks(campaign):
+def test_a_law_that_satisfies_all_clauses_precedes_one_that_locks(campaign):
     results = locked(harmless(read_results(campaign())), "abc", 9.3)
     reference, changes = changes_of(results)
     text = headline(rows_of(results), reference, changes)
@@ -174,7 +174,7 @@ def test_a_law_that_keeps_all_clauses_is_named_before_one_that_locks(campaign):
     assert "of 2 variants it is the only one that keeps all clauses" in text
 
 
-def test_the_clauses_are_judged_at_their_limits(campaign):
+def test_clauses_are_evaluated_at_their_limits(campaign):
     stop = harmless(read_results(campaign())).stops[0]
     limits = limits_of()
     assert limits.find_violations(stop) == ()

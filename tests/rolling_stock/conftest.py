@@ -1,4 +1,4 @@
-"""A train of two cars, as `railgrip new train` begins one, as tables that a test may change."""
+"""A train of two cars, as created by `railgrip new train`, as tables that a test may change."""
 
 import tomllib
 from pathlib import Path
@@ -19,7 +19,7 @@ def tables():
 
 @pytest.fixture
 def piped(tables):
-    """The same behind a brake pipe, with tables of a distributor in position R and an accelerator that no car has."""
+    """The same with a brake pipe, tables of a distributor in position R, and an accelerator that no car uses."""
     tables["command"] = {
         "kind": "brake_pipe", "diameter": "32 mm", "branch_volume": 0, "fill_time": "4 s", "reservoir": "0.1 m3",
         "estimated": True,
@@ -44,5 +44,5 @@ def piped(tables):
 
 @pytest.fixture
 def train(tables):
-    """The train of these tables."""
+    """The train described by these tables."""
     return train_of(tables, "ours.toml")

@@ -1,4 +1,4 @@
-"""The calculation by hand against closed forms, and what the check says of trains that do not fit together."""
+"""The calculation by hand compared with closed forms, and messages about inconsistent trains."""
 
 import re
 from pathlib import Path
@@ -14,7 +14,7 @@ from railgrip.rolling_stock.stopping import by_hand, chain_forces, full_brake_fo
 
 
 def bare(tables):
-    """A train that nothing but constant brake forces slows."""
+    """A train slowed only by constant brake forces."""
     tables["resistance"] |= {"drag_coefficient": 1e-9, "bearing_friction": 1e-9, "rolling_arm": 0}
     tables["pads"]["organic"] |= {"speed_effect": 0, "force_effect": 0}
     del tables["command"]
@@ -30,7 +30,7 @@ def weak_behind(tables):
 
 
 def deceleration(train):
-    """Of its brakes at full pressure, with what turns: 2 units of 0.95·4·(p A − F) on each of 8 axles."""
+    """Deceleration at full pressure, including rotating masses: 2 units of 0.95·4·(p A − F) on each of 8 axles."""
     pad_force = 0.95 * 4 * (3.2e5 * 0.0324 - 1200)
     force = 8 * 2 * 0.35 * pad_force * 0.25 / 0.46
     return force / (88e3 + 8 * 120 / 0.46**2)
@@ -46,7 +46,7 @@ def test_constant_force_gives_the_textbook_distance(tables):
     assert stop.adhesion == pytest.approx(np.full(8, used), rel=1e-6)
 
 
-def test_an_electropneumatic_build_up_costs_its_closed_form(tables):
+def test_an_electropneumatic_build_up_adds_its_closed_form(tables):
     """With a(t) = a (1 − e^(−(t − d)/T)) the distance grows by v (d + T) − a T²/2."""
     command = tables["command"]
     tables["brakes"]["disc"]["spring_force"] = 0
@@ -58,7 +58,7 @@ def test_an_electropneumatic_build_up_costs_its_closed_form(tables):
 
 
 def test_a_brake_pipe_brakes_the_rear_later(tables):
-    """290 m/s along 48 m, then evenly to 95 % in 4 s: half of 4/0.95 s and the way of the front, a quarter lost."""
+    """The front travels along 48 m at 290 m/s; the pressure behind it rises evenly to 95 % in 4 s."""
     command = {"kind": "brake_pipe", "diameter": "32 mm", "branch_volume": 0, "fill_time": "4 s", "estimated": True}
     command |= {"reservoir": "0.1 m3"}
     tables["brakes"]["disc"]["spring_force"] = 0
@@ -68,14 +68,14 @@ def test_a_brake_pipe_brakes_the_rear_later(tables):
     rise = 4 / 0.95
     expected = 30.0 * (mean + rise / 2) - full.deceleration * rise**2 / 24
     assert by_hand(train, 30.0).distance - full.distance == pytest.approx(expected, rel=2e-3)
-    # Branches that hold three times as much as the pipe halve the speed of a wave; drag slows the train meanwhile.
+    # Branches with three times the volume of the pipe halve the wave speed; drag slows the train meanwhile.
     command["branch_volume"] = f"{3 * np.pi / 4 * 0.032**2 * 24} m3"
     branched = train_of(tables | {"command": command}, "ours.toml")
     assert by_hand(branched, 30.0).distance - by_hand(train, 30.0).distance == pytest.approx(30.0 * mean, rel=5e-3)
 
 
-def test_a_low_stage_costs_its_closed_form(piped):
-    """With next to no build-up full braking holds to 50 km/h, half of it from there: v² over twice of each."""
+def test_a_low_stage_adds_its_closed_form(piped):
+    """With almost no build-up full braking acts down to 50 km/h, half of it below: v² over twice each deceleration."""
     piped["brakes"]["disc"]["spring_force"] = 0
     piped["command"] |= {"fill_time": "1 us"}
     piped["distributors"]["R"]["stage_time"] = "1 ms"
@@ -88,13 +88,13 @@ def test_a_low_stage_costs_its_closed_form(piped):
     expected = full.distance * (1 + (1 / 0.5 - 1) * (changeover / 30.0) ** 2)
     late = 30.0 * np.mean([axle.position for axle in train_of(piped, "ours.toml").axles]) / 290
     assert by_hand(train_of(piped, "ours.toml"), 30.0).distance - late == pytest.approx(expected, rel=1e-3)
-    # Begun between both speeds it is low from the start.
+    # A stop that starts between both speeds is in the low stage from the start.
     low = by_hand(train_of(piped, "ours.toml"), 60 / 3.6)
     assert low.deceleration == pytest.approx(0.5 * full.deceleration, rel=1e-3)
 
 
-def test_a_coupler_takes_what_one_car_brakes_more_than_its_mass_wants(tables):
-    """Two equal bodies, one braked twice as hard: a quarter of the sum goes through the coupler."""
+def test_a_coupler_transmits_braking_in_excess_of_a_cars_share(tables):
+    """Two equal bodies, one braked twice as hard: a quarter of the sum is transmitted by the coupler."""
     train = train_of(weak_behind(tables), "ours.toml")
     force, stop = full_brake_force(train), by_hand(train, 20.0)
     front, rear = force[:4].sum(), force[4:].sum()
@@ -102,7 +102,7 @@ def test_a_coupler_takes_what_one_car_brakes_more_than_its_mass_wants(tables):
 
 
 def test_two_cars_on_a_spring_overshoot_the_static_force_by_the_closed_form(tables):
-    """A step makes a damped spring overshoot by exp(-π ζ/√(1 - ζ²)); with no damper it is twice the static force."""
+    """A damped spring overshoots by exp(-π ζ/√(1 - ζ²)) after a step; undamped it reaches twice the static force."""
     (coupler,) = weak_behind(tables)["couplers"].values()
     for damping in (0.0, 3e4):
         coupler |= {"stiffness": "2 MN/m", "damping": damping, "slack": 0}
@@ -110,7 +110,7 @@ def test_two_cars_on_a_spring_overshoot_the_static_force_by_the_closed_form(tabl
         stop = by_hand(train, 20.0)
         reduced = stop.car_mass.prod() / stop.car_mass.sum()
         zeta = damping / (2 * np.sqrt(2e6 * reduced))
-        # The damper takes a part at the peak of the force as well: tension is k x + c dx/dt.
+        # The damper contributes at the peak of the force: tension is k x + c dx/dt.
         time = np.linspace(0.0, 5.0, 200001)
         own = np.sqrt(2e6 / reduced)
         swing = own * np.sqrt(1 - zeta**2)
@@ -121,7 +121,7 @@ def test_two_cars_on_a_spring_overshoot_the_static_force_by_the_closed_form(tabl
 
 
 def test_slack_lets_cars_run_into_each_other(tables):
-    """From the middle of it a step F comes to F (1 + √(1 + k slack/F)): the energy of slack and spring, no damper."""
+    """From the middle of the slack a step F reaches F (1 + √(1 + k slack/F)), by the undamped energy balance."""
     (coupler,) = weak_behind(tables)["couplers"].values()
     coupler |= {"stiffness": "2 MN/m", "damping": 0, "slack": "40 mm"}
     train = train_of(tables, "ours.toml")
@@ -132,7 +132,7 @@ def test_slack_lets_cars_run_into_each_other(tables):
 
 
 @pytest.mark.parametrize("name", NAMED)
-def test_the_trains_of_this_project_fit_together(name):
+def test_the_trains_of_the_library_are_consistent(name):
     train = load_train(Path(name))
     assert [str(one) for one in findings(train) if one.wrong] == []
     for reference in train.reference:
@@ -150,14 +150,14 @@ def test_the_trains_of_this_project_fit_together(name):
         (lambda t: t["bogies"]["trailer"].update(axles=[0, 0.8]), "[bogies.trailer] axles", "mm touch where"),
         (lambda t: t["brakes"]["disc"].update(spring_force="20 kN"), "[brakes.disc] spring_force", "holds the piston"),
         (lambda t: t["brakes"]["disc"].update(friction_radius=0.5), "[brakes.disc] friction_radius", "beyond the"),
-        # The brakes of two cars are alike, and one is three times as heavy.
+        # The brakes of two cars are equal, and one car is three times as heavy.
         (lambda t: (t["couplers"]["bar"].update(strength="10 kN"), t["cars"][0].update(mass="150 t")),
          "[couplers.bar] strength", "but braking alone loads the coupler behind"),
         (lambda t: t.update(reference=[{"speed": 33, "distance": 400, "limit": True, "source": "x"}]),
          "[reference[1]] distance", "are allowed"),
     ],
 )  # fmt: skip
-def test_what_does_not_fit_is_said_with_its_key(tables, change, key, words):
+def test_an_inconsistency_is_reported_with_its_key(tables, change, key, words):
     tables["bogies"]["light"] = dict(tables["bogies"]["trailer"], units=[1])
     tables["cars"][1]["bogies"][0]["kind"] = "light"
     change(tables)
@@ -166,7 +166,7 @@ def test_what_does_not_fit_is_said_with_its_key(tables, change, key, words):
     assert words in wrong[0].sentence
 
 
-def test_a_brake_that_counts_on_too_much_adhesion_is_unusual(tables):
+def test_a_brake_that_requires_too_much_adhesion_is_unusual(tables):
     tables["brakes"]["disc"]["pressure_max"] = "5 bar"
     (one,) = findings(train_of(tables, "ours.toml"))
     assert not one.wrong
@@ -174,7 +174,7 @@ def test_a_brake_that_counts_on_too_much_adhesion_is_unusual(tables):
     assert "LOC&PAS TSI" in one.sentence
 
 
-def test_a_changeover_above_the_stop_and_an_accelerator_that_opens_on_nothing_are_unusual(piped):
+def test_a_changeover_above_the_start_speed_and_an_idle_accelerator_are_unusual(piped):
     piped["cars"][0] |= {"distributor": "R", "accelerator": "quick"}
     piped["distributors"]["R"] |= {"speed_up": "130 km/h"}
     piped["accelerators"]["quick"]["sensing_time"] = "0.05 s"
@@ -183,8 +183,8 @@ def test_a_changeover_above_the_stop_and_an_accelerator_that_opens_on_nothing_ar
     assert "is 0.035 bar: below 0.1 bar" in unusual["[accelerators.quick] sensing_time"]
 
 
-def test_equipment_stands_at_the_pipe_of_the_car_that_names_it(piped):
-    """The pipe has five cells to a car, the branch at the third; cars connect to it."""
+def test_equipment_is_at_the_pipe_of_the_car_that_names_it(piped):
+    """The pipe has five cells per car, with the branch at the third; cars connect to it."""
     piped["cars"][0]["distributor"] = "R"
     piped["command"]["branch_volume"] = "3 l"
     text = class_text(train_of(piped, "ours.toml"), pneumatic=True)
@@ -207,7 +207,7 @@ def test_a_name_with_quotes_stays_inside_its_string(tables):
 
 
 def test_trains_of_different_names_are_classes_of_different_names(tables):
-    """Every name that a file may have; a train with valves is not another one without."""
+    """For all names that a file may have, with and without valves."""
     names = ["a", "a-b", "a.b", "a_b", "a_2d_b", "a__b", "a_pneumatic", "a_5f_b", "a-.b", "a.-b"]
     trains = [train_of(tables | {"name": name}, "ours.toml") for name in names]
     classes = {class_name(train, pneumatic=pneumatic) for train in trains for pneumatic in (False, True)}

@@ -1,4 +1,4 @@
-"""`railgrip train`: a file to begin with, a drawing to scale, and what does not fit with exit code 2."""
+"""`railgrip train`: a template file, a drawing to scale, and inconsistencies with exit code 2."""
 
 from dataclasses import astuple
 from pathlib import Path
@@ -27,7 +27,7 @@ def mine(railgrip, tmp_path):
 
 
 def replace(file, *changes):
-    """Replace texts of a file, each of which must be in it."""
+    """Replace texts of a file, each of which it must contain."""
     text = file.read_text(encoding="utf-8")
     for old, new in changes:
         assert old in text
@@ -35,7 +35,7 @@ def replace(file, *changes):
     file.write_text(text, encoding="utf-8")
 
 
-def test_what_does_not_fit_ends_with_file_and_key(railgrip, mine):
+def test_an_inconsistency_is_reported_with_file_and_key(railgrip, mine):
     replace(mine, ('mass = "44 t"', 'mass = "4 t"'))
     code, _, err = railgrip("train", "check", "mine.toml")
     assert code == 2
@@ -50,11 +50,11 @@ def test_what_does_not_fit_ends_with_file_and_key(railgrip, mine):
     ("wanted", "weak"),
     [
         ("pad_friction = 0.35", "pad_friction = 0.001"),
-        ('pressure_max = "3.2 bar"', 'pressure_max = "0.371 bar"'),  # what the spring takes, and 1 N
-        ('speed_nominal = "13 m/s"', 'speed_nominal = "0.1 m/s"'),  # friction below zero at speed
+        ('pressure_max = "3.2 bar"', 'pressure_max = "0.371 bar"'),  # the force of the spring plus 1 N
+        ('speed_nominal = "13 m/s"', 'speed_nominal = "0.1 m/s"'),  # negative friction at speed
     ],
 )
-def test_brakes_that_do_not_stop_a_train_end_in_a_sentence_and_are_shown(railgrip, mine, wanted, weak):
+def test_brakes_that_cannot_stop_a_train_are_reported_and_listed(railgrip, mine, wanted, weak):
     replace(mine, ('rolling_arm = "0.4 mm"', "rolling_arm = 0"), (wanted, weak), ("0.0018", "1e-9"))
     code, _, err = railgrip("train", "check", "mine.toml")
     assert code == 2
@@ -64,7 +64,7 @@ def test_brakes_that_do_not_stop_a_train_end_in_a_sentence_and_are_shown(railgri
     assert "full brake" in out
 
 
-def test_distributors_and_accelerators_are_shown_and_said(railgrip, mine):
+def test_distributors_and_accelerators_are_drawn_and_described(railgrip, mine):
     text = mine.read_text(encoding="utf-8")
     text = text.replace('kind = "electropneumatic"', 'kind = "brake_pipe"').replace(
         'delay = "0.4 s"                    # from the demand to the first pressure\ntime_constant = "0.5 s"',

@@ -1,4 +1,4 @@
-"""A train file says everything and whose it is; what it cannot mean is refused with file and key."""
+"""A train file states all data with their sources; impossible values are refused with file and key."""
 
 import re
 import tomllib
@@ -29,7 +29,7 @@ def test_quantities_are_read_in_their_units(tables):
     assert len(train.groups) == 8
 
 
-def test_every_table_says_whose_its_numbers_are(tables):
+def test_every_table_states_the_source_of_its_numbers(tables):
     del tables["brakes"]["disc"]["estimated"]
     assert "ours.toml: [brakes.disc] has numbers without an origin" in refused(tables)
     tables["brakes"]["disc"] |= {"source": "data sheet", "estimated": ["rigg"]}
@@ -61,20 +61,20 @@ def test_every_table_says_whose_its_numbers_are(tables):
         (lambda t: t["accelerators"]["quick"].update(conductance="1 cm2"), "[accelerators.quick] conductance is"),
     ],
 )  # fmt: skip
-def test_a_train_that_cannot_be_is_refused_with_its_key(piped, change, sentence):
+def test_an_impossible_train_is_refused_with_its_key(piped, change, sentence):
     change(piped)
     assert sentence in refused(piped)
 
 
 @pytest.mark.parametrize(("key", "name"), [("distributor", "R"), ("accelerator", "quick")])
-def test_equipment_of_a_brake_pipe_needs_one(piped, key, name):
+def test_equipment_of_a_brake_pipe_requires_one(piped, key, name):
     piped["cars"][1][key] = name
     assert train_of(piped, "ours.toml").cars[1].model_dump()[key] == name
     del piped["command"]
     assert f"[cars[2]] {key} needs a brake pipe: give [command] kind = 'brake_pipe'" in refused(piped)
 
 
-def test_coupled_axles_turn_as_one_and_valves_are_shared_as_the_bogie_says(tables):
+def test_coupled_axles_turn_as_one_and_the_bogie_decides_on_shared_valves(tables):
     tables["bogies"]["trailer"] |= {"coupled": True, "valve": "car", "units": [2, 1], "inertia": [90, 120]}
     tables["cars"][1]["bogies"][1]["reversed"] = True
     train = train_of(tables, "ours.toml")
@@ -84,7 +84,7 @@ def test_coupled_axles_turn_as_one_and_valves_are_shared_as_the_bogie_says(table
     assert train.axles[-1].inertia == 90
 
 
-def test_of_a_shared_bogie_each_car_has_half():
+def test_each_car_has_half_of_a_shared_bogie():
     train = load_train(Path("vt642"))
     assert [axle.car for axle in train.axles] == [0] * 3 + [1] * 3
     behind = [axle.position - train.axles[0].position for axle in train.axles]
@@ -93,7 +93,7 @@ def test_of_a_shared_bogie_each_car_has_half():
 
 
 @pytest.mark.parametrize("name", NAMED)
-def test_the_trains_of_this_project_say_whose_every_number_is(name):
+def test_the_trains_of_the_library_state_the_source_of_every_number(name):
     train = load_train(Path(name))
     assert train.name == name
     tables = [train.resistance, *train.pads.values(), *train.brakes.values(), *train.bogies.values(), *train.cars,
@@ -112,8 +112,8 @@ def quantities(table, path=()):
 
 @pytest.mark.parametrize("name", NAMED)
 @pytest.mark.parametrize("factor", [1e-9, 1e9], ids=["milli for mega", "mega for milli"])
-def test_a_prefix_that_is_wrong_by_two_steps_is_noticed_for_every_quantity(name, factor):
-    """As 2.4 mN/m for 2.4 MN/m; 0 has no prefix, and degC is not written with one."""
+def test_a_prefix_wrong_by_two_steps_is_noticed_for_every_quantity(name, factor):
+    """For example 2.4 mN/m instead of 2.4 MN/m; 0 has no prefix, and degC is not written with one."""
     file = shelf("trains")[name]
     before = {str(finding) for finding in findings(load_train(file))}
     unnoticed = []
@@ -149,12 +149,12 @@ def test_a_prefix_that_is_wrong_by_two_steps_is_noticed_for_every_quantity(name,
         ("wheel_radius", "0.46 mm", "expected is 0.1 to 1.3 m; wheels have diameters of 330 mm (UIC 510-2)"),
     ],
 )
-def test_a_value_that_no_train_has_is_refused_with_the_expected_range(tables, key, value, sentence):
+def test_an_impossible_value_is_refused_with_the_expected_range(tables, key, value, sentence):
     tables["bogies"]["trailer"][key] = value
     assert f"ours.toml: [bogies.trailer] {key} " in refused(tables)
     assert sentence in refused(tables)
 
 
-def test_no_damping_and_no_slack_are_values(tables):
+def test_zero_damping_and_zero_slack_are_valid(tables):
     tables["bogies"]["trailer"]["damping"] = 0
     assert train_of(tables, "ours.toml").bogies["trailer"].damping == 0

@@ -1,4 +1,4 @@
-"""True and false are not numbers: no key of any table accepts them in place of one."""
+"""True and false are not numbers: no key of any table accepts a boolean instead of a number."""
 
 import importlib
 import pkgutil
@@ -52,7 +52,7 @@ def fields():
 
 
 def numbers(value: Any):
-    """Yield all numbers of a value that are not true or false."""
+    """Yield all numbers of a value except booleans."""
     if isinstance(value, Magnitude) and not isinstance(value, Parameter):
         yield value.entry
     elif isinstance(value, int | float) and not isinstance(value, bool):
@@ -63,7 +63,7 @@ def numbers(value: Any):
         yield from (number for inner in value for number in numbers(inner))
 
 
-def test_no_key_of_any_table_reads_true_as_a_number():
+def test_no_key_of_any_table_accepts_true_as_a_number():
     accepted, asked = [], 0
     for name, annotation in fields():
         adapter = TypeAdapter(annotation)
@@ -75,7 +75,7 @@ def test_no_key_of_any_table_reads_true_as_a_number():
                 continue
             accepted += [(name, entry) for _ in numbers(value)]
     assert asked > 1000  # all tables were found
-    assert {name for name, _ in accepted} == {"CarTable.direction"}  # 1 or -1, where true is 1
+    assert {name for name, _ in accepted} == {"CarTable.direction"}  # 1 or -1, as true equals 1
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""The table [demand]: what it means in numbers, and what is refused."""
+"""The table [demand]: its meaning in numbers, and its refusals."""
 
 import sys
 import tomllib
@@ -30,7 +30,7 @@ def phases(demand, directory=LIBRARY):
     return phases_of(TWO_GROUPS, scenario_with(demand, directory).demand, FULL, "mine")
 
 
-def test_one_pressure_is_for_all_groups_and_full_is_that_of_each():
+def test_one_pressure_applies_to_all_groups_and_full_is_that_of_each():
     one, each, full = phases(
         {
             "phases": [
@@ -45,7 +45,7 @@ def test_one_pressure_is_for_all_groups_and_full_is_that_of_each():
     assert (*full["pressure"], full["until"]) == (*FULL, ENDS.AT_END)
 
 
-def test_a_profile_is_straight_lines_between_its_points(tmp_path):
+def test_a_profile_is_linear_between_its_points(tmp_path):
     (tmp_path / "brake.csv").write_text("time,pressure_1,pressure_2\n1,0,0\n3,1e5,2e5\n4,1e5,0\n")
     before, rise, fall, after = phases({"file": "brake.csv"}, tmp_path)
     assert (before["limit"], before["pressure"].tolist()) == (1.0, [0.0, 0.0])
@@ -53,14 +53,14 @@ def test_a_profile_is_straight_lines_between_its_points(tmp_path):
     assert rise["slope"].tolist() == [0.5e5, 1e5]
     assert fall["slope"].tolist() == [0.0, -2e5]
     assert (after["until"], after["pressure"].tolist()) == (ENDS.AT_END, [1e5, 0.0])
-    # All else is as in a phase that is written.
+    # Everything else is as in a phase given by keys.
     (written,) = phases({"phases": [{"pressure": 0}]})
     for name in ("force", "power", "rate"):
         assert set(phases({"file": "brake.csv"}, tmp_path)[name]) == {written[name]}
 
 
-def test_a_long_profile_takes_a_few_calls_a_row(tmp_path):
-    """Calls, not seconds, are counted: a million rows take some ten seconds at this, and no more than a row's each."""
+def test_a_long_profile_needs_few_calls_per_row(tmp_path):
+    """Calls are counted, not seconds: a million rows take some ten seconds with few calls per row."""
 
     def calls(rows):
         lines = "".join(f"{number},{1e5 * (number % 3)}\n" for number in range(rows))
@@ -80,9 +80,9 @@ def test_a_long_profile_takes_a_few_calls_a_row(tmp_path):
             sys.setprofile(None)
         return count
 
-    calls(3)  # loads what is loaded once
+    calls(3)  # import everything that is imported once
     short, long = calls(1000), calls(3000)
-    assert long - short < 10 * 2000  # reading a row of two cells takes five; a quadratic part would take thousands
+    assert long - short < 10 * 2000  # reading a row of two cells takes five; a quadratic algorithm would take thousands
 
 
 @pytest.mark.parametrize("name", ["service_steps", "stop_at_target"])
@@ -171,11 +171,11 @@ def test_a_profile_states_its_unit(header, pascals, tmp_path):
         (3.4, r"pressure is 3.4 Pa at most, at which no brake acts .* state the unit: '3 bar' in a scenario"),
     ],
 )
-def test_more_than_full_brake_and_other_formations_are_refused(pressure, words):
+def test_more_than_full_brake_or_another_formation_is_refused(pressure, words):
     with pytest.raises(ScenarioError, match=words):
         phases({"phases": [{"pressure": pressure}]})
 
 
-def test_the_ideal_bound_takes_no_demand():
+def test_the_ideal_bound_accepts_no_demand():
     with pytest.raises(ScenarioError, match=r"ideal_bound uses all adhesion .* leave out \[demand\]"):
         load(LIBRARY / "service_steps.toml", ["controller.kind=ideal_bound"])

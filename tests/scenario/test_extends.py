@@ -1,4 +1,4 @@
-"""A short scenario runs on defaults; one file extends another; equipment is laid over both."""
+"""A short scenario runs on defaults; one file extends another; equipment overrides both."""
 
 from pathlib import Path
 
@@ -34,8 +34,8 @@ def written(folder: Path, **files: str) -> Path:
     return folder / f"{next(iter(files))}.toml"
 
 
-def test_ten_lines_are_a_scenario_with_the_values_of_the_longer_ones(tmp_path):
-    """`plain` says all that the ten lines leave out, but for its horizon and estimator."""
+def test_ten_lines_equal_a_complete_scenario(tmp_path):
+    """`plain` contains all values that the ten lines leave out, apart from its horizon and estimator."""
     assert len(TEN_LINES.splitlines()) == 10
     path = written(tmp_path, ten=TEN_LINES)
     plain = load(shelf("scenarios")["plain"], ["estimator.kind=none", "controller.kind=slip_two_state"])
@@ -45,7 +45,7 @@ def test_ten_lines_are_a_scenario_with_the_values_of_the_longer_ones(tmp_path):
 
 
 def test_the_stop_of_ten_lines_reaches_standstill(tmp_path):
-    """Between a rail with all of its friction in use and one that gives half of it."""
+    """The distance is between that of a rail whose friction is fully used and that of a rail with half of it."""
     stop = rg.run(written(tmp_path, ten=TEN_LINES.replace("80 km/h", "20 km/h")))
     best = (20 / 3.6) ** 2 / (2 * 9.81 * 0.08)
     assert stop.outcome == "standstill"
@@ -68,7 +68,7 @@ def test_a_file_extends_a_scenario_of_the_library_by_the_rules_of_overrides(tmp_
     assert mine.digest() == by_overrides.digest()
 
 
-def test_a_chain_of_files_is_read_from_the_last_one_up(tmp_path):
+def test_a_chain_of_files_is_read_from_the_last_base_up(tmp_path):
     top = written(
         tmp_path,
         top='extends = "sub/middle.toml"\nseed = 3\n',
@@ -81,8 +81,8 @@ def test_a_chain_of_files_is_read_from_the_last_one_up(tmp_path):
     assert scenario.limits.stop_speed == 0.2
 
 
-def test_a_file_that_a_base_names_is_found_from_the_folder_of_the_base(tmp_path):
-    """Of two files of that name; results name it from the folder of the scenario, where it loads again."""
+def test_a_file_named_by_a_base_is_found_from_the_folder_of_the_base(tmp_path):
+    """There are two files of that name; results name it from the folder of the scenario, where it loads again."""
     rail = TEN_LINES.replace('kind = "constant"', 'kind = "table"').replace("mu0 = 0.08", 'file = "rail.csv"')
     top = written(tmp_path, top='extends = "sub/base.toml"\n', sub__base=rail)
     (tmp_path / "rail.csv").write_text("time,mu0\n0,0.2\n9,0.2\n")
@@ -136,7 +136,7 @@ def test_a_file_may_name_another_plant_than_its_base(tmp_path, vehicle):
                 "a.toml: [adhesion] has no 'mu0'",
             ],
         ),
-        (  # what the new kind took the place of does not count
+        (  # keys replaced by the new kind do not count
             {
                 "a": "extends = 'b.toml'\nadhesion.kind = 'constant'\nadhesion.polach = 'dry'",
                 "b": TEN_LINES.replace("constant", "random"),
@@ -146,7 +146,7 @@ def test_a_file_may_name_another_plant_than_its_base(tmp_path, vehicle):
     ],
     ids=str,
 )  # fmt: skip
-def test_a_sentence_names_the_file_that_holds_the_key(tmp_path, files, sentences):
+def test_the_message_names_the_file_that_contains_the_key(tmp_path, files, sentences):
     with pytest.raises(ScenarioError) as refusal:
         load(written(tmp_path, **files))
     for sentence in sentences:
@@ -154,13 +154,13 @@ def test_a_sentence_names_the_file_that_holds_the_key(tmp_path, files, sentences
 
 
 @pytest.mark.parametrize("equipment", shelf("equipment"))
-def test_equipment_is_laid_over_a_scenario_as_a_campaign_does(equipment, tmp_path):
+def test_equipment_changes_a_scenario_like_a_campaign_does(equipment, tmp_path):
     campaign = f'name = "c"\nscenarios = ["trapezoid"]\n[axes.equipment]\nx = "{equipment}"\n'
     (stop,) = load_campaign(written(tmp_path, c=campaign)).stops
     assert load(Path("trapezoid"), equipment=[equipment]) == stop.scenario
 
 
-def test_equipment_goes_under_overrides_and_over_what_a_file_extends(tmp_path):
+def test_equipment_is_below_overrides_and_above_the_extended_file(tmp_path):
     path = written(tmp_path, mine='extends = "trapezoid"\nsensors.kind = "ideal"\n')
     assert load(path, ["sensors.speed.noise=0.3 m/s"], ["service"]).sensors.speed.noise == 0.3
     text = shelf("equipment")["service"].read_text(encoding="utf-8").replace("pulses", "plses")
@@ -170,7 +170,7 @@ def test_equipment_goes_under_overrides_and_over_what_a_file_extends(tmp_path):
 
 
 @pytest.mark.parametrize("vehicle", ['train = "tram"', 'plant = "Wagon"'])
-def test_equipment_leaves_another_train_and_a_missing_estimator_as_they_are(tmp_path, vehicle):
+def test_equipment_does_not_change_another_train_or_add_an_estimator(tmp_path, vehicle):
     scenario = load(written(tmp_path, ten=TEN_LINES.replace('plant = "TwoPartTrain"', vehicle)), equipment=["service"])
     assert scenario.actuation.kind == "pneumatic"
     assert scenario.sensors.kind == "service"
@@ -194,13 +194,13 @@ def test_a_campaign_reads_what_its_scenarios_extend(tmp_path):
         load_campaign(path)
 
 
-def test_python_extends_too():
+def test_extends_works_in_python():
     tables = {"name": "mine", "extends": "trapezoid", "start": {"speed": "60 km/h"}}
     assert rg.Scenario.load(tables).start.speed == pytest.approx(60 / 3.6)
     assert read_toml(shelf("scenarios")["trapezoid"])["start"]["speed"] == "80 km/h"
 
 
-def test_another_plant_takes_the_place_of_a_train():
+def test_another_plant_replaces_a_train():
     scenario = rg.Scenario.load("plain", {"estimator.kind": "none"}).with_plant({"train": "tram"})
     assert "plant" not in scenario.resolved()["vehicle"]
     assert scenario.with_plant("Wagon").resolved()["vehicle"] == {"plant": "Wagon"} | {

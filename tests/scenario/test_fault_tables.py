@@ -1,4 +1,4 @@
-"""The tables [[faults]] and [truth]: what they mean, and what is refused."""
+"""The tables [[faults]] and [truth]: their meaning and their refusals."""
 
 import tomllib
 from typing import get_args
@@ -30,7 +30,7 @@ def scenario_with(*faults, equipment="service", **tables):
 
 
 def parts(scenario):
-    """What the faults of a scenario become, all but of the plant."""
+    """The effects of a scenario's faults, except those on the plant."""
     vehicle = VehicleData(scenario)
     valves = scenario.actuation.kind == "pneumatic"
     return faults_of(scenario, vehicle.layout, vehicle.nominal.formation.brakes, outputs=vehicle.outputs, valves=valves)
@@ -79,7 +79,7 @@ def test_a_wrong_fault_is_refused(fault, sentence):
         ("service", {"truth": {"laod": 1.0}}, "[truth] has no key 'laod'; did you mean 'load'?"),
     ],
 )  # fmt: skip
-def test_a_fault_that_does_not_fit_the_vehicle_is_refused(equipment, tables, sentence):
+def test_a_fault_that_does_not_match_the_vehicle_is_refused(equipment, tables, sentence):
     def assemble():
         scenario = scenario_with(equipment=equipment, **tables)
         parts(scenario)
@@ -140,8 +140,8 @@ def test_without_place_a_fault_is_everywhere_and_time_is_rounded_to_the_nearest_
     assert missing == {0: 0, 569: 0, 570: 4, 571: 0}
 
 
-def test_truth_is_what_the_vehicle_s_parameters_would_say():
-    """Factors on the data of the two-part train; the gradient acts on the mass that the train has."""
+def test_truth_equals_the_corresponding_vehicle_parameters():
+    """Factors on the data of the two-part train; the gradient acts on the true mass of the train."""
     truth = scenario_with(truth={"load": 0.85, "wheel_radius": [1.03, 1, 1, 0.97], "gradient": 0.02, "efficiency": 0.9})
     parameters = {"m_wheelset": [f"{m * 0.85} kg" for m in (13400, 14100, 14500, 14500, 14100, 13400)],
                   "r_wheel": ["0.3914 m", "0.38 m", "0.38 m", "0.3686 m"], "eta_rigging": 0.95 * 0.9}  # fmt: skip
@@ -152,7 +152,7 @@ def test_truth_is_what_the_vehicle_s_parameters_would_say():
     assert force == pytest.approx(same_force, rel=1e-12)
 
 
-def test_the_truth_changes_no_nominal_data():
+def test_the_truth_does_not_change_nominal_data():
     """Controller, driver and filter keep the nominal formation."""
     truth = {"load": 0.7, "wheel_radius": 1.05, "inertia": 1.2, "pad_friction": 0.8, "efficiency": 0.9}
     truth |= {"gradient": 0.01}
@@ -165,7 +165,7 @@ def test_the_truth_changes_no_nominal_data():
     }
 
 
-def test_factors_multiply_what_the_scenario_already_says():
+def test_factors_multiply_the_values_of_the_scenario():
     scenario = scenario_with(
         vehicle={"parameters": {"eta_rigging": 0.9}},
         truth={"efficiency": 0.5, "creep": {"k_A": 0.5}, "pad_friction": 2},
@@ -177,7 +177,7 @@ def test_factors_multiply_what_the_scenario_already_says():
     assert parameters["mu_b_start[2]"] == 0.7
 
 
-def test_isolated_units_are_parameters_of_the_plant_and_bound_the_ideal():
+def test_isolated_units_are_parameters_of_the_plant_and_limit_the_ideal_bound():
     some = scenario_with({"part": "brake", "kind": "isolated", "group": 1, "value": 2})
     assert plant_of(some)[0] == {"n_units[1]": 1.0}
     whole = scenario_with({"part": "brake", "kind": "isolated", "group": 2})

@@ -1,4 +1,4 @@
-"""The friction under each wheelset is what the scenario describes, at every time and place."""
+"""The friction under each wheelset is as the scenario describes, at every time and place."""
 
 import tomllib
 from pathlib import Path
@@ -23,16 +23,16 @@ PLAIN = ["adhesion.conditioning.fraction=0"]
 
 
 def profile(name, *overrides):
-    # The soap curve is not calibrated: friction is what the file says, whatever `make calibrate` has found.
+    # The soap curve is not calibrated: friction is that of the file, whatever the result of `make calibrate`.
     return profile_of(load(LIBRARY / f"{name}.toml", ["adhesion.polach=soap", *overrides]), TWO_PART_TRAIN)
 
 
 def friction_at(found, time, distance):
-    """Return the friction at each wheelset then."""
+    """Return the friction at each wheelset at that time."""
     return found.table(np.array([time]), np.array([distance]))[0]
 
 
-def test_calibration_scales_the_shape_it_is_for_and_no_other():
+def test_calibration_scales_only_its_own_profile():
     plain, scaled = (
         profile("trapezoid", *PLAIN, "adhesion.calibrated.leaf=1.25", f"adhesion.polach={shape}")
         for shape in ("soap", "leaf")
@@ -56,17 +56,17 @@ def test_a_sine_sweep_goes_from_its_first_to_its_last_frequency():
     assert mu0.min() == pytest.approx(0.07, abs=1e-6)
     assert mu0.max() == pytest.approx(0.13, abs=1e-6)
     slope = (mu0[1] - mu0[0]) / 1e-3
-    # derivative of −a sin(2π f t) at 0; 1e-3: the frequency has already grown over the first sample
+    # derivative of −a sin(2π f t) at 0; 1e-3: the frequency has already increased during the first sample
     assert slope == pytest.approx(-0.03 * 2 * np.pi * 0.05, rel=1e-3)
     late = time > 31
     crossings = np.flatnonzero(np.diff(np.sign(mu0[late] - 0.10)) > 0)
     assert np.diff(crossings) * 1e-3 == pytest.approx(1 / 0.4, abs=2e-3)  # two samples
-    # between, f(t) = f0 (f1/f0)^(t/T): cycles until T are its integral
+    # in between, f(t) = f0 (f1/f0)^(t/T): the number of cycles until T is its integral
     within = mu0[(time > 0) & (time < 30)] - 0.10
     assert np.count_nonzero(np.diff(np.sign(within))) == int(2 * 30 * 0.35 / np.log(8))
 
 
-def test_random_friction_has_the_mean_deviation_and_correlation_it_names():
+def test_random_friction_has_the_stated_mean_deviation_and_correlation():
     found = profile(
         "random", *PLAIN, "limits.horizon=4000 s", "periods.communication=50 ms", "periods.estimator=50 ms",
         "periods.controller=50 ms", "periods.trace=50 ms", "adhesion.minimum=0.001", "adhesion.maximum=0.9",
@@ -81,7 +81,7 @@ def test_random_friction_has_the_mean_deviation_and_correlation_it_names():
         assert autocorrelation == pytest.approx(expected, abs=0.06)
 
 
-def test_random_friction_is_the_seeds_and_stays_inside_its_limits():
+def test_random_friction_depends_on_the_seed_and_is_within_its_limits():
     time = np.arange(0, 90, 1e-3)
     one, same, other = (profile("random", f"seed={seed}").table(time, time) for seed in (1, 1, 2))
     assert np.array_equal(one, same)
@@ -90,7 +90,7 @@ def test_random_friction_is_the_seeds_and_stays_inside_its_limits():
     assert one.max() <= 0.15
 
 
-def test_a_longer_horizon_does_not_change_what_came_before():
+def test_a_longer_horizon_does_not_change_earlier_friction():
     time = np.arange(0, 20, 1e-3)
     short, long = (profile("random", f"limits.horizon={h} s").table(time, time) for h in (30, 60))
     assert np.array_equal(short, long)
@@ -99,24 +99,24 @@ def test_a_longer_horizon_does_not_change_what_came_before():
 ON_THE_RAIL = ["adhesion.over=distance", "adhesion.correlation=10 m", *PLAIN]
 
 
-def test_on_the_rail_every_wheelset_meets_the_same_spot_later():
+def test_every_wheelset_passes_the_same_place_of_the_rail_later():
     found = profile("random", *ON_THE_RAIL)
     offsets = [0, 1.9, 15.625, 18.275, 32, 33.9]
     spot = 60.0
-    met = [friction_at(found, 0.0, spot + offset)[wheelset] for wheelset, offset in enumerate(offsets)]
-    # Offsets are whole numbers of the 5 mm grid, so that no interpolation stands between.
-    assert met == pytest.approx([met[0]] * 6, abs=1e-12)
+    frictions = [friction_at(found, 0.0, spot + offset)[wheelset] for wheelset, offset in enumerate(offsets)]
+    # Offsets are whole numbers of the 5 mm grid, so that no interpolation is involved.
+    assert frictions == pytest.approx([frictions[0]] * 6, abs=1e-12)
     assert len(set(np.round(friction_at(found, 0.0, spot), 6))) == 6
 
 
-def test_the_rail_behind_the_start_is_there_too():
+def test_the_rail_extends_behind_the_start():
     found = profile("random", *ON_THE_RAIL)
     assert np.all(friction_at(found, 0.0, 0.0) > 0)
     assert friction_at(found, 0.0, 33.9)[5] == pytest.approx(friction_at(found, 0.0, 0.0)[0])
 
 
 @pytest.mark.parametrize("by", ["group", "wheelset"])
-def test_conditioning_raises_minima_from_front_to_rear_and_leaves_maxima(by):
+def test_conditioning_raises_minima_from_front_to_rear_and_keeps_maxima(by):
     found = profile("trapezoid", f"adhesion.conditioning.by={by}", "adhesion.conditioning.fraction=0.1")
     low, high = friction_at(found, 7.0, 0.0), friction_at(found, 2.0, 0.0)
     ahead = np.array([0, 0, 1, 2, 3, 3] if by == "group" else range(6))
@@ -141,7 +141,7 @@ def test_a_level_beyond_all_friction_is_refused():
     times=st.lists(st.floats(0, 200), min_size=1, max_size=20),
 )
 @settings(max_examples=30)
-def test_one_look_up_and_many_are_the_same(name, times):
+def test_single_and_vectorised_look_ups_agree(name, times):
     found = profile(name, "limits.horizon=30 s")
     times = np.array(times)
     many = found.table(times, 20 * times)
@@ -149,7 +149,7 @@ def test_one_look_up_and_many_are_the_same(name, times):
     assert np.all((many > 0) & (many <= 1))
 
 
-def test_the_table_of_the_loop_cannot_be_written_to():
+def test_the_table_of_the_loop_is_read_only():
     with pytest.raises(ValueError, match="read-only"):
         profile("trapezoid").mu0_at[0, 0] = 1
 
@@ -165,7 +165,7 @@ def tabled(tmp_path, content, *overrides):
     return load(path, overrides)
 
 
-def test_a_users_curve_may_lie_on_the_rail_and_differ_for_each_wheelset(tmp_path):
+def test_a_users_curve_may_be_over_distance_and_differ_for_each_wheelset(tmp_path):
     header = ",".join(f"mu0_{j}" for j in range(1, 7))
     rows = "distance," + header + "\n0,.1,.1,.1,.1,.1,.1\n100,.2,.3,.4,.5,.6,.7\n"
     found = profile_of(tabled(tmp_path, rows), TWO_PART_TRAIN)
@@ -188,7 +188,7 @@ def test_a_users_curve_may_lie_on_the_rail_and_differ_for_each_wheelset(tmp_path
         ("time,mu0\n0,0.1\n\n1,0\n", "line 4: mu0 must be above 0"),
     ],
 )
-def test_a_table_that_is_wrong_is_refused_with_its_line(tmp_path, content, sentence):
+def test_a_wrong_table_is_refused_with_its_line(tmp_path, content, sentence):
     with pytest.raises(ScenarioError) as refusal:
         tabled(tmp_path, content)
     assert f"mine.toml: [adhesion] file rail.csv: {sentence}" in str(refusal.value)
@@ -220,7 +220,7 @@ def test_columns_may_state_their_units(tmp_path, header, factor, percent):
         ),
     ],
 )
-def test_a_unit_that_does_not_fit_is_refused(tmp_path, content, sentence):
+def test_a_unit_of_another_quantity_is_refused(tmp_path, content, sentence):
     with pytest.raises(ScenarioError) as refusal:
         tabled(tmp_path, content)
     assert sentence in str(refusal.value)
@@ -229,7 +229,7 @@ def test_a_unit_that_does_not_fit_is_refused(tmp_path, content, sentence):
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [
-        # From 80 km/h on friction of 0.1 the way is v²/(2 mu g), 252 m, and the time v/(mu g), 22.7 s.
+        # From 80 km/h with friction of 0.1 the distance is v²/(2 mu g), 252 m, and the time v/(mu g), 22.7 s.
         ("distance,mu0\n0,.1\n0.3,.05\n", "ends at 0.3 m, but the stop takes 252 m or more; if the column has another"),
         ("distance,mu0\n0,.1\n3e5,.05\n", "has its second point at 300000 m, but the stop ends before"),
         ("time,mu0\n0,.1\n0.5,.05\n", "ends at 0.5 s, but the stop takes 22.7 s or more"),
@@ -266,19 +266,20 @@ def pointed(tmp_path, *lines):
 
 
 @pytest.mark.parametrize("written", ["points", "table"])
-def test_points_of_a_scenario_or_a_table_are_joined_by_straight_lines(tmp_path, written):
+def test_points_of_a_scenario_or_a_table_are_interpolated_linearly(tmp_path, written):
     if written == "points":
-        made = pointed(tmp_path, 'kind = "points"', 'over = "time"', "points = [['1 s', 0.2], ['3 s', 0.1]]")
+        profile = pointed(tmp_path, 'kind = "points"', 'over = "time"', "points = [['1 s', 0.2], ['3 s', 0.1]]")
     else:
-        made = tabled(tmp_path, "time,mu0\n1,0.20\n3,0.10\n")
-    friction = profile_of(made, TWO_PART_TRAIN).table(np.array([0.0, 1.0, 2.0, 3.0, 9.0]), np.zeros(5))
+        profile = tabled(tmp_path, "time,mu0\n1,0.20\n3,0.10\n")
+    friction = profile_of(profile, TWO_PART_TRAIN).table(np.array([0.0, 1.0, 2.0, 3.0, 9.0]), np.zeros(5))
     assert friction == pytest.approx(np.array([0.2, 0.2, 0.15, 0.1, 0.1])[:, None].repeat(6, axis=1))
 
 
-def test_points_scatter_as_stated_and_are_cut_off_at_three_deviations(tmp_path):
+def test_points_scatter_as_stated_up_to_three_deviations(tmp_path):
     lines = ('kind = "points"', 'over = "time"', "points = [['0 s', 0.1]]", "scatter = 0.05", 'correlation = "0.05 s"')
     mu0 = profile_of(pointed(tmp_path, *lines), TWO_PART_TRAIN).mu0_at[:, 0]
-    # 90 s of 0.05 s: 900 independent draws tell a deviation to 2.5 %, a mean of it to 1/30.
+    # 90 s with a correlation time of 0.05 s: 900 independent draws determine a deviation to 2.5 %, their mean to 1/30
+    # of it.
     assert mu0.mean() == pytest.approx(0.1, abs=4 * 0.005 * np.sqrt(2 / 1800))
     assert mu0.std() == pytest.approx(0.005, rel=0.1)
     assert np.abs(mu0 / 0.1 - 1).max() <= 0.15 + 1e-12
@@ -287,12 +288,12 @@ def test_points_scatter_as_stated_and_are_cut_off_at_three_deviations(tmp_path):
     assert steps.var() == pytest.approx(2 * 0.005**2 * (1 - np.exp(-1e-3 / 0.05)), rel=0.05)
 
 
-def test_scatter_wants_a_correlation(tmp_path):
+def test_scatter_requires_a_correlation(tmp_path):
     with pytest.raises(ScenarioError, match="has scatter and no correlation"):
         pointed(tmp_path, 'kind = "points"', 'over = "time"', "points = [['0 s', 0.1]]", "scatter = 0.05")
 
 
-def test_each_wheelset_meets_a_patch_of_the_rail_when_it_gets_there(tmp_path):
+def test_each_wheelset_reaches_a_patch_of_the_rail_later(tmp_path):
     made = pointed(
         tmp_path, 'kind = "constant"', "mu0 = 0.28",
         "patch = [{ begin = '100 m', length = '10 m', mu0 = [0.1, 0.1, 0.2, 0.2, 0.2, 0.2], edge = '1 m' }]",
@@ -301,30 +302,30 @@ def test_each_wheelset_meets_a_patch_of_the_rail_when_it_gets_there(tmp_path):
     for wheelset, low in enumerate([0.1, 0.1, 0.2, 0.2, 0.2, 0.2]):
         places = offsets[wheelset] + np.array([99.9, 100.5, 101.0, 105.0, 109.5, 110.1, 5000.0])
         found = profile.table(np.zeros(7), places)[:, wheelset]
-        # The table's grid is 5 mm, of an edge of 1 m that is 1e-3 of 0.18.
+        # The table's grid is 5 mm; over an edge of 1 m that is 1e-3 of 0.18.
         assert found == pytest.approx([0.28, (0.28 + low) / 2, low, low, (0.28 + low) / 2, 0.28, 0.28], abs=1e-3)
 
 
-def test_a_patch_lies_on_any_rail_that_runs_over_the_distance(tmp_path):
-    """Leaves of 8 m on a ramp, with steps at both ends; the later one covers the earlier."""
+def test_a_patch_may_be_on_any_rail_over_distance(tmp_path):
+    """Leaves of 8 m on a ramp, with steps at both ends; the later patch covers the earlier."""
     patches = "[{ begin = '20 m', length = '8 m', mu0 = 0.03 }, { begin = '27 m', length = '5 m', mu0 = 0.15 }]"
     ramp = ("kind = 'points'", "over = 'distance'", "points = [['0 m', 0.1], ['100 m', 0.2]]")
-    made = pointed(tmp_path, *ramp, f"patch = {patches}")
+    profile = pointed(tmp_path, *ramp, f"patch = {patches}")
     places = np.array([19.9, 20.1, 26.9, 27.1, 31.9, 32.1])
-    found = profile_of(made, TWO_PART_TRAIN).table(np.zeros(6), places)[:, 0]
+    found = profile_of(profile, TWO_PART_TRAIN).table(np.zeros(6), places)[:, 0]
     assert found == pytest.approx([0.1199, 0.03, 0.03, 0.15, 0.15, 0.1321], abs=1e-5)
 
 
-def test_a_patch_has_no_place_in_a_profile_over_time(tmp_path):
+def test_a_profile_over_time_accepts_no_patch(tmp_path):
     patch = "patch = [{ begin = '20 m', length = '8 m', mu0 = 0.03 }]"
-    made = pointed(tmp_path, "kind = 'points'", "over = 'time'", "points = [['0 s', 0.1]]", patch)
+    profile = pointed(tmp_path, "kind = 'points'", "over = 'time'", "points = [['0 s', 0.1]]", patch)
     with pytest.raises(
         ScenarioError, match=r"\[adhesion\.patch\] has a place on the rail, but the profile is over time"
     ):
-        profile_of(made, TWO_PART_TRAIN)
+        profile_of(profile, TWO_PART_TRAIN)
 
 
-def test_a_purpose_has_its_own_random_numbers_and_always_the_same():
+def test_each_purpose_has_separate_reproducible_random_numbers():
     draws = {purpose: generator(7, purpose).standard_normal(4) for purpose in ("adhesion", "sensors.wheel")}
     assert np.array_equal(draws["adhesion"], generator(7, "adhesion").standard_normal(4))
     assert not np.array_equal(draws["adhesion"], draws["sensors.wheel"])
@@ -333,7 +334,7 @@ def test_a_purpose_has_its_own_random_numbers_and_always_the_same():
 
 @pytest.mark.parametrize("persistence", [0.3, 0.95, 0.9999])
 def test_markov_noise_is_the_filter_of_scipy_and_keeps_unit_variance(persistence):
-    """Its impulse responses ρ^k and √(1 − ρ²) ρ^k sum up in squares to 1 at every sample."""
+    """The squares of its impulse responses ρ^k and √(1 − ρ²) ρ^k sum up to 1 at every sample."""
     white = np.random.default_rng(1).standard_normal(500)
     fresh = np.append(white[0], np.sqrt(1 - persistence**2) * white[1:])
     assert np.array_equal(markov(white, persistence), lfilter([1.0], [1.0, -persistence], fresh))

@@ -1,4 +1,4 @@
-"""Where a stop ends that the scenario sets no end."""
+"""The default horizon of a stop."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ PLAIN = LIBRARY / "plain.toml"
 @pytest.mark.parametrize("speed", ["40 km/h", "160 km/h"])
 @pytest.mark.parametrize("curve", ["dry", "soap", "poor_wheelset_study"])
 @pytest.mark.parametrize("mu0", [0.03, 0.08])
-def test_locked_wheels_come_to_stand_within_it(speed, curve, mu0):
+def test_locked_wheels_come_to_standstill_within_it(speed, curve, mu0):
     changes = [f"start.speed={speed}", f"adhesion.polach={curve}", f"adhesion.mu0={mu0}", "controller.kind=full_brake"]
     step = ["periods.communication=10 ms", "estimator.kind=none"]
     stop = run_stop(load(PLAIN, [*changes, *step]))
@@ -46,10 +46,10 @@ def test_it_follows_from_speed_friction_and_gradient_unless_it_is_given(changes,
 
 @pytest.mark.parametrize(
     "path",
-    sorted(path for path in LIBRARY.glob("*.toml") if path.stem != "foreign_train"),  # whose FMU has to be built first
+    sorted(path for path in LIBRARY.glob("*.toml") if path.stem != "foreign_train"),  # its FMU is not built
     ids=lambda path: path.stem,
 )
-def test_no_friction_of_a_scenario_is_below_its_lowest(path):
+def test_no_friction_of_a_scenario_is_below_its_minimum(path):
     scenario = load(path)
     formation = VehicleData(scenario).formation
     times = np.arange(0.0, 100.0, 0.01)

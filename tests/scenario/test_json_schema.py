@@ -20,24 +20,24 @@ def problems(kind, table):
 
 
 @pytest.mark.parametrize("kind", SCHEMAS)
-def test_each_is_a_schema_of_draft_7(kind):
+def test_each_is_a_valid_draft_7_schema(kind):
     assert SCHEMAS[kind]["$schema"] == "http://json-schema.org/draft-07/schema#"
     jsonschema.Draft7Validator.check_schema(SCHEMAS[kind])
 
 
 @pytest.mark.parametrize(("kind", "name"), FILES, ids=" ".join)
-def test_every_file_of_the_library_keeps_to_its_schema(kind, name):
+def test_every_file_of_the_library_is_valid_against_its_schema(kind, name):
     assert problems(KINDS[kind], tomllib.loads(shelf(kind)[name].read_text(encoding="utf-8"))) == []
 
 
 @pytest.mark.parametrize("name", shelf("equipment"))
-def test_equipment_is_what_a_scenario_changes_of_another(name):
+def test_equipment_contains_only_changes_of_a_scenario(name):
     table = tomllib.loads(shelf("equipment")[name].read_text(encoding="utf-8"))
     assert problems("scenario", {"extends": "trapezoid", **table}) == []
 
 
 def changed(table, key, value):
-    """Return a table with another value at a key with dots, or without it where the value is None."""
+    """Return a table with another value at a dotted key, or without the key if the value is None."""
     first, _, rest = key.partition(".")
     if rest:
         return table | {first: changed(table.get(first, {}), rest, value)}
@@ -110,7 +110,7 @@ def test_a_broken_file_is_refused(kind, key, value):
     ],
     ids=str,
 )
-def test_a_file_that_extends_another_says_only_what_differs(table, good):
+def test_a_file_that_extends_another_contains_only_differences(table, good):
     assert (problems("scenario", table) == []) is good
 
 
@@ -126,7 +126,7 @@ def test_a_file_that_extends_another_says_only_what_differs(table, good):
     ],
     ids=str,
 )
-def test_an_estimation_that_extends_another_says_only_what_differs(table, good):
+def test_an_estimation_that_extends_another_contains_only_differences(table, good):
     assert (problems("estimation", table) == []) is good
 
 
@@ -137,9 +137,7 @@ def descriptions(schema):
         for key, field in table.get("properties", {}).items():
             refs = [field.get("$ref", ""), *(one.get("$ref", "") for one in field.get("allOf", ()))]
             below = [defined.get(ref.removeprefix("#/$defs/"), {}).get("description", "") for ref in refs]
-            own = (
-                table.get("description", "") if key in ("kind", "part") else ""
-            )  # the table is the meaning of its kind
+            own = table.get("description", "") if key in ("kind", "part") else ""  # the table describes its kind
             yield f"{name}.{key}", field.get("description") or next(filter(None, below), own)
 
 

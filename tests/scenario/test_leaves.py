@@ -1,4 +1,4 @@
-"""Patches of leaves are where a Poisson process says, on the same rail for every wheelset and every horizon."""
+"""Patches of leaves are positioned by a Poisson process, on the same rail for every wheelset and every horizon."""
 
 from pathlib import Path
 
@@ -28,11 +28,11 @@ def rail(seed=1, horizon=100.0, **leaves):
 
 
 ONE_WHEELSET = Formation((1,), (1,), (0.0,))
-STEP = 5e-3  # m, of the grid on which profiles over distance are tabulated
+STEP = 5e-3  # m, step of the grid on which profiles over distance are tabulated
 
 
 def patches_of(scenario):
-    """Return begins, lengths [m] and frictions of the patches of a rail; those that overlap are one."""
+    """Return starts, lengths [m] and frictions of the patches of a rail; overlapping patches are merged."""
     found = profile_of(scenario, ONE_WHEELSET)
     mu0 = found.mu0_at[:, 0]
     edges = np.flatnonzero(np.diff(mu0 < 0.2, prepend=False, append=False))
@@ -40,7 +40,7 @@ def patches_of(scenario):
     return begins, ends - begins, mu0[edges[::2]]
 
 
-def test_begins_are_a_poisson_process_of_the_given_count():
+def test_starts_are_a_poisson_process_of_the_given_count():
     """Patches of a few steps of the grid do not overlap: a hundred rails of 10 km, 10 patches/km."""
     counts, gaps = [], []
     for seed in range(100):
@@ -51,12 +51,12 @@ def test_begins_are_a_poisson_process_of_the_given_count():
     # 1000 such counts scatters by 5 %.
     assert np.mean(counts) == pytest.approx(10.0, abs=0.4)
     assert np.var(counts) == pytest.approx(10.0, rel=0.2)
-    # Gaps are exponential of mean 100 m. Of 10,000 patches two join, which the test does not notice.
+    # Gaps are exponential with mean 100 m. Two of 10,000 patches merge, which is negligible.
     assert stats.kstest(gaps, stats.expon(scale=100.0).cdf).pvalue > 1e-3
 
 
 def test_lengths_and_frictions_are_uniform_within_their_limits():
-    """Few patches, so that hardly any overlap: 2 in a kilometre, a joint one is longer than the maximum."""
+    """Patches are few, 2 per kilometre, so that hardly any overlap; a merged one is longer than the maximum."""
     lengths, frictions = [], []
     for seed in range(100):
         begins, each, mu0 = patches_of(rail(seed=seed, count="2 1/km"))
@@ -70,7 +70,7 @@ def test_lengths_and_frictions_are_uniform_within_their_limits():
 
 
 def test_the_covered_share_of_a_rail_is_that_of_overlapping_patches():
-    """A place is free if no patch began within its length before: e^(−count × mean length) (Hall, 1988, chapter 2)."""
+    """A place is free if no patch starts within its length before: e^(−count × mean length) (Hall, 1988, chapter 2)."""
     shares = [
         np.mean(profile_of(rail(seed=seed, count="100 1/km", horizon=20.0), ONE_WHEELSET).mu0_at == 0.2)
         for seed in range(40)
@@ -79,8 +79,8 @@ def test_the_covered_share_of_a_rail_is_that_of_overlapping_patches():
     assert np.mean(shares) == pytest.approx(np.exp(-1.0), abs=0.025)
 
 
-def test_of_patches_that_overlap_the_later_covers_the_earlier():
-    """Of patches of one length the last of a heap is covered by none: the friction before its end holds for 10 m."""
+def test_the_later_of_overlapping_patches_covers_the_earlier():
+    """With patches of equal length none covers the last of a group: the friction before its end holds for 10 m."""
     mu0 = profile_of(
         rail(seed=3, count="200 1/km", horizon=20.0, shortest="10 m", longest="10 m"), ONE_WHEELSET
     ).mu0_at[:, 0]
@@ -92,10 +92,10 @@ def test_of_patches_that_overlap_the_later_covers_the_earlier():
     assert last == pytest.approx(10.0, abs=2 * STEP)
 
 
-def test_every_wheelset_meets_the_same_rail_and_a_longer_horizon_moves_no_patch():
+def test_every_wheelset_passes_the_same_rail_and_a_longer_horizon_moves_no_patch():
     scenario = rail(seed=5)
     found = profile_of(scenario, TWO_PART_TRAIN)
-    # Both grids have 5 mm: the place of a wheelset is at most half a step beside a point of that of the first.
+    # Both grids have 5 mm: the position of a wheelset is within half a step of a point of the first one's grid.
     steps = np.round(TWO_PART_TRAIN.position / found.step).astype(int)
     for wheelset, step in enumerate(steps):
         moved = found.mu0_at[step:, wheelset]
@@ -106,7 +106,7 @@ def test_every_wheelset_meets_the_same_rail_and_a_longer_horizon_moves_no_patch(
     assert (profile_of(rail(seed=6), TWO_PART_TRAIN).mu0_at != found.mu0_at).any()
 
 
-def test_patches_have_edges_and_a_creep_curve_of_their_own():
+def test_patches_have_edges_and_a_separate_creep_curve():
     scenario = rail(edge="1 m", polach_of_patches="leaf", count="2 1/km")
     found = profile_of(scenario, TWO_PART_TRAIN)
     inside = found.mu0_at < 0.114  # past the middle of an edge, which is at 0.115 to 0.125
@@ -114,7 +114,7 @@ def test_patches_have_edges_and_a_creep_curve_of_their_own():
     assert (found.curve_at == 1)[inside].all()
     assert (found.curve_at == 0)[found.mu0_at == 0.2].all()
     steepest = np.abs(np.diff(found.mu0_at[:, 0])).max()
-    assert steepest == pytest.approx(0.17 * found.step, rel=0.02)  # from 0.2 to 0.03 over 1 m, at the most
+    assert steepest == pytest.approx(0.17 * found.step, rel=0.02)  # from 0.2 to 0.03 over 1 m, the maximum
     assert creep_curves_of(scenario.resolved()) == "wet, leaf"
 
 
@@ -128,6 +128,6 @@ def test_patches_have_edges_and_a_creep_curve_of_their_own():
         ({"shortest": 0, "longest": 0}, "longest must be above 0 m"),
     ],
 )
-def test_what_is_no_rail_of_leaves_is_refused(wrong, sentence):
+def test_an_invalid_rail_of_leaves_is_refused(wrong, sentence):
     with pytest.raises(ScenarioError, match=sentence):
         rail(**wrong)

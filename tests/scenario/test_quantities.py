@@ -1,4 +1,4 @@
-"""Quantities keep their size through units, and overrides say what they mean in any order."""
+"""Quantities are preserved through unit conversions, and overrides have the same effect in any order."""
 
 import pytest
 from hypothesis import given
@@ -17,14 +17,14 @@ def test_a_quantity_is_its_number_times_its_unit(value):
     assert to_si(f"{value!r} degC", "K") == pytest.approx(value + 273.15, rel=1e-12)
 
 
-def test_an_unknown_parameter_is_answered_with_each_array_once():
+def test_an_unknown_parameter_is_answered_with_a_list_that_has_each_array_once():
     names = {f"J[{i}]": "kg.m2" for i in range(1, 65)} | {"m": "kg"}
     with pytest.raises(ScenarioError, match=r"^\[vehicle\.parameters\] has no parameter 'friction'; there is J, m\.$"):
         in_units("[vehicle.parameters]", {"friction": Magnitude(0.3)}, names)
 
 
 @given(text=st.text(max_size=30))
-def test_any_text_is_a_quantity_or_a_sentence(text):
+def test_any_text_is_read_as_a_quantity_or_refused(text):
     sentence = "is "
     try:
         assert isinstance(to_si(text, "m/s"), float)
@@ -34,13 +34,13 @@ def test_any_text_is_a_quantity_or_a_sentence(text):
 
 
 @pytest.mark.parametrize(("unit", "written"), [("kg.m2", "2 kg*m**2"), ("N.m", "2 N*m"), ("m/s2", "2 m/s**2")])
-def test_a_magnitude_is_checked_against_units_as_fmi_spells_them(unit, written):
+def test_a_magnitude_is_checked_against_units_in_fmi_spelling(unit, written):
     assert Magnitude(written).si(unit) == 2.0
     with pytest.raises(ValueError, match="cannot be converted"):
         Magnitude(written).si("Pa")
 
 
-def test_a_bare_magnitude_is_in_whatever_unit_is_wanted():
+def test_a_bare_magnitude_is_in_the_expected_unit():
     assert Magnitude(3.5).si("kg.m2") == 3.5
     assert Parameter(True).si(BOOLEAN) is True
     assert Parameter(0).si(BOOLEAN) is False
@@ -54,7 +54,7 @@ keys = st.text(alphabet="abcdefgh_", min_size=1, max_size=8)
 
 
 @given(key=st.lists(keys, min_size=1, max_size=4), value=scalars)
-def test_an_override_puts_one_value_at_one_place(key, value):
+def test_an_override_sets_one_value(key, value):
     written = str(value).lower() if isinstance(value, bool) else repr(value)
     tree = read_overrides([f"{'.'.join(key)}={written}"])
     for step in key:
@@ -65,7 +65,7 @@ def test_an_override_puts_one_value_at_one_place(key, value):
 
 
 @given(text=st.text(alphabet=st.characters(blacklist_categories=["Cc", "Cs"]), min_size=1).filter(str.strip))
-def test_a_value_that_is_not_toml_is_a_text(text):
+def test_a_value_that_is_not_toml_is_a_string(text):
     try:
         value = read_overrides([f"a={text}"])["a"]
     except ScenarioError:
@@ -77,7 +77,7 @@ tables = st.recursive(scalars, lambda inner: st.dictionaries(keys, inner, max_si
 
 
 @given(base=st.dictionaries(keys, tables, max_size=4), change=st.dictionaries(keys, tables, max_size=4))
-def test_a_change_laid_over_tables_twice_is_laid_over_once(base, change):
+def test_applying_a_change_twice_equals_applying_it_once(base, change):
     once = merge(base, change)
     assert merge(once, change) == once
     assert {key: once[key] for key in base if key not in change} == {k: v for k, v in base.items() if k not in change}
@@ -105,7 +105,7 @@ FILTER = {"estimator": {"kind": "fmu", "model": "TrainPrediction", "noise": "ide
             {"adhesion": {"low": 2}},
             {"adhesion": {"kind": "sine", "ramp": 1, "low": 2}},
         ),
-        # Another way to compute the same filter.
+        # another implementation of the same filter
         *(
             (FILTER, {"estimator": {"kind": kind}}, {"estimator": FILTER["estimator"] | {"kind": kind}})
             for kind in ("compiled", "python", "fmu")
@@ -113,7 +113,7 @@ FILTER = {"estimator": {"kind": "fmu", "model": "TrainPrediction", "noise": "ide
         ({"model": {"class": "W"}}, {"model": {"kind": "compiled"}}, {"model": {"class": "W", "kind": "compiled"}}),
     ],
 )
-def test_another_kind_starts_its_table_anew_and_the_same_kind_keeps_its_keys(base, change, expected):
+def test_another_kind_clears_its_table_and_the_same_kind_keeps_its_keys(base, change, expected):
     assert merge(base, change) == expected
 
 
@@ -123,8 +123,8 @@ tree_keys = st.text(min_size=1, max_size=8).filter(lambda key: not ('"' in key a
 @given(
     key=st.lists(tree_keys, min_size=1, max_size=4), value=st.one_of(scalars, st.dates(), st.just(None), st.tuples())
 )
-def test_a_value_by_key_stays_what_it_is(key, value):
-    """Any text is a key: in quotes, of which it holds the other sort at most."""
+def test_a_value_set_by_key_is_unchanged(key, value):
+    """Any text can be a key if quoted: it may contain the other kind of quotation mark."""
     quoted = [f"'{part}'" if '"' in part else f'"{part}"' for part in key]
     assert parts_of(" . ".join(quoted)) == tuple(key)
     tree = nest({".".join(quoted): value})
@@ -136,16 +136,16 @@ def test_a_value_by_key_stays_what_it_is(key, value):
 @pytest.mark.parametrize(
     "key", ["", ".", "a.", ".a", "a..b", "a b", "r_wheel[2]", '"a', "a=1", "a\nb", 3, None, b"a", "a." * 900 + "a"]
 )
-def test_a_key_of_no_table_is_refused(key):
+def test_a_key_without_a_table_is_refused(key):
     with pytest.raises(ScenarioError, match=r"is not a key such as|parts; tables are nested"):
         nest({key: 1})
 
 
-def test_a_text_of_several_lines_is_no_second_key():
+def test_a_multiline_text_cannot_add_a_key():
     assert read_overrides(["a=1\nb = 2"]) == {"a": "1\nb = 2"}
 
 
-def test_a_list_that_holds_itself_is_refused():
+def test_a_list_that_contains_itself_is_refused():
     endless = []
     endless.append(endless)
     with pytest.raises(ScenarioError, match="nested deeper than"):

@@ -1,4 +1,4 @@
-"""Whatever a file holds, it is read or refused in a short sentence, and nothing of it leaves the folder it is for."""
+"""Any file is read or refused in a short sentence, and none of its names leads out of the intended folder."""
 
 import json
 from pathlib import Path
@@ -26,13 +26,13 @@ def refusal(read, *arguments):
     return sentence
 
 
-def test_a_byte_order_mark_is_no_part_of_a_file(tmp_path):
+def test_a_byte_order_mark_is_ignored(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(TEXT, encoding="utf-8-sig")
     assert load(path) == load(TRAPEZOID)
 
 
-def test_the_content_of_a_file_that_is_no_table_is_not_printed(tmp_path, monkeypatch):
+def test_the_content_of_a_file_that_is_not_toml_is_not_printed(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "secret.txt").write_text("password hunter2\nsecret,2\n", encoding="utf-8")
     path = tmp_path / "mine.toml"
@@ -59,7 +59,7 @@ def test_a_file_of_another_kind_is_refused_with_its_command(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["..", ".", "../../up", "-flag", "a" * 5000, ".hidden"])
-def test_no_name_leaves_the_folder_of_a_campaign(tmp_path, name):
+def test_no_name_leads_out_of_the_folder_of_a_campaign(tmp_path, name):
     (tmp_path / "mine.toml").write_text(TEXT.replace('"trapezoid"', json.dumps(name), 1), encoding="utf-8")
     campaign = tmp_path / "campaign.toml"
     campaign.write_text('name = "c"\nscenarios = ["mine.toml"]\n', encoding="utf-8")
@@ -95,7 +95,7 @@ def test_a_hostile_file_is_refused(tmp_path, content, sentence):
 
 
 @pytest.mark.parametrize("path", ["x" * 5000, "d/" * 2500 + "x.toml", "a\0b"])
-def test_a_path_that_no_system_takes_names_no_file(path):
+def test_an_impossible_path_is_reported_as_a_missing_file(path):
     refusal(load, Path(path))
     table = json.dumps(f"{path}.csv")
     refusal(load, TRAPEZOID, [f"adhesion={{kind='table', polach='dry', file={table}}}"])
@@ -134,7 +134,7 @@ def test_frequencies_are_in_hertz_or_per_second():
     assert sweeps[0].adhesion.frequencies == sweeps[1].adhesion.frequencies == (0.05, 0.4)
 
 
-def test_a_system_by_ssp_is_answered_with_what_to_do(tmp_path):
+def test_an_ssp_system_is_refused_with_advice(tmp_path):
     sentence = refusal(load, TRAPEZOID, ["vehicle.plant=system.ssp"])
     assert "railgrip exports and does not import" in sentence
     assert "extract the .fmu" in sentence

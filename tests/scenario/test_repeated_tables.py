@@ -1,4 +1,4 @@
-"""A table that may be repeated and is written once in single brackets is answered with the double ones."""
+"""A repeatable table written once in single brackets is refused with a hint at double brackets."""
 
 import pytest
 from synthetic import LIBRARY
@@ -11,14 +11,14 @@ CAMPAIGN = 'name = "mine"\nscenarios = ["plain"]\n[axes.control]\nnone = { "cont
 
 
 @pytest.mark.parametrize("table", ["exclude", "reference", "expected"])
-def test_a_campaign_names_the_brackets(table, tmp_path):
+def test_a_campaign_gives_the_hint(table, tmp_path):
     (tmp_path / "mine.toml").write_text(f'{CAMPAIGN}[{table}]\ncontrol = "none"\n', encoding="utf-8")
     with pytest.raises(ScenarioError, match=rf"mine.toml: \[{table}\] is a table, .*; write \[\[{table}\]\]"):
         load_campaign(tmp_path / "mine.toml")
 
 
 @pytest.mark.parametrize("table", ["faults", "sanders", "track.gradient", "adhesion.patch"])
-def test_a_scenario_names_the_brackets(table):
+def test_a_scenario_gives_the_hint(table):
     with pytest.raises(ScenarioError) as refusal:
         load(LIBRARY / "plain.toml", [f"{table}={{begin=0}}"])
     assert f"[{table}] is a table, but may be given several times; write [[{table}]]" in str(refusal.value)

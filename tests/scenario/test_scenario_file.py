@@ -1,4 +1,4 @@
-"""A scenario file is read whole and exactly, or refused in sentences that name file, table and key."""
+"""A scenario file is read completely and exactly, or refused in sentences that name file, table and key."""
 
 from fractions import Fraction
 from pathlib import Path
@@ -43,21 +43,21 @@ def test_a_foreign_plant_is_mapped_by_name_list_or_table():
     assert again.digest() == scenario.digest()
 
 
-def test_tables_that_a_file_leaves_out_are_not_resolved():
-    """The digest is that of results which were written before there were such tables."""
+def test_omitted_tables_are_not_part_of_the_resolved_scenario():
+    """The digest equals that of results written before these tables existed."""
     resolved = load(LIBRARY / "plain.toml").resolved()
     assert not {"demand", "faults", "truth", "sanders"} & set(resolved)
     assert not {"recovery", "sand"} & set(resolved["adhesion"])
 
 
-def test_the_digest_follows_values_and_not_spelling():
+def test_the_digest_depends_on_values_and_not_on_spelling():
     base = load(TRAPEZOID).digest()
     assert load(TRAPEZOID, ["start.speed=80000 m/h"]).start.speed == pytest.approx(load(TRAPEZOID).start.speed)
     assert load(TRAPEZOID, ["limits.horizon=90"]).digest() == base
     assert load(TRAPEZOID, ["seed=7"]).digest() != base
 
 
-def test_the_digest_follows_the_content_of_named_files(tmp_path):
+def test_the_digest_depends_on_the_content_of_named_files(tmp_path):
     curve = tmp_path / "rail.csv"
     scenario = tmp_path / "mine.toml"
     text = TRAPEZOID.read_text(encoding="utf-8")
@@ -165,14 +165,14 @@ def test_a_wrong_scenario_is_refused_in_a_sentence_with_file_table_and_key(overr
     )
 
 
-def test_a_missing_copy_of_a_recipe_is_refused_with_the_command_that_makes_it(tmp_path, monkeypatch):
+def test_a_missing_copy_of_a_recipe_is_refused_with_the_command_that_creates_it(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(ScenarioError, match=r"--set at the current folder; `railgrip build ForeignTrain` makes one"):
         load(TRAPEZOID, ["vehicle.plant=build/fmus/ForeignTrain.fmu"])
 
 
-def test_a_path_on_the_command_line_starts_at_the_current_folder(tmp_path, monkeypatch):
-    """Wherever the scenario is; in what is written it starts at the folder of the scenario as all others do."""
+def test_a_path_on_the_command_line_is_relative_to_the_current_folder(tmp_path, monkeypatch):
+    """Wherever the scenario is; written files contain it relative to the folder of the scenario, like all others."""
     (tmp_path / "mine.fmu").write_bytes(b"")
     monkeypatch.chdir(tmp_path)
     vehicle = load(Path("foreign_train"), ["vehicle.plant=mine.fmu"]).vehicle
@@ -189,7 +189,7 @@ def test_a_path_on_the_command_line_starts_at_the_current_folder(tmp_path, monke
         (b"", "bad.toml: [vehicle] is missing; it is required"),
     ],
 )
-def test_a_file_that_is_no_scenario_is_refused(tmp_path, content, sentence):
+def test_a_file_that_is_not_a_scenario_is_refused(tmp_path, content, sentence):
     path = tmp_path / "bad.toml"
     path.write_bytes(content)
     with pytest.raises(ScenarioError) as refusal:
@@ -214,7 +214,7 @@ def test_an_override_without_key_or_value_is_refused(override):
     "step", ["1 ms", "2 ms", "5 ms", "10 ms", "0.5 ms", "0.25 ms", "2.5 ms", "0.1 ms", "0.4 ms", "0.8 ms", "0.3 ms"]
 )
 def test_no_communication_step_ends_on_a_sample_of_the_valves(step):
-    """Against counting, for two thousand steps; what would coincide is half of the common divisor apart."""
+    """By enumeration, for two thousand steps; coinciding instants are half of the common divisor apart."""
     milliseconds = Fraction(step.removesuffix(" ms"))
     scenario = load(TRAPEZOID, [*VALVES, f"periods.communication={step}"])
     begin = Fraction(scenario.plant_begin).limit_denominator(10**9) * 1000
@@ -236,12 +236,12 @@ def test_no_communication_step_ends_on_a_sample_of_the_valves(step):
         ("20 ms", {"estimator": 1, "controller": 1, "trace": 1}),
     ],
 )
-def test_periods_may_be_any_with_any_communication_step(step, periods):
-    """Shorter ones become the step; rows of the trace are as near to theirs as whole steps can be."""
+def test_any_periods_are_possible_with_any_communication_step(step, periods):
+    """Shorter periods become the step; rows of the trace are as close to their period as whole steps allow."""
     loaded = load(TRAPEZOID, [f"periods.communication={step}", "periods.estimator=1 ms", "periods.controller=10 ms"])
     assert {name: loaded.periods.steps_of(name) for name in periods} == periods
     assert loaded.periods.estimator == max(1e-3, loaded.periods.communication)
 
 
-def test_the_samples_of_the_valves_are_those_of_the_plant():
+def test_the_sample_times_of_the_valves_are_those_of_the_plant():
     assert explicit(read("RailBraking.Pneumatics.ValveDelay")).clocks == [tuple(map(float, SAMPLES))]

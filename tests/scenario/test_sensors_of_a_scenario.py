@@ -1,4 +1,4 @@
-"""White sensors of a scenario read what it asks them to, and what the track adds."""
+"""White sensors of a scenario read the requested quantities, with the effects of the track."""
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def reader(scenario):
     return layout, scenario.sensors.open(scenario, layout, 0.4)
 
 
-def test_quantities_of_the_noise_table_are_read_beside_those_of_every_train():
+def test_quantities_of_the_noise_table_are_read_in_addition_to_those_of_every_train():
     scenario = scenario_with(noise={"pad_force": "100 N", "speed": "0.1 m/s"})
     layout, sensors = reader(scenario)
     assert [s.name for s in layout.signals["reading"]] == [*(s.name for s in READINGS), "reading_pad_force"]
@@ -59,7 +59,7 @@ def test_a_quantity_without_a_reading_is_refused(sensors, sentence):
         reader(scenario_with(**sensors))
 
 
-def test_accelerometers_feel_the_gradient_and_gnss_finds_the_train_on_its_track():
+def test_accelerometers_measure_the_gradient_and_gnss_finds_the_train_on_its_track():
     """Backwards down a track that climbs to the north by 10 ‰."""
     track = {"plan": PLAN}
     scenario = scenario_with(track, bias={"acceleration_along": "0.03 m/s^2"}, gnss=GNSS)
@@ -80,7 +80,7 @@ def test_accelerometers_feel_the_gradient_and_gnss_finds_the_train_on_its_track(
     assert np.flatnonzero(np.isfinite(fixes[:, 0])).tolist() == list(range(0, 20001, 100))
     north, east, _ = local(*fixes[::100].T, scenario.track.plan.alignment().origin).T
     error = np.column_stack([north - (400 - 300 * np.arange(201) / 200), east])
-    # White steps of 0.02 m in the difference of neighbours, beside those of the wander, 0.2 sqrt(2 * 0.1/10).
+    # White noise of 0.02 m in differences of neighbours, plus that of the random walk, 0.2 sqrt(2 * 0.1/10).
     assert np.diff(error, axis=0).std() == pytest.approx(np.hypot(0.02 * np.sqrt(2), 0.2 * np.sqrt(0.02)), rel=0.15)
     assert np.abs(error).max() < 5 * 0.2
     truth[place] = 401.0
@@ -101,8 +101,8 @@ def service(step, **sensors):
     return scenario_of(merge(written, changes), directory=LIBRARY, origin="mine.toml")
 
 
-def test_instruments_do_not_know_the_communication_step():
-    """Sampled each millisecond, they read the same of the same truth whether the loop runs at 1, 0.5 or 0.25 ms."""
+def test_readings_do_not_depend_on_the_communication_step():
+    """Sampled each millisecond, readings of the same truth are equal with a loop at 1, 0.5 or 0.25 ms."""
     readings = []
     for step in ("1 ms", "0.5 ms", "0.25 ms"):
         scenario = service(step)
@@ -115,7 +115,7 @@ def test_instruments_do_not_know_the_communication_step():
 
 
 @pytest.mark.parametrize("times", [2, 4, 5])
-def test_a_coarser_loop_reads_the_noise_of_the_instants_at_which_it_reads(times):
+def test_a_coarser_loop_has_the_noise_of_its_reading_instants(times):
     """Noise is drawn each millisecond, also beyond a block of draws."""
     noises = []
     for scenario, step in ((service("1 ms"), 1), (service(f"{times} ms"), times)):
@@ -127,8 +127,8 @@ def test_a_coarser_loop_reads_the_noise_of_the_instants_at_which_it_reads(times)
 
 
 @pytest.mark.parametrize("times", [2, 4, 5])
-def test_a_coarser_loop_reads_encoders_and_transducers_as_a_fine_one(times):
-    """The truth is a straight line between the readings, with which interpolation is exact; but for rounding."""
+def test_a_coarser_loop_reads_encoders_and_transducers_like_a_fine_one(times):
+    """The truth is linear between the readings, so interpolation is exact apart from rounding."""
     places = np.r_[LAYOUT.reading["wheelset_speed"], LAYOUT.reading["cylinder_pressure"]]
     last = []
     for scenario, step in ((service("1 ms"), 1), (service(f"{times} ms"), times)):
@@ -147,7 +147,7 @@ def test_a_coarser_loop_reads_encoders_and_transducers_as_a_fine_one(times):
 
 
 def test_a_pole_wheel_loses_teeth_at_the_same_time_with_any_communication_step():
-    """From 1 s on, when readings begin to be uneven."""
+    """From 1 s, when readings start to be uneven."""
     fault = {"part": "speed_sensor", "kind": "missing_teeth", "group": 1, "value": 2, "begin": "1 s"}
     for step in ("0.25 ms", "1 ms", "5 ms"):
         table = service(step).resolved() | {"faults": [fault]}
@@ -158,13 +158,13 @@ def test_a_pole_wheel_loses_teeth_at_the_same_time_with_any_communication_step()
         speed = np.array([read(sensors, k, truth) for k in range(round(2.0 / period))])
         speed = speed[:, LAYOUT.reading["wheelset_speed"].start]
         odd = np.flatnonzero(np.abs(speed / 40.0 - 1.0) > 0.05) * period
-        # A step of 5 ms has newer pulses than most gaps, which pass once a revolution.
+        # A step of 5 ms includes newer pulses than most gaps, which occur once a revolution.
         assert 1.0 <= odd.min() < 1.0 + 3 * 2 * np.pi / 40.0
 
 
 @pytest.mark.parametrize("step", ["2 ms", "4 ms", "5 ms"])
-def test_a_coarser_loop_reads_the_radar_at_its_rate_and_age(step):
-    """50 ms, also where these are 12.5 steps; the speed of the truth is its time."""
+def test_a_coarser_loop_reads_the_radar_at_its_rate_and_latency(step):
+    """50 ms, also where these are 12.5 steps; the true speed equals its time."""
     scenario = service(step, speed={"noise": 0.0, "scale_error": 0.0}, acceleration={"noise": 0.0, "bias": 0.0})
     period = scenario.periods.communication
     sensors, times = scenario.sensors.open(scenario, LAYOUT, 0.4), period * np.arange(500)
@@ -176,7 +176,7 @@ def test_a_coarser_loop_reads_the_radar_at_its_rate_and_age(step):
     assert times[due] == pytest.approx(period * np.ceil(multiples / period - 1e-9))
 
 
-def test_a_coarser_loop_reads_each_of_its_steps():
+def test_a_coarser_loop_reads_at_each_of_its_steps():
     assert service("2 ms").sensors.sampled_every(2e-3) == 1
     assert service("0.3 ms").sensors.sampled_every(3e-4) == 3
 
@@ -189,7 +189,7 @@ def test_a_period_between_communication_steps_is_refused():
 
 
 def driven(scenario, speed=20.0, seconds=40.0):
-    """Readings of a train that runs at a constant speed, and what they would be without errors [rows of LAYOUT]."""
+    """Readings of a train at constant speed, and the same without errors [rows of LAYOUT]."""
     sensors = scenario.sensors.open(scenario, LAYOUT, 0.4)
     rows = []
     for k in range(round(seconds / 1e-3)):
@@ -199,9 +199,11 @@ def driven(scenario, speed=20.0, seconds=40.0):
     return np.array(rows)
 
 
-def test_drop_outs_and_drift_of_a_radar_are_those_of_the_table():
-    """400 s are 8000 readings, a quarter of them lost in some 200 stretches of 0.5 s; a drift of 1 % forgets itself 200
-    times."""
+def test_dropouts_and_drift_of_a_radar_are_those_of_the_table():
+    """400 s are 8000 readings, a quarter of them lost in some 200 intervals of 0.5 s.
+
+    A drift of 1 % decorrelates 200 times.
+    """
     radar = {"noise": 0, "scale_error": 0, "drift": "1 %", "drift_time": "2 s"}
     radar |= {"dropouts": "25 %", "dropout_time": "0.5 s"}
     longer = merge(service("1 ms", speed=radar).resolved(), {"limits": {"horizon": "410 s"}})
@@ -214,11 +216,11 @@ def test_drop_outs_and_drift_of_a_radar_are_those_of_the_table():
     error = readings / 20.0 - 1.0
     assert np.nanstd(error) == pytest.approx(0.01, rel=0.3)
     close = error[1:] - error[:-1]
-    # Of a Gauss-Markov process: 2 σ² (1 - exp(-Δ/T)).
+    # For a Gauss-Markov process: 2 σ² (1 - exp(-Δ/T)).
     assert np.nanstd(close) == pytest.approx(0.01 * np.sqrt(2 * (1 - np.exp(-0.05 / 2.0))), rel=0.1)
 
 
-def test_an_accelerometer_feels_the_gradients_of_the_track_and_an_unknown_one():
+def test_an_accelerometer_measures_the_gradients_of_the_track_and_an_unknown_one():
     sheet = {"acceleration": {"noise": 0, "bias": 0, "feels_gradient": True}}
     scenario = service("1 ms", **sheet)
     gradient = [{"begin": "100 m", "slope": 0.02}, {"begin": "300 m", "slope": 0}]
@@ -230,9 +232,11 @@ def test_an_accelerometer_feels_the_gradients_of_the_track_and_an_unknown_one():
     assert read[[4000, 6000, 14000, 16000]] == pytest.approx([g * 0.01, g * 0.03, g * 0.03, g * 0.01], rel=1e-3)
 
 
-def test_deflections_show_the_rail_as_a_frame_answers_to_it():
-    """At 20 m/s the variance is that of the spectrum times |H|² of the suspension; wheelsets read the same rail, each
-    when it gets there, once it is forgotten that the frames came with the 80 km/h of the scenario."""
+def test_deflections_are_the_response_of_a_frame_to_the_rail():
+    """At 20 m/s the variance is that of the spectrum times |H|² of the suspension.
+
+    Each wheelset reads the same rail later, once the initial motion at the scenario's 80 km/h has decayed.
+    """
     frequency, damping = 6.0, 0.2
     rail = {"track": "erri-low", "frequency": f"{frequency} Hz", "damping": damping}
     rows = driven(service("1 ms", deflection={"noise": 0, "irregularity": rail}), seconds=90.0)
@@ -244,7 +248,7 @@ def test_deflections_show_the_rail_as_a_frame_answers_to_it():
     assert deflection[:, 0].std() == pytest.approx(expected, rel=0.1)
     later = round(1.9 / 20.0 / 1e-3)
     assert np.abs(deflection[later:, 1] - deflection[:-later, 0])[3000:].max() < 0.01 * expected
-    assert np.abs(deflection[:100]).max() > 0.1 * expected  # it has been rolling before
+    assert np.abs(deflection[:100]).max() > 0.1 * expected  # the frames were in motion before
 
 
 @pytest.mark.parametrize(
@@ -256,7 +260,7 @@ def test_deflections_show_the_rail_as_a_frame_answers_to_it():
         ({"deflection": {"irregularity": {"track": "uic"}}}, r"track is 'uic'; there is 'erri-low'"),
     ],
 )
-def test_a_wrong_sheet_is_refused(sheet, sentence):
+def test_an_invalid_data_sheet_is_refused(sheet, sentence):
     with pytest.raises(ScenarioError, match=sentence):
         service("1 ms", **sheet)
 

@@ -1,4 +1,4 @@
-"""Gradients and curves push and hold the train as mechanics says."""
+"""Gradients and curves accelerate and brake the train according to mechanics."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ def test_a_level_straight_track_does_nothing():
     # R = 500 m, wheelbase 2.15 m, gauge 1.435 m: (0.3397 + 0.0474)/500, 650/445, (0.2267 + 0.2215)/500.
     [("bogie", 0.774), ("roeckl", 1.461), ("protopapadakis", 0.896)],
 )
-def test_a_curve_of_500_m_holds_by_the_coefficient_of_its_law(law: CurveLaw, per_mille: float):
+def test_a_curve_of_500_m_has_the_resistance_of_its_formula(law: CurveLaw, per_mille: float):
     assert 1e3 * curve_coefficient(1 / 500, law) == pytest.approx(per_mille, abs=6e-4)
     assert curve_coefficient(-1 / 500, law) == curve_coefficient(1 / 500, law)
     sections = {"curve": [{"begin": 0, "radius": "500 m"}, {"begin": 50, "radius": 0}]}
@@ -28,7 +28,7 @@ def test_roeckl_is_constant_beyond_the_end_of_its_range():
     assert curve_coefficient(1 / 200, "roeckl") == pytest.approx(0.650 / 245)
 
 
-def test_a_falling_gradient_pushes_by_m_g_sin_beside_a_constant_force():
+def test_a_falling_gradient_adds_m_g_sin_to_a_constant_force():
     gradient = [{"begin": "100 m", "slope": "-25 ‰"}]
     force = track_force_of(Track.model_validate({"force": "2 kN", "gradient": gradient}), 84e3)
     assert force.at(99.9) == 2000.0
@@ -43,14 +43,14 @@ PLAN = {
 
 
 @pytest.mark.parametrize(("direction", "start"), [("forward", 100.0), ("backward", 900.0)])
-def test_along_a_plan_the_force_is_that_of_the_slope_and_curvature_there(direction, start):
+def test_the_force_along_a_track_follows_slope_and_curvature(direction, start):
     plan = PLAN | {"direction": direction, "start": start}
     track = Track.model_validate({"plan": plan})
     force, laid, way = track_force_of(track, 84e3), track.plan.alignment(), 1.0 if direction == "forward" else -1.0
     distance = np.linspace(0.0, 800.0, 3333)
     place = start + way * distance
     exact = force_along(way * laid.slope(place), laid.curvature(place), 84e3)
-    # sin is not straight over a metre of a rounding: m g (h/8R)^2 times the slope; 1e-4 N in 5 kN.
+    # sin is not linear over a metre of a rounding: m g (h/8R)^2 times the slope; 1e-4 N in 5 kN.
     np.testing.assert_allclose([force.at(s) for s in distance], exact, rtol=0, atol=1e-4)
     assert [slope_of(track)(s) for s in distance[:9]] == pytest.approx(list(way * laid.slope(place[:9])))
     assert force.at(5e4) == pytest.approx(float(force_along(way * laid.slope(place[-1] + way * 1e4), 0.0, 84e3)))
@@ -64,6 +64,6 @@ def test_along_a_plan_the_force_is_that_of_the_slope_and_curvature_there(directi
         ({"course": [["300 m", "5 m"]]}, "a radius is 0, for straight track, or at least 10 m"),
     ],
 )
-def test_a_plan_that_contradicts_itself_is_refused(changes, sentence):
+def test_an_inconsistent_track_is_refused(changes, sentence):
     with pytest.raises(ValueError, match=sentence):
         Track.model_validate({"plan": PLAN | changes})

@@ -1,4 +1,4 @@
-"""What is known in the field and not supported is said to be so, in train files and scenarios alike."""
+"""Standard features of the field that are not supported are named as such, in train files and scenarios alike."""
 
 import re
 import tomllib
@@ -33,7 +33,7 @@ def train_with(place: str, key: str) -> str:
 
 @pytest.mark.parametrize("place", ["top", "bogie", "car"])
 @pytest.mark.parametrize(("key", "word"), KEYS.items())
-def test_a_train_file_with_such_a_key_is_refused_with_what_it_is(key, word, place):
+def test_a_train_file_with_such_a_key_is_refused_with_an_explanation(key, word, place):
     message = train_with(place, key)
     assert re.search(rf"has no key '{key}'; .*{word}.* not supported in this file; ", message)
     assert "did you mean" not in message
@@ -41,7 +41,7 @@ def test_a_train_file_with_such_a_key_is_refused_with_what_it_is(key, word, plac
 
 @pytest.mark.parametrize("table", ["", "vehicle.", "track."])
 @pytest.mark.parametrize(("key", "word"), KEYS.items())
-def test_a_scenario_with_such_a_key_is_refused_with_what_it_is(key, word, table):
+def test_a_scenario_with_such_a_key_is_refused_with_an_explanation(key, word, table):
     with pytest.raises(ScenarioError, match=rf"has no key '{key}'; .*{word}.* not supported in this file; ") as refused:
         load(Path("trapezoid"), [f"{table}{key}={{a=1}}"])
     assert "did you mean" not in str(refused.value)
@@ -56,13 +56,13 @@ def names(schema: object) -> set[str]:
     return set(schema.get("properties", ())).union(*(names(value) for value in schema.values()))
 
 
-def test_no_key_of_a_file_is_said_to_be_unsupported():
+def test_no_key_of_a_file_is_listed_as_unsupported():
     supported = names(scenario_schema()) | names(schema_of(Train))
     assert {"track_brakes", "track_brake", "resistance", "demand"} <= supported
     assert [key for key in supported if explain_unsupported(key)] == []
 
 
-def test_each_entry_has_an_example_here():
+def test_each_entry_has_an_example_in_this_module():
     covered = {pattern for key in KEYS for pattern in UNSUPPORTED if re.fullmatch(pattern, key)}
     assert covered == UNSUPPORTED.keys()
 

@@ -35,7 +35,7 @@ ODD = (
 
 
 def keys(schema: dict[str, Any], node: dict[str, Any], depth: int = 0) -> Iterator[tuple[str | int, ...]]:
-    """Yield the place of each property of a schema; 0 is the first element of a list."""
+    """Yield the path of each property of a schema; 0 is the first element of a list."""
     while "$ref" in node:
         node = schema["$defs"][node["$ref"].removeprefix("#/$defs/")]
     if depth > 5:
@@ -51,7 +51,7 @@ def keys(schema: dict[str, Any], node: dict[str, Any], depth: int = 0) -> Iterat
 
 
 def with_value(table: Any, place: tuple[str | int, ...], value: Any) -> Any:
-    """Return a copy of a table with `value` at a place, whose tables and lists are made where they are missing."""
+    """Return a copy of a table with `value` at a path, whose missing tables and lists are created."""
     if not place:
         return value
     first, *rest = place

@@ -1,4 +1,4 @@
-"""Values of a scenario that the plant gives too: they follow from the plant, or a contradiction is refused."""
+"""Values that both scenario and plant contain: they default to the plant's, and a contradiction is refused."""
 
 from pathlib import Path
 
@@ -26,7 +26,7 @@ def vehicle(*overrides, name="plain"):
 @pytest.mark.parametrize(
     ("overrides", "mass"),
     [
-        ((), 84e3),  # of the VT 642 in the field test: 2 (13.4 + 14.1 + 14.5) t
+        ((), 84e3),  # VT 642 in the field test: 2 (13.4 + 14.1 + 14.5) t
         (("truth.load=0.85",), 0.85 * 84e3),
         (('vehicle.parameters."m_wheelset[1]"=15 t',), 85.6e3),
         (("track.train_mass=90 t",), 90e3),
@@ -44,32 +44,32 @@ def test_a_gradient_acts_on_the_mass_of_the_vehicle(overrides, mass):
 
 @pytest.mark.parametrize("wrong", ["84", "840 t", "66 t", "102 t"])
 @pytest.mark.parametrize("vehicle_tables", [(), (CLASS_OF_PYTHON.replace("60 kN", "412 kN"),)])
-def test_a_mass_of_the_track_that_is_not_the_vehicle_s_is_refused(wrong, vehicle_tables):
+def test_a_mass_of_the_track_unlike_that_of_the_vehicle_is_refused(wrong, vehicle_tables):
     with pytest.raises(ScenarioError, match=r"plain: \[track\] train_mass is .* kg, but .* they may differ by 20 %"):
         _ = vehicle(DOWNHILL, *vehicle_tables, f"track.train_mass={wrong}").track_force
 
 
 @pytest.mark.parametrize("change", [DOWNHILL, "truth.gradient=0.01"])
-def test_a_gradient_under_a_plant_of_unknown_mass_is_refused(change):
+def test_a_gradient_with_a_plant_of_unknown_mass_is_refused(change):
     unknown = CLASS_OF_PYTHON.replace("wheelset_load=['60 kN', '60 kN'], ", "")
     with pytest.raises(ScenarioError, match=r"write \[vehicle.formation\] wheelset_load or \[track\] train_mass"):
         _ = vehicle(change, unknown).track_force
 
 
 @pytest.mark.parametrize("file", sorted(Path(LIBRARY).glob("*.toml")), ids=lambda file: file.stem)
-def test_the_library_leaves_the_mass_to_the_plant(file):
+def test_the_library_takes_the_mass_from_the_plant(file):
     assert "train_mass" not in file.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(
     ("entry", "sentence"),
     [
-        ("m=84", "m is 84 kg, but the vehicle has 84000"),  # tonnes were meant
-        ("r_wheel=38", "r_wheel[1] is 38 m, but the vehicle has 0.38"),  # centimetres
-        ('"p_max[2]"=3.4', "p_max[2] is 3.4 Pa, but the vehicle has 200000"),  # bar
+        ("m=84", "m is 84 kg, but the vehicle has 84000"),  # meant as tonnes
+        ("r_wheel=38", "r_wheel[1] is 38 m, but the vehicle has 0.38"),  # meant as centimetres
+        ('"p_max[2]"=3.4', "p_max[2] is 3.4 Pa, but the vehicle has 200000"),  # meant as bar
     ],
 )
-def test_nominal_data_ten_times_the_vehicle_s_are_refused(entry, sentence):
+def test_nominal_data_ten_times_those_of_the_vehicle_are_refused(entry, sentence):
     key, value = entry.split("=")
     with pytest.raises(ScenarioError) as refusal:
         _ = vehicle(f"controller.parameters.{key}={value}").nominal
@@ -77,7 +77,7 @@ def test_nominal_data_ten_times_the_vehicle_s_are_refused(entry, sentence):
 
 
 def test_track_brakes_are_those_of_the_train_file():
-    """The tram's magnets draw by 55 kN each, with a friction of 0.2: 44 kN in all for two of each of two bogies."""
+    """Each magnet of the tram attracts with 55 kN at a friction of 0.2: 44 kN in all for two at each of two bogies."""
 
     def tram(**formation):
         return VehicleData(Scenario.load("plain").with_plant({"train": "tram", "formation": formation}))

@@ -74,7 +74,7 @@ def trolley(folder: Path, *, formation: str = "", parameters: str = "") -> Path:
     return path
 
 
-# Formation that comes out, what is run: wheelsets of each group, to scenario and overrides.
+# Wheelsets of each resulting group → scenario and overrides.
 TRAINS = {
     "wagon": ((1, 1), (str(LIBRARY / "wagon.toml"), *SLOW)),
     "two-part train": ((2, 1, 1, 2), ("trapezoid", *SLOW)),
@@ -101,7 +101,7 @@ def test_a_train_runs_to_metrics_and_figures(tmp_path: Path, name: str, monkeypa
     _sensible(record.metrics, groups=len(counts))
     with xarray.open_dataset(tmp_path / "stop" / "trace.nc") as trace:
         assert (trace.sizes["group"], trace.sizes["wheelset"]) == (len(counts), sum(counts))
-        # Wheelsets of a group turn as one, and every group braked.
+        # Wheelsets of a group turn as one, and every group is braked.
         assert bool((trace["cylinder_pressure"].max("time") > 1e5).all())
         distance = np.trapezoid(trace["speed"], trace["time"])
     assert record.metrics.distance == pytest.approx(distance, rel=1e-3)
@@ -114,7 +114,7 @@ def test_a_train_runs_to_metrics_and_figures(tmp_path: Path, name: str, monkeypa
 
 
 def _sensible(metrics: Metrics, groups: int) -> None:
-    """Between the whole way sliding on 5 % and braking on 20 %, in time and distance of a constant retardation."""
+    """Between sliding throughout at 5 % and braking at 20 %, in time and distance of a constant deceleration."""
     speed = SPEED / 3.6
     assert speed**2 / 2 / (0.2 * 9.81) < metrics.distance < speed**2 / 2 / (0.04 * 9.81)
     assert speed / (0.2 * 9.81) < metrics.duration < speed / (0.04 * 9.81)
@@ -122,7 +122,7 @@ def _sensible(metrics: Metrics, groups: int) -> None:
 
 
 def test_one_value_for_all_is_overridden_by_that_of_a_group():
-    """Also where the plant, as the wagon does, has one number of brake units for both wheelsets."""
+    """Also where the plant, like the wagon, has one number of brake units for both wheelsets."""
     groups = VehicleData(
         load(LIBRARY / "wagon.toml", ["controller.parameters={ 'n_units[2]' = 1.0 }"])
     ).nominal.formation.brakes
@@ -133,7 +133,7 @@ def test_one_value_for_all_is_overridden_by_that_of_a_group():
     assert [group.friction_radius for group in alike] == [0.2] * 4
 
 
-def test_an_exported_law_brakes_sixteen_groups_as_the_law_does(tmp_path: Path):
+def test_an_exported_law_brakes_sixteen_groups_like_the_law(tmp_path: Path):
     """Commands over two seconds; a last digit of slip may differ between C and Python."""
     short = ["limits.horizon=2 s", "periods.trace=1 ms"]
     law = load(Path(FREIGHT), short)
@@ -146,7 +146,7 @@ def test_an_exported_law_brakes_sixteen_groups_as_the_law_does(tmp_path: Path):
     np.testing.assert_allclose(commands[1], commands[0], atol=0.34)
 
 
-def test_the_train_says_where_its_wheelsets_are_and_what_they_carry():
+def test_the_train_provides_positions_and_loads_of_its_wheelsets():
     """Geometry of the bogies, 15.05 + 1.9/2 m from the middle of the Jacobs bogie, and the masses, by hand."""
     formation = VehicleData(load(LIBRARY / "trapezoid.toml")).nominal.formation
     ahead = [16.95, 15.05, 1.325, -1.325, -15.05, -16.95]
@@ -157,8 +157,8 @@ def test_the_train_says_where_its_wheelsets_are_and_what_they_carry():
     wagon = VehicleData(load(LIBRARY / "wagon.toml")).nominal.formation
     assert (wagon.cars, wagon.position.tolist()) == (1, [0.0, 9.0])
     assert wagon.load == pytest.approx([40e3 * 9.81 / 2] * 2)
-    believed = VehicleData(load(LIBRARY / "trapezoid.toml", ["controller.parameters.m='60 t'"])).nominal.formation
-    assert believed.load == pytest.approx([98100.0] * 6)
+    onboard = VehicleData(load(LIBRARY / "trapezoid.toml", ["controller.parameters.m='60 t'"])).nominal.formation
+    assert onboard.load == pytest.approx([98100.0] * 6)
 
 
 @pytest.fixture(scope="module")
@@ -171,8 +171,8 @@ brakes = {{ {BRAKES} }}"""
     return trolley(tmp_path_factory.mktemp("foreign"), formation=keys)
 
 
-def test_a_foreign_plant_is_what_its_formation_table_says(foreign):
-    """Also to a rail over distance, where the last wheelset meets what the first one has left."""
+def test_a_foreign_plant_has_the_formation_of_its_table(foreign):
+    """Also for a rail over distance, where the last wheelset passes the places of the first."""
     formation = VehicleData(load(foreign)).nominal.formation
     assert formation.position.tolist() == [0.0, 2.5, 9.0]
     assert formation.load == pytest.approx([70e3, 70e3, 90e3])
@@ -195,7 +195,7 @@ def test_a_foreign_plant_is_what_its_formation_table_says(foreign):
         ("brakes.p_mex=1", r"\[vehicle.formation\] brakes has no parameter 'p_mex'; did you mean 'p_max'"),
     ],
 )
-def test_a_formation_that_disagrees_with_itself_is_refused_by_its_key(foreign, override, sentence):
+def test_an_inconsistent_formation_is_refused_with_its_key(foreign, override, sentence):
     with pytest.raises(ScenarioError, match=rf"trolley: {sentence}"):
         run_stop(load(foreign, [f"vehicle.formation.{override}"]))
 
@@ -220,15 +220,15 @@ def test_a_scenario_that_contradicts_its_plant_or_prediction_is_refused(override
         run_stop(load(LIBRARY / "trapezoid.toml", [override]))
 
 
-def test_a_library_of_predictions_wants_the_name_of_one():
+def test_a_library_of_predictions_requires_the_name_of_one():
     table = load(LIBRARY / "plain.toml").resolved()
     table["estimator"] = {"kind": "fmu", "library": TROLLEY_CLASS, "noise": "ideal"}
     with pytest.raises(ScenarioError, match="has no model; name the class of the prediction"):
         scenario_of(table, directory=LIBRARY, origin="plain.toml")
 
 
-def test_the_decentralised_estimator_believes_its_own_parameters():
-    """Wheels believed 1 % larger turn as if they rolled on: a slip of −1 % while they do."""
+def test_the_decentralised_estimator_uses_its_own_parameters():
+    """Wheels assumed 1 % larger seem to turn faster than they roll: a slip of −1 % while they roll."""
     estimator = ("estimator.kind=decentralised", "estimator.noise=ideal")
     plain, larger = (
         run_stop(load(LIBRARY / "trapezoid.toml", (*estimator, *more, "controller.kind=full_brake", *SLOW))).trace
@@ -239,8 +239,8 @@ def test_the_decentralised_estimator_believes_its_own_parameters():
 
 
 @pytest.mark.parametrize("kind", ["decentralised", "compiled"])
-def test_one_mass_believed_of_all_wheelsets_is_that_of_each(kind: str):
-    """The deceleration is read: wheelsets believed 10 % heavier than they are in the mean have better pads."""
+def test_one_mass_assumed_for_all_wheelsets_equals_one_for_each(kind: str):
+    """The deceleration is measured: if wheelsets are assumed 10 % too heavy, the estimated pad friction is higher."""
     rolling = ("controller.kind=full_brake", "adhesion.mu0=0.5", "start.speed=30 km/h", "estimator={kind='none'}")
     table = load(LIBRARY / "plain.toml", rolling).resolved()
 
@@ -272,16 +272,16 @@ def freight(*changes: dict[str, Any], controller: Any = None) -> Stop:
     return run_stop(freight_scenario(*changes), objects=CustomParts(controller=controller))
 
 
-def test_wheelsets_behind_give_what_those_in_front_cannot():
-    """On a rail that wheels clean for those behind them: shorter, never more than the law or the cylinders allow."""
+def test_rear_wheelsets_supply_the_missing_force_of_front_ones():
+    """On a rail that wheels clean for those behind: a shorter stop within the limits of the law and the cylinders."""
     alone = freight(PARTLY)
     together = freight(PARTLY, {"controller": {"kind": "slip_two_state", "redistribute": True}})
     assert together.metrics.distance < 0.995 * alone.metrics.distance
     assert 2.4e5 < float(together.trace["demand"].max()) <= 3.2e5
 
 
-def test_wheelsets_of_a_valve_are_commanded_alike():
-    """Two bogies of two wheelsets in each car, each with one valve: longer than with a valve for each wheelset."""
+def test_wheelsets_of_a_valve_have_the_same_command():
+    """Two bogies of two wheelsets in each car, with one valve each: the stop is longer than with one per wheelset."""
     slow = {"start": {"speed": "40 km/h"}}
     alone, shared = freight(slow), freight(slow, SHARED_VALVES)
     demand = shared.trace["demand"].values
@@ -291,7 +291,7 @@ def test_wheelsets_of_a_valve_are_commanded_alike():
 
 
 class InPython:
-    """The law of the freight train's file as a class of a user."""
+    """The law of the freight train's file as a user's class."""
 
     def start(self, formation: Formation) -> None:
         self.law = SlipTwoState(formation.brakes, SlipTwoState.load_tuning("ideal", "read", "paper"))
@@ -301,8 +301,8 @@ class InPython:
 
 
 @pytest.mark.parametrize("change", [SHARED_VALVES, PARTLY | {"controller": {"redistribute": True}}])
-def test_a_controller_class_of_the_user_has_shared_valves_and_redistribution_too(change: dict[str, Any]):
-    """To the last bit those of the same law compiled, also where the caller of `step` is the controller."""
+def test_a_controller_class_of_a_user_also_has_shared_valves_and_redistribution(change: dict[str, Any]):
+    """Bit-identical to the same law compiled, also where the caller of `step` is the controller."""
     slow = {"start": {"speed": "30 km/h"}, "estimator": {"kind": "none"}}
     compiled = freight(change, slow)
     in_python = freight(change, slow, controller=InPython())
@@ -324,6 +324,6 @@ def test_a_controller_class_of_the_user_has_shared_valves_and_redistribution_too
         (PARTLY | SHARED_VALVES | {"controller": {"redistribute": True}}, "leave out redistribute"),
     ],
 )
-def test_train_level_control_that_cannot_be_is_refused_in_a_sentence(change: dict[str, Any], sentence: str):
+def test_an_impossible_train_level_control_is_refused_in_a_sentence(change: dict[str, Any], sentence: str):
     with pytest.raises(ScenarioError, match=sentence):
         freight(change)

@@ -1,4 +1,4 @@
-"""What the communication step does to a stop."""
+"""The effect of the communication step on a stop."""
 
 import runpy
 from pathlib import Path
@@ -15,15 +15,17 @@ SERVICE = load(LIBRARY / "degraded.toml").resolved()["sensors"]
 
 
 def distance(step, *overrides, **sensors):
-    """Of adhesion-based control with service sensors and ideal actuation [m]."""
+    """Adhesion-based control with service sensors and ideal actuation [m]."""
     changes = [f"periods.communication={step}", "periods.controller=10 ms", "estimator.noise=service", *overrides]
     table = merge(load(LIBRARY / "plain.toml").resolved(), read_overrides(changes)) | {"sensors": SERVICE | sensors}
     return braking_distance(scenario_of(table, directory=LIBRARY, origin="step"))
 
 
-def test_half_and_quarter_step_move_a_stop_no_more_than_its_last_digits_do():
-    """What those do is the most that six draws of the plant's parameters, moved by 1e-7, move it: some 0.2 %. With
-    noise drawn anew for each step it was 0.6 %."""
+def test_half_and_quarter_step_change_a_stop_no_more_than_its_last_digits():
+    """Last digits: the maximum over six draws of the plant's parameters, perturbed by 1e-7, is some 0.2 %.
+
+    With noise drawn again for each step it was 0.6 %.
+    """
     full = distance("1 ms")
     nudged = [distance("1 ms", "vehicle.nudge.relative=1e-7", f"vehicle.nudge.seed={seed}") for seed in range(1, 7)]
     last_digits = np.abs(np.array(nudged) / full - 1.0).max()
@@ -35,10 +37,10 @@ def test_half_and_quarter_step_move_a_stop_no_more_than_its_last_digits_do():
 @pytest.mark.parametrize(
     ("step", "error"), [("0.25 ms", 6e-3), ("0.5 ms", 6e-3), ("2 ms", 6e-3), ("5 ms", 6e-3), ("4 ms", 1.5e-2)]
 )
-def test_stops_with_valves_take_any_step_and_hardly_move(step, error):
-    """Medians over the last digits of the plant, which move a stop of slip-based control by some 0.3 %.
+def test_stops_with_valves_hardly_depend_on_the_step(step, error):
+    """Medians over the last digits of the plant, which change a stop of slip-based control by some 0.3 %.
 
-    At steps of 4 ms the controller decides every 12 and 8 ms in turn, and late by up to 2 ms.
+    At steps of 4 ms the controller decides every 12 and 8 ms in turn, and up to 2 ms late.
     """
 
     def median(step):
@@ -50,8 +52,8 @@ def test_stops_with_valves_take_any_step_and_hardly_move(step, error):
     assert median(step) == pytest.approx(median("1 ms"), rel=error)
 
 
-def test_half_a_step_hardly_moves_stops_of_slope_seeking():
-    """In the mean over six lots of instruments; its standard error is some 0.012 %, that of 0.03 % of one stop."""
+def test_half_a_step_hardly_changes_stops_of_slope_seeking():
+    """Mean over six lots of instruments; its standard error is some 0.012 %, that of a single stop 0.03 %."""
     example = runpy.run_path(str(Path(__file__).parents[2] / "docs/examples/halved_step.py"))
     half = example["moved"]("plain", "slope_seeking", lots=6)["half the step"]
     assert half.size == 6

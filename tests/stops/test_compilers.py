@@ -1,4 +1,4 @@
-"""Whose FMUs a stop rests on: plant and prediction come from the compiler that is there, and the result names it."""
+"""Plant and prediction of a stop come from the available compiler, and the result names it."""
 
 import json
 import re
@@ -24,9 +24,9 @@ THEIRS = "OpenModelica Compiler OpenModelica v1.27.0"
 
 @pytest.fixture
 def from_openmodelica(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let the FMUs of recipes be ones that say OpenModelica made them."""
+    """Replace the FMUs of recipes by ones that declare OpenModelica as their tool."""
 
-    @cache  # a file that is written twice holds other times, and is another file
+    @cache  # a file that is written twice contains other times, and is another file
     def relabelled(name: str) -> Path:
         file = tmp_path / f"{name}.fmu"
         with zipfile.ZipFile(fmu(name, "native")) as ours, zipfile.ZipFile(file, "w") as theirs:
@@ -64,7 +64,7 @@ def test_the_fmu_estimator_uses_the_compiler_of_the_plant(tmp_path, monkeypatch)
     assert find_result(stop, out) is None, "distances from OpenModelica's FMUs are not ours"
 
 
-def test_our_own_fmus_are_named_too(tmp_path):
+def test_fmus_of_the_built_in_compiler_are_also_named(tmp_path):
     short = ["limits.horizon=0.1 s", "estimator.kind=none", "controller.kind=full_brake"]
     run(load(TRAPEZOID, short), tmp_path, run_stop)
     versions = read_stop(tmp_path).versions

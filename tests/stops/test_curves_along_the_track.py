@@ -1,4 +1,4 @@
-"""A rail whose creep curve changes from place to place, and from wheelset to wheelset."""
+"""A rail whose creep curve varies from place to place, and from wheelset to wheelset."""
 
 from pathlib import Path
 
@@ -23,8 +23,8 @@ def scenario(*overrides):
     return load(Path("plain"), ["start.speed=60 km/h", *overrides])
 
 
-def test_a_curve_that_is_sent_is_the_curve_that_is_a_parameter():
-    """The two are different FMUs; their internal steps are alike to rounding, which slides double some ten times."""
+def test_a_curve_sent_as_input_equals_one_set_as_a_parameter():
+    """The two are different FMUs; their internal steps are equal up to rounding, which slides double some ten times."""
     sent, parameter = (run_stop(scenario(*WITHOUT, *lying)).trace for lying in ((ALL_LEAF,), ("adhesion.polach=leaf",)))
     assert np.allclose(sent["adhesion"].values, parameter["adhesion"].values, rtol=0, atol=1e-9)
     assert sent["distance"].values[-1] == pytest.approx(parameter["distance"].values[-1], rel=1e-9)
@@ -32,12 +32,12 @@ def test_a_curve_that_is_sent_is_the_curve_that_is_a_parameter():
     assert "curve_k_A" not in parameter
 
 
-def test_each_wheelset_finds_the_curve_of_its_place():
-    """The adhesion that the train shows is that of Polach's law, of the curve that lies where the wheelset is."""
+def test_each_wheelset_has_the_curve_of_its_place():
+    """The output adhesion is that of Polach's law with the curve at the place of the wheelset."""
     question = scenario(*WITHOUT, PATCH)
     trace, vehicle = run_stop(question).trace, VehicleData(question)
     distance, position = trace["distance"].values[:, None], vehicle.formation.position
-    # Laid for the place that a train had a communication step before, of 17 mm at most.
+    # Set for the place of the train one communication step earlier, up to 17 mm behind.
     into = distance - position - 20.0
     sure = np.minimum(np.abs(into), np.abs(into - 30.0)) > 0.02
     on_leaf = (into > 0) & (into < 30.0)
@@ -51,11 +51,11 @@ def test_each_wheelset_finds_the_curve_of_its_place():
         law = alone(slip, np.broadcast_to(speed, slip.shape), trace["wheelset_load"].values, trace["mu0"].values)
         rolling = sure & there & (speed > 2.0)  # the plant rounds slip below its v_small of 0.1 m/s
         assert rolling.sum() > 1000
-        # By (0.1/v)²/2 of the slip even above: 1.3e-3 at 2 m/s, which the steepest part of a curve makes 2e-4 of.
+        # By (0.1/v)²/2 of the slip even above: 1.3e-3 at 2 m/s, of which the steepest part of a curve makes 2e-4.
         assert np.allclose(trace["adhesion"].values[rolling], law[rolling], rtol=0, atol=2e-4)
 
 
-def test_the_curve_changes_in_the_middle_of_the_edges_and_friction_over_them():
+def test_the_curve_changes_in_the_middle_of_an_edge_and_friction_across_it():
     edged = "{ begin = '20 m', length = '30 m', mu0 = 0.07, polach = 'leaf', edge = '4 m' }"
     trace = run_stop(scenario(*WITHOUT, f"adhesion.patch=[{edged}]")).trace
     place, first = trace["distance"].values, trace["curve_k_A"].values[:, 0]
@@ -87,12 +87,12 @@ def test_valves_service_sensors_and_a_train_file():
 def test_wheelsets_of_a_wagon():
     trace = run_stop(load(Path("wagon_stop"), ["adhesion.polach_of_wheelset=['leaf', 'dry']"])).trace
     assert trace["curve_k_A"].values[0].tolist() == [0.04, 1.0]
-    # Braked alike, so that the one on the flatter curve slips more.
+    # Both wheelsets are braked equally, so the one on the flatter curve slips more.
     assert trace["slip"].values[1000, 0] > 5 * trace["slip"].values[1000, 1] > 0
 
 
-def test_slip_cleans_what_lies_there_by_the_law_of_that_curve():
-    """A clean rail as the leaf lies: on the patch nothing changes, on the rail around it friction falls less."""
+def test_slip_cleans_a_patch_by_the_law_of_its_curve():
+    """A clean rail equals the leaf: nothing changes on the patch, and friction falls less on the surrounding rail."""
     clean = "adhesion.recovery={mu0=0.07, A=0.5, B=0.1, rate='1 m/J'}"
     trace = run_stop(scenario(*WITHOUT, PATCH, clean)).trace
     on_leaf = trace["curve_k_A"].values == 0.04
@@ -100,7 +100,7 @@ def test_slip_cleans_what_lies_there_by_the_law_of_that_curve():
     assert trace["mu0"].values[~on_leaf].max() > 0.09
 
 
-def test_the_best_stop_is_that_of_the_curves_that_lie_there():
+def test_the_best_stop_uses_the_curves_along_the_track():
     ideal = ("controller.kind=ideal_bound", "estimator.kind=none")
     half = f"adhesion.polach_of_wheelset={['leaf'] * 3 + ['dry'] * 3}"
     lying = ("adhesion.polach=leaf", ALL_LEAF, "adhesion.polach=dry", half)
@@ -109,7 +109,7 @@ def test_the_best_stop_is_that_of_the_curves_that_lie_there():
     assert min(leaf, dry) < mixed < max(leaf, dry)
 
 
-def test_a_controller_that_knows_the_truth_knows_the_curves():
+def test_a_controller_with_the_truth_has_the_curves():
     mixed = (PATCH, "adhesion.polach_of_wheelset=['leaf', 'leaf', 'dry', 'dry', 'dry', 'dry']")
     kinds = ("ideal_tracking", "ideal_bound")
     control, bound = (run_stop(scenario(f"controller.kind={kind}", "estimator.kind=none", *mixed)) for kind in kinds)
@@ -117,7 +117,7 @@ def test_a_controller_that_knows_the_truth_knows_the_curves():
     assert 1.0 < control.metrics.distance / bound.metrics.distance < 1.05
 
 
-def test_an_error_of_the_creep_curve_that_is_unknown_onboard_scales_all_curves():
+def test_an_onboard_unknown_error_of_the_creep_curve_scales_all_curves():
     vehicle = VehicleData(scenario(PATCH, "truth.creep={k_A=0.5}"))
     assert vehicle.curves.tolist() == [[0.5, 0.4, 0.4, 0.6], [0.02, 0.015, 0.5, 0.1]]
     trace = run_stop(scenario(*WITHOUT, PATCH, "truth.creep={k_A=0.5}", "limits.horizon=3 s")).trace
@@ -137,7 +137,7 @@ def test_curves_that_contradict_the_scenario_are_refused(overrides, sentence):
         run_stop(scenario(*overrides))
 
 
-def test_a_plant_that_has_no_such_inputs_is_refused():
+def test_a_plant_without_such_inputs_is_refused():
     question = load(Path("foreign_train"), [f"adhesion.polach_of_wheelset={['leaf'] * 3}"])
     with pytest.raises(RailgripError, match=r"(?s)curve_k_A"):
         run_stop(question)

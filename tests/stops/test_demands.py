@@ -32,9 +32,12 @@ def phase_begins(stop):
     return stop.trace["time"].values[1:][np.diff(demand) != 0] - 1e-3
 
 
-def test_steps_brake_as_their_pressures_say(steps):
-    """On rolling wheels a = n μ η i (p A − F) r/(R M), and drag and rotation beside: the step from 1 to 2 bar, some
-    seconds each, brings as much again as the pads press harder, within the drift of pad friction and drag."""
+def test_steps_brake_according_to_their_pressures(steps):
+    """With rolling wheels a = n μ η i (p A − F) r/(R M), plus drag and rotating masses.
+
+    The step from 1 to 2 bar, some seconds each, adds deceleration in proportion to the pad force, within the drift of
+    pad friction and drag.
+    """
     first, second, _, _ = phase_begins(steps)
     coasting, one, two = (-float(at(steps, t)["acceleration"]) for t in (first, second, second + 5.0))
     pressing = 1e5 * 0.0324 - 1200.0, 2e5 * 0.0324 - 1200.0
@@ -44,8 +47,8 @@ def test_steps_brake_as_their_pressures_say(steps):
     assert (two - coasting) / (one - coasting) == pytest.approx(expected, rel=0.03)
 
 
-def test_a_release_releases(steps):
-    """Within half a second cylinders are empty, and the train rolls on, with less drag than at the speed before."""
+def test_a_release_empties_the_cylinders(steps):
+    """Within half a second cylinders are empty, and the train coasts with less drag than at the earlier speed."""
     first, _, release, again = phase_begins(steps)
     rolling = steps.trace.sel(time=slice(release + 0.5, again))
     assert float(rolling["cylinder_pressure"].max()) < 100.0
@@ -67,39 +70,39 @@ def test_energy_balances_under_traction(steps):
 
 
 def test_traction_accelerates_by_its_force(steps):
-    """From 48 km/h on it is the power that limits it, 800 kW."""
+    """Above 48 km/h the power limits it, 800 kW."""
     trace = steps.trace.sel(time=slice(5.0, 15.0))
     pushed = trace["track_force"].values * trace["speed"].values
     assert pushed == pytest.approx(8e5, rel=1e-3)
 
 
 def from_rest(force):
-    """Return a stop of a train that is driven from rest to 30 km/h, or for 4 s, and then braked."""
+    """Return a stop of a train that accelerates from rest to 30 km/h, or for 4 s, and then brakes."""
     driven = {"pressure": 0, "traction": {"force": force}}
     phases = [driven | {"until": {"time": "4 s"}}, driven | {"until": {"speed_above": "30 km/h"}}, {"pressure": "full"}]
     phases = phases if force != "1 N" else [phases[0], phases[-1]]
     return run_stop(rg.Scenario.load("service_steps", {"start.speed": 0, "demand": {"phases": phases}} | GRIPPY))
 
 
-def test_a_train_at_rest_stands_once_it_has_moved():
-    """Standing still at the start is not the end; the distance counts from the brake demand."""
+def test_a_train_starting_from_rest_ends_at_its_second_standstill():
+    """Standstill at the start does not end the stop; the distance counts from the brake demand."""
     stop = from_rest("80 kN")
     assert stop.outcome is Outcome.STANDSTILL
     assert float(stop.trace["speed"].max()) == pytest.approx(30.0 / 3.6, abs=0.01)
     assert 0.0 < stop.metrics.distance < float(stop.trace["distance"][-1])
-    # Level track: what pushes the train is its traction, recorded beside the force that the plant was sent.
+    # Level track: only traction accelerates the train, recorded next to the force sent to the plant.
     np.testing.assert_array_equal(stop.trace["traction"], stop.trace["track_force"])
     assert float(stop.trace["traction"].max()) == 80e3
 
 
-def test_a_train_that_never_moves_stands_once_the_driver_brakes():
+def test_a_train_that_never_moves_ends_once_the_driver_brakes():
     stop = from_rest("1 N")
     assert stop.outcome is Outcome.STANDSTILL
     assert float(stop.trace["time"][-1]) == pytest.approx(4.0, abs=2e-3)
 
 
 def test_full_brake_from_the_start_is_a_stop_without_a_demand():
-    """To the last bit, but for the variable of the driver's demand."""
+    """Bit-identical, except for the variable of the driver's demand."""
     plain = {"start.speed": "20 km/h", **GRIPPY}
     without = rg.run(rg.Scenario.load("plain", plain))
     full = rg.run(rg.Scenario.load("plain", plain | {"demand": {"phases": [{"pressure": "full"}]}}))
@@ -109,8 +112,8 @@ def test_full_brake_from_the_start_is_a_stop_without_a_demand():
         assert values.values.tobytes() == full.trace[name].values.tobytes(), name
 
 
-def test_a_driver_stops_at_the_target_where_the_rail_allows_it():
-    """Within half a metre: the cylinders follow late, and the last metres are slow."""
+def test_a_driver_stops_at_the_target_if_the_rail_allows_it():
+    """Within half a metre: the cylinders lag, and the last metres are slow."""
     stop = run_stop(
         rg.Scenario.load("stop_at_target", {"adhesion": GRIPPY["adhesion"], "limits.stop_speed": "0.05 m/s"})
     )
@@ -126,7 +129,7 @@ def test_a_slippery_rail_carries_the_train_beyond_the_target():
     assert float((stop.trace["command"] - stop.trace["driver_demand"]).max()) == 0.0
 
 
-def test_valves_send_no_more_than_the_driver_demands():
+def test_valve_commands_do_not_exceed_the_driver_demand():
     """Valve logic has a band of pressure around the demand, and a shortest stroke."""
     stop = run_stop(
         load(
@@ -140,7 +143,7 @@ def test_valves_send_no_more_than_the_driver_demands():
 
 
 class Eager:
-    """Demands full pressure always, and records the driver's demand."""
+    """Always demands full pressure, and records the driver's demand."""
 
     def start(self, formation):
         self.full, self.demands = formation.pressure_max, []
@@ -150,7 +153,7 @@ class Eager:
         return self.full
 
 
-def test_a_controller_of_the_user_observes_the_demand_and_cannot_exceed_it():
+def test_a_controller_of_a_user_receives_the_demand_and_cannot_exceed_it():
     """Without a demand the driver brakes fully."""
     phases = [{"pressure": "1 bar", "until": {"time": "0.5 s"}}, {"pressure": 0}]
     plain = rg.Scenario.load("plain", {"limits.horizon": "1 s", **GRIPPY})

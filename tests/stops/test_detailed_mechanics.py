@@ -1,4 +1,4 @@
-"""Stops of a train with other contacts, elastic shafts and hysteresis, which filter and controller do not know."""
+"""Stops of a train with other contacts, elastic shafts and hysteresis, unknown to filter and controller."""
 
 from pathlib import Path
 
@@ -32,7 +32,8 @@ def error_of(stop):
 def test_the_kinetic_energy_becomes_heat(actuation):
     stop = stop_of(**DETAILED, **actuation)
     assert stop.outcome is Outcome.STANDSTILL
-    # The solver's tolerance is 1e-5 a step; the swinging shafts take thousands of steps in a stop, with either sign.
+    # The solver's tolerance is 1e-5 per step; the oscillating shafts cause thousands of steps in a stop, with errors of
+    # either sign.
     assert energy_error(stop) < 1e-5
 
 
@@ -58,7 +59,7 @@ def test_a_plant_without_these_parts_is_refused():
         rg.run(rg.Scenario.load("foreign_train", DETAILED))
 
 
-def test_cases_of_the_type_test_are_detailed_only_where_the_plant_can_be():
+def test_cases_of_the_type_test_are_detailed_only_with_a_suitable_plant():
     design = [case for case in VERSIONS[2].draw(24, VERSIONS[2].test) if case.mechanics == "detailed"]
     assert 2 <= len(design) <= 8  # 24 draws with probability 0.2: outside with probability 0.1
     one = {"fuzzy_slip": entrants(2)["fuzzy_slip"]}

@@ -1,4 +1,4 @@
-"""Controllers as FMUs: what the command writes, and the driver's demand that the FMU itself must hold."""
+"""Controllers as FMUs: the output of the command, and the driver's demand that the FMU itself must respect."""
 
 import numpy as np
 import pytest
@@ -44,7 +44,7 @@ def exported(scenario, folder):
 
 
 class Driven:
-    """A controller in a loop without [demand]: the exported FMU, which alone is told what the driver demands."""
+    """A controller in a loop without [demand]: only the exported FMU receives the driver's demand."""
 
     def __init__(self, fmu, demand):
         self.fmu, self.demand = fmu, demand
@@ -67,7 +67,7 @@ class Driven:
 
 @pytest.mark.parametrize("kind", ["slip_three_state", "full_brake", "constant_slip"])
 def test_an_exported_law_gives_the_stop_of_the_harness_under_a_service_demand(kind, tmp_path):
-    """1.2 bar, and full brake after 4 s: the loop around the FMU knows no driver, so that the FMU must hold it."""
+    """1.2 bar, and full brake after 4 s: the loop around the FMU has no driver, so the FMU must limit the pressure."""
     changes = [f"controller.kind={kind}", "estimator={kind='none'}", "adhesion.mu0=0.12"]
     plain = load(PLAIN, changes)
     phases = 'demand.phases=[{pressure="1.2 bar", until={time="4 s"}}, {pressure="full"}]'
@@ -77,13 +77,13 @@ def test_an_exported_law_gives_the_stop_of_the_harness_under_a_service_demand(ki
         law = Driven(fmu, lambda time: np.full(4, 1.2e5) if time < 4.0 else full)
         stop = run_stop(plain, objects=CustomParts(controller=law))
     undriven = run_stop(plain)
-    # Another order of the same sums moves slip in its last digit; a phase begins a sample early or late.
+    # Another order of the same sums changes slip in its last digit; a phase begins a sample early or late.
     assert stop.metrics.distance == pytest.approx(service.metrics.distance, abs=0.03)
     assert undriven.metrics.distance < service.metrics.distance - 5.0
 
 
 def test_an_exported_law_brakes_fully_until_a_driver_demands_less(tmp_path):
-    """A tool that leaves `driver_demand` alone has the emergency brake, as a stop without [demand]."""
+    """A tool that does not set `driver_demand` gets the emergency brake, like a stop without [demand]."""
     described = describe(pack(controller_fmu(load(PLAIN)), tmp_path / "law.fmu"))
     starts = [float(described.variables[f"driver_demand[{g}]"].start) for g in range(1, 5)]
     assert starts == VehicleData(load(PLAIN)).nominal.formation.pressure_max.tolist()
@@ -105,12 +105,12 @@ def test_a_controller_that_cannot_be_exported_is_refused(changes, sentence):
         controller_fmu(load(PLAIN, changes))
 
 
-def test_the_command_says_where_the_fmu_is(tmp_path, command):
-    """Of the valves' parameters and those of the law, each with a unit; the one that is the FMU's own step is not."""
+def test_the_command_prints_the_path_of_the_fmu(tmp_path, command):
+    """The valves' parameters and those of the law have units; the parameter that is the FMU's own step is omitted."""
     made = tmp_path / "new" / "law.fmu"
     pneumatic = ("--set", "actuation.kind=pneumatic", "--set", "vehicle.plant=TwoPartTrainPneumatic")
-    shown = command("export", PLAIN, *pneumatic, "--out", made)
-    assert (shown.code, shown.out.strip()) == (0, str(made))
+    output = command("export", PLAIN, *pneumatic, "--out", made)
+    assert (output.code, output.out.strip()) == (0, str(made))
     described = {v.name: v for v in describe(made).variables.values() if v.causality == "parameter"}
     assert described["filter_time"].unit == described["valves.fill_time"].unit == "s"
     assert {v.minimum for v in described.values()} == {0.0}
@@ -129,7 +129,7 @@ def test_the_command_says_where_the_fmu_is(tmp_path, command):
         (["--part", "wheel"], "'wheel' is not one of 'onboard'"),
     ],
 )
-def test_an_export_that_makes_no_sense_is_refused(arguments, sentence, command, tmp_path, monkeypatch):
+def test_a_meaningless_export_is_refused(arguments, sentence, command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     refused = command("export", PLAIN, *arguments)
     assert refused.code == 2
@@ -137,7 +137,7 @@ def test_an_export_that_makes_no_sense_is_refused(arguments, sentence, command, 
     assert not [*tmp_path.iterdir()]
 
 
-def test_the_command_writes_any_part_by_either_version(tmp_path, command):
+def test_the_command_writes_any_part_for_either_fmi_version(tmp_path, command):
     file = tmp_path / "law.fmu"
     assert command("export", PLAIN, "--part", "controller", "--fmi", "3", "--out", file).code == 0
     assert validate_fmu(str(file)) == []

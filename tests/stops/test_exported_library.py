@@ -1,4 +1,4 @@
-"""The onboard part as a C library: a program that is linked with it decides as the FMU does."""
+"""The onboard part as a C library: a program linked with it decides like the FMU."""
 
 import re
 import shutil
@@ -43,7 +43,7 @@ int main(void) {
 
 @pytest.fixture(scope="module")
 def scenario():
-    """Valves behind an estimator, from 30 km/h: every part that can be on board."""
+    """Valves and an estimator, from 30 km/h: every part that can be on board."""
     pneumatic = ("vehicle.plant=TwoPartTrainPneumatic", "actuation.kind=pneumatic")
     return load(LIBRARY / "plain.toml", ["estimator.kind=compiled", "start.speed=30 km/h", *pneumatic])
 
@@ -70,7 +70,7 @@ def compiled(program: Path, library: Path, *more: str) -> Path:
 def by_fmu(scenario, folder: Path, rows: np.ndarray) -> np.ndarray:
     """Return the outputs of the onboard FMU at the end of each step."""
     description = describe(pack(part_fmu(scenario, "onboard"), folder / "onboard.fmu"))
-    given, shown = (
+    inputs, references = (
         [description.variables[name].reference for name in description.names(kind)] for kind in ("input", "output")
     )
     interface = description.co_simulation
@@ -85,40 +85,40 @@ def by_fmu(scenario, folder: Path, rows: np.ndarray) -> np.ndarray:
     fmu.exitInitializationMode()
     outputs = []
     for k, row in enumerate(rows):
-        fmu.setReal(given, row.tolist())
+        fmu.setReal(inputs, row.tolist())
         fmu.doStep(k * PERIOD, PERIOD)
-        outputs.append(fmu.getReal(shown))
+        outputs.append(fmu.getReal(references))
     fmu.terminate()
     fmu.freeInstance()
     return np.array(outputs)
 
 
-def test_a_program_with_the_library_decides_as_the_fmu_does(scenario, library: Path, tmp_path: Path):
+def test_a_program_with_the_library_decides_like_the_fmu(scenario, library: Path, tmp_path: Path):
     rows = readings(library)
     assert len(rows) > 3000, "a stop"
     (tmp_path / "program.c").write_text(PROGRAM)
     binary = compiled(tmp_path / "program.c", library)
     run = subprocess.run([str(binary)], input=rows.tobytes(), stdout=subprocess.PIPE, check=True)
     expected = by_fmu(scenario, tmp_path, rows)
-    # The same C by the same compiler: equal to the last bit.
+    # The same C by the same compiler: bit-identical.
     np.testing.assert_array_equal(np.frombuffer(run.stdout).reshape(expected.shape), expected)
     assert len(np.unique(expected[:, :4])) > 1, "the valves move"
 
 
-def test_the_library_allocates_nothing_and_keeps_its_names_to_itself(library: Path):
+def test_the_library_allocates_nothing_and_exports_only_its_own_names(library: Path):
     nm = shutil.which("nm")
     if nm is None:
         pytest.skip("nm, of binutils, lists the symbols")
     text = subprocess.run([nm, str(library / "libplain_onboard.a")], capture_output=True, text=True, check=True).stdout
     symbols = re.findall(r"^[0-9a-f ]* ([A-Za-z]) (\w+)$", text, re.MULTILINE)
-    wanted = {name for kind, name in symbols if kind == "U" and not name.startswith("plain_onboard_")}
-    assert wanted <= {"exp", "log", "sqrt", "sin", "cos", "tan", "atan", "tanh", "pow", "fabs", "fmax", "fmin", "fmod",
+    used = {name for kind, name in symbols if kind == "U" and not name.startswith("plain_onboard_")}
+    assert used <= {"exp", "log", "sqrt", "sin", "cos", "tan", "atan", "tanh", "pow", "fabs", "fmax", "fmin", "fmod",
                       "floor", "memcpy", "memset", "memmove", "_GLOBAL_OFFSET_TABLE_", "__stack_chk_fail"}  # fmt: skip
     assert all(name.startswith("plain_onboard_") for kind, name in symbols if kind.isupper() and kind != "U")
     assert not {kind for kind, _ in symbols} & set("BbCD"), "no variable is shared by the states"
 
 
-def test_the_program_beside_it_measures_a_stop(library: Path, tmp_path: Path):
+def test_the_program_next_to_it_measures_a_stop(library: Path, tmp_path: Path):
     shutil.copy(library / "worst_case.c", tmp_path)
     binary = compiled(tmp_path / "worst_case.c", library, "-lpthread")
     text = subprocess.run(
@@ -134,7 +134,7 @@ def test_the_program_beside_it_measures_a_stop(library: Path, tmp_path: Path):
 
 
 def test_the_command_writes_the_library(tmp_path: Path):
-    """Without an estimator and valves it is smaller, and has one unit."""
+    """Without estimator and valves it is smaller, and consists of one unit."""
     assert exit_code("export", LIBRARY / "plain.toml", "--library", "--out", tmp_path, *SHORT) == 0
     assert (tmp_path / "libplain_onboard.a").is_file()
     assert not (tmp_path / "sources" / "plain.c").exists()

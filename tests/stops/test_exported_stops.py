@@ -1,4 +1,4 @@
-"""Stops whose parts have left as FMUs: FMPy steps them, and nothing of this project."""
+"""Stops whose parts are exported as FMUs: FMPy steps them without railgrip."""
 
 import re
 import runpy
@@ -28,7 +28,7 @@ FAST = ("limits.horizon=40 s", "estimator.kind=compiled", "start.speed=25 km/h")
 PNEUMATIC = ("vehicle.plant=TwoPartTrainPneumatic", "actuation.kind=pneumatic")
 PAGE = Path(__file__).parents[2] / "docs/how_to/controller_fmu.md"
 SAME = 1e-6
-"""m: the FMUs hold the loop's own C, which rounds in the same way, and are stepped in the loop's order."""
+"""m: the FMUs contain the loop's own C, which rounds equally, and are stepped in the loop's order."""
 
 
 def scenario_with(*changes):
@@ -40,7 +40,7 @@ COMPILED: dict[str, bytes] = {}
 
 
 def pack(source, path):
-    """Write a valid FMU, compiled once for all stops that have it.
+    """Write a valid FMU, compiled once for all stops that use it.
 
     It is not optimised, because FMPy takes longer than its steps.
     """
@@ -54,7 +54,7 @@ def pack(source, path):
 
 
 def exported(scenario, folder, version=lambda source: source):
-    """Write the FMUs of a scenario into a folder; return it."""
+    """Write the FMUs of a scenario into a folder and return the folder."""
     sources = {"plant": plant_fmu(scenario)}
     sources |= {kind: part_fmu(scenario, kind) for kind in ("track", "sensors", "onboard")}
     for name, source in sources.items():
@@ -63,7 +63,7 @@ def exported(scenario, folder, version=lambda source: source):
 
 
 def distance(scenario):
-    """Return how far the harness's train goes from its start."""
+    """Return the distance that the harness's train travels from its start."""
     return float(run_stop(scenario).trace["distance"].values[-1])
 
 
@@ -85,20 +85,20 @@ def distance(scenario):
         ),
     ],
 )  # fmt: skip
-def test_a_stop_in_fmpy_is_that_of_the_harness(changes, tmp_path):
+def test_a_stop_in_fmpy_equals_that_of_the_harness(changes, tmp_path):
     scenario = scenario_with(*changes)
     assert braking_distance(exported(scenario, tmp_path)) == pytest.approx(distance(scenario), abs=SAME)
 
 
-def test_a_stop_by_fmi_3_is_that_of_the_harness(tmp_path):
+def test_a_stop_by_fmi_3_equals_that_of_the_harness(tmp_path):
     scenario = scenario_with()
     folder = exported(scenario, tmp_path, as_fmi_3)
     assert read_model_description(str(folder / "onboard.fmu")).fmiVersion == "3.0"
     assert braking_distance(folder) == pytest.approx(distance(scenario), abs=SAME)
 
 
-def test_service_sensors_leave_with_their_noise(tmp_path):
-    """Its draws are of another generator: stops of different seeds scatter by 0.3 %, so 1.5 % is five of that."""
+def test_service_sensors_are_exported_with_their_noise(tmp_path):
+    """Its draws come from another generator: stops of different seeds scatter by 0.3 %, so 1.5 % is five times that."""
     service = [
         "sensors={kind='white', noise={speed='0.1 m/s', acceleration='0.05 m/s2'}, bias={acceleration='0.01 m/s2'}}",
         "estimator.noise=service", "start.speed=50 km/h",
@@ -110,7 +110,7 @@ def test_service_sensors_leave_with_their_noise(tmp_path):
 
 
 def test_noise_is_white_and_of_its_deviation(tmp_path):
-    """Of 20 000 draws: mean within 5/√n of a deviation, the deviation within 5/√(2 n), neighbours uncorrelated."""
+    """For 20 000 draws: mean within 5/√n of a deviation, the deviation within 5/√(2 n), neighbours uncorrelated."""
     scenario = scenario_with("sensors={kind='white', noise={acceleration='0.05 m/s2'}}")
     with Slave(pack(part_fmu(scenario, "sensors"), tmp_path / "sensors.fmu")) as sensors:
         readings = np.array([sensors.read(k, speed=20.0, acceleration=-1.0) for k in range(20_000)])
@@ -121,7 +121,7 @@ def test_noise_is_white_and_of_its_deviation(tmp_path):
 
 
 class Slave:
-    """A co-simulation FMU of ours, open."""
+    """A co-simulation FMU written by railgrip, instantiated."""
 
     def __init__(self, path):
         description = read_model_description(str(path))
@@ -153,8 +153,8 @@ class Slave:
         return self.get("reading_acceleration")
 
 
-def test_what_is_on_board_can_be_taken_back(tmp_path):
-    """Its memory holds pointers into itself, and a state that is set must not lead into the instance it came from."""
+def test_the_state_of_the_onboard_part_can_be_restored(tmp_path):
+    """Its memory contains pointers into itself; a restored state must not refer to the instance that it came from."""
     path = pack(part_fmu(scenario_with(), "onboard"), tmp_path / "onboard.fmu")
     readings = {"reading_speed": 20.0, "reading_acceleration": -0.5}
     readings |= {f"reading_wheelset_speed[{g}]": 51.0 for g in range(1, 5)}
@@ -175,8 +175,8 @@ def test_what_is_on_board_can_be_taken_back(tmp_path):
         other.fmu.freeFMUState(state)
 
 
-def test_it_waits_for_its_first_reading(tmp_path):
-    """An importer may step it before anything has come: a train that stood would be believed for seconds."""
+def test_the_onboard_part_waits_for_its_first_reading(tmp_path):
+    """An importer may step it before any reading arrives, which must not be taken for standstill."""
     path = pack(part_fmu(scenario_with(), "onboard"), tmp_path / "onboard.fmu")
     with Slave(path) as onboard:
         onboard.fmu.doStep(0.0, 0.05)
@@ -192,9 +192,11 @@ def system(tmp_path_factory):
     return scenario, write_ssp(scenario, tmp_path_factory.mktemp("system") / "plain.ssp")
 
 
-def test_a_system_simulated_from_its_own_description_stops_as_the_harness_does(system):
-    """FMPy hands values on after all have stepped: a command is three periods late, in which a train at 50 km/h goes
-    4 cm; of 130 m that is 0.03 %, and the 0.1 % of the page leaves room for what the law makes of it."""
+def test_a_system_simulated_from_its_description_stops_like_the_harness(system):
+    """FMPy passes values on after all parts have stepped: a command is three periods late, or 4 cm at 50 km/h.
+
+    Of 130 m that is 0.03 %; the 0.1 % of the page is a margin for the reaction of the law.
+    """
     scenario, path = system
     values = read_ssv(str(path), "resources/parameters.ssv")
     assert "plant.start_speed" in {parameter.name for parameter in values.parameters}
@@ -207,7 +209,7 @@ def test_a_system_simulated_from_its_own_description_stops_as_the_harness_does(s
 
 
 def test_a_system_has_a_connection_for_every_input(system):
-    """But for the force of a track, which a plant may go without; the reader is FMPy's, and checks the schema."""
+    """Except for the track force, which a plant may lack; the reader is FMPy's, and checks the schema."""
     _, path = system
     read = read_ssd(str(path))
     ends = {(connection.endElement, connection.endConnector) for connection in read.system.connections}
@@ -232,6 +234,6 @@ def test_a_system_has_a_connection_for_every_input(system):
         ("degraded", [], "sensors", "of sensors or valves cannot leave as an FMU"),
     ],
 )
-def test_a_part_that_cannot_leave_is_refused(name, changes, kind, sentence):
+def test_a_part_that_cannot_be_exported_is_refused(name, changes, kind, sentence):
     with pytest.raises(ScenarioError, match=sentence):
         part_fmu(load(LIBRARY / f"{name}.toml", changes), kind)

@@ -16,7 +16,7 @@ SHORT = {"start": {"speed": "25 km/h"}, "limits": {"horizon": "20 s"}}
 
 
 def train(*faults, **changes):
-    """The library's scenario from 25 km/h with other faults, else healthy."""
+    """The library's scenario from 25 km/h with other faults, or none."""
     table = merge(load(LIBRARY / "degraded.toml").resolved(), merge(merge(HEALTHY, SHORT), changes))
     return scenario_of(table | {"faults": list(faults)}, directory=LIBRARY, origin="broken")
 
@@ -26,7 +26,7 @@ def healthy():
     return run_stop(train())
 
 
-def test_the_library_s_broken_train_stops():
+def test_the_faulty_train_of_the_library_stops():
     stop = same_stop(load(LIBRARY / "degraded.toml"))
     assert stop.outcome is Outcome.STANDSTILL
     radar = stop.trace["reading_speed"].values
@@ -35,34 +35,34 @@ def test_the_library_s_broken_train_stops():
     assert [fault.kind for fault in stop.scenario.faults] == ["missing_teeth", "dead", "slow", "isolated"]
 
 
-def test_valves_stuck_do_what_they_are_called(healthy):
+def test_stuck_valves_act_according_to_the_name_of_the_fault(healthy):
     stop = run_stop(train(*({"part": "valve", "kind": kind, "group": g, "begin": "2 s"}
                         for g, kind in enumerate(("filled", "dumped", "held"), start=1))))  # fmt: skip
     late = stop.trace.sel(time=slice(4.0, None))
     command, pressure = late["command"].values, late["cylinder_pressure"].values
     assert (command[:, :3] == [1, -1, 0]).all()
-    # Of a first-order lag of 0.4 s, e^-5 is left after 2 s; a leak of 1 kPa/s is all that a held cylinder loses.
+    # For a first-order lag of 0.4 s, e^-5 remains after 2 s; a held cylinder only loses the leak of 1 kPa/s.
     assert pressure[0, 0] == pytest.approx(3.4e5, rel=0.01)
     assert pressure[:, 1].max() < 1e3
-    lost = pressure[0, 2] - pressure[-1, 2]
-    assert lost == pytest.approx(1e3 * (len(late["time"]) - 1) * 1e-3, rel=0.2)
+    drop = pressure[0, 2] - pressure[-1, 2]
+    assert drop == pytest.approx(1e3 * (len(late["time"]) - 1) * 1e-3, rel=0.2)
     assert stop.trace["demand"].values[-1, 1] > 0.0  # the controller does not know
     before = slice(0, 2000)
     assert np.array_equal(stop.trace["speed"].values[before], healthy.trace["speed"].values[before])
 
 
-def test_a_supply_that_sags_fills_no_cylinder_beyond_it():
-    """Isothermal reservoir of 30 l at 4 bar: no fill valve opens once a cylinder holds what is left in it."""
+def test_a_sagging_supply_fills_no_cylinder_beyond_its_pressure():
+    """Isothermal reservoir of 30 l at 4 bar: no fill valve opens once a cylinder has the pressure of the reservoir."""
     stop = run_stop(train({"part": "supply", "kind": "sagging", "value": "30 l", "pressure": "4 bar"}))
     trace = stop.trace
-    left = 4e5 - FREE * (trace["air_used"].values - trace["air_used"].values[0]) / 0.03
+    reservoir = 4e5 - FREE * (trace["air_used"].values - trace["air_used"].values[0]) / 0.03
     inside, command = trace["cylinder_pressure"].values[:-1], trace["command"].values[1:]
-    assert not (command[inside >= left[:-1, None]] > 0).any()
-    assert (trace["demand"].values[1:][inside >= left[:-1, None]] > 0).any()
+    assert not (command[inside >= reservoir[:-1, None]] > 0).any()
+    assert (trace["demand"].values[1:][inside >= reservoir[:-1, None]] > 0).any()
 
 
-def test_an_isolated_unit_takes_its_share_of_torque(healthy):
-    """Of three units two are left: 2/3 of the torque at the same pressure and pad friction."""
+def test_an_isolated_unit_lowers_the_torque_by_its_share(healthy):
+    """Two of three units remain: 2/3 of the torque at the same pressure and pad friction."""
     stop = run_stop(train({"part": "brake", "kind": "isolated", "group": 1, "value": 1}))
 
     def torque_per_force(trace):
@@ -76,7 +76,7 @@ def test_an_isolated_unit_takes_its_share_of_torque(healthy):
     assert (whole.trace["brake_limit"].values[:, 0] == 0.0).all()
 
 
-def test_ideal_actuation_has_the_same_faults_of_valves():
+def test_valve_faults_also_apply_to_ideal_actuation():
     ideal = {"vehicle": {"plant": "TwoPartTrain"}, "actuation": {"kind": "ideal"}}
     kinds = [{"part": "valve", "kind": kind, "group": g, "begin": "1 s"}
              for g, kind in enumerate(("filled", "dumped", "held"), start=1)]  # fmt: skip
@@ -88,8 +88,8 @@ def test_ideal_actuation_has_the_same_faults_of_valves():
     assert np.array_equal(command[51:, 3], stop.trace["demand"].values[1:-50, 3])
 
 
-def test_a_lighter_train_downhill_is_one():
-    """Nothing slides on a dry rail: from the same pressures, a = (F - m g i)/m, to the drift of pads and drag."""
+def test_a_lighter_train_downhill_decelerates_accordingly():
+    """No slip on a dry rail: with the same pressures, a = (F - m g i)/m, to the drift of pads and drag."""
     grip = {"adhesion": {"kind": "constant", "polach": "dry", "mu0": 0.5}, "controller": {"kind": "full_brake"}}
     nominal, lighter = (
         run_stop(train(truth=truth, **grip)) for truth in ({"load": 1}, {"load": 0.8, "gradient": -0.01})
@@ -99,8 +99,8 @@ def test_a_lighter_train_downhill_is_one():
     assert b == pytest.approx((a * (mass + rotating) - 0.8 * mass * 9.81 * 0.01) / (0.8 * mass + rotating), rel=0.01)
 
 
-def test_sensors_as_they_are_read_the_same():
-    """A radar that drifts and drops out, an accelerometer that feels 1 % uphill, a rail that shakes the suspension."""
+def test_sensors_with_realistic_errors_read_accordingly():
+    """A radar with drift and dropouts, an accelerometer on an unknown gradient of 1 %, deflections due to the rail."""
     sensors = {
         "speed": {"drift": "0.5 %", "drift_time": "5 s", "dropouts": "20 %", "dropout_time": "0.3 s"},
         "acceleration": {"feels_gradient": True},
@@ -115,7 +115,7 @@ def test_sensors_as_they_are_read_the_same():
     )
     due = trace["reading_speed"].values[50::50]
     assert 0 < np.isnan(due).sum() < len(due)
-    # Without noise, what is left is the rail: at 7 m/s hardly any wave is as short as the frame's bounce asks for.
+    # Without noise only the rail remains: at 7 m/s hardly any wave is as short as the frame's bounce mode requires.
     shaken = (trace["reading_deflection"] - trace["deflection"]).values
     assert 1e-5 < shaken[:1000].std() < 3e-4
-    assert np.abs(shaken[-100:]).max() < np.abs(shaken).max()  # it fades as the train stands
+    assert np.abs(shaken[-100:]).max() < np.abs(shaken).max()  # it decays as the train stops

@@ -1,4 +1,4 @@
-"""Controllers that come as FMUs: the laws of this project, exported and put back, and what does not fit."""
+"""Controllers as FMUs: built-in laws, exported and read back, and refusals of FMUs that do not match."""
 
 from functools import partial
 
@@ -31,7 +31,7 @@ def exported(scenario, folder):
 
 
 def with_fmu(name: str, folder, *overrides: str, law: tuple[str, ...] = ()):
-    """Return a stop of Table 1, perhaps with another law, and the same with its controller as an FMU."""
+    """Return a stop of Table 1, optionally with another law, and the same with its controller as an FMU."""
     plain = table_1_scenario(name, *SHORT, *law)
     own = f"controller.file={exported(plain, folder)}"
     return plain, table_1_scenario(name, *SHORT, "controller.kind=fmu", own, *overrides)
@@ -51,9 +51,11 @@ def plain_with(path, *overrides: str):
         *((f"sine_sweep-service-{law}", "true") for law in ("adhesion_literal", "adhesion_based", "slope_seeking")),
     ],
 )
-def test_a_law_that_went_out_as_an_fmu_brakes_as_before(stop, trust, folder):
-    """Same operations in the same order: not a digit differs, in this process or in one of its own, whether the FMU
-    gives pressures or, with its valve logic inside, commands."""
+def test_a_law_exported_as_an_fmu_brakes_as_before(stop, trust, folder):
+    """The same operations in the same order give identical digits, in this process or in a separate one.
+
+    This holds whether the FMU outputs pressures or, with its valve logic inside, commands.
+    """
     one, other = (run_stop(scenario) for scenario in with_fmu(stop, folder, f"controller.trust={trust}"))
     assert one.trace["distance"].values.tobytes() == other.trace["distance"].values.tobytes()
     assert one.trace["command"].values.tobytes() == other.trace["command"].values.tobytes()
@@ -61,7 +63,7 @@ def test_a_law_that_went_out_as_an_fmu_brakes_as_before(stop, trust, folder):
 
 
 @pytest.mark.parametrize("law", ["wheel_reference", "constant_slip", "extremum_seeking"])
-def test_a_law_that_table_1_lacks_brakes_as_before_too(law, folder):
+def test_an_exported_law_that_table_1_lacks_also_brakes_as_before(law, folder):
     stop = "sine_sweep-service-adhesion_based"
     one, other = (run_stop(s) for s in with_fmu(stop, folder, "controller.trust=true", law=(f"controller.kind={law}",)))
     assert one.trace["command"].values.tobytes() == other.trace["command"].values.tobytes()
@@ -78,19 +80,19 @@ def test_parameters_of_the_fmu_are_set(folder):
 VALVE_LAW = "random-service-slip_two_state"
 
 
-def test_an_fmu_that_brakes_nothing_is_refused():
-    """The contact of the physics library takes slip and gives adhesion: no controller."""
+def test_an_fmu_without_brake_outputs_is_refused():
+    """The contact of the physics library has slip as input and adhesion as output: it is not a controller."""
     with pytest.raises(FmuError, match=r"plain: .controller.map.: ContactPoint.fmu gives neither demand nor command"):
         run_stop(plain_with(fmu("ContactPoint")))
 
 
-def test_valve_commands_want_valves(folder):
+def test_valve_commands_require_valves(folder):
     path = exported(table_1_scenario(VALVE_LAW, *SHORT), folder)
     with pytest.raises(FmuError, match=r"commands valves, but .actuation. kind is 'ideal'"):
         run_stop(plain_with(path))
 
 
-def test_valve_commands_take_no_demand_of_a_driver(folder):
+def test_valve_commands_accept_no_demand_of_a_driver(folder):
     _, other = with_fmu(VALVE_LAW, folder, "controller.trust=true", "demand.phases=[{pressure=0}]")
     with pytest.raises(ScenarioError, match=r"\[demand\] limits the pressures .* commands the valves; leave out"):
         run_stop(other)
@@ -104,7 +106,7 @@ def test_valve_commands_take_no_demand_of_a_driver(folder):
         ("parameters.rise=-0.1", "is at least 0, got"),
     ],
 )
-def test_a_table_that_does_not_fit_an_exported_law_is_refused(override, sentence, folder):
+def test_a_table_that_does_not_match_an_exported_law_is_refused(override, sentence, folder):
     """The period is that of its step, and none of its parameters is negative."""
     path = exported(load(PLAIN), folder)
     with pytest.raises((FmuError, ValueError), match=sentence):
@@ -112,7 +114,7 @@ def test_a_table_that_does_not_fit_an_exported_law_is_refused(override, sentence
 
 
 def lasting(calls: int) -> SampledSystem:
-    """Return a controller that demands 1 bar and has a state that is no number after so many calls and one more."""
+    """Return a controller that demands 1 bar and whose state becomes NaN one call after a number of calls."""
     left = ca.SX.sym("left")
     step = ca.Function("step", [left, ca.SX(0, 1), ca.SX(0, 1)], [left - 1.0 / (left > 0), ca.SX.ones(4) * 1e5])
     variable = partial(Variable, description="")
@@ -129,8 +131,8 @@ def lasting(calls: int) -> SampledSystem:
 
 
 @pytest.mark.parametrize("trust", ["true", "false"])
-def test_a_controller_that_fails_ends_the_stop_with_its_words(trust, folder):
-    """What came before is kept: seven calls that decide, from sample 0 on, and the row of the one that does not."""
+def test_a_controller_that_fails_ends_the_stop_with_its_message(trust, folder):
+    """Earlier results are kept: seven calls that decide, from sample 0, and the row of the one that does not."""
     path = pack(sources(lasting(7)), folder / "lasting.fmu")
     stop = run_stop(plain_with(path, f"controller.trust={trust}", "estimator.kind=none", "periods.trace=1 ms"))
     assert stop.outcome is Outcome.CONTROLLER_FAILED
@@ -145,13 +147,13 @@ def notifications(scenario) -> list[str]:
     return sentences
 
 
-def test_the_user_of_an_isolated_controller_learns_where_to_trust_it(folder):
+def test_the_user_of_an_isolated_controller_is_notified_how_to_trust_it(folder):
     path = pack(sources(lasting(1)), folder / "lasting.fmu")
     (sentence,) = notifications(plain_with(path, "estimator.kind=none"))
     assert "set trust = true under [controller]" in sentence
 
 
-def test_inputs_without_an_estimate_are_notified(folder):
+def test_inputs_without_an_estimate_are_reported(folder):
     _, other = with_fmu(VALVE_LAW, folder)
     assert "random-slip_two_state.fmu: nothing drives its adhesion, pad_friction" in notifications(other)[0]
     _, other = with_fmu("trapezoid-ideal-adhesion_based", folder, "controller.trust=true")

@@ -1,4 +1,4 @@
-"""What a process that simulates grows by, stop after stop."""
+"""Memory growth of a process that simulates stop after stop."""
 
 import sys
 from pathlib import Path
@@ -12,7 +12,7 @@ from railgrip.simulate.run import run_stop
 
 FIRST, STOPS = 20, 80
 MOST = 20e3
-"""Bytes a stop: a scenario that is kept has some 50 kB, a trace megabytes; 10 000 stops end within 200 MB."""
+"""Bytes per stop: a retained scenario has some 50 kB, a trace megabytes; 10 000 stops end within 200 MB."""
 
 
 def resident() -> float:
@@ -21,8 +21,8 @@ def resident() -> float:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="what a process has is read from /proc")
-def test_many_stops_take_no_more_memory_than_a_few(tmp_path):
-    """After the first, which make what is made once; over 9000 of them it was 0.9 kB a stop."""
+def test_many_stops_need_no_more_memory_than_a_few(tmp_path):
+    """After the first stops, which create shared objects; over 9000 of them it was 0.9 kB per stop."""
     before = resident()
     for lot in range(FIRST + STOPS):
         if lot == FIRST:

@@ -1,4 +1,4 @@
-"""What conditioning moves: every real parameter of the plant, by so much and no further than it may be."""
+"""Conditioning perturbs every real parameter of the plant by a small relative amount within its bounds."""
 
 import numpy as np
 
@@ -7,9 +7,9 @@ from railgrip.simulate.files import description_of, parameters_of, recipe_file
 from railgrip.simulate.plant import perturb_parameters
 
 
-def test_a_nudge_is_small_and_repeats_with_its_seed():
+def test_a_perturbation_is_small_and_reproducible_from_its_seed():
     plant = description_of(recipe_file("TwoPartTrain"))
-    given = {"k_A": 1.0, "k_primary": 2e6}  # k_A is at its largest: dry rail
+    given = {"k_A": 1.0, "k_primary": 2e6}  # k_A is at its maximum: dry rail
     moved, again, other = (perturb_parameters(given, plant, Nudge(relative=1e-7, seed=seed)) for seed in (1, 1, 2))
     assert moved == again
     assert moved != other
@@ -18,6 +18,6 @@ def test_a_nudge_is_small_and_repeats_with_its_seed():
     shares = np.array([moved[name] / held[name] - 1 for name in names])
     assert len(names) > 90
     assert np.all(np.abs(shares) <= 1.0001e-7)
-    assert np.count_nonzero(shares) >= len(names) - 5  # those at an end stay there
+    assert np.count_nonzero(shares) >= len(names) - 5  # those at a bound stay there
     assert all(moves["k_A"] <= 1 for moves in (moved, other))
     assert np.std(shares) > 0.4e-7  # uniform: 0.58e-7

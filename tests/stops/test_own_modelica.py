@@ -1,4 +1,4 @@
-"""A plant or prediction of the user's own Modelica: compiled on the way, kept by content, or refused."""
+"""A plant or prediction in a user's own Modelica: compiled on demand, cached by content, or refused."""
 
 import shutil
 from pathlib import Path
@@ -32,7 +32,7 @@ end CarPrediction;
 
 @pytest.fixture
 def mine(tmp_path: Path) -> Path:
-    """Return a copy of the example that may be changed: a scenario with its library beside it."""
+    """Return a modifiable copy of the example: a scenario with its library next to it."""
     shutil.copytree(EXAMPLES, tmp_path / "mine")
     return tmp_path / "mine" / "freight_train.toml"
 
@@ -45,7 +45,7 @@ def test_a_class_is_compiled_again_when_its_library_changes(mine, own_cache):
     assert plant_description(first).file == before.file
     digest, distance = first.digest(), run_stop(first).metrics.distance_travelled
 
-    # Not the class itself, but what it is made of.
+    # Not the class itself, but one of its components.
     axle = mine.parent / "SimpleTrain" / "Axle.mo"
     axle.write_text(axle.read_text().replace('F[1] "Braking', 'F[1]*(1 - 1e-3) "Braking'))
     second = load(mine, SHORT)
@@ -54,7 +54,7 @@ def test_a_class_is_compiled_again_when_its_library_changes(mine, own_cache):
     assert distance < run_stop(second).metrics.distance_travelled < distance + 0.1
 
 
-def test_its_scenario_says_the_library_as_written_and_loads_again(mine):
+def test_its_scenario_keeps_the_library_as_written_and_loads_again(mine):
     scenario = load(mine, SHORT)
     resolved = scenario.resolved()
     assert resolved["vehicle"]["model"] == "SimpleTrain.Car"
@@ -72,12 +72,12 @@ def test_its_scenario_says_the_library_as_written_and_loads_again(mine):
         ("vehicle.model=SimpleTrain.Tram", "no file of it declares Tram"),
     ],
 )
-def test_a_table_that_names_no_class_is_refused(mine, override, sentence):
+def test_a_table_without_a_class_is_refused(mine, override, sentence):
     with pytest.raises(InputError, match=sentence):
         run_stop(load(mine, [override]))
 
 
-def test_a_model_wants_its_library(mine):
+def test_a_model_requires_its_library(mine):
     mine.write_text(mine.read_text().replace("library =", "# library ="))
     with pytest.raises(ScenarioError, match=r"\[vehicle\] .*needs both 'model' and the 'library' that contains it"):
         load(mine)
@@ -111,7 +111,7 @@ def test_a_class_without_the_inputs_of_a_plant_is_refused(mine):
     assert "freight_train: [vehicle.map]" in str(refusal.value)
 
 
-def test_external_functions_are_refused_so_what_is_built_here_may_be_trusted(tmp_path):
+def test_external_functions_are_refused_so_compiled_models_may_be_trusted(tmp_path):
     file = tmp_path / "Wild.mo"
     file.write_text(
         "package Wild\nfunction system input Real x; output Real y;\n"
@@ -123,7 +123,7 @@ def test_external_functions_are_refused_so_what_is_built_here_may_be_trusted(tmp
 
 
 @pytest.mark.parametrize("compiler", ["native", "openmodelica"])
-def test_what_was_compiled_here_is_trusted_whoever_compiled_it(mine, compiler, monkeypatch):
+def test_a_locally_compiled_model_is_trusted_whoever_compiled_it(mine, compiler, monkeypatch):
     monkeypatch.setattr("railgrip.fmus.build.choose", lambda wanted: compiler)
     assert is_trusted(load(mine, SHORT))
     assert is_trusted(load(Path("trapezoid")))
@@ -154,8 +154,8 @@ def test_the_command_builds_one_class_into_a_file(tmp_path, monkeypatch, command
 
 
 @pytest.mark.parametrize("kind", ["compiled", "fmu"])
-def test_a_prediction_of_ones_own_estimates_as_the_class_that_it_extends(mine, kind):
-    """Equal equations under another name: estimates are equal, too."""
+def test_a_prediction_of_a_user_estimates_like_the_class_that_it_extends(mine, kind):
+    """Equal equations under another name give equal estimates."""
     (mine.parent / "SimpleTrain" / "CarPrediction.mo").write_text(PREDICTION)
     text = (ROOT / "harness" / "scenario" / "library" / "trapezoid.toml").read_text()
     scenario = mine.parent / "trapezoid.toml"
@@ -192,8 +192,8 @@ end Lean;
         run_stop(load(mine, [*SHORT, estimator]))
 
 
-def test_another_plant_takes_its_place_from_python(mine):
-    """`plant=` of the API stands for whatever the scenario's plant was."""
+def test_another_plant_replaces_it_in_python(mine):
+    """`plant=` of the API replaces any plant of the scenario."""
     scenario = railgrip.Scenario.load(mine, {"limits.horizon": "1 s"})
     assert scenario.vehicle.model is not None
     other = scenario.with_plant(Path("Wagon"))
@@ -208,8 +208,8 @@ def with_valves(folder, vehicle, parameters=None):
     return VehicleData(scenario_of(plain | changes, directory=folder, origin="slow.toml"))
 
 
-def test_the_valve_predictor_and_the_tracking_bound_know_the_valves_of_the_plant(tmp_path):
-    """A train with slow valves, and one whose controller and whose plant have another value, each of its own."""
+def test_the_valve_predictor_and_the_tracking_bound_use_the_valves_of_the_plant(tmp_path):
+    """A train with slow valves, and one with separate values for controller and plant."""
     (tmp_path / "Slow.mo").write_text(
         "block Slow extends RailBraking.Plants.TwoPartTrainPneumatic("
         "T_fill=0.8, T_vent=0.5, dead_fill=0.09, dead_vent=0.11); end Slow;"
@@ -221,7 +221,7 @@ def test_the_valve_predictor_and_the_tracking_bound_know_the_valves_of_the_plant
     assert isinstance(logic, ValveLogic)
     values = dict(zip((quantity.name for quantity in logic.formula.parameters), logic.parameters, strict=True))
     assert (values["fill_time"], values["vent_time"]) == (0.8, 0.5)
-    # Commands on their way for (90 + 110)/2 ms, one each millisecond.
+    # Commands are delayed by (90 + 110)/2 ms, with one each millisecond.
     assert sum(quantity.name.startswith("under_way[1,") for quantity in logic.formula.states) == 100
     assert other.nominal.valves == {"T_fill": 0.6, "T_vent": 0.5, "dead_fill": 0.09, "dead_vent": 0.11}
     assert other.true.valves == {"T_fill": 0.8, "T_vent": 0.5, "dead_fill": 0.09, "dead_vent": 0.12}

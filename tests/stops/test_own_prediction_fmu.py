@@ -17,7 +17,7 @@ OURS = 'kind = "fmu"\nmodel = "TrainPrediction"\n'
 
 
 def own(folder: Path, *edits: tuple[str, str], name: str = "TrainPrediction") -> Path:
-    """Write the FMU of a recipe under a name of its own, its description edited."""
+    """Write the FMU of a recipe under another name, with an edited description."""
     file = folder / f"Mine{name}.fmu"
     with zipfile.ZipFile(fmu(name)) as old, zipfile.ZipFile(file, "w") as new:
         for member in old.namelist():
@@ -44,21 +44,21 @@ def estimates(scenario, notify: list[str] | None = None) -> np.ndarray:
     return np.concatenate([trace[f"estimate_{name}"].values.ravel() for name in ("speed", "adhesion", "pad_friction")])
 
 
-def test_a_prediction_fmu_of_the_user_estimates_as_the_recipe_does(tmp_path: Path):
-    """Gate and start come from the train's nominal data, which are those of the class: rounding, over 2000 steps."""
+def test_a_prediction_fmu_of_a_user_estimates_like_the_recipe(tmp_path: Path):
+    """Gate and start come from the train's nominal data, which equal those of the class: rounding, over 2000 steps."""
     ours = load(Path("trapezoid"), ["limits.horizon=2 s"])
     mine = scenario_with(own(tmp_path))
     np.testing.assert_allclose(estimates(mine), estimates(ours), rtol=1e-9, atol=1e-9)
     assert mine.files()[0].path.name == "MineTrainPrediction.fmu"
 
 
-def test_a_parameter_of_its_own_may_be_changed(tmp_path: Path):
+def test_a_parameter_of_the_fmu_may_be_changed(tmp_path: Path):
     file = own(tmp_path)
     lighter = scenario_with(file, "estimator.parameters.k_primary=1 MN/m")
     assert not np.allclose(estimates(lighter), estimates(scenario_with(file)), rtol=1e-3)
 
 
-def test_without_directional_derivatives_it_takes_differences_and_says_so(tmp_path: Path):
+def test_without_directional_derivatives_differences_are_used_and_reported(tmp_path: Path):
     sentences: list[str] = []
     without = own(tmp_path, ('providesDirectionalDerivative="true"', ""))
     differences = estimates(scenario_with(without), sentences)
@@ -69,7 +69,7 @@ def test_without_directional_derivatives_it_takes_differences_and_says_so(tmp_pa
     np.testing.assert_allclose(differences, estimates(load(Path("trapezoid"), ["limits.horizon=2 s"])), atol=1e-5)
 
 
-def test_its_code_runs_only_where_the_scenario_says_so(tmp_path: Path):
+def test_its_code_runs_only_with_permission_of_the_scenario(tmp_path: Path):
     with pytest.raises(ScenarioError, match=r"MineTrainPrediction.fmu would run in this process; .* set trust = true"):
         scenario_with(own(tmp_path), trust=False)
 

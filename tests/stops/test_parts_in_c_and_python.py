@@ -1,4 +1,4 @@
-"""Plants, filters and laws that the loop calls in C, against the same that it returns to Python for: the same stop."""
+"""Plants, filters and laws called in C give the same stop as those for which the loop returns to Python."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ def test_laws_with_valves_and_service_sensors(controller):
     same_stop(table_1_scenario(f"random-service-{controller}", *SHORT))
 
 
-def test_a_law_that_seeks_deep_slip_on_a_rail_that_slip_cleans():
+def test_a_law_that_seeks_deep_slip_on_a_rail_cleaned_by_slip():
     (case,) = (case for case in HEADLINES if case.name == "cleaned rail")
     (planned,) = campaign_of([case], {"law": entrants(2)["two_maxima"]}, train_of(None)).stops
     changes = {"limits": {"horizon": "11 s"}}
@@ -51,8 +51,8 @@ def test_a_law_that_seeks_deep_slip_on_a_rail_that_slip_cleans():
     assert one.trace["law_deep_slip"].values[-1] == 1.0
 
 
-def test_a_filter_that_has_lost_a_wheelset_and_leaves_out_what_a_radar_shows():
-    """The law must know of it: it follows the other wheelsets then."""
+def test_a_filter_that_lost_a_wheelset_and_rejects_the_radar():
+    """The law must be notified: it then follows the other wheelsets."""
     scenario = table_1_scenario("random-service-slope_seeking")
     changes = {
         "estimator": {"model": "TrainPredictionDisturbed", "outlier_limit": {"speed": 4.0}, "load_deviation": "10 %"},
@@ -63,14 +63,14 @@ def test_a_filter_that_has_lost_a_wheelset_and_leaves_out_what_a_radar_shows():
         "limits": {"horizon": "7 s"},
     }
     one = same_stop(Scenario.model_validate(merge(scenario.resolved(), changes)))
-    # What the radar shows from 4 s on is believed until it cannot be.
+    # The filter uses the radar from 4 s until its speed becomes impossible.
     speed = one.trace["speed"].values
     assert np.nanmax(one.trace["reading_speed"].values - speed) > 1.0
     assert np.abs(one.trace["estimate_speed"].values - speed).max() < 0.5
 
 
-def test_wheels_that_stand_in_for_a_silent_radar():
-    """On a falling track, which the filter does not know: what it takes for its speed drifts."""
+def test_wheels_that_replace_a_silent_radar():
+    """On a falling track unknown to the filter, so that its estimated speed drifts."""
     scenario = table_1_scenario("random-service-slope_seeking")
     changes = {
         "estimator": {"model": "TrainPredictionDisturbed"},
@@ -89,22 +89,22 @@ def test_wheels_that_stand_in_for_a_silent_radar():
     def error(stop):
         return np.abs(stop.trace["estimate_speed"] - stop.trace["speed"]).values[-5000:].max()
 
-    # Between two releases 5 s apart 0.3 m/s² make 1.5 m/s at first, less once the filter knows the bias from them; the
-    # filter that nobody helps is lost.
+    # Between two releases 5 s apart 0.3 m/s² cause 1.5 m/s at first, less once the filter has estimated the bias; a
+    # filter without releases is lost.
     assert error(one) < 0.5
     assert error(run_stop(alone)) > 2.0
     trace = one.trace.sel(time=slice(2.0, None))
     released = trace["test_release"].values > 0.0
     assert np.all(released.sum(axis=1) <= 1)  # never more than one group
-    assert np.all(released.any(axis=0))  # each in its turn
+    assert np.all(released.any(axis=0))  # one after the other
     given = np.isfinite(trace["reference_speed"].values)
     assert np.all(np.isnan(trace["reading_speed"].values))
-    # What rolls shows the train's speed, but for its reading's noise and the lag of the last spin-up.
+    # A rolling wheel reads the train's speed, apart from reading noise and the lag of the last spin-up.
     assert np.abs(trace["reference_speed"] - trace["speed"]).values[given].max() < 0.4
 
 
-def test_friction_and_forces_that_lie_on_the_track():
-    """A gradient that changes, and friction over distance that each wheelset meets when it gets there."""
+def test_friction_and_forces_along_the_track():
+    """A gradient that changes, and friction over distance that each wheelset reaches later."""
     track = (
         "track.gradient=[{begin='0 m', slope=-0.01}, {begin='30 m', slope=0.02}]",
         "adhesion={kind='random', polach='dry', over='distance', mean=0.08, deviation=0.02, correlation='10 m', "
@@ -114,8 +114,8 @@ def test_friction_and_forces_that_lie_on_the_track():
 
 
 @pytest.mark.parametrize("controller", ["slip_two_state", "full_brake"])
-def test_a_foreign_plant_that_shows_no_slip(controller, tmp_path):
-    """Slip follows from the speeds it shows."""
+def test_a_foreign_plant_without_slip_output(controller, tmp_path):
+    """Slip follows from the output speeds."""
     rest = (LIBRARY / "foreign_train.toml").read_text(encoding="utf-8")
     without = "\n".join(line for line in rest.splitlines() if not line.startswith("slip = "))
     path = tmp_path / "foreign_train.toml"
@@ -125,7 +125,7 @@ def test_a_foreign_plant_that_shows_no_slip(controller, tmp_path):
 
 
 @pytest.mark.parametrize("wrap", [hidden, lambda parts: parts], ids=["python", "c"])
-def test_a_stop_that_keeps_two_samples_ends_where_one_that_keeps_all_does(wrap):
+def test_a_stop_that_keeps_two_samples_ends_like_one_that_keeps_all(wrap):
     question = load(LIBRARY / "plain.toml", ["start.speed=20 km/h"])
     with assemble(question, capacity=2) as parts:
         ending = Loop(wrap(parts.parts)).run()
@@ -139,6 +139,6 @@ def test_a_stop_that_keeps_two_samples_ends_where_one_that_keeps_all_does(wrap):
 
 
 @pytest.mark.parametrize("scenario", ["plain", "service_steps"])
-def test_the_distance_alone_is_that_of_the_whole_stop(scenario):
+def test_the_distance_alone_equals_that_of_the_whole_stop(scenario):
     question = load(LIBRARY / f"{scenario}.toml", ["start.speed=30 km/h"])
     assert braking_distance(question) == run_stop(question).metrics.distance

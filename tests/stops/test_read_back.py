@@ -1,4 +1,4 @@
-"""What the contacts of a plant have is compared with what they were given, before a stop runs on them."""
+"""The contact parameters of a plant are read back and compared with those that were set, before a stop uses them."""
 
 import shutil
 from pathlib import Path
@@ -30,7 +30,7 @@ CURVE = ["adhesion.polach={ k_A = 0.6, k_S = 0.2, A = 0.3, B = '0.1 s/m' }"]
 
 @pytest.fixture(scope="module")
 def wrong(tmp_path_factory):
-    """Return a function that gives the FMU of the two-part train as a compiler makes it that loses modifiers."""
+    """Return a function that gives the FMU of the two-part train as compiled by a compiler that loses modifiers."""
 
     def built(lost: str) -> Path:
         library = tmp_path_factory.mktemp("lost") / "Wrong"
@@ -48,7 +48,7 @@ def wrong(tmp_path_factory):
 
 @pytest.fixture
 def lose(wrong, monkeypatch):
-    """Return a function that replaces the recipe of the two-part train by an FMU that lost something."""
+    """Return a function that replaces the recipe of the two-part train by an FMU with lost modifiers."""
     monkeypatch.setattr(plant, "_read_back", set())
     return lambda lost: monkeypatch.setattr("railgrip.simulate.files.recipe_file", lambda name, lost=lost: wrong(lost))
 
@@ -56,7 +56,7 @@ def lose(wrong, monkeypatch):
 @pytest.mark.parametrize(
     ("lost", "sentence"),
     [
-        # As OpenModelica compiled our trains: distances up to 19 % off, without an error.
+        # Like OpenModelica's FMUs of these trains: distances up to 19 % off, without an error.
         ("everything", r"the contacts of group 1 have a wheel radius of 0\.38 m"),
         ("the radius", r"0\.38 m by .*r_wheel is 0\.42 m"),
         ("the curve", r"adhesion\[1\] is .* the scenario \(k_A = 0\.6, k_S = 0\.2, A_falling = 0\.3, B_f"),
@@ -82,14 +82,14 @@ def test_an_fmu_that_lost_nothing_runs_and_is_read_back_once(lose, monkeypatch):
 @pytest.mark.parametrize(
     ("name", "changes"),
     [
-        # A wheel on a roller has another contact than on a rail.
+        # The contact of a wheel on a roller differs from that on a rail.
         *((name, ()) for name in ("rig_sand", "rig_slide", "wagon", "wagon_unequal", "wagon_stop")),
         ("trapezoid", (*SHORT, "truth.wheel_radius=0.97")),
         ("trapezoid", (*SHORT, "truth.creep.A_falling=0.8")),
         ("trapezoid", (*SHORT, "vehicle.parameters={ r_rail = '0.25 m', v_small = '0.3 m/s' }")),
     ],
 )
-def test_plants_that_received_truth_and_parameters_pass(name, changes, monkeypatch):
+def test_plants_that_received_truth_and_parameters_are_accepted(name, changes, monkeypatch):
     monkeypatch.setattr(plant, "_read_back", done := set())
     run_stop(load(Path(name), ["limits.horizon=0.1 s", "estimator.kind=none", *changes]))
     assert len(done) == 1

@@ -1,4 +1,4 @@
-"""A train file runs: compiled from parts of RailBraking, to the distance of the same train written by hand."""
+"""A train file runs: compiled from components of RailBraking, with the distance of the same train written by hand."""
 
 import shutil
 from pathlib import Path
@@ -38,8 +38,8 @@ def dry(vehicle, speed, directory=Path(), **changes):
     return scenario_of(table | changes, directory=directory, origin="dry")
 
 
-def test_the_two_part_train_from_parts_stops_as_the_one_written_by_hand(tmp_path):
-    """Without its electropneumatic command, which the plant written by hand has not."""
+def test_the_two_part_train_from_components_stops_like_the_one_written_by_hand(tmp_path):
+    """Without its electropneumatic command, which the plant written by hand lacks."""
     text = (TRAINS / "vt642.toml").read_text(encoding="utf-8")
     begin = text.index("[command]")
     (tmp_path / "direct.toml").write_text(text[:begin] + text[text.index("[resistance]") :], encoding="utf-8")
@@ -49,7 +49,7 @@ def test_the_two_part_train_from_parts_stops_as_the_one_written_by_hand(tmp_path
 
 @pytest.mark.parametrize("actuation", ["ideal", "pneumatic"])
 def test_a_named_train_stops_as_calculated_by_hand(actuation):
-    """Within 3 %; valves take their dead time and time constant of filling, 0.45 s, more at most."""
+    """Within 3 %; valves add up to their dead time and filling time constant, 0.45 s."""
     scenario = dry({"train": "tram"}, "50 km/h", actuation={"kind": actuation})
     stop = run_stop(scenario)
     assert stop.outcome is Outcome.STANDSTILL, stop.reason
@@ -58,8 +58,8 @@ def test_a_named_train_stops_as_calculated_by_hand(actuation):
     assert -0.03 * expected < late < 0.03 * expected + (0.45 * 50 / 3.6 if actuation == "pneumatic" else 0.0)
 
 
-def test_kinds_of_bogies_whose_names_are_alike_keep_their_pads(tmp_path):
-    """Friction of the first two pads falls with speed, that of the last is the same at any speed: a tenth and more."""
+def test_kinds_of_bogies_with_similar_names_keep_their_pads(tmp_path):
+    """Friction of the first two pads falls with speed, that of the last does not: a difference of a tenth or more."""
     text = BEGINNING.replace("NAME", "alike")
     head, cars = text.split("[[cars]]", 1)
     bogie = head[head.index("[bogies.trailer]") : head.index("[couplers.bar]")]
@@ -76,11 +76,11 @@ def test_kinds_of_bogies_whose_names_are_alike_keep_their_pads(tmp_path):
     (tmp_path / "alike.toml").write_text(f"{head}[[cars]]{cars}", encoding="utf-8")
     expected = by_hand(load_train(tmp_path / "alike.toml"), 120 / 3.6).distance
     distance = braking_distance(dry({"train": "alike.toml"}, "120 km/h", tmp_path))
-    assert distance == pytest.approx(expected, rel=0.03)  # as of the trains of this project
+    assert distance == pytest.approx(expected, rel=0.03)  # as for the trains of the library
 
 
 def test_a_train_file_has_one_central_filter_in_three_ways():
-    """A Modelica class from its nominal data: as generated C, in numpy, and as an FMU that is on record."""
+    """A Modelica class from its nominal data: as generated C, in numpy, and as a recorded FMU."""
     adhesion = load(Path("plain")).resolved()["adhesion"] | {"mu0": 0.08}
     estimates = {}
     for kind in ("compiled", "python", "fmu"):
@@ -98,10 +98,10 @@ def test_a_train_file_has_one_central_filter_in_three_ways():
 
 @pytest.fixture
 def coaches(tmp_path):
-    """Return a scenario's [vehicle] of coaches behind a brake pipe, the second one without a distributor."""
+    """Return a scenario's [vehicle] of coaches with a brake pipe, the second one without a distributor."""
 
     def vehicle(name, count=3, metres=24, **keys):
-        # Axles that turn as one are half of what a plant takes to build, and nothing to its air.
+        # Coupled axles halve the build time of a plant and have no effect on its air.
         text = BEGINNING.replace("NAME", name).replace("coupled = false", "coupled = true")
         begin, resistance, cars = text.index("[command]"), text.index("[resistance]"), text.index("[[cars]]")
         pipe = '[command]\nkind = "brake_pipe"\ndiameter = "32 mm"\nbranch_volume = "3 l"\nfill_time = "4 s"\n'
@@ -122,7 +122,7 @@ def coaches(tmp_path):
 
 
 def test_position_r_goes_low_at_its_changeover_speed(coaches, tmp_path):
-    """All coaches but the second have half of the pressure once slower than 50 km/h, and no sooner."""
+    """All coaches except the second have half of the pressure below 50 km/h, and not before."""
     scenario = dry(coaches("staged", distributor="R"), "120 km/h", tmp_path)
     stop = run_stop(scenario)
     assert stop.outcome is Outcome.STANDSTILL, stop.reason
@@ -137,18 +137,17 @@ def test_position_r_goes_low_at_its_changeover_speed(coaches, tmp_path):
     assert stop.metrics.distance == pytest.approx(by_calculation, rel=0.03)
 
 
-def test_a_stop_begun_between_both_speeds_is_in_the_low_stage(coaches, tmp_path):
+def test_a_stop_started_between_both_speeds_is_in_the_low_stage(coaches, tmp_path):
     stop = run_stop(dry(coaches("staged", distributor="R"), "60 km/h", tmp_path))
     assert float(stop.trace["cylinder_pressure"].values[:, 0].max()) == pytest.approx(1.6e5, rel=1e-2)
 
 
-def test_accelerators_hasten_the_brake_of_a_long_train(coaches, tmp_path):
+def test_accelerators_speed_up_the_brake_of_a_long_train(coaches, tmp_path):
     """Position P fills in 3 to 5 s. No front is faster than a small wave, which branches slow down from 290 m/s.
 
-    Cells of 9.6 m let the foot of a front with accelerators run ahead by some per cent. Only with accelerators does the
-    front reach the 250 m/s of UIC 540.
-    The pipe is that of ten coaches, in five of twice the length and with accelerators twice as wide: a quarter of what
-    ten take to build.
+    With cells of 9.6 m the foot of a front with accelerators is ahead by some per cent. Only with accelerators does the
+    front reach the 250 m/s of UIC 540. The pipe is that of ten coaches, in five of twice the length and with
+    accelerators twice as large: a quarter of the build time of ten.
     """
     fillings, limits = [], load(Path("plain")).resolved()["limits"] | {"horizon": "10 s"}  # all are full after 8
     for keys in ({}, {"accelerator": "quick"}):
@@ -176,7 +175,7 @@ def test_accelerators_hasten_the_brake_of_a_long_train(coaches, tmp_path):
         pytest.param({"model": "SimpleTrain.FreightTrain", "library": "SimpleTrain/package.mo"}, id="SimpleTrain"),
     ],
 )
-def test_a_dry_stop_is_as_long_with_the_fmu_of_either_compiler(vehicle, monkeypatch):
+def test_a_dry_stop_has_the_same_distance_with_the_fmu_of_either_compiler(vehicle, monkeypatch):
     distances: dict[str, float] = {}
     for compiler in ("native", "openmodelica"):
         monkeypatch.setattr("railgrip.fmus.build.choose", lambda wanted, compiler=compiler: compiler)
@@ -209,7 +208,7 @@ def test_a_changed_file_is_another_train_and_a_moved_one_the_same(tmp_path):
     assert changed.digest() != before
 
 
-def test_a_train_that_is_none_ends_in_a_sentence(tmp_path):
+def test_an_invalid_train_is_refused_in_a_sentence(tmp_path):
     with pytest.raises(ScenarioError, match=r"\[vehicle\] train is 'nothing': there is no such file, and no train"):
         dry({"train": "nothing"}, "50 km/h")
     (tmp_path / "bad.toml").write_text('name = "bad"\n', encoding="utf-8")
@@ -219,8 +218,8 @@ def test_a_train_that_is_none_ends_in_a_sentence(tmp_path):
         dry({"train": "tram", "plant": "TwoPartTrain"}, "50 km/h")
 
 
-def test_a_load_that_nobody_was_told_changes_the_mass_and_not_the_speed():
-    """A fifth more mass takes about a fifth further: brakes do not know of it, and what turns stays the same."""
+def test_an_unknown_load_changes_the_mass_and_not_the_initial_speed():
+    """A fifth more mass takes about a fifth more distance: brakes and rotating masses do not change."""
     stop, heavy = (run_stop(dry({"train": "tram"}, "50 km/h", truth={"load": load})) for load in ([1.0], [1.2]))
     assert float(heavy.trace["speed"].values[0]) == pytest.approx(50 / 3.6, rel=1e-9)
     assert 1.1 < heavy.metrics.distance / stop.metrics.distance < 1.25

@@ -1,4 +1,4 @@
-"""Stops on rails that slip cleans and heats: two maxima, a balance of energy, and what cannot be combined."""
+"""Stops on rails cleaned and heated by slip: two maxima, a balance of energy, and invalid combinations."""
 
 import itertools
 
@@ -36,16 +36,16 @@ def test_a_slide_has_two_maxima_only_with_cleaning_and_heat(stops):
             assert 0.2 < peaks[1][0] < 0.6
 
 
-def test_the_locked_wheel_is_shorter_than_no_slide_only_where_heat_is_left_out(stops):
-    """Cleaning alone flatters the lock: with heat, holding the second maximum is a fifth shorter than locking."""
+def test_locking_is_shorter_than_not_sliding_only_without_heat(stops):
+    """Cleaning alone favours locking: with heat, holding the second maximum is a fifth shorter than locking."""
     for rail in ("wet", "leaves"):
         locked = stops[rail, "cleaning and heat"].metrics.distance
         held = run_stop(scenario_of((rail, "cleaning and heat", "slip of 20 to 30 %"))).metrics.distance
         assert held < 0.9 * locked
 
 
-def test_the_creep_curve_alone_is_enough():
-    """Library scenarios name the curve, and the plant, the rail and the bound follow."""
+def test_the_name_of_the_creep_curve_is_sufficient():
+    """Library scenarios name the curve; the plant, the rail and the bound use it."""
     scenario = rg.Scenario.load("wet_two_maxima", {"limits.horizon": "1 s"})
     assert scenario.adhesion.cleaning is not None
     stop = rg.run(scenario, controller=LAWS["slip of 20 to 30 %"])
@@ -65,7 +65,7 @@ WARM = {"temperature_loss": 8.3e-4}
         ("plain", {"actuation.kind": "pneumatic", "vehicle.plant": "TwoPartTrainPneumatic"}),
     ],
 )
-def test_heat_lowers_adhesion_in_the_slides_of_every_train_of_this_library(name, changes):
+def test_heat_lowers_adhesion_in_slides_of_every_train_of_the_library(name, changes):
     def stop(heat):
         patch = {"begin": "30 m", "length": "200 m", "mu0": 0.06, "polach": CURVE | {"B": 0.3} | heat}
         adhesion = {"kind": "constant", "mu0": 0.08, "polach": CURVE | heat, "patch": [patch]}
@@ -82,7 +82,6 @@ def test_heat_lowers_adhesion_in_the_slides_of_every_train_of_this_library(name,
 @pytest.mark.parametrize(
     ("scenario", "changes", "words"),
     [
-        ("wet_two_maxima", ["controller.kind=ideal_bound"], "depends on the slip of those ahead"),
         ("trapezoid", ["adhesion.polach=wet_two_maxima"], "conditioning.fraction = 0"),
         (
             "plain",

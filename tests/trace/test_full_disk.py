@@ -1,6 +1,6 @@
-"""A full disk ends a command in a sentence: exit 3, nothing half, and what fits is kept.
+"""A full disk ends a command in a sentence: exit code 3, no partial files, and results that fit are kept.
 
-The limit of a file's size stands for the disk: the system answers beyond it as it does beyond the disk's end.
+A limit of the file size simulates the disk: the system reports the same error beyond it as at the end of a disk.
 """
 
 import json
@@ -32,8 +32,8 @@ WET = ROOT / "harness" / "scenario" / "library" / "trapezoid.toml"
 
 @pytest.fixture
 def disk(monkeypatch):
-    """Set how many bytes a file may have; lifted at the end."""
-    # Python keeps the part of a module's bytecode that fits, and whoever imports the module next fails.
+    """Set the maximum size of a file in bytes; lifted at the end."""
+    # Python would keep the truncated bytecode of a module, and the next import would fail.
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     yield lambda size: resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
@@ -52,7 +52,7 @@ WRITERS = {
 
 
 @pytest.mark.parametrize("write", WRITERS.values(), ids=WRITERS)
-def test_what_finds_no_place_leaves_what_was_there_and_nothing_half(tmp_path, disk, write):
+def test_a_failed_write_keeps_the_earlier_file_and_leaves_no_partial_one(tmp_path, disk, write):
     path = tmp_path / "result"
     path.write_text("before", encoding="utf-8")
     disk(1000)
@@ -62,7 +62,7 @@ def test_what_finds_no_place_leaves_what_was_there_and_nothing_half(tmp_path, di
     assert path.read_text(encoding="utf-8") == "before"
 
 
-def test_a_stop_without_place_for_its_trace_keeps_its_figures_and_is_run_again(tmp_path, disk):
+def test_a_stop_without_space_for_its_trace_keeps_its_figures_and_is_run_again(tmp_path, disk):
     scenario = load(WET, ["periods.communication=10 ms", "periods.estimator=10 ms", "periods.controller=10 ms"])
     stop = run_stop(scenario)
     write_stop(stop, tmp_path)
@@ -77,12 +77,12 @@ def test_a_stop_without_place_for_its_trace_keeps_its_figures_and_is_run_again(t
     disk(size - 100)
     with pytest.raises(WriteFailed, match=r"stop\.json: cannot be written"):
         write_stop(stop, tmp_path)
-    # What was there before stays whole.
+    # The earlier result stays complete.
     assert sorted(file.name for file in tmp_path.iterdir()) == [RECORD, "stop.json"]
     assert read_stop(tmp_path).digest == scenario.digest()
 
 
-def test_a_full_disk_is_the_runs_failure_and_no_wrong_question(tmp_path):
+def test_a_full_disk_is_a_failure_of_the_run_and_not_a_wrong_input(tmp_path):
     with pytest.raises(WriteFailed) as error, replacing(tmp_path / "a"):
         raise OSError(28, "No space left on device")
     message = for_user(error.value)
@@ -104,8 +104,8 @@ main()
 """
 
 
-def test_the_command_line_ends_with_3_and_the_distance_is_not_lost(tmp_path):
-    """In a process of its own, where HDF5 used to end it by a crash."""
+def test_the_command_line_exits_with_3_and_the_distance_is_kept(tmp_path):
+    """In a separate process, which HDF5 used to crash."""
     result = subprocess.run(
         [sys.executable, "-B", "-c", PROGRAM, "9000", "run", str(WET), "--out", "out"],
         cwd=tmp_path,

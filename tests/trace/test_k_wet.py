@@ -11,7 +11,7 @@ from railgrip.trace.k_wet import corrected_distance, equivalent_time, k_wet
 SPEED, TIME = 33.3, 1.0
 
 
-def test_a_quarter_more_deceleration_distance_is_a_k_of_four_fifths():
+def test_a_dry_distance_of_four_fifths_is_a_k_of_four_fifths():
     dry, wet = [SPEED * TIME + 400.0] * 4, [SPEED * TIME + 500.0] * 4
     k = k_wet(dry, wet, SPEED, TIME)
     assert (k.value, k.low, k.high) == pytest.approx((0.8, 0.8, 0.8), rel=1e-12)
@@ -31,7 +31,7 @@ def test_k_is_one_for_equal_stops_and_inverts_when_exchanged(dry, wet, scale):
     assert larger.value == pytest.approx(k.value)
 
 
-def test_the_interval_holds_the_true_k_as_often_as_it_says():
+def test_the_interval_contains_the_true_k_at_its_nominal_rate():
     random, count = np.random.default_rng(7), 2000
     draw = lambda mean: SPEED * TIME + mean * (1 + 0.03 * random.standard_normal(4))
     k = [k_wet(draw(400.0), draw(500.0), SPEED, TIME) for _ in range(count)]
@@ -54,7 +54,7 @@ def test_a_stop_is_corrected_to_its_nominal_speed():
 
 
 @pytest.mark.parametrize("dry", [[500.0], [500.0, 20.0], [500.0, float("nan")]])
-def test_stops_that_say_nothing_are_refused(dry):
+def test_stops_without_information_are_refused(dry):
     with pytest.raises(ValueError, match="dry stops"):
         k_wet(dry, [500.0, 510.0], SPEED, TIME)
 

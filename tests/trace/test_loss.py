@@ -8,7 +8,7 @@ from railgrip.trace.loss import Loss, StopCourse, course_of, loss
 
 START = 20.0
 BETWEEN = 1e-3
-"""Between samples 0.05 m/s apart a place is off by (0.05 m/s)² / 8 a, 0.3 mm at 1 m/s²."""
+"""Between samples 0.05 m/s apart the error of a place is (0.05 m/s)² / 8 a, 0.3 mm at 1 m/s²."""
 
 
 def trace(decelerations, start=START, coasting=0.0):
@@ -33,22 +33,22 @@ def parts(lost: Loss) -> list[tuple[float, float]]:
     return [(section.begin, section.lost) for section in lost.sections]
 
 
-def test_two_uniform_stops_part_as_their_decelerations_say():
-    """B at place x has lost x (1 − b/a): it slows by b where A slows by a."""
+def test_two_uniform_stops_diverge_according_to_their_decelerations():
+    """B at place x has lost x (1 − b/a): it decelerates by b, A by a."""
     a, b = 1.0, 0.8
-    lost = loss(course((0.0, a)), course((0.0, b)))
-    assert lost.total == pytest.approx(START**2 / 2 * (1 / b - 1 / a), rel=1e-9)
-    np.testing.assert_allclose(lost.lost, lost.course.place * (1 - b / a), atol=BETWEEN)
-    first = lost.sections[0]
+    result = loss(course((0.0, a)), course((0.0, b)))
+    assert result.total == pytest.approx(START**2 / 2 * (1 / b - 1 / a), rel=1e-9)
+    np.testing.assert_allclose(result.lost, result.course.place * (1 - b / a), atol=BETWEEN)
+    first = result.sections[0]
     assert (first.deceleration, first.deceleration_of_first) == pytest.approx((b, a), rel=1e-4)
 
 
 def test_a_difference_arises_where_the_brakes_differ_and_nowhere_else():
-    """B slows by half from 15 to 10 m/s, which takes it twice A's way: 62.5 m more, from 87.5 m on."""
-    lost = loss(course((0.0, 1.0)), course((15.0, 1.0), (10.0, 0.5), (0.0, 1.0)))
-    assert lost.total == pytest.approx((15**2 - 10**2) / 2 * (1 / 0.5 - 1))
+    """B has half the deceleration from 15 to 10 m/s, which takes it twice A's distance: 62.5 m more, from 87.5 m."""
+    result = loss(course((0.0, 1.0)), course((15.0, 1.0), (10.0, 0.5), (0.0, 1.0)))
+    assert result.total == pytest.approx((15**2 - 10**2) / 2 * (1 / 0.5 - 1))
     begin, end = (20**2 - 15**2) / 2, (20**2 - 15**2) / 2 + (15**2 - 10**2) / 2 / 0.5
-    outside = [lost for at, lost in parts(lost) if at + 50 <= begin or at > end]
+    outside = [value for at, value in parts(result) if at + 50 <= begin or at > end]
     assert len(outside) == 2
     assert outside == pytest.approx([0.0] * len(outside), abs=BETWEEN)
 
@@ -56,31 +56,31 @@ def test_a_difference_arises_where_the_brakes_differ_and_nowhere_else():
 @pytest.mark.parametrize("end", [7.3, 33.0, 180.0, 3000.0])
 def test_sections_add_up_to_the_difference_of_the_distances(end):
     start = np.sqrt(2 * end)
-    lost = loss(
+    result = loss(
         course((0.4 * start, 0.9), (0.0, 1.3), start=start), course((0.7 * start, 1.2), (0.0, 1.0), start=start)
     )
-    assert sum(section.lost for section in lost.sections) == pytest.approx(lost.total)
-    assert lost.sections[-1].end == pytest.approx(lost.course.place[-1])
-    assert [s.end for s in lost.sections[:-1]] == [s.begin for s in lost.sections[1:]]
-    assert 1 <= len(lost.sections) <= 13
+    assert sum(section.lost for section in result.sections) == pytest.approx(result.total)
+    assert result.sections[-1].end == pytest.approx(result.course.place[-1])
+    assert [s.end for s in result.sections[:-1]] == [s.begin for s in result.sections[1:]]
+    assert 1 <= len(result.sections) <= 13
 
 
-def test_a_faster_start_is_lost_until_the_speed_is_that_of_the_other_start():
-    lost = loss(course((0.0, 1.0)), course((0.0, 1.0), start=25.0))
+def test_a_faster_start_counts_until_the_speed_is_that_of_the_other_start():
+    result = loss(course((0.0, 1.0)), course((0.0, 1.0), start=25.0))
     higher = (25**2 - 20**2) / 2
-    assert lost.total == pytest.approx(higher)
-    before = lost.course.place < higher
-    np.testing.assert_allclose(lost.lost[before], lost.course.place[before])
-    np.testing.assert_allclose(lost.lost[~before], higher, atol=BETWEEN)
+    assert result.total == pytest.approx(higher)
+    before = result.course.place < higher
+    np.testing.assert_allclose(result.lost[before], result.course.place[before])
+    np.testing.assert_allclose(result.lost[~before], higher, atol=BETWEEN)
 
 
 def test_a_slower_start_is_saved_before_the_first_section():
-    lost = loss(course((0.0, 1.0)), course((0.0, 1.0), start=15.0))
-    assert (lost.at_start, lost.total) == pytest.approx((-(20**2 - 15**2) / 2,) * 2, abs=BETWEEN)
-    assert [one for _, one in parts(lost)] == pytest.approx([0.0] * len(lost.sections), abs=BETWEEN)
+    result = loss(course((0.0, 1.0)), course((0.0, 1.0), start=15.0))
+    assert (result.at_start, result.total) == pytest.approx((-(20**2 - 15**2) / 2,) * 2, abs=BETWEEN)
+    assert [one for _, one in parts(result)] == pytest.approx([0.0] * len(result.sections), abs=BETWEEN)
 
 
-def test_a_second_without_brakes_is_lost_at_its_place():
+def test_a_second_without_brakes_is_attributed_to_its_place():
     first, other = (course_of(trace([(0.0, 1.0)], coasting=time), is_standstill=True) for time in (0.0, 1.0))
     assert loss(first, other).total == pytest.approx(START)
     assert parts(loss(first, other))[0] == (0.0, pytest.approx(START, abs=BETWEEN))
@@ -88,21 +88,21 @@ def test_a_second_without_brakes_is_lost_at_its_place():
     assert parts(loss(other, first))[0] == (0.0, pytest.approx(-START, abs=BETWEEN))
 
 
-def test_the_same_stop_loses_nothing_even_where_it_gains_speed():
+def test_the_same_stop_loses_nothing_even_where_it_accelerates():
     speeds = [20.0, 20.0, 19.0, 19.5, 19.5, 18.0, 10.0, 0.0]
     distance = np.concatenate([[0.0], np.cumsum(speeds[1:])])
     own = xarray.Dataset({"speed": ("time", speeds), "distance": ("time", distance)}, coords={"time": range(8)})
-    lost = loss(course_of(own, is_standstill=True), course_of(own, is_standstill=True))
-    np.testing.assert_allclose(lost.lost, 0.0)
+    result = loss(course_of(own, is_standstill=True), course_of(own, is_standstill=True))
+    np.testing.assert_allclose(result.lost, 0.0)
 
 
-def test_of_a_stop_that_still_rolls_only_speeds_that_both_reached_count():
-    lost = loss(course((5.0, 1.0), is_standstill=False), course((0.0, 0.5)))
-    assert lost.course.speed[-1] == pytest.approx(5.0, abs=0.1)
-    assert lost.total == pytest.approx((20**2 - 5**2) / 2 * (1 / 0.5 - 1), rel=0.01)
+def test_without_standstill_only_speeds_reached_by_both_count():
+    result = loss(course((5.0, 1.0), is_standstill=False), course((0.0, 0.5)))
+    assert result.course.speed[-1] == pytest.approx(5.0, abs=0.1)
+    assert result.total == pytest.approx((20**2 - 5**2) / 2 * (1 / 0.5 - 1), rel=0.01)
 
 
-def test_the_last_speed_of_a_standstill_is_none():
-    """A train stands below a speed that is not 0, where the two need not be equal."""
+def test_the_last_speed_of_a_standstill_does_not_count():
+    """Standstill means below a speed that is not 0, where the two need not be equal."""
     rolls, stands = course((0.05, 1.0)), course((0.02, 1.0))
     assert loss(rolls, stands).total == pytest.approx(stands.place[-1] - rolls.place[-1], abs=1e-12)

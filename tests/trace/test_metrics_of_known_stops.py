@@ -1,4 +1,4 @@
-"""Each figure of a stop, on traces whose answer is known by hand."""
+"""Each figure of a stop, on traces with results known by hand."""
 
 from dataclasses import replace
 
@@ -22,12 +22,12 @@ def test_uniform_braking_has_the_textbook_figures():
     assert measures.energy_residual(trace) == pytest.approx(0.0, abs=1e-12)
 
 
-def test_a_ramp_of_acceleration_is_its_slope_in_jerk():
+def test_jerk_is_the_slope_of_a_ramp_of_acceleration():
     time = uniform_stop()["time"].values
     assert measures.jerk(uniform_stop(acceleration=-0.3 * time)) == pytest.approx((0.3, 0.3))
 
 
-def test_energy_that_vanishes_shows():
+def test_missing_energy_is_detected():
     trace = uniform_stop(speed=20.0, pad_heat=0.0)
     assert measures.energy_residual(trace) == pytest.approx(1.0)
 
@@ -44,7 +44,7 @@ def test_slip_classes_and_deep_slide_count_the_time():
     assert measures.time_in_deep_slide(trace) == pytest.approx((0.0, 0.0, 4.0, 4.0))
 
 
-def test_the_greatest_adhesion_of_a_group_is_that_of_any_instant():
+def test_the_maximum_adhesion_of_a_group_is_that_of_any_instant():
     time = uniform_stop()["time"].values
     of_groups = np.stack([0.1 + 0.05 * (time == 3.0), 0.12 - 0.02 * (time > 9.0), 0 * time, 0.2 * (time > 9.0)], axis=1)
     peaks = measure(
@@ -76,7 +76,7 @@ def test_valve_strokes_are_changes_of_position():
     assert actuations(trace, "pneumatic") == (3, 0, 0, 3)
 
 
-def test_pressure_turns_are_counted_without_the_holds_between():
+def test_pressure_reversals_are_counted_without_the_holds_between():
     time = uniform_stop()["time"].values
     command = np.interp(time, [0, 2, 4, 6, 8, 20], [0, 3e5, 3e5, 1e5, 2e5, 2e5])
     trace = uniform_stop(command=np.stack([command, 0 * time, time, -time], axis=1))
@@ -88,7 +88,7 @@ def test_air_is_counted_from_the_demand():
     assert air_used(uniform_stop(air_used=3.0 + 0.01 * time)) == pytest.approx(0.2)
 
 
-def test_the_bound_is_the_least_of_rail_brake_and_limit():
+def test_the_bound_is_the_minimum_of_rail_brake_and_limit():
     # 2 units · 0.35 · 5·(9000 − 1000) N · 0.25 m = 7 kN·m on 200 kN·0.4 m → 0.0875; a single unit the same
     for brake in BRAKES:
         assert brake_limit(brake, np.array([0.35]), np.array([brake.load]), np.zeros(1)) == pytest.approx(0.0875)
@@ -101,7 +101,7 @@ def test_the_bound_is_the_least_of_rail_brake_and_limit():
     assert bound["peak_slip"].values == pytest.approx(0.05, abs=1e-3)
 
 
-def test_coupled_wheelsets_share_what_their_group_can_use():
+def test_coupled_wheelsets_share_the_limit_of_their_group():
     mu0 = np.array([0.05, 0.10, 0.2, 0.2, 0.2, 0.2])
     bound = with_bound(uniform_stop(mu0=mu0), parabola, BRAKES, alpha_max=0.15)
     assert bound["ideal_adhesion"].values[:, 0] == pytest.approx(0.075)
@@ -110,7 +110,7 @@ def test_coupled_wheelsets_share_what_their_group_can_use():
     assert with_limit["ideal_share"].values[0, :2] == pytest.approx([0.04, 0.08])
 
 
-def test_part_of_the_brake_torque_stops_the_wheelset_itself():
+def test_part_of_the_brake_torque_decelerates_the_wheelset_itself():
     friction, load, deceleration = np.array([0.35]), np.array([LOAD]), np.ones(1)
     light, heavy = (replace(BRAKES[0], inertia=inertia) for inertia in (1e-9, 222.0))
     difference = brake_limit(light, friction, load, deceleration) - brake_limit(heavy, friction, load, deceleration)
@@ -118,7 +118,7 @@ def test_part_of_the_brake_torque_stops_the_wheelset_itself():
     assert difference == pytest.approx(222.0 / 0.16 / LOAD)
 
 
-def test_a_wheelset_regains_the_momentum_that_a_slide_took_from_it():
+def test_a_wheelset_regains_the_momentum_lost_in_a_slide():
     """Rail below the brake limit for 5 s, above it afterwards: the surplus of the brakes, or the lock, is regained."""
     time = np.arange(0.0, 10.0, 0.001)
     ones = np.ones((len(time), 1))
@@ -136,7 +136,7 @@ def test_a_wheelset_regains_the_momentum_that_a_slide_took_from_it():
     assert not without_slide.any()
 
 
-def test_an_isolated_brake_bounds_its_group_to_nothing():
+def test_an_isolated_brake_limits_its_group_to_zero():
     bound = with_bound(uniform_stop(), parabola, (None, *BRAKES[1:]), alpha_max=0.15)
     assert bound["brake_limit"].values[0] == pytest.approx([0.0, 0.0875, 0.0875, 0.0875])
     assert bound["ideal_adhesion"].values[:, 0] == pytest.approx(0.0)
@@ -149,8 +149,8 @@ def test_utilisation_is_used_over_possible_impulse():
     assert each == pytest.approx((0.8,) * 6)
 
 
-def test_an_isolated_group_has_no_utilisation_and_leaves_that_of_the_train():
-    """The force of its contacts counts for the train all the same."""
+def test_an_isolated_group_has_no_utilisation_and_does_not_change_that_of_the_train():
+    """The force of its contacts still counts for the train."""
     trace = with_bound(uniform_stop(adhesion=0.07, mu0=0.0875), parabola, (None, *BRAKES[1:]), alpha_max=0.15)
     train, each = measures.utilisation(trace)
     isolated = np.isnan(each)
@@ -160,8 +160,8 @@ def test_an_isolated_group_has_no_utilisation_and_leaves_that_of_the_train():
     assert train == pytest.approx(0.8 * load.sum() / load[~isolated].sum())
 
 
-def test_the_adhesion_allowed_is_the_peak_of_the_creep_curve():
-    """On uniform friction and with isolated brakes, too."""
+def test_the_permitted_adhesion_is_the_peak_of_the_creep_curve():
+    """Also with uniform friction and with isolated brakes."""
     for brakes in (BRAKES, (None, *BRAKES[1:])):
         trace = with_bound(uniform_stop(adhesion=0.07, mu0=0.0875), parabola, brakes, alpha_max=0.05)
         assert measures.adhesion_allowed(trace) == pytest.approx(0.0875)
@@ -171,7 +171,7 @@ def test_the_adhesion_allowed_is_the_peak_of_the_creep_curve():
 
 
 def test_the_adhesion_at_the_first_slide_is_that_of_the_group_that_slides_first():
-    """Group 3 passes 5 % slip after 4 s, group 1 later; what follows and slides below 15 km/h do not count."""
+    """Group 3 passes 5 % slip after 4 s, group 1 later; later slides and those below 15 km/h do not count."""
     trace = uniform_stop(speed=20.0, deceleration=1.0)
     time = trace["time"].values[:, None]
     begins = np.array([6.0, 99.0, 4.0, 99.0])
@@ -196,7 +196,7 @@ def test_a_perfect_estimator_has_no_error_and_no_delay():
     assert set(errors.values()) == {(0.0,) * 4}
 
 
-def test_bias_spread_and_nees_of_a_known_error():
+def test_bias_deviation_and_nees_of_a_known_error():
     time = uniform_stop()["time"].values
     error = np.where(np.arange(len(time)) % 2, 0.03, -0.01)[:, None] * np.ones(4)
     errors = estimation.adhesion_errors(uniform_stop(estimate_adhesion=1 / 9.81 + error, estimate_adhesion_sd=0.02))
@@ -208,7 +208,7 @@ def test_bias_spread_and_nees_of_a_known_error():
 
 
 def test_errors_of_readings_are_relative_to_the_true_values():
-    """A speed of v0 to 0 at constant deceleration has the RMS v0/√3."""
+    """A speed falling from v0 to 0 at constant deceleration has the RMS v0/√3."""
     trace = uniform_stop()
     speed = trace["speed"].values
     alternating = np.where(np.arange(len(speed)) % 2, 0.2, -0.2)
@@ -222,7 +222,7 @@ def test_errors_of_readings_are_relative_to_the_true_values():
     assert errors["acceleration_error"] == pytest.approx(0.05)
 
 
-def test_an_estimate_that_comes_late_is_late_by_that_much():
+def test_a_delayed_estimate_has_that_delay():
     time = uniform_stop()["time"].values
     truth = 0.1 + 0.02 * np.sin(2 * time)
     late = 0.1 + 0.02 * np.sin(2 * (time - 0.12))
@@ -259,7 +259,7 @@ def test_every_figure_has_a_unit_and_a_meaning():
     assert all(unit and len(meaning) > 10 for unit, meaning in meanings().values())
 
 
-def test_a_consistent_estimator_raises_no_doubt():
+def test_a_consistent_estimator_is_not_reported():
     metrics = _measured()
     assert metrics.nis_ratio == pytest.approx(1.0)
     assert metrics.estimator_lost is None
@@ -267,7 +267,7 @@ def test_a_consistent_estimator_raises_no_doubt():
     assert metrics.doubts() == ()
 
 
-def test_a_truth_beyond_two_deviations_most_of_the_time_is_said_with_its_group():
+def test_a_truth_mostly_beyond_two_deviations_is_reported_with_its_group():
     metrics = _measured(estimate_pad_friction=0.35 + np.array([0.021, 0.019, 0.0, -0.021]))
     assert metrics.pad_friction_outside == (1.0, 0.0, 0.0, 1.0)
     (sentence,) = metrics.doubts()
@@ -275,13 +275,13 @@ def test_a_truth_beyond_two_deviations_most_of_the_time_is_said_with_its_group()
     assert "1 (100 %), 4 (100 %)" in sentence
 
 
-def test_a_truth_that_a_plant_does_not_show_is_not_inside():
+def test_a_truth_that_a_plant_does_not_output_is_not_inside():
     metrics = _measured(pad_friction=np.nan)
     assert np.isnan(metrics.pad_friction_outside).all()
     assert metrics.doubts() == ()
 
 
-def test_innovations_that_do_not_fit_are_said():
+def test_inconsistent_innovations_are_reported():
     (sentence,) = _measured(estimate_nis=3.0 * chi2.median(17)).doubts()
     assert "3.0 times the expected one" in sentence
     time = uniform_stop()["time"].values

@@ -1,4 +1,4 @@
-"""The peak finder against a dense grid, on Polach's curve written out here."""
+"""The peak finder compared with a dense grid, on Polach's curve written out here."""
 
 import numpy as np
 from hypothesis import example, given, settings
@@ -48,7 +48,7 @@ def test_the_peak_is_that_of_a_dense_grid(shape, speed, mu0, other):
     assert 1e-4 <= slip[0] <= 1
 
 
-def test_samples_do_not_disturb_each_other():
+def test_samples_do_not_affect_each_other():
     def contact(slip, v, load, friction):
         return polach(slip, v, load, friction, 0.3, 0.1, 0.4, 0.2)
 
@@ -59,7 +59,7 @@ def test_samples_do_not_disturb_each_other():
     assert np.array_equal(together[1], np.concatenate([each for _, each in alone]))
 
 
-def test_a_curve_that_only_rises_peaks_at_the_locked_wheel():
+def test_a_monotonic_curve_peaks_at_the_locked_wheel():
     slip, each = peak(lambda s, v, q, m: m * s, np.array([10.0]), np.array([[1e5]]), np.array([[0.1]]))
     assert slip[0] == 1.0
     assert each[0, 0] == 0.1

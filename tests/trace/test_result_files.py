@@ -1,4 +1,4 @@
-"""Results are whole, exact, reproducible to the byte, and refused in a sentence when they are not ours."""
+"""Results are complete, exact and reproducible to the byte; foreign files are refused in a sentence."""
 
 import json
 import time
@@ -33,7 +33,7 @@ def stop():
     return stop_of(COARSE)
 
 
-def test_what_the_loop_writes_is_what_the_trace_says():
+def test_rows_of_the_loop_equal_the_trace():
     recorder = Recorder((*PLANT, *SENT), TWO_PART_TRAIN, capacity=10)
     recorder.rows[:5] = np.nan
     recorder.rows[3, recorder.at["speed"]] = 12.5
@@ -47,7 +47,7 @@ def test_what_the_loop_writes_is_what_the_trace_says():
     assert trace["slip"].attrs["units"] == "1"
 
 
-def test_a_trace_file_gives_the_trace_back(tmp_path):
+def test_a_trace_file_reads_back_to_the_same_trace(tmp_path):
     trace = uniform_stop()
     write_trace(trace, tmp_path / "trace.nc")
     assert read_trace(tmp_path / "trace.nc").identical(trace)
@@ -67,8 +67,8 @@ def test_the_same_stop_gives_the_same_bytes(stop, tmp_path):
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "other" / name).read_bytes()
 
 
-def test_the_trace_says_what_was_asked_and_by_whom_as_cf_attributes(stop, tmp_path):
-    """Read by xarray itself, as people without this package do."""
+def test_the_trace_has_scenario_and_versions_as_cf_attributes(stop, tmp_path):
+    """Read by xarray itself, as users without this package do."""
     write_stop(stop, tmp_path)
     with xarray.open_dataset(tmp_path / "trace.nc", engine="h5netcdf") as trace:
         assert trace.attrs["Conventions"] == "CF-1.11"
@@ -82,13 +82,13 @@ def test_the_trace_says_what_was_asked_and_by_whom_as_cf_attributes(stop, tmp_pa
         numbers = {"group", "wheelset", "group_of_wheelset", "car_of_wheelset"}
         assert {name for name, variable in trace.variables.items() if "units" not in variable.attrs} == numbers
         for variable in trace.variables.values():
-            unit(variable.attrs.get("units", "1"))  # raises where it is none
+            unit(variable.attrs.get("units", "1"))  # raises if it is not one
         assert trace["speed"].attrs["standard_name"] == "platform_speed_wrt_ground"
         assert trace["wheelset_position"].values.tolist() == list(TWO_PART_TRAIN.wheelset_position)
         assert trace["car_of_wheelset"].values.tolist() == [1, 1, 1, 2, 2, 2]
 
 
-def test_stop_json_says_what_was_asked_and_what_came_out(stop, tmp_path):
+def test_stop_json_contains_scenario_and_result(stop, tmp_path):
     write_stop(stop, tmp_path)
     content = json.loads((tmp_path / "stop.json").read_text(encoding="utf-8"))
     assert content["outcome"] == "standstill"
@@ -104,7 +104,7 @@ def test_stop_json_says_what_was_asked_and_what_came_out(stop, tmp_path):
 
 @pytest.mark.parametrize("outcome", Outcome)
 def test_only_a_standstill_has_a_braking_distance(outcome, tmp_path):
-    """However a stop ends, the distance travelled has its own name, so that no table can take it for the other."""
+    """However a stop ends, the distance travelled has a different name, so no table can confuse the two."""
     stop = stop_of(COARSE, outcome=outcome)
     travelled = (80 / 3.6) ** 2 / 2
     write_stop(stop, tmp_path, keep_trace=False)
@@ -127,7 +127,7 @@ def test_only_a_standstill_has_a_braking_distance(outcome, tmp_path):
         assert np.isnan(frame["distance"].iloc[0])
 
 
-def test_nothing_half_written_is_left_when_writing_is_interrupted(tmp_path):
+def test_an_interrupted_write_leaves_no_partial_files(tmp_path):
     path = tmp_path / "stop.json"
     write_text(path, "before")
 
@@ -144,7 +144,7 @@ def test_nothing_half_written_is_left_when_writing_is_interrupted(tmp_path):
 
 @pytest.mark.parametrize("function", ["write_trace", "write_json"])
 def test_an_interrupted_rewrite_leaves_the_earlier_result_or_none(stop, tmp_path, monkeypatch, function):
-    """Before the new trace is there, the earlier stop is whole; after it, its stop.json no longer fits."""
+    """Before the new trace exists, the earlier stop is complete; afterwards its stop.json no longer matches."""
     other = of_scenario(stop, stop.scenario.model_copy(update={"seed": 7}))
     write_stop(stop, tmp_path)
 
@@ -180,7 +180,7 @@ def test_a_folder_without_a_stop_is_refused(tmp_path, name, content, sentence):
 
 
 @pytest.mark.parametrize("content", [None, b"", b"no hdf5 at all"])
-def test_a_file_that_is_no_trace_is_refused(tmp_path, content):
+def test_a_file_that_is_not_a_trace_is_refused(tmp_path, content):
     if content is not None:
         (tmp_path / "trace.nc").write_bytes(content)
     with pytest.raises(RecordError, match=r"trace\.nc: (there is no such trace|is not a NetCDF file)"):
@@ -188,13 +188,13 @@ def test_a_file_that_is_no_trace_is_refused(tmp_path, content):
 
 
 def test_a_trace_whose_distance_is_a_dimension_is_refused(stop, tmp_path):
-    """It is then a coordinate of the data set, of whatever length."""
+    """It is then a coordinate of the data set, of any length."""
     trace = stop.trace.drop_vars("distance").assign_coords(distance=[0.0, 1.0])
     with pytest.raises(RecordError, match="'distance' has the dimensions"):
         require_stop(tmp_path / "trace.nc", trace, groups=trace.sizes["group"])
 
 
-def test_a_stop_that_was_read_is_written_with_all_samples_of_its_file(tmp_path):
+def test_a_loaded_stop_is_written_with_all_samples_of_its_file(tmp_path):
     coarse = [f"periods.{who}=10 ms" for who in ("communication", "estimator", "controller")]
     write_stop(stop_of(load(LIBRARY / "trapezoid.toml", [*coarse, "periods.trace=50 ms"])), tmp_path / "first")
     read_stop(tmp_path / "first").write(tmp_path / "second")
@@ -211,7 +211,7 @@ def test_a_standard_deviation_without_its_estimate_is_refused(stop, tmp_path):
 
 
 def test_a_stop_that_lacks_a_signal_is_drawn_or_refused(tmp_path):
-    """Each variable of the trace of a stop with estimates is taken out alone."""
+    """Each variable of the trace of a stop with estimates is removed in turn."""
     scenario = load(LIBRARY / "trapezoid.toml", ["controller.kind=adhesion_based", "limits.horizon=1 s"])
     write_stop(run_stop(scenario), tmp_path)
     record = read_stop(tmp_path)

@@ -1,4 +1,4 @@
-"""Positions are where another library and the field test's authors put them."""
+"""Positions agree with another library and with the authors of the field test."""
 
 import numpy as np
 import pyproj
@@ -24,15 +24,15 @@ def test_the_local_frame_is_that_of_proj():
     np.testing.assert_allclose(position, np.stack([north, east, -np.asarray(up)], axis=-1), rtol=0, atol=1e-6)
 
 
-def test_the_way_there_and_back_ends_where_it_began():
+def test_conversion_there_and_back_returns_the_position():
     points = np.random.default_rng(3).uniform(-2000, 2000, (50, 3))
     there = geodetic(points[:, 0], points[:, 1], points[:, 2], MIDDLE)
     back = local(there[:, 0], there[:, 1], there[:, 2], MIDDLE)
-    # The way from ECEF to a height is iterated by the library, to about a nanometre.
+    # The library iterates from ECEF to a height, to about a nanometre.
     np.testing.assert_allclose(back, points, rtol=0, atol=1e-6)
 
 
-def test_a_level_kilometre_seems_to_fall_by_eight_centimetres():
-    """d²/2R, R the radius of the ellipsoid along the meridian there, 6.374e6 m to 0.3 %."""
+def test_a_level_kilometre_falls_by_eight_centimetres_in_the_local_frame():
+    """d²/2R, with R the radius of the ellipsoid along the meridian there, 6.374e6 m to 0.3 %."""
     down = local(MIDDLE.latitude + np.degrees(1000 / 6.374e6), MIDDLE.longitude, MIDDLE.height, MIDDLE)[2]
     assert down == pytest.approx(1000**2 / 2 / 6.374e6, rel=0.01)

@@ -1,4 +1,4 @@
-"""A laid track has the heading, height and plan that its pieces say."""
+"""A track composed of pieces has their heading, height and plan."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def test_a_transition_curve_is_a_clothoid():
     """North and east of a clothoid κ = s/A² are Fresnel's integrals."""
     length, radius = 200.0, 250.0
     plan = track(course_of([(length, 1 / radius), (200, 1 / radius)])).plan()
-    scale = np.sqrt(np.pi * length * radius)  # Fresnel's integrals take π t²/2 for s²/(2A²)
+    scale = np.sqrt(np.pi * length * radius)  # Fresnel's integrals use π t²/2 for s²/(2A²)
     sine, cosine = fresnel(length / scale)
     # Simpson over half a metre: (h⁵/2880) of a fourth derivative below 1e-6, four hundred times.
     np.testing.assert_allclose(plan.horizontal_at(length), [scale * cosine, scale * sine], rtol=0, atol=1e-7)
@@ -29,7 +29,7 @@ def test_an_arc_turns_by_its_length_over_its_radius_about_its_centre():
     track_here = track(Linear(np.array([0.0]), np.array([1 / 300.0])))
     assert track_here.heading_at(300.0) == pytest.approx(1.0)
     plan = track_here.plan()
-    centre = np.array([0.0, 300.0])  # to the right of north is east
+    centre = np.array([0.0, 300.0])  # east is to the right of north
     distances = np.linalg.norm(plan.horizontal_at(np.arange(0, 400, 0.5)) - centre, axis=1)
     np.testing.assert_allclose(distances, 300.0, rtol=0, atol=1e-7)
 
@@ -47,7 +47,7 @@ def test_overlapping_roundings_are_refused():
         grades_of(-0.01, ((200.0, 0.01, 5000.0), (205.0, 0.003, 10000.0)))
 
 
-def test_positions_lie_on_the_plan_and_carry_the_height_over_the_ellipsoid():
+def test_positions_are_on_the_plan_at_the_height_over_the_ellipsoid():
     track_here = track(Linear(np.array([0.0]), np.array([1 / 300.0])), grades_of(0.01, ()), heading=0.4)
     plan = track_here.plan()
     distance = np.array([0.0, 150.0, 400.0])

@@ -1,4 +1,4 @@
-"""What is recovered of a track is what was laid, as far as the low-pass lets through."""
+"""The recovered track equals the true one, within the bandwidth of the low-pass."""
 
 import numpy as np
 import pytest
@@ -21,29 +21,30 @@ TRACK = TrackAlignment(
 )
 
 
-def test_perfect_positions_give_back_curvature_and_slope():
+def test_exact_positions_give_back_curvature_and_slope():
     distance = np.arange(0.0, 1200.0, 1.7)
     course = course_of(distance, TRACK.plan().horizontal_at(distance), TRACK.height_at(distance), LOW_PASS)
     inside = (course.distance > 100) & (course.distance < 1100)
-    # Corners of κ, which changes by 2.5e-5/m in the transitions, are rounded over L/2π = 10 m: half of that at most.
+    # Corners of κ, which changes by 2.5e-5/m in the transitions, are rounded over L/2π = 10 m: an error of half of
+    # that.
     assert np.abs(course.curvature - TRACK.curvature(course.distance))[inside].max() < 1.25e-4
     arc = (course.distance > 480) & (course.distance < 680)
-    # Within the arc nothing is rounded; what is left is the memory of its ends, over a wavelength away.
+    # Within the arc nothing is rounded; the remaining error is the effect of its ends, over a wavelength away.
     assert np.abs(course.curvature[arc] - 1 / 500).max() < 4e-6
-    # Likewise for the slope, which changes by 1/8000 a metre.
+    # Likewise for the slope, which changes by 1/8000 per metre.
     assert np.abs(course.slope - TRACK.slope(course.distance))[inside].max() < 6e-4
 
 
 def test_a_wave_of_the_cut_off_length_is_halved():
-    """1/(1 + (L/l)⁴) at l = L, on a height that waves."""
+    """1/(1 + (L/l)⁴) at l = L, for a sinusoidal height."""
     distance = np.arange(0.0, 2000.0, 1.0)
     wave = 2 * np.pi * distance / LOW_PASS.height
     straight = np.column_stack([distance, np.zeros_like(distance)])
     course = course_of(distance, straight, np.sin(wave), LOW_PASS)
     inside = slice(300, -300)
-    left = np.sqrt(2) * np.std(course.height[inside])
-    # Whole waves inside up to one of 23: 1/46 of the amplitude.
-    assert left == pytest.approx(0.5, abs=0.02)
+    amplitude = np.sqrt(2) * np.std(course.height[inside])
+    # Up to one of 23 whole waves is inside: 1/46 of the amplitude.
+    assert amplitude == pytest.approx(0.5, abs=0.02)
 
 
 def test_positions_over_a_few_metres_are_refused():
@@ -88,12 +89,12 @@ def test_the_smoother_is_the_least_squares_of_all_readings():
         start=start,
         start_covariance=start_covariance,
     )
-    # Both solve the same well-conditioned system in doubles.
+    # Both solve the same well-conditioned system in double precision.
     np.testing.assert_allclose(states, expected, rtol=0, atol=1e-9)
 
 
-def test_a_speed_sensor_that_reads_too_much_is_found_out_by_gnss():
-    """0.5 % over 800 m are 4 m; positions are good for centimetres."""
+def test_gnss_reveals_a_speed_sensor_that_reads_too_high():
+    """0.5 % over 800 m are 4 m; positions are accurate to centimetres."""
     period, count = 0.05, 1200
     time = period * np.arange(count)
     v = np.clip(0.6 * time, 0.0, 18.0)
@@ -113,7 +114,7 @@ def test_a_speed_sensor_that_reads_too_much_is_found_out_by_gnss():
         trust=SensorDeviations(speed=0.02, scale=5e-3, acceleration=0.05, bias=0.1, drift=0.01, jerk=0.7, position=0.1),
         low_pass=LOW_PASS,
     )
-    # A tenth of the scale error is what 0.02 m of position over 800 m and a smoothed path leave.
+    # A tenth of the scale error: the remainder with 0.02 m of position error over 800 m and a smoothed path.
     assert motion.distance[-1] == pytest.approx(distance[-1], rel=5e-4)
     assert motion.scale == pytest.approx(0.005, abs=5e-4)
     assert np.sqrt(np.mean((motion.speed - v) ** 2)) < 0.01

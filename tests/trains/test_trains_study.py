@@ -1,4 +1,4 @@
-"""The study of trains: one distance of the trial of sanders is fitted, and the results say which."""
+"""The study of trains: one distance of the trial of sanders is fitted, and the results state which."""
 
 import json
 import tomllib
@@ -16,7 +16,7 @@ from railgrip.studies.trains.study import page_of, table_of_sanders
 
 
 def laid(scenario):
-    """A rail on which each sander takes a fifth off, by the density of its sand."""
+    """A rail on which each sander shortens the distance by a fifth, depending on the density of its sand."""
     density = scenario.adhesion.sand.density if scenario.sanders else 1.0
     variable = sum(2 if sander.density else 1 for sander in scenario.sanders)
     return 1300.0 * np.exp(-variable * 0.01 / density) if variable else None
@@ -42,8 +42,8 @@ def test_one_distance_is_fitted_and_the_others_follow(monkeypatch):
     assert table_of_sanders(rows).texts[0]["difference"] == ""
 
 
-def test_the_demand_is_the_deceleration_of_the_trial():
-    """By hand, with the pressures of the scenario in place of the highest ones."""
+def test_the_demand_gives_the_deceleration_of_the_trial():
+    """By hand, with the pressures of the scenario instead of the maximum ones."""
     trial = sanders.trial_of()
     pressures = sanders.scenario_tables(trial)["demand"]["phases"][0]["pressure"]
     tables = tomllib.loads(shelf("trains")[str(trial.train)].read_text(encoding="utf-8"))
@@ -54,7 +54,7 @@ def test_the_demand_is_the_deceleration_of_the_trial():
 
 
 def stop_of(train, **changes):
-    """A stop that nobody ran."""
+    """A stop that was not run."""
     values = {
         "train": train, "speed": 30.0, "distance": 400.0, "hand": by_hand(train, 30.0), "states": 9, "build_s": 2.5,
         "plant_step_us": 3.0, "cycle_us": 5.0, "coupler_force": np.zeros(len(train.couplers)),
@@ -63,7 +63,7 @@ def stop_of(train, **changes):
     return DryStop(**values | changes)
 
 
-def test_the_files_say_what_was_fitted_and_whose_the_reference_is(tmp_path):
+def test_the_files_state_the_fit_and_the_source_of_the_reference(tmp_path):
     train = load_train(Path("emu387"))
     filling = Filling(begin=np.array([0.1, 0.4]), filling=np.array([4.0, 4.1]), propagation=280.0)
     text = shelf("trains")["emu387"].read_text(encoding="utf-8")
@@ -92,15 +92,15 @@ def test_the_files_say_what_was_fitted_and_whose_the_reference_is(tmp_path):
 
 
 def test_the_stop_with_estimator_and_valves_ends(monkeypatch, tmp_path):
-    """With two of its four cars, which a coupler holds: half of the train is a quarter of what it takes to build."""
+    """With two of its four cars, connected by a coupler: half of the train takes a quarter of the build time."""
     for name in ("dry.toml", "protected.toml"):
         text = (stops.LIBRARY / name).read_text(encoding="utf-8")
         (tmp_path / name).write_text(text.replace('"emu387"', f'"{tmp_path}/half.toml"'), encoding="utf-8")
     whole = shelf("trains")["emu387"].read_text(encoding="utf-8")
     (tmp_path / "half.toml").write_text(repeat_cars(whole, 2), encoding="utf-8")
     monkeypatch.setattr(stops, "LIBRARY", tmp_path)
-    monkeypatch.setattr(stops, "_ROUNDS", 1)  # more are for the time
+    monkeypatch.setattr(stops, "_ROUNDS", 1)  # more would only cost time
     stop = protected_stop(0.01)
-    assert 20.0 < stop["simulated_s"] < 60.0  # the rail holds 0.08 g from 80 km/h: 28 s at best
+    assert 20.0 < stop["simulated_s"] < 60.0  # the rail supports 0.08 g from 80 km/h: 28 s or longer
     assert stop["processor_s"] > 0
     assert stop["times_real_time"] == stop["simulated_s"] / stop["processor_s"]

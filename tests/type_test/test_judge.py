@@ -1,4 +1,4 @@
-"""What a stop is worth follows from its figures by the definitions, and a leaderboard from the stops."""
+"""The score of a stop follows from its figures by the definitions, and a leaderboard from the stops."""
 
 import math
 from dataclasses import replace
@@ -30,7 +30,7 @@ TAKING_PART = {
 
 
 def result(case, controller, distance, *, stands=True, speed=20.0, **figures):
-    """A stop that stood after `distance` and slid first at an adhesion of 0.06, its other figures 0 unless given."""
+    """A stop with standstill after `distance` that first slid at an adhesion of 0.06; other figures 0 unless given."""
     plain = {name: (0.0, 0.0) if name in EACH else 0.0 for name in meanings()}
     metrics = Metrics(**(plain | {"distance": distance, "adhesion_at_slide": 0.06} | figures))
     variants = {"case": case, "controller": controller, "friction": "0.3", "curve": "dry"}
@@ -64,7 +64,7 @@ def test_a_distance_is_compared_with_dry_rail_bound_and_best_tuned_baseline():
     assert stop.k_wet == pytest.approx((250 - build_up) / (315 - build_up))
 
 
-def test_each_clause_is_kept_up_to_its_limit():
+def test_each_clause_is_satisfied_up_to_its_limit():
     unlimited = {"locked_distance": None}  # no limit is known
     good = mine(case("a", mine=1.25 * 250, longest_lock_fast=(0.0, 0.4), utilisation=0.85, duration=30.0))
     assert (
@@ -77,14 +77,14 @@ def test_each_clause_is_kept_up_to_its_limit():
     assert {name for name, verdict in bad.verdicts.items() if verdict is False} == {"extension", "lock", "utilisation"}
 
 
-def test_the_extension_is_judged_by_the_adhesion_at_the_first_slide():
+def test_the_extension_is_evaluated_by_the_adhesion_at_the_first_slide():
     for adhesion, verdict in ((0.049, None), (0.05, False), (0.08, False), (0.081, None), (math.nan, None)):
         stops = [result("a", "dry", 250.0), result("a", "mine", 500.0, adhesion_at_slide=adhesion)]
         assert mine(stops).verdicts["extension"] is verdict
 
 
-def test_all_controllers_of_a_case_are_judged_by_the_same_adhesion():
-    """By the median. The dry rail and the ideal bound do not count; a controller that never slides is judged, too."""
+def test_all_controllers_of_a_case_are_evaluated_by_the_same_adhesion():
+    """By the median, without the dry rail and the ideal bound; it also applies to a controller that never slides."""
     adhesions = {"dry": 0.3, "ideal_bound": 0.3, "tuned": 0.081, "second": 0.06, "slip_three_state": 0.07}
     stops = [
         result("a", name, 250.0 if name == "dry" else 500.0, adhesion_at_slide=adhesion)
@@ -96,8 +96,8 @@ def test_all_controllers_of_a_case_are_judged_by_the_same_adhesion():
     assert {stop.verdicts["extension"] for stop in judged} == {False}
 
 
-def test_use_of_the_adhesion_is_judged_with_an_isolated_group():
-    """The isolated brake draws nothing; the train has a utilisation all the same, from the trace to the verdict."""
+def test_the_utilisation_of_adhesion_is_evaluated_with_an_isolated_group():
+    """The isolated brake uses no adhesion; the train still has a utilisation, from the trace to the verdict."""
     brakes = (None, *BRAKES[1:])
     for used, verdict in ((0.07, True), (0.04, False)):
         trace = with_bound(uniform_stop(adhesion=used, mu0=0.0875), parabola, brakes, alpha_max=0.15)
@@ -117,12 +117,12 @@ def test_a_train_that_does_not_stop_fails_and_has_no_distance():
     assert stop.verdicts["extension"] is False
 
 
-def test_a_reservoir_loses_what_the_compressor_does_not_bring():
-    """p V is kept: 450 l at 8 bar that give 0.9 m3 of free air lose two atmospheres."""
+def test_a_reservoir_loses_the_air_that_the_compressor_does_not_supply():
+    """p V is constant: 450 l at 8 bar that supply 0.9 m3 of free air lose two atmospheres."""
     supply = LIMITS.supply.model_copy(update={"delivery": 0.0})
     assert supply.remaining(0.9, 10.0) == pytest.approx(8e5 - 2 * 101325)
     assert supply.remaining(100.0, 10.0) == 0.0
-    assert LIMITS.supply.remaining(0.1, 60.0) == 8e5  # it is not filled beyond what it had
+    assert LIMITS.supply.remaining(0.1, 60.0) == 8e5  # it is not filled beyond its initial pressure
 
 
 def test_the_leaderboard_has_the_quantiles_of_the_ratios():
@@ -135,11 +135,11 @@ def test_the_leaderboard_has_the_quantiles_of_the_ratios():
     assert (own.air, own.strokes) == pytest.approx((0.5, 1.5))
     assert board["tuned"].worst == 1.0
     assert list(board) == ["ideal_bound", "mine", "tuned", "second", "slip_three_state"]
-    assert board["ideal_bound"].median == pytest.approx(270 / 300)  # what there is to win
+    assert board["ideal_bound"].median == pytest.approx(270 / 300)  # the possible gain
     assert own.k_wet_low <= own.k_wet <= own.k_wet_high
 
 
-def test_one_stop_that_never_ends_leaves_no_worst_ratio():
+def test_one_stop_without_end_makes_the_worst_ratio_undefined():
     stops = [stop for n, far in enumerate((270.0, 285.0, None)) for stop in case(str(n), mine=far)]
     own = next(
         one for one in summaries(judgements(stops, TAKING_PART, LIMITS), TAKING_PART) if one.controller == "mine"
@@ -150,7 +150,7 @@ def test_one_stop_that_never_ends_leaves_no_worst_ratio():
     assert own.kept["stops"] == pytest.approx(2 / 3)
 
 
-def test_a_baseline_that_locks_for_longer_than_the_clause_allows_is_not_the_best():
+def test_a_baseline_that_locks_longer_than_the_clause_allows_is_not_the_best():
     others = case("a", mine=315.0)
     for stop in others:
         if stop.controller == "tuned":
@@ -162,7 +162,7 @@ def test_a_baseline_that_locks_for_longer_than_the_clause_allows_is_not_the_best
     assert {stop.best_m for stop in judgements(others, TAKING_PART, unlimited)} == {300.0}
 
 
-def test_without_a_baseline_that_keeps_the_lock_clause_a_case_is_not_compared():
+def test_a_case_is_not_compared_without_a_baseline_that_satisfies_the_lock_clause():
     locked = [
         result("b", who, 300.0, longest_lock_fast=(9.0, 0.0)) if who in ("tuned", "second") else result("b", who, 290.0)
         for who in ("dry", "tuned", "second", "mine")
@@ -174,7 +174,7 @@ def test_without_a_baseline_that_keeps_the_lock_clause_a_case_is_not_compared():
     assert own.median_interval == (None, None)  # one case has no interval
 
 
-def test_intervals_of_median_and_quantile_hold_them_and_shrink_with_the_cases():
+def test_intervals_of_median_and_quantile_contain_them_and_shrink_with_the_cases():
     widths = []
     for count in (100, 900):
         distances = 300.0 + np.random.default_rng(3).normal(0.0, 15.0, count)
@@ -184,18 +184,18 @@ def test_intervals_of_median_and_quantile_hold_them_and_shrink_with_the_cases():
         for value, (low, high) in ((own.median, own.median_interval), (own.p95, own.p95_interval)):
             assert low < value < high
         widths.append(own.median_interval[1] - own.median_interval[0])
-        # that of a median of normal numbers is 2 × 1.96 × 1.2533 standard deviations over √n, of many
+        # that of a median of many normal numbers is 2 × 1.96 × 1.2533 standard deviations over √n
         assert widths[-1] == pytest.approx(2 * 1.96 * 1.2533 * 0.05 / count**0.5, rel=0.6)
     assert widths[1] < widths[0]
 
 
-def test_where_no_tuned_baseline_stops_nobody_is_compared():
+def test_without_a_tuned_baseline_that_stops_nothing_is_compared():
     stop = mine(case("a", mine=300.0, tuned=None, second=None))
     assert stop.best_m is None
     assert stop.over_best is None
 
 
-def test_a_limit_that_is_none_is_refused(tmp_path):
+def test_an_invalid_limit_is_refused(tmp_path):
     text = (Path(limits_of.__code__.co_filename).parent / "library" / "limits.toml").read_text(encoding="utf-8")
     path = tmp_path / "own.toml"
     path.write_text(text.replace("limit = 0.4", "limit = 0.1"), encoding="utf-8")
@@ -208,7 +208,7 @@ def test_a_limit_that_is_none_is_refused(tmp_path):
         limits_of(path)
 
 
-def test_the_interval_of_k_wet_holds_the_quantile_of_equal_cases():
+def test_the_interval_of_k_wet_contains_the_quantile_of_equal_cases():
     stops = [stop for n in range(30) for stop in case(str(n), mine=300.0 + n)]
     own = next(
         one for one in summaries(judgements(stops, TAKING_PART, LIMITS), TAKING_PART) if one.controller == "mine"

@@ -1,4 +1,4 @@
-"""Results of railgrip's controllers that come with the package stand beside those of one controller."""
+"""Results of built-in controllers in the package are listed with those of a user's controller."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -27,7 +27,7 @@ def stops():
 
 @pytest.fixture(scope="module")
 def page(stops):
-    """Page of a controller that stops a tenth longer than three-state control, with the package's results beside."""
+    """Page of a controller that stops a tenth longer than three-state control, with the results of the package."""
     found = [stop for stop in stops if stop.controller in ("dry", "ideal_bound")]
     for stop in stops:
         if stop.controller == "slip_three_state" and stop.distance_m is not None:
@@ -37,13 +37,13 @@ def page(stops):
     return page_of(found, entrants() | own, limits_of(), packaged=stops, candidates=[OWN], again=again)
 
 
-def test_each_case_comes_with_a_stop_of_each_controller(stops):
+def test_each_case_has_a_stop_of_each_controller_in_the_package(stops):
     names = {(stop.case, stop.controller) for stop in stops}
     assert names == {(case.name, controller) for case in cases(QUICK) for controller in entrants()}
     assert len(names) == len(stops)
 
 
-def test_a_single_case_comes_with_its_stops():
+def test_a_single_case_has_its_stops_in_the_package():
     stops, sentences = read_shipped([case_named("03of24-15595")], TRAIN)
     assert {stop.case for stop in stops} == {"03of24-15595"}
     assert len(stops) == len(entrants())
@@ -51,8 +51,8 @@ def test_a_single_case_comes_with_its_stops():
 
 
 @pytest.mark.parametrize("controller", ["ideal_bound", "slip_three_state_searched", "slope_seeking"])
-def test_a_stop_that_is_run_has_the_distance_that_comes_with_the_package(stops, controller):
-    """Stops that differ by less than two thousandths are the same, as in the comparison of two controllers."""
+def test_a_new_run_has_the_distance_in_the_package(stops, controller):
+    """Stops that differ by less than two thousandths are equal, as in the comparison of two controllers."""
     case = case_named("03of24-15595")
     (planned,) = campaign_of([case], {controller: entrants()[controller]}, TRAIN).stops
     (expected,) = [stop for stop in stops if (stop.case, stop.controller) == (case.name, controller)]
@@ -72,13 +72,13 @@ def test_results_of_other_cases_or_another_train_are_refused(monkeypatch, stops)
     assert read_shipped(cases(QUICK), TRAIN)[0] == stops
 
 
-def test_cases_without_a_file_have_a_sentence():
+def test_cases_without_a_file_are_reported_in_a_sentence():
     assert read_shipped(cases(CASES), TRAIN) == (
         [], ["No results of railgrip's controllers come with these 240 cases; they come with those of --quick."],
     )  # fmt: skip
 
 
-def test_what_is_written_is_read_again(tmp_path, stops):
+def test_written_results_read_back(tmp_path, stops):
     write_shipped(stops, cases(QUICK), TRAIN, tmp_path)
     read, (sentence,) = read_shipped(cases(QUICK), TRAIN, tmp_path)
     assert read == stops
@@ -96,7 +96,7 @@ def test_results_of_a_version_without_the_adhesion_at_the_first_slide_are_read(t
     assert {stop.verdicts["extension"] for stop in judged} == {None}
 
 
-def test_one_controller_stands_among_those_of_the_package(page):
+def test_one_controller_is_listed_among_those_of_the_package(page):
     board = {row["controller"]: row for row in page.values["board"].rows}
     assert board.keys() == entrants().keys() - {"dry"} | {OWN}
     assert board[OWN]["over bound"] == pytest.approx(1.1 * board["slip_three_state"]["over bound"])
@@ -116,7 +116,7 @@ def test_its_line_is_drawn_among_theirs(page):
     assert max(widths, key=widths.get) == OWN
 
 
-def test_clauses_have_limits_with_units_and_those_that_no_controller_can_keep_are_explained(page):
+def test_clauses_have_limits_with_units_and_unsatisfiable_ones_are_explained(page):
     headings = page.values["clauses"].columns
     assert {"extension ≤ 25 %", "lock ≤ 0.4 s", "reservoir ≥ 5 bar", "utilisation ≥ 85 %"} <= set(headings)
     (sentence,) = page.values["failed_by_bound"]

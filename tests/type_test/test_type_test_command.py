@@ -1,4 +1,4 @@
-"""`railgrip study type_test` runs what is missing, judges it, and writes what others read."""
+"""`railgrip study type_test` runs missing stops, evaluates them, and writes the results."""
 
 import csv
 import json
@@ -32,7 +32,7 @@ def run(*arguments):
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
-    """A folder with one case, stopped by one of ours and by one of a scenario."""
+    """A folder with one case, stopped by a built-in controller and by one of a scenario."""
     folder = tmp_path_factory.mktemp("type_test")
     (folder / "own.toml").write_text(OWN, encoding="utf-8")
     code = run(
@@ -70,7 +70,7 @@ def test_the_table_of_cases_has_a_row_for_each_stop(results):
     assert rows[0]["keeps_stops"] == "True"
 
 
-def test_the_page_can_be_sent_alone(results):
+def test_the_page_is_self_contained(results):
     assert needs_nothing_else(results / "index.html")
     assert len(plots_of(results / "index.html")) == 3
     page = (results / "index.html").read_text(encoding="utf-8")
@@ -79,14 +79,14 @@ def test_the_page_can_be_sent_alone(results):
     assert page.count("<details>") == page.count("</details>")
 
 
-def test_only_what_is_missing_is_run(results):
+def test_only_missing_stops_are_run(results):
     before = {path: path.stat().st_mtime_ns for path in results.glob("*/stop.json")}
     assert len(before) == 8  # with both references
     assert run("--cases", "2", "--controller", "slip_two_state_searched", "--out", str(results)) == 0
     after = {path: path.stat().st_mtime_ns for path in results.glob("*/stop.json")}
     assert before.items() < after.items()
     assert len(after) == 10
-    # Who ran before is still on the leaderboard, but for what is no entrant of ours.
+    # Earlier entrants are still on the leaderboard, except for those that are not built-in.
     assert set(content_of(results)["summary"]) == {
         "ideal_bound",
         "slip_two_state_searched",
@@ -97,8 +97,8 @@ def test_only_what_is_missing_is_run(results):
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 
 
-def test_redistribution_shortens_a_service_brake_on_a_rail_that_wheels_clean(tmp_path, capsys):
-    """With half of full brake asked for, adhesion is left behind the first groups; the same cases with and without."""
+def test_redistribution_shortens_a_service_brake_on_a_rail_cleaned_by_wheels(tmp_path, capsys):
+    """At half of full brake adhesion is unused behind the first groups; the same cases with and without."""
     pair = ["slip_three_state", str(EXAMPLES / "slip_three_state_redistributed.toml")]
     named = [text for name in pair for text in ("--controller", name)]
     task = EXAMPLES / "service_brake.toml"
@@ -123,7 +123,7 @@ def test_redistribution_shortens_a_service_brake_on_a_rail_that_wheels_clean(tmp
     )
 
 
-def test_a_task_has_a_demand_or_says_how_wheels_clean(tmp_path, capsys):
+def test_a_task_has_a_demand_or_states_how_wheels_clean(tmp_path, capsys):
     (tmp_path / "own.toml").write_text(OWN, encoding="utf-8")
     assert run("--task", str(tmp_path / "own.toml"), "--out", str(tmp_path)) == 2
     assert "own.toml: has neither [demand] nor [adhesion.conditioning]" in capsys.readouterr().err
@@ -140,7 +140,7 @@ def test_a_wrong_name_is_refused_in_one_sentence(tmp_path, capsys):
     assert "there is no such case" in capsys.readouterr().err
 
 
-def test_an_entrant_is_one_of_ours_a_scenario_an_fmu_or_a_class(tmp_path):
+def test_an_entrant_is_built_in_a_scenario_an_fmu_or_a_class(tmp_path):
     ours = entrants()
     (tmp_path / "own.toml").write_text(OWN.replace("[controller]", "[controlled]"), encoding="utf-8")
     with pytest.raises(ScenarioError, match=r"own.toml: has no \[controller\]"):
@@ -155,7 +155,7 @@ def test_an_entrant_is_one_of_ours_a_scenario_an_fmu_or_a_class(tmp_path):
     assert taking_part["Law"].tables == {"controller": {"kind": "mine:Law"}}
 
 
-def test_a_train_is_ours_a_recipe_or_that_of_a_scenario(tmp_path):
+def test_a_train_is_built_in_a_recipe_or_that_of_a_scenario(tmp_path):
     (tmp_path / "own.toml").write_text(OWN.replace("TwoPartTrainPneumatic", "x.fmu"), encoding="utf-8")
     assert train_of(None)["vehicle"]["plant"] == "TwoPartTrainPneumatic"
     assert train_of("TwoPartTrain")["vehicle"] == {"plant": "TwoPartTrain"}

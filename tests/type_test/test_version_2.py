@@ -1,4 +1,4 @@
-"""The cases of version 2, the sealed set of a controller, the count of looks, and results by family."""
+"""The cases of version 2, the sealed set of a controller, the number of looks, and results by family."""
 
 from collections import Counter
 from dataclasses import replace
@@ -48,7 +48,7 @@ def test_a_full_set_has_more_than_400_cases_and_every_value_at_its_share():
     assert 0.3 < sum(bool(case.other) for case in CASES) / len(CASES) < 0.6
 
 
-def test_values_are_inside_their_ranges():
+def test_values_are_within_their_ranges():
     for case in CASES:
         assert abs(case.load - 1) <= LOAD
         assert 0 <= case.radius <= RADIUS
@@ -56,7 +56,7 @@ def test_values_are_inside_their_ranges():
         assert case.speed * case.horizon < 20e3  # m, the longest tabulated rail
 
 
-def test_a_pair_of_faults_is_of_two_parts_of_the_train():
+def test_a_pair_of_faults_affects_two_parts_of_the_train():
     pairs = [case for case in CASES if len(case.faults) == 2]
     assert pairs
     for case in pairs:
@@ -72,7 +72,7 @@ def test_a_blend_is_between_its_two_curves():
     assert 0.4 < polach["A"] < 0.5
 
 
-def test_radii_and_pads_differ_by_group_and_are_the_same_for_more_groups():
+def test_radii_and_pads_differ_by_group_and_do_not_depend_on_the_number_of_groups():
     case = max(CASES, key=lambda case: case.radius)
     two, four = (case.tables(groups)["truth"] for groups in (2, 4))
     assert len(set(four["wheel_radius"])) == 4
@@ -80,7 +80,7 @@ def test_radii_and_pads_differ_by_group_and_are_the_same_for_more_groups():
     assert len(set(four["pad_friction"])) == 4
 
 
-def test_sets_have_no_case_in_common():
+def test_sets_share_no_case():
     sets = [{replace(case, name="") for case in SECOND.draw(96, seed)}
             for seed in (SECOND.test, SECOND.validation, SECOND.training)]  # fmt: skip
     assert not sets[0] & sets[1]
@@ -118,7 +118,7 @@ def test_a_case_is_found_by_its_name_but_not_in_a_sealed_set():
     assert CaseSet.sealed(2, "1123456789abcdef") != sealed
 
 
-def test_a_digest_follows_source_and_parameters_but_not_comments(tmp_path):
+def test_a_digest_depends_on_source_and_parameters_but_not_on_comments(tmp_path):
     source = '"""Law."""\n\n\nclass Own:\n    """Law."""\n\n    gain = 1.0\n'
     (tmp_path / "mine.py").write_text(source, encoding="utf-8")
     entrant = Entrant.model_validate({"description": "", "role": "entrant", "controller": {"kind": "mine:Own"}})
@@ -141,13 +141,13 @@ def test_looks_are_counted_by_set_and_controller(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("options", [{}, {"controller": ["a", "b"]}, {"controller": ["a"], "validation": True}])
-def test_a_sealed_set_is_of_one_controller(options):
+def test_a_sealed_set_belongs_to_one_controller(options):
     with pytest.raises(ScenarioError, match="--sealed is for one --controller"):
         TypeTest(sealed=True, **options)._require_consistent()
 
 
 @pytest.mark.usefixtures("in_process")
-def test_a_sealed_set_is_run_with_the_baselines_and_shows_no_single_case(tmp_path, monkeypatch):
+def test_a_sealed_set_is_run_with_the_baselines_and_reveals_no_single_case(tmp_path, monkeypatch):
     few = {name: entrants(2)[name] for name in ("dry", "slip_two_state", "fuzzy_slip")}
     counted = SimpleNamespace(folder=lambda: tmp_path / "cache")  # FMUs and filters are those of the other tests
     monkeypatch.setattr("railgrip.studies.type_test.case_set.cache", counted)
@@ -182,7 +182,7 @@ def stops():
     return found
 
 
-def test_the_best_baseline_need_not_be_tuned_but_keeps_the_lock_clause(stops):
+def test_the_best_baseline_may_be_untuned_but_satisfies_the_lock_clause(stops):
     taking_part = entrants(2)
     best = {stop.best_m for stop in judgements(stops, taking_part, limits_of(), only_tuned=False)}
     assert best == {90.0, 100.0}
@@ -204,7 +204,7 @@ def test_a_law_loses_in_the_family_with_its_largest_median(stops):
     assert where["fuzzy_slip"] in always
 
 
-def test_the_page_shows_families_the_bound_and_the_looks(stops):
+def test_the_page_contains_families_the_bound_and_the_looks(stops):
     again = dict.fromkeys(entrants(2), "railgrip study type_test --case")
     page = page_of(stops, entrants(2), limits_of(), again=again, version=2)
     assert list(page.values["families"]) == list(AXES)
@@ -222,7 +222,7 @@ def test_training_cases_have_their_trains():
     assert [stop.scenario.resolved()["vehicle"].get("train", "") for stop in planned] == trains
 
 
-def test_shipped_results_have_all_controllers_or_say_how_to_renew_them():
+def test_shipped_results_have_all_controllers_or_a_hint_how_to_renew_them():
     design = CaseSet(version=2, count=SECOND.quick, seed=SECOND.test).cases()
     found, (sentence,) = read_shipped(design, train_of(None))
     if not found:

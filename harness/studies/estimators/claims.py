@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 import xarray
 
+from railgrip.estimation.models import PredictionModel
 from railgrip.estimators.belief import Matrix
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.fmus.native import Model
@@ -39,7 +40,12 @@ UNMODELLED: Final[Mapping[Sensors, UnmodelledErrors]] = {
 
 
 def with_unmodelled(
-    recording: xarray.Dataset, states: Sequence[str], mean: Matrix, variance: Matrix, sensors: Sensors, model: Model
+    recording: xarray.Dataset,
+    states: Sequence[str],
+    mean: Matrix,
+    variance: Matrix,
+    sensors: Sensors,
+    model: Model | PredictionModel,
 ) -> Matrix:
     """Return the variances of an estimator plus those of the errors in no equation, shape (k, n).
 
@@ -50,7 +56,10 @@ def with_unmodelled(
     bases = [name.partition("[")[0] for name in states]
     of = {base: [k for k, name in enumerate(bases) if name == base] for base in ("v", "alpha", "mu_b")}
     errors, values = UNMODELLED[sensors], {variable.name: variable.start for variable in model.parameters}
-    threshold, spring = (release_pressure(values, 0, force) for force in (RELEASED_PADS, 0.0))
+    threshold, spring = (
+        np.array([release_pressure(values, group, force) for group in range(len(of["mu_b"]))])
+        for force in (RELEASED_PADS, 0.0)
+    )
     pressure = np.nan_to_num(recording["reading_cylinder_pressure"].values)
     offset = errors.pressure / (np.maximum(pressure, threshold) - spring)
     total = variance.copy()

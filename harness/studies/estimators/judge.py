@@ -2,7 +2,7 @@
 
 import hashlib
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Final
 
@@ -84,13 +84,16 @@ def errors_of(case: EstimatorCase) -> CaseErrors:
     recording = recording_of_case(recording_case)
     digest = _digest(recording)
     try:
-        found = _constant(recording, dict(constants)) if estimator == CONSTANT else replay(recording_case, estimator)
+        if estimator == CONSTANT:
+            found = _constant(recording, states("", recording_case.train), dict(constants))
+        else:
+            found = replay(recording_case, estimator)
     except FilterDiverged:
         nothing = dict.fromkeys(TARGETS, math.nan)
         unknown: dict[str, Any] = dict.fromkeys((field.name for field in fields(CaseErrors)), math.nan)
         unknown.update(digest=digest, diverged=True, rmse=nothing, coverage=nothing)
         return CaseErrors(**unknown)
-    trace = with_estimates(recording, states(estimator), found.mean, found.variance)
+    trace = with_estimates(recording, states(estimator, recording_case.train), found.mean, found.variance)
     errors = _judge(trace, digest, nis=found.nis_ratio, microseconds=found.microseconds)
     return replace(errors, step_delay=math.nan) if estimator == CONSTANT else errors
 
@@ -100,9 +103,9 @@ def _digest(trace: xarray.Dataset) -> str:
     return hashlib.sha256(b"".join(trace[signal.name].values.tobytes() for signal in READINGS)).hexdigest()
 
 
-def _constant(recording: xarray.Dataset, constants: Mapping[str, float]) -> Replay:
+def _constant(recording: xarray.Dataset, names: Sequence[str], constants: Mapping[str, float]) -> Replay:
     bases = {"alpha": "adhesion", "mu_b": "pad_friction"}
-    row = [constants.get(bases.get(name.partition("[")[0], ""), math.nan) for name in states()]
+    row = [constants.get(bases.get(name.partition("[")[0], ""), math.nan) for name in names]
     mean = np.tile(row, (recording.sizes["time"], 1))
     return Replay(mean=mean, variance=np.full(mean.shape, math.nan), nis_ratio=None, microseconds=0.0)
 
@@ -198,5 +201,5 @@ def truths_of(case: RecordingCase) -> dict[str, tuple[float, int]]:
 
 def bounds_of(case: RecordingCase) -> float:
     """Return the root mean square of the posterior Cramér-Rao bound of adhesion over groups and time."""
-    bound = bound_of(case)
-    return rms(np.array([each for name, each in zip(states(), bound, strict=True) if name.startswith("alpha")]))
+    bound, names = bound_of(case), states("", case.train)
+    return rms(np.array([each for name, each in zip(names, bound, strict=True) if name.startswith("alpha")]))

@@ -13,6 +13,9 @@ import xarray
 import railgrip.scenario
 from railgrip.estimation.sources import stop_read
 from railgrip.recording.samples import with_signals
+from railgrip.rolling_stock.modelica import nominal_data
+from railgrip.rolling_stock.schema import Train, load_train
+from railgrip.scenario.file import NamedFile, locate
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.merge import merge
 from railgrip.scenario.schema import Scenario
@@ -31,6 +34,7 @@ Sensors = Literal["ideal", "service", "worn"]
 SENSORS: Final[tuple[Sensors, ...]] = ("ideal", "service", "worn")
 
 GROUPS: Final = 4
+"""Of the two-part train."""
 PERIOD: Final = 0.01
 """Of recordings and estimators [s]."""
 
@@ -100,6 +104,8 @@ class RecordingCase:
         demand: Key of `DEMANDS`.
         over: Whether friction changes over time or along the track.
         inertia: Inertia of the wheelsets over that of the predictions.
+        train: Name of a train or path of a train file; '' for the two-part train.
+        digest: SHA-256 of that file, so that stored results of a file that has changed are not used.
     """
 
     stop: AnyCase
@@ -107,27 +113,59 @@ class RecordingCase:
     demand: str
     over: Literal["time", "distance"]
     inertia: float
+    train: str = ""
+    digest: str = ""
+
+    @property
+    def groups(self) -> int:
+        """Number of groups of the train."""
+        return len(self.train_file.groups) if self.train else GROUPS
+
+    @property
+    def train_file(self) -> Train:
+        """Content of the train file."""
+        return load_train(Path(self.train))
 
 
-def recording_cases(count: int, seed: int) -> tuple[RecordingCase, ...]:
-    """Return a number of cases, the same ones for the same seed.
+def recording_cases(count: int, seed: int, train: str = "") -> tuple[RecordingCase, ...]:
+    """Return a number of cases of a train, the same ones for the same seed.
 
     The first half is of version 1 of the type test, the second of version 2. Sensors, demand, dimension of the friction
     and inertia are further axes, each as even as those of the type test; in version 2 the rail decides the dimension.
+    The speed at the start does not exceed that of the fastest published stop of the train.
+
+    Args:
+        count: Number of cases.
+        seed: Seed of the set.
+        train: Name of a train or path of a train file; '' for the two-part train.
+
+    Raises:
+        ScenarioError: The file is not a train.
     """
+    fastest, digest = np.inf, ""
+    if train:
+        fastest = max((stop.speed for stop in load_train(Path(train)).reference), default=np.inf)
+        digest = NamedFile(entry=train, path=locate(train, "trains")).digest()
     choices: list[RecordingCase] = []
     stops = (*cases((count + 1) // 2, seed), *track_cases(count // 2, seed))
     for stop, (first, second, third, fourth) in zip(stops, ranks(count, 4, seed), strict=True):
         choices.append(
             RecordingCase(
-                stop=replace(stop, train="") if isinstance(stop, TrackCase) else stop,
+                stop=_on_train(stop, fastest),
                 sensors=SENSORS[int(first * len(SENSORS))],
                 demand=tuple(DEMANDS)[int(second * len(DEMANDS))],
                 over="distance" if third > 0.5 else "time",
                 inertia=INERTIAS[int(fourth * len(INERTIAS))],
+                train=train,
+                digest=digest,
             )
         )
     return tuple(choices)
+
+
+def _on_train(stop: AnyCase, fastest: float) -> AnyCase:
+    changes: dict[str, Any] = {"train": ""} if isinstance(stop, TrackCase) else {}
+    return replace(stop, speed=min(stop.speed, fastest), **changes)
 
 
 @lru_cache(maxsize=16)  # a search of noises repeats the cases of a class of sensors
@@ -146,11 +184,16 @@ def scenario_of_case(case: RecordingCase) -> Scenario:
     table = read_toml(_ROOT / "library" / "trapezoid.toml")
     if case.sensors != "ideal":
         table = merge(table, read_toml(_ROOT / "equipment" / "service.toml"))
-    tables = case.stop.tables(GROUPS)
+    tables = case.stop.tables(case.groups)
+    if case.train:
+        data = nominal_data(case.train_file)
+        vehicle, inertias = {"train": case.train}, [data[f"J[{g}]"] for g in range(1, case.groups + 1)]
+    else:
+        vehicle, inertias = table["vehicle"], list(_INERTIA)
     table |= {
         "adhesion": _along(tables.pop("adhesion"), case),
         "estimator": {"kind": "none"},
-        "vehicle": table["vehicle"] | {"parameters": {f"J[{g}]": case.inertia * J for g, J in enumerate(_INERTIA, 1)}},
+        "vehicle": vehicle | {"parameters": {f"J[{g}]": case.inertia * J for g, J in enumerate(inertias, 1)}},
         "controller": {"kind": "slip_three_state"},
         "periods": {"communication": "1 ms", "estimator": "10 ms", "controller": "10 ms", "trace": "10 ms"},
     }
@@ -164,7 +207,7 @@ def scenario_of_case(case: RecordingCase) -> Scenario:
 
 def _faults(case: RecordingCase) -> dict[str, Any]:
     """Return the tables of the faults; ideal actuation has neither valves nor an air supply that may fail."""
-    rows = case.stop.fault_tables(GROUPS).get("faults", ())
+    rows = case.stop.fault_tables(case.groups).get("faults", ())
     kept = [row for row in rows if case.sensors != "ideal" or row["part"] not in ("valve", "supply")]
     return {"faults": kept} if kept else {}
 
@@ -192,7 +235,7 @@ def family_of(case: RecordingCase, field: str) -> str:
     """Return the value of an axis of `FAMILIES` for a case."""
     match field:
         case "load":
-            load = case.stop.tables(GROUPS)["truth"]["load"]
+            load = case.stop.tables(case.groups)["truth"]["load"]
             return "load known" if abs(load - 1.0) < _KNOWN_LOAD else "load low" if load < 1.0 else "load high"
         case "gradient":
             return "sloping" if abs(case.stop.slope) > _LEVEL else "level"

@@ -10,8 +10,9 @@ from typing import Final
 import numpy as np
 import xarray
 
-from railgrip.base.errors import FilterDiverged
-from railgrip.estimation.run import READ_STATES, FilterData, Settings, by_name, filter_data, model_of, prediction_of
+from railgrip.base.errors import FilterDiverged, InputError
+from railgrip.estimation.models import PredictionModel, of_class, of_train
+from railgrip.estimation.run import READ_STATES, FilterData, Settings, by_name, filter_data
 from railgrip.estimation.several import run_kind
 from railgrip.estimators.belief import Array, Matrix, Vector
 from railgrip.estimators.consistency import nis_ratio
@@ -23,12 +24,12 @@ from railgrip.estimators.smoother import smooth
 from railgrip.estimators.tuning import NoiseSet, pad_gate
 from railgrip.fmi import FmuPrediction, describe
 from railgrip.recording.samples import knows, truth_of
+from railgrip.scenario.file import NamedFile, locate
 from railgrip.simulate.estimator import RELEASED_PADS
-from railgrip.simulate.prediction import release_pressure
 from railgrip.studies.estimators.claims import with_unmodelled
 from railgrip.studies.estimators.noises import noise_of
 from railgrip.studies.estimators.own import is_fmu
-from railgrip.studies.estimators.recordings import GROUPS, RecordingCase, recording_of_case
+from railgrip.studies.estimators.recordings import RecordingCase, recording_of_case
 
 MODEL: Final = "TrainPredictionReducedDisturbed"
 """Prediction of all estimators but those of `OTHER_MODELS`: 15 states, so that a step in numpy takes milliseconds."""
@@ -39,6 +40,13 @@ OTHER_MODELS: Final = {
     "loaded": "TrainPredictionLoaded",
 }
 """Extended Kalman filters on other predictions: without track force and bias, with suspension, with load too."""
+
+OF_TRAINS: Final = {
+    "fmu": ("ConsistPredictionDisturbed", False),
+    "reduced": ("ConsistPrediction", False),
+    "disturbed": ("ConsistPredictionDisturbed", True),
+}
+"""The same for a train file: class, and whether it has the suspension."""
 
 LAGS: Final[dict[str, int | None]] = {"smoother": None, "fixed_lag": 10}
 """Offline estimators → number of later samples that they use; None for all."""
@@ -61,7 +69,29 @@ class Replay:
     microseconds: float
 
 
-_prediction = cache(prediction_of)
+def model_of_estimator(estimator: str, train: str = "") -> PredictionModel:
+    """Return the prediction model of an estimator on board of a train, or of the two-part train for an empty name.
+
+    Those of other trains are `ConsistPredictionDisturbed`, for `disturbed` with the suspension, and for `reduced`
+    `ConsistPrediction`.
+
+    Raises:
+        InputError: The estimator has no prediction for a train file.
+    """
+    if not train:
+        return of_class(OTHER_MODELS.get(estimator, MODEL))
+    if estimator not in (*OTHER_MODELS, *OF_TRAINS):
+        estimator = "fmu"
+    if estimator not in OF_TRAINS:
+        raise InputError(f"{estimator} has no prediction for a train file; leave out --train, or this estimator.")
+    class_name, has_suspension = OF_TRAINS[estimator]
+    path = locate(train, "trains")
+    return of_train(NamedFile(entry=train, path=path), class_name, has_suspension=has_suspension)
+
+
+@cache
+def _prediction(estimator: str, train: str) -> PredictionInC:
+    return model_of_estimator(estimator, train).prediction({})
 
 
 @cache
@@ -73,23 +103,23 @@ def _own_prediction(file: str) -> tuple[FmuPrediction, dict[str, float]]:
     return own, dict(zip(own.states, own.start.tolist(), strict=True))
 
 
-def _prediction_of(estimator: str) -> PredictionInC:
+def _prediction_of(estimator: str, train: str) -> PredictionInC:
     own = is_fmu(estimator)
-    return _own_prediction(estimator)[0] if own else _prediction(OTHER_MODELS.get(estimator, MODEL))
+    return _own_prediction(estimator)[0] if own else _prediction(estimator if estimator in OTHER_MODELS else "", train)
 
 
-def states(estimator: str = "") -> tuple[str, ...]:
+def states(estimator: str = "", train: str = "") -> tuple[str, ...]:
     """Return the names of the states of an estimator's prediction."""
-    return _prediction_of(estimator).states
+    return _prediction_of(estimator, train).states
 
 
 def _task(case: RecordingCase, estimator: str, noise: NoiseSet) -> tuple[FilterContext, FilterData]:
     """Return model, noises and first belief for an estimator, and the data of its steps."""
-    prediction = _prediction_of(estimator)
-    model = model_of(OTHER_MODELS.get(estimator, MODEL))
+    prediction = _prediction_of(estimator, case.train)
+    model = model_of_estimator(estimator, case.train)
     process, readings = noise.process_noise(prediction.states), noise.reading_noise(prediction.outputs)
     start = noise.start_covariance(prediction.states)
-    values = {variable.name: variable.start for variable in (*model.parameters, *model.states)}
+    values = {variable.name: variable.start for variable in model.model.states} | model.start({})
     if is_fmu(estimator):
         values |= _own_prediction(estimator)[1]
     settings = Settings(
@@ -104,7 +134,7 @@ def _task(case: RecordingCase, estimator: str, noise: NoiseSet) -> tuple[FilterC
         process_noise=by_name("process", settings.process, prediction.states),
         reading_noise=by_name("readings", settings.readings, prediction.outputs),
         period=data.period,
-        gate=pad_gate(release_pressure(values, 0, RELEASED_PADS), GROUPS),
+        gate=pad_gate(model.release_pressure({}, RELEASED_PADS), case.groups),
         outlier_limit=None,
         mean=data.mean,
         covariance=data.variance,
@@ -130,7 +160,7 @@ def replay(case: RecordingCase, estimator: str, noise: NoiseSet | None = None) -
     else:
         is_kind = estimator not in OTHER_MODELS and not is_fmu(estimator)
         found = _filtered(context, data, estimator if is_kind else "fmu")
-    model = model_of(OTHER_MODELS.get(estimator, MODEL))
+    model = model_of_estimator(estimator, case.train)
     recording, names = recording_of_case(case), context.prediction.states
     variance = with_unmodelled(recording, names, found.mean, found.variance, case.sensors, model)
     return replace(found, variance=variance)

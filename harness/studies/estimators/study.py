@@ -10,12 +10,14 @@ from typer import Option
 
 from railgrip.base.errors import InputError
 from railgrip.base.names import did_you_mean
+from railgrip.base.registry import shelf
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.statistics import finite
 from railgrip.report.table import ReportTable
+from railgrip.scenario.file import is_file, locate
 from railgrip.studies.estimators.judge import bounds_of, errors_of, truths_of
 from railgrip.studies.estimators.own import is_class, is_fmu, name_of, require_file
 from railgrip.studies.estimators.recordings import (
@@ -28,7 +30,7 @@ from railgrip.studies.estimators.recordings import (
     family_of,
     recording_cases,
 )  # fmt: skip
-from railgrip.studies.estimators.replay import LAGS, OTHER_MODELS
+from railgrip.studies.estimators.replay import LAGS, OF_TRAINS, OTHER_MODELS, model_of_estimator
 from railgrip.studies.estimators.search import search, search_cases, write_factors
 from railgrip.studies.estimators.tables import (
     REFERENCES,
@@ -39,6 +41,7 @@ from railgrip.studies.estimators.tables import (
     others,
     targets,
 )  # fmt: skip
+from railgrip.studies.estimators.vehicles import ESTIMATIONS, rows_of_estimation, rows_of_lateral, vehicles
 from railgrip.studies.study import Study
 
 PAGE: Final = Path("docs/estimators_compared.md")
@@ -63,6 +66,9 @@ class Estimators(Study):
         list[str] | None,
         Option(help="An estimator of the tables, FILE.py:CLASS, or a prediction FILE.fmu; all without it."),
     ] = None
+    train: Annotated[
+        str | None, Option(help="A train of the library or a train file; the two-part train without it.")
+    ] = None
     sealed: Annotated[bool, Option(help="Other cases, for a finished estimator: do not tune on them.")] = False
     count: Annotated[int | None, Option("--cases", min=2, max=1000, help="Number of cases.")] = None
     quick: Annotated[bool, Option(help="Fewer cases, and no slow estimators.")] = False
@@ -73,14 +79,16 @@ class Estimators(Study):
 
     def page(self, work: Work) -> Page:
         """Run the estimators over the recordings; the small form has fewer cases and no slow filters."""
+        if self.train is not None and (self.write or self.tune):
+            raise InputError("--write and --tune are for the two-part train; leave out --train.")
         if self.tune:
             return self._tuned(work)
         names = self._names()
         if self.write and self.estimator:
             raise InputError("--write is for all estimators; leave out --estimator.")
-        count = self.count or (QUICK if self.quick else COUNT)
-        design = recording_cases(count, SEEDS["sealed" if self.sealed else "test"])
-        results = results_of(work, design, recording_cases(count, SEEDS["training"]), names)
+        count, train = self.count or (QUICK if self.quick else COUNT), self._train()
+        design = recording_cases(count, SEEDS["sealed" if self.sealed else "test"], train)
+        results = results_of(work, design, recording_cases(count, SEEDS["training"], train), names)
         bound = float(np.median(work.map(bounds_of, design)))
         tables = {
             "leaderboard": leaderboard(results),
@@ -90,6 +98,8 @@ class Estimators(Study):
             "others": others(results),
             "targets": targets(results, design, bound),
         }
+        if not (self.estimator or self.quick or train):
+            tables["vehicles"] = vehicles_of(work)
         if self.write:
             write_tables(PAGE, tables)
         best = tables["leaderboard"].rows[0]
@@ -101,11 +111,26 @@ class Estimators(Study):
                 f"{best['estimator']}. The prediction, if it were true, would permit {bound:.4f}."
             ),
             template="studies/estimators/estimators.md.jinja",
-            values=tables | {"count": count, "bound": f"{bound:.4f}"},
+            values={"vehicles": ""}
+            | tables
+            | {"count": count, "bound": f"{bound:.4f}", "train": Path(train).stem if train else ""}
+            | {"limits": model_of_estimator("fmu", train).limits},
             tables={f"{name}.csv": table for name, table in tables.items()},
             data={"estimators.json": _data(results, design)},
             screen=tuple(tables.values()),
         )
+
+    @property
+    def place(self) -> str:
+        """Folder of results, a different one for each train."""
+        return "" if self.train is None else Path(self.train).stem
+
+    def _train(self) -> str:
+        """Return the name of the train in the library, or the path of its file; '' for the two-part train."""
+        if self.train is None:
+            return ""
+        path = locate(self.train, "trains", where="--train: ")
+        return str(path.resolve()) if is_file(path) and self.train not in shelf("trains") else self.train
 
     def _tuned(self, work: Work) -> Page:
         """Search the noises of every estimator on the training cases, and write them."""
@@ -130,14 +155,15 @@ class Estimators(Study):
         Raises:
             InputError: An estimator does not exist.
         """
-        known = (*REFERENCES, *ESTIMATORS)
+        without = () if self.train is None else tuple(name for name in OTHER_MODELS if name not in OF_TRAINS)
+        known = tuple(name for name in (*REFERENCES, *ESTIMATORS) if name not in without)
         for name in self.estimator or ():
             if is_class(name) or is_fmu(name):
                 require_file(name)
             elif name not in known:
                 hint = did_you_mean(name, known) or f"there are {', '.join(known)}."
                 raise InputError(f"--estimator {name}: is unknown; {hint}")
-        chosen = self.estimator or (FAST if self.quick else ESTIMATORS)
+        chosen = self.estimator or [name for name in (FAST if self.quick else ESTIMATORS) if name not in without]
         return tuple(dict.fromkeys((*REFERENCES, *chosen)))
 
     def headlines(self, work: Work) -> list[Finding]:
@@ -151,6 +177,12 @@ class Estimators(Study):
         ]
         coverage = float(np.mean([one.coverage["adhesion"] for one in results["fmu"]]))
         return [*errors, mean("fmu: adhesion coverage", coverage)]
+
+
+def vehicles_of(work: Work) -> ReportTable:
+    """Return the table of the filters of wagon, roller rig and lateral wheelset."""
+    found = [*work.map(rows_of_estimation, ESTIMATIONS), *work.map(rows_of_lateral, [SEEDS["test"]])]
+    return vehicles([row for rows in found for row in rows])
 
 
 def results_of(

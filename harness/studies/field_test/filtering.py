@@ -157,7 +157,7 @@ def task_of(braking: Braking, model: PredictionInC) -> FilterTask:
     settings = settings_for(specified, period_of(recording))
     has_truth = all(knows(recording, state) for state in model.states)
     truth = np.column_stack([truth_of(recording, state) for state in model.states])[1:] if has_truth else None
-    data = filter_data(recording, model, settings, units_of(specified.model.class_))
+    data = filter_data(recording, model, settings, units_of(specified.model.prediction.model))
     return FilterTask(braking=braking, data=data, truth=truth)
 
 

@@ -102,7 +102,7 @@ class Case:
 
     @property
     def has_bound(self) -> bool:
-        """Whether the pointwise bound holds: slip does not change the rail."""
+        """Whether the ideal bound is pointwise: slip does not change the rail."""
         return True
 
     @property

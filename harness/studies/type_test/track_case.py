@@ -104,7 +104,7 @@ class TrackCase:
 
     @property
     def has_bound(self) -> bool:
-        """Whether the pointwise bound holds: slip does not change the rail, and the rigging has no hysteresis."""
+        """Whether the bound is pointwise and holds: slip does not change the rail, the rigging has no hysteresis."""
         return self.cleaning == "none" and self.mechanics == "simple"
 
     @property

@@ -23,6 +23,12 @@ model PredictedParts "Bogies and a body make the prediction of the two-part trai
     r_friction={0.235, 0.220, 0.220, 0.235}, m_group={27500, 14500, 14500, 27500},
     m_unsprung={1500, 1500, 1300, 1300, 1500, 1500}, m_frame={3500, 2800, 3500}, I_frame={2200, 2300, 2200},
     wheelbase={1.9, 2.65, 1.9}) "The same train by data of each group and bogie";
+  Vehicles.ConsistPredictionDisturbed disturbed(
+    n_groups=4, n_bogies=3, group_of_wheelset={1, 1, 2, 3, 4, 4}, v(start=80/3.6), d(start=0.01),
+    w(each start=w_start), alpha(start=alpha), J={222, 209, 209, 222}, r_wheel=fill(0.38, 4), n_units={3, 2, 2, 3},
+    r_friction={0.235, 0.220, 0.220, 0.235}, m_group={27500, 14500, 14500, 27500},
+    m_unsprung={1500, 1500, 1300, 1300, 1500, 1500}, m_frame={3500, 2800, 3500}, I_frame={2200, 2300, 2200},
+    wheelbase={1.9, 2.65, 1.9}) "The same with another acceleration, which a force compensates";
   Predictions.TrainPredictionReduced reduced(alpha_start=alpha) "Without suspension, as a whole";
   Vehicles.PartPrediction group(
     w(each start=w_start), alpha(each start=alpha[1]), J={222}, r_wheel={0.38}, n_units={3}, r_friction={0.235},
@@ -32,6 +38,8 @@ equation
   train.track_force = 1000;
   consist.cylinder_pressure = pressure;
   consist.track_force = 1000;
+  disturbed.cylinder_pressure = pressure;
+  disturbed.track_force = 1000 - 84000*0.01;
   front.cylinder_pressure = pressure[1:1];
   middle.cylinder_pressure = pressure[2:3];
   rear.cylinder_pressure = pressure[4:4];
@@ -48,7 +56,8 @@ equation
     abs(body.v - train.v)/20, abs(front.w[1] - train.w[1])/50, abs(middle.w[2] - train.w[3])/50,
     abs(rear.w[1] - train.w[4])/50, abs(front.dz[1] - train.dz[1])/1e-3, abs(middle.dz[2] - train.dz[4])/1e-3,
     abs(rear.dz[2] - train.dz[6])/1e-3, abs(group.w[1] - reduced.w[1])/50, abs(consist.v - train.v)/20,
-    abs(consist.w[3] - train.w[3])/50, abs(consist.dz[4] - train.dz[4])/1e-3});
+    abs(consist.w[3] - train.w[3])/50, abs(consist.dz[4] - train.dz[4])/1e-3, abs(disturbed.v - train.v)/20,
+    abs(disturbed.dz[4] - train.dz[4])/1e-3});
   annotation (
     experiment(StopTime=1, Tolerance=1e-9, Interval=0.001),
     Documentation(info="<html>

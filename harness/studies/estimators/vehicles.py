@@ -1,0 +1,125 @@
+"""Filters of other vehicles than trains in the same comparison: wagon, roller rig and lateral wheelset."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import xarray
+
+from railgrip.estimation.judge import rms
+from railgrip.estimation.run import FilterData, by_name, filter_data
+from railgrip.estimation.several import run_kind
+from railgrip.estimation.sources import recording_of_estimation
+from railgrip.estimation.spec import Specification, load_specification, prediction_for, settings_for
+from railgrip.estimators.belief import Array
+from railgrip.estimators.design import FilterContext
+from railgrip.estimators.observability import posterior_bound
+from railgrip.recording.samples import period_of, truth_of
+from railgrip.report.table import Form, ReportTable
+from railgrip.studies.estimators.judge import NORMAL_95
+from railgrip.studies.lateral.judge import beliefs_about
+from railgrip.studies.lateral.run import LateralCase, Name, simulate
+from railgrip.studies.lateral.wheelset import TESTS
+
+KINDS: Final = ("fmu", "unscented", "sage_husa", "interacting")
+"""Filters over the prediction of an estimation of the library."""
+
+ESTIMATIONS: Final = ("wagon", "rig_own", "rig_paper")
+"""Estimations of the library with the scenario of their recording; the last two have the same."""
+
+LATERAL: Final[tuple[Name, ...]] = ("known_track", "unknown_track")
+
+SETTLED: Final = 0.5
+"""Time after which errors are judged [s]: the filters do not know adhesion at the start."""
+
+STATES: Final = ("alpha", "mu_b")
+
+Row = dict[str, Any]
+
+
+def rows_of_estimation(name: str) -> list[Row]:
+    """Return the errors of `KINDS` on the recording of an estimation of the library, a row for each state.
+
+    The bound is that of the prediction linearised along the true states, with the noises of the estimation and without
+    its gate.
+    """
+    specification = load_specification(Path(name))
+    recording = recording_of_estimation(specification)
+    context, data = _task(specification, recording)
+    names = context.prediction.states
+    truth = np.column_stack([truth_of(recording, state) for state in names])
+    judged = recording["time"].values >= SETTLED
+    bound = posterior_bound(
+        context.prediction,
+        context.process_noise,
+        context.reading_noise,
+        context.period,
+        np.diag(context.covariance),
+        truth[np.newaxis],
+        data.inputs,
+        np.isfinite(data.readings),
+    )
+    smallest = np.sqrt(np.einsum("kii->ki", bound))
+    rows: list[Row] = []
+    for kind in KINDS:
+        run = run_kind(kind, context, data)
+        for state in STATES:
+            of = [i for i, each in enumerate(names) if each.partition("[")[0] == state]
+            error, deviation = (run.mean - truth)[judged][:, of], np.sqrt(run.variance)[judged][:, of]
+            rows.append(_row(name, kind, state, error, deviation) | {"bound": rms(smallest[judged][:, of])})
+    return rows
+
+
+def _task(specification: Specification, recording: xarray.Dataset) -> tuple[FilterContext, FilterData]:
+    prediction, settings = prediction_for(specification), settings_for(specification, period_of(recording))
+    data = filter_data(recording, prediction, settings)
+    context = FilterContext(
+        prediction=prediction,
+        process_noise=by_name("[noise] process", settings.process, prediction.states),
+        reading_noise=by_name("[noise] readings", settings.readings, prediction.outputs),
+        period=data.period,
+        gate=settings.gate,
+        outlier_limit=None,
+        mean=data.mean,
+        covariance=data.variance,
+    )
+    return context, data
+
+
+def rows_of_lateral(seed: int) -> list[Row]:
+    """Return the errors of friction of the lateral filters in the first test of the study, on the plant of the paper.
+
+    They have no bound: the run records every twentieth of the readings that the filters use.
+    """
+    trace = simulate(LateralCase(test=TESTS[0], speed=20.0, plant="paper", seed=seed), LATERAL)
+    judged = trace.time >= SETTLED
+    rows: list[Row] = []
+    for name in LATERAL:
+        belief = beliefs_about(trace, name)["friction"]
+        error = (belief.mean - trace.truth["friction"])[judged]
+        rows.append(_row("lateral", name, "friction", error, belief.deviation[judged]))
+    return rows
+
+
+def _row(family: str, estimator: str, state: str, error: Array, deviation: Array) -> Row:
+    return {
+        "family": family,
+        "estimator": estimator,
+        "quantity": state,
+        "RMSE": rms(error),
+        "coverage": float(np.mean(np.abs(error) <= NORMAL_95 * deviation)),
+        "NEES": float(np.mean((error / deviation) ** 2)),
+    }
+
+
+def vehicles(rows: Sequence[Row]) -> ReportTable:
+    """Return the errors of all families as a table."""
+    columns = ("family", "estimator", "quantity", "RMSE", "bound", "coverage", "NEES")
+    table = [{column: row.get(column, "") for column in columns} for row in rows]
+    forms: dict[str, Form] = {"RMSE": "{:.4f}", "bound": _bound, "coverage": "{:.2f}", "NEES": "{:.2g}"}
+    return ReportTable(table, forms, left=("family", "estimator", "quantity"), title="Other vehicles")
+
+
+def _bound(value: float | str) -> str:
+    return f"{value:.4f}" if isinstance(value, float) else value

@@ -1,0 +1,91 @@
+"""How short a stop can be on known rails: the ideal bound, the shortest stop with held slips, and stops of laws."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from typer import Option
+
+from railgrip.api import Scenario
+from railgrip.campaign.work import Work
+from railgrip.report.marked import write_tables
+from railgrip.report.page import Page
+from railgrip.report.table import ReportTable
+from railgrip.simulate.ideal import held_stop
+from railgrip.simulate.run import run_stop
+from railgrip.studies.papers.creep_curves import CLEAN
+from railgrip.studies.study import Study
+from railgrip.studies.two_maxima import LAWS, PAGE
+
+RAILS: Mapping[str, Mapping[str, Any]] = {
+    "dry": {"adhesion.mu0": 0.05},
+    "dry that slip cleans": {"adhesion.mu0": 0.05, "adhesion.recovery": CLEAN.model_dump()},
+    "wet, cleaning and heat": {"adhesion.polach": "wet_two_maxima", "adhesion.mu0": 0.15},
+    "leaves, cleaning and heat": {"adhesion.polach": "leaves_two_maxima", "adhesion.mu0": 0.06},
+}
+"""Changes of the scenario `plain`."""
+
+SLIPS = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0)
+"""Slips that a group may hold."""
+
+ESTIMATING = ("slope_seeking", "two_maxima")
+"""Laws that use the estimates of the scenario."""
+
+
+def shortest_held(scenario: Scenario, groups: int) -> tuple[float, Sequence[float]]:
+    """Return the distance and the slips of the shortest stop in which each group holds one of `SLIPS`.
+
+    From locked wheels on, the slip of one group after the other is chosen, the last one first: its slip matters to no
+    other.
+    """
+    slips = [1.0] * groups
+    distance = held_stop(scenario, slips).metrics.distance
+    for group in reversed(range(groups)):
+        for slip in SLIPS:
+            changed = [*slips[:group], slip, *slips[group + 1 :]]
+            other = held_stop(scenario, changed).metrics.distance
+            if other < distance:
+                distance, slips = other, changed
+    return distance, slips
+
+
+def _row(rail: str) -> dict[str, Any]:
+    changes = {**RAILS[rail], "limits.alpha_max": 1.0, "limits.horizon": "200 s"}
+    without = {**changes, "estimator": {"kind": "none"}}
+    bound = run_stop(Scenario.load("plain", {**without, "controller.kind": "ideal_bound"}))
+    distance, slips = shortest_held(
+        Scenario.load("plain", {**without, "controller.kind": "full_brake"}), bound.trace.sizes["group"]
+    )
+    row: dict[str, Any] = {"rail": rail, "ideal bound": bound.metrics.distance, "held slips": distance}
+    row["slips held"] = ", ".join(f"{100 * slip:.0f} %" for slip in slips)
+    stops = {law: {**without, "controller": dict(table)} for law, table in LAWS.items()}
+    stops |= {law.replace("_", " "): {**changes, "controller.kind": law} for law in ESTIMATING}
+    return row | {law: run_stop(Scenario.load("plain", each)).metrics.distance for law, each in stops.items()}
+
+
+@dataclass(frozen=True)
+class ShortestStops(Study):
+    """Compute bounds of the distance on known rails, also where slip cleans them, and stops of laws."""
+
+    write: Annotated[bool, Option("--write", help="Write the table into docs/rail_models.md.")] = False
+
+    def page(self, work: Work) -> Page:
+        """Return the distances of the bound, of held slips and of laws."""
+        rows = work.map(_row, list(RAILS))
+        columns = [name for name in rows[0] if name not in ("rail", "slips held")]
+        table = ReportTable(rows, dict.fromkeys(columns, "{:.1f} m"), ("rail",), title="Stops from 80 km/h")
+        if self.write:
+            write_tables(PAGE, {"optimum": table})
+        return Page(
+            title="Shortest stops on known rails",
+            question="How short can a stop be, where the slip of leading wheelsets cleans the rail for those behind?",
+            answer="The shortest possible distance is between that of the ideal bound, which no stop is below, and "
+            "that of held slips, which a controller that knows the true state can reach.",
+            template="studies/optimum.md.jinja",
+            values={"table": table},
+            tables={"optimum.csv": table},
+            screen=(table,),
+        )
+
+
+STUDY = ShortestStops

@@ -1,0 +1,328 @@
+"""Estimates for any train: the prediction of a train file, or of a user's class, has the path of the library's."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.stats import binom, chi2
+from typer.testing import CliRunner
+
+import railgrip as rg
+from railgrip import cli
+from railgrip.base.errors import EstimationError, ScenarioError
+from railgrip.cli.main import app
+from railgrip.estimation.check import require_consistent
+from railgrip.estimation.models import of_train
+from railgrip.estimation.run import estimate, prediction_of, units_of
+from railgrip.estimation.sources import complete_trace
+from railgrip.estimation.spec import load_specification, model_parameters, settings_for
+from railgrip.estimators.discretisation import advance
+from railgrip.estimators.tuning import NOISE_SETS
+from railgrip.recording.samples import recording_of
+from railgrip.rolling_stock.modelica import nominal_data
+from railgrip.rolling_stock.schema import load_train
+from railgrip.scenario.file import NamedFile
+from railgrip.scenario.load import load, scenario_of
+from railgrip.simulate.run import run_stop
+from railgrip.simulate.vehicle import VehicleData
+from railgrip.trace.estimation import SLOWEST
+from railgrip.trace.netcdf import write_trace
+
+TEMPLATE = Path(cli.__file__).parent / "templates" / "train.toml"
+IDEAL = NOISE_SETS["train_ideal"]
+
+
+def squares(noise):
+    """Return a noise set as changes of an estimation."""
+    of_process = {f"noise.process.{name}": deviation**2 for name, deviation in noise.process.items()}
+    return of_process | {f"noise.readings.{name}": deviation**2 for name, deviation in noise.readings.items()}
+
+
+def trace_of_tram(estimator, changes, folder=Path(), **tables):
+    """Return the trace of a tram's stop in the scenario `trapezoid`."""
+    table = load(Path("trapezoid"), changes).resolved()
+    table |= {"vehicle": {"train": "tram"}, "estimator": {"kind": estimator}} | tables
+    return run_stop(scenario_of(table, directory=folder, origin="tram")).trace
+
+
+@pytest.fixture(scope="module")
+def trace():
+    """The first 2.5 s with ideal sensors, and adhesion that falls from the first second on."""
+    return trace_of_tram("fmu", ["limits.horizon=2.5 s", "adhesion.first_fall=1 s", "periods.trace=1 ms"])
+
+
+def test_a_class_of_the_library_has_the_estimates_of_its_prediction():
+    """To the byte: the model of an estimation only selects the prediction."""
+    stop = rg.run(rg.Scenario.load("trapezoid", {"limits.horizon": "500 ms", "periods.trace": "1 ms"}))
+    specification = load_specification(Path("stop"))
+    recording = complete_trace(specification, stop.trace)
+    settings = settings_for(specification, recording.attrs["period"])
+    direct = estimate(recording, prediction_of("TrainPrediction"), settings, units=units_of("TrainPrediction"))
+    found = rg.estimate(stop.trace, "stop")
+    assert all(found[name].values.tobytes() == direct[name].values.tobytes() for name in direct.data_vars)
+
+
+@pytest.mark.parametrize("train", ["vt642", "tram", "loco_coaches"])
+def test_the_data_of_a_train_file_are_those_of_its_plant(train):
+    """Filters in the loop get them from the FMU of the plant; the estimation does not need that FMU."""
+    table = load(Path("plain")).resolved() | {"vehicle": {"train": train}, "estimator": {"kind": "none"}}
+    declared = VehicleData(scenario_of(table, directory=Path(), origin="stop")).declared
+    data = nominal_data(load_train(Path(train)))
+    assert {name: declared[name] for name in data} == data
+
+
+def test_the_estimates_of_a_train_file_are_those_of_the_loop(trace):
+    """The same prediction, noises, gate and start give the same bits, in the loop of the stop and from its trace."""
+    changes = squares(IDEAL) | {"model.train": "tram", "model.class": "ConsistPrediction", "between": "held"}
+    found = rg.estimate(trace, "train", changes)["mean"]
+    for state, name in {"v": "speed", "w": "wheelset_speed", "alpha": "adhesion", "mu_b": "pad_friction"}.items():
+        loop = trace[f"estimate_{name}"].values.reshape(len(trace["time"]), -1)
+        names = [each for each in found["state"].values if str(each).partition("[")[0] == state]
+        np.testing.assert_array_equal(found.sel(state=names).values, loop)
+    assert np.ptp(trace["estimate_adhesion"].values) > 0.05
+
+
+RUNS, STEPS, PERIOD, CONFIDENCE = 100, 100, 0.01, 0.999
+
+
+def drawn(specification, mean, pressure, seed):
+    """Return a recording of the prediction with its noises as truth, and its states at the end."""
+    prediction = specification.model.prediction.equations({})
+    settings = settings_for(specification, PERIOD)
+    random = np.random.default_rng(seed)
+
+    def deviations(variances, names):
+        return np.sqrt([variances[name.partition("[")[0]] for name in names])
+
+    process = deviations(settings.process, prediction.states) * np.sqrt(PERIOD)
+    noise = deviations(settings.readings, prediction.outputs)
+    start = [settings.start_deviation[name.partition("[")[0]] for name in prediction.states]
+    state = mean + start * random.standard_normal(len(mean))
+    inputs = np.append(np.full(len(prediction.inputs) - 1, pressure), 0.0)
+    readings = np.full((STEPS + 1, len(noise)), np.nan)
+    for k in range(1, STEPS + 1):
+        state = advance(lambda x: prediction.derivative(x, inputs), state, PERIOD)
+        state = state + process * random.standard_normal(len(mean))
+        readings[k] = prediction.output(state, inputs) + noise * random.standard_normal(len(noise))
+    units = units_of(specification.model.prediction.model)
+    columns = {name: (readings[:, i], units[name]) for i, name in enumerate(prediction.outputs)}
+    columns |= {name: (np.full(STEPS + 1, inputs[i]), units[name]) for i, name in enumerate(prediction.inputs)}
+    return recording_of(columns, period=PERIOD), state
+
+
+def test_intervals_of_another_train_hold_where_its_prediction_is_true():
+    """Coverage of independent runs is binomial, and the sum of their squared errors of a state is chi-squared.
+
+    A bound of 99.9 % of either distribution fails in less than one of 100 sets of seeds.
+    """
+    specification = load_specification(Path("train"), {"model.train": "tram", "between": "held"})
+    states = specification.model.prediction.equations({}).states
+    typical = {"v": 20.0, "w": 20.0 / specification.model.prediction.values({})["r_wheel[1]"], "mu_b": 0.35}
+    mean = np.array([typical.get(name.partition("[")[0], 0.0) for name in states])
+    changes = {f"start.mean.{name}": value for name, value in typical.items()}
+    specification = load_specification(
+        Path("train"), changes | {"start.mean.alpha": 0.1, "model.train": "tram", "between": "held"}
+    )
+    mean[[name.startswith("alpha") for name in states]] = 0.1
+    scores = np.empty((RUNS, len(states)))
+    for run in range(RUNS):
+        recording, truth = drawn(specification, mean, 1.5e5, run)
+        found = rg_estimate(recording, specification)
+        last = found.isel(time=-1)
+        scores[run] = (last["mean"].values - truth) / last["sd"].values
+    low, high = binom.interval(CONFIDENCE, RUNS, 0.95)
+    smallest, largest = chi2.interval(CONFIDENCE, RUNS)
+    for name in ("alpha[1]", "alpha[4]", "mu_b[2]", "v", "d"):
+        score = scores[:, states.index(name)]
+        assert low <= np.sum(np.abs(score) < 1.96) <= high, name
+        assert smallest <= np.sum(score**2) <= largest, name
+
+
+def rg_estimate(recording, specification):
+    model = specification.model.prediction
+    prediction = model.prediction({}, kind="compiled")
+    return estimate(recording, prediction, settings_for(specification, PERIOD), units=units_of(model.model))
+
+
+WHITE = {"speed": "0.1 m/s", "wheelset_speed": "0.1 rad/s", "acceleration": "0.05 m/s**2", "deflection": "0.2 mm"}
+
+
+def test_adhesion_of_a_simulated_train_is_within_its_claimed_intervals(tmp_path):
+    """The plant is not the prediction: its adhesion follows a creep curve, and its suspension other equations.
+
+    The bound of 90 % is the one that the study of estimators requires of every family of stops. Chance has a smaller
+    effect: errors are correlated over some 0.2 s, the time constant of the filter, so that 8 groups over 10 s have 400
+    independent samples, whose coverage scatters by 0.011 around 0.95.
+    """
+    (tmp_path / "mine.toml").write_text(TEMPLATE.read_text(encoding="utf-8").replace("NAME", "mine"), encoding="utf-8")
+    changes = ["periods.trace=10 ms", "periods.controller=10 ms", "start.speed=60 km/h"]
+    tables = {"sensors": {"kind": "white", "noise": WHITE}, "controller": {"kind": "slip_three_state"}}
+    tables |= {"vehicle": {"train": "mine.toml"}, "actuation": {"kind": "pneumatic"}}
+    trace = trace_of_tram("none", changes, tmp_path, **tables)
+    found = rg.estimate(trace, "train", {"model.train": str(tmp_path / "mine.toml")})
+    moving = trace["speed"].values > SLOWEST
+    for state, name in (("alpha", "group_adhesion"), ("mu_b", "pad_friction")):
+        states = [f"{state}[{group}]" for group in range(1, 9)]
+        mean, deviation = (found[key].sel(state=states).values[moving] for key in ("mean", "sd"))
+        error = mean - trace[name].values[moving]
+        assert np.mean(np.abs(error) < 1.96 * deviation) >= 0.9
+
+
+CART = """
+block Cart "A mass that a force and an unknown acceleration move"
+  parameter Real m(unit="kg", start=1) = 2 "Mass";
+  input Real force(unit="N");
+  output Real speed(unit="m/s") = v;
+  Real v(unit="m/s", start=0, fixed=true);
+  Real d(unit="m/s2", start=0, fixed=true);
+equation
+  der(v) = force/m + d;
+  der(d) = 0;
+end Cart;
+"""
+
+ESTIMATION = """
+name = "cart"
+[model]
+class = "Cart"
+library = "Cart.mo"
+[noise]
+kind = "density"
+process = { v = 0.01, d = 0.1 }
+readings = { speed = 0.04 }
+[start]
+mean = { v = 0.0, d = 0.0 }
+deviation = { v = 1.0, d = 2.0 }
+"""
+
+
+@pytest.mark.parametrize("kind", ["fmu", "compiled"])
+def test_a_linear_class_of_ones_own_has_the_estimates_of_the_kalman_filter(tmp_path, kind):
+    (tmp_path / "Cart.mo").write_text(CART, encoding="utf-8")
+    (tmp_path / "cart.toml").write_text(ESTIMATION, encoding="utf-8")
+    random, period, count = np.random.default_rng(5), 0.1, 50
+    force, reading = random.standard_normal(count), random.standard_normal(count)
+    recording = recording_of({"force": (force, "N"), "speed": (reading, "m/s")}, period=period)
+    found = rg.estimate(recording, tmp_path / "cart.toml", {"model.parameters.m": "4 kg", "model.kind": kind})
+    mean, covariance = np.zeros(2), np.diag([1.0, 4.0])
+    phi, row, noise = np.array([[1.0, period], [0.0, 1.0]]), np.array([1.0, 0.0]), 0.04
+    for k in range(1, count):
+        mean = phi @ mean + np.array([period * force[k - 1] / 4.0, 0.0])
+        covariance = phi @ covariance @ phi.T + period * np.diag([0.01, 0.1])
+        gain = covariance @ row / (row @ covariance @ row + noise)
+        mean = mean + gain * (reading[k] - mean[0])
+        covariance = covariance - np.outer(gain, row @ covariance)
+        state = found.isel(time=k).sel(state=["v", "d"])
+        np.testing.assert_allclose(state["mean"].values, mean, rtol=1e-10, atol=1e-12)
+        np.testing.assert_allclose(state["sd"].values, np.sqrt(np.diagonal(covariance)), rtol=1e-10)
+    rows = {each["name"]: each["origin"] for each in json.loads(found.attrs["parameters"])}
+    assert rows == {"m": "--set"}
+
+
+def test_page_and_json_have_every_parameter_with_its_origin(trace, tmp_path):
+    (tmp_path / "mine.toml").write_text(
+        'extends = "train"\n[model]\ntrain = "tram"\n[model.parameters]\nrho_air = 1.3\n'
+        "[noise]\nprocess = { alpha = 1e-3 }\n",
+        encoding="utf-8",
+    )
+    write_trace(trace, tmp_path / "trace.nc")
+    arguments = ["estimate", str(tmp_path / "mine.toml"), "--data", str(tmp_path / "trace.nc"), "--json"]
+    arguments += ["--out", str(tmp_path / "out"), "--set", 'model.parameters."J[2]"=90 kg*m**2']
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 0, result.output
+    value = json.loads(result.stdout)
+    origins = {each["name"]: each["origin"] for each in value["parameters"] + value["settings"]}
+    expected = {
+        "J[1]": "train file tram",
+        "J[2]": "--set",
+        "rho_air": "given in mine.toml",
+        "noise.process.alpha": "given in mine.toml",
+        "noise.process.w": "library default",
+        "start.mean.v": "recording",
+        "start.mean.mu_b[3]": "train file tram",
+        "gate.threshold": "library default",
+    }
+    assert {name: origins[name] for name in expected} == expected
+    assert {each["name"] for each in value["settings"] if each["is_default"]} >= {"noise.process.w"}
+    page = Path(value["page"]).read_text(encoding="utf-8")
+    assert all(text in page for text in ("train file tram", "given in mine.toml", "recording"))
+    assert "Inertia of each group" in (tmp_path / "out" / "parameters.csv").read_text(encoding="utf-8")
+
+
+def test_track_brakes_which_the_prediction_lacks_are_a_warning(trace):
+    assert "tram has magnetic track brakes" in rg.estimate(trace, "train", {"model.train": "tram"}).attrs["warnings"]
+
+
+def test_the_train_of_the_library_estimation_counts_as_default():
+    """Nobody chose the train, so nobody chose its data."""
+    parameters = model_parameters(load_specification(Path("train")))
+    assert all(each.is_default for each in parameters)
+    parameters = model_parameters(load_specification(Path("train"), {"model.train": "tram"}))
+    assert [each.name for each in parameters if each.is_default] == ["rho_air"]
+
+
+def test_a_name_without_index_sets_all_elements():
+    given = load_specification(Path("train"), {"model.train": "tram", "model.parameters.r_wheel": "0.3 m"})
+    assert {each.value for each in model_parameters(given) if each.name.startswith("r_wheel")} == {0.3}
+    parameters = given.model.prediction.equations({"r_wheel": 0.3}).parameters
+    assert np.sum(parameters == 0.3) == 4
+
+
+def test_readings_of_a_train_with_several_kinds_of_bogies_have_the_numbers_of_the_train():
+    """Bogies of three axles have no suspension in the prediction; those behind them keep their wheelsets' numbers."""
+    train = NamedFile(entry="loco_coaches", path=Path("harness/scenario/trains/loco_coaches.toml").resolve())
+    model = of_train(train)
+    names = [variable.name for variable in model.model.outputs if variable.name.startswith("deflection")]
+    assert names[0] == "deflection[7]"
+    assert names[-1] == "deflection[46]"
+
+
+def test_groups_of_a_trace_that_do_not_fit_the_train_are_refused_together(trace):
+    with pytest.raises(EstimationError) as error:
+        rg.estimate(trace, "train", {"model.train": "emu387"})
+    text = str(error.value)
+    assert "the recording has 4 groups of wheelset_speed, and emu387 has 16" in text
+    assert "the recording has 4 groups of cylinder_pressure, and emu387 has 16" in text
+
+
+def test_columns_that_do_not_fit_the_train_are_refused_together(tmp_path):
+    columns = "".join(
+        f'"{name}[{group}]" = {{ column = "{name}{group}", unit = "{unit}" }}\n'
+        for name, unit in (("wheelset_speed", "rad/s"), ("cylinder_pressure", "bar"))
+        for group in (range(1, 7) if name == "wheelset_speed" else range(1, 4))
+    )
+    (tmp_path / "mine.toml").write_text(
+        'extends = "train"\n[model]\ntrain = "tram"\n[data]\ntime = { column = "t", unit = "s" }\nperiod = "10 ms"\n'
+        'longest_gap = "100 ms"\nfrozen = "1 s"\nspike = 8.0\n[data.columns]\n'
+        'speed = { column = "v", unit = "bar" }\n' + columns,
+        encoding="utf-8",
+    )
+    with pytest.raises(EstimationError) as error:
+        require_consistent(load_specification(tmp_path / "mine.toml"))
+    text = str(error.value)
+    assert "[data.columns] has wheelset_speed[5], wheelset_speed[6], and tram has 4 groups" in text
+    assert "lacks cylinder_pressure[4], which the model must know" in text
+    assert "[data.columns] speed" in text
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"model": {"outputs": ["speed"]}}, "names no model"),
+        ({"model.class": "WagonPrediction"}, "has a train and the class WagonPrediction"),
+        ({"model.train": "trm"}, "did you mean 'tram'|did you mean tram"),
+        ({"model.parameters": {"m_group[1]": "9 t"}}, "has no parameter 'm_group"),
+    ],
+)
+def test_a_model_that_cannot_be_is_refused(tmp_path, changes, sentence):
+    file = tmp_path / "mine.toml"
+    file.write_text(load_text("train"), encoding="utf-8")
+    if "model" in changes:
+        file.write_text(load_text("train").replace('train = "vt642"\nclass = "ConsistPredictionDisturbed"\n', ""))
+    with pytest.raises((ScenarioError, EstimationError), match=sentence):
+        require_consistent(load_specification(file, changes))
+
+
+def load_text(name):
+    return (Path("harness/estimation/library") / f"{name}.toml").read_text(encoding="utf-8")
