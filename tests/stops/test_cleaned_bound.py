@@ -69,7 +69,7 @@ def by_dynamic_programming(contact, mu0, wheelsets, energies, levels=12, slips=3
     """Return the shortest distance of one or two wheelsets on a grid of kinetic energies and slip energies.
 
     The step is the spacing. The state is the kinetic energy, and the slip energy on the step between the wheelsets; the
-    second wheelset uses its best slip, because there is none behind it.
+    second wheelset uses its best slip, because no wheelset follows it.
     """
     grid, slip = np.linspace(END**2 / 2, SPEED**2 / 2, energies), np.geomspace(2e-3, 1.0, slips)
     speed, slip = np.meshgrid(np.sqrt(2 * grid), slip, indexing="ij")
