@@ -20,11 +20,15 @@ sys.path.insert(0, str(Path(__file__).parent))
 settings.register_profile("busy", deadline=None)
 settings.load_profile("busy")
 
+# A search for garbage after every 700 new objects, Python's default, takes a fifteenth of the time of the tests.
+gc.set_threshold(50_000, 20, 20)
+
 LONGEST = {
     "test_trains_in_files.py", "test_wheel.py", "test_any_formation.py", "test_modelica_validation.py",
     "test_ideal_bound.py", "test_curves_along_the_track.py", "test_exported_stops.py", "test_brake_equipment.py",
     "test_own_modelica.py", "test_command_line.py", "test_code_blocks.py", "test_gallery.py", "test_site.py",
     "test_signals.py", "test_process_environment.py", "test_train_fmus.py", "test_any_step.py", "test_brake.py",
+    "test_detailed_mechanics.py", "test_two_maxima.py", "test_lateral_judgement.py",
 }  # fmt: skip
 """Files whose tests take fifteen seconds or longer."""
 

@@ -159,3 +159,14 @@ def test_output_into_a_pipe_accepts_all_characters(tmp_path):
     )
     assert done.returncode == 0, done.stderr
     assert "ω [rad/s]" in done.stdout.decode("utf-8")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a shell script as compiler")
+def test_a_compiler_behind_a_compiler_cache_keeps_its_archiver(tmp_path, monkeypatch):
+    """Of `ccache cc` only the last word is that of `zig cc`, which archives with `zig ar`; a cache runs no `ar`."""
+    wrapper = tmp_path / "ccache"
+    wrapper.write_text('#!/bin/sh\n[ "$1" = cc ] && exec "$@"\nexit 1\n')
+    wrapper.chmod(0o755)
+    monkeypatch.setenv("CC", f"{wrapper} cc")
+    library = toolchain.static_library({"one.c": "int one(void) { return 1; }"}, "one", units=("one.c",))
+    assert library.startswith(b"!<arch>")

@@ -55,7 +55,7 @@ class LiteralAdhesionBased(GroupLaw):
 
     description = "Adhesion-based wheel-slide protection as printed"
     brake_data = FULL_PRESSURE
-    needs = ("adhesion", "pad_friction")
+    needs = ("adhesion",)
     tuning = LiteralTuning
     # As for peak seeking; the filter may be slower, because nothing else smooths the switching.
     ranges: ClassVar[Ranges] = {

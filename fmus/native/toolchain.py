@@ -163,8 +163,7 @@ def static_library(sources: Mapping[str, str], name: str, *, units: Sequence[str
         CompilerMissing: No C compiler was found, or no `ar`.
     """
     cc = compiler()
-    # zig contains both: `zig ar` belongs to `zig cc`.
-    archiver = (*cc.command[:-1], "ar") if cc.command[-1:] == _ZIG[-1:] else (find_program("ar") or "",)
+    archiver = _archiver_of(cc.command)
     if not archiver[0]:
         raise CompilerMissing("a static library takes the program `ar`, which comes with the C compiler (binutils).")
     with scratch("build") as folder:
@@ -180,6 +179,13 @@ def static_library(sources: Mapping[str, str], name: str, *, units: Sequence[str
             if code:
                 raise BuildFailed(f"{command[0]} could not make lib{name}.a:\n{_head(errors)}")
         return (folder / f"lib{name}.a").read_bytes()
+
+
+def _archiver_of(compiler: Sequence[str]) -> tuple[str, ...]:
+    # zig contains both: `zig ar` belongs to `zig cc`. Other commands may end with cc as well, such as `ccache cc`.
+    if compiler[-1] == "cc" and Path("", *compiler[-2:-1]).stem in ("zig", "ziglang"):
+        return (*compiler[:-1], "ar")
+    return (find_program("ar") or "",)
 
 
 def _compiler_for(target: Platform) -> Compiler:

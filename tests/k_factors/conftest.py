@@ -5,5 +5,5 @@ import pytest
 
 @pytest.fixture
 def few_rates(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Draw a hundred failure rates instead of a thousand in tests that do not check their intervals."""
-    monkeypatch.setattr("railgrip.studies.k_factors.k_dry._RATES", 100)
+    """Draw ten failure rates instead of a thousand in tests that do not check their intervals."""
+    monkeypatch.setattr("railgrip.studies.k_factors.k_dry._RATES", 10)

@@ -1,5 +1,6 @@
 """Stops of a train with other contacts, elastic shafts and hysteresis, unknown to filter and controller."""
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +19,10 @@ DETAILED = {"truth.mechanics": "detailed"}
 SERVICE = {"actuation.kind": "pneumatic", "vehicle.plant": "TwoPartTrainPneumatic", "controller.tuning": "searched"}
 
 
-def stop_of(**changes):
-    return rg.run(rg.Scenario.load("trapezoid", changes))
+@pytest.fixture(scope="module")
+def stop_of():
+    """Return a function that runs the trapezoid with changes, once for the same ones."""
+    return cache(lambda *changes: rg.run(rg.Scenario.load("trapezoid", dict(changes))))
 
 
 def error_of(stop):
@@ -29,16 +32,16 @@ def error_of(stop):
 
 
 @pytest.mark.parametrize("actuation", [{}, SERVICE])
-def test_the_kinetic_energy_becomes_heat(actuation):
-    stop = stop_of(**DETAILED, **actuation)
+def test_the_kinetic_energy_becomes_heat(stop_of, actuation):
+    stop = stop_of(*(DETAILED | actuation).items())
     assert stop.outcome is Outcome.STANDSTILL
     # The solver's tolerance is 1e-5 per step; the oscillating shafts cause thousands of steps in a stop, with errors of
     # either sign.
     assert energy_error(stop) < 1e-5
 
 
-def test_the_estimator_keeps_its_prediction_and_errs_more():
-    simple, detailed = (stop_of(**SERVICE, **changes) for changes in ({}, DETAILED))
+def test_the_estimator_keeps_its_prediction_and_errs_more(stop_of):
+    simple, detailed = (stop_of(*(changes | SERVICE).items()) for changes in ({}, DETAILED))
     assert abs(detailed.metrics.distance / simple.metrics.distance - 1) > 0.01
     assert error_of(detailed) > error_of(simple)
 

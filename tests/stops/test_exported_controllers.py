@@ -82,6 +82,13 @@ def test_an_exported_law_gives_the_stop_of_the_harness_under_a_service_demand(ki
     assert undriven.metrics.distance < service.metrics.distance - 5.0
 
 
+def test_a_parameter_named_like_an_input_gets_a_prefix():
+    """The law's target `slip` is not an element of the input `slip[1]`, `slip[2]` …."""
+    xml = controller_fmu(load(PLAIN, ["controller.kind=constant_slip"])).xml
+    assert 'name="parameters.slip"' in xml
+    assert 'name="slip"' not in xml
+
+
 def test_an_exported_law_brakes_fully_until_a_driver_demands_less(tmp_path):
     """A tool that does not set `driver_demand` gets the emergency brake, like a stop without [demand]."""
     described = describe(pack(controller_fmu(load(PLAIN)), tmp_path / "law.fmu"))

@@ -13,7 +13,7 @@ from railgrip.simulate.ideal import ideal_stop
 from railgrip.simulate.run import run_stop
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
-DRAWS = 30 if "RAILGRIP_FUZZ" in os.environ else 12
+DRAWS = 30 if "RAILGRIP_FUZZ" in os.environ else 6
 """Random scenarios in `make fuzz`, and in `make test`."""
 
 

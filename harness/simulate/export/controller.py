@@ -37,7 +37,7 @@ def controller_fmu(scenario: Scenario, *, with_valves: bool = True) -> Source:
     law, valves = controller_of(vehicle), valve_logic_of(vehicle) if with_valves else None
     assert isinstance(law, Sampled)
     states = started_at(law.formula.states, law.state, _MEMORY)
-    parameters = started_at(law.formula.parameters, law.parameters)
+    parameters = law_parameters(law, law.formula.inputs)
     # A law that redistributes applies the driver's demand itself, and raises it for some groups.
     limited = law.step if scenario.controller.redistribute else _limit_demands(law, vehicle.layout)
     outputs, step = law.formula.outputs, limited
@@ -113,6 +113,22 @@ def _in_series(law: Sampled, limited: ca.Function, valves: Sampled, layout: Layo
     given = ca.vertcat(*(by_name[name] for name in layout.places["valve_input"]))
     onwards, command = valves.step(theirs, given, model)
     return ca.Function("step", [state, inputs, parameter], [ca.vertcat(following, onwards), command])
+
+
+def law_parameters(law: Sampled, inputs: Iterable[Variable]) -> tuple[Variable, ...]:
+    """Return the parameters of a law with their values as start values.
+
+    A name that an input of the FMU has as well, be it as an array, gets the prefix `parameters.`.
+    """
+    names = {_without_index(variable.name) for variable in inputs}
+    return tuple(
+        replace(variable, name=f"parameters.{variable.name}") if _without_index(variable.name) in names else variable
+        for variable in started_at(law.formula.parameters, law.parameters)
+    )
+
+
+def _without_index(name: str) -> str:
+    return name.partition("[")[0]
 
 
 def started_at(variables: Sequence[Variable], starts: Iterable[float], prefix: str = "") -> tuple[Variable, ...]:

@@ -22,7 +22,7 @@ from railgrip.fmus.native.package import Source, c_identifier
 from railgrip.fmus.native.toolchain import FMU_FLAGS, static_library
 from railgrip.scenario.parts import KalmanFilter
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.export.controller import PERIODS, started_at
+from railgrip.simulate.export.controller import PERIODS, law_parameters, started_at
 from railgrip.simulate.loop.library import headers, kernel, texts
 from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.loop.parts import Parts, StateEstimator
@@ -287,7 +287,8 @@ def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
             "these can be exported; choose another kind"
         )
     formulas["onboard->law"] = law
-    parameters = started_at(law.formula.parameters, law.parameters)
+    given = [*_of(parts.layout.signals["reading"], parts.layout), *_of(DRIVEN, parts.layout, parts.driver.full)]
+    parameters = law_parameters(law, given)
     commands = started_at(law.formula.outputs, [0.0] * len(law.formula.outputs))
     if valves is not None:
         formulas["onboard->valves"] = valves
@@ -299,7 +300,7 @@ def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
     )
     states = BELIEVED if parts.estimator is not None else ()
     return _Role(
-        given=[*_of(parts.layout.signals["reading"], parts.layout), *_of(DRIVEN, parts.layout, parts.driver.full)],
+        given=given,
         shown=[*commands, *_of(states, parts.layout)],
         struct=struct,
         formulas=formulas,

@@ -94,7 +94,8 @@ def quasi_static(
     highest = _rates(specification.failures, float(ndtri((1 + _CONFIDENCE) / 2)))
     deep, neglected = rare.states_of(brake.units, highest, neglect=_NEGLECT * smallest)
     available = [state.available for state in deep]
-    states = tuple(State(*state) for state in zip(available, rates.of_states(brake.units, available), strict=True))
+    probabilities = rates.of_states(brake.units, available).tolist()
+    states = tuple(State(*state) for state in zip(available, probabilities, strict=True))
     parts: list[list[list[Sample]]] = [[[] for _ in range(effort.runs)] for _ in brake.outputs]
     for number, state in enumerate(deep, start=1):
         notify(f"failure state {number} of {len(deep)}")
@@ -108,7 +109,8 @@ def quasi_static(
     shares = [state.probability for state in states]
     runs = tuple(tuple(rare.pool_samples(part, shares) for part in of_output) for of_output in parts)
     k = tuple(rare.estimates(of_output, PROBABILITIES, neglected) for of_output in runs)
-    drawn = np.array([numbers.of_states(brake.units, available) for numbers in _draw_rates(specification)])
+    counts = np.array(available)
+    drawn = np.array([numbers.of_states(brake.units, counts) for numbers in _draw_rates(specification)])
     equal = [1 / effort.runs] * effort.runs
     k_of_rates = tuple(
         rare.widen(of, [rare.pool_samples(state, equal) for state in zip(*part, strict=True)], drawn, PROBABILITIES)

@@ -4,9 +4,9 @@ P(g < k) = Σ P(state) P(g(state, U) < k): states are enumerated, and the contin
 sampled.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import ceil, comb, log, prod, sqrt
+from math import ceil, comb, log, sqrt
 
 import numpy as np
 from scipy.special import ndtri, stdtrit
@@ -77,14 +77,13 @@ class Rates:
             for count in range(units + 1)
         )
 
-    def of_states(self, units: Sequence[int], available: Iterable[Sequence[int]]) -> list[float]:
+    def of_states(self, units: Sequence[int], available: Sequence[Sequence[int]]) -> Array:
         """Return for each state the probability that exactly its `available` units of each group brake."""
-        of_groups = [self.of_group(n) for n in units]
-        return [
-            (1 - self.total_loss) * prod(of_group[left] for of_group, left in zip(of_groups, state, strict=True))
-            + self.total_loss * (not any(state))
-            for state in available
-        ]
+        counts = np.array(available).reshape(len(available), len(units))
+        probability = np.ones(len(counts))
+        for group, n in enumerate(units):
+            probability *= np.array(self.of_group(n))[counts[:, group]]
+        return (1 - self.total_loss) * probability + self.total_loss * ~counts.any(axis=1)
 
 
 def states_of(units: Sequence[int], rates: Rates, *, neglect: float) -> tuple[tuple[State, ...], float]:
@@ -113,7 +112,8 @@ def states_of(units: Sequence[int], rates: Rates, *, neglect: float) -> tuple[tu
             rest += rates.total_loss
         elif lost not in available:
             available.append(lost)
-        states = [State(*state) for state in zip(available, rates.of_states(units, available), strict=True)]
+        probabilities = rates.of_states(units, available).tolist()
+        states = [State(*state) for state in zip(available, probabilities, strict=True)]
         states.sort(key=lambda state: (-state.probability, state.available))
     return tuple(states), rest
 
