@@ -182,7 +182,7 @@ def test_the_page_about_python_runs_with_the_installed_wheel(environment, tmp_pa
 
 
 def test_the_notebook_of_own_parts_runs_with_the_installed_wheel(environment, tmp_path):
-    """Cell by cell, as in a notebook: classes belong to the main module and have no file. Its sweep has fewer seeds."""
+    """Cell by cell, as in a notebook: classes belong to the main module and have no file. The sweep has fewer seeds."""
     text = (ROOT / "docs" / "examples" / "own_parts.ipynb").read_text(encoding="utf-8")
     notebook = tmp_path / "own_parts.ipynb"
     notebook.write_text(text.replace("range(25)", "range(4)"), encoding="utf-8")

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from math import ceil, comb, log, sqrt
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.special import ndtri, stdtrit
 
 from railgrip.estimators.belief import Array
@@ -77,9 +78,9 @@ class Rates:
             for count in range(units + 1)
         )
 
-    def of_states(self, units: Sequence[int], available: Sequence[Sequence[int]]) -> Array:
-        """Return for each state the probability that exactly its `available` units of each group brake."""
-        counts = np.array(available).reshape(len(available), len(units))
+    def of_states(self, units: Sequence[int], available: ArrayLike) -> Array:
+        """Return the probability that exactly the `available` units, shape (states, groups), brake in each state."""
+        counts = np.asarray(available)
         probability = np.ones(len(counts))
         for group, n in enumerate(units):
             probability *= np.array(self.of_group(n))[counts[:, group]]
