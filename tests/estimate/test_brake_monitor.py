@@ -76,7 +76,7 @@ def test_health_follows_the_true_friction_over_the_nominal_law():
 
 
 def test_without_testing_the_groups_cannot_be_told_apart_and_the_evidence_says_so():
-    recording, temperature = next(live(Life(stops=60, seed=3, testing=False), range(7, 8)))
+    recording, temperature = next(live(Life(stops=60, seed=3, releases=()), range(7, 8)))
     evidence = evidence_of(recording, temperature)
     assert evidence.deviation.min() > 0.3
     # One combination is known all the same, a mean over all groups: that of the braking forces, which stop the train.
