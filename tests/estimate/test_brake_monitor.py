@@ -76,7 +76,7 @@ def test_health_follows_the_true_friction_over_the_nominal_law():
 
 
 def test_without_test_releases_the_evidence_does_not_distinguish_groups():
-    recording, temperature = next(live(Life(stops=60, seed=3, testing=False), range(7, 8)))
+    recording, temperature = next(live(Life(stops=60, seed=3, releases=()), range(7, 8)))
     evidence = evidence_of(recording, temperature)
     assert evidence.deviation.min() > 0.3
     # One combination is determined nevertheless: the mean over all groups, weighted by the braking forces that stop the

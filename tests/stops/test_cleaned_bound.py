@@ -1,4 +1,4 @@
-"""The ideal bound where slip cleans the rail, compared with dynamic programming, the plant, and random stops."""
+"""The ideal bound where slip cleans the rail: against dynamic programming, the plant, and stops on random rails."""
 
 import os
 from functools import partial
@@ -69,7 +69,7 @@ def by_dynamic_programming(contact, mu0, wheelsets, energies, levels=12, slips=3
     """Return the shortest distance of one or two wheelsets on a grid of kinetic energies and slip energies.
 
     The step is the spacing. The state is the kinetic energy, and the slip energy on the step between the wheelsets; the
-    second wheelset uses its best slip, because no wheelset follows.
+    second wheelset uses its best slip, because no wheelset follows it.
     """
     grid, slip = np.linspace(END**2 / 2, SPEED**2 / 2, energies), np.geomspace(2e-3, 1.0, slips)
     speed, slip = np.meshgrid(np.sqrt(2 * grid), slip, indexing="ij")
@@ -100,9 +100,9 @@ def by_dynamic_programming(contact, mu0, wheelsets, energies, levels=12, slips=3
 
 @pytest.mark.parametrize(("rate", "mu0"), [(1.9e-4, 0.05), (5e-5, 0.08)])
 def test_for_one_wheelset_the_bound_is_the_optimum(rate, mu0):
-    """Dynamic programming is of first order in its grid; its result is extrapolated from two grids.
+    """Dynamic programming of the first order in its grid, extrapolated from a grid and one twice as fine.
 
-    This choice is exact for the bound: the best slip of the last wheelset is that of the highest adhesion.
+    The bound has no error by that: the best slip of a wheelset with none behind it is that of the highest adhesion.
     """
     contact, distances = contact_of(rate), []
     for factor in (1, 2):
@@ -174,7 +174,7 @@ def test_no_held_slip_is_shorter_than_the_bound_of_the_named_case():
     assert locked == pytest.approx(full, rel=1e-6)
 
 
-def test_the_contact_equals_that_of_the_plant_on_the_rail_of_the_kernel():
+def test_the_contact_is_that_of_the_plant_on_the_rail_of_the_kernel():
     """The adhesion of each wheelset of a stop, with the energy that those ahead left in the same stop."""
     stop = run_stop(scenario(WRITTEN, "periods.trace=1 ms"))
     vehicle = VehicleData(stop.scenario)
@@ -188,7 +188,7 @@ def test_the_contact_equals_that_of_the_plant_on_the_rail_of_the_kernel():
         energy = sum(
             np.interp(distance - (position[w] - position[j]), distance, left[:, j], left=0.0) for j in range(w)
         ) * np.ones(len(distance))
-        # Loads of the stop oscillate around the loads at its deceleration.
+        # Loads of the stop oscillate about those of its deceleration.
         assert np.all(energy <= 1.005 * highest["energy_ahead"].values[:, w])
         speed = stop.trace["speed"].values
         found = contact(slips[some, w], speed[some], load_[some, w], 0.05 * np.ones(len(speed[some])),
@@ -196,7 +196,7 @@ def test_the_contact_equals_that_of_the_plant_on_the_rail_of_the_kernel():
         assert found == pytest.approx(used[some, w], rel=0.02)
 
 
-def test_a_rail_that_slip_does_not_clean_has_the_same_bound():
+def test_a_rail_that_slip_does_not_clean_at_all_has_the_same_bound():
     at_rest = "adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='0 m/J'}"
     pointwise, cleaned = (
         run_stop(scenario("controller.kind=ideal_bound", *changes)).metrics.distance for changes in ((), (at_rest,))

@@ -4,7 +4,7 @@ Every stop is a scenario with a [demand] that the loop runs; readings are those 
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import accumulate
@@ -28,8 +28,12 @@ from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, formation
 PLANT = "TwoPartTrain"
 PERIOD = 0.04  # s; the solver of the plant steps finer, and half the readings of 0.02 s widen the evidence by √2
 COASTING = 4.0  # s before the brake
-_SLOT = 2.0  # s that a group is released for the test
-_FIRST_SLOT = 2.5  # s after the brake began
+SLOT = 2.0  # s that a group is released for the test
+FIRST_SLOT = 2.5  # s after the brake began
+LOT_DEVIATION = 0.05  # of pad friction, from group to group
+STOP_DEVIATION = 0.02  # of pad friction, from stop to stop
+LOAD_DEVIATION = 0.05  # from stop to stop
+SCALE_DEVIATION = 0.003  # of the speed reading, from stop to stop
 _LAG = 0.2  # s, time constant of the cylinders
 _DOPPLER = 0.12  # s between readings of the train speed
 _TRAIN = {
@@ -47,6 +51,27 @@ _TRAIN = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Release:
+    """A lower pressure of one group for some time.
+
+    Attributes:
+        group: Index of the group, from 0.
+        start: Time after the brake began [s].
+        duration: Duration [s].
+        drop: Reduction of the braking pressure [Pa]; infinity for a complete release.
+    """
+
+    group: int
+    start: float
+    duration: float
+    drop: float = math.inf
+
+
+IN_TURN = tuple(Release(group=g, start=FIRST_SLOT + g * SLOT, duration=SLOT) for g in range(formation().groups))
+"""Complete release of each group in turn."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Life:
     """Events in the life of a train; typical variations: lots 10 %, units 5 %, wet pads initially −20…−30 %.
 
@@ -59,9 +84,10 @@ class Life:
         stuck: Stop from which one group does not release; None for never.
         stuck_group: Index of that group, from 0.
         residual: Pressure that remains in the stuck group [Pa].
-        testing: Whether groups are released in turn, so that they can be distinguished.
+        releases: Releases in every stop, by which groups can be distinguished.
         pressure_offset: 1σ of the offset of each pressure transducer for the whole life [Pa], in addition to 500 Pa
             that are drawn in every stop.
+        radii: Wheel radius of each group over the nominal one; empty for nominal wheels.
     """
 
     stops: int
@@ -72,8 +98,14 @@ class Life:
     stuck: int | None = None
     stuck_group: int = 2
     residual: float = 0.8e5
-    testing: bool = True
+    releases: tuple[Release, ...] = IN_TURN
     pressure_offset: float = PRESSURE_OFFSET
+    radii: tuple[float, ...] = ()
+
+
+def first_health(life: Life) -> Vector:
+    """Return the friction of each group's pads over the nominal one at the start of a life, shape (groups,)."""
+    return 1.0 + LOT_DEVIATION * generator(life.seed, "life.lot").standard_normal(formation().groups)
 
 
 def live(life: Life, numbers: range | None = None) -> Iterator[tuple[xarray.Dataset, Vector]]:
@@ -82,12 +114,13 @@ def live(life: Life, numbers: range | None = None) -> Iterator[tuple[xarray.Data
     A stop is its readings with the true pad friction, and the disc temperatures read at the start, (groups,) [K].
     """
     lot, groups = generator(life.seed, "life.lot"), formation().groups
-    base = 1.0 + 0.05 * lot.standard_normal(groups)
+    base = 1.0 + LOT_DEVIATION * lot.standard_normal(groups)
     transducers = life.pressure_offset * generator(life.seed, "life.transducers").standard_normal(groups)
     wear = lot.uniform(0.0, 0.04, groups)  # share of friction lost over the life by glazing; still healthy
     for k in numbers or range(life.stops):
         random = generator(life.seed, f"life.stop.{k}")
-        factor = base * (1.0 - wear * k / max(life.stops - 1, 1)) * (1.0 + 0.02 * random.standard_normal(groups))
+        scatter = 1.0 + STOP_DEVIATION * random.standard_normal(groups)
+        factor = base * (1.0 - wear * k / max(life.stops - 1, 1)) * scatter
         wet = random.random() < 0.2
         factor *= 1.0 - (random.uniform(0.0, 0.05) if wet else 0.0)
         first_friction = factor * (random.uniform(0.70, 0.80) if wet else 1.0)
@@ -98,25 +131,30 @@ def live(life: Life, numbers: range | None = None) -> Iterator[tuple[xarray.Data
         yield _stop(life, k, random, 0.35 * factor, 0.35 * first_friction, stuck, transducers)
 
 
-def demand_table(full: Vector, testing: bool, residual: Vector) -> dict[str, Any]:
-    """Return the table [demand] of a stop: coasting, then braking, and each group released in turn where it is tested.
+def demand_table(full: Vector, releases: Sequence[Release], residual: Vector) -> dict[str, Any]:
+    """Return the table [demand] of a stop: coasting, then braking with releases.
 
     Args:
         full: Braking pressures, shape (groups,) [Pa].
+        releases: Releases of single groups; they may overlap.
         residual: Minimum pressure in the cylinders of each group, independent of the demand, shape (groups,) [Pa].
     """
-    brake, release = full.copy(), np.zeros(full.size)
-    courses = [(release, COASTING)]
-    if testing:
-        courses.append((brake, COASTING + _FIRST_SLOT))
-        for group in range(full.size):
-            demand = brake.copy()
-            demand[group] = 0.0
-            courses.append((demand, COASTING + _FIRST_SLOT + (group + 1) * _SLOT))
+    changes = sorted({end for release in releases for end in (release.start, release.start + release.duration)})
+    courses = [np.zeros(full.size), *(braking_pressures(full, releases, begin) for begin in (0.0, *changes))]
     # From the first sample on that is not before.
-    ends = [{"until": {"time": math.ceil(round(end / PERIOD, 6)) * PERIOD}} for _, end in courses]
-    pressures = [np.maximum(pressure, residual).tolist() for pressure in (*(course for course, _ in courses), brake)]
-    return {"phases": [{"pressure": pressure} | end for pressure, end in zip(pressures, [*ends, {}], strict=True)]}
+    instants = [math.ceil(round((COASTING + end) / PERIOD, 6)) * PERIOD for end in (0.0, *changes)]
+    ends = [*({"until": {"time": instant}} for instant in instants), {}]
+    pressures = [np.maximum(pressure, residual).tolist() for pressure in courses]
+    return {"phases": [{"pressure": pressure} | end for pressure, end in zip(pressures, ends, strict=True)]}
+
+
+def braking_pressures(full: Vector, releases: Sequence[Release], time: float) -> Vector:
+    """Return the demanded pressures at a time after the brake began, shape (groups,) [Pa]."""
+    pressures = full.copy()
+    for release in releases:
+        if release.start <= time < release.start + release.duration:
+            pressures[release.group] = max(full[release.group] - release.drop, 0.0)
+    return pressures
 
 
 @cache
@@ -137,11 +175,12 @@ def _stop(
     nominal, groups = _nominal(), formation().groups
     full = random.uniform(0.6, 0.9) * np.array([nominal[f"p_max[{g + 1}]"] for g in range(groups)])
     speed = random.uniform(70.0, 110.0) / 3.6
-    load = 1.0 + 0.05 * random.standard_normal()  # passengers; the monitor assumes the nominal mass
+    load = 1.0 + LOAD_DEVIATION * random.standard_normal()  # passengers; the monitor assumes the nominal mass
     slope = 0.002 * random.standard_normal()
     discs = random.uniform(293.15, 393.15, groups)
     loads = {f"m_wheelset[{i + 1}]": load * nominal[f"m_wheelset[{i + 1}]"] for i in range(formation().wheelsets)}
     parameters = {"T_pressure": _LAG} | loads
+    parameters |= {f"r_wheel[{g + 1}]": ratio * nominal[f"r_wheel[{g + 1}]"] for g, ratio in enumerate(life.radii)}
     for g in range(groups):
         parameters[f"mu_b_nominal[{g + 1}]"] = float(friction[g])
         parameters[f"mu_b_start[{g + 1}]"] = float(first_friction[g])
@@ -154,7 +193,7 @@ def _stop(
         "vehicle": {"parameters": parameters},
         "start": {"speed": speed},
         "track": {"force": -sum(loads.values()) * GRAVITY * slope},
-        "demand": demand_table(full, life.testing, residual),
+        "demand": demand_table(full, life.releases, residual),
     }
     trace = trace_of(scenario_of(merge(_TRAIN, changes), directory=Path(), origin="life"))
     count = trace.sizes["time"]
@@ -166,7 +205,7 @@ def _stop(
             accumulate(demand, lambda at, to: to + (at - to) * np.exp(-PERIOD / _LAG), initial=0.0)
         )
     noise = random.standard_normal
-    velocity = trace["speed"].values * (1.0 + 0.003 * noise()) + 0.1 * noise(count)
+    velocity = trace["speed"].values * (1.0 + SCALE_DEVIATION * noise()) + 0.1 * noise(count)
     velocity[np.arange(count) % round(_DOPPLER / PERIOD) != 0] = np.nan
     acceleration = trace["acceleration"].values + GRAVITY * slope + 0.05 * noise() + 0.03 * noise(count)
     wheels = trace["wheelset_speed"].values + 0.2 * noise((count, groups))
@@ -175,6 +214,7 @@ def _stop(
     for g in range(groups):
         signals[f"wheelset_speed[{g + 1}]"] = (wheels[:, g], "rad/s")
         signals[f"cylinder_pressure[{g + 1}]"] = (np.maximum(pressure[:, g], 0.0), "Pa")
-    truth = {f"mu_b[{g + 1}]": (trace["pad_friction"].values[:, g], "1") for g in range(groups)}
+    truth: dict[str, tuple[Vector, str]] = {"v": (trace["speed"].values, "m/s")}
+    truth |= {f"mu_b[{g + 1}]": (trace["pad_friction"].values[:, g], "1") for g in range(groups)}
     recording = recording_of(signals, period=PERIOD, truth=truth, name=f"stop-{number:04d}")
     return recording, discs + 10.0 * noise(groups)

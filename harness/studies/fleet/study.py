@@ -1,0 +1,189 @@
+"""What a fleet learns from many stops: pads, wheel radii, and the metres that releases of single groups cost."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from typer import Option
+
+from railgrip.campaign.work import Work
+from railgrip.report.marked import write_tables
+from railgrip.report.page import Page
+from railgrip.report.table import ReportTable, share
+from railgrip.studies.fleet.releases import MODULATION, Releases, designed, expected_information
+from railgrip.studies.fleet.trains import TrainCase, TrainStops, fleet_estimate, train_stops
+from railgrip.studies.pad_monitor.evidence import formation
+from railgrip.studies.pad_monitor.life import IN_TURN
+from railgrip.studies.study import Study
+
+PAGE = Path("docs/papers.md")
+"""Relative to the folder of the project, in which the command runs."""
+
+TRAINS, STOPS = 20, 40
+QUICK = (4, 5)
+FIRST_SEED = 101
+COUNTS = (1, 5, 10, 20, 40)
+"""Stops of each train after which the estimates are compared."""
+
+PULSES = "0.2 bar for 1 s"
+"""Name of the modulation in tables."""
+
+TARGET = 0.05
+"""Standard deviation to which pads of single groups should be known."""
+
+
+def release_designs() -> dict[str, Releases]:
+    """Return the releases that are compared; the design takes half a minute."""
+    return {
+        "none": (),
+        PULSES: MODULATION,
+        "each group in turn": IN_TURN,
+        "D-optimal": designed(),
+    }
+
+
+@dataclass(frozen=True)
+class FleetStudy(Study):
+    """Estimate pads and wheel radii jointly from all stops of a fleet, with releases of single groups or without."""
+
+    write: Annotated[bool, Option("--write", help="Write the tables into docs/papers.md.")] = False
+    quick: bool = False
+
+    def page(self, work: Work) -> Page:
+        """Return errors, intervals and metres by design of the releases; the small form has few trains and stops."""
+        trains, stops = QUICK if self.quick else (TRAINS, STOPS)
+        designs = release_designs()
+        found = simulate(work, designs, trains, stops)
+        tables = {
+            "fleet_pads": learned(found, stops),
+            "fleet_radii": radii(found, stops),
+            "fleet_needed": needed_table(found, stops),
+            "fleet_designs": designs_table(designs),
+        }
+        if self.write:
+            write_tables(PAGE, tables)
+        needed = stops_needed(found[PULSES], stops)
+        return Page(
+            title="What a fleet learns from many stops",
+            question="After how many stops are the pads of each group known to 5 %, and at which cost in metres?",
+            answer=f"Pulses of 0.2 bar make a stop {extra_metres(found, PULSES):.1f} m longer. With them the readings "
+            f"of {stops} stops alone determine the pads of {sum(number is not None for number in needed)} of "
+            f"{len(needed)} groups to 5 %.",
+            template="studies/fleet/fleet.md.jinja",
+            values=tables | {"trains": trains, "stops": stops},
+            tables={f"{name}.csv": table for name, table in tables.items()},
+            screen=tuple(tables.values()),
+        )
+
+
+STUDY = FleetStudy
+
+
+def simulate(work: Work, designs: Mapping[str, Releases], trains: int, stops: int) -> dict[str, list[TrainStops]]:
+    """Return the stops of the same trains with each design of releases."""
+    cases = [
+        TrainCase(seed=seed, stops=stops, releases=releases)
+        for releases in designs.values()
+        for seed in range(FIRST_SEED, FIRST_SEED + trains)
+    ]
+    results = work.map(train_stops, cases)
+    return {name: results[i * trains : (i + 1) * trains] for i, name in enumerate(designs)}
+
+
+def pad_deviation(trains: Sequence[TrainStops], stops: int) -> np.ndarray:
+    """Return the claimed deviations of the pads from the readings of each train alone, shape (trains, groups)."""
+    alone = [fleet_estimate([train], stops, with_lot=False) for train in trains]
+    return np.array([estimate.train_deviation[0, : formation().groups] for estimate in alone])
+
+
+def stops_needed(trains: Sequence[TrainStops], stops: int) -> list[int | None]:
+    """Return, by group, the number of stops after which its pads are known to `TARGET` on average, or None."""
+    deviations = np.array([pad_deviation(trains, count).mean(axis=0) for count in range(1, stops + 1)])
+    return [int(np.argmax(of_group <= TARGET)) + 1 if of_group[-1] <= TARGET else None for of_group in deviations.T]
+
+
+def extra_metres(found: Mapping[str, Sequence[TrainStops]], name: str) -> float:
+    """Return the mean distance of a stop minus that of the same stop without releases [m]."""
+    of_design, without = (np.array([train.distances for train in found[key]]) for key in (name, "none"))
+    return float(np.mean(of_design - without))
+
+
+def learned(found: Mapping[str, Sequence[TrainStops]], stops: int) -> ReportTable:
+    """Return errors and claimed deviations of the pads by design and number of stops."""
+    groups = formation().groups
+    rows: list[dict[str, object]] = []
+    for name, trains in found.items():
+        true = np.array([train.pads for train in trains])
+        for count in (count for count in COUNTS if count <= stops):
+            estimate = fleet_estimate(trains, count)
+            alone = pad_deviation(trains, count).mean(axis=0)
+            error, deviation = estimate.trains[:, :groups] - true, estimate.train_deviation[:, :groups]
+            rows.append(
+                {
+                    "releases": name,
+                    "stops of each train": count,
+                    "longer stop": f"{extra_metres(found, name):.1f} m",
+                    "RMSE": float(np.sqrt(np.mean(error**2))),
+                    "claimed": float(deviation.mean()),
+                    "coverage of 95 %": float(np.mean(np.abs(error) < 1.96 * deviation)),
+                    **{f"group {g + 1} without lot": float(alone[g]) for g in range(groups)},
+                }
+            )
+    numbers = ("RMSE", "claimed", *(f"group {g + 1} without lot" for g in range(groups)))
+    forms = {**dict.fromkeys(numbers, "{:.3f}"), "coverage of 95 %": share}
+    return ReportTable(rows, forms, ("releases",), title="Pads of single groups over nominal friction")
+
+
+def radii(found: Mapping[str, Sequence[TrainStops]], stops: int) -> ReportTable:
+    """Return errors and claimed deviations of the wheel radii by number of stops, from stops without releases."""
+    trains = found["none"]
+    true = np.array([train.radii for train in trains])
+    rows: list[dict[str, object]] = []
+    for count in (count for count in COUNTS if count <= stops):
+        estimate = fleet_estimate(trains, count)
+        error = estimate.trains[:, -true.shape[1] :] - true
+        deviation = estimate.train_deviation[:, -true.shape[1] :]
+        rows.append(
+            {
+                "stops of each train": count,
+                "RMSE": f"{100 * float(np.sqrt(np.mean(error**2))):.3f} %",
+                "claimed": f"{100 * float(deviation.mean()):.3f} %",
+                "coverage of 95 %": float(np.mean(np.abs(error) < 1.96 * deviation)),
+            }
+        )
+    return ReportTable(rows, {"coverage of 95 %": share}, title="Wheel radii over nominal")
+
+
+def designs_table(designs: Mapping[str, Releases]) -> ReportTable:
+    """Return the information that one stop has on the pads, by design of the releases, expected before the stop."""
+    groups = formation().groups
+    by_hand = np.linalg.slogdet(expected_information(IN_TURN))[1]
+    rows: list[dict[str, object]] = []
+    for name, releases in designs.items():
+        information = expected_information(releases)
+        deviation = np.sqrt(np.diag(np.linalg.inv(information)))
+        ratio = np.exp((by_hand - np.linalg.slogdet(information)[1]) / groups)
+        row: dict[str, object] = {
+            "releases": name,
+            "log det of the information": float(np.linalg.slogdet(information)[1]),
+        }
+        row |= {f"group {g + 1}": float(deviation[g]) for g in range(groups)}
+        rows.append(row | {"variance over that by hand": float(ratio)})
+    forms = {f"group {g + 1}": "{:.3f}" for g in range(groups)}
+    forms |= {"log det of the information": "{:.2f}", "variance over that by hand": "{:.3g}"}
+    return ReportTable(rows, forms, ("releases",), title="Expected standard deviation of the pads from one stop")
+
+
+def needed_table(found: Mapping[str, Sequence[TrainStops]], stops: int) -> ReportTable:
+    """Return, by design and group, the number of stops after which the pads are known to `TARGET`, and the metres."""
+    rows = [
+        {"releases": name, "longer stop": f"{extra_metres(found, name):.1f} m"}
+        | {
+            f"group {g + 1}": f"more than {stops}" if needed is None else str(needed)
+            for g, needed in enumerate(stops_needed(trains, stops))
+        }
+        for name, trains in found.items()
+    ]
+    return ReportTable(rows, left=("releases",), title=f"Stops until pads are known to {100 * TARGET:.0f} %")

@@ -1,0 +1,191 @@
+"""The joint estimate over stops equals closed forms and its intervals hold; designs of releases are optimal."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from railgrip.studies.fleet.joint import Hierarchy, StopEstimate, estimate_fleet
+from railgrip.studies.fleet.releases import CANDIDATES, STARTS, Releases, design, in_order, log_determinant
+from railgrip.studies.pad_monitor.life import Release, braking_pressures, demand_table
+
+GROUPS, TRAINS, STOPS = 4, 5, 12
+_NONE = np.zeros((1, 0))
+
+
+def fleet(seed: int, hierarchy: Hierarchy) -> tuple[list[StopEstimate], np.ndarray, np.ndarray, np.ndarray]:
+    """Draw a fleet from its prior; return its stops, lot means, quantities and offsets.
+
+    A stop estimates pads, load and radius: the load makes pads seem worse, offsets of pressure and load add errors.
+    """
+    random = np.random.default_rng(seed)
+    lot = hierarchy.lot_mean + hierarchy.lot_deviation * random.standard_normal(hierarchy.lot_mean.size)
+    normal = random.standard_normal((TRAINS, hierarchy.train_deviation.size))
+    trains = hierarchy.lots @ lot + hierarchy.train_deviation * normal
+    offsets = hierarchy.offset_deviation * random.standard_normal((TRAINS, hierarchy.offset_deviation.size))
+    of_quantities = np.eye(GROUPS + 2)
+    of_quantities[:GROUPS, GROUPS] = -1.0
+    stops: list[StopEstimate] = []
+    for train in np.repeat(np.arange(TRAINS), STOPS):
+        of_offsets = np.diag(np.append(random.uniform(0.5, 2.0, GROUPS), 1.0))
+        of_offsets = np.vstack([of_offsets, np.zeros(GROUPS + 1)])
+        root = 0.03 * random.standard_normal((GROUPS + 2, GROUPS + 2))
+        x = trains[train] + hierarchy.stop_deviation * random.standard_normal(GROUPS + 2)
+        y = of_quantities @ x + of_offsets @ offsets[train] + root @ random.standard_normal(GROUPS + 2)
+        stops.append(
+            StopEstimate(
+                train=int(train),
+                mean=y,
+                covariance=root @ root.T,
+                of_quantities=of_quantities,
+                of_offsets=of_offsets,
+            )
+        )
+    return stops, lot, trains, offsets
+
+
+@pytest.fixture(scope="module")
+def hierarchy() -> Hierarchy:
+    """Pads of all groups are from one lot; loads and radii have means of their own."""
+    lots = np.zeros((GROUPS + 2, 3))
+    lots[:GROUPS, 0] = lots[GROUPS, 1] = lots[GROUPS + 1, 2] = 1.0
+    return Hierarchy(
+        lots=lots,
+        lot_mean=np.array([1.0, 0.0, 0.0]),
+        lot_deviation=np.array([0.1, 0.05, 0.02]),
+        train_deviation=np.array([*[0.05] * GROUPS, 0.02, 0.01]),
+        stop_deviation=np.array([*[0.02] * GROUPS, 0.05, 0.0]),
+        offset_deviation=np.array([*[0.02] * GROUPS, 0.01]),
+    )
+
+
+def test_a_fleet_of_one_quantity_is_the_one_way_random_effects_model():
+    """Balanced design: the train is the mean of its stops, shrunk towards the grand mean (Lindley and Smith 1972)."""
+    random = np.random.default_rng(1)
+    between, within = 0.05, 0.08
+    y = 1.0 + between * random.standard_normal((TRAINS, 1)) + within * random.standard_normal((TRAINS, STOPS))
+    # Half of the variance within trains is error, half is scatter; a flat prior of the lot.
+    hierarchy = Hierarchy(
+        lots=np.ones((1, 1)),
+        lot_mean=np.zeros(1),
+        lot_deviation=np.array([1e4]),
+        train_deviation=np.array([between]),
+        stop_deviation=np.array([within / np.sqrt(2.0)]),
+        offset_deviation=np.zeros(0),
+    )
+    stops = [
+        StopEstimate(
+            train=i,
+            mean=np.array([y[i, k]]),
+            covariance=np.array([[within**2 / 2.0]]),
+            of_quantities=np.eye(1),
+            of_offsets=_NONE,
+        )
+        for i in range(TRAINS)
+        for k in range(STOPS)
+    ]
+    found = estimate_fleet(stops, hierarchy, TRAINS)
+    weight = between**2 / (between**2 + within**2 / STOPS)
+    expected = y.mean() + weight * (y.mean(axis=1) - y.mean())
+    # The prior variance of 1e8 costs eight of sixteen digits.
+    np.testing.assert_allclose(found.lot, [y.mean()], rtol=1e-7)
+    np.testing.assert_allclose(found.lot_deviation**2, (between**2 + within**2 / STOPS) / TRAINS, rtol=1e-4)
+    np.testing.assert_allclose(found.trains[:, 0], expected, rtol=1e-7)
+
+
+def test_a_fleet_equals_least_squares_of_all_stops_at_once(hierarchy):
+    """Normal equations of prior and stops, stacked and whitened."""
+    stops, *_ = fleet(0, hierarchy)
+    found = estimate_fleet(stops, hierarchy, TRAINS)
+    (n, q), c = hierarchy.lots.shape, hierarchy.offset_deviation.size
+    size = q + TRAINS * (n + c)
+    rows, right = [np.eye(q, size) / hierarchy.lot_deviation[:, None]], [hierarchy.lot_mean / hierarchy.lot_deviation]
+    for train in range(TRAINS):
+        first = q + train * (n + c)
+        deviation = np.zeros((n, size))
+        deviation[:, :q], deviation[:, first : first + n] = -hierarchy.lots, np.eye(n)
+        offset = np.zeros((c, size))
+        offset[:, first + n : first + n + c] = np.eye(c)
+        rows += [deviation / hierarchy.train_deviation[:, None], offset / hierarchy.offset_deviation[:, None]]
+        right.append(np.zeros(n + c))
+    for stop in stops:
+        scattered = stop.of_quantities * hierarchy.stop_deviation
+        whitening = np.linalg.inv(np.linalg.cholesky(stop.covariance + scattered @ scattered.T))
+        first = q + stop.train * (n + c)
+        row = np.zeros((len(stop.mean), size))
+        row[:, first : first + n + c] = np.hstack([stop.of_quantities, stop.of_offsets])
+        rows.append(whitening @ row)
+        right.append(whitening @ stop.mean)
+    stack = np.vstack(rows)
+    solution = np.linalg.lstsq(stack, np.concatenate(right), rcond=None)[0]
+    deviation = np.sqrt(np.diag(np.linalg.inv(stack.T @ stack)))
+    np.testing.assert_allclose(found.lot, solution[:q], atol=1e-10)
+    trains = solution[q:].reshape(TRAINS, n + c)
+    np.testing.assert_allclose(np.hstack([found.trains, found.offsets]), trains, atol=1e-10)
+    np.testing.assert_allclose(found.train_deviation, deviation[q:].reshape(TRAINS, n + c)[:, :n], rtol=1e-8)
+
+
+def test_intervals_of_95_per_cent_hold(hierarchy):
+    """One train of each of 400 synthetic fleets, so that the intervals of one quantity are independent."""
+    seeds = 400
+    inside = np.zeros(hierarchy.train_deviation.size + hierarchy.offset_deviation.size + hierarchy.lot_mean.size)
+    for seed in range(seeds):
+        stops, lot, trains, offsets = fleet(seed, hierarchy)
+        found = estimate_fleet(stops, hierarchy, TRAINS)
+        error = np.concatenate([found.trains[0] - trains[0], found.offsets[0] - offsets[0], found.lot - lot])
+        deviation = np.concatenate([found.train_deviation[0], found.offset_deviation[0], found.lot_deviation])
+        inside += np.abs(error) < 1.96 * deviation
+    # Binomial: a share of 0.95 of 400 has a deviation of 0.011; three of it for each of 14 quantities.
+    assert np.abs(inside / seeds - 0.95).max() < 3.0 * np.sqrt(0.95 * 0.05 / seeds)
+    assert (inside / seeds).min() > 0.90
+    assert (inside / seeds).max() < 0.98
+
+
+def test_an_offset_that_is_not_in_the_model_makes_intervals_too_narrow(hierarchy):
+    """More stops reduce the noise, but not the offset: without it as a parameter the interval misses the truth."""
+    stops, _, trains, _ = fleet(3, hierarchy)
+    aware = estimate_fleet(stops, hierarchy, TRAINS)
+    blind = estimate_fleet([StopEstimate(train=s.train, mean=s.mean, covariance=s.covariance,
+                                         of_quantities=s.of_quantities, of_offsets=np.zeros_like(s.of_offsets))
+                            for s in stops], hierarchy, TRAINS)  # fmt: skip
+    pads = slice(0, GROUPS)
+    squares = [
+        float(np.mean(((found.trains - trains) / found.train_deviation)[:, pads] ** 2)) for found in (aware, blind)
+    ]
+    # 20 normalised errors: a mean square of 1 within 3·sqrt(2/20).
+    assert squares[0] < 1.0 + 3.0 * np.sqrt(2.0 / 20.0)
+    assert squares[1] > squares[0]
+    assert (aware.train_deviation[:, pads] > blind.train_deviation[:, pads]).all()
+
+
+def test_exchanges_find_the_design_of_an_exhaustive_search():
+    """All pairs of eight releases, by the information of the train's prediction."""
+    candidates = [r for r in CANDIDATES if r.start in STARTS[:2] and np.isinf(r.drop)]
+    pairs = [in_order(pair) for pair in combinations(candidates, 2)]
+    best = max(pairs, key=log_determinant)
+    assert log_determinant(design(candidates, 2)) == pytest.approx(log_determinant(best), abs=1e-12)
+
+
+def test_exchanges_correct_a_greedy_choice():
+    """Releases as vectors with the information x xᵀ: the best pair does not contain the best single one."""
+    vectors = dict(zip(CANDIDATES[:3], np.array([[2.0, 2.0], [2.5, 0.0], [0.0, 2.5]]), strict=True))
+
+    def criterion(releases: Releases) -> float:
+        rows = np.array([vectors[release] for release in releases])
+        return float(np.linalg.slogdet(1e-3 * np.eye(2) + rows.T @ rows)[1])
+
+    assert criterion((CANDIDATES[0],)) > max(criterion((CANDIDATES[1],)), criterion((CANDIDATES[2],)))
+    assert design(CANDIDATES[:3], 2, criterion) == in_order(CANDIDATES[1:3])
+
+
+def test_releases_may_overlap():
+    full = np.array([3e5, 2e5, 2e5, 3e5])
+    releases = (
+        Release(group=0, start=1.0, duration=2.0, drop=1e5),
+        Release(group=2, start=2.0, duration=2.0),
+    )
+    pressures = [braking_pressures(full, releases, time).tolist() for time in (0.5, 1.5, 2.5, 3.5, 4.5)]
+    assert [row[0] for row in pressures] == [3e5, 2e5, 2e5, 3e5, 3e5]
+    assert [row[2] for row in pressures] == [2e5, 2e5, 0.0, 0.0, 2e5]
+    phases = demand_table(full, releases, np.zeros(4))["phases"]
+    assert [phase["pressure"] for phase in phases[1:]] == pressures
