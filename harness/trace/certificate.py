@@ -47,7 +47,7 @@ _FLAT = 1e-6  # 1/s, growth of the excess below which the curve counts as flat
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Release:
+class BrakeRelease:
     """How fast the brake of one group releases, at each sample; all arrays have the shape (n,).
 
     Attributes:
@@ -96,7 +96,7 @@ class RailAhead:
     wheel_radius: float
 
 
-def slip_bound(rail: RailAhead, release: Release, horizon: float = HORIZON) -> Array:
+def slip_bound(rail: RailAhead, release: BrakeRelease, horizon: float = HORIZON) -> Array:
     """Return the bound of the slip after a release of the brake at each sample, NaN where no bound follows, (n,)."""
     best = np.full(rail.slip.shape, np.nan)
     radius, gain = rail.wheel_radius, rail.gain
@@ -195,7 +195,7 @@ def _reached(slip: Array, venting: NDArray[np.bool_], ahead: int) -> Array:
 
 def _release(
     rows: xarray.Dataset, group: int, brake: Brake, valves: Mapping[str, float], choked: float, filling: Array
-) -> Release:
+) -> BrakeRelease:
     """Return the release of a group; `filling` is the time of the last commands to fill that are under way [s]."""
     pad = rows["pad_friction"].values[:, group]
     pad_friction = _extreme(pad, round(HORIZON / STRIDE), np.maximum)
@@ -203,7 +203,7 @@ def _release(
     per_pressure = brake.units * pad_friction * brake.friction_radius * brake.rigging * brake.piston_area
     filled = np.minimum(filling / valves["T_fill"], 1.0) * (brake.pressure_max - pressure)
     offset = brake.spring_force / brake.piston_area
-    return Release(
+    return BrakeRelease(
         torque=per_pressure * np.maximum(pressure + filled - offset, 0.0),
         dead_time=valves["dead_vent"] + 2e-3,
         torque_per_pressure=per_pressure,

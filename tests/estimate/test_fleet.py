@@ -46,7 +46,7 @@ def fleet(seed: int, hierarchy: Hierarchy) -> tuple[list[StopEstimate], np.ndarr
 
 @pytest.fixture(scope="module")
 def hierarchy() -> Hierarchy:
-    """Pads of all groups are from one lot; loads and radii have means of their own."""
+    """Pads of all groups are from one lot; loads and radii have separate means."""
     lots = np.zeros((GROUPS + 2, 3))
     lots[:GROUPS, 0] = lots[GROUPS, 1] = lots[GROUPS + 1, 2] = 1.0
     return Hierarchy(

@@ -35,7 +35,7 @@ PAD_SCATTER = 0.025
 
 MEAN_LOAD_DEVIATION = 0.02
 """Standard deviation of a train's mean load from the assumed one, or of its brake forces at the same pads.
-Chosen after the intervals of trains 101 to 108 of the study had been too narrow."""
+Chosen after the intervals of other trains (seeds 101 to 108) than those of the study had been too narrow."""
 
 MODEL_ERROR = 1 / 3
 """Standard deviation of the error of a train's filter that is the same in every stop, over that of a stop's noise:
