@@ -89,6 +89,19 @@ def test_all_estimators_get_the_same_readings_and_are_ranked(short):
     assert set(LAGS) <= set(results) <= {CONSTANT, FORCE_BALANCE, *ESTIMATORS}
 
 
+@pytest.mark.parametrize("estimator", ["fmu", "python", "disturbed", "fixed_lag"])
+def test_a_wheelset_sensor_that_falls_to_0_is_left_out(short, estimator, monkeypatch):
+    """The estimate is the same as without this reading, until a wheelset could have lost its speed in a slide."""
+    fast = replace(short, stop=replace(short.stop, speed=30.0))
+    found = []
+    for value in (np.nan, 0.0):
+        recording = recording_of_case(fast).isel(time=slice(130)).copy(deep=True)
+        recording["reading_wheelset_speed"][100:, 0] = value
+        monkeypatch.setattr("railgrip.studies.estimators.replay.recording_of_case", lambda case, it=recording: it)
+        found.append(replay(fast, estimator).mean)
+    np.testing.assert_array_equal(*found)
+
+
 def modelled(case, found):
     """Variances without those of errors in no equation, which follow from the mean."""
     arguments = recording_of_case(case), states(), found.mean

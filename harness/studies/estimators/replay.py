@@ -1,5 +1,6 @@
 """Estimators over a recording: every one gets the same inputs and readings, through the same prediction FMU."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -26,7 +27,7 @@ from railgrip.recording.samples import knows, truth_of
 from railgrip.simulate.estimator import RELEASED_PADS
 from railgrip.simulate.prediction import release_pressure
 from railgrip.studies.estimators.claims import with_unmodelled
-from railgrip.studies.estimators.noises import noise_of
+from railgrip.studies.estimators.noises import OUTLIER_LIMITS, noise_of
 from railgrip.studies.estimators.own import is_fmu
 from railgrip.studies.estimators.recordings import GROUPS, RecordingCase, recording_of_case
 
@@ -105,7 +106,7 @@ def _task(case: RecordingCase, estimator: str, noise: NoiseSet) -> tuple[FilterC
         reading_noise=by_name("readings", settings.readings, prediction.outputs),
         period=data.period,
         gate=pad_gate(release_pressure(values, 0, RELEASED_PADS), GROUPS),
-        outlier_limit=None,
+        outlier_limit=[OUTLIER_LIMITS.get(name.partition("[")[0], math.inf) for name in prediction.outputs],
         mean=data.mean,
         covariance=data.variance,
     )
@@ -150,9 +151,7 @@ def _filtered(context: FilterContext, data: FilterData, kind: str) -> Replay:
 
 
 def _smoothed(context: FilterContext, data: FilterData, lag: int | None) -> Replay:
-    filter_ = ExtendedKalmanFilter(
-        context.prediction, context.process_noise, context.reading_noise, context.period, context.gate
-    )
+    filter_ = ExtendedKalmanFilter.without_estimate(context)
     begin = process_time()
     found = smooth(filter_, filter_.start(data.mean, data.variance), data.inputs, data.readings, lag)
     return Replay(
