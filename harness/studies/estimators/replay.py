@@ -133,8 +133,15 @@ def replay(case: RecordingCase, estimator: str, noise: NoiseSet | None = None) -
         found = _filtered(context, data, estimator if is_kind else "fmu")
     model = model_of(OTHER_MODELS.get(estimator, MODEL))
     recording, names = recording_of_case(case), context.prediction.states
-    variance = with_unmodelled(recording, names, found.mean, found.variance, case.sensors, model)
+    effect = effect_of(context.prediction, data)
+    variance = with_unmodelled(recording, names, found.mean, found.variance, case.sensors, model, effect)
     return replace(found, variance=variance)
+
+
+def effect_of(prediction: PredictionInC, data: FilterData) -> Vector:
+    """Return ∂(dω/dt)/∂α of each group at the start [rad/s²], shape (groups,)."""
+    of = {base: [k for k, name in enumerate(prediction.states) if name.startswith(base)] for base in ("w[", "alpha[")}
+    return prediction.derivative_jacobian(data.mean, data.inputs[0])[of["w["], of["alpha["]]
 
 
 def _filtered(context: FilterContext, data: FilterData, kind: str) -> Replay:
