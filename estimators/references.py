@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railgrip.estimators.belief import Vector
 from railgrip.estimators.design import FilterContext, index
@@ -16,6 +17,9 @@ class TorqueBalanceEstimator(ABC):
     The train speed is that of a scalar Kalman filter with the noises of the prediction. The corner frequency follows
     from the same noises: it is that of the stationary Kalman filter for a random walk of adhesion, seen in white noise
     of the wheelset speed. No number is tuned.
+
+    A wheelset speed that has changed by more than any adhesion can change it, such as the 0 of a sensor that fails,
+    restarts the estimate of this speed and leaves that of the adhesion.
 
     The standard deviation of adhesion includes the noise of the wheelset speed, the first deviation of pad friction
     and the delay, if adhesion is a random walk.
@@ -90,6 +94,10 @@ class TorqueBalanceEstimator(ABC):
             self.selection[self._speed_reading] = 1.0
         self.covariance[self._speed, self._speed] = variance
 
+    def _is_jump(self, error: Vector, elapsed: Vector | float) -> NDArray[np.bool_]:
+        # Adhesion is between 0 and 1.
+        return np.abs(error) > np.abs(self._effect) * elapsed
+
     @abstractmethod
     def correct(self, seen: Vector, expected: Vector) -> Vector:
         """Update the wheelset speeds of `mean` and return the change of each adhesion, shape (groups,).
@@ -118,11 +126,12 @@ class ForceBalanceEstimator(TorqueBalanceEstimator):
     def correct(self, seen: Vector, expected: Vector) -> Vector:
         """Take the read wheelset speeds as they are, and low-pass the missing acceleration."""
         is_new = np.isfinite(seen)
-        rate = (seen - self.mean[self._wheels]) / self._elapsed
-        change = (1.0 - np.exp(-self.corner * self._elapsed)) * (rate - expected) / self._effect
+        error = seen - self.mean[self._wheels] - self._elapsed * expected
+        change = (1.0 - np.exp(-self.corner * self._elapsed)) * error / (self._elapsed * self._effect)
+        is_used = is_new & ~self._is_jump(error, self._elapsed)
         self.mean[self._wheels] = np.where(is_new, seen, self.mean[self._wheels])
         self._elapsed = np.where(is_new, self._period, self._elapsed + self._period)
-        return np.where(is_new, change, 0.0)
+        return np.where(is_used, change, 0.0)
 
     def delay(self) -> Vector:
         """Return T Σ h², k = 1, 2, …, of the error h = mᵏ after a step, with m = exp(−ωT)."""
@@ -148,8 +157,9 @@ class DisturbanceEstimator(TorqueBalanceEstimator):
         memory = np.exp(-self.corner * self._period)
         ahead = self.mean[self._wheels] + self._period * expected
         error = np.where(np.isfinite(seen), seen - ahead, 0.0)
-        self.mean[self._wheels] = ahead + (1.0 - memory**2) * error
-        return (1.0 - memory) ** 2 * error / (self._period * self._effect)
+        is_jump = self._is_jump(error, self._period)
+        self.mean[self._wheels] = ahead + np.where(is_jump, 1.0, 1.0 - memory**2) * error
+        return np.where(is_jump, 0.0, (1.0 - memory) ** 2 * error / (self._period * self._effect))
 
     def delay(self) -> Vector:
         """Return T Σ h², k = 1, 2, …, of the error h = (1 + (1 − m) k) mᵏ after a step, with m = exp(−ωT)."""

@@ -343,6 +343,17 @@ def test_a_reference_finds_a_constant_adhesion(wheel, kind):
 
 
 @pytest.mark.parametrize("kind", [ForceBalanceEstimator, DisturbanceEstimator])
+def test_a_wheelset_speed_that_falls_to_0_does_not_change_the_adhesion(wheel, kind):
+    reference = kind.of_context(wheel_context(wheel))
+    for speed in (30.0 / 0.38, 30.0 / 0.38, 0.0):
+        before = reference.mean[3]
+        reference.readings[:] = [30.0, speed]
+        reference.advance()
+    assert reference.mean[3] == before
+    assert reference.mean[1] == 0.0
+
+
+@pytest.mark.parametrize("kind", [ForceBalanceEstimator, DisturbanceEstimator])
 def test_the_deviation_of_a_reference_is_that_of_noise_and_delay(wheel, kind):
     """Adhesion is a random walk, observed with noise through the speed of a wheel without torque."""
     reference, random, found = kind.of_context(wheel_context(wheel)), np.random.default_rng(2), []

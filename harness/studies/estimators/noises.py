@@ -19,6 +19,13 @@ READINGS: Final[Mapping[Sensors, Mapping[str, float]]] = {
 """Sensors → standard deviation of each reading, in its unit. A wheelset speed has the error of a tooth pitch at
 50 rad/s; the bias of the accelerometer is a state."""
 
+OUTLIER_LIMITS: Final[Mapping[str, float]] = {"wheelset_speed": 20.0}
+"""Reading → largest innovation that is used, in standard deviations; all other readings are always used.
+
+A sensor that reads 0 is far beyond this limit, the beginning of a slide is not; on the training cases a limit of 5
+rejects slides. The radar has no limit: a stuck one moves the estimate before it is rejected, and then the correct
+readings that follow are rejected."""
+
 PROCESS_FACTORS: Final = ("alpha", "mu_b", "w", "d")
 READING_FACTORS: Final = ("wheelset_speed", "acceleration")
 ALL: Final = "all"

@@ -1,5 +1,6 @@
 """Estimators over a recording: every one gets the same inputs and readings, through the same prediction FMU."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -27,7 +28,7 @@ from railgrip.recording.samples import knows, truth_of
 from railgrip.scenario.file import NamedFile, locate
 from railgrip.simulate.estimator import RELEASED_PADS
 from railgrip.studies.estimators.claims import with_unmodelled
-from railgrip.studies.estimators.noises import noise_of
+from railgrip.studies.estimators.noises import OUTLIER_LIMITS, noise_of
 from railgrip.studies.estimators.own import is_fmu
 from railgrip.studies.estimators.recordings import RecordingCase, recording_of_case
 
@@ -135,7 +136,7 @@ def _task(case: RecordingCase, estimator: str, noise: NoiseSet) -> tuple[FilterC
         reading_noise=by_name("readings", settings.readings, prediction.outputs),
         period=data.period,
         gate=pad_gate(model.release_pressure({}, RELEASED_PADS), case.groups),
-        outlier_limit=None,
+        outlier_limit=[OUTLIER_LIMITS.get(name.partition("[")[0], math.inf) for name in prediction.outputs],
         mean=data.mean,
         covariance=data.variance,
     )
@@ -162,8 +163,15 @@ def replay(case: RecordingCase, estimator: str, noise: NoiseSet | None = None) -
         found = _filtered(context, data, estimator if is_kind else "fmu")
     model = model_of_estimator(estimator, case.train)
     recording, names = recording_of_case(case), context.prediction.states
-    variance = with_unmodelled(recording, names, found.mean, found.variance, case.sensors, model)
+    effect = effect_of(context.prediction, data)
+    variance = with_unmodelled(recording, names, found.mean, found.variance, case.sensors, model, effect)
     return replace(found, variance=variance)
+
+
+def effect_of(prediction: PredictionInC, data: FilterData) -> Vector:
+    """Return ∂(dω/dt)/∂α of each group at the start [rad/s²], shape (groups,)."""
+    of = {base: [k for k, name in enumerate(prediction.states) if name.startswith(base)] for base in ("w[", "alpha[")}
+    return prediction.derivative_jacobian(data.mean, data.inputs[0])[of["w["], of["alpha["]]
 
 
 def _filtered(context: FilterContext, data: FilterData, kind: str) -> Replay:
@@ -180,9 +188,7 @@ def _filtered(context: FilterContext, data: FilterData, kind: str) -> Replay:
 
 
 def _smoothed(context: FilterContext, data: FilterData, lag: int | None) -> Replay:
-    filter_ = ExtendedKalmanFilter(
-        context.prediction, context.process_noise, context.reading_noise, context.period, context.gate
-    )
+    filter_ = ExtendedKalmanFilter.without_estimate(context)
     begin = process_time()
     found = smooth(filter_, filter_.start(data.mean, data.variance), data.inputs, data.readings, lag)
     return Replay(
