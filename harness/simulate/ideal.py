@@ -200,7 +200,7 @@ class _Tracking:
     could still do slightly better.
     """
 
-    def __init__(self, vehicle: VehicleData, recorder: Recorder, slips: Sequence[float]) -> None:
+    def __init__(self, vehicle: VehicleData, recorder: Recorder, slips: Sequence[float] = ()) -> None:
         """Control the stop that is written to a recorder."""
         scenario, self._formation = vehicle.scenario, vehicle.formation
         self._profile = profile_of(scenario, self._formation)

@@ -111,11 +111,11 @@ def test_every_study_prints_its_options_and_is_named_after_its_module(name, comm
 
 
 def test_a_missing_study_is_reported_in_a_sentence(command):
-    with pytest.raises(InputError, match="there is no study 'weather'; there are axle_box"):
+    with pytest.raises(InputError, match="there is no study 'weather'; there are attribution, axle_box"):
         study_named("weather")
     refused = command("study", "weather")
     assert refused.code == 2
-    assert "there is no study 'weather'; there are axle_box" in refused.err
+    assert "there is no study 'weather'; there are attribution, axle_box" in refused.err
 
 
 def test_a_result_of_another_package_version_is_not_reused(study_work, monkeypatch):

@@ -63,7 +63,7 @@ def test_a_class_of_the_library_has_the_estimates_of_its_prediction():
     assert all(found[name].values.tobytes() == direct[name].values.tobytes() for name in direct.data_vars)
 
 
-@pytest.mark.parametrize("train", ["vt642", "tram", "loco_coaches"])
+@pytest.mark.parametrize("train", ["vt642", "tram"])
 def test_the_data_of_a_train_file_are_those_of_its_plant(train):
     """Filters in the loop get them from the FMU of the plant; the estimation does not need that FMU."""
     table = load(Path("plain")).resolved() | {"vehicle": {"train": train}, "estimator": {"kind": "none"}}
