@@ -48,9 +48,7 @@ def estimate_page(
         template="report/estimation.md.jinja",
         values={
             "problems": problems,
-            "last": ReportTable(
-                last, dict.fromkeys(("estimate", "standard deviation"), "{:.4g}"), title="State at the end"
-            ),
+            "last": ReportTable(last, dict.fromkeys(("estimate", "standard deviation"), "{:.4g}")),
             "errors": errors_table(judgements, ""),
             "model": model.name,
             "count": len(parameters),

@@ -30,6 +30,10 @@ _WORDS = {
     "w": "wheelset speed [rad/s]",
     "mu_b": "pad friction",
     "alpha": "adhesion",
+    "dz": "deflection [m]",
+    "ddz": "rate of deflection [m/s]",
+    "d": "disturbance [m/s²]",
+    "bias": "bias [m/s²]",
 }
 _SETTLED = 0.02
 """Share of the time after which values determine the scale of a state.
@@ -53,17 +57,17 @@ def estimates_figure(recording: xarray.Dataset, estimates: xarray.Dataset, input
     time = estimates["time"].values
     for panel, (family, names) in zip(panels, families.items(), strict=False):
         factor, unit = style.readable(unit_of(recording, names[0]))
-        for name, colour in zip(names, _COLOURS, strict=False):
-            panel.plot(time, factor * reading_of(recording, name), color=colour, lw=0.9, label=_element(name))
+        for name, colour in _with_colours(names):
+            panel.plot(time, factor * reading_of(recording, name), color=colour, lw=0.9, label=_label(name, names))
         style.dress(panel, y=f"{family.replace('_', ' ')} [{unit}]")
         _legend(panel, len(names))
     later = time >= time[0] + _SETTLED * (time[-1] - time[0])
     for panel, (family, names) in zip(panels[len(families) :], states.items(), strict=False):
         bands: list[np.ndarray] = []
-        for name, colour in zip(names, _COLOURS, strict=False):
+        for name, colour in _with_colours(names):
             mean, sd = (estimates[what].sel(state=name).values for what in ("mean", "sd"))
-            style.band(panel, time, mean - 2 * sd, mean + 2 * sd, colour, 0.15)
-            panel.plot(time, mean, color=colour, lw=1.0, label=_element(name))
+            style.band(panel, time, mean - 2 * sd, mean + 2 * sd, colour, min(0.15, 1.0 / len(names)))
+            panel.plot(time, mean, color=colour, lw=1.0, label=_label(name, names))
             bands.append(mean[later])
             if knows(recording, name):
                 panel.plot(time, truth_of(recording, name), color=colour, lw=1.0, ls="--")
@@ -93,8 +97,15 @@ def _families(names: Sequence[str]) -> Mapping[str, list[str]]:
     return families
 
 
-def _element(name: str) -> str:
-    return name.partition("[")[2].rstrip("]")
+def _with_colours(names: Sequence[str]) -> list[tuple[str, str]]:
+    colours = _COLOURS if len(names) <= len(_COLOURS) else palette.lead_to_trail(len(names))
+    return list(zip(names, colours, strict=False))
+
+
+def _label(name: str, names: Sequence[str]) -> str:
+    """Return the number of an element; of many elements only the first and the last one have a label."""
+    is_labelled = len(names) <= len(_COLOURS) or name in (names[0], names[-1])
+    return name.partition("[")[2].rstrip("]") if is_labelled else "_"
 
 
 def _legend(panel: Axes, count: int) -> None:
