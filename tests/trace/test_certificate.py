@@ -1,5 +1,7 @@
 """The certificate of bounded slip against a reduced model of a wheelset, integrated with another method."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray
@@ -7,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from railgrip.trace.certificate import HORIZON, STRIDE, with_certificate
+from railgrip.trace.certificate import HORIZON, STRIDE, slip_bound, with_certificate
 from railgrip.vehicle.brake import Brake
 
 BRAKE = Brake(
@@ -128,6 +130,31 @@ def test_a_fall_of_friction_breaks_a_bound_that_leaves_it_out():
     with_fall, without = (certificate_of(each, contact).isel(group=0) for each in (trace, constant))
     reached = float(with_fall["slip_reached"][first])
     assert float(without["slip_bound"][first]) < reached <= float(with_fall["slip_bound"][first])
+
+
+@settings(max_examples=6, deadline=None)
+@given(
+    share=st.floats(0.1, 0.4),
+    length=st.floats(0.15, 0.25),
+    lowest=st.floats(0.6, 0.95),
+    decay=st.floats(0.05, 0.2),
+    speed=st.floats(8.0, 16.0),
+)
+def test_slip_exceeds_a_bound_from_mean_friction_in_a_dip_but_not_the_certificate(share, length, lowest, decay, speed):
+    """A short dip after the release hardly changes the mean friction of the horizon."""
+    contact, times = contact_of(lowest, decay), np.arange(1600) * 1e-3
+    in_dip = (times >= 0.55) & (times < 0.55 + length)
+    trace = slide(contact, speed, np.where(in_dip, 0.1 * share, 0.1), 0.02)
+    found = certificate_of(trace, contact)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            "railgrip.trace.certificate.slip_bound",
+            lambda rail, release: slip_bound(replace(rail, shortfall=0.0 * rail.shortfall), release),
+        )
+        of_mean = certificate_of(trace, contact)
+    reached = found["slip_reached"].values
+    assert np.nanmax(reached - of_mean["slip_bound"].values) > 2e-3
+    assert np.nanmax(reached - found["slip_bound"].values) < 2e-3
 
 
 def test_there_is_no_bound_where_the_release_is_too_late():
