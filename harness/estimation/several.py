@@ -71,6 +71,25 @@ def run_kind(kind: str, context: FilterContext, data: FilterData) -> FilterRun:
     )
 
 
+def context_of(prediction: PredictionInC, settings: Settings, data: FilterData) -> FilterContext:
+    """Return the model, noises and start of a filter.
+
+    Raises:
+        EstimationError: The noises do not match the states and outputs.
+    """
+    limit = settings.outlier_limit
+    return FilterContext(
+        prediction=prediction,
+        process_noise=by_name("[noise] process", settings.process, prediction.states),
+        reading_noise=by_name("[noise] readings", settings.readings, prediction.outputs),
+        period=data.period,
+        gate=settings.gate,
+        outlier_limit=None if limit is None else [limit] * len(prediction.outputs),
+        mean=data.mean,
+        covariance=data.variance,
+    )
+
+
 def estimate_several(
     recording: xarray.Dataset,
     prediction: PredictionInC,
@@ -91,17 +110,7 @@ def estimate_several(
         EstimationError: A filter does not exist, or as `railgrip.estimation.run.estimate`.
     """
     data = filter_data(recording, prediction, settings, units)
-    limit = settings.outlier_limit
-    context = FilterContext(
-        prediction=prediction,
-        process_noise=by_name("[noise] process", settings.process, prediction.states),
-        reading_noise=by_name("[noise] readings", settings.readings, prediction.outputs),
-        period=data.period,
-        gate=settings.gate,
-        outlier_limit=None if limit is None else [limit] * len(prediction.outputs),
-        mean=data.mean,
-        covariance=data.variance,
-    )
+    context = context_of(prediction, settings, data)
     runs = [run_kind(kind, context, data) for kind in filters]
     dimensions = ("filter", "time", "state")
     return xarray.Dataset(

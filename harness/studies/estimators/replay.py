@@ -209,6 +209,11 @@ def bound_of(case: RecordingCase) -> Vector:
     recording = recording_of_case(case)
     columns = [truth_of(recording, name) if knows(recording, name) else None for name in context.prediction.states]
     truth: Array = np.column_stack([np.zeros(recording.sizes["time"]) if one is None else one for one in columns])
+    return np.sqrt(np.mean(bound_along(context, data, truth), axis=0))
+
+
+def bound_along(context: FilterContext, data: FilterData, truth: Matrix) -> Matrix:
+    """Return the posterior Cramér-Rao bound of each variance along true states, shape (k, n); without the gate."""
     bound = posterior_bound(
         context.prediction,
         context.process_noise,
@@ -219,7 +224,7 @@ def bound_of(case: RecordingCase) -> Vector:
         data.inputs,
         np.isfinite(data.readings),
     )
-    return np.sqrt(np.mean(np.einsum("kii->ki", bound), axis=0))
+    return np.einsum("kii->ki", bound)
 
 
 def with_estimates(recording: xarray.Dataset, names: Sequence[str], mean: Matrix, variance: Matrix) -> xarray.Dataset:

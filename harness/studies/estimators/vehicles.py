@@ -5,19 +5,17 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-import xarray
 
 from railgrip.estimation.judge import rms
-from railgrip.estimation.run import FilterData, by_name, filter_data
-from railgrip.estimation.several import run_kind
+from railgrip.estimation.run import filter_data
+from railgrip.estimation.several import context_of, run_kind
 from railgrip.estimation.sources import recording_of_estimation
-from railgrip.estimation.spec import Specification, load_specification, prediction_for, settings_for
+from railgrip.estimation.spec import load_specification, prediction_for, settings_for
 from railgrip.estimators.belief import Array
-from railgrip.estimators.design import FilterContext
-from railgrip.estimators.observability import posterior_bound
 from railgrip.recording.samples import period_of, truth_of
 from railgrip.report.table import Form, ReportTable
 from railgrip.studies.estimators.judge import NORMAL_95
+from railgrip.studies.estimators.replay import bound_along
 from railgrip.studies.lateral.judge import beliefs_about
 from railgrip.studies.lateral.run import LateralCase, Name, simulate
 from railgrip.studies.lateral.wheelset import TESTS
@@ -46,21 +44,13 @@ def rows_of_estimation(name: str) -> list[Row]:
     """
     specification = load_specification(Path(name))
     recording = recording_of_estimation(specification)
-    context, data = _task(specification, recording)
+    prediction, settings = prediction_for(specification), settings_for(specification, period_of(recording))
+    data = filter_data(recording, prediction, settings)
+    context = context_of(prediction, settings, data)
     names = context.prediction.states
     truth = np.column_stack([truth_of(recording, state) for state in names])
     judged = recording["time"].values >= SETTLED
-    bound = posterior_bound(
-        context.prediction,
-        context.process_noise,
-        context.reading_noise,
-        context.period,
-        np.diag(context.covariance),
-        truth[np.newaxis],
-        data.inputs,
-        np.isfinite(data.readings),
-    )
-    smallest = np.sqrt(np.einsum("kii->ki", bound))
+    smallest = np.sqrt(bound_along(context, data, truth))
     rows: list[Row] = []
     for kind in KINDS:
         run = run_kind(kind, context, data)
@@ -69,22 +59,6 @@ def rows_of_estimation(name: str) -> list[Row]:
             error, deviation = (run.mean - truth)[judged][:, of], np.sqrt(run.variance)[judged][:, of]
             rows.append(_row(name, kind, state, error, deviation) | {"bound": rms(smallest[judged][:, of])})
     return rows
-
-
-def _task(specification: Specification, recording: xarray.Dataset) -> tuple[FilterContext, FilterData]:
-    prediction, settings = prediction_for(specification), settings_for(specification, period_of(recording))
-    data = filter_data(recording, prediction, settings)
-    context = FilterContext(
-        prediction=prediction,
-        process_noise=by_name("[noise] process", settings.process, prediction.states),
-        reading_noise=by_name("[noise] readings", settings.readings, prediction.outputs),
-        period=data.period,
-        gate=settings.gate,
-        outlier_limit=None,
-        mean=data.mean,
-        covariance=data.variance,
-    )
-    return context, data
 
 
 def rows_of_lateral(seed: int) -> list[Row]:
