@@ -42,7 +42,7 @@ def tables_of(results: AxleBoxResults) -> dict[str, Any]:
         "input_starts": _starts(results.inputs),
         "neurons": _scores({f"{name} hidden neurons": row for name, row in results.neurons.items()}, speeds),
         "slip_rate": _slip_rates(results.slip_rates, speeds),
-        "honest": _scores(results.honest, speeds, beside=True),
+        "honest": _scores(results.honest, speeds, with_mean=True),
         "general": _general(results.general, speeds),
     }
 
@@ -95,7 +95,7 @@ def tables_of_recordings(
     return {
         "recipe": recipe,
         "starts": _starts({"": split}) if split else "",
-        "networks": _scores(rows, list(split), beside=True) if split else None,
+        "networks": _scores(rows, list(split), with_mean=True) if split else None,
         "general": ReportTable.of(
             ("MAE", "always the mean", "coverage of the 90 % interval", "width"),
             [(general.mae, general.mae_of_mean, _coverage(general), general.width or 0.0)],
@@ -125,9 +125,9 @@ def _general(rows: Rows, speeds: Sequence[int]) -> ReportTable:
     return ReportTable.of(["", *_classes(speeds), "all", "dry or not", "coverage", "width"], body, _FORM)
 
 
-def _scores(rows: Rows, speeds: Sequence[int], *, beside: bool = False) -> ReportTable:
+def _scores(rows: Rows, speeds: Sequence[int], *, with_mean: bool = False) -> ReportTable:
     scores = [(name, [*(row[s] for s in speeds), average(row.values())]) for name, row in rows.items()]
-    body = [(name, *(_with_error_of_mean(cell) if beside else cell.mae for cell in row)) for name, row in scores]
+    body = [(name, *(_with_error_of_mean(cell) if with_mean else cell.mae for cell in row)) for name, row in scores]
     return ReportTable.of(["", *_classes(speeds), "all"], body, _FORM)
 
 
