@@ -245,7 +245,9 @@ class TypeTest(Study):
         controllers = page.values["controllers"].without(("results",))
         tables: dict[str, ReportTable | str] = {"controllers": controllers, "leaderboard": f"{of}{page.screen[0]}"}
         if self._version > 1:
+            best = page.values["losses"].rows[0]["controller"]
             tables |= {"losses": f"{of}{page.values['losses']}", "looks": page.values["looks"]}
+            tables["families"] = f"{of}{best}:\n\n{page.values['of_controller'][best]}"
             tables = {f"{name} of version {self._version}": table for name, table in tables.items()}
         write_tables(PAGE, tables)
 
