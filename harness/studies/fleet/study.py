@@ -23,7 +23,8 @@ PAGE = Path("docs/papers.md")
 
 TRAINS, STOPS = 20, 40
 QUICK = (4, 5)
-FIRST_SEED = 201
+FIRST_SEED = 301
+"""Seed of the first train; no number of the model was chosen on trains with these seeds."""
 COUNTS = (1, 5, 10, 20, 40)
 """Stops of each train after which the estimates are compared."""
 
