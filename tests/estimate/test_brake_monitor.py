@@ -7,7 +7,7 @@ from railgrip.recording.samples import reading_of, truth_of, with_signals
 from railgrip.report.style import save
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
 from railgrip.studies.pad_monitor.folder import stops_in
-from railgrip.studies.pad_monitor.life import Life, live
+from railgrip.studies.pad_monitor.life import FIRST_SLOT, SLOT, Life, Release, live
 from railgrip.studies.pad_monitor.page import draw, group_names
 from railgrip.studies.pad_monitor.study import Assessment, assessment_of
 from railgrip.studies.pad_monitor.watch import MonitorDesign, threshold_for, watch
@@ -73,6 +73,31 @@ def test_health_follows_the_true_friction_over_the_nominal_law():
     spread = np.array(ratios) / np.mean(ratios, axis=1, keepdims=True)
     # The mean over groups removes the load; the remainder is the deviation of the evidence, 1.5 to 5 %.
     assert np.abs(spread - spread.mean(axis=0)).max() < 0.12
+
+
+class WithoutRandomness:
+    """A generator whose normal draws are 0, and whose even draws are the middle of their range."""
+
+    def standard_normal(self, size=()):
+        return np.zeros(size)
+
+    def uniform(self, low, high, size=()):
+        return np.full(size, 0.5 * (low + high))
+
+    def random(self):
+        return 1.0
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2, 3), (1, 0, 3, 2)])
+def test_perfect_readings_have_no_bias(order, monkeypatch):
+    """Neither while one group is released and another brakes again, nor by the rotating masses while coasting."""
+    monkeypatch.setattr("railgrip.studies.pad_monitor.life.generator", lambda *_: WithoutRandomness())
+    releases = tuple(Release(group=g, start=FIRST_SLOT + i * SLOT, duration=SLOT) for i, g in enumerate(order))
+    life = Life(stops=1, seed=1, worn=0, worn_group=2, loss=0.1, releases=releases)
+    evidence = evidence_of(*next(live(life)))
+    # The readings are held for 40 ms, which leaves 0.4 % in the second order.
+    np.testing.assert_allclose(evidence.health, [1.0, 1.0, 0.9, 1.0], atol=0.005)
+    assert evidence.drag == pytest.approx(0.0, abs=2e-4)
 
 
 def test_without_test_releases_the_evidence_does_not_distinguish_groups():

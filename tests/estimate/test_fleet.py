@@ -1,5 +1,6 @@
 """The joint estimate over stops equals closed forms and its intervals hold; designs of releases are optimal."""
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -7,7 +8,9 @@ import pytest
 
 from railgrip.studies.fleet.joint import Hierarchy, StopEstimate, estimate_fleet
 from railgrip.studies.fleet.releases import CANDIDATES, STARTS, Releases, design, in_order, log_determinant
-from railgrip.studies.pad_monitor.life import Release, braking_pressures, demand_table
+from railgrip.studies.fleet.trains import stop_estimate
+from railgrip.studies.pad_monitor.evidence import evidence_of
+from railgrip.studies.pad_monitor.life import Life, Release, braking_pressures, demand_table, live
 
 GROUPS, TRAINS, STOPS = 4, 5, 12
 _NONE = np.zeros((1, 0))
@@ -156,6 +159,18 @@ def test_an_offset_that_is_not_in_the_model_makes_intervals_too_narrow(hierarchy
     assert squares[0] < 1.0 + 3.0 * np.sqrt(2.0 / 20.0)
     assert squares[1] > squares[0]
     assert (aware.train_deviation[:, pads] > blind.train_deviation[:, pads]).all()
+
+
+def test_the_effect_of_an_offset_does_not_depend_on_the_estimate(monkeypatch):
+    """Otherwise offsets explain the scatter of the stops, and the pads of a fleet are underestimated."""
+    recording, temperature = next(live(Life(stops=1, seed=1)))
+    evidence = evidence_of(recording, temperature)
+    stops: list[StopEstimate] = []
+    for factor in (1.0, 1.1):
+        changed = replace(evidence, health=factor * evidence.health, offset=factor * evidence.offset)
+        monkeypatch.setattr("railgrip.studies.fleet.trains.evidence_of", lambda *_, found=changed: found)
+        stops.append(stop_estimate(recording, temperature))
+    np.testing.assert_allclose(stops[1].of_offsets, stops[0].of_offsets, rtol=1e-12)
 
 
 def test_exchanges_find_the_design_of_an_exhaustive_search():

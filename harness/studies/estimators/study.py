@@ -19,6 +19,13 @@ from railgrip.report.statistics import finite
 from railgrip.report.table import ReportTable
 from railgrip.scenario.file import is_file, locate
 from railgrip.studies.estimators.judge import bounds_of, errors_of, truths_of
+from railgrip.studies.estimators.loop import (
+    BEST,
+    compare,
+    compare_table_1,
+    stops_of_table_1,
+    stops_of_type_test,
+)  # fmt: skip
 from railgrip.studies.estimators.own import is_class, is_fmu, name_of, require_file
 from railgrip.studies.estimators.recordings import (
     COUNT,
@@ -43,6 +50,7 @@ from railgrip.studies.estimators.tables import (
 )  # fmt: skip
 from railgrip.studies.estimators.vehicles import ESTIMATIONS, rows_of_estimation, rows_of_lateral, vehicles
 from railgrip.studies.study import Study
+from railgrip.studies.type_test.case_set import VERSIONS
 
 PAGE: Final = Path("docs/estimators_compared.md")
 FACTORS_FILE: Final = Path("harness/studies/estimators/library/noises.toml")
@@ -72,6 +80,9 @@ class Estimators(Study):
     sealed: Annotated[bool, Option(help="Other cases, for a finished estimator: do not tune on them.")] = False
     count: Annotated[int | None, Option("--cases", min=2, max=1000, help="Number of cases.")] = None
     quick: Annotated[bool, Option(help="Fewer cases, and no slow estimators.")] = False
+    loop: Annotated[bool, Option("--loop", help="Stop under laws of the type test with other estimates instead.")] = (
+        False
+    )
     write: Annotated[bool, Option("--write", help="Write the tables into docs/estimators_compared.md.")] = False
     tune: Annotated[
         bool, Option("--tune", help="Search the noises on training cases instead, and write them into this package.")
@@ -81,6 +92,8 @@ class Estimators(Study):
         """Run the estimators over the recordings; the small form has fewer cases and no slow filters."""
         if self.train is not None and (self.write or self.tune):
             raise InputError("--write and --tune are for the two-part train; leave out --train.")
+        if self.loop:
+            return self._in_loop(work)
         if self.tune:
             return self._tuned(work)
         names = self._names()
@@ -122,8 +135,8 @@ class Estimators(Study):
 
     @property
     def place(self) -> str:
-        """Folder of results, a different one for each train."""
-        return "" if self.train is None else Path(self.train).stem
+        """Folder of results, a different one for each train and for stops with other estimates."""
+        return "loop" if self.loop else "" if self.train is None else Path(self.train).stem
 
     def _train(self) -> str:
         """Return the name of the train in the library, or the path of its file; '' for the two-part train."""
@@ -131,6 +144,28 @@ class Estimators(Study):
             return ""
         path = locate(self.train, "trains", where="--train: ")
         return str(path.resolve()) if is_file(path) and self.train not in shelf("trains") else self.train
+
+    def _in_loop(self, work: Work) -> Page:
+        """Compare stops of the type test and of Table 1 with other estimates."""
+        if self.estimator or self.train is not None or self.sealed or self.tune:
+            raise InputError("--loop compares the same estimates in the same cases; leave out other options.")
+        count = self.count or (QUICK if self.quick else VERSIONS[2].quick)
+        tables = {
+            "loop": compare(stops_of_type_test(work, count)),
+            "loop_table_1": compare_table_1(stops_of_table_1(work)),
+        }
+        if self.write:
+            write_tables(PAGE, tables)
+        disturbed = [f"{row['median']} with {row['law']}" for row in tables["loop"].rows if row["estimates"] == BEST]
+        return Page(
+            title="Estimators in the loop",
+            question="Does a better estimate shorten the stop?",
+            answer=f"Median distance over that with the present estimates: {', '.join(disturbed)}, for {BEST}.",
+            template="studies/estimators/loop.md.jinja",
+            values=tables | {"count": count},
+            tables={f"{name}.csv": table for name, table in tables.items()},
+            screen=tuple(tables.values()),
+        )
 
     def _tuned(self, work: Work) -> Page:
         """Search the noises of every estimator on the training cases, and write them."""

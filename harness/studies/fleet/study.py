@@ -9,10 +9,11 @@ import numpy as np
 from typer import Option
 
 from railgrip.campaign.work import Work
+from railgrip.report.baseline import Finding, mean
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable, share
-from railgrip.studies.fleet.releases import MODULATION, Releases, designed, expected_information
+from railgrip.studies.fleet.releases import MODULATION, Releases, designed, expected_information, log_determinant
 from railgrip.studies.fleet.trains import TrainCase, TrainStops, fleet_estimate, train_stops
 from railgrip.studies.pad_monitor.evidence import formation
 from railgrip.studies.pad_monitor.life import IN_TURN
@@ -23,7 +24,10 @@ PAGE = Path("docs/papers.md")
 
 TRAINS, STOPS = 20, 40
 QUICK = (4, 5)
-FIRST_SEED = 201
+HEADLINES = (2, 3)
+"""Trains and stops of the whole study, of a quick run and of the headline numbers."""
+FIRST_SEED = 301
+"""Seed of the first train; no number of the model was chosen on trains with these seeds."""
 COUNTS = (1, 5, 10, 20, 40)
 """Stops of each train after which the estimates are compared."""
 
@@ -76,6 +80,21 @@ class FleetStudy(Study):
             tables={f"{name}.csv": table for name, table in tables.items()},
             screen=tuple(tables.values()),
         )
+
+    def headlines(self, work: Work) -> list[Finding]:
+        """Return errors and deviations of the joint estimate from a few stops, and the information of a stop."""
+        trains = simulate(work, {"each group in turn": IN_TURN}, *HEADLINES)["each group in turn"]
+        groups, estimate = formation().groups, fleet_estimate(trains, HEADLINES[1])
+        pads, radii = estimate.trains[:, :groups], estimate.trains[:, -groups:]
+        error = np.sqrt(np.mean((pads - np.array([train.pads for train in trains])) ** 2))
+        of_radii = np.sqrt(np.mean((radii - np.array([train.radii for train in trains])) ** 2))
+        return [
+            mean("fleet: pad friction RMSE", float(error)),
+            mean("fleet: claimed deviation of pad friction", float(estimate.train_deviation[:, :groups].mean())),
+            mean("fleet: wheel radius RMSE", float(of_radii)),
+            # 2 % of the geometric mean of the variances of four groups.
+            Finding("fleet: log det of the information of a stop", log_determinant(IN_TURN), "1", 0.08),
+        ]
 
 
 STUDY = FleetStudy

@@ -33,14 +33,6 @@ RADIUS_NOISE = 1e-3
 PAD_SCATTER = 0.025
 """Standard deviation of pad friction from stop to stop: units and weather."""
 
-MEAN_LOAD_DEVIATION = 0.02
-"""Standard deviation of a train's mean load from the assumed one, or of its brake forces at the same pads.
-Chosen after the intervals of other trains (seeds 101 to 108) than those of the study had been too narrow."""
-
-MODEL_ERROR = 1 / 3
-"""Standard deviation of the error of a train's filter that is the same in every stop, over that of a stop's noise:
-latencies and disc temperatures. Chosen on other trains (seeds 1 to 8) than those of the study."""
-
 LARGEST_DEVIATION = 0.3
 """Largest standard deviation of a combination of groups that counts. Larger ones rest on the onset of the brake alone,
 where the errors of the model exceed the noise."""
@@ -100,8 +92,8 @@ def stop_estimate(recording: xarray.Dataset, temperature: Vector) -> StopEstimat
 
     Quantities are pad friction of each group over nominal, load minus 1, scale of the speed reading minus 1, and wheel
     radius of each group minus 1. A load above the assumed one and a larger wheel make pads seem worse. Offsets are
-    those of the pressure transducers and the errors of the filter's model, in standard deviations. Of the pads, only
-    combinations of groups that the stop determines are used (`LARGEST_DEVIATION`).
+    those of the pressure transducers, in standard deviations. Of the pads, only combinations of groups that the stop
+    determines are used (`LARGEST_DEVIATION`).
     """
     evidence, groups = evidence_of(recording, temperature), formation().groups
     health, identity = evidence.health, np.eye(groups)
@@ -115,14 +107,15 @@ def stop_estimate(recording: xarray.Dataset, temperature: Vector) -> StopEstimat
     # Derivatives at nominal health: at the estimated one, stops that underestimate would have larger weights.
     of_pads = rows @ np.column_stack([identity, -np.ones(groups), np.ones(groups), -identity])
     of_radii = np.column_stack([np.zeros((groups, groups + 1)), np.ones(groups), identity])
-    # A pressure that reads too high makes pads look worse.
-    of_offsets = np.column_stack([-rows * evidence.offset, MODEL_ERROR * np.sqrt(variance)[:, None] * rows])
+    # A pressure that reads too high makes pads look worse; its effect is that at nominal health, too. At the estimated
+    # one it follows the scatter of the stops, which offsets then seem to explain: all pads become 2 % too low.
+    of_offsets = -rows * (evidence.offset / health)
     return StopEstimate(
         train=0,
         mean=np.concatenate([rows @ health, radius]),
         covariance=np.diag([*variance, *[RADIUS_NOISE**2] * groups]),
         of_quantities=np.vstack([of_pads, of_radii]),
-        of_offsets=np.vstack([of_offsets, np.zeros((groups, 2 * groups))]),
+        of_offsets=np.vstack([of_offsets, np.zeros((groups, groups))]),
     )
 
 
@@ -144,9 +137,9 @@ def hierarchy(*, with_lot: bool = True) -> Hierarchy:
         lots=lots,
         lot_mean=np.array([1.0, 0.0]),
         lot_deviation=np.array([0.1, 0.02]),
-        train_deviation=np.array([*[pads] * groups, MEAN_LOAD_DEVIATION, 0.0, *[RADIUS_DEVIATION] * groups]),
+        train_deviation=np.array([*[pads] * groups, 0.0, 0.0, *[RADIUS_DEVIATION] * groups]),
         stop_deviation=np.array([*[PAD_SCATTER] * groups, LOAD_DEVIATION, SCALE_DEVIATION, *[0.0] * groups]),
-        offset_deviation=np.ones(2 * groups),
+        offset_deviation=np.ones(groups),
     )
 
 

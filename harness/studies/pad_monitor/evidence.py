@@ -277,7 +277,9 @@ def _run_filter(
     mean[states.index("v")] = speed
     mean[[states.index(f"w[{g + 1}]") for g in range(groups)]] = wheels
     filter_.start(mean, deviation**2)
-    middle = 0.5 * (inputs[:-1] + inputs[1:])  # pressures move within a period
+    # Pressures at the start of each period, from where the filter holds the adhesion, too. With those in its middle,
+    # force and torque are half a period apart while pressures change, and inner groups seem better by up to 3 %.
+    held = inputs[:-1]
     usual = np.array([_PROCESS[name.partition("[")[0]] for name in states]) ** 2
     turning = np.array([states.index(f"w[{g + 1}]") for g in range(groups)])
     filter_.retune(usual)
@@ -287,7 +289,7 @@ def _run_filter(
                 noise = usual.copy()
                 noise[turning[locked[k]]] = _FREE
                 filter_.retune(noise)
-            filter_.inputs[:] = middle[k - 1]
+            filter_.inputs[:] = held[k - 1]
             filter_.readings[:] = readings[k]
             filter_.advance()
     except FilterDiverged as problem:
@@ -311,10 +313,11 @@ def _bias(acceleration: Vector, speed: Vector, period: float) -> float:
 
 
 def _drag(acceleration: Vector, speed: Vector, values: dict[str, float]) -> float:
-    mass = _mass(values)
+    mass, radius = _mass(values), values["r_wheel"]
     air = air_resistance(values) * float(np.mean(speed**2))
-    rolling = rolling_resistance(values, mass, values["r_wheel"])
-    return -float(np.nanmean(acceleration)) - (air + rolling) / mass
+    rolling = rolling_resistance(values, mass, radius)
+    rotating = sum(values[f"J[{g + 1}]"] for g in range(formation().groups)) / radius**2
+    return -float(np.nanmean(acceleration)) * (1.0 + rotating / mass) - (air + rolling) / mass
 
 
 def _mass(values: dict[str, float]) -> float:

@@ -16,6 +16,9 @@ from railgrip.trace.k_wet import k_wet_of_distances
 JUDGED: Final = ("stops", "extension", "lock", "locked_distance", "reservoir", "utilisation")
 """Clauses, in the order in which they are shown."""
 
+EQUAL: Final = 0.002
+"""Relative difference up to which distances are equal: the effect of perturbed plant parameters on a stop."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CaseMeasurement:

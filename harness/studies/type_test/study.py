@@ -57,6 +57,7 @@ from railgrip.studies.type_test.entrants import (
 )
 from railgrip.studies.type_test.family import Family, by_axis, families, losses, table_of_controller, table_of_families
 from railgrip.studies.type_test.judge import (
+    EQUAL,
     JUDGED,
     CaseJudgement,
     CaseMeasurement,
@@ -78,9 +79,6 @@ _NOT_OF_STOPS: Final = ("NEES (10 – 90 %)", "K_wet (10 %)")
 """Columns of the leaderboard that are in a separate table on the page."""
 
 _WORST: Final = 10
-_SAME: Final = 0.002
-"""Relative difference up to which stops are equal: the effect of perturbed plant parameters on a stop."""
-
 _JSON: Final = ("case", "controller", "tuned", "outcome", "distance_m", "bound_m", "longest_lock_s", "air_l", "strokes")
 """Columns that come first in the table of cases."""
 
@@ -464,8 +462,8 @@ def compare_controllers(cases: Sequence[Mapping[str, Any]], against: str) -> Rep
             {
                 "controller": name,
                 "both stop": len(pairs),
-                "shorter": int(np.sum(ratios < 1 - _SAME)),
-                "longer": int(np.sum(ratios > 1 + _SAME)),
+                "shorter": int(np.sum(ratios < 1 - EQUAL)),
+                "longer": int(np.sum(ratios > 1 + EQUAL)),
                 "least": ratios.min(),
                 "median": np.median(ratios),
                 "mean": ratios.mean(),

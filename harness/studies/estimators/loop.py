@@ -1,0 +1,245 @@
+"""Estimators in the loop: the same laws stop in the same cases with other estimates.
+
+The present estimator of the type test is compared with filters of this study, with their searched noises and outlier
+limit, and with the true state, which limits what any estimator can achieve.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.api import Scenario
+from railgrip.campaign.work import Work
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.report.statistics import endless, quantile, quantile_interval, relative_change
+from railgrip.report.stop import Stop
+from railgrip.report.table import ReportTable
+from railgrip.scenario import schema
+from railgrip.simulate.loop.loop import Ending, Loop
+from railgrip.simulate.loop.parts import Parts, StateEstimator
+from railgrip.simulate.parts import assemble
+from railgrip.studies.estimators.noises import OUTLIER_LIMITS, noise_of
+from railgrip.studies.estimators.replay import MODEL, OTHER_MODELS
+from railgrip.studies.estimators.tables import RESAMPLES, RESAMPLING_SEED
+from railgrip.studies.type_test.case_set import VERSIONS
+from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of
+from railgrip.studies.type_test.judge import EQUAL
+from railgrip.studies.type_test.track_case import TrackCase
+from railgrip.vehicle.signals import Layout
+
+Vector = NDArray[np.float64]
+
+ESTIMATES: Final = ("present", "fmu", "disturbed", "disturbed, 10 ms", "true state")
+"""Estimates of a stop: those of the scenario, of an estimator of the study in every sample or every 10 ms, as on its
+recordings, or the truth."""
+
+BEST: Final = "disturbed"
+"""Estimator on board with the smallest error on the recordings."""
+
+LAWS: Final = ("slope_seeking", "adhesion_based", "two_maxima")
+"""Entrants of the type test with estimates that are compared."""
+
+TABLE_1: Final = ("trapezoid", "sine_sweep", "random")
+"""Scenarios of the accepted distances, with ideal sensors and actuation."""
+LAWS_OF_TABLE_1: Final = ("adhesion_based", "slope_seeking")
+"""Laws that are compared there; the law of two maxima is slope seeking where no rail is cleaned."""
+ESTIMATES_OF_TABLE_1: Final = ("present", "disturbed", "true state")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopCase:
+    """A stop: its scenario, with the present estimator, and the estimates that replace those."""
+
+    scenario: schema.Scenario
+    estimates: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopStop:
+    """Figures of a stop.
+
+    Attributes:
+        distance: Braking distance, infinite without a standstill [m].
+        lock: Longest lock of any group above 15 km/h [s].
+        error: RMS error of the estimated adhesion above 10 km/h, mean of the groups.
+        nees: Mean squared error of adhesion over its variance, mean of the groups; NaN for the true state.
+    """
+
+    distance: float
+    lock: float
+    error: float
+    nees: float
+
+
+LoopStops = Mapping[tuple[str, str], Sequence[LoopStop]]
+"""Law and estimates → stops, in the same order of cases."""
+
+
+class TrueState:
+    """The true state in place of a filter: `railgrip.simulate.loop.parts.Filter`.
+
+    Speeds of wheelsets are those that give the true slip with the wheel radii that the estimator assumes.
+    """
+
+    def __init__(self, layout: Layout, estimator: StateEstimator) -> None:
+        """Take size, start and places of the states from an estimator of the same stop."""
+        self._output, self._estimator = layout.output, estimator
+        self._radius = np.array(estimator.wheel_radius)
+        self.mean, self.covariance = estimator.filter.mean.copy(), 1e-12 * np.eye(estimator.filter.mean.size)
+        self.inputs, self.readings = estimator.filter.inputs.copy(), estimator.filter.readings.copy()
+        self.selection, self.squared_innovation = np.zeros(self.readings.size), 0.0
+        self.outputs: Vector = np.zeros(0)
+        """Outputs of the plant, which the loop updates."""
+
+    def advance(self) -> None:
+        """Read the outputs of the plant."""
+        at, estimator = self._output, self._estimator
+        speed = float(self.outputs[at["speed"].start])
+        self.mean[estimator.speed] = speed
+        self.mean[estimator.wheelset_speed] = (1.0 - self.outputs[at["slip"]]) * speed / self._radius
+        self.mean[estimator.adhesion] = self.outputs[at["group_adhesion"]]
+        self.mean[estimator.pad_friction] = self.outputs[at["pad_friction"]]
+
+
+def stop_in_loop(case: LoopCase) -> LoopStop:
+    """Run a stop with its estimates and return its figures."""
+    name, sensors = case.estimates, "ideal" if case.scenario.sensors.kind == "ideal" else "service"
+    with assemble(scenario_of_case(case)) as opened:
+        estimator = opened.parts.estimator
+        assert isinstance(estimator, StateEstimator)
+        if name == "true state":
+            truth = TrueState(opened.parts.layout, estimator)
+            parts = replace(opened.parts, estimator=replace(estimator, filter=truth))
+            return replace(_figures(opened.stop(_run(parts, truth))), nees=math.nan)
+        if name != "present":
+            assert isinstance(estimator.filter, CompiledFilter)
+            noise, design = noise_of(name.partition(",")[0], sensors), estimator.filter.design
+            estimator.filter.retune(noise.process_noise(design.states), noise.reading_noise(design.outputs))
+        return _figures(opened.stop(opened.run()))
+
+
+def _run(parts: Parts, truth: TrueState) -> Ending:
+    loop = Loop(parts)
+    truth.outputs = loop.structs.plant.target("outputs")
+    return loop.run()
+
+
+def _figures(stop: Stop) -> LoopStop:
+    metrics = stop.figures
+    return LoopStop(
+        distance=endless(stop.braking_distance),
+        lock=max(metrics.longest_lock_fast),
+        error=float(np.mean(metrics.adhesion_rmse or math.nan)),
+        nees=float(np.mean(metrics.adhesion_nees or math.nan)),
+    )
+
+
+def scenario_of_case(case: LoopCase) -> schema.Scenario:
+    """Return the scenario of a case with the prediction, outlier limit and period of its estimates."""
+    changes: dict[str, dict[str, Any]] = {}
+    if case.estimates == "true state":
+        # It does not use the radar, whose failure would release a group.
+        changes["estimator"] = {"free_wheels": False}
+    elif case.estimates != "present":
+        name, _, period = case.estimates.partition(", ")
+        model = OTHER_MODELS.get(name, MODEL)
+        changes["estimator"] = {"model": model, "noise": "service", "outlier_limit": dict(OUTLIER_LIMITS)}
+        if period:
+            changes["periods"] = {"estimator": period}
+    resolved = case.scenario.resolved()
+    return schema.Scenario.model_validate(resolved | {name: resolved[name] | table for name, table in changes.items()})
+
+
+def stops_of_type_test(work: Work, count: int) -> LoopStops:
+    """Run the laws in cases of the test set of version 2 of the type test, all on the two-part train."""
+    cases = VERSIONS[2].draw(count, VERSIONS[2].test)
+    design = [replace(case, train="") if isinstance(case, TrackCase) else case for case in cases]
+    taking_part = {law: entrants(2)[law] for law in LAWS}
+    stops = campaign_of(design, taking_part, train_of(None)).stops
+    rows = [
+        (law, name, stop.scenario)
+        for law in LAWS
+        for name in ESTIMATES
+        for stop in stops
+        if stop.variants["controller"] == law
+    ]
+    return _stops(work, rows)
+
+
+def stops_of_table_1(work: Work) -> LoopStops:
+    """Run the laws of Table 1 in its scenarios, with ideal sensors and actuation."""
+    rows = [
+        (law, name, Scenario.load(scenario, {"controller.kind": law}))
+        for law in LAWS_OF_TABLE_1
+        for name in ESTIMATES_OF_TABLE_1
+        for scenario in TABLE_1
+    ]
+    return _stops(work, rows)
+
+
+def _stops(work: Work, rows: Sequence[tuple[str, str, schema.Scenario]]) -> LoopStops:
+    """Run stops given by law, estimates and scenario."""
+    results = work.map(stop_in_loop, [LoopCase(scenario=scenario, estimates=name) for _, name, scenario in rows])
+    found: dict[tuple[str, str], list[LoopStop]] = {}
+    for (law, name, _), result in zip(rows, results, strict=True):
+        found.setdefault((law, name), []).append(result)
+    return found
+
+
+def compare(found: LoopStops) -> ReportTable:
+    """Return distances over those with the present estimates in the same cases, with intervals over the cases."""
+    rows: list[dict[str, Any]] = []
+    for (law, name), stops in found.items():
+        pairs = zip(_distances(stops), _distances(found[law, "present"]), strict=True)
+        ratios = [1.0 + relative_change(*pair) for pair in pairs]
+        rows.append(
+            {
+                "law": law,
+                "estimates": name,
+                "stops": f"{sum(math.isfinite(stop.distance) for stop in stops)} of {len(stops)}",
+                "shorter": sum(ratio < 1.0 - EQUAL for ratio in ratios),
+                "longer": sum(ratio > 1.0 + EQUAL for ratio in ratios),
+                "median": _with_interval(quantile(ratios, 0.5), quantile_interval(ratios, 0.5)),
+                "mean": _with_interval(float(np.exp(np.mean(np.log(ratios)))), _interval_of_mean(ratios)),
+                "maximum": max(ratios),
+                "longest lock": max(stop.lock for stop in stops),
+                "RMSE": float(np.median([stop.error for stop in stops])),
+                "NEES": float(np.mean([stop.nees for stop in stops])),
+            }
+        )
+    forms = {"maximum": "{:.3f}", "longest lock": "{:.2f} s", "RMSE": "{:.4f}", "NEES": "{:.2f}"}
+    return ReportTable(rows, forms, ("law", "estimates"), title="Distance over that with the present estimates")
+
+
+def compare_table_1(found: LoopStops) -> ReportTable:
+    """Return the distances of Table 1, and their changes by other estimates."""
+    rows: list[tuple[str, ...]] = []
+    for (law, name), stops in found.items():
+        present = _distances(found[law, "present"])
+        cells = [
+            f"{distance:.1f} m" + ("" if name == "present" else f" ({distance - before:+.1f} m)".replace("-", "−"))
+            for distance, before in zip(_distances(stops), present, strict=True)
+        ]
+        rows.append((law, name, *cells))
+    return ReportTable.of(("law", "estimates", *TABLE_1), rows, left=2, title="Table 1")
+
+
+def _distances(stops: Sequence[LoopStop]) -> list[float]:
+    return [stop.distance for stop in stops]
+
+
+def _interval_of_mean(ratios: Sequence[float]) -> tuple[float, float] | None:
+    """Return the percentile bootstrap interval of the geometric mean; None with fewer than two or infinite ratios."""
+    if len(ratios) < 2 or math.isinf(max(ratios)):
+        return None
+    draws = np.random.default_rng(RESAMPLING_SEED).choice(np.log(ratios), (RESAMPLES, len(ratios)))
+    low, high = np.exp(np.quantile(draws.mean(axis=1), (0.025, 0.975)))
+    return float(low), float(high)
+
+
+def _with_interval(value: float, interval: tuple[float, float] | None) -> str:
+    return f"{value:.4f}" + ("" if interval is None else " [{:.4f}, {:.4f}]".format(*interval))

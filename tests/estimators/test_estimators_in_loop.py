@@ -1,0 +1,77 @@
+"""Stops with other estimates differ in nothing else, and are compared case by case."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import railgrip as rg
+from railgrip.base.errors import InputError
+from railgrip.campaign.work import work
+from railgrip.simulate.run import run_stop
+from railgrip.studies.estimators.loop import (
+    ESTIMATES,
+    LoopCase,
+    LoopStop,
+    compare,
+    compare_table_1,
+    scenario_of_case,
+    stop_in_loop,
+)
+from railgrip.studies.estimators.study import Estimators
+from railgrip.studies.type_test.entrants import train_of
+
+STOP = LoopStop(distance=100.0, lock=0.5, error=0.005, nees=1.0)
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    """A short stop with valves and service sensors on a slippery rail."""
+    changes = {"start.speed": "25 km/h", "controller.kind": "slope_seeking", "adhesion.mu0": 0.06}
+    return rg.Scenario.load(train_of(None), changes)
+
+
+def test_the_present_estimates_are_those_of_the_scenario(scenario):
+    found = stop_in_loop(LoopCase(scenario=scenario, estimates="present"))
+    stop = run_stop(scenario)
+    assert found.distance == stop.braking_distance
+    assert found.nees == pytest.approx(np.mean(stop.figures.adhesion_nees), rel=1e-12)
+
+
+def test_the_true_state_has_no_error(scenario):
+    found = stop_in_loop(LoopCase(scenario=scenario, estimates="true state"))
+    assert found.error == 0.0
+    assert 0.0 < found.distance < math.inf
+    assert math.isnan(found.nees)
+
+
+def test_other_estimates_replace_only_the_estimator_and_its_period(scenario):
+    for name in ESTIMATES:
+        tables = scenario_of_case(LoopCase(scenario=scenario, estimates=name)).resolved()
+        changed = {key for key, value in scenario.resolved().items() if tables[key] != value}
+        assert changed <= {"estimator", "periods"}
+    searched = stop_in_loop(LoopCase(scenario=scenario, estimates="disturbed"))
+    assert searched != stop_in_loop(LoopCase(scenario=scenario, estimates="present"))
+
+
+def test_ratios_are_those_of_the_same_cases():
+    """Distances scaled by powers of two: the median and the geometric mean are exact, the arithmetic mean is not."""
+    present = [replace(STOP, distance=distance) for distance in (100.0, 200.0, 300.0)]
+    other = [replace(STOP, distance=distance) for distance in (50.0, 200.0, 600.0)]
+    without = [replace(STOP, distance=distance) for distance in (100.0, 200.0, math.inf)]
+    found = {("law", "present"): present, ("law", "fmu"): other, ("law", "true state"): without}
+    rows = {row["estimates"]: row for row in compare(found).rows}
+    assert rows["present"]["median"] == rows["present"]["mean"] == "1.0000 [1.0000, 1.0000]"
+    assert rows["fmu"]["median"].startswith("1.0000 [")
+    assert rows["fmu"]["mean"].startswith("1.0000 [")
+    assert (rows["fmu"]["shorter"], rows["fmu"]["longer"], rows["fmu"]["maximum"]) == (1, 1, 2.0)
+    assert (rows["true state"]["stops"], rows["true state"]["longer"]) == ("2 of 3", 1)
+    assert compare_table_1(found).rows[1]["trapezoid"] == "50.0 m (−50.0 m)"
+
+
+def test_options_that_change_the_cases_are_refused(tmp_path):
+    for wrong in (Estimators(loop=True, train="tram"), Estimators(loop=True, estimator=["fmu"])):
+        with work("estimators", tmp_path) as job, pytest.raises(InputError, match="leave out other options"):
+            wrong.page(job)
+    assert Estimators(loop=True).place == "loop"
