@@ -105,6 +105,66 @@ def test_the_waves_of_the_rail_have_the_published_spectrum():
     assert found == pytest.approx(expected, rel=0.05)
 
 
+VARIANTS = """package Variants
+  block Plain
+    extends RailBraking.Plants.TwoPartTrainPneumatic;
+  end Plain;
+  block Uneven
+    extends RailBraking.Plants.TwoPartTrainPneumatic(redeclare block TrainRail = RailBraking.Tracks.UnevenRail);
+  end Uneven;
+  block Elastic
+    extends RailBraking.Plants.TwoPartTrainPneumatic(redeclare block TrainShaft = RailBraking.Components.ElasticShaft);
+  end Elastic;
+end Variants;
+"""
+"""The two-part train with one part in more detail."""
+
+
+@pytest.fixture(scope="module")
+def full_brake_of(tmp_path_factory):
+    """Return a function that brakes a variant of the two-part train fully, without wheel-slide protection."""
+    library = tmp_path_factory.mktemp("library") / "Variants.mo"
+    library.write_text(VARIANTS)
+
+    @cache
+    def stop(variant, *changes):
+        scenario = rg.Scenario.load("plain", {**SERVICE, "estimator.kind": "none", **dict(changes)})
+        scenario = scenario.with_plant({"model": f"Variants.{variant}", "library": str(library)})
+        return rg.run(scenario, controller="full_brake")
+
+    return stop
+
+
+DRY = ("adhesion.mu0", 0.3)
+
+
+@pytest.mark.parametrize("parameter", [("hysteresis", 0.06), ("p_seal", 5e3)])
+def test_friction_of_rigging_and_seal_lengthens_a_dry_stop(full_brake_of, parameter):
+    """Friction takes a share of the pad force of an applied brake; running resistance and filling keep theirs."""
+    name, value = parameter
+    frictionless = full_brake_of("Plain", DRY)
+    stop = full_brake_of("Plain", DRY, (f"vehicle.parameters.{name}", value))
+    force, without = (float(of.trace["pad_force"].values.max()) for of in (stop, frictionless))
+    assert force < without
+    assert 1.0 < stop.metrics.distance / frictionless.metrics.distance < without / force + 0.01
+
+
+def test_elastic_shafts_do_not_change_a_dry_stop(full_brake_of):
+    rigid, elastic = (full_brake_of(variant, DRY).metrics.distance for variant in ("Plain", "Elastic"))
+    assert elastic == pytest.approx(rigid, rel=1e-4)
+
+
+def test_wheels_slip_more_where_an_uneven_rail_unloads_them(full_brake_of):
+    """Near the peak of the creep curve a smaller load requires more slip for the same force."""
+    fast = (("start.speed", "160 km/h"), ("adhesion.mu0", 0.15), ("limits.horizon", "8 s"))
+    even, uneven = (full_brake_of(variant, *fast) for variant in ("Plain", "Uneven"))
+    load, slip = (
+        np.stack([stop.trace[name].values[300:] for stop in (even, uneven)]) for name in ("wheelset_load", "slip")
+    )
+    assert (load[1].min(axis=0) < 0.95 * load[0].min(axis=0)).all()
+    assert (slip[1].max(axis=0) > slip[0].max(axis=0)).all()
+
+
 def test_a_plant_without_these_parts_is_refused():
     with pytest.raises(ScenarioError, match=r"mechanics = 'detailed' needs the two-part train"):
         rg.run(rg.Scenario.load("foreign_train", DETAILED))

@@ -16,6 +16,8 @@ block TwoPartTrainPneumatic "Two-part train with valves that fill, hold and vent
   parameter Types.Pressure p_reverse(min=1) = 1e4
     "Change of pressure in which the friction of the calipers reverses"
     annotation(Dialog(group="Brake"));
+  parameter Types.Pressure p_seal(min=0) = 0 "Pressure that overcomes the preload of the pistons' seals"
+    annotation(Dialog(group="Brake"));
   Interfaces.RealInput valve_command[groups](each final unit="1", each start=0)
     "Valves of each group: -1 vent, 0 hold, 1 fill"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
@@ -27,7 +29,7 @@ protected
     annotation(Placement(transformation(extent={{-60, -80}, {-20, -40}})));
   Pneumatics.HystereticRigging rigging[groups](
     each A_piston=A_piston, each i_rigging=i_rigging, each eta_rigging=eta_rigging, each F_spring=F_spring,
-    each hysteresis=hysteresis, each p_reverse=p_reverse) "Rigging of each group"
+    each hysteresis=hysteresis, each p_reverse=p_reverse, each p_seal=p_seal) "Rigging of each group"
     annotation(Placement(transformation(extent={{20, -80}, {60, -40}})));
 equation
   for i in 1:groups loop
@@ -47,8 +49,8 @@ equation
 <p>
 Wheel-slide protection as in service: binary valves with dead time, see
 <a href=\"modelica://RailBraking.Pneumatics.ValveCylinder\">ValveCylinder</a>. The thresholds of
-<code>valve_command</code> are &plusmn;0.5. Hysteresis of the calipers is
-off unless a scenario sets it.
+<code>valve_command</code> are &plusmn;0.5. Hysteresis of the calipers and friction of the seals are
+off unless a scenario sets them.
 </p>
 <h4>Limitations</h4>
 <p>Those of <a href=\"modelica://RailBraking.Vehicles.PartialTwoPartTrain\">PartialTwoPartTrain</a> and of the parts

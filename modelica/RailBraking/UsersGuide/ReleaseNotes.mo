@@ -32,7 +32,7 @@ temperature of the contact, and a film that its slip removes. Two-part train and
 <code>BogieShaft</code> and so on: <code>Components.ElasticShaft</code> twists between wheels and brake discs.
 <code>BogieRail</code> and so on: <code>Tracks.UnevenRail</code> moves the wheelsets up and down. Riggings extend
 <code>Interfaces.PartialRigging</code>; <code>Pneumatics.HystereticRigging</code> has no input for the rate of the
-pressure any more.</li>
+pressure any more, and friction of the seal's preload, <code>p_seal</code>.</li>
 <li>Icons, and places for all components in diagrams.</li>
 </ul>
 </html>"));
