@@ -80,7 +80,7 @@ def test_errors_of_a_constant_are_those_of_its_definition(short):
 def test_filters_that_differ_by_their_linearisation_agree_on_the_train(short):
     """Outputs of the prediction are linear but for the running resistance, and its derivatives nearly so."""
     reference = replay(short, "fmu").mean
-    for kind in ("python", "iterated", "unscented", "cubature"):
+    for kind in ("python", "iterated", "unscented", "cubature", "moving_horizon"):
         # The curvature of the prediction within 10 ms, far below the deviation of adhesion of 0.01.
         assert replay(short, kind).mean == pytest.approx(reference, abs=1e-5)
 

@@ -49,13 +49,13 @@ FACTORS_FILE: Final = Path("harness/studies/estimators/library/noises.toml")
 """From the folder of the project, where the command runs, as `PAGE`."""
 
 ESTIMATORS: Final = (
-    "fmu", "iterated", "unscented", "cubature", "particle", "sage_husa", "interacting", "disturbance_observer",
-    *OTHER_MODELS, *LAGS,
+    "fmu", "iterated", "unscented", "cubature", "particle", "moving_horizon", "sage_husa", "interacting",
+    "disturbance_observer", *OTHER_MODELS, *LAGS,
 )  # fmt: skip
 """Estimators besides the references: kinds of a scenario, other predictions, and smoothers."""
 
 FAST: Final = ("fmu", "sage_husa", "interacting", "disturbance_observer", *OTHER_MODELS, *LAGS)
-"""Estimators of a quick run: a step of sigma-point filters takes ten times as long."""
+"""Estimators of a quick run: a step of the others takes up to ten times as long."""
 
 
 @dataclass(frozen=True)
