@@ -17,6 +17,8 @@ from railgrip.estimation.run import model_of
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import estimate_of, load_specification
 from railgrip.fmus.build import fmu
+from railgrip.simulate.vehicle import VehicleData
+from railgrip.studies.estimators.available import TRUTH, available_errors, largest_of_last
 from railgrip.studies.estimators.claims import LOAD_DEVIATION, force_over_load_deviation, with_unmodelled
 from railgrip.studies.estimators.judge import CONSTANT, FORCE_BALANCE, errors_of, step_delay, truths_of
 from railgrip.studies.estimators.noises import FACTORS, noise_of
@@ -28,6 +30,7 @@ from railgrip.studies.estimators.recordings import (
     family_of,
     recording_cases,
     recording_of_case,
+    scenario_of_case,
 )
 from railgrip.studies.estimators.replay import LAGS, MODEL, bound_of, model_of_estimator, replay, states
 from railgrip.studies.estimators.search import BUDGET, interval_score, search, write_factors
@@ -150,14 +153,17 @@ import numpy as np
 import railgrip as rg
 
 class Drag:
-    provides = ("adhesion", "adhesion_sd", "speed")
+    provides = ("adhesion", "adhesion_sd", "speed", "slip")
 
     def start(self, first, formation):
         self.groups = formation.groups
 
     def step(self, observation):
         same = np.full(self.groups, -observation.acceleration / 9.81)
-        return rg.Estimate(adhesion=same, adhesion_sd=np.full(self.groups, 0.02), speed=0.5 * observation.speed)
+        slip = np.full(self.groups, 1.0 - 0.38 * observation.wheelset_speed[0] / observation.speed)
+        return rg.Estimate(
+            adhesion=same, adhesion_sd=np.full(self.groups, 0.02), speed=0.5 * observation.speed, slip=slip
+        )
 """
 
 
@@ -175,6 +181,66 @@ def test_a_users_class_gets_the_same_readings_and_is_judged(short, tmp_path):
     assert errors.rmse["speed"] == pytest.approx(np.sqrt(np.mean((0.5 * speed) ** 2)), rel=0.05)
     assert 0.0 < errors.coverage["adhesion"] <= 1.0
     assert np.isnan(errors.rmse["pad_friction"])
+    assert 0.0 <= errors.available.known <= 1.0
+
+
+def test_the_adhesion_available_is_the_maximum_of_the_creep_curve(short):
+    recording, scenario = recording_of_case(short), scenario_of_case(short)
+    contact, slips = VehicleData(scenario).contact, np.geomspace(1e-3, 1.0, 20_000)
+    for k in (10, 60):
+        speed, load, friction = (
+            np.full(slips.shape, float(value[k]))
+            for value in (recording["speed"], recording["wheelset_load"][:, 2], recording["mu0"][:, 2])
+        )
+        highest = contact(slips, speed, load, friction).max()
+        # The third wheelset is the second group.
+        assert recording[TRUTH].values[k, 1] == pytest.approx(highest, rel=1e-4)
+    assert np.all(recording["group_adhesion"] <= 1.001 * recording[TRUTH])
+
+
+def sliding(deviation=0.0):
+    """A trace whose slip passes the maximum 0.1 of a parabola at 0.05 back and forth, and reaches 0.2 there."""
+    time = np.arange(2000) * 0.01
+    slip = (0.11 + 0.09 * np.sin(2.0 * np.pi * time / 20.0))[:, np.newaxis]
+    adhesion = 0.1 - (slip - 0.05) ** 2
+    group = ("time", "group")
+    return xarray.Dataset(
+        {
+            "speed": ("time", np.full(time.size, 20.0)),
+            "estimate_adhesion": (group, adhesion),
+            "estimate_slip": (group, slip),
+            "estimate_slip_sd": (group, np.full(slip.shape, deviation)),
+            TRUTH: (group, np.full(slip.shape, 0.1)),
+        },
+        coords={"time": time},
+    )
+
+
+def test_the_adhesion_available_is_known_beyond_the_maximum_of_the_creep_curve():
+    trace = sliding()
+    errors = available_errors(trace, 0.12, 1.96)
+    # Slip is beyond 0.05 for three quarters of the time, and varies too little near its turning points.
+    assert errors.known == pytest.approx(0.75, abs=0.1)
+    # What is passed longer ago is forgotten.
+    assert -0.0225 < errors.bias < 0.0
+    assert errors.rmse < errors.constant
+    assert errors.constant == pytest.approx(0.02)
+    truth = np.abs(trace[TRUTH] - trace["estimate_adhesion"]).values
+    assert truth.min() < errors.recent < truth.max()
+    assert np.isnan(errors.coverage)
+    claimed = trace.assign(estimate_adhesion_sd=(("time", "group"), np.full((2000, 1), 0.05)))
+    assert available_errors(claimed, 0.12, 1.96).coverage == 1.0
+
+
+def test_the_adhesion_available_is_unknown_where_slip_is():
+    assert available_errors(sliding(deviation=0.1), 0.12, 1.96).known == 0.0
+    assert np.isnan(available_errors(sliding().drop_vars("estimate_slip"), 0.12, 1.96).known)
+
+
+def test_the_largest_of_the_last_samples_includes_this_one():
+    values = np.array([[1.0, 5.0, 2.0, 1.0, 0.0, 3.0]]).T
+    assert largest_of_last(values, 3)[:, 0].tolist() == [1.0, 5.0, 5.0, 5.0, 2.0, 3.0]
+    assert largest_of_last(values, 2)[:, 0].tolist() == [1.0, 5.0, 5.0, 2.0, 1.0, 3.0]
 
 
 def test_a_users_prediction_fmu_is_the_filter_with_that_prediction(short):

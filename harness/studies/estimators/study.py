@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, cast
 
 import numpy as np
 from typer import Option
@@ -35,6 +35,7 @@ from railgrip.studies.estimators.search import search, search_cases, write_facto
 from railgrip.studies.estimators.tables import (
     REFERENCES,
     Results,
+    available,
     by_family,
     consistency,
     leaderboard,
@@ -95,6 +96,7 @@ class Estimators(Study):
             "claims": consistency(results),
             "families": by_family(results, design),
             "coverage": by_family(results, design, "coverage"),
+            "available": available(results),
             "others": others(results),
             "targets": targets(results, design, bound),
         }
@@ -215,13 +217,17 @@ def _data(results: Results, design: Sequence[RecordingCase]) -> list[dict[str, A
     for name, cases in results.items():
         for case, errors in zip(design, cases, strict=True):
             about = {"case": case.stop.name, "over": case.over} | {field: family_of(case, field) for field in FAMILIES}
-            values = {
-                key: finite(value) if isinstance(value, float) else value for key, value in asdict(errors).items()
-            }
-            for key in ("rmse", "coverage"):
-                values[key] = {target: finite(each) for target, each in getattr(errors, key).items()}
-            rows.append(about | {"estimator": name} | values)
+            rows.append(about | {"estimator": name} | _json(asdict(errors)))
     return rows
+
+
+def _json(value: Any) -> Any:
+    """Return a value of floats, tables and sequences with None for NaN."""
+    if isinstance(value, dict):
+        return {key: _json(each) for key, each in cast("dict[str, Any]", value).items()}
+    if isinstance(value, tuple):
+        return [_json(each) for each in cast("tuple[Any, ...]", value)]
+    return finite(value) if isinstance(value, float) else value
 
 
 STUDY = Estimators

@@ -97,6 +97,38 @@ def others(results: Results) -> ReportTable:
     return ReportTable(rows, forms | dict.fromkeys(shares, "{:.2f}"))
 
 
+def available(results: Results) -> ReportTable:
+    """Return the errors of the available adhesion of every estimator that knows it somewhere.
+
+    Errors are root mean squares over the cases of those where an estimator knows it; the references are judged there
+    too.
+    """
+    rows: list[dict[str, Any]] = []
+    for name, cases in results.items():
+        errors = [one.available for one in cases]
+        squares = np.array([(one.rmse, one.recent, one.constant) for one in errors]) ** 2
+        squares = squares[np.isfinite(squares).all(axis=1)]
+        if not squares.size:
+            continue
+        own, recent, constant = np.sqrt(np.mean(squares, axis=0)).tolist()
+        rows.append(
+            {
+                "estimator": name,
+                "known": float(np.nanmean([one.known for one in errors])),
+                "RMSE": own,
+                "bias": float(np.nanmean([one.bias for one in errors])),
+                "coverage": float(np.nanmean([one.coverage for one in errors])),
+                "RMSE of the last second": recent,
+                "RMSE of the constant": constant,
+                "over the last second": _skill(squares[:, :2]),
+                "95 %": _interval(squares[:, :2]),
+            }
+        )
+    forms = {"known": share, "bias": "{:+.4f}", "coverage": "{:.2f}", "over the last second": "{:.2f}"}
+    errors = ("RMSE", "RMSE of the last second", "RMSE of the constant")
+    return ReportTable(rows, forms | dict.fromkeys(errors, "{:.4f}"), title="Available adhesion")
+
+
 def by_family(results: Results, design: Sequence[RecordingCase], measure: Measure = "rmse") -> ReportTable:
     """Return the median RMSE of adhesion, or its mean coverage, of each estimator in each family of cases."""
     middle = np.nanmedian if measure == "rmse" else np.nanmean
@@ -143,13 +175,19 @@ def targets(results: Results, design: Sequence[RecordingCase], bound: float) -> 
 
 def skill(cases: Sequence[CaseErrors], reference: Sequence[CaseErrors] | None, target: str = "adhesion") -> float:
     """Return 1 − mean squared error over that of a reference in the same cases; NaN without one."""
-    squares = _squares(cases, reference, target)
-    return 1.0 - float(np.divide(*squares.sum(axis=0))) if squares.size else math.nan
+    return _skill(_squares(cases, reference, target))
 
 
 def skill_interval(cases: Sequence[CaseErrors], reference: Sequence[CaseErrors] | None) -> str:
     """Return the percentile bootstrap interval of the skill for adhesion over the cases; empty with fewer than two."""
-    squares = _squares(cases, reference, "adhesion")
+    return _interval(_squares(cases, reference, "adhesion"))
+
+
+def _skill(squares: Matrix) -> float:
+    return 1.0 - float(np.divide(*squares.sum(axis=0))) if squares.size else math.nan
+
+
+def _interval(squares: Matrix) -> str:
     if len(squares) < 2:
         return ""
     draws = np.random.default_rng(RESAMPLING_SEED).integers(len(squares), size=(RESAMPLES, len(squares)))
