@@ -17,10 +17,20 @@ from railgrip.estimation.run import model_of
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import estimate_of, load_specification
 from railgrip.fmus.build import fmu
+from railgrip.simulate.estimator import RELEASED_PADS
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.estimators.available import TRUTH, available_errors, largest_of_last
 from railgrip.studies.estimators.claims import LOAD_DEVIATION, force_over_load_deviation, with_unmodelled
-from railgrip.studies.estimators.judge import CONSTANT, FORCE_BALANCE, errors_of, step_delay, truths_of
+from railgrip.studies.estimators.judge import (
+    CONSTANT,
+    FORCE_BALANCE,
+    CaseBound,
+    bounds_of,
+    errors_of,
+    pads_are_identifiable,
+    step_delay,
+    truths_of,
+)
 from railgrip.studies.estimators.noises import FACTORS, noise_of
 from railgrip.studies.estimators.recordings import (
     DEMANDS,
@@ -35,8 +45,9 @@ from railgrip.studies.estimators.recordings import (
 from railgrip.studies.estimators.replay import LAGS, MODEL, bound_of, model_of_estimator, replay, states
 from railgrip.studies.estimators.search import BUDGET, interval_score, search, write_factors
 from railgrip.studies.estimators.study import ESTIMATORS, FAST, Estimators
-from railgrip.studies.estimators.tables import leaderboard, skill
+from railgrip.studies.estimators.tables import leaderboard, pads_by_group, skill, skill_of_groups
 from railgrip.studies.estimators.vehicles import SETTLED, rows_of_estimation, vehicles
+from railgrip.trace.estimation import SLOWEST
 
 CONSTANTS = (("adhesion", 0.05), ("pad_friction", 0.35))
 
@@ -126,7 +137,39 @@ def test_the_smoother_is_more_certain_than_the_filter_and_the_bound_positive(sho
     filtered, smoothed = (modelled(short, replay(short, name)) for name in ("fmu", "smoother"))
     assert np.all(smoothed <= filtered * (1.0 + 1e-6))
     assert np.all(bound_of(short) > 0.0)
-    assert len(bound_of(short)) == len(states())
+    assert bound_of(short).shape == (recording_of_case(short).sizes["time"], len(states()))
+
+
+def test_pad_friction_is_identifiable_once_the_pads_press(short):
+    """Readings determine it only through the torque of the pads."""
+    recording, known = recording_of_case(short), pads_are_identifiable(short)
+    presses = recording["pad_force"].values > RELEASED_PADS
+    first = np.argmax(presses, axis=0)
+    assert not any(known[: k + 1, group].any() for group, k in enumerate(first))
+    # Groups of a single wheelset have about half of the brake force of the others.
+    assert known[-1].tolist() == [True, False, False, True]
+    assert bounds_of(short).identifiable == pytest.approx(
+        [np.mean(known[where & (recording["speed"].values > SLOWEST), g]) for g, where in enumerate(presses.T)]
+    )
+
+
+def test_errors_of_single_pads_are_those_of_their_definition(short):
+    recording, errors = recording_of_case(short), errors_of((short, CONSTANT, CONSTANTS))
+    judged = pads_are_identifiable(short) & (recording["speed"].values > SLOWEST)[:, np.newaxis]
+    for group in (0, 3):
+        error = 0.35 - recording["pad_friction"].values[judged[:, group], group]
+        assert errors.pads[group] == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-12)
+    assert np.isnan(errors.pads[1:3]).all()
+
+
+def test_the_skill_of_groups_leaves_out_cases_in_which_they_are_not_identifiable(short):
+    errors = errors_of((short, CONSTANT, CONSTANTS))
+    own = [replace(errors, pads=(1.0, np.nan)), replace(errors, pads=(3.0, np.nan))]
+    reference = [replace(errors, pads=(2.0, 1.0)), replace(errors, pads=(np.nan, 1.0))]
+    assert skill_of_groups(own, reference) == [0.75, pytest.approx(np.nan, nan_ok=True)]
+    bounds = [CaseBound(adhesion=0.1, identifiable=(0.5, 0.0))] * 2
+    (row,) = pads_by_group({"own": own}, bounds).rows
+    assert row == {"group": 1, "identifiable": 0.5, "own": pytest.approx(np.sqrt(5.0))}
 
 
 @pytest.mark.usefixtures("in_process")

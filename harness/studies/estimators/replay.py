@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from time import process_time
 from typing import Final
@@ -207,17 +207,18 @@ def _smoothed(context: FilterContext, data: FilterData, lag: int | None) -> Repl
     )
 
 
-def bound_of(case: RecordingCase) -> Vector:
-    """Return the posterior Cramér-Rao bound of each state as a root mean square over the recording, shape (n,).
+@lru_cache(maxsize=16)  # every estimator of a case is judged by it
+def bound_of(case: RecordingCase) -> Matrix:
+    """Return the posterior Cramér-Rao bound of the variance of each state over a recording, shape (k + 1, n).
 
     It is that of the prediction linearised along the true states, with the noises of `fmu` and without its gate. Track
-    force and bias, which enter the prediction linearly, are 0 there.
+    force and bias, which enter the prediction linearly, are 0 there. The first row has the variances of the start.
     """
     context, data = _task(case, "fmu", noise_of("fmu", case.sensors))
     recording = recording_of_case(case)
     columns = [truth_of(recording, name) if knows(recording, name) else None for name in context.prediction.states]
     truth: Array = np.column_stack([np.zeros(recording.sizes["time"]) if one is None else one for one in columns])
-    return np.sqrt(np.mean(bound_along(context, data, truth), axis=0))
+    return bound_along(context, data, truth)
 
 
 def bound_along(context: FilterContext, data: FilterData, truth: Matrix) -> Matrix:
@@ -237,7 +238,6 @@ def bound_along(context: FilterContext, data: FilterData, truth: Matrix) -> Matr
 
 def with_estimates(recording: xarray.Dataset, names: Sequence[str], mean: Matrix, variance: Matrix) -> xarray.Dataset:
     """Return a recording with estimates of states as a trace has them, for `railgrip.trace.estimation`."""
-
     groups = ("time", "group")
     return recording.assign(
         estimate_speed=("time", mean[:, columns(names, "v")[0]]),

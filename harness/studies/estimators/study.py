@@ -40,6 +40,7 @@ from railgrip.studies.estimators.tables import (
     consistency,
     leaderboard,
     others,
+    pads_by_group,
     targets,
 )  # fmt: skip
 from railgrip.studies.estimators.vehicles import ESTIMATIONS, rows_of_estimation, rows_of_lateral, vehicles
@@ -90,13 +91,15 @@ class Estimators(Study):
         count, train = self.count or (QUICK if self.quick else COUNT), self._train()
         design = recording_cases(count, SEEDS["sealed" if self.sealed else "test"], train)
         results = results_of(work, design, recording_cases(count, SEEDS["training"], train), names)
-        bound = float(np.median(work.map(bounds_of, design)))
+        bounds = work.map(bounds_of, design)
+        bound = float(np.median([one.adhesion for one in bounds]))
         tables = {
             "leaderboard": leaderboard(results),
             "claims": consistency(results),
             "families": by_family(results, design),
             "coverage": by_family(results, design, "coverage"),
             "available": available(results),
+            "pads": pads_by_group(results, bounds),
             "others": others(results),
             "targets": targets(results, design, bound),
         }
