@@ -1,7 +1,6 @@
 """Recordings of the study of estimators are balanced, equal for all estimators, and evaluated by known errors."""
 
 import json
-import tomllib
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from command_line import done
 
 from railgrip.base.errors import InputError
 from railgrip.campaign.work import work
@@ -43,8 +43,8 @@ from railgrip.studies.estimators.recordings import (
     scenario_of_case,
 )
 from railgrip.studies.estimators.replay import LAGS, MODEL, bound_of, model_of_estimator, replay, states
-from railgrip.studies.estimators.search import BUDGET, interval_score, search, write_factors
-from railgrip.studies.estimators.study import ESTIMATORS, FAST, Estimators
+from railgrip.studies.estimators.search import BUDGET, interval_score, read_factors, search, write_factors
+from railgrip.studies.estimators.study import ESTIMATORS, FACTORS_FILE, FAST, Estimators
 from railgrip.studies.estimators.tables import leaderboard, pads_by_group, skill, skill_of_groups
 from railgrip.studies.estimators.vehicles import SETTLED, rows_of_estimation, vehicles
 from railgrip.trace.estimation import SLOWEST
@@ -356,8 +356,43 @@ def test_factors_are_read_as_they_were_written(tmp_path):
         ("loaded", "worn"): {"d": 9.0},
     }
     write_factors(tmp_path / "noises.toml", found)
-    tables = tomllib.loads((tmp_path / "noises.toml").read_text(encoding="utf-8"))
-    assert {(name, sensors): row for name, rows in tables.items() for sensors, row in rows.items()} == found
+    assert read_factors(tmp_path / "noises.toml") == found
+
+
+@pytest.mark.usefixtures("own_cache", "in_process")
+def test_a_search_of_one_estimator_keeps_the_noises_of_all_others(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("railgrip.studies.estimators.search.BUDGET", 2)
+    file = tmp_path / FACTORS_FILE
+    file.parent.mkdir(parents=True)
+    write_factors(file, {("fmu", "worn"): {"all": 2.0}, ("force_balance", "worn"): {"all": 2.0}})
+    tune = "study", "estimators", "--tune", "--cases", "3", "--estimator", "force_balance"
+    assert done(capsys, *tune, "--out", "tuned").code == 0
+    found = read_factors(file)
+    assert found["fmu", "worn"] == {"all": 2.0}
+    assert set(found) == {("fmu", "worn"), *(("force_balance", sensors) for sensors in SENSORS)}
+    for sensors in SENSORS:
+        # Two evaluations: without a change, and with a factor of 3 of all deviations.
+        assert {**found["force_balance", sensors], "all": 1.0} == dict.fromkeys(FACTORS, 1.0)
+        assert found["force_balance", sensors]["all"] in (1.0, 3.0)
+    assert "force_balance" in (tmp_path / "tuned" / "index.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (["--quick"], "leave out --write, --quick and --sealed"),
+        (["--estimator", "unscented"], "--tune searches the noises of fmu, reduced"),
+        (["--cases", "2"], "no training case has"),
+        ([], "run it in the folder of the project"),
+        (["--train", "tram"], "--write and --tune are for the two-part train"),
+    ],
+)
+def test_a_search_that_is_not_possible_is_refused_before_it_begins(options, sentence, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    refused = done(capsys, "study", "estimators", "--tune", *options)
+    assert refused.code == 2
+    assert sentence in " ".join(refused.err.split())
 
 
 def test_the_common_factor_multiplies_every_deviation_and_no_other_factor_does():

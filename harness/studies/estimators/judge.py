@@ -256,7 +256,7 @@ def bounds_of(case: RecordingCase) -> CaseBound:
 def pads_are_identifiable(case: RecordingCase) -> NDArray[np.bool_]:
     """Return at each sample whether the pad friction of a group is identifiable, shape (k, groups).
 
-    That is where its bound is at most `IDENTIFIABLE` of the first variance. Then readings have as much information on
+    That is where its bound is not above `IDENTIFIABLE` of the first variance. Then readings have as much information on
     it as the first belief.
     """
     bound = bound_of(case)[:, columns(states("", case.train), "mu_b")]

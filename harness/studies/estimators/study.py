@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final, cast
+from typing import Annotated, Any, Final
 
 import numpy as np
 from typer import Option
@@ -15,10 +15,10 @@ from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.statistics import finite
 from railgrip.report.table import ReportTable
 from railgrip.scenario.file import is_file, locate
 from railgrip.studies.estimators.judge import bounds_of, errors_of, truths_of
+from railgrip.studies.estimators.noises import SEARCHED
 from railgrip.studies.estimators.own import is_class, is_fmu, name_of, require_file
 from railgrip.studies.estimators.recordings import (
     COUNT,
@@ -31,7 +31,7 @@ from railgrip.studies.estimators.recordings import (
     recording_cases,
 )  # fmt: skip
 from railgrip.studies.estimators.replay import LAGS, OF_TRAINS, OTHER_MODELS, model_of_estimator
-from railgrip.studies.estimators.search import search, search_cases, write_factors
+from railgrip.studies.estimators.search import SearchCase, read_factors, search, search_cases, write_factors
 from railgrip.studies.estimators.tables import (
     REFERENCES,
     Results,
@@ -138,11 +138,11 @@ class Estimators(Study):
         return str(path.resolve()) if is_file(path) and self.train not in shelf("trains") else self.train
 
     def _tuned(self, work: Work) -> Page:
-        """Search the noises of every estimator on the training cases, and write them."""
-        cases = search_cases(recording_cases(self.count or TRAINING, SEEDS["training"]))
+        """Search the noises of estimators on the training cases, and write them."""
+        cases = self._searches()
         pairs = [(name, sensors) for name, sensors, _ in cases]
         found = dict(zip(pairs, work.map(search, cases), strict=True))
-        write_factors(FACTORS_FILE, found)
+        write_factors(FACTORS_FILE, read_factors(FACTORS_FILE) | found)
         rows = [{"estimator": name, "sensors": sensors} | factors for (name, sensors), factors in found.items()]
         table = ReportTable(rows, title="Factors of standard deviations")
         return Page(
@@ -153,6 +153,25 @@ class Estimators(Study):
             values={"factors": table},
             screen=(table,),
         )
+
+    def _searches(self) -> list[SearchCase]:
+        """Return the searches of `--tune`.
+
+        Raises:
+            InputError: Options contradict each other, a class of sensors has no case, or the file of noises is missing.
+        """
+        if self.write or self.quick or self.sealed:
+            raise InputError("--tune searches on the training cases; leave out --write, --quick and --sealed.")
+        unknown = [name for name in self.estimator or () if name not in SEARCHED]
+        if unknown:
+            raise InputError(f"--estimator {unknown[0]}: --tune searches the noises of {', '.join(SEARCHED)}.")
+        cases = search_cases(recording_cases(self.count or TRAINING, SEEDS["training"]), self.estimator or SEARCHED)
+        empty = sorted({sensors for _, sensors, of_sensors in cases if not of_sensors})
+        if empty:
+            raise InputError(f"--cases {self.count}: no training case has {empty[0]} sensors; --tune needs more cases.")
+        if not FACTORS_FILE.is_file():
+            raise InputError(f"--tune writes {FACTORS_FILE}, which is not here; run it in the folder of the project.")
+        return cases
 
     def _names(self) -> tuple[str, ...]:
         """Return the estimators to run, the references first.
@@ -220,17 +239,8 @@ def _data(results: Results, design: Sequence[RecordingCase]) -> list[dict[str, A
     for name, cases in results.items():
         for case, errors in zip(design, cases, strict=True):
             about = {"case": case.stop.name, "over": case.over} | {field: family_of(case, field) for field in FAMILIES}
-            rows.append(about | {"estimator": name} | _json(asdict(errors)))
+            rows.append(about | {"estimator": name} | asdict(errors))
     return rows
-
-
-def _json(value: Any) -> Any:
-    """Return a value of floats, tables and sequences with None for NaN."""
-    if isinstance(value, dict):
-        return {key: _json(each) for key, each in cast("dict[str, Any]", value).items()}
-    if isinstance(value, tuple):
-        return [_json(each) for each in cast("tuple[Any, ...]", value)]
-    return finite(value) if isinstance(value, float) else value
 
 
 STUDY = Estimators
