@@ -140,7 +140,7 @@ def test_looks_are_counted_by_set_and_controller(tmp_path, monkeypatch):
     assert count_look("other", ["a"]) == {"one": {"a": 2, "b": 1}, "other": {"a": 1}}
 
 
-@pytest.mark.parametrize("options", [{}, {"controller": ["a", "b"]}, {"controller": ["a"], "validation": True}])
+@pytest.mark.parametrize("options", [{}, {"controller": ["a", "b"]}])
 def test_a_sealed_set_belongs_to_one_controller(options):
     with pytest.raises(ScenarioError, match="--sealed is for one --controller"):
         TypeTest(sealed=True, **options)._require_consistent()
@@ -232,3 +232,16 @@ def test_shipped_results_have_all_controllers_or_a_hint_how_to_renew_them():
     missing = expected - {(stop.case, stop.controller) for stop in found}
     assert {name for _, name in missing} <= {"ideal_bound", "ideal_tracking"}
     assert replace(found[0]) == found[0]
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"quick": True, "count": 8}, "--cases and --quick: "),
+        ({"quick": True, "case": ["01of24-15595"]}, "--case and --quick: "),
+        ({"sealed": True, "validation": True, "controller": ["a"]}, "--sealed and --validation: "),
+    ],
+)
+def test_one_option_chooses_the_cases(options, words):
+    with pytest.raises(ScenarioError, match=words):
+        TypeTest(**options)._require_consistent()

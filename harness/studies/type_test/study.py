@@ -185,23 +185,23 @@ class TypeTest(Study):
         return replace(page, screen=(*page.screen, *panels), exit_code=exit_code)
 
     def _require_consistent(self) -> None:
+        _require_one_of({"--case": self.case, "--cases": self.count, "--quick": self.quick})
+        _require_one_of({"--case": self.case, "--sealed": self.sealed, "--validation": self.validation})
         one = self.controller and not self.sealed
         if self.write and (one or self.train or self.task or self.case or self.limits):
             raise ScenarioError("--write is for all controllers of railgrip on its train; leave out other options.")
-        if self.sealed and (len(self.controller or ()) != 1 or self.case or self.validation):
-            raise ScenarioError(
-                "--sealed is for one --controller; leave out --case, --validation and other controllers."
-            )
+        if self.sealed and len(self.controller or ()) != 1:
+            raise ScenarioError("--sealed is for one --controller; name one.")
 
     def _design(self, digests: Mapping[str, str]) -> tuple[AnyCase, ...]:
         """Return the cases; those with --train have its train in place of the trains of the library."""
         version = VERSIONS[self._version]
+        count = self.count or (version.quick if self.quick else SEALED if self.sealed else version.count)
         if self.case:
             design = tuple(case_named(name) for name in self.case)
         elif self.sealed:
-            design = CaseSet.sealed(self._version, *digests.values(), count=self.count or SEALED).cases()
+            design = CaseSet.sealed(self._version, *digests.values(), count=count).cases()
         else:
-            count = self.count or (version.quick if self.quick else version.count)
             design = version.draw(count, version.validation if self.validation else version.test)
         if self.train is None:
             return design
@@ -245,7 +245,9 @@ class TypeTest(Study):
         controllers = page.values["controllers"].without(("results",))
         tables: dict[str, ReportTable | str] = {"controllers": controllers, "leaderboard": f"{of}{page.screen[0]}"}
         if self._version > 1:
+            best = page.values["losses"].rows[0]["controller"]
             tables |= {"losses": f"{of}{page.values['losses']}", "looks": page.values["looks"]}
+            tables["families"] = f"{of}{best}:\n\n{page.values['of_controller'][best]}"
             tables = {f"{name} of version {self._version}": table for name, table in tables.items()}
         write_tables(PAGE, tables)
 
@@ -294,6 +296,12 @@ class TypeTest(Study):
 
 
 STUDY = TypeTest
+
+
+def _require_one_of(options: Mapping[str, Any]) -> None:
+    given = [option for option, value in options.items() if value]
+    if len(given) > 1:
+        raise ScenarioError(f"{' and '.join(given)}: each of them chooses the cases; leave out all but one.")
 
 
 def _distance_and_lock(scenario: Scenario) -> tuple[float, bool]:
