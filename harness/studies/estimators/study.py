@@ -18,7 +18,7 @@ from railgrip.report.page import Page
 from railgrip.report.table import ReportTable
 from railgrip.scenario.file import is_file, locate
 from railgrip.studies.estimators.judge import bounds_of, errors_of, truths_of
-from railgrip.studies.estimators.noises import SEARCHED
+from railgrip.studies.estimators.noises import FACTORS, SEARCHED
 from railgrip.studies.estimators.own import is_class, is_fmu, name_of, require_file
 from railgrip.studies.estimators.recordings import (
     COUNT,
@@ -144,7 +144,7 @@ class Estimators(Study):
         found = dict(zip(pairs, work.map(search, cases), strict=True))
         write_factors(FACTORS_FILE, read_factors(FACTORS_FILE) | found)
         rows = [{"estimator": name, "sensors": sensors} | factors for (name, sensors), factors in found.items()]
-        table = ReportTable(rows, title="Factors of standard deviations")
+        table = ReportTable(rows, dict.fromkeys(FACTORS, "{:.4g}"), title="Factors of standard deviations")
         return Page(
             title="Noises of the estimators",
             question="Which noises give the narrowest intervals of 95 % on the training cases?",
