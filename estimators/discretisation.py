@@ -54,3 +54,17 @@ def transition(jacobian: Matrix, period: float, order: Order = ORDER) -> Matrix:
     for k in range(order - 1, 0, -1):  # Horner, at order 4: I + TA/1 (I + TA/2 (I + TA/3 (I + TA/4)))
         phi = identity + exponent @ phi / k
     return phi
+
+
+def tangent(
+    derivative: Callable[[Vector], Vector], jacobian: Callable[[Vector], Matrix], mean: Vector, period: float
+) -> Matrix:
+    """Return the derivative of `advance` of order 4 by its mean, shape (n, n); `jacobian` is that of `derivative`."""
+    identity = np.eye(len(mean))
+    slope, by_mean = derivative(mean), jacobian(mean)
+    total = by_mean.copy()
+    for step, weight in ((0.5, 2.0), (0.5, 2.0), (1.0, 1.0)):
+        point, moved = mean + step * period * slope, identity + step * period * by_mean
+        slope, by_mean = derivative(point), jacobian(point) @ moved
+        total += weight * by_mean
+    return identity + period / 6.0 * total

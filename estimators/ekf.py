@@ -193,11 +193,17 @@ class ExtendedKalmanFilter(GaussianFilter):
 
     def predict(self, prior: GaussianEstimate, inputs: Vector) -> GaussianEstimate:
         """Return the estimate one period later, before the readings."""
+        # Φ is linearised at the prior mean, where RK4 starts: both describe the same map if f is linear.
+        return self.predict_linearised(prior, prior.mean, self.transition(prior.mean, inputs), inputs)
+
+    def predict_linearised(
+        self, prior: GaussianEstimate, point: Vector, phi: Matrix, inputs: Vector
+    ) -> GaussianEstimate:
+        """Return the estimate one period later by the linear map `phi` about a point, shape (n,)."""
         # Zero derivative, transition and noise for frozen states: consider states, see `Gate`. The rows of A are zero,
         # but not its columns, so that the other states' covariances with them are updated.
-        # Φ is linearised at the prior mean, where RK4 starts: both describe the same map if f is linear.
         free = self.free(inputs)
-        mean, phi = self.advance(prior.mean, inputs, free), self.transition(prior.mean, inputs)
+        mean = self.advance(point, inputs, free) + phi @ (prior.mean - point)
         covariance = phi @ prior.covariance @ phi.T + self.design.process_noise * np.outer(free, free)
         # Rounding makes the product slightly asymmetric, and the asymmetry would grow from step to step.
         return seal(mean, 0.5 * (covariance + covariance.T))

@@ -1,12 +1,16 @@
 """Smoothers: the belief at each sample of a recording from the readings before and after it."""
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
 from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import Array, GaussianEstimate, Matrix
 from railgrip.estimators.ekf import ExtendedKalmanFilter
+
+CONVERGED: Final = 1e-6
+"""Change of a state, in its standard deviations, below which the iteration ends."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,31 +44,96 @@ def smooth(
 
     Source: Särkkä, Bayesian Filtering and Smoothing (2013), §9.1; the fixed lag repeats it for every window.
     """
-    count, n = len(inputs), len(first.mean)
+    count = len(inputs)
     if lag is not None and lag < 0:
         raise EstimatorError(f"smooth: lag is a number of samples, 0 or more, got {lag}.")
     if len(readings) != count:
         raise EstimatorError(f"smooth: {count} rows of inputs require as many of readings, got {len(readings)}.")
-    mean, covariance = np.empty((count + 1, n)), np.empty((count + 1, n, n))
-    forecast_mean, forecast_covariance, gain = np.empty((count, n)), np.empty((count, n, n)), np.empty((count, n, n))
-    belief = first
-    mean[0], covariance[0] = first.mean, first.covariance
+    forward = _filter(filter_, first, inputs, readings)
+    if lag is None:
+        return forward.smoothed(0, count)
+    mean, covariance = forward.mean.copy(), forward.covariance.copy()
+    for end in range(1, count + 1):
+        begin = max(end - lag, 0)
+        window = forward.smoothed(begin, end)
+        mean[begin:end], covariance[begin:end] = window.mean[:-1], window.covariance[:-1]
+    return SmoothedRecording(mean=mean, covariance=covariance)
+
+
+def iterate_smoother(
+    filter_: ExtendedKalmanFilter, first: GaussianEstimate, inputs: Matrix, readings: Matrix, iterations: int
+) -> SmoothedRecording:
+    """Return the maximum a posteriori states of a window, by Gauss-Newton steps.
+
+    They minimise |x₀ − first|² + Σ |xₖ₊₁ − f(xₖ)|² + Σ |yₖ − h(xₖ)|², each weighted by its inverse covariance. A
+    smoother of the model linearised along the last solution is a Gauss-Newton step. The iteration ends when no state
+    changes by more than `CONVERGED`. Covariances are those of the last linearisation. The transition matrix of
+    `filter_` must be the exact derivative of its step, as that of
+    `railgrip.estimators.filters.moving_horizon.HorizonFilter`.
+
+    Arguments and errors are those of `smooth`; `iterations` is the largest number of linearisations, 1 or more.
+
+    Source: Bell, The Iterated Kalman Smoother as a Gauss-Newton Method, SIAM J. Optimization 4 (1994) 626.
+    """
+    found = smooth(filter_, first, inputs, readings)
+    for _ in range(iterations - 1):
+        points = found.mean
+        found = _filter(filter_, first, inputs, readings, points).smoothed(0, len(inputs))
+        if np.all((found.mean - points) ** 2 <= CONVERGED**2 * np.einsum("kii->ki", found.covariance)):
+            break
+    return found
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Filtered:
+    """Beliefs of a filter, the start first, forecasts between them, and the gains of the smoother.
+
+    Shapes (k + 1, n) and (k + 1, n, n), else (k, n) and (k, n, n).
+    """
+
+    mean: Matrix
+    covariance: Array
+    forecast_mean: Matrix
+    forecast_covariance: Array
+    gain: Array
+
+    def smoothed(self, begin: int, end: int) -> SmoothedRecording:
+        """Return the beliefs from step `begin` to `end` by the readings up to `end`."""
+        mean, covariance = self.mean[begin : end + 1].copy(), self.covariance[begin : end + 1].copy()
+        for k in range(end - 1, begin - 1, -1):
+            gain, row = self.gain[k], k - begin
+            mean[row] += gain @ (mean[row + 1] - self.forecast_mean[k])
+            covariance[row] += gain @ (covariance[row + 1] - self.forecast_covariance[k]) @ gain.T
+        return SmoothedRecording(mean=mean, covariance=covariance)
+
+
+def _filter(
+    filter_: ExtendedKalmanFilter,
+    first: GaussianEstimate,
+    inputs: Matrix,
+    readings: Matrix,
+    points: Matrix | None = None,
+) -> _Filtered:
+    """Return the beliefs of the filter, linearised at its own means, or at `points` of shape (k + 1, n)."""
+    beliefs, forecasts, gains = [first], list[GaussianEstimate](), list[Matrix]()
     for k, (held, seen) in enumerate(zip(inputs, readings, strict=True)):
         filter_.design.check(held, seen)
-        forecast = filter_.predict(belief, held)
-        phi = filter_.transition(belief.mean, held)
-        gain[k] = np.linalg.solve(forecast.covariance, phi @ belief.covariance).T
-        belief = filter_.condition(forecast, held, filter_.innovation(forecast, held, seen))
-        forecast_mean[k], forecast_covariance[k] = forecast.mean, forecast.covariance
-        mean[k + 1], covariance[k + 1] = belief.mean, belief.covariance
-    smoothed = SmoothedRecording(mean=mean.copy(), covariance=covariance.copy())
-    window = count if lag is None else lag
-    # With all readings, one pass from the end is every window.
-    ends = range(count, count + 1) if lag is None else range(1, count + 1)
-    for end in ends:
-        later_mean, later_covariance = mean[end], covariance[end]
-        for k in range(end - 1, max(end - window, 0) - 1, -1):
-            later_mean = mean[k] + gain[k] @ (later_mean - forecast_mean[k])
-            later_covariance = covariance[k] + gain[k] @ (later_covariance - forecast_covariance[k]) @ gain[k].T
-            smoothed.mean[k], smoothed.covariance[k] = later_mean, later_covariance
-    return smoothed
+        prior = beliefs[-1]
+        point = prior.mean if points is None else points[k]
+        phi = filter_.transition(point, held)
+        forecast = filter_.predict_linearised(prior, point, phi, held)
+        if points is None:
+            innovation = filter_.innovation(forecast, held, seen)
+        else:
+            innovation = filter_.linearise(forecast, points[k + 1], held, seen)
+        gain = np.linalg.solve(forecast.covariance, phi @ prior.covariance).T
+        gains.append(np.asarray(gain, dtype=np.float64))
+        forecasts.append(forecast)
+        beliefs.append(filter_.condition(forecast, held, innovation))
+    return _Filtered(
+        mean=np.array([belief.mean for belief in beliefs]),
+        covariance=np.array([belief.covariance for belief in beliefs]),
+        forecast_mean=np.array([forecast.mean for forecast in forecasts]),
+        forecast_covariance=np.array([forecast.covariance for forecast in forecasts]),
+        gain=np.array(gains),
+    )

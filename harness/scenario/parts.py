@@ -33,8 +33,9 @@ class KalmanFilter(Table):
 
     `fmu` evaluates a prediction FMU through FMI 2.0; `compiled` has the equations of the same class as C in the filter,
     the fastest form, for campaigns of thousands of stops; `python` is the reference in numpy; `decentralised` has a
-    separate filter for each bogie or group, at a linear cost. `iterated`, `unscented`, `cubature`, `sage_husa` and
-    `interacting` are other filters in numpy; the force balance and the disturbance observer are references.
+    separate filter for each bogie or group, at a linear cost. `iterated`, `unscented`, `cubature`, `particle`,
+    `moving_horizon`, `sage_husa` and `interacting` are other filters in numpy; the force balance and the disturbance
+    observer are references.
     """
 
     kind: str = Field(description="a module of `railgrip.estimators.filters`")

@@ -14,7 +14,7 @@ from filterpy.kalman import (
 )
 from filterpy.kalman.CubatureKalmanFilter import spherical_radial_sigmas
 from filterpy.monte_carlo import systematic_resample as reference_resample
-from scipy.optimize import minimize
+from scipy.optimize import least_squares, minimize
 from small_models import DENSITY, FIRST_MEAN, FIRST_VARIANCE, OSCILLATOR, PERIOD, READING, oscillator, small_model
 
 from railgrip.base.errors import EstimatorError
@@ -24,6 +24,7 @@ from railgrip.estimators.discretisation import advance, transition
 from railgrip.estimators.ekf import ExtendedKalmanFilter, NumpyFilter
 from railgrip.estimators.filters.interacting import InteractingFilters
 from railgrip.estimators.filters.iterated import IteratedKalmanFilter
+from railgrip.estimators.filters.moving_horizon import HorizonFilter, MovingHorizonEstimator
 from railgrip.estimators.filters.particle import ParticleFilter, systematic_resample
 from railgrip.estimators.filters.sage_husa import SageHusaFilter
 from railgrip.estimators.observability import posterior_bound
@@ -38,7 +39,7 @@ from railgrip.estimators.sigma_points import (
     unscented_points,
 )
 from railgrip.estimators.slope import estimate_slope
-from railgrip.estimators.smoother import smooth
+from railgrip.estimators.smoother import iterate_smoother, smooth
 
 LINEAR = {"density": np.array([0.0, 0.0, 1e-2, 1e-2]), "noise": np.array([1e-8, 1e-3])}
 START = np.array([1e-3, 0.0, 0.1, 0.0]), np.array([1e-6, 1e-6, 1e-2, 1e-2])
@@ -88,12 +89,25 @@ def assert_equal(mean, covariance, reference):
     assert np.max(np.abs(covariance - reference.P) / np.outer(sd, sd)) < ROUNDING
 
 
+def short_horizon(*arguments):
+    """Return a moving horizon estimator of 12 steps, solved every 5 steps."""
+    filter_ = ExtendedKalmanFilter(*arguments)
+    return MovingHorizonEstimator(filter_, filter_.start(*START), window=12, every=5)
+
+
 @pytest.mark.parametrize(
-    "kind", [ExtendedKalmanFilter, IteratedKalmanFilter, UnscentedKalmanFilter, CubatureKalmanFilter, Frozen, None]
-)
+    "kind",
+    [
+        ExtendedKalmanFilter, IteratedKalmanFilter, UnscentedKalmanFilter, CubatureKalmanFilter, Frozen, short_horizon,
+        None,
+    ],
+)  # fmt: skip
 def test_on_a_linear_model_every_filter_is_the_kalman_filter(linear, kind):
+    """The last states of a horizon too: their density given start and readings is that of the filter."""
     arguments = linear, LINEAR["density"], LINEAR["noise"], PERIOD
-    if kind is None:
+    if kind is short_horizon:
+        stepped = short_horizon(*arguments)
+    elif kind is None:
         filters = equal_models(*arguments)
         first = filters[0].start(*START)
         stepped = InteractingFilters(filters, [[0.9, 0.1], [0.2, 0.8]], [0.5, 0.5], first)
@@ -133,8 +147,7 @@ def test_cubature_points_are_those_of_filterpy():
 PENDULUM = {"g": 9.81}
 
 
-@pytest.fixture(scope="module")
-def pendulum():
+def pendulum_model():
     """Särkkä (2013), example 3.7: the reading is the sine of the angle of a noisy pendulum."""
     model = small_model(
         "angle rate", "torque", "g", "sine",
@@ -142,6 +155,11 @@ def pendulum():
         lambda t, x, u, p: [ca.sin(x[0])],
     )  # fmt: skip
     return CasadiPrediction(model, PENDULUM)
+
+
+@pytest.fixture(scope="module")
+def pendulum():
+    return pendulum_model()
 
 
 def swing(x, step):
@@ -206,6 +224,58 @@ def test_the_iterated_update_maximises_the_posterior_density(pendulum):
     single = ExtendedKalmanFilter(pendulum, np.array([1e-4, 0.01]), np.array([0.01]), 0.0125)
     once = single.condition(forecast, nothing, single.innovation(forecast, nothing, seen))
     assert cost(updated.mean) < cost(once.mean)
+
+
+@pytest.fixture(scope="module")
+def window():
+    """Inputs and readings of 25 steps of the pendulum, and the filter with its start."""
+    filter_ = ExtendedKalmanFilter(pendulum_model(), np.array([1e-3, 0.05]), np.array([0.01]), 0.05)
+    return filter_, filter_.start(np.array([1.2, 0.4]), np.array([0.1, 0.3])), pendulum_readings(25, 0.05)
+
+
+def residuals(window, states):
+    """Return the terms of the cost of a window of the pendulum, from all its states."""
+    filter_, first, seen = window
+    states = states.reshape(-1, 2)
+    moved = np.array([swing(x, 0.05) for x in states[:-1]])
+    return np.concatenate(
+        [
+            (states[0] - first.mean) / first.deviation,
+            ((states[1:] - moved) / np.sqrt(np.diag(filter_.design.process_noise))).ravel(),
+            (seen[:, 0] - np.sin(states[1:, 0])) / 0.1,
+        ]
+    )
+
+
+def test_the_states_of_a_horizon_are_the_least_squares_solution_of_its_window(window):
+    filter_, first, seen = window
+    start = smooth(filter_, first, np.zeros((25, 1)), seen).mean
+    best = least_squares(
+        lambda x: residuals(window, x), start.ravel(), jac="3-point", xtol=1e-14, ftol=1e-14, gtol=1e-14
+    )
+    found = iterate_smoother(HorizonFilter(filter_), first, np.zeros((25, 1)), seen, 50)
+    horizon = MovingHorizonEstimator(filter_, first, window=25, every=25, iterations=50)
+    for reading in seen:
+        horizon.readings[:] = reading
+        horizon.advance()
+    assert np.abs(start.ravel() - best.x).max() > 1e-2  # the extended smoother is another one
+    # Differences of third order determine a solution of size 1 to some 1e-8.
+    assert found.mean.ravel() == pytest.approx(best.x, abs=1e-7)
+    assert horizon.mean == pytest.approx(best.x[-2:], abs=1e-7)
+    covariance = np.linalg.inv(best.jac.T @ best.jac)[-2:, -2:]
+    assert horizon.covariance == pytest.approx(covariance, rel=1e-5)
+
+
+def test_a_horizon_uses_no_reading_that_its_filter_rejects(pendulum):
+    filter_ = ExtendedKalmanFilter(pendulum, np.array([1e-3, 0.05]), np.array([0.01]), 0.05, outlier_limit=5.0)
+    first, means = filter_.start(np.array([0.5, 0.0]), np.array([0.01, 0.01])), []
+    for reading in (np.nan, 5.0):
+        horizon = MovingHorizonEstimator(filter_, first, window=8, every=4)
+        for value in (0.5, 0.5, reading, 0.5):
+            horizon.readings[:] = value
+            horizon.advance()
+        means.append(horizon.mean)
+    np.testing.assert_array_equal(*means)
 
 
 def test_interacting_filters_are_those_of_filterpy(linear):

@@ -1,7 +1,6 @@
 """Recordings of the study of estimators are balanced, equal for all estimators, and evaluated by known errors."""
 
 import json
-import tomllib
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from command_line import done
 
 from railgrip.base.errors import InputError
 from railgrip.campaign.work import work
@@ -17,8 +17,20 @@ from railgrip.estimation.run import model_of
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import estimate_of, load_specification
 from railgrip.fmus.build import fmu
+from railgrip.simulate.estimator import RELEASED_PADS
+from railgrip.simulate.vehicle import VehicleData
+from railgrip.studies.estimators.available import TRUTH, available_errors, largest_of_last
 from railgrip.studies.estimators.claims import LOAD_DEVIATION, force_over_load_deviation, with_unmodelled
-from railgrip.studies.estimators.judge import CONSTANT, FORCE_BALANCE, errors_of, step_delay, truths_of
+from railgrip.studies.estimators.judge import (
+    CONSTANT,
+    FORCE_BALANCE,
+    CaseBound,
+    bounds_of,
+    errors_of,
+    pads_are_identifiable,
+    step_delay,
+    truths_of,
+)
 from railgrip.studies.estimators.noises import FACTORS, noise_of
 from railgrip.studies.estimators.recordings import (
     DEMANDS,
@@ -28,12 +40,14 @@ from railgrip.studies.estimators.recordings import (
     family_of,
     recording_cases,
     recording_of_case,
+    scenario_of_case,
 )
 from railgrip.studies.estimators.replay import LAGS, MODEL, bound_of, model_of_estimator, replay, states
-from railgrip.studies.estimators.search import BUDGET, interval_score, search, write_factors
-from railgrip.studies.estimators.study import ESTIMATORS, FAST, Estimators
-from railgrip.studies.estimators.tables import leaderboard, skill
+from railgrip.studies.estimators.search import BUDGET, interval_score, read_factors, search, write_factors
+from railgrip.studies.estimators.study import ESTIMATORS, FACTORS_FILE, FAST, Estimators
+from railgrip.studies.estimators.tables import leaderboard, pads_by_group, skill, skill_of_groups
 from railgrip.studies.estimators.vehicles import SETTLED, rows_of_estimation, vehicles
+from railgrip.trace.estimation import SLOWEST
 
 CONSTANTS = (("adhesion", 0.05), ("pad_friction", 0.35))
 
@@ -80,7 +94,7 @@ def test_errors_of_a_constant_are_those_of_its_definition(short):
 def test_filters_that_differ_by_their_linearisation_agree_on_the_train(short):
     """Outputs of the prediction are linear but for the running resistance, and its derivatives nearly so."""
     reference = replay(short, "fmu").mean
-    for kind in ("python", "iterated", "unscented", "cubature"):
+    for kind in ("python", "iterated", "unscented", "cubature", "moving_horizon"):
         # The curvature of the prediction within 10 ms, far below the deviation of adhesion of 0.01.
         assert replay(short, kind).mean == pytest.approx(reference, abs=1e-5)
 
@@ -123,7 +137,39 @@ def test_the_smoother_is_more_certain_than_the_filter_and_the_bound_positive(sho
     filtered, smoothed = (modelled(short, replay(short, name)) for name in ("fmu", "smoother"))
     assert np.all(smoothed <= filtered * (1.0 + 1e-6))
     assert np.all(bound_of(short) > 0.0)
-    assert len(bound_of(short)) == len(states())
+    assert bound_of(short).shape == (recording_of_case(short).sizes["time"], len(states()))
+
+
+def test_pad_friction_is_identifiable_once_the_pads_press(short):
+    """Readings determine it only through the torque of the pads."""
+    recording, known = recording_of_case(short), pads_are_identifiable(short)
+    presses = recording["pad_force"].values > RELEASED_PADS
+    first = np.argmax(presses, axis=0)
+    assert not any(known[: k + 1, group].any() for group, k in enumerate(first))
+    # Groups of a single wheelset have about half of the brake force of the others.
+    assert known[-1].tolist() == [True, False, False, True]
+    assert bounds_of(short).identifiable == pytest.approx(
+        [np.mean(known[where & (recording["speed"].values > SLOWEST), g]) for g, where in enumerate(presses.T)]
+    )
+
+
+def test_errors_of_single_pads_are_those_of_their_definition(short):
+    recording, errors = recording_of_case(short), errors_of((short, CONSTANT, CONSTANTS))
+    judged = pads_are_identifiable(short) & (recording["speed"].values > SLOWEST)[:, np.newaxis]
+    for group in (0, 3):
+        error = 0.35 - recording["pad_friction"].values[judged[:, group], group]
+        assert errors.pads[group] == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-12)
+    assert np.isnan(errors.pads[1:3]).all()
+
+
+def test_the_skill_of_groups_leaves_out_cases_in_which_they_are_not_identifiable(short):
+    errors = errors_of((short, CONSTANT, CONSTANTS))
+    own = [replace(errors, pads=(1.0, np.nan)), replace(errors, pads=(3.0, np.nan))]
+    reference = [replace(errors, pads=(2.0, 1.0)), replace(errors, pads=(np.nan, 1.0))]
+    assert skill_of_groups(own, reference) == [0.75, pytest.approx(np.nan, nan_ok=True)]
+    bounds = [CaseBound(adhesion=0.1, identifiable=(0.5, 0.0))] * 2
+    (row,) = pads_by_group({"own": own}, bounds).rows
+    assert row == {"group": 1, "identifiable": 0.5, "own": pytest.approx(np.sqrt(5.0))}
 
 
 @pytest.mark.usefixtures("in_process")
@@ -150,14 +196,17 @@ import numpy as np
 import railgrip as rg
 
 class Drag:
-    provides = ("adhesion", "adhesion_sd", "speed")
+    provides = ("adhesion", "adhesion_sd", "speed", "slip")
 
     def start(self, first, formation):
         self.groups = formation.groups
 
     def step(self, observation):
         same = np.full(self.groups, -observation.acceleration / 9.81)
-        return rg.Estimate(adhesion=same, adhesion_sd=np.full(self.groups, 0.02), speed=0.5 * observation.speed)
+        slip = np.full(self.groups, 1.0 - 0.38 * observation.wheelset_speed[0] / observation.speed)
+        return rg.Estimate(
+            adhesion=same, adhesion_sd=np.full(self.groups, 0.02), speed=0.5 * observation.speed, slip=slip
+        )
 """
 
 
@@ -175,6 +224,66 @@ def test_a_users_class_gets_the_same_readings_and_is_judged(short, tmp_path):
     assert errors.rmse["speed"] == pytest.approx(np.sqrt(np.mean((0.5 * speed) ** 2)), rel=0.05)
     assert 0.0 < errors.coverage["adhesion"] <= 1.0
     assert np.isnan(errors.rmse["pad_friction"])
+    assert 0.0 <= errors.available.known <= 1.0
+
+
+def test_the_adhesion_available_is_the_maximum_of_the_creep_curve(short):
+    recording, scenario = recording_of_case(short), scenario_of_case(short)
+    contact, slips = VehicleData(scenario).contact, np.geomspace(1e-3, 1.0, 20_000)
+    for k in (10, 60):
+        speed, load, friction = (
+            np.full(slips.shape, float(value[k]))
+            for value in (recording["speed"], recording["wheelset_load"][:, 2], recording["mu0"][:, 2])
+        )
+        highest = contact(slips, speed, load, friction).max()
+        # The third wheelset is the second group.
+        assert recording[TRUTH].values[k, 1] == pytest.approx(highest, rel=1e-4)
+    assert np.all(recording["group_adhesion"] <= 1.001 * recording[TRUTH])
+
+
+def sliding(deviation=0.0):
+    """A trace whose slip passes the maximum 0.1 of a parabola at 0.05 back and forth, and reaches 0.2 there."""
+    time = np.arange(2000) * 0.01
+    slip = (0.11 + 0.09 * np.sin(2.0 * np.pi * time / 20.0))[:, np.newaxis]
+    adhesion = 0.1 - (slip - 0.05) ** 2
+    group = ("time", "group")
+    return xarray.Dataset(
+        {
+            "speed": ("time", np.full(time.size, 20.0)),
+            "estimate_adhesion": (group, adhesion),
+            "estimate_slip": (group, slip),
+            "estimate_slip_sd": (group, np.full(slip.shape, deviation)),
+            TRUTH: (group, np.full(slip.shape, 0.1)),
+        },
+        coords={"time": time},
+    )
+
+
+def test_the_adhesion_available_is_known_beyond_the_maximum_of_the_creep_curve():
+    trace = sliding()
+    errors = available_errors(trace, 0.12, 1.96)
+    # Slip is beyond 0.05 for three quarters of the time, and varies too little near its turning points.
+    assert errors.known == pytest.approx(0.75, abs=0.1)
+    # What is passed longer ago is forgotten.
+    assert -0.0225 < errors.bias < 0.0
+    assert errors.rmse < errors.constant
+    assert errors.constant == pytest.approx(0.02)
+    truth = np.abs(trace[TRUTH] - trace["estimate_adhesion"]).values
+    assert truth.min() < errors.recent < truth.max()
+    assert np.isnan(errors.coverage)
+    claimed = trace.assign(estimate_adhesion_sd=(("time", "group"), np.full((2000, 1), 0.05)))
+    assert available_errors(claimed, 0.12, 1.96).coverage == 1.0
+
+
+def test_the_adhesion_available_is_unknown_where_slip_is():
+    assert available_errors(sliding(deviation=0.1), 0.12, 1.96).known == 0.0
+    assert np.isnan(available_errors(sliding().drop_vars("estimate_slip"), 0.12, 1.96).known)
+
+
+def test_the_largest_of_the_last_samples_includes_this_one():
+    values = np.array([[1.0, 5.0, 2.0, 1.0, 0.0, 3.0]]).T
+    assert largest_of_last(values, 3)[:, 0].tolist() == [1.0, 5.0, 5.0, 5.0, 2.0, 3.0]
+    assert largest_of_last(values, 2)[:, 0].tolist() == [1.0, 5.0, 5.0, 2.0, 1.0, 3.0]
 
 
 def test_a_users_prediction_fmu_is_the_filter_with_that_prediction(short):
@@ -247,8 +356,43 @@ def test_factors_are_read_as_they_were_written(tmp_path):
         ("loaded", "worn"): {"d": 9.0},
     }
     write_factors(tmp_path / "noises.toml", found)
-    tables = tomllib.loads((tmp_path / "noises.toml").read_text(encoding="utf-8"))
-    assert {(name, sensors): row for name, rows in tables.items() for sensors, row in rows.items()} == found
+    assert read_factors(tmp_path / "noises.toml") == found
+
+
+@pytest.mark.usefixtures("own_cache", "in_process")
+def test_a_search_of_one_estimator_keeps_the_noises_of_all_others(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("railgrip.studies.estimators.search.BUDGET", 2)
+    file = tmp_path / FACTORS_FILE
+    file.parent.mkdir(parents=True)
+    write_factors(file, {("fmu", "worn"): {"all": 2.0}, ("force_balance", "worn"): {"all": 2.0}})
+    tune = "study", "estimators", "--tune", "--cases", "3", "--estimator", "force_balance"
+    assert done(capsys, *tune, "--out", "tuned").code == 0
+    found = read_factors(file)
+    assert found["fmu", "worn"] == {"all": 2.0}
+    assert set(found) == {("fmu", "worn"), *(("force_balance", sensors) for sensors in SENSORS)}
+    for sensors in SENSORS:
+        # Two evaluations: without a change, and with a factor of 3 of all deviations.
+        assert {**found["force_balance", sensors], "all": 1.0} == dict.fromkeys(FACTORS, 1.0)
+        assert found["force_balance", sensors]["all"] in (1.0, 3.0)
+    assert "force_balance" in (tmp_path / "tuned" / "index.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (["--quick"], "leave out --write, --quick and --sealed"),
+        (["--estimator", "unscented"], "--tune searches the noises of fmu, reduced"),
+        (["--cases", "2"], "no training case has"),
+        ([], "run it in the folder of the project"),
+        (["--train", "tram"], "--write and --tune are for the two-part train"),
+    ],
+)
+def test_a_search_that_is_not_possible_is_refused_before_it_begins(options, sentence, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    refused = done(capsys, "study", "estimators", "--tune", *options)
+    assert refused.code == 2
+    assert sentence in " ".join(refused.err.split())
 
 
 def test_the_common_factor_multiplies_every_deviation_and_no_other_factor_does():

@@ -8,14 +8,16 @@ from typing import Any, Final
 
 import numpy as np
 import xarray
+from numpy.typing import NDArray
 
 from railgrip.base.errors import FilterDiverged
 from railgrip.estimation.judge import rms
-from railgrip.estimators.belief import Array
+from railgrip.estimators.belief import Array, Vector
 from railgrip.simulate.estimator import RELEASED_PADS
+from railgrip.studies.estimators.available import TRUTH, AvailableErrors, available_errors, with_slip
 from railgrip.studies.estimators.own import is_class, trace_with_class
 from railgrip.studies.estimators.recordings import RecordingCase, recording_of_case
-from railgrip.studies.estimators.replay import Replay, bound_of, replay, states, with_estimates
+from railgrip.studies.estimators.replay import Replay, bound_of, columns, radii, replay, states, with_estimates
 from railgrip.trace.estimation import SLOWEST, adhesion_errors, innovations
 from railgrip.vehicle.signals import READINGS
 
@@ -31,6 +33,9 @@ NORMAL_95: Final = 1.96
 
 LOST: Final = 0.03
 """Error of adhesion above which an estimate is lost: the adhesion of a very slippery rail."""
+
+IDENTIFIABLE: Final = 0.5
+"""Bound of the variance of a pad friction over its first variance, up to which it is identifiable."""
 
 STEP, STEP_TIME, LONGEST_DELAY = 0.02, 0.1, 0.5
 """A step of adhesion [1], the time in which it happens [s], and the longest delay after it [s]."""
@@ -51,6 +56,8 @@ class CaseErrors:
         admitted: Share of these samples within the claimed 95 % interval; NaN without such samples or without a claim.
         coverage: Target → share of samples within the claimed 95 % interval; NaN without a claim.
         width: Median width of the claimed 95 % interval of adhesion.
+        pads: Root mean square error of the pad friction of each group where identifiable; NaN without such samples.
+        available: Errors of the available adhesion.
         nees: Mean squared error of adhesion over its variance, mean of the groups.
         nis: Median of the normalised innovation squared over its expected one; NaN without innovations.
         microseconds: Processor time of a step [µs].
@@ -66,6 +73,8 @@ class CaseErrors:
     admitted: float
     coverage: Mapping[str, float]
     width: float
+    pads: tuple[float, ...]
+    available: AvailableErrors
     nees: float
     nis: float
     microseconds: float
@@ -80,7 +89,7 @@ def errors_of(case: EstimatorCase) -> CaseErrors:
     recording_case, estimator, constants = case
     if is_class(estimator):
         trace = trace_with_class(recording_case, estimator)
-        return _judge(trace, _digest(trace), nis=innovations(trace)[0], microseconds=math.nan)
+        return _judge(case, trace, _digest(trace), nis=innovations(trace)[0], microseconds=math.nan)
     recording = recording_of_case(recording_case)
     digest = _digest(recording)
     try:
@@ -92,10 +101,22 @@ def errors_of(case: EstimatorCase) -> CaseErrors:
         nothing = dict.fromkeys(TARGETS, math.nan)
         unknown: dict[str, Any] = dict.fromkeys((field.name for field in fields(CaseErrors)), math.nan)
         unknown.update(digest=digest, diverged=True, rmse=nothing, coverage=nothing)
+        unknown.update(available=AvailableErrors(known=math.nan), pads=(math.nan,) * recording_case.groups)
         return CaseErrors(**unknown)
-    trace = with_estimates(recording, states(estimator, recording_case.train), found.mean, found.variance)
-    errors = _judge(trace, digest, nis=found.nis_ratio, microseconds=found.microseconds)
+    names = states(estimator, recording_case.train)
+    trace = with_estimates(recording, names, found.mean, found.variance)
+    trace = _with_slip(trace, names, found, radii(estimator, recording_case.train))
+    errors = _judge(case, trace, digest, nis=found.nis_ratio, microseconds=found.microseconds)
     return replace(errors, step_delay=math.nan) if estimator == CONSTANT else errors
+
+
+def _with_slip(trace: xarray.Dataset, names: Sequence[str], found: Replay, radius: Vector) -> xarray.Dataset:
+    """Return the recording with the slip of estimated speeds."""
+    (speed,), wheels = columns(names, "v"), columns(names, "w")
+    deviation = np.sqrt(found.variance)
+    return with_slip(
+        trace, found.mean[:, speed], found.mean[:, wheels], (deviation[:, speed], deviation[:, wheels]), radius
+    )
 
 
 def _digest(trace: xarray.Dataset) -> str:
@@ -110,7 +131,9 @@ def _constant(recording: xarray.Dataset, names: Sequence[str], constants: Mappin
     return Replay(mean=mean, variance=np.full(mean.shape, math.nan), nis_ratio=None, microseconds=0.0)
 
 
-def _judge(trace: xarray.Dataset, digest: str, nis: float | None, microseconds: float) -> CaseErrors:
+def _judge(
+    case: EstimatorCase, trace: xarray.Dataset, digest: str, nis: float | None, microseconds: float
+) -> CaseErrors:
     adhesion = adhesion_errors(trace)
     errors = {target: errors_of_target(trace, target) for target in TARGETS}
     error, deviation = errors["adhesion"]
@@ -126,6 +149,8 @@ def _judge(trace: xarray.Dataset, digest: str, nis: float | None, microseconds: 
         admitted=_coverage(error[is_lost], deviation[is_lost]),
         coverage={target: _coverage(*pair) for target, pair in errors.items()},
         width=2.0 * NORMAL_95 * float(np.median(deviation)) if deviation.size else math.nan,
+        pads=_errors_of_groups(trace, case[0]),
+        available=available_errors(trace, dict(case[2]).get("available", math.nan), NORMAL_95),
         nees=_mean(adhesion["adhesion_nees"]),
         nis=math.nan if nis is None else nis,
         microseconds=microseconds,
@@ -192,14 +217,61 @@ def errors_of_target(trace: xarray.Dataset, target: str) -> tuple[Array, Array]:
 
 
 def truths_of(case: RecordingCase) -> dict[str, tuple[float, int]]:
-    """Return sum and number of the true values of adhesion and pad friction that are judged."""
+    """Return sum and number of the true values of adhesion used and available and of pad friction that are judged."""
     recording = recording_of_case(case)
-    adhesion, pads = (_moving(recording, TARGETS[target]) for target in ("adhesion", "pad_friction"))
-    pads = pads[_moving(recording, "pad_force") > RELEASED_PADS]
-    return {"adhesion": (float(np.sum(adhesion)), adhesion.size), "pad_friction": (float(np.sum(pads)), pads.size)}
+    values = {
+        "adhesion": _moving(recording, TARGETS["adhesion"]),
+        "pad_friction": _moving(recording, "pad_friction")[_moving(recording, "pad_force") > RELEASED_PADS],
+        "available": _moving(recording, TRUTH),
+    }
+    return {target: (float(np.sum(each)), each.size) for target, each in values.items()}
 
 
-def bounds_of(case: RecordingCase) -> float:
-    """Return the root mean square of the posterior Cramér-Rao bound of adhesion over groups and time."""
-    bound, names = bound_of(case), states("", case.train)
-    return rms(np.array([each for name, each in zip(names, bound, strict=True) if name.startswith("alpha")]))
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CaseBound:
+    """Posterior Cramér-Rao bound of a recording.
+
+    Attributes:
+        adhesion: Root mean square of the bound of adhesion over groups and time.
+        identifiable: Share of the samples with pressing pads above 10 km/h in which the pad friction of each group is
+            identifiable; NaN without such samples.
+    """
+
+    adhesion: float
+    identifiable: tuple[float, ...]
+
+
+def bounds_of(case: RecordingCase) -> CaseBound:
+    """Return the bound of a recording."""
+    recording, adhesions = recording_of_case(case), columns(states("", case.train), "alpha")
+    columns_of_groups = zip(pads_are_identifiable(case).T, _pads_press(recording).T, strict=True)
+    return CaseBound(
+        adhesion=float(np.sqrt(np.mean(bound_of(case)[:, adhesions]))),
+        identifiable=tuple(
+            float(np.mean(known[judged])) if judged.any() else math.nan for known, judged in columns_of_groups
+        ),
+    )
+
+
+def pads_are_identifiable(case: RecordingCase) -> NDArray[np.bool_]:
+    """Return at each sample whether the pad friction of a group is identifiable, shape (k, groups).
+
+    That is where its bound is not above `IDENTIFIABLE` of the first variance. Then readings have as much information on
+    it as the first belief.
+    """
+    bound = bound_of(case)[:, columns(states("", case.train), "mu_b")]
+    return bound <= IDENTIFIABLE * bound[0]
+
+
+def _pads_press(trace: xarray.Dataset) -> NDArray[np.bool_]:
+    moving = trace["speed"].values[:, np.newaxis] > SLOWEST
+    return moving & (trace["pad_force"].values > RELEASED_PADS)
+
+
+def _errors_of_groups(trace: xarray.Dataset, case: RecordingCase) -> tuple[float, ...]:
+    """Return the root mean square error of the pad friction of each group where identifiable, NaN elsewhere."""
+    judged = pads_are_identifiable(case) & _pads_press(trace)
+    if "estimate_pad_friction" not in trace:
+        return (math.nan,) * judged.shape[1]
+    error = (trace["estimate_pad_friction"] - trace["pad_friction"]).values
+    return tuple(rms(each[where]) if where.any() else math.nan for each, where in zip(error.T, judged.T, strict=True))

@@ -10,12 +10,12 @@ import xarray
 from railgrip.base.errors import InputError
 from railgrip.controllers.observation import Observation
 from railgrip.estimation.sources import stop_read
-from railgrip.estimators.belief import Vector
+from railgrip.estimators.belief import Array, Vector
 from railgrip.scenario.kinds import Custom
 from railgrip.simulate.custom import Estimate, Estimator
 from railgrip.simulate.importing import part_of
 from railgrip.simulate.parts import CustomParts
-from railgrip.studies.estimators.recordings import RecordingCase, scenario_of_case
+from railgrip.studies.estimators.recordings import RecordingCase, recording_of_case, scenario_of_case
 from railgrip.vehicle.formation import Formation
 
 _SPEEDS: Final = ("speed", "wheelset_speed", "slip")
@@ -57,17 +57,23 @@ def trace_with_class(case: RecordingCase, estimator: str) -> xarray.Dataset:
     file = Path(estimator.rpartition(":")[0]).resolve()
     own = _WithoutSpeeds(part_of(Custom(kind=f"{file.stem}:{name_of(estimator)}"), "estimators", (file.parent,)))
     recording = stop_read(scenario_of_case(case), case.stop.name, objects=CustomParts(estimator=own))
-    if own.speeds:
-        time, speeds = np.array(list(own.speeds.items())).T
-        recording["estimate_speed"] = ("time", _held(time, speeds, recording["time"].values))
-    return recording
+    for name, values in own.kept.items():
+        if values:
+            held = _held(np.array(list(values)), np.array(list(values.values())), recording["time"].values)
+            recording[f"estimate_{name}"] = (("time", "group")[: held.ndim], held)
+    return recording.assign(peak_adhesion=recording_of_case(case)["peak_adhesion"])
 
 
 class _WithoutSpeeds:
-    """A user's estimator whose speeds are kept here, by time [s], and not given to the controller."""
+    """A user's estimator whose speeds are not given to the controller.
+
+    Attributes:
+        kept: Speed [m/s] and slip that it has estimated, by time [s].
+    """
 
     def __init__(self, estimator: Estimator) -> None:
-        self._estimator, self.speeds = estimator, dict[float, float]()
+        self._estimator = estimator
+        self.kept: dict[str, dict[float, Array]] = {"speed": {}, "slip": {}}
         self.provides = tuple(name for name in estimator.provides if name not in _SPEEDS)
 
     def start(self, first: Observation, formation: Formation) -> None:
@@ -75,11 +81,12 @@ class _WithoutSpeeds:
 
     def step(self, observation: Observation) -> Estimate:
         estimate = self._estimator.step(observation)
-        if estimate.speed is not None:
-            self.speeds[observation.time] = estimate.speed
+        for name, values in self.kept.items():
+            if (value := getattr(estimate, name)) is not None:
+                values[observation.time] = np.array(value, dtype=np.float64)
         return replace(estimate, **dict.fromkeys(_SPEEDS))
 
 
-def _held(time: Vector, values: Vector, at: Vector) -> Vector:
+def _held(time: Vector, values: Array, at: Vector) -> Array:
     """Return the last of the values at other times, the first one before it."""
     return values[np.maximum(np.searchsorted(time, at + 1e-9, side="right") - 1, 0)]

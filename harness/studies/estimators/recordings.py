@@ -19,9 +19,11 @@ from railgrip.scenario.file import NamedFile, locate
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.merge import merge
 from railgrip.scenario.schema import Scenario
+from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.type_test.case_set import AnyCase
 from railgrip.studies.type_test.design import cases, ranks
 from railgrip.studies.type_test.track_case import TrackCase, track_cases
+from railgrip.trace.bound import with_bound
 
 COUNT, QUICK, TRAINING = 48, 4, 24
 """Number of cases of each set, of a quick run, and of a search of noises."""
@@ -173,9 +175,13 @@ def recording_of_case(case: RecordingCase) -> xarray.Dataset:
     """Run the stop of a case and return its trace on the grid of the estimators.
 
     The controller uses no estimate, so that the recording does not depend on an estimator. The force of the track is
-    unknown on board, its reading is 0.
+    unknown on board, its reading is 0. `peak_adhesion` is the maximum of the creep curve of each group, with the
+    friction that its wheelsets meet at their place and instant.
     """
-    trace = stop_read(scenario_of_case(case), case.stop.name)
+    scenario = scenario_of_case(case)
+    trace, vehicle = stop_read(scenario, case.stop.name), VehicleData(scenario)
+    bound = with_bound(trace, vehicle.contact, vehicle.true.brakes, scenario.limits.alpha_max)
+    trace = trace.assign(peak_adhesion=bound["peak_adhesion"])
     return with_signals(trace, {"track_force": (np.zeros(trace.sizes["time"]), "N")})
 
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from time import process_time
 from typing import Final
@@ -27,6 +27,7 @@ from railgrip.fmi import FmuPrediction, describe
 from railgrip.recording.samples import knows, truth_of
 from railgrip.scenario.file import NamedFile, locate
 from railgrip.simulate.estimator import RELEASED_PADS
+from railgrip.simulate.prediction import radius_of
 from railgrip.studies.estimators.claims import with_unmodelled
 from railgrip.studies.estimators.noises import OUTLIER_LIMITS, noise_of
 from railgrip.studies.estimators.own import is_fmu
@@ -107,6 +108,13 @@ def _own_prediction(file: str) -> tuple[FmuPrediction, dict[str, float]]:
 def _prediction_of(estimator: str, train: str) -> PredictionInC:
     own = is_fmu(estimator)
     return _own_prediction(estimator)[0] if own else _prediction(estimator if estimator in OTHER_MODELS else "", train)
+
+
+def radii(estimator: str, train: str) -> Vector:
+    """Return the nominal wheel radius of each group in the prediction of an estimator, shape (groups,) [m]."""
+    model, names = model_of_estimator(estimator, train).model, states(estimator, train)
+    values = {variable.name: variable.start for variable in model.parameters}
+    return np.array([radius_of(values, g) for g in range(sum(name.startswith("w[") for name in names))])
 
 
 def states(estimator: str = "", train: str = "") -> tuple[str, ...]:
@@ -199,17 +207,18 @@ def _smoothed(context: FilterContext, data: FilterData, lag: int | None) -> Repl
     )
 
 
-def bound_of(case: RecordingCase) -> Vector:
-    """Return the posterior Cramér-Rao bound of each state as a root mean square over the recording, shape (n,).
+@lru_cache(maxsize=16)  # every estimator of a case is judged by it
+def bound_of(case: RecordingCase) -> Matrix:
+    """Return the posterior Cramér-Rao bound of the variance of each state over a recording, shape (k + 1, n).
 
     It is that of the prediction linearised along the true states, with the noises of `fmu` and without its gate. Track
-    force and bias, which enter the prediction linearly, are 0 there.
+    force and bias, which enter the prediction linearly, are 0 there. The first row has the variances of the start.
     """
     context, data = _task(case, "fmu", noise_of("fmu", case.sensors))
     recording = recording_of_case(case)
     columns = [truth_of(recording, name) if knows(recording, name) else None for name in context.prediction.states]
     truth: Array = np.column_stack([np.zeros(recording.sizes["time"]) if one is None else one for one in columns])
-    return np.sqrt(np.mean(bound_along(context, data, truth), axis=0))
+    return bound_along(context, data, truth)
 
 
 def bound_along(context: FilterContext, data: FilterData, truth: Matrix) -> Matrix:
@@ -229,16 +238,17 @@ def bound_along(context: FilterContext, data: FilterData, truth: Matrix) -> Matr
 
 def with_estimates(recording: xarray.Dataset, names: Sequence[str], mean: Matrix, variance: Matrix) -> xarray.Dataset:
     """Return a recording with estimates of states as a trace has them, for `railgrip.trace.estimation`."""
-
-    def columns(state: str) -> list[int]:
-        return [index for index, name in enumerate(names) if name.partition("[")[0] == state]
-
     groups = ("time", "group")
     return recording.assign(
-        estimate_speed=("time", mean[:, columns("v")[0]]),
-        estimate_speed_sd=("time", np.sqrt(variance[:, columns("v")[0]])),
-        estimate_adhesion=(groups, mean[:, columns("alpha")]),
-        estimate_adhesion_sd=(groups, np.sqrt(variance[:, columns("alpha")])),
-        estimate_pad_friction=(groups, mean[:, columns("mu_b")]),
-        estimate_pad_friction_sd=(groups, np.sqrt(variance[:, columns("mu_b")])),
+        estimate_speed=("time", mean[:, columns(names, "v")[0]]),
+        estimate_speed_sd=("time", np.sqrt(variance[:, columns(names, "v")[0]])),
+        estimate_adhesion=(groups, mean[:, columns(names, "alpha")]),
+        estimate_adhesion_sd=(groups, np.sqrt(variance[:, columns(names, "alpha")])),
+        estimate_pad_friction=(groups, mean[:, columns(names, "mu_b")]),
+        estimate_pad_friction_sd=(groups, np.sqrt(variance[:, columns(names, "mu_b")])),
     )
+
+
+def columns(names: Sequence[str], state: str) -> list[int]:
+    """Return the indices of the elements of a state among the names of states."""
+    return [index for index, name in enumerate(names) if name.partition("[")[0] == state]

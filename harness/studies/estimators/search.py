@@ -1,6 +1,7 @@
 """Search of noises on training cases: one coordinate search, with the same budget for every estimator."""
 
 import math
+import tomllib
 from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
@@ -79,13 +80,19 @@ def search(case: SearchCase) -> dict[str, float]:
     return factors
 
 
-def search_cases(cases: Sequence[RecordingCase]) -> list[SearchCase]:
+def search_cases(cases: Sequence[RecordingCase], estimators: Sequence[str] = SEARCHED) -> list[SearchCase]:
     """Return one search for each estimator and class of sensors."""
     return [
         (estimator, sensors, tuple(case for case in cases if case.sensors == sensors))
-        for estimator in SEARCHED
+        for estimator in estimators
         for sensors in SENSORS
     ]
+
+
+def read_factors(path: Path) -> dict[tuple[str, str], Mapping[str, float]]:
+    """Return the factors in a file of `write_factors` by estimator and sensors."""
+    tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    return {(estimator, sensors): row for estimator, rows in tables.items() for sensors, row in rows.items()}
 
 
 def write_factors(path: Path, found: Mapping[tuple[str, str], Mapping[str, float]]) -> None:

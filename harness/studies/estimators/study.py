@@ -15,17 +15,11 @@ from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.statistics import finite
 from railgrip.report.table import ReportTable
 from railgrip.scenario.file import is_file, locate
 from railgrip.studies.estimators.judge import bounds_of, errors_of, truths_of
-from railgrip.studies.estimators.loop import (
-    BEST,
-    compare,
-    compare_table_1,
-    stops_of_table_1,
-    stops_of_type_test,
-)  # fmt: skip
+from railgrip.studies.estimators.loop import BEST, compare, compare_table_1, stops_of_table_1, stops_of_type_test
+from railgrip.studies.estimators.noises import FACTORS, SEARCHED
 from railgrip.studies.estimators.own import is_class, is_fmu, name_of, require_file
 from railgrip.studies.estimators.recordings import (
     COUNT,
@@ -38,14 +32,16 @@ from railgrip.studies.estimators.recordings import (
     recording_cases,
 )  # fmt: skip
 from railgrip.studies.estimators.replay import LAGS, OF_TRAINS, OTHER_MODELS, model_of_estimator
-from railgrip.studies.estimators.search import search, search_cases, write_factors
+from railgrip.studies.estimators.search import SearchCase, read_factors, search, search_cases, write_factors
 from railgrip.studies.estimators.tables import (
     REFERENCES,
     Results,
+    available,
     by_family,
     consistency,
     leaderboard,
     others,
+    pads_by_group,
     targets,
 )  # fmt: skip
 from railgrip.studies.estimators.vehicles import ESTIMATIONS, rows_of_estimation, rows_of_lateral, vehicles
@@ -57,13 +53,13 @@ FACTORS_FILE: Final = Path("harness/studies/estimators/library/noises.toml")
 """From the folder of the project, where the command runs, as `PAGE`."""
 
 ESTIMATORS: Final = (
-    "fmu", "iterated", "unscented", "cubature", "particle", "sage_husa", "interacting", "disturbance_observer",
-    *OTHER_MODELS, *LAGS,
+    "fmu", "iterated", "unscented", "cubature", "particle", "moving_horizon", "sage_husa", "interacting",
+    "disturbance_observer", *OTHER_MODELS, *LAGS,
 )  # fmt: skip
 """Estimators besides the references: kinds of a scenario, other predictions, and smoothers."""
 
 FAST: Final = ("fmu", "sage_husa", "interacting", "disturbance_observer", *OTHER_MODELS, *LAGS)
-"""Estimators of a quick run: a step of sigma-point filters takes ten times as long."""
+"""Estimators of a quick run: a step of the others takes up to ten times as long."""
 
 
 @dataclass(frozen=True)
@@ -102,12 +98,15 @@ class Estimators(Study):
         count, train = self.count or (QUICK if self.quick else COUNT), self._train()
         design = recording_cases(count, SEEDS["sealed" if self.sealed else "test"], train)
         results = results_of(work, design, recording_cases(count, SEEDS["training"], train), names)
-        bound = float(np.median(work.map(bounds_of, design)))
+        bounds = work.map(bounds_of, design)
+        bound = float(np.median([one.adhesion for one in bounds]))
         tables = {
             "leaderboard": leaderboard(results),
             "claims": consistency(results),
             "families": by_family(results, design),
             "coverage": by_family(results, design, "coverage"),
+            "available": available(results),
+            "pads": pads_by_group(results, bounds),
             "others": others(results),
             "targets": targets(results, design, bound),
         }
@@ -168,13 +167,13 @@ class Estimators(Study):
         )
 
     def _tuned(self, work: Work) -> Page:
-        """Search the noises of every estimator on the training cases, and write them."""
-        cases = search_cases(recording_cases(self.count or TRAINING, SEEDS["training"]))
+        """Search the noises of estimators on the training cases, and write them."""
+        cases = self._searches()
         pairs = [(name, sensors) for name, sensors, _ in cases]
         found = dict(zip(pairs, work.map(search, cases), strict=True))
-        write_factors(FACTORS_FILE, found)
+        write_factors(FACTORS_FILE, read_factors(FACTORS_FILE) | found)
         rows = [{"estimator": name, "sensors": sensors} | factors for (name, sensors), factors in found.items()]
-        table = ReportTable(rows, title="Factors of standard deviations")
+        table = ReportTable(rows, dict.fromkeys(FACTORS, "{:.4g}"), title="Factors of standard deviations")
         return Page(
             title="Noises of the estimators",
             question="Which noises give the narrowest intervals of 95 % on the training cases?",
@@ -183,6 +182,25 @@ class Estimators(Study):
             values={"factors": table},
             screen=(table,),
         )
+
+    def _searches(self) -> list[SearchCase]:
+        """Return the searches of `--tune`.
+
+        Raises:
+            InputError: Options contradict each other, a class of sensors has no case, or the file of noises is missing.
+        """
+        if self.write or self.quick or self.sealed:
+            raise InputError("--tune searches on the training cases; leave out --write, --quick and --sealed.")
+        unknown = [name for name in self.estimator or () if name not in SEARCHED]
+        if unknown:
+            raise InputError(f"--estimator {unknown[0]}: --tune searches the noises of {', '.join(SEARCHED)}.")
+        cases = search_cases(recording_cases(self.count or TRAINING, SEEDS["training"]), self.estimator or SEARCHED)
+        empty = sorted({sensors for _, sensors, of_sensors in cases if not of_sensors})
+        if empty:
+            raise InputError(f"--cases {self.count}: no training case has {empty[0]} sensors; --tune needs more cases.")
+        if not FACTORS_FILE.is_file():
+            raise InputError(f"--tune writes {FACTORS_FILE}, which is not here; run it in the folder of the project.")
+        return cases
 
     def _names(self) -> tuple[str, ...]:
         """Return the estimators to run, the references first.
@@ -250,12 +268,7 @@ def _data(results: Results, design: Sequence[RecordingCase]) -> list[dict[str, A
     for name, cases in results.items():
         for case, errors in zip(design, cases, strict=True):
             about = {"case": case.stop.name, "over": case.over} | {field: family_of(case, field) for field in FAMILIES}
-            values = {
-                key: finite(value) if isinstance(value, float) else value for key, value in asdict(errors).items()
-            }
-            for key in ("rmse", "coverage"):
-                values[key] = {target: finite(each) for target, each in getattr(errors, key).items()}
-            rows.append(about | {"estimator": name} | values)
+            rows.append(about | {"estimator": name} | asdict(errors))
     return rows
 
 
