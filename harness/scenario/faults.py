@@ -108,8 +108,8 @@ class Truth(Table):
     mechanics: Literal["simple", "detailed"] = Field(
         default="simple",
         description="of contacts and axles; detailed: contact forces by Kalker's simplified theory, except where "
-        "contacts heat up, shafts that twist between wheels and brake discs, and hysteresis of the two-part train's "
-        "brake rigging",
+        "contacts heat up, shafts that twist between wheels and brake discs, hysteresis of the brake rigging, and an "
+        "uneven rail",
     )
     gradient: Annotated[float, UnitRange("1", above=-STEEPEST, below=STEEPEST)] = Field(
         default=0.0, description="slope of the whole track in addition to that of [track], positive uphill"

@@ -51,7 +51,8 @@ def _train_file(path: Path, digest: str, pneumatic: bool, rail: "_Rail") -> Path
 
     train = load_train(path)
     name, text = class_name(train, pneumatic=pneumatic), class_text(train, pneumatic=pneumatic)
-    return _build(*_on_rail(name, text, len(train.axles), rail))
+    rigging = "redeclare block TrainRigging = RailBraking.Pneumatics.HystereticRigging"
+    return _build(*_on_rail(name, text, len(train.axles), rail._replace(hysteresis=rigging, uneven=True)))
 
 
 @cache
@@ -62,7 +63,11 @@ def _recipe_on_rail(recipe: str, rail: "_Rail") -> Path:
         return recipe_file(recipe)
     variables = description_of(recipe_file(recipe)).variables
     wheelsets = sum(name.startswith("mu0[") for name in variables)
-    return _build(*_on_rail(entry.class_name, "", wheelsets, rail._replace(hysteretic="hysteresis" in variables)))
+    rail = rail._replace(
+        hysteresis="hysteresis=0.06" if "hysteresis" in variables else "",
+        uneven="deflection[1]" in variables,
+    )
+    return _build(*_on_rail(entry.class_name, "", wheelsets, rail))
 
 
 class _Rail(NamedTuple):
@@ -71,14 +76,17 @@ class _Rail(NamedTuple):
     Attributes:
         curved: Inputs for the creep curve at each wheelset, as the rail has several.
         heated: Contacts whose friction falls with their temperature.
-        detailed: Contact forces by the simplified theory where contacts do not heat up, and elastic shafts.
-        hysteretic: Hysteresis of the brake rigging, if detailed.
+        detailed: Contact forces by the simplified theory where contacts do not heat up, and elastic shafts; also what
+            follows.
+        hysteresis: Modification that gives the brake rigging its hysteresis; empty if the class cannot have it.
+        uneven: Whether the class has a primary suspension, on which it runs on an uneven rail.
     """
 
     curved: bool
     heated: bool
     detailed: bool
-    hysteretic: bool = False
+    hysteresis: str = ""
+    uneven: bool = False
 
 
 def _on_rail(name: str, text: str, wheelsets: int, rail: _Rail) -> tuple[str, str]:
@@ -102,18 +110,16 @@ def _on_rail(name: str, text: str, wheelsets: int, rail: _Rail) -> tuple[str, st
     return name, text
 
 
-_HYSTERESIS = 0.06
-"""Half width over the mean pad force: the default of `RailBraking.Pneumatics.HystereticRigging`."""
-
-
 def _class_with_details(name: str, rail: _Rail) -> tuple[str, str]:
-    """Return name and Modelica text of a train's class with contacts, shafts and rigging in more detail."""
+    """Return name and Modelica text of a train's class with contacts, shafts, rigging and rail in more detail."""
     class_name = f"{name.rpartition('.')[2]}_detailed"
     changes = ["redeclare block TrainShaft = RailBraking.Components.ElasticShaft"]
     if not rail.heated:
         changes.append("redeclare block TrainContact = RailBraking.Contact.SimplifiedContact")
-    if rail.hysteretic:
-        changes.append(f"hysteresis={_HYSTERESIS}")
+    if rail.uneven:
+        changes.append("redeclare block TrainRail = RailBraking.Tracks.UnevenRail")
+    if rail.hysteresis:
+        changes.append(rail.hysteresis)
     return class_name, (
         f'block {class_name} "{name} in more detail"\n  extends {name}(\n    '
         + ",\n    ".join(changes)

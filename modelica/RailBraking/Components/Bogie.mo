@@ -5,6 +5,7 @@ model Bogie "Bogie of any number of axles, braked"
     "Law of the contacts";
   replaceable block BogieShaft = Components.RigidShaft constrainedby Interfaces.PartialShaft
     "Shafts between wheels and brake discs";
+  replaceable block BogieRail = Tracks.EvenRail constrainedby Interfaces.PartialRail "Height of the rail";
   replaceable block BogiePad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
   parameter Integer n(min=1) = 2 "Number of wheelsets" annotation(Evaluate=true);
   parameter Integer groups(min=1) = n
@@ -16,6 +17,7 @@ model Bogie "Bogie of any number of axles, braked"
   parameter Types.Mass m_frame(min=1e-3, start=3500) "Mass of the frame";
   parameter Types.Inertia I_frame(min=1e-3, start=2200) "Pitch inertia of the frame";
   parameter Types.Length wheelbase(min=1e-3, start=2.2) "Distance of the first and the last wheelset";
+  parameter Types.Length behind[n] = fill(0, n) "Distance of each wheelset behind the leading one of the train";
   parameter Types.Inertia J[groups](each min=1e-3, each start=110) "Inertia of each group about its axles";
   parameter Types.Length r_wheel[groups](each min=1e-3, each start=0.42) "Rolling radius of each group";
   parameter Types.Ratio n_units[groups](each min=0, each start=2) "Number of brake units of each group";
@@ -69,6 +71,8 @@ model Bogie "Bogie of any number of axles, braked"
     h_frame=suspension.h_frame, h_rod=suspension.h_rod, k=suspension.k, c=suspension.c,
     r_wheel=sum(r_wheel)/groups) "Frame on its primary suspension"
     annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
+  BogieRail rail(final n=n, behind=behind) "Rail under the wheelsets"
+    annotation(Placement(transformation(extent={{20, -60}, {60, -20}})));
   final parameter Integer size_of_group = div(n, groups) "Wheelsets of a group" annotation(Evaluate=true);
 equation
   for g in 1:groups loop
@@ -85,6 +89,9 @@ equation
     end for;
   end for;
   frame.a = der(pivot.v);
+  rail.v = pivot.v;
+  connect(rail.acceleration, frame.rail_acceleration)
+    annotation(Line(points={{62, -40}, {80, -40}, {80, 0}, {-40, 0}, {-40, 18}}, color={0, 0, 127}));
   frame.F = pivot.f;
   frame.torque = sum(group.brake_torque);
   wheelset.load = frame.load;

@@ -18,6 +18,8 @@ model BogieFrame "Bogie frame on its primary suspension: bounce and pitch"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
   Interfaces.RealInput torque(final unit="N.m") "Brake torque on all wheelsets together"
     annotation(Placement(transformation(extent={{-120, -77}, {-100, -57}})));
+  Interfaces.RealInput rail_acceleration[n](each final unit="m/s2") "Upward acceleration of each wheelset"
+    annotation(Placement(transformation(extent={{-10, -120}, {10, -100}}, rotation=90)));
   Interfaces.RealOutput load[n](each final unit="N") "Load of each wheelset on the rail"
     annotation(Placement(transformation(extent={{100, 65}, {120, 85}})));
   Interfaces.RealOutput work_power(final unit="W") "Power that the longitudinal forces put into the pitching frame"
@@ -44,9 +46,9 @@ equation
   // Every pair of wheelsets is counted twice, hence one half.
   pitch = (tipping - sum((spring[i] - spring[n + 1 - i])*arm[i] for i in 1:n)/2)/I_frame;
   for i in 1:n loop
-    der(ddz[i]) = bounce + pitch*arm[i];
+    der(ddz[i]) = bounce + pitch*arm[i] + rail_acceleration[i];
   end for;
-  load = g*m_wheelset + spring;
+  load = g*m_wheelset + spring + m_unsprung.*rail_acceleration;
   work_power = tipping*(ddz[1] - ddz[n])/wheelbase;
   damper_power = c*(ddz*ddz);
   stored_energy = m_frame*((ddz[1] + ddz[n])/2)^2/2 + I_frame*((ddz[1] - ddz[n])/wheelbase)^2/2 + k*(dz*dz)/2;
@@ -66,20 +68,20 @@ for the exact value).
 </p>
 <p>
 The deflection of each wheelset and its rate are states. With three or more wheelsets two
-deflections determine the others; the start values, zero, are consistent. With the sums over the
+deflections determine the others on an even rail; the start values, zero, are consistent. With the sums over the
 wheelsets, x<sub>i</sub> ahead of the centre and F<sub>i</sub> = k
 dz<sub>i</sub> + c ddz<sub>i</sub>: d&sup2;(dz<sub>i</sub>)/dt&sup2; = -&Sigma;F/m_frame + x<sub>i</sub> (tipping -
 &Sigma;F<sub>i</sub> x<sub>i</sub>)/I_frame.
 </p>
 <h4>Limitations</h4>
 <p>
-The wheelsets have equal distances and are symmetric about the frame's centre. They follow a rail
-without irregularities, and the force of the car body on the frame is constant, because air springs
-are soft in comparison with the primary suspension. Angles are small.
+The wheelsets have equal distances and are symmetric about the frame's centre. The force of the car body on the
+frame is constant, because air springs are soft in comparison with the primary suspension. Angles are small.
 All masses move along the track at the speed of the train: the power that pitching takes from the
 longitudinal motion, <code>work_power</code>, is not subtracted there. Its integral is exactly the
 heat of the dampers plus <code>stored_energy</code>: of twenty megajoules, some ten joules in a
-smooth stop, and 15 kJ in a stop in which slip control applies and releases the brakes all the time.
+smooth stop, and 15 kJ in a stop in which slip control applies and releases the brakes all the time. Where the
+rail is uneven, the dampers also take what it puts into the frame.
 </p>
 </html>"));
 end BogieFrame;

@@ -34,9 +34,7 @@ equation
     connect(valve_command[i], cylinder[i].command)
       annotation(Line(points={{-110, 0}, {-90, 0}, {-90, -60}, {-62, -60}}, color={0, 0, 127}));
     connect(cylinder[i].pressure, rigging[i].pressure)
-      annotation(Line(points={{-18, -50}, {18, -50}}, color={0, 0, 127}));
-    connect(cylinder[i].rate, rigging[i].rate)
-      annotation(Line(points={{-18, -60}, {0, -60}, {0, -70}, {18, -70}}, color={0, 0, 127}));
+      annotation(Line(points={{-18, -50}, {0, -50}, {0, -60}, {18, -60}}, color={0, 0, 127}));
     connect(cylinder[i].pressure, cylinder_pressure[i])
       annotation(Line(points={{-18, -50}, {0, -50}, {0, -30}, {90, -30}, {90, 26}, {110, 26}}, color={0, 0, 127}));
     connect(rigging[i].pad_force, pad_force[i])

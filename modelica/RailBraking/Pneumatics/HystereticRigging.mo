@@ -1,22 +1,15 @@
 within RailBraking.Pneumatics;
 block HystereticRigging "Piston, levers and return spring whose friction opposes the motion"
   extends Icons.Pneumatic;
-  parameter Types.Area A_piston(start=0.0324) "Area of the piston";
-  parameter Types.Ratio i_rigging(start=6) "Force of both pads over force of the piston";
-  parameter Types.Ratio eta_rigging(start=0.95) "Mean efficiency of the rigging";
-  parameter Types.Force F_spring(start=1200) "Force of return spring and slack adjuster";
+  extends Interfaces.PartialRigging;
   parameter Types.Ratio hysteresis(min=0, max=0.5) = 0.06 "Half width of the hysteresis over the mean force";
   parameter Types.Pressure p_reverse = 1e4 "Change of pressure in which friction reverses";
-  Interfaces.RealInput pressure(final unit="Pa") "Pressure in the cylinder"
-    annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
-  Interfaces.RealInput rate(final unit="Pa/s") "Rate of the pressure"
-    annotation(Placement(transformation(extent={{-120, -60}, {-100, -40}})));
-  Interfaces.RealOutput pad_force(final unit="N") "Normal force of both pads"
-    annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
 protected
   final parameter Types.PressureRate rate_small = 10 "Rounding of the magnitude of the rate";
+  Types.PressureRate rate "Rate of the pressure";
   Types.Ratio direction(start=0, fixed=true) "Friction over its limit, 1 when applying, -1 when releasing";
 equation
+  rate = der(pressure);
   p_reverse*der(direction) = rate - (sqrt(rate^2 + rate_small^2) - rate_small)*direction;
   pad_force = padForce(pressure, A_piston, i_rigging, eta_rigging, F_spring)*(1 - hysteresis*direction);
   annotation (
@@ -31,7 +24,7 @@ equation
 <p>
 Dahl's friction: after a reversal the pad force is nearly constant until the pressure has changed by
 about <code>p_reverse</code>, independent of the rate of change. Calipers have 5 % to 8 % on either
-side of the mean.
+side of the mean: friction of the piston's seal and of the levers together.
 </p>
 <h4>Limitations</h4>
 <p>The hysteresis depends on the pressure alone; wear of the levers and stiction after a long rest are not modelled.</p>

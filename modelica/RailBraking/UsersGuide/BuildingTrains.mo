@@ -36,14 +36,15 @@ one group, of all groups of a bogie or of all of a car, and give it the volume o
 </p>
 <h4>Other parts</h4>
 <p>
-The laws of contacts and pads, and the shafts between wheels and brake discs, are replaceable at every level, under a
-different name at each level: <code>Bogie
+The laws of contacts and pads, the shafts between wheels and brake discs, and the height of the rail are replaceable at
+every level, under a different name at each level: <code>Bogie
 leading(redeclare block BogieContact = MyContact, redeclare block BogiePad = MyPads)</code>, <code>AxleContact</code>
 in an axle, <code>CarContact</code> in a car, <code>TrainContact</code> in a train of <code>Plants</code>. A contact
 extends <a
 href=\"modelica://RailBraking.Interfaces.PartialContact\">PartialContact</a>, a pad <a
 href=\"modelica://RailBraking.Interfaces.PartialPadFriction\">PartialPadFriction</a>, a shaft (<code>BogieShaft</code>
-and so on) <a href=\"modelica://RailBraking.Interfaces.PartialShaft\">PartialShaft</a>. Do not
+and so on) <a href=\"modelica://RailBraking.Interfaces.PartialShaft\">PartialShaft</a>, a rail
+(<code>BogieRail</code>) <a href=\"modelica://RailBraking.Interfaces.PartialRail\">PartialRail</a>. Do not
 redeclare through several levels, as in <code>leading(axle(redeclare block AxleContact =
 MyContact))</code>: the built-in compiler rejects that.
 </p>

@@ -29,7 +29,10 @@ an output for each quantity: <code>bogie.group.slip</code> for <code>bogie.slip<
 temperature of the contact, and a film that its slip removes. Two-part train and wagon have
 <code>TrainContact</code>.</li>
 <li><code>Contact.SimplifiedContact</code>: contact forces by Kalker's simplified theory. <code>AxleShaft</code>,
-<code>BogieShaft</code> and so on: <code>Components.ElasticShaft</code> twists between wheels and brake discs.</li>
+<code>BogieShaft</code> and so on: <code>Components.ElasticShaft</code> twists between wheels and brake discs.
+<code>BogieRail</code> and so on: <code>Tracks.UnevenRail</code> moves the wheelsets up and down. Riggings extend
+<code>Interfaces.PartialRigging</code>; <code>Pneumatics.HystereticRigging</code> has no input for the rate of the
+pressure any more.</li>
 <li>Icons, and places for all components in diagrams.</li>
 </ul>
 </html>"));

@@ -12,7 +12,6 @@ equation
   rate = if time < 2 then 1.5e5 else -1.5e5;
   der(p) = rate;
   rigging.pressure = p;
-  rigging.rate = rate;
   mean.pressure = p;
   error = if time > 1 and time < 2 then rigging.pad_force/mean.pad_force - 0.94 else if time > 3 and time < 3.5
     then rigging.pad_force/mean.pad_force - 1.06 else 0;

@@ -20,9 +20,11 @@ equation
   frame.F = F;
   frame.a = a;
   frame.torque = tau;
+  frame.rail_acceleration = fill(0, 2);
   massless.F = F;
   massless.a = a;
   massless.torque = 0.38*F;
+  massless.rail_acceleration = fill(0, 2);
   error = if time < 4.9 then 0 else max({
     abs(frame.load[1] - 13400*g - tipping/1.9), abs(frame.load[2] - 14100*g + tipping/1.9),
     abs(massless.load[1] - 13400*g - F*0.40/1.9), abs(massless.load[2] - 14100*g + F*0.40/1.9)})/8e3;

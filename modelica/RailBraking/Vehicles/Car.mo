@@ -5,10 +5,13 @@ model Car "Car body on equal bogies"
     "Law of the contacts";
   replaceable block CarShaft = Components.RigidShaft constrainedby Interfaces.PartialShaft
     "Shafts between wheels and brake discs";
+  replaceable block CarRail = Tracks.EvenRail constrainedby Interfaces.PartialRail "Height of the rail";
   replaceable block CarPad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
   parameter Integer bogies(min=1) = 2 "Number of bogies" annotation(Evaluate=true);
   parameter Integer axles(min=1) = 2 "Number of wheelsets of a bogie" annotation(Evaluate=true);
   parameter Integer groups(min=1) = axles "Number of groups of a bogie that turn as one" annotation(Evaluate=true);
+  parameter Types.Length behind[bogies*axles] = fill(0, bogies*axles)
+    "Distance of each wheelset behind the leading one of the train";
   parameter Types.Mass m_wheelset[bogies*axles](each min=1e-3) = fill(12000, bogies*axles)
     "Mass that each wheelset carries on the rail, including its own";
   parameter Types.Mass m_unsprung[bogies*axles](each min=0) = fill(1500, bogies*axles) "Mass of each wheelset alone";
@@ -79,8 +82,10 @@ model Car "Car body on equal bogies"
   Components.CarBody body(m=sum(m_wheelset), start_speed=start_speed, drag=drag) "Body"
     annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
   Components.Bogie bogie[bogies](
-    redeclare block BogieContact = CarContact, redeclare block BogieShaft = CarShaft, redeclare block BogiePad = CarPad,
-    each n=axles, each groups=groups, m_wheelset={{m_wheelset[axles*(b - 1) + i] for i in 1:axles} for b in 1:bogies},
+    redeclare block BogieContact = CarContact, redeclare block BogieShaft = CarShaft,
+    redeclare block BogieRail = CarRail, redeclare block BogiePad = CarPad,
+    each n=axles, each groups=groups, behind={{behind[axles*(b - 1) + i] for i in 1:axles} for b in 1:bogies},
+    m_wheelset={{m_wheelset[axles*(b - 1) + i] for i in 1:axles} for b in 1:bogies},
     m_unsprung={{m_unsprung[axles*(b - 1) + i] for i in 1:axles} for b in 1:bogies}, m_frame=m_frame,
     I_frame=I_frame, wheelbase=wheelbase, J={{J[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies},
     r_wheel={{r_wheel[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies},

@@ -10,6 +10,7 @@ partial block PartialConsist "Train of equal cars, without the supply of the bra
     "Law of the contacts";
   replaceable block TrainShaft = Components.RigidShaft constrainedby Interfaces.PartialShaft
     "Shafts between wheels and brake discs";
+  replaceable block TrainRail = Tracks.EvenRail constrainedby Interfaces.PartialRail "Height of the rail";
   replaceable block TrainPad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
   parameter Integer bogies_per_car(min=1) = 2 "Number of bogies of a car"
     annotation(Evaluate=true, Dialog(group="Formation"));
@@ -31,8 +32,10 @@ protected
     annotation(Evaluate=true);
   final parameter Integer groups_of_car = bogies_per_car*groups_per_bogie "Groups of a car" annotation(Evaluate=true);
   Car car[cars](
-    redeclare block CarContact = TrainContact, redeclare block CarShaft = TrainShaft, redeclare block CarPad = TrainPad,
+    redeclare block CarContact = TrainContact, redeclare block CarShaft = TrainShaft,
+    redeclare block CarRail = TrainRail, redeclare block CarPad = TrainPad,
     each bogies=bogies_per_car, each axles=axles_per_bogie, each groups=groups_per_bogie,
+    behind={{wheelset_position[wheelsets_of_car*(c - 1) + i] for i in 1:wheelsets_of_car} for c in 1:cars},
     m_wheelset={{m_wheelset[wheelsets_of_car*(c - 1) + i] for i in 1:wheelsets_of_car} for c in 1:cars},
     m_unsprung={{m_unsprung[wheelsets_of_car*(c - 1) + i] for i in 1:wheelsets_of_car} for c in 1:cars},
     m_frame={{m_frame[bogies_per_car*(c - 1) + i] for i in 1:bogies_per_car} for c in 1:cars},

@@ -12,31 +12,38 @@ partial block PartialTwoPartTrain "Two-part train with a Jacobs bogie, without t
     "Law of the contacts";
   replaceable block TrainShaft = Components.RigidShaft constrainedby Interfaces.PartialShaft
     "Shafts between wheels and brake discs";
+  replaceable block TrainRail = Tracks.EvenRail constrainedby Interfaces.PartialRail "Height of the rail";
 protected
   Components.CarBody body(m=m_train, start_speed=start_speed, drag=drag) "Both car bodies"
     annotation(Placement(transformation(extent={{-20, 40}, {20, 80}})));
   Components.Bogie leading(
     redeclare block BogieContact = TrainContact, redeclare block BogieShaft = TrainShaft,
-    final n=2, final groups=1, m_wheelset=m_wheelset[1:2], m_unsprung=m_unsprung[1:2], m_frame=m_frame[1],
-    I_frame=I_frame[1], wheelbase=wheelbase[1], J=J[1:1], r_wheel=r_wheel[1:1], n_units=n_units[1:1],
-    r_friction=r_friction[1:1], mu_b_nominal=mu_b_nominal[1:1], mu_b_start=mu_b_start[1:1],
-    T_disc_start=T_disc_start[1:1], start_speed=start_speed, tau_small=tau_small, suspension=suspension, creep=creep,
+    redeclare block BogieRail = TrainRail,
+    final n=2, final groups=1, behind=wheelset_position[1:2], m_wheelset=m_wheelset[1:2],
+    m_unsprung=m_unsprung[1:2], m_frame=m_frame[1], I_frame=I_frame[1], wheelbase=wheelbase[1], J=J[1:1],
+    r_wheel=r_wheel[1:1], n_units=n_units[1:1], r_friction=r_friction[1:1], mu_b_nominal=mu_b_nominal[1:1],
+    mu_b_start=mu_b_start[1:1], T_disc_start=T_disc_start[1:1], start_speed=start_speed, tau_small=tau_small,
+    suspension=suspension, creep=creep,
     curve=curve[1:2], resistance=resistance, pads=pads, discs=discs) "Leading motor bogie"
     annotation(Placement(transformation(extent={{-80, -20}, {-40, 20}})));
   Components.Bogie jacobs(
     redeclare block BogieContact = TrainContact, redeclare block BogieShaft = TrainShaft,
-    final n=2, final groups=2, m_wheelset=m_wheelset[3:4], m_unsprung=m_unsprung[3:4], m_frame=m_frame[2],
-    I_frame=I_frame[2], wheelbase=wheelbase[2], J=J[2:3], r_wheel=r_wheel[2:3], n_units=n_units[2:3],
-    r_friction=r_friction[2:3], mu_b_nominal=mu_b_nominal[2:3], mu_b_start=mu_b_start[2:3],
-    T_disc_start=T_disc_start[2:3], start_speed=start_speed, tau_small=tau_small, suspension=suspension, creep=creep,
+    redeclare block BogieRail = TrainRail,
+    final n=2, final groups=2, behind=wheelset_position[3:4], m_wheelset=m_wheelset[3:4],
+    m_unsprung=m_unsprung[3:4], m_frame=m_frame[2], I_frame=I_frame[2], wheelbase=wheelbase[2], J=J[2:3],
+    r_wheel=r_wheel[2:3], n_units=n_units[2:3], r_friction=r_friction[2:3], mu_b_nominal=mu_b_nominal[2:3],
+    mu_b_start=mu_b_start[2:3], T_disc_start=T_disc_start[2:3], start_speed=start_speed, tau_small=tau_small,
+    suspension=suspension, creep=creep,
     curve=curve[3:4], resistance=resistance, pads=pads, discs=discs) "Jacobs bogie"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
   Components.Bogie trailing(
     redeclare block BogieContact = TrainContact, redeclare block BogieShaft = TrainShaft,
-    final n=2, final groups=1, m_wheelset=m_wheelset[5:6], m_unsprung=m_unsprung[5:6], m_frame=m_frame[3],
-    I_frame=I_frame[3], wheelbase=wheelbase[3], J=J[4:4], r_wheel=r_wheel[4:4], n_units=n_units[4:4],
-    r_friction=r_friction[4:4], mu_b_nominal=mu_b_nominal[4:4], mu_b_start=mu_b_start[4:4],
-    T_disc_start=T_disc_start[4:4], start_speed=start_speed, tau_small=tau_small, suspension=suspension, creep=creep,
+    redeclare block BogieRail = TrainRail,
+    final n=2, final groups=1, behind=wheelset_position[5:6], m_wheelset=m_wheelset[5:6],
+    m_unsprung=m_unsprung[5:6], m_frame=m_frame[3], I_frame=I_frame[3], wheelbase=wheelbase[3], J=J[4:4],
+    r_wheel=r_wheel[4:4], n_units=n_units[4:4], r_friction=r_friction[4:4], mu_b_nominal=mu_b_nominal[4:4],
+    mu_b_start=mu_b_start[4:4], T_disc_start=T_disc_start[4:4], start_speed=start_speed, tau_small=tau_small,
+    suspension=suspension, creep=creep,
     curve=curve[5:6], resistance=resistance, pads=pads, discs=discs) "Trailing motor bogie"
     annotation(Placement(transformation(extent={{40, -20}, {80, 20}})));
 equation
