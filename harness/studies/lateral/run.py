@@ -22,6 +22,7 @@ from railgrip.base.errors import FilterDiverged
 from railgrip.estimation.run import Kind, prediction_of
 from railgrip.estimators.belief import Array, GaussianEstimate, Vector, seal
 from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.observability import linearised_bound
 from railgrip.estimators.prediction import PredictionInC
 from railgrip.studies.lateral.wheelset import (
     ALL_PLANTS,
@@ -228,13 +229,7 @@ def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
         name: observer(name, realisation.conditions[0], variant, case.prediction) for name in names
     }
     begin = time.perf_counter()
-    with wheelset(case.speed, variant) as plant:
-        plant.start(realisation.inputs[0])
-        outputs = plant.follow(realisation.inputs)
-    table = dict(zip(INPUTS, realisation.inputs.T, strict=True))
-    # The filters get the true speed at the beginning of each step.
-    speed = np.concatenate([[case.speed], outputs[:-1, COLUMNS["speed"]].ravel()])
-    table |= {"track_rate": realisation.track_rate, "speed": speed}
+    outputs, table = _roll(case, realisation)
     readings = np.column_stack([outputs[:, COLUMNS[name]] for name in READINGS]) + realisation.noise
     beliefs: dict[Name, Beliefs] = {
         name: _follow(name, *filter_and_first, table, readings, realisation)
@@ -264,6 +259,46 @@ def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
         beliefs=beliefs,
         wall=wall,
     )
+
+
+def _roll(case: LateralCase, realisation: LateralInputs) -> tuple[Array, dict[str, Array]]:
+    """Return the outputs of the plant after each step, and the columns from which filters take their inputs."""
+    with wheelset(case.speed, ALL_PLANTS[case.plant]) as plant:
+        plant.start(realisation.inputs[0])
+        outputs = plant.follow(realisation.inputs)
+    # The filters get the true speed at the beginning of each step.
+    speed = np.concatenate([[case.speed], outputs[:-1, COLUMNS["speed"]].ravel()])
+    columns = dict(zip(INPUTS, realisation.inputs.T, strict=True))
+    return outputs, columns | {"track_rate": realisation.track_rate, "speed": speed}
+
+
+def bound_of_run(case: LateralCase, name: Name) -> Beliefs:
+    """Return the true states of a well-posed filter at the recorded instants, and their bound as covariances.
+
+    The bound is that of the filter's prediction linearised along the true states, with its noises and its start; every
+    reading of the run counts, not only those at the recorded instants.
+    """
+    variant, model = ALL_PLANTS[case.plant], prediction(name)
+    realisation = course(case.test, case.seed, variant)
+    outputs, table = _roll(case, realisation)
+    moving = {"y": "lateral_position", "dy": "lateral_velocity", "psi": "yaw_angle", "dpsi": "yaw_rate"}
+    columns = {state: outputs[:, COLUMNS[output]].ravel() for state, output in moving.items()}
+    columns |= {"log_mu0": np.log(table["mu0"]), "track": table["track"], "track_rate": table["track_rate"]}
+    columns["log_stiffness"] = np.full(len(outputs), log(variant.parameters.get("k_A", 1.0)))
+    states = np.column_stack([columns[state] for state in model.states])
+    start = np.where([state in moving for state in model.states], 0.0, states[0])
+    bound = linearised_bound(
+        model,
+        process_density(model.states, variant),
+        np.square(variant.sensors),
+        PERIOD,
+        np.diag([FIRST_DEVIATION[state] ** 2 for state in model.states]),
+        np.vstack([start, states]),
+        np.column_stack([table[name] for name in model.inputs]),
+        EVERY,
+    )
+    nothing = np.full(len(bound), np.nan)
+    return Beliefs(mean=states[EVERY - 1 :: EVERY], covariance=bound, squared_innovation=nothing, failure_sample=None)
 
 
 def _follow(
