@@ -274,7 +274,7 @@ def linearised_bound(
     inputs: Matrix,
     every: int = 1,
 ) -> Array:
-    """Return `posterior_bound` along one trajectory after every so many steps, shape (k // every, n, n).
+    """Return `posterior_bound` along one trajectory, shape (k // every, n, n).
 
     It is the Riccati recursion of the model linearised along the trajectory. Unlike the recursion of the information
     it permits states without process noise. Every reading exists after every step.
