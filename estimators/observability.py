@@ -262,3 +262,42 @@ def posterior_bound(
         information = 0.5 * (information + information.T)
         bound[k + 1] = np.linalg.inv(information)
     return bound
+
+
+def linearised_bound(
+    prediction: Prediction,
+    process_noise: Vector,
+    reading_noise: Vector,
+    period: float,
+    covariance: Matrix,
+    states: Matrix,
+    inputs: Matrix,
+    every: int = 1,
+) -> Array:
+    """Return `posterior_bound` along one trajectory, shape (k // every, n, n).
+
+    It is the Riccati recursion of the model linearised along the trajectory. Unlike the recursion of the information
+    it permits states without process noise. Every reading exists after every step.
+
+    Args:
+        prediction: The model, n states and m outputs.
+        process_noise: Densities of independent noises in (unit of the state)²/s, shape (n,).
+        reading_noise: Variances of independent readings, shape (m,).
+        period: Of a step [s].
+        covariance: At the start, shape (n, n).
+        states: Trajectory, shape (k + 1, n).
+        inputs: Inputs of every step, shape (k, nu).
+        every: Steps from one row of the result to the next.
+    """
+    added, noise, identity = np.diag(process_noise * period), np.diag(reading_noise), np.eye(len(covariance))
+    bound = np.empty((len(inputs) // every, *covariance.shape))
+    for k, held in enumerate(inputs):
+        phi = transition(prediction.derivative_jacobian(states[k], held), period)
+        jacobian = prediction.output_jacobian(states[k + 1], held)
+        covariance = phi @ covariance @ phi.T + added
+        gain = np.linalg.solve(jacobian @ covariance @ jacobian.T + noise, jacobian @ covariance).T
+        kept = identity - gain @ jacobian
+        covariance = kept @ covariance @ kept.T + (gain * reading_noise) @ gain.T
+        if (k + 1) % every == 0:
+            bound[k // every] = covariance
+    return bound

@@ -27,7 +27,7 @@ from railgrip.estimators.filters.iterated import IteratedKalmanFilter
 from railgrip.estimators.filters.moving_horizon import HorizonFilter, MovingHorizonEstimator
 from railgrip.estimators.filters.particle import ParticleFilter, systematic_resample
 from railgrip.estimators.filters.sage_husa import SageHusaFilter
-from railgrip.estimators.observability import posterior_bound
+from railgrip.estimators.observability import linearised_bound, posterior_bound
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.references import DisturbanceEstimator, ForceBalanceEstimator
 from railgrip.estimators.sigma_points import (
@@ -486,6 +486,28 @@ def test_the_posterior_bound_of_a_linear_model_is_the_riccati_solution(linear):
         sd = np.sqrt(np.diag(reference.P))
         # Information and covariance form differ by the condition of the information, 1e6.
         assert np.max(np.abs(bound[k + 1] - reference.P) / np.outer(sd, sd)) < 1e-8
+
+
+def test_the_bound_along_one_trajectory_has_a_covariance_and_an_information_form(pendulum):
+    density, noise, step = np.array([1e-3, 0.05]), np.array([0.01]), 0.05
+    truth = np.empty((61, 2))
+    truth[0] = 0.6, 0.0
+    for k in range(60):
+        truth[k + 1] = swing(truth[k], step)
+    rest = np.diag([0.05, 0.05]), truth, np.zeros((60, 1))
+    information = posterior_bound(
+        pendulum, density, noise, step, rest[0], truth[np.newaxis], rest[2], np.ones((60, 1), dtype=bool)
+    )
+    # Both forms in double precision; their condition is below 1e4.
+    np.testing.assert_allclose(linearised_bound(pendulum, density, noise, step, *rest), information[1:], rtol=1e-9)
+    every = linearised_bound(pendulum, density, noise, step, *rest, every=20)
+    np.testing.assert_allclose(every, information[20::20], rtol=1e-9)
+    # A state without process noise is the limit of one with little.
+    little = posterior_bound(
+        pendulum, np.array([1e-9, 0.05]), noise, step, rest[0], truth[np.newaxis], rest[2], np.ones((60, 1), dtype=bool)
+    )
+    none = linearised_bound(pendulum, np.array([0.0, 0.05]), noise, step, *rest)
+    np.testing.assert_allclose(none, little[1:], rtol=1e-4)
 
 
 def test_no_filter_of_the_pendulum_is_better_than_the_posterior_bound(pendulum):

@@ -40,6 +40,7 @@ HELD = {
     "lateral_velocity": 1e-2,
     "yaw_angle": 1e-3,
     "yaw_rate": 1e-2,
+    "stiffness": 0.95,
     "A_falling": 0.4,
     "B_falling": 0.6,
     "motor_torque": 50.0,

@@ -15,12 +15,14 @@ from railgrip.studies.lateral.run import (
     INTEGRALS,
     NAMES,
     PAPER_NOISE,
+    STIFFNESS_NAMES,
     LateralCase,
     observer,
     paper_density,
     prediction,
     simulate,
 )
+from railgrip.studies.lateral.stiffness import errors_of_filter
 from railgrip.studies.lateral.wheelset import (
     DRY,
     INPUTS,
@@ -110,6 +112,31 @@ def test_the_friction_of_the_worst_rail_is_estimated():
         assert share > 0.97, quantity
 
 
+@pytest.mark.parametrize("plant", ["stiffness -10 %", "stiffness +1 %"])
+def test_friction_is_estimated_with_a_wrong_creep_stiffness(plant):
+    worst = SurfaceTest(name="worst", changes=((0.0, WORST),), duration=1.5)
+    trace = simulate(LateralCase(test=worst, speed=25.0, plant=plant, seed=3), STIFFNESS_NAMES)
+    errors = {name: errors_of_filter(trace, name) for name in STIFFNESS_NAMES}
+    for name in ("known_track_stiffness", "unknown_track_stiffness"):
+        assert errors[name].rmse < 0.02, name
+        assert errors[name].stiffness < 0.005, name
+    assert errors["known_track_stiffness"].coverage > 0.9
+    assert errors["known_track"].coverage < 0.1
+    force, true = beliefs_about(trace, "known_track_stiffness")["creep_force"], trace.truth["creep_force"]
+    late = trace.time > 0.5
+    assert np.sqrt(np.mean((force.mean - true)[late] ** 2)) < 0.01 * np.sqrt(np.mean(true[late] ** 2))
+
+
+def test_an_interval_of_friction_says_that_the_linear_part_of_the_curve_does_not_determine_it():
+    case = LateralCase(test=TESTS[0].shorten(1.5), speed=25.0, plant="service sensors, 0.1 of the irregularity", seed=1)
+    errors = errors_of_filter(simulate(case, ["known_track_stiffness"]), "known_track_stiffness")
+    assert errors.used < 0.05
+    assert errors.known == 0.0
+    assert errors.coverage_unknown > 0.9
+    assert np.isnan(errors.coverage_known)
+    assert errors.deviation > 0.5  # that of the start is 0.6
+
+
 def test_the_reconstruction_keeps_its_friction_when_the_rail_changes():
     """Its friction depends only on the creep, not on the known condition of the rail."""
     change = SurfaceTest(name="change", changes=((0.0, DRY), (0.4, WORST)), duration=0.8)
@@ -149,8 +176,9 @@ def test_one_call_and_single_steps_are_bit_identical(monkeypatch):
         filter_, _ = observer(name, DRY)
         for k in range(STEPS):
             for j, column in enumerate(filter_.design.inputs):
-                if column in INTEGRALS[name]:
-                    state = filter_.design.states.index(INTEGRALS[name][column])
+                integrals = INTEGRALS.get(name, {})
+                if column in integrals:
+                    state = filter_.design.states.index(integrals[column])
                     filter_.inputs[j] += PERIOD * filter_.mean[state]
                 else:
                     filter_.inputs[j] = SPEED if column == "speed" else table[column][k]

@@ -73,7 +73,7 @@ def test_the_modes_are_those_in_the_literature_on_this_model(speed, dominant, he
 
 def test_the_slope_of_the_force_is_that_of_hertz_and_kalker():
     """a = 6.76 mm, b = 4.81 mm by elliptic integrals, c11 = 4.53 from Kalker's table: G a b c11 a creep."""
-    values = {"displacement": 1e-9 * 0.5 / 0.15, "speed": 25.0, "mu0": 0.46}
+    values = {"displacement": 1e-9 * 0.5 / 0.15, "speed": 25.0, "mu0": 0.46, "stiffness": 1.0}
     model = lower("RailBraking.FMUs.LateralContact")
     inputs = [values.get(v.name, 0.0) for v in model.inputs]
     creep, force, _ = np.array(model.output(0, [], inputs, [p.start for p in model.parameters])).ravel()

@@ -122,11 +122,16 @@ def test_running_backwards_is_a_rotation_by_half_a_turn():
     boxes = np.arange(1.0, 9.0).reshape(1, 4, 2)
     motion = Ride(
         longitudinal=boxes, lateral=boxes[..., 0], speed=np.full(1, 26.8), friction=boxes[..., 0],
-        offset=boxes[..., 0], creep=boxes[..., 0],
+        offset=boxes[..., 0], creep=boxes[..., 0], slip_acceleration=boxes[..., 0],
     )  # fmt: skip
     behind = in_axes_of_car(motion)
     assert behind.longitudinal.tolist() == [[[-8.0, -7.0], [-6.0, -5.0], [-4.0, -3.0], [-2.0, -1.0]]]
-    assert behind.lateral.tolist() == behind.offset.tolist() == [[-7.0, -5.0, -3.0, -1.0]]
+    assert (
+        behind.lateral.tolist()
+        == behind.slip_acceleration.tolist()
+        == behind.offset.tolist()
+        == [[-7.0, -5.0, -3.0, -1.0]]
+    )
     assert behind.friction.tolist() == behind.creep.tolist() == [[7.0, 5.0, 3.0, 1.0]]
     assert behind.speed.tolist() == [26.8]
 

@@ -32,9 +32,10 @@ BEHIND: Final = (0.0, WHEELBASE, PIVOTS, PIVOTS + WHEELBASE)
 """Distance of each wheelset behind the leading one, m."""
 MPH: Final = 0.44704
 FMU: Final = "MultiPurposeVehicle"
-OUTPUTS: Final = 21
+OUTPUTS: Final = 25
 """Number of outputs of the car: longitudinal acceleration of the left and of the right boxes, lateral acceleration,
-offset and creep of the wheelsets, leading one first, and the speed; in axes that point forwards."""
+offset and creep of the wheelsets, leading one first, the speed, and angular velocity of the wheelsets; in axes that
+point forwards."""
 
 
 SURFACES: Final[Mapping[str, tuple[float, float, float, float]]] = {
@@ -106,6 +107,7 @@ class Ride:
         friction: At each wheelset, shape (n, 4).
         offset: Lateral position of the wheelsets on the track, m, shape (n, 4).
         creep: Total creepage of the left wheels, shape (n, 4).
+        slip_acceleration: ẍ − ω̇r of the wheelsets between samples, equation (3), m/s², shape (n − 1, 4).
     """
 
     longitudinal: Array
@@ -114,6 +116,7 @@ class Ride:
     friction: Array
     offset: Array
     creep: Array
+    slip_acceleration: Array
 
 
 def ride(run: Pass, *, rate: int = RATE, progress: Callable[[float], None] = lambda share: None) -> Ride:
@@ -125,11 +128,12 @@ def ride(run: Pass, *, rate: int = RATE, progress: Callable[[float], None] = lam
     """
     speed, (k_A, k_S, A, B) = held_speed(run), _surface(run)
     inputs, lead_in = _inputs(run, speed, rate)
+    radii = RADII[::-1] if run.backwards else RADII
     parameters = {
         "speed_set": speed,
         "k_A": k_A, "k_S": k_S, "A_falling": A, "B_falling": B,
         "wheelbase": WHEELBASE, "pivots": PIVOTS,
-    } | {f"r_wheel[{i + 1}]": r for i, r in enumerate(RADII[::-1] if run.backwards else RADII)}  # fmt: skip
+    } | {f"r_wheel[{i + 1}]": r for i, r in enumerate(radii)}  # fmt: skip
     # Backwards, the driven wheelsets are again the inner ones: the car is symmetric except for its wheels.
     description, binding = _bind()
     with CoSimulation(description, binding, period=1 / rate, parameters=parameters) as car:
@@ -141,10 +145,13 @@ def ride(run: Pass, *, rate: int = RATE, progress: Callable[[float], None] = lam
             if k % 512 == 0:
                 progress(k / len(inputs))
     outputs, friction = outputs[lead_in:], inputs[lead_in:, 16:]
+    # The car outputs no angular acceleration, which is therefore a difference of samples.
+    acceleration = 0.5 * (outputs[:, 0:4] + outputs[:, 4:8])
+    slip_acceleration = 0.5 * (acceleration[1:] + acceleration[:-1]) - np.diff(outputs[:, 21:], axis=0) * rate * radii
     result = Ride(
         longitudinal=np.stack([outputs[:, 0:4], outputs[:, 4:8]], axis=-1),
         lateral=outputs[:, 8:12], offset=outputs[:, 12:16], creep=outputs[:, 16:20], speed=outputs[:, 20],
-        friction=friction,
+        friction=friction, slip_acceleration=slip_acceleration,
     )  # fmt: skip
     return in_axes_of_car(result) if run.backwards else result
 
@@ -155,7 +162,7 @@ def _bind() -> tuple[Description, Any]:
     inputs = {kind: ("m", 4) for kind in KINDS} | {"mu0": ("1", 4)}
     outputs = {
         "longitudinal_left": ("m/s2", 4), "longitudinal_right": ("m/s2", 4), "lateral": ("m/s2", 4),
-        "offset": ("m", 4), "creep": ("1", 4), "speed": ("m/s", 0),
+        "offset": ("m", 4), "creep": ("1", 4), "speed": ("m/s", 0), "wheelset_speed": ("rad/s", 4),
     }  # fmt: skip
     input_signals, output_signals = (
         [Port(name=name, unit=unit, size=size, needed=True) for name, (unit, size) in interface.items()]
@@ -171,6 +178,7 @@ def in_axes_of_car(forward: Ride) -> Ride:
         lateral=-forward.lateral[:, ::-1],
         offset=-forward.offset[:, ::-1],
         creep=forward.creep[:, ::-1],
+        slip_acceleration=-forward.slip_acceleration[:, ::-1],
         friction=forward.friction[:, ::-1],
         speed=forward.speed,
     )

@@ -58,6 +58,7 @@ class LabelledRun:
         slow: Lateral and yaw acceleration at the rate of `SLOW`, the leading wheelset first, m/s², and the speed, m/s,
             shape (m, 9).
         slope: Slope of the creep curve relative to that of a clean contact; known for simulated runs only.
+        slip_acceleration: Rms of ẍ − ω̇r of the wheelsets [m/s²]; known for simulated runs only.
         slip_rate: Rms rate of change of the total creepage of the left wheels [1/s]; known for simulated runs only.
     """
 
@@ -70,6 +71,7 @@ class LabelledRun:
     slow: Array
     slope: float | None = None
     slip_rate: float | None = None
+    slip_acceleration: float | None = None
 
 
 def reduce(name: str, friction: float, readings: Readings) -> LabelledRun:
@@ -139,4 +141,8 @@ def run_of(run: Pass) -> LabelledRun:
     """Simulate, measure and reduce a pass."""
     motion = ride(run)
     reduced = reduce(run.name, run.friction, measure_run(run, motion, CAR_RATE, float(motion.speed.mean())))
-    return replace(reduced, slip_rate=rms(np.diff(motion.creep, axis=0) * CAR_RATE))
+    return replace(
+        reduced,
+        slip_rate=rms(np.diff(motion.creep, axis=0) * CAR_RATE),
+        slip_acceleration=rms(motion.slip_acceleration),
+    )

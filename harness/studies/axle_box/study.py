@@ -18,7 +18,9 @@ from railgrip.estimators.learned.trained import Trained, save
 from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import pack
 from railgrip.report.baseline import Finding
+from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
+from railgrip.studies.axle_box.bench import bench_tables
 from railgrip.studies.axle_box.evaluate import TrainingRecipe, average, exchange_labels, within_runs, without_each
 from railgrip.studies.axle_box.instrumented_car import MPH
 from railgrip.studies.axle_box.recordings import judge_recordings, read_folder, read_recordings_file
@@ -28,6 +30,7 @@ from railgrip.studies.axle_box.training import (
     FULL,
     QUICK,
     AxleBoxResults,
+    Size,
     campaign,
     dry_or_not,
     estimators_of,
@@ -39,6 +42,8 @@ from railgrip.studies.study import Study
 
 WRITTEN: Final = ("compared", "table3", "inputs", "neurons", "apart", "slip_rate", "honest", "general")
 """Tables of the page in docs/papers."""
+COMPARED: Final = Path("docs/estimators_compared.md")
+"""Page of the comparison of estimators, from the folder of the project."""
 _SPEED: Final = 60
 """Speed of the shortest runs, mph."""
 _LENGTH: Final = 200.0
@@ -62,6 +67,9 @@ class AxleBox(Study):
     ] = None
     write: Annotated[bool, Option("--write", help="Write tables and figures into docs/papers.")] = False
     quick: bool = False
+    bench: Annotated[
+        bool, Option("--bench", help="Only the family of the comparison of estimators, and slip against friction.")
+    ] = False
 
     def __post_init__(self) -> None:
         if self.inputs is not None and self.inputs not in COMBINATIONS:
@@ -71,12 +79,16 @@ class AxleBox(Study):
             )
         if self.file is not None and self.quick:
             raise ScenarioError("--quick is for the simulated runs of the study; leave it out with your own runs.")
+        if self.bench and (self.file is not None or self.inputs is not None):
+            raise ScenarioError("--bench is for the runs of the study; leave out FILE.toml and --inputs.")
         if self.write and (self.quick or self.file is not None):
             raise ScenarioError("--write is for the full study on simulated runs; leave out --quick and FILE.toml.")
 
     @property
     def place(self) -> str:
-        """Folder of a user's runs, after their name."""
+        """Folder of a user's runs, after their name, and of the comparison of estimators."""
+        if self.bench:
+            return "bench"
         return "" if self.file is None else read_recordings_file(self.file).name
 
     def page(self, work: Work) -> Page:
@@ -84,6 +96,8 @@ class AxleBox(Study):
         if self.file is not None:
             return self._page_of_recordings(self.file, work)
         size = QUICK if self.quick else FULL
+        if self.bench:
+            return self._page_of_bench(size, work)
         results = simulate_and_judge(
             size, TrainingRecipe(inputs=self.inputs or "longitudinal", starts=size.starts), work
         )
@@ -105,6 +119,21 @@ class AxleBox(Study):
             values=tables,
             figures=figures,
             files=_files(estimators_of(results.ensemble, results.networks, results.recipe)),
+        )
+
+    def _page_of_bench(self, size: Size, work: Work) -> Page:
+        tables = bench_tables(size, TrainingRecipe(), work)
+        if self.write:
+            write_results("axle_box.md", {"slip_regression": tables["slip_regression"]}, {})
+            write_tables(COMPARED, {"axle_box": tables["family"]})
+        return Page(
+            title="Friction from axle-box accelerations: estimators and slip",
+            question="Are learned estimators better than a constant on new runs, and does slip depend on friction?",
+            answer="The first table has the errors of friction; the second has the exponents of friction in slip.",
+            template="studies/axle_box/bench.md.jinja",
+            values=dict(tables),
+            tables={f"{name}.csv": table for name, table in tables.items()},
+            screen=tuple(tables.values()),
         )
 
     def _page_of_recordings(self, file: Path, work: Work) -> Page:

@@ -1,6 +1,7 @@
 """Filters of other vehicles than trains in the same comparison: wagon, roller rig and lateral wheelset."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,7 +18,7 @@ from railgrip.report.table import Form, ReportTable
 from railgrip.studies.estimators.judge import NORMAL_95
 from railgrip.studies.estimators.replay import bound_along
 from railgrip.studies.lateral.judge import beliefs_about
-from railgrip.studies.lateral.run import LateralCase, Name, simulate
+from railgrip.studies.lateral.run import STIFFNESS_NAMES, LateralCase, bound_of_run, simulate
 from railgrip.studies.lateral.wheelset import TESTS
 
 KINDS: Final = ("fmu", "unscented", "sage_husa", "interacting")
@@ -25,8 +26,6 @@ KINDS: Final = ("fmu", "unscented", "sage_husa", "interacting")
 
 ESTIMATIONS: Final = ("wagon", "rig_own", "rig_paper")
 """Estimations of the library with the scenario of their recording; the last two have the same."""
-
-LATERAL: Final[tuple[Name, ...]] = ("known_track", "unknown_track")
 
 SETTLED: Final = 0.5
 """Time after which errors are judged [s]: the filters do not know adhesion at the start."""
@@ -64,15 +63,18 @@ def rows_of_estimation(name: str) -> list[Row]:
 def rows_of_lateral(seed: int) -> list[Row]:
     """Return the errors of friction of the lateral filters in the first test of the study, on the plant of the paper.
 
-    They have no bound: the run records every twentieth of the readings that the filters use.
+    The bound is that of each filter's own prediction, without and with the creep stiffness.
     """
-    trace = simulate(LateralCase(test=TESTS[0], speed=20.0, plant="paper", seed=seed), LATERAL)
+    case = LateralCase(test=TESTS[0], speed=20.0, plant="paper", seed=seed)
+    trace = simulate(case, STIFFNESS_NAMES)
     judged = trace.time >= SETTLED
     rows: list[Row] = []
-    for name in LATERAL:
+    for name in STIFFNESS_NAMES:
         belief = beliefs_about(trace, name)["friction"]
+        smallest = beliefs_about(replace(trace, beliefs={name: bound_of_run(case, name)}), name)["friction"].deviation
         error = (belief.mean - trace.truth["friction"])[judged]
-        rows.append(_row("lateral", name, "friction", error, belief.deviation[judged]))
+        row = _row("lateral", name, "friction", error, belief.deviation[judged])
+        rows.append(row | {"bound": rms(smallest[judged])})
     return rows
 
 

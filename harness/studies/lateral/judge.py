@@ -71,17 +71,17 @@ def beliefs_about(trace: Trace, name: Name) -> dict[str, Belief]:
             quantity: Belief(mean=mean[quantity], deviation=deviation[:, place[quantity]]) for quantity in QUANTITIES
         }
     states = list(prediction(name).states)
-    at = {state: states.index(state) for state in ("y", "dy", "psi", "dpsi", "log_mu0")}
-    # From states to the inputs of LateralContact: displacement, dy, psi, dpsi, log_mu0; the speed is known.
-    select = np.zeros((6, len(states)))
-    for row, state in enumerate(("y", "dy", "psi", "dpsi", "log_mu0")):
-        select[row, at[state]] = 1.0
+    at = {state: column for column, state in enumerate(states)}
+    # From states to the inputs of LateralContact: displacement, dy, psi, dpsi, log_mu0, log_stiffness; speed is known.
+    select = np.zeros((7, len(states)))
+    for row, state in enumerate(("y", "dy", "psi", "dpsi", "log_mu0", "log_stiffness")):
+        if state in at:
+            select[row, at[state]] = 1.0
+    if "track" in at:
+        select[0, at["track"]] = -1.0
     contact_states = belief.mean @ select.T
-    contact_states[:, 5] = trace.truth["speed"]
-    if name == "unknown_track":
-        select[0, states.index("track")] = -1.0
-        contact_states[:, 0] -= belief.mean[:, states.index("track")]
-    else:
+    contact_states[:, 6] = trace.truth["speed"]
+    if "track" not in at:
         contact_states[:, 0] -= trace.track
     values, slopes = _contact(contact_states)
     mu0 = np.exp(belief.mean[:, at["log_mu0"]])
@@ -98,14 +98,15 @@ def beliefs_about(trace: Trace, name: Name) -> dict[str, Belief]:
 
 
 def _contact(states: Array) -> tuple[Array, Array]:
-    """Return creep, force and friction at each sample, shape (k, 3), and their derivatives, (k, 3, 6).
+    """Return creep, force and friction at each sample, shape (k, 3), and their derivatives, (k, 3, 7).
 
-    `states` holds displacement, lateral velocity, yaw angle, yaw rate, log mu0 and speed, shape (k, 6).
+    `states` holds displacement, lateral velocity, yaw angle, yaw rate, logarithms of mu0 and of the creep stiffness,
+    and speed, shape (k, 7).
     """
     value, slope = _contact_functions()
     k = len(states)
     values = np.asarray(value.map(k)(states.T), dtype=np.float64).T
-    slopes = np.asarray(slope.map(k)(states.T), dtype=np.float64).reshape(3, k, 6).transpose(1, 0, 2)
+    slopes = np.asarray(slope.map(k)(states.T), dtype=np.float64).reshape(3, k, 7).transpose(1, 0, 2)
     return values, slopes
 
 
@@ -113,9 +114,9 @@ def _contact(states: Array) -> tuple[Array, Array]:
 def _contact_functions() -> tuple[ca.Function, ca.Function]:
     model = lower("RailBraking.FMUs.LateralContact")
     names = [variable.name for variable in model.inputs]
-    state_names = ["displacement", "lateral_velocity", "yaw_angle", "yaw_rate", "mu0", "speed"]
-    inputs = ca.SX.sym("given", 6)
-    values = [*ca.vertsplit(inputs[:4]), ca.exp(inputs[4]), inputs[5]]
+    state_names = ["displacement", "lateral_velocity", "yaw_angle", "yaw_rate", "mu0", "stiffness", "speed"]
+    inputs = ca.SX.sym("given", 7)
+    values = [*ca.vertsplit(inputs[:4]), ca.exp(inputs[4]), ca.exp(inputs[5]), inputs[6]]
     u = ca.vertcat(*(values[state_names.index(name)] for name in names))
     result = model.output(0, ca.SX.zeros(0), u, [parameter.start for parameter in model.parameters])
     return ca.Function("value", [inputs], [result]), ca.Function(
@@ -129,9 +130,10 @@ def adhesion(condition: Condition, creep: Array, speed: float) -> Array:
     values = {parameter.name: parameter.start for parameter in model.parameters}
     values |= {"A_falling": condition.A, "B_falling": condition.B}
     # The lateral creep of a yawed wheelset without lateral motion is its yaw angle.
+    given = {"yaw_angle": creep, "mu0": condition.mu0, "stiffness": 1.0, "speed": speed}
     inputs = np.zeros((len(model.inputs), creep.size))
     for row, variable in enumerate(model.inputs):
-        inputs[row] = {"yaw_angle": creep, "mu0": condition.mu0, "speed": speed}.get(variable.name, 0.0)
+        inputs[row] = given.get(variable.name, 0.0)
     u = ca.SX.sym("u", len(model.inputs))
     outputs = model.output(0, ca.SX.zeros(0), u, list(values.values()))
     names = [variable.name for variable in model.outputs]

@@ -4,6 +4,8 @@ reconstruction  the five states that Mal et al. (2020) name, by forward Euler; k
                 for it; our derivation, because the equations of the paper were not available
 known_track     well posed, friction is a random walk; knows the track, not the condition; one Q
 unknown_track   as before, but knows only the spectrum of the track
+
+The last two also exist with the creep stiffness as a further state: known_track_stiffness, unknown_track_stiffness.
 """
 
 import time
@@ -11,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from math import log
-from typing import Final, Literal, get_args
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,26 +22,33 @@ from railgrip.base.errors import FilterDiverged
 from railgrip.estimation.run import Kind, prediction_of
 from railgrip.estimators.belief import Array, GaussianEstimate, Vector, seal
 from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.observability import linearised_bound
 from railgrip.estimators.prediction import PredictionInC
 from railgrip.studies.lateral.wheelset import (
+    ALL_PLANTS,
     COLUMNS,
     CONDITIONS,
     INPUTS,
     OUTPUTS,
-    PAPER_SENSORS,
     PERIOD,
     PLANTS,
     READINGS,
     Condition,
     LateralInputs,
+    PlantVariant,
     SurfaceTest,
     course,
     track_acceleration_density,
     wheelset,
 )
 
-Name = Literal["reconstruction", "known_track", "unknown_track"]
-NAMES: Final[tuple[Name, ...]] = get_args(Name)
+Name = Literal["reconstruction", "known_track", "unknown_track", "known_track_stiffness", "unknown_track_stiffness"]
+NAMES: Final[tuple[Name, ...]] = ("reconstruction", "known_track", "unknown_track")
+"""Filters of every run of the study."""
+STIFFNESS_NAMES: Final[tuple[Name, ...]] = (
+    "known_track", "known_track_stiffness", "unknown_track", "unknown_track_stiffness",
+)  # fmt: skip
+"""Filters without and with an estimate of the creep stiffness."""
 
 # Covariance added in one step of 50 µs, for dy, dpsi, gamma, U, F; Mal et al. (2020), eq. (38) to (40).
 PAPER_NOISE: Final[Mapping[str, tuple[float, ...]]] = {
@@ -49,8 +58,8 @@ PAPER_NOISE: Final[Mapping[str, tuple[float, ...]]] = {
     "worst": (1e-13, 9e-17, 1e-12, 1e-12, 1e-12),
 }
 
-MOTION_NOISE: Final = (0.0, 1e-6**2, 0.0, 1e-7**2)
-"""Densities for y, dy, psi, dpsi [unit²/s]: the dynamics are nearly exact. With much more noise, friction above 0.2
+MOTION_NOISE: Final[Mapping[str, float]] = {"dy": 1e-6**2, "dpsi": 1e-7**2}
+"""Densities [unit²/s]: the dynamics are nearly exact. With much more noise, friction above 0.2
 is not determined: an error of 0.1 % of the slope of the contact looks like another friction."""
 
 FRICTION_NOISE: Final = 0.2**2
@@ -62,8 +71,25 @@ TRACK_DEVIATION: Final = 2.5e-3
 FIRST_FRICTION: Final = (0.25, 0.6)
 """Median of mu0 and deviation of its logarithm at the start: from 0.08 to 0.83 with 95 %."""
 
-FIRST_MOTION: Final = (1e-5**2, 1e-4**2, 1e-6**2, 1e-5**2)
-"""Variances of y, dy, psi, dpsi at the start: the wheelset is centred and at rest."""
+STIFFNESS_NOISE: Final = 1e-4**2
+"""Density of the random walk of the logarithm of the creep stiffness [1/s]."""
+
+FIRST_STIFFNESS: Final = 0.1
+"""Deviation of the logarithm of the creep stiffness at the start, from that of the parameters."""
+
+FIRST_DEVIATION: Final[Mapping[str, float]] = {
+    "y": 1e-5, "dy": 1e-4, "psi": 1e-6, "dpsi": 1e-5, "log_mu0": FIRST_FRICTION[1], "log_stiffness": FIRST_STIFFNESS,
+    "track": 1e-5, "track_rate": 1e-5,
+}  # fmt: skip
+"""Standard deviations at the start: the wheelset is centred and at rest."""
+
+PROCESS_NOISE: Final[Mapping[str, float]] = {
+    **MOTION_NOISE,
+    "log_mu0": FRICTION_NOISE,
+    "log_stiffness": STIFFNESS_NOISE,
+    "track_rate": track_acceleration_density(TRACK_DEVIATION),
+}
+"""Densities of the well-posed filters [unit²/s], on the track of the paper; those of other states are 0."""
 
 FIRST_CREEP: Final = 1e-7
 """Creep at the start of the reconstruction; its equations are singular at zero."""
@@ -72,12 +98,13 @@ CLASSES: Final[Mapping[Name, str]] = {
     "reconstruction": "RailBraking.Predictions.LateralReconstruction",
     "known_track": "RailBraking.Predictions.LateralPrediction",
     "unknown_track": "RailBraking.Predictions.LateralPredictionUnknownTrack",
+    "known_track_stiffness": "RailBraking.Predictions.LateralPredictionStiffness",
+    "unknown_track_stiffness": "RailBraking.Predictions.LateralPredictionStiffnessUnknownTrack",
 }
 
-
 INTEGRALS: Final[Mapping[Name, Mapping[str, str]]] = {
-    "reconstruction": {"lateral_position": "dy", "yaw_angle": "dpsi"}, "known_track": {}, "unknown_track": {},
-}  # fmt: skip
+    "reconstruction": {"lateral_position": "dy", "yaw_angle": "dpsi"},
+}
 """Inputs of a filter that are integrals of its states; the others are columns of the run's table."""
 
 
@@ -92,31 +119,34 @@ def paper_density(condition: Condition) -> Vector:
     return np.array(PAPER_NOISE[condition.name]) / PERIOD
 
 
+def process_density(states: Sequence[str], variant: PlantVariant) -> Vector:
+    """Return the process noise of a well-posed filter as a density [unit²/s], shape (n,)."""
+    scale = {"track_rate": variant.irregularity**2}
+    return np.array([PROCESS_NOISE.get(state, 0.0) * scale.get(state, 1.0) for state in states])
+
+
 def observer(
-    name: Name, first: Condition, sensors: tuple[float, float] = PAPER_SENSORS, kind: Kind = "fmu"
+    name: Name, first: Condition, variant: PlantVariant = PLANTS["paper"], kind: Kind = "fmu"
 ) -> tuple[CompiledFilter, GaussianEstimate]:
     """Return a compiled filter with the readings as outputs, and its initial estimate.
 
     Args:
         name: Name of the filter.
         first: Condition at the start; only the reconstruction knows it.
-        sensors: Standard deviations of the readings.
+        variant: The plant, whose sensors and size of the irregularity the filters know.
         kind: Form of the prediction.
     """
     model = prediction(name, kind)
-    noise = np.square(sensors)
+    noise = np.square(variant.sensors)
     if name == "reconstruction":
         filter_ = CompiledFilter(model, paper_density(first), noise, PERIOD, order=1)
         filter_.inputs[:] = 0.0
         # The paper specifies no covariance for the start; one step of process noise, because the state is known.
         return filter_, filter_.start([0, 0, FIRST_CREEP, first.mu0, 0], PAPER_NOISE[first.name])
-    density = [*MOTION_NOISE, FRICTION_NOISE]
-    mean, variance = [0.0, 0.0, 0.0, 0.0, log(FIRST_FRICTION[0])], [*FIRST_MOTION, FIRST_FRICTION[1] ** 2]
-    if name == "unknown_track":
-        density += [0.0, track_acceleration_density(TRACK_DEVIATION)]
-        mean += [0.0, 0.0]
-        variance += [1e-5**2, 1e-5**2]
+    density = process_density(model.states, variant)
     filter_ = CompiledFilter(model, density, noise, PERIOD)
+    mean = [log(FIRST_FRICTION[0]) if state == "log_mu0" else 0.0 for state in model.states]
+    variance = [FIRST_DEVIATION[state] ** 2 for state in model.states]
     return filter_, filter_.start(mean, variance)
 
 
@@ -131,7 +161,7 @@ class LateralCase:
     Attributes:
         test: Conditions of the rail over time.
         speed: Initial speed along the track [m/s].
-        plant: Name in `PLANTS`.
+        plant: Name in `ALL_PLANTS`.
         seed: Seed of track and sensors.
         prediction: Form of the prediction in the filters.
     """
@@ -193,19 +223,13 @@ def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
     Raises:
         railgrip.base.errors.PlantFailed: The plant could not be stepped. A filter that diverges is a result.
     """
-    variant = PLANTS[case.plant]
+    variant = ALL_PLANTS[case.plant]
     realisation = course(case.test, case.seed, variant)
     observers: dict[Name, tuple[CompiledFilter, GaussianEstimate]] = {
-        name: observer(name, realisation.conditions[0], variant.sensors, case.prediction) for name in names
+        name: observer(name, realisation.conditions[0], variant, case.prediction) for name in names
     }
     begin = time.perf_counter()
-    with wheelset(case.speed, variant) as plant:
-        plant.start(realisation.inputs[0])
-        outputs = plant.follow(realisation.inputs)
-    table = dict(zip(INPUTS, realisation.inputs.T, strict=True))
-    # The filters get the true speed at the beginning of each step.
-    speed = np.concatenate([[case.speed], outputs[:-1, COLUMNS["speed"]].ravel()])
-    table |= {"track_rate": realisation.track_rate, "speed": speed}
+    outputs, table = _roll(case, realisation)
     readings = np.column_stack([outputs[:, COLUMNS[name]] for name in READINGS]) + realisation.noise
     beliefs: dict[Name, Beliefs] = {
         name: _follow(name, *filter_and_first, table, readings, realisation)
@@ -237,11 +261,51 @@ def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
     )
 
 
+def _roll(case: LateralCase, realisation: LateralInputs) -> tuple[Array, dict[str, Array]]:
+    """Return the outputs of the plant after each step, and the columns from which filters take their inputs."""
+    with wheelset(case.speed, ALL_PLANTS[case.plant]) as plant:
+        plant.start(realisation.inputs[0])
+        outputs = plant.follow(realisation.inputs)
+    # The filters get the true speed at the beginning of each step.
+    speed = np.concatenate([[case.speed], outputs[:-1, COLUMNS["speed"]].ravel()])
+    columns = dict(zip(INPUTS, realisation.inputs.T, strict=True))
+    return outputs, columns | {"track_rate": realisation.track_rate, "speed": speed}
+
+
+def bound_of_run(case: LateralCase, name: Name) -> Beliefs:
+    """Return the true states of a well-posed filter at the recorded instants, and their bound as covariances.
+
+    The bound is that of the filter's prediction linearised along the true states, with its noises and its start; every
+    reading of the run counts, not only those at the recorded instants.
+    """
+    variant, model = ALL_PLANTS[case.plant], prediction(name)
+    realisation = course(case.test, case.seed, variant)
+    outputs, table = _roll(case, realisation)
+    moving = {"y": "lateral_position", "dy": "lateral_velocity", "psi": "yaw_angle", "dpsi": "yaw_rate"}
+    columns = {state: outputs[:, COLUMNS[output]].ravel() for state, output in moving.items()}
+    columns |= {"log_mu0": np.log(table["mu0"]), "track": table["track"], "track_rate": table["track_rate"]}
+    columns["log_stiffness"] = np.full(len(outputs), log(variant.parameters.get("k_A", 1.0)))
+    states = np.column_stack([columns[state] for state in model.states])
+    start = np.where([state in moving for state in model.states], 0.0, states[0])
+    bound = linearised_bound(
+        model,
+        process_density(model.states, variant),
+        np.square(variant.sensors),
+        PERIOD,
+        np.diag([FIRST_DEVIATION[state] ** 2 for state in model.states]),
+        np.vstack([start, states]),
+        np.column_stack([table[name] for name in model.inputs]),
+        EVERY,
+    )
+    nothing = np.full(len(bound), np.nan)
+    return Beliefs(mean=states[EVERY - 1 :: EVERY], covariance=bound, squared_innovation=nothing, failure_sample=None)
+
+
 def _follow(
     name: Name, filter_: CompiledFilter, first_belief: GaussianEstimate, table: Mapping[str, Array], readings: Array,
     realisation: LateralInputs,
 ) -> Beliefs:  # fmt: skip
-    n, integrals = filter_.mean.size, INTEGRALS[name]
+    n, integrals = filter_.mean.size, INTEGRALS.get(name, {})
     unused = np.zeros(len(readings))
     inputs = np.column_stack([unused if input_ in integrals else table[input_] for input_ in filter_.design.inputs])
     prior, failure_sample = first_belief, None

@@ -27,6 +27,7 @@ from railgrip.studies.lateral.reconstruction import (
     surface_change_table,
 )
 from railgrip.studies.lateral.run import LateralCase, simulate
+from railgrip.studies.lateral.stiffness import KNOWN, errors_of_run, known_table, stiffness_cases, stiffness_table
 from railgrip.studies.lateral.tables import (
     TITLES,
     LateralResult,
@@ -177,6 +178,24 @@ def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
     )
 
 
+def _page_of_stiffness(seeds: int, duration: float, work: Work, *, write: bool) -> Page:
+    cases = stiffness_cases(seeds, duration)
+    runs = list(zip(cases, work.map(errors_of_run, cases), strict=True))
+    tables = {"stiffness": stiffness_table(runs), "known": known_table(runs)}
+    if write:
+        write_results("lateral_wheelset.md", tables, {})
+    return Page(
+        title="Friction and creep stiffness of a wheelset",
+        question="Can friction be known if the stiffness of the contact is not?",
+        answer="A filter that estimates the creep stiffness too is as accurate with a wrong one as with the exact one. "
+        "Where creepages are small, its interval of friction shows that readings do not determine friction.",
+        template="studies/lateral/stiffness.md.jinja",
+        values={"seeds": seeds, "window": WINDOW, "known_limit": KNOWN, **tables},
+        tables={f"{name}.csv": table for name, table in tables.items()},
+        screen=tuple(tables.values()),
+    )
+
+
 def _answer(rows: Sequence[Mapping[str, Any]]) -> str:
     errors: dict[str, list[float]] = {}
     for row in rows:
@@ -205,6 +224,7 @@ class Lateral(Study):
     """Estimate creep, force and friction of a wandering wheelset with three filters, and compare their errors."""
 
     quick: bool = False
+    stiffness: Annotated[bool, Option(help="Only runs with an unknown creep stiffness.")] = False
     write: Annotated[bool, Option("--write", help="Write tables and figures into docs/papers.")] = False
     prediction: Annotated[Kind, Option(help="Form of the prediction in the filters: FMUs, or their equations.")] = "fmu"
 
@@ -214,11 +234,13 @@ class Lateral(Study):
 
     @property
     def place(self) -> str:
-        """Folder of the quick form."""
-        return "quick" if self.quick else ""
+        """Folder of the quick form, and of that on creep stiffness."""
+        return "_".join(name for name in ("quick", "stiffness") if getattr(self, name))
 
     def page(self, work: Work) -> Page:
-        """Return the page of all runs."""
+        """Return the page of all runs, or of those on creep stiffness."""
+        if self.stiffness:
+            return _page_of_stiffness(2 if self.quick else SEEDS, 2.5 if self.quick else 10.0, work, write=self.write)
         plan = replace(QUICK if self.quick else FULL, prediction=self.prediction)
         return page_of(plan, work, write=self.write)
 

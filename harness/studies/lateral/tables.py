@@ -25,6 +25,8 @@ TITLES: Final = {
     "reconstruction": "reconstruction",
     "known_track": "well posed, track known",
     "unknown_track": "well posed, track unknown",
+    "known_track_stiffness": "stiffness estimated, track known",
+    "unknown_track_stiffness": "stiffness estimated, track unknown",
 }
 
 

@@ -110,6 +110,7 @@ class PlantVariant:
         rolling_creep: 1 for longitudinal creepages that include the rotation of the wheels, 0 for those of the filters.
         sensors: Standard deviations of the readings, which the filters know [m/s2, rad/s].
         utilisation: Torque of the motor over wheel radius and axle load, negative in braking.
+        irregularity: Lateral deviations of the track over those of the paper.
     """
 
     title: str
@@ -117,6 +118,7 @@ class PlantVariant:
     rolling_creep: float = 0.0
     sensors: tuple[float, float] = PAPER_SENSORS
     utilisation: float = 0.0
+    irregularity: float = 1.0
 
 
 PLANTS: Final[Mapping[str, PlantVariant]] = {
@@ -135,6 +137,36 @@ PLANTS: Final[Mapping[str, PlantVariant]] = {
 }
 """The plants of the study. The filters always use Table 1 and the creepages without rotation. Deviations of 1 to 10 %
 are well within the uncertainty of real vehicles and contacts."""
+
+STIFFNESS_ERRORS: Final = (-10, -1, 0, 1, 10)
+"""Creep stiffness of the plants that test its estimate, against that of the filters [%]."""
+
+IRREGULARITIES: Final = (1.0, 0.3, 0.1)
+
+SENSORS: Final[Mapping[str, tuple[float, float]]] = {"paper": PAPER_SENSORS, "service": SERVICE_SENSORS}
+
+STIFFNESS_PLANTS: Final[Mapping[str, PlantVariant]] = {
+    f"stiffness {error:+d} %": PlantVariant(
+        title=f"creep stiffness {error:+d} %".replace("-", "−"),
+        parameters=dict.fromkeys(("k_A", "k_S"), 1 + error / 100),
+    )
+    for error in STIFFNESS_ERRORS
+}
+"""Plants whose creep stiffness differs from that of the filters."""
+
+SMOOTH_PLANTS: Final[Mapping[str, PlantVariant]] = {
+    f"{sensors} sensors, {scale:g} of the irregularity": PlantVariant(
+        title=f"{sensors} sensors, {scale:g} of the irregularity",
+        parameters=dict.fromkeys(("k_A", "k_S"), 0.95),
+        sensors=noise,
+        irregularity=scale,
+    )
+    for sensors, noise in SENSORS.items()
+    for scale in IRREGULARITIES
+}
+"""Plants with smaller creepages, on which the creep curve is nearly linear, and a contact 5 % softer."""
+
+ALL_PLANTS: Final[Mapping[str, PlantVariant]] = {**PLANTS, **STIFFNESS_PLANTS, **SMOOTH_PLANTS}
 
 ROLLING: Final = ("twisting", "braking", "hard_braking", "traction")
 """Plants with the rotation of the axle, without and with longitudinal creep from the motor."""
@@ -211,7 +243,7 @@ def course(test: SurfaceTest, seed: int, variant: PlantVariant = PLANTS["paper"]
     starts = [round(at / PERIOD) for at, _ in test.changes]
     segments = tuple(zip(starts, [*starts[1:], count], strict=True))
     conditions = tuple(condition for _, condition in test.changes)
-    track, rate = draw_track(seed, count, PERIOD)
+    track, rate = (variant.irregularity * each for each in draw_track(seed, count, PERIOD))
     inputs = np.zeros((count, len(INPUTS)))
     inputs[:, 0] = track
     inputs[:, 4] = variant.utilisation * TORQUE

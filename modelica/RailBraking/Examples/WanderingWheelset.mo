@@ -19,6 +19,12 @@ model WanderingWheelset "A wheelset on wavy dry track, and three predictions of 
     annotation(Placement(transformation(extent={{-20, -60}, {20, -20}})));
   FMUs.LateralContact point(A_falling=rail.A, B_falling=rail.B) "The contact alone"
     annotation(Placement(transformation(extent={{33, -60}, {73, -20}})));
+  Predictions.LateralPredictionStiffness known_stiffness(mu0_start=rail.mu0, A_falling=rail.A, B_falling=rail.B)
+    "Prediction that knows the track, with the creep stiffness as a state"
+    annotation(Placement(transformation(extent={{-73, -110}, {-33, -70}})));
+  Predictions.LateralPredictionStiffnessUnknownTrack unknown_stiffness(mu0_start=rail.mu0)
+    "Prediction that knows the spectrum of the track, with the creep stiffness as a state"
+    annotation(Placement(transformation(extent={{-20, -110}, {20, -70}})));
 protected
   Types.Length track "Lateral position of the track";
   Types.Velocity track_rate "Its derivative";
@@ -34,6 +40,9 @@ equation
   known.track = track;
   known.speed = v;
   unknown.speed = v;
+  known_stiffness.track = track;
+  known_stiffness.speed = v;
+  unknown_stiffness.speed = v;
   reconstruction.lateral_position = plant.lateral_position;
   reconstruction.yaw_angle = plant.yaw_angle;
   reconstruction.track = track;
@@ -47,6 +56,7 @@ equation
   point.yaw_angle = known.psi;
   point.yaw_rate = known.dpsi;
   point.mu0 = exp(known.log_mu0);
+  point.stiffness = 1;
   point.speed = v;
   annotation (
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),

@@ -14,6 +14,8 @@ block LateralContact "Creep, creep force and friction of a wheelset in a given l
     annotation(Placement(transformation(extent={{-120, -27}, {-100, -7}})));
   Interfaces.RealInput mu0(final unit="1", start=0.46) "Maximum friction coefficient"
     annotation(Placement(transformation(extent={{-120, -60}, {-100, -40}})));
+  Interfaces.RealInput stiffness(final unit="1", start=1) "Creep stiffness over that of k_A and k_S"
+    annotation(Placement(transformation(extent={{-120, -120}, {-100, -100}})));
   Interfaces.RealInput speed(final unit="m/s", start=25) "Speed along the track"
     annotation(Placement(transformation(extent={{-120, -93}, {-100, -73}})));
   Interfaces.RealOutput creep(final unit="1") "Total creep of each wheel"
@@ -25,7 +27,8 @@ block LateralContact "Creep, creep force and friction of a wheelset in a given l
 equation
   creep = sqrt((half_gauge*yaw_rate/speed + conicity*displacement/r_wheel)^2 + (lateral_velocity/speed - yaw_angle)^2
     + creep_small^2);
-  creep_force = Q*Contact.polach(creep, creep*speed, Q, mu0, factor, k_A, k_S, A_falling, B_falling);
+  creep_force = Q*Contact.polach(
+    creep, creep*speed, Q, mu0, stiffness*factor, k_A, k_S, A_falling, B_falling);
   friction = Contact.fallingFriction(creep*speed, mu0, A_falling, B_falling);
   annotation (
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),

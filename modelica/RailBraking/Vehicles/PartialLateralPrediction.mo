@@ -18,6 +18,7 @@ partial block PartialLateralPrediction "Lateral and yaw dynamics with friction a
   Real log_mu0(final unit="1", start=log(mu0_start), fixed=true, stateSelect=StateSelect.always)
     "Natural logarithm of the maximum friction coefficient";
 protected
+  Types.Ratio stiffness = 1 "Creep stiffness over that of k_A and k_S";
   Types.Ratio mu0 "Maximum friction coefficient";
   Types.Length displacement "Displacement of the wheelset from the middle of the track";
   Types.Ratio creep_x "Longitudinal creep of the right wheel";
@@ -29,7 +30,8 @@ equation
   creep_x = half_gauge*dpsi/speed + conicity*displacement/r_wheel;
   creep_y = dy/speed - psi;
   creep = sqrt(creep_x^2 + creep_y^2 + creep_small^2);
-  F_over_creep = Q*Contact.polach(creep, creep*speed, Q, mu0, factor, k_A, k_S, A_falling, B_falling)/creep;
+  F_over_creep = Q*Contact.polach(
+    creep, creep*speed, Q, mu0, stiffness*factor, k_A, k_S, A_falling, B_falling)/creep;
   der(y) = dy;
   m_unsprung*der(dy) = -2*F_over_creep*creep_y;
   der(psi) = dpsi;
@@ -46,7 +48,7 @@ equation
 Creep and creep force are algebraic; only readings change friction. Its logarithm is the state,
 because the force is the same for a friction of either sign: a filter that overshoots zero would
 remain on the wrong side with a small variance. Free of events. Extending classes define
-<code>displacement</code>.
+<code>displacement</code>, and may replace the constant <code>stiffness</code>.
 </p>
 <h4>Limitations</h4>
 <p>

@@ -1,0 +1,203 @@
+"""The ride as a family of the comparison of estimators, and slip acceleration against friction, equation (3)."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+
+from railgrip.campaign.work import Work, call
+from railgrip.estimation.judge import rms
+from railgrip.estimators.belief import Array, Matrix, Vector
+from railgrip.estimators.learned.ensemble import QUANTILE, Ensemble
+from railgrip.report.table import Form, ReportTable
+from railgrip.scenario.seed import generator
+from railgrip.studies.axle_box.evaluate import ScaledNetwork, TrainingRecipe
+from railgrip.studies.axle_box.instrumented_car import Pass
+from railgrip.studies.axle_box.reduction import LabelledRun, gather, spectral_features
+from railgrip.studies.axle_box.training import Size, dry_or_not, general, passes
+
+NORMAL_95: Final = 1.96
+
+JUDGED: Final = ("other irregularities", "one surface for all")
+"""Sets of runs outside of any training on which estimators are judged."""
+
+ONE_SURFACE: Final = ("one surface for all", "design on one surface")
+"""Sets of runs with one creep curve, so that friction is independent of its slope."""
+
+RESAMPLES: Final = 4000
+"""Bootstrap samples of runs of an interval."""
+
+QUANTITIES: Final[Mapping[str, str]] = {"slip_acceleration": "ẍ − ω̇r", "slip_rate": "rate of total creepage"}
+"""Field of `LabelledRun` → its name in the table."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrictionErrors:
+    """FrictionErrors of friction over all estimates in a set of runs, and the claimed deviations, NaN without a claim.
+
+    Both have the shape (n,).
+    """
+
+    error: Array
+    deviation: Array
+
+
+def bench_tables(size: Size, recipe: TrainingRecipe, work: Work) -> dict[str, ReportTable]:
+    """Simulate and train; return the tables `family` and `slip_regression`."""
+    sets = {name: part for name, part in passes(size).items() if name in ("campaign", "design", *JUDGED)}
+    sets["design on one surface"] = tuple(replace(run, condition="wet") for run in sets["design"])
+    found = iter(gather([run for part in sets.values() for run in part], work))
+    runs = {name: [next(found) for _ in part] for name, part in sets.items()}
+    speeds = sorted({run.group for run in runs["campaign"]})
+    networks, (ensemble, mean) = _train(size, recipe, runs, speeds, work)
+    rows: list[dict[str, Any]] = []
+    rules = dry_or_not(sets)
+    for name in JUDGED:
+        errors = {
+            "learned": _of_ensemble(ensemble, runs[name]),
+            "paper_networks": _of_networks(recipe, networks, runs[name]),
+            "dry_or_not": _of_constants([rules[name][run.name] for run in runs[name]], runs[name]),
+            "constant": _of_constants([mean] * len(runs[name]), runs[name]),
+        }
+        rows += family_rows(f"axle box, {name}", errors)
+    return {"family": family_table(rows), "slip_regression": regression_table(sets, runs)}
+
+
+def _train(
+    size: Size, recipe: TrainingRecipe, runs: Mapping[str, Sequence[LabelledRun]], speeds: Sequence[int], work: Work
+) -> tuple[dict[int, list[ScaledNetwork]], tuple[Ensemble, float]]:
+    few = replace(recipe, starts=size.honest_starts)
+    at = {speed: few.data([run for run in runs["campaign"] if run.group == speed]) for speed in speeds}
+    tasks = [partial(few.fit, data, f"bench.{speed}") for speed, data in at.items()]
+    trained: list[Any] = list(work.map(call, [partial(general, runs["design"], size.members), *tasks]))
+    return dict(zip(speeds, trained[1:], strict=True)), trained[0]
+
+
+def _of_ensemble(ensemble: Ensemble, runs: Sequence[LabelledRun]) -> FrictionErrors:
+    estimates = [ensemble(spectral_features(run)) for run in runs]
+    labels = np.repeat([run.friction for run in runs], [len(each.friction) for each in estimates])
+    friction, lower, upper = (
+        np.concatenate([getattr(each, name) for each in estimates]) for name in ("friction", "lower", "upper")
+    )
+    # Ends are limited to 0 and 1, so the longer half is the complete one.
+    half = np.maximum(upper - friction, friction - lower)
+    return FrictionErrors(error=friction - labels, deviation=half / QUANTILE)
+
+
+def _of_networks(
+    recipe: TrainingRecipe, networks: Mapping[int, Sequence[ScaledNetwork]], runs: Sequence[LabelledRun]
+) -> FrictionErrors:
+    errors = [
+        network(blocks) - labels
+        for run in runs
+        for blocks, labels in recipe.data([run])
+        for network in networks[run.group]
+    ]
+    return _without_claim(np.concatenate(errors))
+
+
+def _of_constants(estimates: Sequence[float], runs: Sequence[LabelledRun]) -> FrictionErrors:
+    return _without_claim(np.array([each - run.friction for each, run in zip(estimates, runs, strict=True)]))
+
+
+def _without_claim(error: Array) -> FrictionErrors:
+    return FrictionErrors(error=error, deviation=np.full(error.shape, np.nan))
+
+
+def family_rows(family: str, errors: Mapping[str, FrictionErrors]) -> list[dict[str, Any]]:
+    """Return RMSE, bias, coverage of the 95 % interval, NEES and skill over `constant` of each estimator."""
+    reference = rms(errors["constant"].error)
+    rows: list[dict[str, Any]] = []
+    for name, each in errors.items():
+        row: dict[str, Any] = {"family": family, "estimator": name, "RMSE": rms(each.error)}
+        row["bias"] = float(np.mean(each.error))
+        if np.isfinite(each.deviation).all():
+            row["coverage"] = float(np.mean(np.abs(each.error) <= NORMAL_95 * each.deviation))
+            row["NEES"] = float(np.mean((each.error / each.deviation) ** 2))
+        if name != "constant":
+            row["skill over constant"] = 1 - (row["RMSE"] / reference) ** 2
+        rows.append(row)
+    return rows
+
+
+def family_table(rows: Sequence[Mapping[str, Any]]) -> ReportTable:
+    """Return the rows of all families; cells without a value are empty."""
+    columns = ("family", "estimator", "RMSE", "bias", "coverage", "NEES", "skill over constant")
+    forms: dict[str, Form] = {
+        "RMSE": "{:.4f}", "bias": _blank("{:+.4f}"), "coverage": _blank("{:.2f}"), "NEES": _blank("{:.2g}"),
+        "skill over constant": _blank("{:+.2f}"),
+    }  # fmt: skip
+    return ReportTable(
+        [{column: row.get(column, "") for column in columns} for row in rows], forms, left=("family", "estimator")
+    )
+
+
+def _blank(form: str) -> Any:
+    return lambda value: value if isinstance(value, str) else form.format(value).replace("-", "−")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Elasticity:
+    """Exponent of friction in a power law of a quantity, with a bootstrap interval of 95 % over runs.
+
+    Attributes:
+        value, low, high: The exponent: −0.1 is 7 % more of the quantity at half the friction.
+        explained: Share of the variance that the other variables leave which friction explains.
+    """
+
+    value: float
+    low: float
+    high: float
+    explained: float
+
+
+def elasticity(quantity: Vector, friction: Vector, others: Matrix) -> Elasticity:
+    """Return the exponent β by least squares in log(quantity) = β log(friction) + others·γ + constant.
+
+    Args:
+        quantity, friction: Of each run, positive, shape (n,).
+        others: Other variables, shape (n, p).
+    """
+    y, x = np.log(quantity), np.column_stack([np.log(friction), others, np.ones(len(friction))])
+    draws = generator(0, "axle_box.elasticity")
+    count = len(y)
+    samples = [_slope(y[rows], x[rows]) for rows in draws.integers(0, count, (RESAMPLES, count))]
+    low, high = np.quantile(samples, (0.025, 0.975))
+    with_friction, without = (float(np.sum((y - part @ np.linalg.lstsq(part, y)[0]) ** 2)) for part in (x, x[:, 1:]))
+    return Elasticity(value=_slope(y, x), low=float(low), high=float(high), explained=1 - with_friction / without)
+
+
+def _slope(y: Vector, x: Matrix) -> float:
+    return float(np.linalg.lstsq(x, y)[0][0])
+
+
+def regression_table(sets: Mapping[str, Sequence[Pass]], runs: Mapping[str, Sequence[LabelledRun]]) -> ReportTable:
+    """Return the exponent of friction in both quantities, on films and on one surface, with speed and track held."""
+    films = [name for name in sets if name not in ONE_SURFACE]
+    groups = {"each film its own creep curve": films, "one creep curve for all": ONE_SURFACE}
+    rows: list[dict[str, Any]] = []
+    for title, names in groups.items():
+        part = [run for name in names for run in runs[name]]
+        tracks = [each.track for name in names for each in sets[name]]
+        speed = np.log([run.speed for run in part])
+        held = [speed, speed**2, *(np.array([track == one for track in tracks]) for one in sorted(set(tracks))[1:])]
+        slopes = np.log([math.nan if run.slope is None else run.slope for run in part])
+        for field, quantity in QUANTITIES.items():
+            values = np.array([getattr(run, field) for run in part])
+            friction = np.array([run.friction for run in part])
+            for also, others in (("", held), (", slope of the creep curve", [*held, slopes])):
+                found = elasticity(values, friction, np.column_stack(others))
+                words = f"{found.value:+.2f} [{found.low:+.2f}, {found.high:+.2f}]".replace("-", "−")
+                rows.append(
+                    {
+                        "runs": f"{title}, {len(part)} runs",
+                        "quantity": quantity,
+                        "held": f"speed, track{also}",
+                        "exponent of friction": words,
+                        "variance explained": f"{100 * found.explained:.0f} %",
+                    }
+                )
+    return ReportTable(rows, left=("runs", "quantity", "held"))

@@ -1,0 +1,47 @@
+"""Slip acceleration of the ride, exponents of friction, and measures of the family of the comparison."""
+
+import numpy as np
+import pytest
+
+from railgrip.studies.axle_box.bench import FrictionErrors, elasticity, family_rows, family_table
+from railgrip.studies.axle_box.instrumented_car import MPH, Pass, ride
+
+RUN = Pass(
+    name="slip", speed=60 * MPH, condition="wet", friction=0.2, track="erri-low", track_seed=5, seed=5, length=8.0
+)
+
+
+def test_samples_of_the_car_resolve_the_slip_acceleration():
+    """Four times as many samples change its rms by little, although ω̇ is a difference of samples."""
+    coarse, fine = (ride(RUN, rate=rate).slip_acceleration for rate in (1280, 5120))
+    sizes = [np.sqrt(np.mean(one**2)) for one in (coarse, fine)]
+    assert sizes[0] == pytest.approx(sizes[1], rel=0.1)
+    # Wheelsets roll: without slip ẍ is ω̇r, and slip acceleration is a part of ẍ.
+    assert sizes[0] < 0.15
+
+
+def test_an_exponent_is_found_with_its_interval():
+    random = np.random.default_rng(3)
+    friction, speed = np.exp(random.uniform(-3, -1, 80)), random.uniform(7, 27, 80)
+    noise = np.exp(0.1 * random.standard_normal(80))
+    found = elasticity(friction**-0.3 * speed**1.5 * noise, friction, np.log(speed)[:, np.newaxis])
+    assert found.low < -0.3 < found.high
+    # Standard error: 0.1 over √80 times 0.58, the deviation of log friction.
+    assert found.high - found.low == pytest.approx(2 * 1.96 * 0.1 / (np.sqrt(80) * 0.58), rel=0.3)
+    assert found.explained > 0.6
+    none = elasticity(speed * noise, friction, np.log(speed)[:, np.newaxis])
+    assert none.low < 0 < none.high
+    assert none.explained < 0.1
+
+
+def test_skill_is_over_the_constant_and_a_missing_claim_is_left_out():
+    error = np.array([0.1, -0.1, 0.1, -0.1])
+    errors = {
+        "learned": FrictionErrors(error=0.5 * error, deviation=np.full(4, 0.05)),
+        "constant": FrictionErrors(error=error, deviation=np.full(4, np.nan)),
+    }
+    learned, constant = family_rows("axle box", errors)
+    assert learned["skill over constant"] == pytest.approx(0.75)
+    assert (learned["coverage"], learned["NEES"]) == (1.0, pytest.approx(1.0))
+    assert "coverage" not in constant
+    assert len(family_table([learned, constant]).rows) == 2
