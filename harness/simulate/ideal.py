@@ -184,6 +184,49 @@ def full_braking(
     return truth["speed"].values[order], truth["pad_friction"].values[order], resistance[order], transfer
 
 
+class KnownRail:
+    """The known rail where the groups will be when a command that is sent now takes effect.
+
+    Attributes:
+        time: Time until the command takes effect [s].
+    """
+
+    def __init__(self, vehicle: VehicleData) -> None:
+        """Look ahead on the rail of a scenario, by the dead time of its valves."""
+        self._profile, self._formation = profile_of(vehicle.scenario, vehicle.formation), vehicle.formation
+        self._contact, self._curves, self.time = vehicle.contact, vehicle.curves, 0.0
+        if vehicle.scenario.actuation.kind == "pneumatic":
+            self.time = max(vehicle.true.valves["dead_fill"], vehicle.true.valves["dead_vent"])
+
+    def look(self, time: float, distance: float, speed: float, load: Array) -> tuple[Array, Array, Array]:
+        """Return slip and adhesion to hold, and the peak adhesion over the present one, each of shape (groups,).
+
+        Args:
+            time: Since the start [s].
+            distance: Of the leading wheelset [m].
+            speed: Of the train [m/s].
+            load: Of each wheelset [N].
+        """
+        times, places = np.array([time, time + self.time]), np.array([distance, distance + speed * self.time])
+        friction, loads, speeds = self._profile.table(times, places), np.stack([load, load]), np.full(2, speed)
+        numbers = self._profile.curve_numbers(times, places)
+        found: list[tuple[float, float, float]] = []
+        for members in self._formation.members():
+            contact = self._contact
+            if numbers is not None:
+                contact = partial(contact, curve=np.moveaxis(self._curves[numbers[:, members]], -1, 0))
+            wheel_load, rail = loads[:, members], friction[:, members]
+            slip, each = peak(contact, speeds, wheel_load, rail)
+            now, then = np.sum(each * wheel_load, axis=1)
+            held = np.broadcast_to(_BELOW * slip[:, None], wheel_load.shape)
+            most = np.sum(
+                contact(held, np.broadcast_to(speeds[:, None], wheel_load.shape), wheel_load, rail) * wheel_load, axis=1
+            )[1]
+            found.append((_BELOW * slip[1], most / wheel_load[1].sum(), then / now))
+        slips, adhesions, changes = np.array(found).T
+        return slips, adhesions, changes
+
+
 class _Tracking:
     """Controller that knows the true state: it holds the optimum slip of every group through the given actuation.
 
@@ -203,12 +246,8 @@ class _Tracking:
     def __init__(self, vehicle: VehicleData, recorder: Recorder, slips: Sequence[float] = ()) -> None:
         """Control the stop that is written to a recorder."""
         scenario, self._formation = vehicle.scenario, vehicle.formation
-        self._profile = profile_of(scenario, self._formation)
-        self._contact, self._brakes, self._curves = vehicle.contact, vehicle.true.brakes, vehicle.curves
-        self._recorder, self._period = recorder, scenario.periods.communication
-        self._limit, self._ahead = scenario.limits.alpha_max, 0.0
-        if scenario.actuation.kind == "pneumatic":
-            self._ahead = max(vehicle.true.valves["dead_fill"], vehicle.true.valves["dead_vent"])
+        self._rail, self._brakes = KnownRail(vehicle), vehicle.true.brakes
+        self._recorder, self._period, self._limit = recorder, scenario.periods.communication, scenario.limits.alpha_max
         self._due, self._slip, self._most, self._change = 0.0, np.array(slips), np.zeros(0), np.zeros(0)
         self._is_held = len(slips) > 0
 
@@ -221,7 +260,7 @@ class _Tracking:
         load = row[at["wheelset_load"]]
         if observation.time >= self._due and not self._is_held:
             self._due = observation.time + _PEAK_PERIOD
-            self._look(observation.time, distance, speed, load)
+            self._slip, self._most, self._change = self._rail.look(observation.time, distance, speed, load)
         group_load = self._formation.sum_by_group(load)
         slip, deceleration = row[at["slip"]], float(row[at["acceleration"]][0])
         adhesion = row[at["group_adhesion"]]
@@ -241,27 +280,6 @@ class _Tracking:
             pressure = brake.pressure_of(torque / (brake.units * friction * brake.friction_radius))
             pressures.append(brake.pressure_max if goal >= 1.0 else min(max(pressure, 0.0), brake.pressure_max))
         return tuple(pressures)
-
-    def _look(self, time: float, distance: float, speed: float, load: Array) -> None:
-        """Find slip and adhesion to hold when the valves will have answered, and the ratio of the peaks."""
-        ahead = self._ahead
-        times, places = np.array([time, time + ahead]), np.array([distance, distance + speed * ahead])
-        friction, loads, speeds = self._profile.table(times, places), np.stack([load, load]), np.full(2, speed)
-        numbers = self._profile.curve_numbers(times, places)
-        found: list[tuple[float, float, float]] = []
-        for members in self._formation.members():
-            contact = self._contact
-            if numbers is not None:
-                contact = partial(contact, curve=np.moveaxis(self._curves[numbers[:, members]], -1, 0))
-            wheel_load, rail = loads[:, members], friction[:, members]
-            slip, each = peak(contact, speeds, wheel_load, rail)
-            now, then = np.sum(each * wheel_load, axis=1)
-            held = np.broadcast_to(_BELOW * slip[:, None], wheel_load.shape)
-            most = np.sum(
-                contact(held, np.broadcast_to(speeds[:, None], wheel_load.shape), wheel_load, rail) * wheel_load, axis=1
-            )[1]
-            found.append((_BELOW * slip[1], most / wheel_load[1].sum(), then / now))
-        self._slip, self._most, self._change = np.array(found).T
 
 
 _SLOWEST = 0.5  # m/s; below, slip is a ratio of two small numbers

@@ -1,20 +1,26 @@
-"""Slope seeking with the truth in place of estimates and valves, and the division of its loss."""
+"""Laws with the truth in place of estimates and valves, and of the rail; the division of the loss, and the gains."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from railgrip.studies.attribution import LAW, distance_with, losses, scenario_with, table_of
+from railgrip.simulate.vehicle import VehicleData
+from railgrip.studies.attribution.informed import informed_distance, without_dead_time
+from railgrip.studies.attribution.study import AS_IS, LAW, distance_with, gains_table, losses, scenario_with, table_of
 from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of
 from railgrip.studies.type_test.track_case import HEADLINES
 
 PATCHES = replace(HEADLINES[0], speed=8.0, faults=("radar stuck", "valve slow"))
 
 
+def scenario_of(case, law=LAW):
+    return campaign_of([case], {law: entrants(2)[law]}, train_of(None)).stops[0].scenario
+
+
 @pytest.fixture(scope="module")
 def scenario():
-    return campaign_of([PATCHES], {LAW: entrants(2)[LAW]}, train_of(None)).stops[0].scenario
+    return scenario_of(PATCHES)
 
 
 def test_faults_go_with_the_parts_that_are_replaced(scenario):
@@ -41,3 +47,42 @@ def test_the_parts_of_a_loss_add_up_to_it():
     assert sum(parts[name] for name in ("information", "actuation", "law")) == pytest.approx(parts["all"])
     table = table_of(distances)
     assert [row["largest"] for row in table.rows] == ["7.0 %", "9.0 %", "4.0 %", "20.0 %"]
+
+
+def test_on_an_even_rail_the_adhesion_ahead_changes_nothing():
+    even = scenario_of(replace(PATCHES, rail="even", faults=()))
+    assert informed_distance(even, "adhesion ahead") == pytest.approx(distance_with((even, False, False)), rel=1e-9)
+
+
+@pytest.mark.parametrize("knowledge", ["slip of the peak", "deep slip once compared"])
+def test_a_law_that_knows_the_rail_stops(knowledge):
+    case = scenario_of(replace(HEADLINES[2], speed=8.0), "two_maxima")
+    assert informed_distance(case, knowledge) == pytest.approx(distance_with((case, False, False)), rel=0.3)
+
+
+def test_deep_slip_from_the_start_is_shorter_where_slip_cleans_the_rail():
+    cleaned = replace(HEADLINES[2], speed=12.0)
+    assert informed_distance(scenario_of(cleaned, "two_maxima"), "deep slip") < distance_with(
+        (scenario_of(cleaned), False, False)
+    )
+
+
+def test_valves_without_dead_time_are_those_of_plant_and_law(scenario):
+    vehicle = VehicleData(without_dead_time(scenario))
+    for data in (vehicle.true, vehicle.nominal):
+        assert data.valves["dead_fill"] == data.valves["dead_vent"] == 0.0
+
+
+def test_gains_are_means_over_the_cases_that_stop():
+    distances = {
+        LAW: {AS_IS: np.array([100.0, 100.0, 200.0]), "a piece": np.array([90.0, np.nan, 198.0])},
+        "another": {AS_IS: np.array([100.0, 50.0, 50.0]), "a piece": np.array([100.0, 50.0, 49.0])},
+    }
+    (row,) = gains_table(np.array([True, True, False]), distances).rows
+    assert row == {
+        "given": "a piece",
+        f"{LAW}, cleaned rails": "-10.0 % [-10.0, -10.0]",
+        f"{LAW}, other rails": "-1.0 % [-1.0, -1.0]",
+        "another, cleaned rails": "+0.0 % [+0.0, +0.0]",
+        "another, other rails": "-2.0 % [-2.0, -2.0]",
+    }

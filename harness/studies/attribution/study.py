@@ -1,4 +1,4 @@
-"""Loss of slope seeking over the ideal bound, divided into those of information, actuation and the law."""
+"""Loss of slope seeking over the ideal bound by its causes, and what knowledge of the rail would gain."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,8 +21,10 @@ from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.parts import NO_CUSTOM_PARTS, CustomParts
 from railgrip.simulate.run import run_stop
+from railgrip.studies.attribution.informed import Knowledge, informed_distance, without_dead_time
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of, training_cases, trains_of
+from railgrip.studies.type_test.track_case import BY_THE_CURVE
 from railgrip.vehicle.formation import Formation
 
 Array = NDArray[np.float64]
@@ -31,6 +33,7 @@ PAGE = Path("docs/type_test.md")
 """From the folder of the project, where the command runs."""
 
 LAW = "slope_seeking"
+LAWS = (LAW, "two_maxima")
 GIVEN = ((False, False), (False, True), (True, False), (True, True))
 """Whether the law is given the truth, and an actuation without valves."""
 _READINGS = ("speed", "wheelset_speed", "deflection", "acceleration", "cylinder_pressure")
@@ -148,15 +151,87 @@ def cases_table(names: Sequence[str], distances: Array) -> ReportTable:
     return ReportTable(rows, dict.fromkeys(columns, "{:.1f} m"), left=("case",))
 
 
+def gains_table(cleans: Array, distances: Mapping[str, Mapping[str, Array]]) -> ReportTable:
+    """Return the mean change of the distance by each piece of truth, with bootstrap intervals over the cases.
+
+    Args:
+        cleans: Whether slip cleans the rail of each case strongly, shape (n,).
+        distances: Law → piece → distance of each case [m], NaN without standstill; `AS_IS` is the law as it is.
+    """
+    rows: list[dict[str, Any]] = []
+    for piece in (name for name in distances[LAW] if name != AS_IS):
+        row: dict[str, Any] = {"given": piece}
+        for law, of_piece in distances.items():
+            changes = of_piece[piece] / of_piece[AS_IS] - 1.0
+            for kind, members in (("cleaned", cleans), ("other", ~cleans)):
+                row[f"{law}, {kind} rails"] = _mean_with_interval(changes[members])
+        rows.append(row)
+    return ReportTable(rows, left=("given",))
+
+
+def _mean_with_interval(changes: Array) -> str:
+    changes = changes[np.isfinite(changes)]
+    if not len(changes):
+        return ""
+    draws = np.random.default_rng(_SEED).integers(0, len(changes), (_RESAMPLES, len(changes)))
+    tail = 50.0 * (1.0 - CONFIDENCE)
+    low, high = np.percentile(changes[draws].mean(axis=1), (tail, 100.0 - tail))
+    return f"{100 * changes.mean():+.1f} % [{100 * low:+.1f}, {100 * high:+.1f}]"
+
+
+AS_IS = "nothing"
+_OF_THE_RAIL: Sequence[Knowledge] = ("slip of the peak", "adhesion ahead")
+_DECISIONS: Sequence[Knowledge] = ("deep slip", "deep slip once compared")
+"""The better one of deep slip, in the law of two maxima, and slope seeking is the true decision."""
+
+
+def distance_of(stop: tuple[Scenario, str]) -> float:
+    """Return the distance of a stop whose law is given a piece of the truth, `PIECES` [m]; NaN without standstill."""
+    scenario, piece = stop
+    match piece:
+        case "true state":
+            return distance_with((scenario, True, False))
+        case "pressure without valves":
+            return distance_with((scenario, False, True))
+        case "valves without dead time":
+            return distance_with((without_dead_time(scenario), False, False))
+        case "deep slip" | "deep slip once compared" | "slip of the peak" | "adhesion ahead":
+            return informed_distance(scenario, piece)
+        case _:
+            return distance_with((scenario, False, False))
+
+
+PIECES: Sequence[str] = (AS_IS, *_OF_THE_RAIL, "true state", "valves without dead time", "pressure without valves")
+"""Pieces of the truth of one stop; the decision for deep slip follows from two stops."""
+
+
+def gains_of(work: Work, count: int) -> ReportTable:
+    """Run a number of training cases with the laws and the pieces of truth, and return the table of gains."""
+    design = training_cases(count, 2)
+    stops = campaign_of(design, {law: entrants(2)[law] for law in LAWS}, train_of(None), trains=trains_of(design)).stops
+    scenarios = {law: [stop.scenario for stop in stops[i :: len(LAWS)]] for i, law in enumerate(LAWS)}
+    runs = [(scenario, piece) for law in LAWS for piece in PIECES for scenario in scenarios[law]]
+    runs += [(scenario, piece) for piece in _DECISIONS for scenario in scenarios[LAWS[-1]]]
+    found = np.array(work.map(distance_of, runs)).reshape(-1, count)
+    distances = {law: dict(zip(PIECES, found[i * len(PIECES) :], strict=False)) for i, law in enumerate(LAWS)}
+    decided = {
+        f"{piece}, or not": np.fmin(distances[LAW][AS_IS], deep)
+        for piece, deep in zip(_DECISIONS, found[-len(_DECISIONS) :], strict=True)
+    }
+    cleans = np.array([case.cleaning in ("strong", BY_THE_CURVE) for case in design])
+    return gains_table(cleans, {law: {**of_piece, **decided} for law, of_piece in distances.items()})
+
+
 @dataclass(frozen=True)
 class Attribution(Study):
-    """Give slope seeking the truth piece by piece, in training cases that have an ideal bound."""
+    """Give slope seeking and the law of two maxima the truth piece by piece, in training cases."""
 
-    cases: Annotated[int, Option(min=1, help="Training cases; those with a bound are used.")] = 32
-    write: Annotated[bool, Option("--write", help=f"Write the table into {PAGE}.")] = False
+    cases: Annotated[int, Option(min=1, help="Training cases; the loss is that of those with a bound.")] = 32
+    gain_cases: Annotated[int, Option(min=1, help="Training cases for the gains by knowledge.")] = 16
+    write: Annotated[bool, Option("--write", help=f"Write the tables into {PAGE}.")] = False
 
     def page(self, work: Work) -> Page:
-        """Run the cases, and return the shares of the loss."""
+        """Run the cases, and return the shares of the loss and the gains by knowledge."""
         design = [case for case in training_cases(self.cases, 2) if case.has_bound]
         compared = {name: entrants(2)[name] for name in (LAW, "ideal_bound")}
         stops = campaign_of(design, compared, train_of(None), trains=trains_of(design)).stops
@@ -168,17 +243,25 @@ class Attribution(Study):
         stopped = np.isfinite(distances).all(axis=1)
         table = table_of(distances[stopped])
         each = cases_table([law.variants["case"] for law in laws], distances)
+        gains = gains_of(work, self.gain_cases)
         if self.write:
-            write_tables(PAGE, {"attribution": f"{int(stopped.sum())} training cases of version 2:\n\n{table}"})
+            of_cases = "training cases of version 2:\n\n"
+            write_tables(
+                PAGE,
+                {
+                    "attribution": f"{int(stopped.sum())} {of_cases}{table}",
+                    "gains by knowledge": f"{self.gain_cases} {of_cases}{gains}",
+                },
+            )
         return Page(
-            title="What limits slope seeking",
+            title="What limits slope seeking and the law of two maxima",
             question="How much of the loss of slope seeking over the ideal bound is one of information, of actuation "
-            "and of the law?",
-            answer="The law was given the truth in place of estimates, a pressure without valves, and both.",
-            template="studies/attribution.md.jinja",
-            values={"table": table, "each": each},
-            tables={"attribution.csv": table, "cases.csv": each},
-            screen=(table, each),
+            "and of the law, and what would knowledge of the rail gain?",
+            answer="The laws were given the truth in place of estimates, a pressure without valves, and the rail.",
+            template="studies/attribution/attribution.md.jinja",
+            values={"table": table, "each": each, "gains": gains},
+            tables={"attribution.csv": table, "cases.csv": each, "gains.csv": gains},
+            screen=(table, each, gains),
         )
 
 

@@ -1,0 +1,1 @@
+"""Loss of slope seeking over the ideal bound by its causes, and what knowledge of the rail would gain."""
