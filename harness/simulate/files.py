@@ -130,7 +130,7 @@ def _class_with_details(name: str, rail: _Rail) -> tuple[str, str]:
 def _class_with_heat(name: str, temperature_loss: float) -> tuple[str, str]:
     """Return name and Modelica text of a train's class whose friction falls with the temperature of the contacts."""
     class_name = f"{name.rpartition('.')[2]}_heated"
-    # A class of its own for the contact: rumoca loses the modifiers of a class that is redeclared.
+    # The contact is a separate class: rumoca loses the modifiers of a class that is redeclared.
     return class_name, (
         f'block {class_name}_contact "Contact whose friction falls with its temperature"\n'
         f"  extends RailBraking.Contact.HeatedContact(temperature_loss={temperature_loss!r});\n"
