@@ -338,6 +338,12 @@ class _Checker:
                 f"the redeclaration of '{name}' would lose the modifiers of its declaration in the built-in compiler "
                 f"(7.3.2); write them on components of type {name}",
             )
+        if element.is_class and modifier.inner:
+            yield self._locate(
+                modifier.node,
+                f"the modifiers of the class that replaces '{name}' are lost in the built-in compiler; replace it by a "
+                "class of your own that extends that class with the modifiers",
+            )
         if element.constraint_modifiers is not None and not element.is_class:
             for m in element.modifiers:
                 written = m.value if m.value is not None and not m.inner else m.node

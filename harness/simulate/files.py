@@ -75,7 +75,7 @@ class _Rail(NamedTuple):
 
     Attributes:
         curved: Inputs for the creep curve at each wheelset, as the rail has several.
-        heated: Contacts whose friction falls with their temperature.
+        temperature_loss: Share of friction that contacts lose a kelvin [1/K]; 0 for contacts that do not heat up.
         detailed: Contact forces by the simplified theory where contacts do not heat up, and elastic shafts; also what
             follows.
         hysteresis: Modification that gives the brake rigging its hysteresis; empty if the class cannot have it.
@@ -83,7 +83,7 @@ class _Rail(NamedTuple):
     """
 
     curved: bool
-    heated: bool
+    temperature_loss: float
     detailed: bool
     hysteresis: str = ""
     uneven: bool = False
@@ -101,8 +101,8 @@ def _on_rail(name: str, text: str, wheelsets: int, rail: _Rail) -> tuple[str, st
     if rail.detailed:
         name, more = _class_with_details(name, rail)
         text += more
-    if rail.heated:
-        name, more = _class_with_heat(name)
+    if rail.temperature_loss:
+        name, more = _class_with_heat(name, rail.temperature_loss)
         text += more
     if rail.curved:
         name, more = _class_with_curves(name, wheelsets)
@@ -114,7 +114,7 @@ def _class_with_details(name: str, rail: _Rail) -> tuple[str, str]:
     """Return name and Modelica text of a train's class with contacts, shafts, rigging and rail in more detail."""
     class_name = f"{name.rpartition('.')[2]}_detailed"
     changes = ["redeclare block TrainShaft = RailBraking.Components.ElasticShaft"]
-    if not rail.heated:
+    if not rail.temperature_loss:
         changes.append("redeclare block TrainContact = RailBraking.Contact.SimplifiedContact")
     if rail.uneven:
         changes.append("redeclare block TrainRail = RailBraking.Tracks.UnevenRail")
@@ -127,15 +127,18 @@ def _class_with_details(name: str, rail: _Rail) -> tuple[str, str]:
     )
 
 
-def _class_with_heat(name: str) -> tuple[str, str]:
+def _class_with_heat(name: str, temperature_loss: float) -> tuple[str, str]:
     """Return name and Modelica text of a train's class whose friction falls with the temperature of the contacts."""
     class_name = f"{name.rpartition('.')[2]}_heated"
+    # The contact is a separate class: rumoca loses the modifiers of a class that is redeclared.
     return class_name, (
+        f'block {class_name}_contact "Contact whose friction falls with its temperature"\n'
+        f"  extends RailBraking.Contact.HeatedContact(temperature_loss={temperature_loss!r});\n"
+        f"end {class_name}_contact;\n"
         f'block {class_name} "{name} whose friction falls with the temperature of the contacts"\n'
-        f"  extends {name}(redeclare block TrainContact =\n"
-        "    RailBraking.Contact.HeatedContact(temperature_loss=temperature_loss));\n"
-        "  parameter RailBraking.Types.TemperatureCoefficient temperature_loss(min=0) = 0\n"
-        f'    "Share of friction lost a kelvin";\nend {class_name};\n'
+        f"  extends {name}(redeclare block TrainContact = {class_name}_contact);\n"
+        f"  parameter RailBraking.Types.TemperatureCoefficient temperature_loss(min=0) = {temperature_loss!r}\n"
+        f'    "Share of friction lost a kelvin, that of the contacts";\nend {class_name};\n'
     )
 
 
@@ -173,7 +176,7 @@ def plant_description(scenario: Scenario) -> Description:
         ScenarioError: [vehicle] train is not a train file, or [truth] mechanics does not fit the plant.
     """
     adhesion, detailed = scenario.adhesion, scenario.truth.mechanics == "detailed"
-    rail = _Rail(curved=len(adhesion.curves) > 1, heated=adhesion.polach.temperature_loss > 0, detailed=detailed)
+    rail = _Rail(curved=len(adhesion.curves) > 1, temperature_loss=adhesion.polach.temperature_loss, detailed=detailed)
     if detailed and not has_contacts_of_library(scenario):
         raise ScenarioError(
             f"{scenario.name}: [truth] mechanics = 'detailed' needs the two-part train, the wagon or a train file; "

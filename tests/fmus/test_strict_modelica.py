@@ -102,6 +102,8 @@ LENIENT = {
         r"constraining clause of the class M are lost",
     ),
     "a redeclared class with modifiers": (model("N n(redeclare model MR = E);"), r"'MR' would lose the modifiers"),
+    "modifiers of the new class": (model("N n(redeclare model M = B(q=2));"), r"that replaces 'M' are lost"),
+    "the same in a base": (extending("(redeclare model M = B(q=2))", "N"), r"that replaces 'M' are lost"),
     "a redeclaration by an element": (
         "  model X\n    extends Kept;\n    redeclare B a;\n  end X;\n", r"redeclare it in the extends clause"
     ),

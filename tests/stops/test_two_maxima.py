@@ -53,6 +53,16 @@ def test_the_name_of_the_creep_curve_is_sufficient():
     assert float(stop.trace["mu0"].max()) > 0.15
 
 
+def test_friction_lost_a_kelvin_is_that_of_the_scenario():
+    """Where the contacts of the plant had another one, the trial of its creep curve would refuse it."""
+    changes = {"limits.horizon": "4 s", "controller": {"kind": "full_brake"}, "estimator": {"kind": "none"}}
+    strong, weak = (
+        rg.run(rg.Scenario.load("plain", changes | {"adhesion.polach": CURVE | {"temperature_loss": loss}}))
+        for loss in (1.2e-3, 2e-4)
+    )
+    assert strong.trace["adhesion"].values.sum() < weak.trace["adhesion"].values.sum()
+
+
 CURVE = {"k_A": 0.3, "k_S": 0.1, "A": 0.4, "B": 0.2}
 WARM = {"temperature_loss": 8.3e-4}
 

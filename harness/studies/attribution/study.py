@@ -151,7 +151,7 @@ def cases_table(names: Sequence[str], distances: Array) -> ReportTable:
     return ReportTable(rows, dict.fromkeys(columns, "{:.1f} m"), left=("case",))
 
 
-def gains_table(cleans: Array, distances: Mapping[str, Mapping[str, Array]]) -> ReportTable:
+def gains_table(cleans: NDArray[np.bool_], distances: Mapping[str, Mapping[str, Array]]) -> ReportTable:
     """Return the mean change of the distance by each piece of truth, with bootstrap intervals over the cases.
 
     Args:
@@ -218,7 +218,7 @@ def gains_of(work: Work, count: int) -> ReportTable:
         f"{piece}, or not": np.fmin(distances[LAW][AS_IS], deep)
         for piece, deep in zip(_DECISIONS, found[-len(_DECISIONS) :], strict=True)
     }
-    cleans = np.array([case.cleaning in ("strong", BY_THE_CURVE) for case in design])
+    cleans = np.array([stop.variants["cleaning"] in ("strong", BY_THE_CURVE) for stop in stops[:: len(LAWS)]])
     return gains_table(cleans, {law: {**of_piece, **decided} for law, of_piece in distances.items()})
 
 
