@@ -226,7 +226,7 @@ def test_the_valve_predictor_and_the_tracking_bound_use_the_valves_of_the_plant(
     assert other.nominal.valves == {"T_fill": 0.6, "T_vent": 0.5, "dead_fill": 0.09, "dead_vent": 0.11}
     assert other.true.valves == {"T_fill": 0.8, "T_vent": 0.5, "dead_fill": 0.09, "dead_vent": 0.12}
     recorder = Recorder((*PLANT, *SENT), slow.formation, 2)
-    assert (_Tracking(slow, recorder)._ahead, _Tracking(other, recorder)._ahead) == (0.11, 0.12)
+    assert (_Tracking(slow, recorder)._rail.time, _Tracking(other, recorder)._rail.time) == (0.11, 0.12)
 
 
 def test_hidden_valves_are_those_of_the_file_or_the_catalogue_train(tmp_path):
