@@ -1,6 +1,7 @@
 """Errors of an estimate with respect to the known truth."""
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import xarray
@@ -9,6 +10,9 @@ from numpy.typing import NDArray
 from railgrip.base.errors import EstimationError
 from railgrip.estimators.belief import Array, Vector
 from railgrip.recording.samples import truth_of
+
+NORMAL_95: Final = 1.96
+"""Half of a 95 % interval of a normal distribution, in standard deviations."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

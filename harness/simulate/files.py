@@ -64,6 +64,7 @@ def _recipe_on_rail(recipe: str, rail: "_Rail") -> Path:
     variables = description_of(recipe_file(recipe)).variables
     wheelsets = sum(name.startswith("mu0[") for name in variables)
     rail = rail._replace(
+        # The default of HystereticRigging, which train files get as a class.
         hysteresis="hysteresis=0.06" if "hysteresis" in variables else "",
         uneven="deflection[1]" in variables,
     )

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from railgrip.campaign.work import Work, call
-from railgrip.estimation.judge import rms
+from railgrip.estimation.judge import NORMAL_95, rms
 from railgrip.estimators.belief import Array, Matrix, Vector
 from railgrip.estimators.learned.ensemble import QUANTILE, Ensemble
 from railgrip.report.table import Form, ReportTable
@@ -18,8 +18,6 @@ from railgrip.studies.axle_box.evaluate import ScaledNetwork, TrainingRecipe
 from railgrip.studies.axle_box.instrumented_car import Pass
 from railgrip.studies.axle_box.reduction import LabelledRun, gather, spectral_features
 from railgrip.studies.axle_box.training import Size, dry_or_not, general, passes
-
-NORMAL_95: Final = 1.96
 
 JUDGED: Final = ("other irregularities", "one surface for all")
 """Sets of runs outside of any training on which estimators are judged."""
@@ -36,7 +34,7 @@ QUANTITIES: Final[Mapping[str, str]] = {"slip_acceleration": "ẍ − ω̇r", "s
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrictionErrors:
-    """FrictionErrors of friction over all estimates in a set of runs, and the claimed deviations, NaN without a claim.
+    """Errors of friction over all estimates in a set of runs, and the claimed deviations, NaN without a claim.
 
     Both have the shape (n,).
     """

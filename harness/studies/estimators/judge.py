@@ -11,7 +11,7 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.base.errors import FilterDiverged
-from railgrip.estimation.judge import rms
+from railgrip.estimation.judge import NORMAL_95, rms
 from railgrip.estimators.belief import Array, Vector
 from railgrip.simulate.estimator import RELEASED_PADS
 from railgrip.studies.estimators.available import TRUTH, AvailableErrors, available_errors, with_slip
@@ -28,8 +28,6 @@ CONSTANT: Final = "constant"
 """Name of the best constant of the training set."""
 
 FORCE_BALANCE: Final = "force_balance"
-
-NORMAL_95: Final = 1.96
 
 LOST: Final = 0.03
 """Error of adhesion above which an estimate is lost: the adhesion of a very slippery rail."""

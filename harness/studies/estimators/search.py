@@ -11,8 +11,9 @@ import numpy as np
 
 from railgrip.base.errors import FilterDiverged
 from railgrip.base.files import write_text
+from railgrip.estimation.judge import NORMAL_95
 from railgrip.estimators.belief import Vector
-from railgrip.studies.estimators.judge import NORMAL_95, errors_of_target
+from railgrip.studies.estimators.judge import errors_of_target
 from railgrip.studies.estimators.noises import FACTORS, SEARCHED, noise_of
 from railgrip.studies.estimators.recordings import SENSORS, RecordingCase, Sensors, recording_of_case
 from railgrip.studies.estimators.replay import replay, states, with_estimates

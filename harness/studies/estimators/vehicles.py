@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from railgrip.estimation.judge import rms
+from railgrip.estimation.judge import NORMAL_95, rms
 from railgrip.estimation.run import filter_data
 from railgrip.estimation.several import context_of, run_kind
 from railgrip.estimation.sources import recording_of_estimation
@@ -15,7 +15,6 @@ from railgrip.estimation.spec import load_specification, prediction_for, setting
 from railgrip.estimators.belief import Array
 from railgrip.recording.samples import period_of, truth_of
 from railgrip.report.table import Form, ReportTable
-from railgrip.studies.estimators.judge import NORMAL_95
 from railgrip.studies.estimators.replay import bound_along
 from railgrip.studies.lateral.judge import beliefs_about
 from railgrip.studies.lateral.run import STIFFNESS_NAMES, LateralCase, bound_of_run, simulate

@@ -9,6 +9,7 @@ import numpy as np
 from typer import Option
 
 from railgrip.campaign.work import Work
+from railgrip.estimation.judge import NORMAL_95
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
@@ -146,7 +147,7 @@ def learned(found: Mapping[str, Sequence[TrainStops]], stops: int) -> ReportTabl
                     "longer stop": f"{extra_metres(found, name):.1f} m",
                     "RMSE": float(np.sqrt(np.mean(error**2))),
                     "claimed": float(deviation.mean()),
-                    "coverage of 95 %": float(np.mean(np.abs(error) < 1.96 * deviation)),
+                    "coverage of 95 %": float(np.mean(np.abs(error) < NORMAL_95 * deviation)),
                     **{f"group {g + 1} without lot": float(alone[g]) for g in range(groups)},
                 }
             )
@@ -169,7 +170,7 @@ def radii(found: Mapping[str, Sequence[TrainStops]], stops: int) -> ReportTable:
                 "stops of each train": count,
                 "RMSE": f"{100 * float(np.sqrt(np.mean(error**2))):.3f} %",
                 "claimed": f"{100 * float(deviation.mean()):.3f} %",
-                "coverage of 95 %": float(np.mean(np.abs(error) < 1.96 * deviation)),
+                "coverage of 95 %": float(np.mean(np.abs(error) < NORMAL_95 * deviation)),
             }
         )
     return ReportTable(rows, {"coverage of 95 %": share}, title="Wheel radii over nominal")

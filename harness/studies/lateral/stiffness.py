@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.units import GRAVITY
-from railgrip.estimation.judge import rms
+from railgrip.estimation.judge import NORMAL_95, rms
 from railgrip.estimators.belief import Array
 from railgrip.report.table import ReportTable, share
 from railgrip.studies.lateral.judge import WINDOW
@@ -29,8 +29,6 @@ neighbouring conditions of Table 3, whose frictions have ratios from 1.5 to 2.""
 
 ESTIMATING: Final[tuple[Name, ...]] = ("known_track_stiffness", "unknown_track_stiffness")
 """Filters of the table that shows when friction is known."""
-
-NORMAL_95: Final = 1.96
 
 LOAD: Final = 15000 * GRAVITY / 2
 """Load of a wheel with the parameters of Table 1 [N]."""
