@@ -11,8 +11,9 @@ from pydantic import BaseModel
 
 from railgrip.base.errors import InputError
 from railgrip.rolling_stock.schema import BogieInTrain, Train, load_train
-from railgrip.rolling_stock.stopping import HandCalculation, by_hand, lowest_friction
+from railgrip.rolling_stock.stopping import HandCalculation, by_hand
 from railgrip.scenario.quantity import UnitRange
+from railgrip.vehicle.brake import LOWEST_PAD_FRICTION, lowest_friction
 
 _SAME_MASS = 0.01  # relative difference between car mass and axle loads, from rounding in data sheets
 _DESIGN_ADHESION = 0.15  # LOC&PAS TSI (EU 1302/2014), 4.2.4.6.1: maximum adhesion in design, 30 to 250 km/h
@@ -25,7 +26,6 @@ _FAR = 4  # times the usual maximum
 _PISTON_FORCE = 1e5  # N; a piston of 16 in presses with 65 kN at 5 bar
 _AIR_PRESSURE = 1.05e6  # Pa; supply of the main reservoir, EN 14198
 _OIL_PISTON = 5e-3  # m2; pistons of hydraulic calipers are smaller than 80 mm
-_LOWEST_FRICTION = 0.05  # pads and blocks on wet or hot discs keep 0.1 and more
 USUAL_SPEED = 120 / 3.6  # m/s, where the file has no reference stop
 
 
@@ -85,14 +85,21 @@ def friction_findings(train: Train, speed: float) -> list[TrainRemark]:
     """Return the pads whose linear law of friction does not hold in a stop from a speed [m/s]."""
     remarks: dict[str, TrainRemark] = {}
     for bogie in train.bogies_in_train:
-        friction, at_speed, at_force = lowest_friction(bogie, speed)
-        if friction > _LOWEST_FRICTION or bogie.brake.pads in remarks:
+        brake, sliding = bogie.brake, bogie.brake.friction_radius / bogie.data.wheel_radius
+        at_piston = max(brake.pressure_max * brake.piston_area - brake.spring_force, 0.0)
+        friction, at_speed, at_force = lowest_friction(
+            brake.pad_friction,
+            effects=bogie.pads.model_dump(),
+            speed=speed * sliding,
+            force=brake.efficiency * brake.rigging * at_piston,
+        )
+        if friction > LOWEST_PAD_FRICTION or brake.pads in remarks:
             continue
-        remarks[bogie.brake.pads] = TrainRemark(
-            f"[pads.{bogie.brake.pads}] speed_effect, force_effect",
-            f"friction falls to {friction:.3f} at {3.6 * at_speed:g} km/h and {at_force / 1e3:.3g} kN of pad force "
-            f"in a stop from {3.6 * speed:g} km/h; the linear law holds only where friction is above "
-            f"{_LOWEST_FRICTION:g}. "
+        remarks[brake.pads] = TrainRemark(
+            f"[pads.{brake.pads}] speed_effect, force_effect",
+            f"friction falls to {friction:.3f} at {3.6 * at_speed / sliding:g} km/h and {at_force / 1e3:.3g} kN of pad "
+            f"force in a stop from {3.6 * speed:g} km/h; the linear law holds only where friction is above "
+            f"{LOWEST_PAD_FRICTION:g}. "
             "Reduce the effects, or give the mean friction of the stop and no effects",
         )
     return list(remarks.values())

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from railgrip.base.errors import InputError
 from railgrip.base.units import GRAVITY
-from railgrip.rolling_stock.schema import BogieInTrain, BrakePipe, Electropneumatic, TrackBrake, Train
+from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, TrackBrake, Train
 from railgrip.scenario.table import Table
 
 Vector = NDArray[np.float64]
@@ -129,30 +129,6 @@ def full_brake_force(train: Train) -> Vector:
     """Return the force at the rim with full pressure and nominal pad friction, of each axle, shape (axles,) [N]."""
     brakes, _ = _brakes_of(train)
     return brakes["lever"] * brakes["pad_friction"] * _pad_force(brakes, brakes["pressure_max"])
-
-
-def lowest_friction(bogie: BogieInTrain, speed: float) -> tuple[float, float, float]:
-    """Return the lowest friction of a bogie's pads in a stop: friction, train speed [m/s], force of both pads [N].
-
-    Each effect of `RailBraking.Friction.PadFriction` is linear, so that the minimum is at an end of its range: sliding
-    speeds up to that at `speed` [m/s], forces up to that of full pressure, temperatures on either side of the nominal.
-    """
-    brake, pads = bogie.brake, bogie.pads
-    full = brake.efficiency * brake.rigging * max(brake.pressure_max * brake.piston_area - brake.spring_force, 0.0)
-    sliding = brake.friction_radius / bogie.data.wheel_radius
-    heat = 1 - abs(pads.temperature_effect)
-    return min(
-        (
-            brake.pad_friction
-            * (1 + pads.speed_effect * (1 - v * sliding / pads.speed_nominal))
-            * (1 - pads.force_effect * (force / pads.force_nominal - 1))
-            * heat,
-            v,
-            force,
-        )
-        for v in (0.0, speed)
-        for force in (0.0, full)
-    )
 
 
 def _require_end(train: Train, speed: float, time: float) -> None:

@@ -153,6 +153,7 @@ def assemble(
     formation, layout = vehicle.nominal.formation, vehicle.layout
     radius = tuple(group.wheel_radius for group in formation.brakes)
     clock, user_objects = _clock(scenario), _UserObjects(objects)
+    vehicle.require_pad_friction()
     for sentence in (*doubts(scenario), *remarks_on_train(scenario)):
         notify(sentence)
     with shared_budget(), ExitStack() as stack:
