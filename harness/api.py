@@ -111,7 +111,7 @@ class Scenario(schema.Scenario):
 
     def changed(self, changes: Mapping[str, Any]) -> Self:
         """Return the scenario with other values: key → value, as for `load`."""
-        table = merge(self.resolved(), nest(_changes(changes)))
+        table = merge(self.tables(), nest(_changes(changes)))
         return self._of(Tables.of(table, self._directory, self.name))
 
     def with_plant(self, plant: str | Path | Mapping[str, Any]) -> Self:
@@ -127,7 +127,7 @@ class Scenario(schema.Scenario):
         for key, value in keys.items():
             if isinstance(value, str) and (key == "library" or (key == "plant" and value.endswith(".fmu"))):
                 keys[key] = str(Path.cwd() / value)
-        table = self.resolved()
+        table = self.tables()
         table["vehicle"] = with_another_plant(table["vehicle"], keys)
         return self._of(Tables.of(table, self._directory, self.name))
 
@@ -354,7 +354,7 @@ def inspect(
 
 def _with_parts(scenario: ScenarioLike, *, plant: Any, **parts: Any) -> tuple[Scenario, dict[str, Any]]:
     given_scenario = scenario if isinstance(scenario, schema.Scenario) else Scenario.load(scenario)
-    resolved = given_scenario if isinstance(given_scenario, Scenario) else Scenario.load(given_scenario.resolved())
+    resolved = given_scenario if isinstance(given_scenario, Scenario) else Scenario.load(given_scenario.tables())
     if isinstance(plant, _WRITTEN):
         resolved, plant = resolved.with_plant(plant), None
     written = {name: part for name, part in parts.items() if isinstance(part, str | Mapping)}

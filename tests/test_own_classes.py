@@ -331,6 +331,46 @@ def test_an_estimate_in_another_unit_ends_the_stop(scenario, estimator, words):
     assert rg.run(long(scenario), estimator=Believes()).outcome is rg.Outcome.HORIZON
 
 
+class Mistaken:
+    """An estimator of slip, adhesion and friction of pads from readings, with a mistake in one of them."""
+
+    provides = ("slip", "adhesion", "pad_friction")
+
+    def __init__(self, **mistakes):
+        self.mistakes = mistakes
+
+    def start(self, first, formation):
+        self.radius = np.array([brake.wheel_radius for brake in formation.brakes])
+
+    def step(self, observation):
+        slip = 1.0 - self.radius * observation.wheelset_speed / max(observation.speed, 1.0)
+        found = {"slip": slip, "adhesion": 0.1 + 0.1 * slip, "pad_friction": 0.35 + 0.0 * slip}
+        return rg.Estimate(
+            **{name: self.mistakes.get(name, lambda value: value)(value) for name, value in found.items()}
+        )
+
+
+@pytest.mark.parametrize(
+    ("mistakes", "words"),
+    [
+        ({"slip": lambda slip: -slip}, "slip is 1 - r w/v, positive in braking"),
+        ({"slip": lambda slip: 0.0 * slip + 0.1}, "it has not changed since the start"),
+        ({"adhesion": lambda adhesion: -adhesion}, "adhesion is positive in braking"),
+        ({"pad_friction": lambda friction: -friction}, "friction of pads is positive"),
+        ({}, None),
+    ],
+)
+def test_an_estimate_of_another_sign_or_that_never_changes_ends_the_stop(scenario, mistakes, words):
+    """Full brake on a rail of 0.1 locks the wheels, which read a slip of 1 by then."""
+    slippery = scenario.changed({"controller.kind": "full_brake", "limits.horizon": "12 s"})
+    stop = rg.run(slippery, estimator=Mistaken(**mistakes))
+    if words is None:
+        assert stop.outcome is rg.Outcome.HORIZON, stop.reason
+    else:
+        assert stop.outcome is rg.Outcome.DIVERGED
+        assert words in stop.reason
+
+
 @pytest.mark.parametrize(
     "value",
     [

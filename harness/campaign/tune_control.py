@@ -25,7 +25,6 @@ from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.law import Ranges as LawRanges
 from railgrip.controllers.parameters import SEARCHED, TYPE_TEST, SlipSource, file_of, tuned_values
 from railgrip.scenario.campaign import PlannedStop, load_campaign
-from railgrip.scenario.merge import merge
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import braking_distance
 
@@ -239,11 +238,11 @@ def text_of(law: str, results: Mapping[tuple[str, SlipSource], Optimum], command
 
 def _under(law: str, slip: str, scenario: Scenario) -> Scenario:
     change: dict[str, Any] = {"controller": {"kind": law}} | ({"estimator": {"kind": "none"}} if slip == "read" else {})
-    return Scenario.model_validate(merge(scenario.resolved(), change))
+    return scenario.revised(change)
 
 
 def _with(values: Mapping[str, float], scenario: Scenario) -> Scenario:
-    return Scenario.model_validate(merge(scenario.resolved(), {"controller": {"parameters": dict(values)}}))
+    return scenario.revised({"controller": {"parameters": dict(values)}})
 
 
 def _distance(scenario: Scenario) -> float:

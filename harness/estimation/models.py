@@ -16,8 +16,8 @@ from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
 from railgrip.fmi import Description, FmuPrediction, describe
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.native.library import library_of
+from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.modelica import nominal_data
-from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.file import NamedFile
 from railgrip.simulate.files import consist_description, prediction_description
 from railgrip.simulate.prediction import (
@@ -178,7 +178,7 @@ def of_train(train: NamedFile, class_name: str = CENTRAL[0], *, has_suspension: 
 
 @cache
 def _of_train(entry: str, path: Path, digest: str, class_name: str, has_suspension: bool) -> PredictionModel:  # pyright: ignore[reportUnusedParameter]
-    train = load_train(path)
+    train = checked_train(path)
     formation, data = Formation(tuple(map(len, train.groups))), nominal_data(train)
     if not has_suspension:  # without data of its frame a bogie is rigid
         data = {name: value for name, value in data.items() if not name.startswith("m_frame")}

@@ -1,20 +1,31 @@
 """Checks of a train for contradictions and unusual values."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import groupby
+from pathlib import Path
+from typing import Any, cast, get_args
 
 import numpy as np
+from pydantic import BaseModel
 
 from railgrip.base.errors import InputError
-from railgrip.rolling_stock.schema import BogieInTrain, Train
+from railgrip.rolling_stock.schema import BogieInTrain, Train, load_train
 from railgrip.rolling_stock.stopping import HandCalculation, by_hand
+from railgrip.scenario.quantity import UnitRange
+from railgrip.vehicle.brake import LOWEST_PAD_FRICTION, lowest_friction
 
 _SAME_MASS = 0.01  # relative difference between car mass and axle loads, from rounding in data sheets
 _DESIGN_ADHESION = 0.15  # LOC&PAS TSI (EU 1302/2014), 4.2.4.6.1: maximum adhesion in design, 30 to 250 km/h
 _CLOSE = 0.10  # relative difference to a published distance
 _SENSED = 1e4  # Pa; with less, the finite cells speed up the front by 6 % or more, see Pneumatics.Accelerator
 _ROTATING = (0.01, 0.30)  # rotating over total mass; 5 % to 10 % for coaches, up to 25 % for locomotives (EN 14531-1)
+_HIGHEST_ADHESION = 0.6  # dry rail carries up to 0.5 (Polach, 2005)
+_DRAG_OF_ENDS, _DRAG_OF_CAR = 1.5, 0.6  # coefficient; trains have 0.3 to 1, and 0.1 to 0.4 for each car (Peters, 1983)
+_FAR = 4  # times the usual maximum
+_PISTON_FORCE = 1e5  # N; a piston of 16 in presses with 65 kN at 5 bar
+_AIR_PRESSURE = 1.05e6  # Pa; supply of the main reservoir, EN 14198
+_OIL_PISTON = 5e-3  # m2; pistons of hydraulic calipers are smaller than 80 mm
 USUAL_SPEED = 120 / 3.6  # m/s, where the file has no reference stop
 
 
@@ -36,17 +47,112 @@ class TrainRemark:
         return f"{self.key}: {self.sentence}"
 
 
+def checked_train(path: Path) -> Train:
+    """Return the train of a file without contradictions.
+
+    Raises:
+        InputError: The file cannot be read, is not a train, or contradicts itself; one line per problem.
+    """
+    train = load_train(path)
+    wrong = [f"{path.name}: {result}" for result in findings(train) if result.wrong]
+    if wrong:
+        raise InputError("\n".join(wrong))
+    return train
+
+
 def findings(train: Train) -> list[TrainRemark]:
     """Return all inconsistent or unusual values, errors first."""
-    results = [*_masses(train), *_places(train), *_brakes(train), *_accelerators(train)]
+    results = [
+        *_unusual(train, ""),
+        *_masses(train),
+        *_resistance(train),
+        *_places(train),
+        *_brakes(train),
+        *friction_findings(train, fastest_stop(train)),
+        *_accelerators(train),
+    ]
     if not any(finding.wrong for finding in results):
         results += _stops(train)
     return sorted(results, key=lambda result: not result.wrong)
 
 
+def fastest_stop(train: Train) -> float:
+    """Return the highest speed of [[reference]], or `USUAL_SPEED` without any [m/s]."""
+    return max((reference.speed for reference in train.reference), default=USUAL_SPEED)
+
+
+def friction_findings(train: Train, speed: float) -> list[TrainRemark]:
+    """Return the pads whose linear law of friction does not hold in a stop from a speed [m/s]."""
+    remarks: dict[str, TrainRemark] = {}
+    for bogie in train.bogies_in_train:
+        brake, sliding = bogie.brake, bogie.brake.friction_radius / bogie.data.wheel_radius
+        at_piston = max(brake.pressure_max * brake.piston_area - brake.spring_force, 0.0)
+        friction, at_speed, at_force = lowest_friction(
+            brake.pad_friction,
+            effects=bogie.pads.model_dump(),
+            speed=speed * sliding,
+            force=brake.efficiency * brake.rigging * at_piston,
+        )
+        if friction > LOWEST_PAD_FRICTION or brake.pads in remarks:
+            continue
+        remarks[brake.pads] = TrainRemark(
+            f"[pads.{brake.pads}] speed_effect, force_effect",
+            f"friction falls to {friction:.3f} at {3.6 * at_speed / sliding:g} km/h and {at_force / 1e3:.3g} kN of pad "
+            f"force in a stop from {3.6 * speed:g} km/h; the linear law holds only where friction is above "
+            f"{LOWEST_PAD_FRICTION:g}. "
+            "Reduce the effects, or give the mean friction of the stop and no effects",
+        )
+    return list(remarks.values())
+
+
 def stops_by_hand(train: Train) -> dict[float, HandCalculation]:
     """Return speed [m/s] → stop for the speeds of [[reference]], or for `USUAL_SPEED` without any."""
     return {speed: by_hand(train, speed) for speed in sorted({r.speed for r in train.reference} or {USUAL_SPEED})}
+
+
+def _unusual(table: BaseModel, key: str) -> Iterator[TrainRemark]:
+    for name, field in type(table).model_fields.items():
+        value, path = getattr(table, name), f"{key}.{name}" if key else name
+        for place, inner in _elements(path, value):
+            if isinstance(inner, BaseModel):
+                yield from _unusual(inner, place)
+                continue
+            span = _range_of(field.annotation, field.metadata)
+            if span is not None and isinstance(inner, float) and (words := span.doubt(inner)):
+                where, _, last = place.rpartition(".")
+                yield TrainRemark(f"[{where}] {last}", words, wrong=False)
+
+
+def _elements(path: str, value: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, Mapping):
+        for name, inner in cast("Mapping[str, Any]", value).items():
+            yield from _elements(f"{path}.{name}", inner)
+    elif isinstance(value, tuple):
+        values = cast("tuple[Any, ...]", value)
+        for number, inner in enumerate(values, start=1):
+            yield from _elements(
+                f"{path}[{number}]" if len(values) > 1 or isinstance(inner, BaseModel) else path, inner
+            )
+    else:
+        yield path, value
+
+
+def _range_of(annotation: Any, metadata: Any = ()) -> UnitRange | None:
+    for entry in (*metadata, *getattr(annotation, "__metadata__", ())):
+        if isinstance(entry, UnitRange):
+            return entry
+    return next((found for part in get_args(annotation) if (found := _range_of(part)) is not None), None)
+
+
+def _resistance(train: Train) -> Iterator[TrainRemark]:
+    drag, usual = train.resistance.drag_coefficient, _DRAG_OF_ENDS + _DRAG_OF_CAR * (len(train.cars) - 1)
+    if drag > usual:
+        yield TrainRemark(
+            "[resistance] drag_coefficient",
+            f"is {drag:g}; a train of {len(train.cars)} cars has up to {usual:g}: some 0.3 to 1 for its ends and 0.1 "
+            "to 0.4 for each car (Peters, 1983)",
+            wrong=drag > _FAR * usual,
+        )
 
 
 def _masses(train: Train) -> Iterator[TrainRemark]:
@@ -80,12 +186,12 @@ def _masses(train: Train) -> Iterator[TrainRemark]:
         sum(axle.inertia / train.bogies_in_train[axle.bogie].data.wheel_radius ** 2 for axle in train.axles)
         / train.mass
     )
-    if not _ROTATING[0] <= rotating <= _ROTATING[1]:
+    low, high = _ROTATING
+    if not low <= rotating <= high:
         yield TrainRemark(
             "[bogies] inertia",
-            f"rotating parts add {100 * rotating:.1f} % to the mass; {100 * _ROTATING[0]:.0f} % to "
-            f"{100 * _ROTATING[1]:.0f} % are usual",
-            wrong=False,
+            f"rotating parts add {100 * rotating:.1f} % to the mass; {100 * low:.0f} % to {100 * high:.0f} % are usual",
+            wrong=not low / _FAR <= rotating <= _FAR * high,
         )
 
 
@@ -114,6 +220,15 @@ def _brakes(train: Train) -> Iterator[TrainRemark]:
                 f"[brakes.{kind}] spring_force",
                 f"the spring holds the piston back at pressure_max: {brake.spring_force:g} N against "
                 f"{brake.pressure_max * brake.piston_area:g} N",
+            )
+        piston = brake.pressure_max * brake.piston_area
+        is_oil = brake.pressure_max > _AIR_PRESSURE
+        if piston > _PISTON_FORCE or (is_oil and brake.piston_area > _OIL_PISTON):
+            yield TrainRemark(
+                f"[brakes.{kind}] pressure_max",
+                f"is {brake.pressure_max / 1e5:g} bar on {1e4 * brake.piston_area:g} cm2, {piston / 1e3:.0f} kN at the "
+                "piston; cylinders have up to 10 bar of air, or oil on pistons of less than 50 cm2",
+                wrong=piston > _PISTON_FORCE,
             )
         wheels = [bogie.wheel_radius for bogie in train.bogies.values() if bogie.brake == kind]
         if wheels and brake.friction_radius > 1.001 * min(wheels):
@@ -149,7 +264,7 @@ def _stops(train: Train) -> Iterator[TrainRemark]:
                 f"[bogies.{kind}] brake",
                 f"needs an adhesion of {most:.3f} in an emergency stop; the design of a main-line brake may assume "
                 f"{_DESIGN_ADHESION:g} (LOC&PAS TSI 4.2.4.6.1)",
-                wrong=False,
+                wrong=most > _HIGHEST_ADHESION,
             )
     for number, car in enumerate(train.cars[:-1], start=1):
         if car.coupler is None:

@@ -20,60 +20,150 @@ from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.surface import Sander
 from railgrip.scenario.table import FASTEST, Length, Name, Table, table_error
 
-# Limits are an order of magnitude beyond the vehicles named in the reasons: a value outside of them has a wrong unit.
-Positive = Annotated[float, UnitRange("1", above=0, at_most=1e3)]
-Ratio = Annotated[float, UnitRange("1", at_least=0.1, at_most=100, because="riggings multiply by 2 to 10")]
+# Values outside the limits are refused: they have a wrong unit, or are of another part. Values outside the usual range
+# are valid, and `railgrip.rolling_stock.check` remarks on them.
+Ratio = Annotated[
+    float, UnitRange("1", at_least=0.1, at_most=100, usual=(1, 15), because="riggings multiply by 2 to 10")
+]
 Efficiency = Annotated[
     float, UnitRange("1", at_least=0.1, at_most=1, because="EN 14531-1 has efficiencies of 0.83 to 0.98 for riggings")
 ]
 Share = Annotated[float, UnitRange("1", above=0, at_most=1)]
+PadFriction = Annotated[
+    float,
+    UnitRange(
+        "1",
+        at_least=0.02,
+        at_most=0.7,
+        usual=(0.08, 0.5),
+        because="blocks of cast iron have 0.08 to 0.2, organic and sintered pads 0.25 to 0.45 (EN 14531-1)",
+    ),
+]
 Effect = Annotated[float, UnitRange("1", at_least=-1, at_most=1)]
-Size = Annotated[float, UnitRange("m", at_least=0.005, at_most=100, because="no part of a car is longer than 100 m")]
+Drag = Annotated[
+    float,
+    UnitRange(
+        "1",
+        above=0,
+        at_most=50,
+        because="a train has some 0.3 to 1 for its ends and 0.1 to 0.4 for each car (Peters, 1983; Raghunathan, 2002)",
+    ),
+]
+BearingFriction = Annotated[
+    float, UnitRange("1", above=0, at_most=0.2, usual=(3e-4, 0.02), because="roller bearings have about 0.002")
+]
+BearingRadius = Annotated[
+    float,
+    UnitRange("m", at_least=0.005, at_most=0.3, usual=(0.02, 0.12), because="journals have diameters of 0.1 to 0.18 m"),
+]
+RollingArm = Annotated[
+    float,
+    UnitRange("m", at_least=1e-6, at_most=0.01, or_zero=True, usual=(1e-4, 2e-3), because="steel rolls at 0.5 mm"),
+]
 WheelRadius = Annotated[
     float,
-    UnitRange("m", at_least=0.1, at_most=1.3, because="wheels have diameters of 330 mm (UIC 510-2) to 2.3 m (steam)"),
+    UnitRange(
+        "m",
+        at_least=0.15,
+        at_most=0.7,
+        usual=(0.25, 0.65),
+        because="this is the radius, not the diameter; wheels have diameters of 0.33 m (UIC 510-2) to 1.25 m",
+    ),
 ]
-PadRadius = Annotated[float, UnitRange("m", at_least=0.02, at_most=1.3, because="pads and blocks act within the wheel")]
-Diameter = Annotated[float, UnitRange("m", at_least=0.005, at_most=0.2, because="brake pipes have 25 to 32 mm")]
-CarLength = Annotated[float, UnitRange("m", at_least=2, at_most=100, because="cars are 5 to 50 m long")]
-Height = Annotated[float, UnitRange("m", at_least=0.01, at_most=5, because="no centre of a bogie is higher than 5 m")]
-CarMass = Annotated[float, UnitRange("kg", at_least=500, at_most=1e6, because="cars weigh 3 t to 250 t")]
+PadRadius = Annotated[
+    float,
+    UnitRange("m", at_least=0.02, at_most=0.7, usual=(0.08, 0.65), because="pads and blocks act within the wheel"),
+]
+Diameter = Annotated[
+    float, UnitRange("m", at_least=0.01, at_most=0.1, usual=(0.02, 0.04), because="brake pipes have 25 to 32 mm")
+]
+CarLength = Annotated[float, UnitRange("m", at_least=2, at_most=100, usual=(5, 50), because="cars are 5 to 50 m long")]
+AxlePosition = Annotated[
+    float, UnitRange("m", at_least=0, at_most=20, because="no rigid frame is longer; a car of single axles has 9 m")
+]
+Height = Annotated[
+    float,
+    UnitRange("m", at_least=0.01, at_most=5, usual=(0.15, 1.5), because="frames and rods are at the height of axles"),
+]
+CarMass = Annotated[
+    float, UnitRange("kg", at_least=500, at_most=5e5, usual=(3e3, 1.6e5), because="cars weigh 3 t to 160 t")
+]
 AxleMass = Annotated[
     float,
     UnitRange(
-        "kg", at_least=100, at_most=1e5, because="axles carry 2 t to 45 t; the highest axle load of EN 15528 is 25 t"
+        "kg",
+        at_least=200,
+        at_most=6e4,
+        usual=(1e3, 4e4),
+        because="axles carry 1 t to 40 t; the highest axle load of EN 15528 is 25 t",
     ),
 ]
-PartMass = Annotated[
+WheelsetMass = Annotated[
     float,
-    UnitRange("kg", at_least=50, at_most=1e5, because="wheelsets weigh 0.5 t to 5 t and bogie frames 1 t to 20 t"),
+    UnitRange(
+        "kg",
+        at_least=50,
+        at_most=1e4,
+        usual=(300, 6e3),
+        because="wheelsets weigh 0.5 t to 2 t, with a drive up to 5 t",
+    ),
 ]
-Inertia = Annotated[
+FrameMass = Annotated[
+    float,
+    UnitRange("kg", at_least=50, at_most=5e4, usual=(300, 2e4), because="bogie frames weigh 0.5 t to 20 t"),
+]
+WheelsetInertia = Annotated[
     float,
     UnitRange(
         "kg.m2",
         at_least=1,
-        at_most=1e6,
-        because="wheelsets have inertias of 20 to 2000 kg.m2, bogie frames of 200 to 1e5 kg.m2",
+        at_most=5e3,
+        usual=(10, 2500),
+        because="wheelsets have 20 to 250 kg.m2, with a drive up to 2000",
+    ),
+]
+FrameInertia = Annotated[
+    float,
+    UnitRange(
+        "kg.m2", at_least=10, at_most=1e6, usual=(100, 1e5), because="bogie frames have inertias of 200 to 1e5 kg.m2"
     ),
 ]
 FrontalArea = Annotated[
-    float, UnitRange("m2", at_least=0.5, at_most=100, because="European gauges (EN 15273) enclose about 12 m2")
+    float,
+    UnitRange("m2", at_least=0.5, at_most=100, usual=(2, 16), because="European gauges (EN 15273) enclose about 12 m2"),
 ]
 PistonArea = Annotated[
     float,
-    UnitRange("m2", at_least=1e-4, at_most=1, because="pistons have diameters of 30 mm (hydraulic) to 406 mm (16 in)"),
+    UnitRange(
+        "m2",
+        at_least=1e-4,
+        at_most=0.3,
+        usual=(5e-4, 0.15),
+        because="pistons have diameters of 30 mm (hydraulic) to 406 mm (16 in)",
+    ),
 ]
 Spring = Annotated[
-    float, UnitRange("N", at_least=1, at_most=1e5, or_zero=True, because="springs of cylinders have a few kN")
+    float,
+    UnitRange(
+        "N",
+        at_least=10,
+        at_most=3e4,
+        or_zero=True,
+        usual=(50, 8e3),
+        because="springs of cylinders have 0.2 to 3 kN; 0 is none",
+    ),
 ]
-PadForce = Annotated[float, UnitRange("N", at_least=100, at_most=1e7, because="pads are pressed by 5 kN to 100 kN")]
+PadForce = Annotated[
+    float,
+    UnitRange("N", at_least=100, at_most=1e6, usual=(2e3, 2e5), because="pads are pressed by 5 kN to 100 kN"),
+]
 Attraction = Annotated[
     float,
     UnitRange(
         "N",
         at_least=1e3,
         at_most=1e6,
+        usual=(2e4, 1.5e5),
         because="magnets of track brakes have attractive forces of about 40 kN to 100 kN",
     ),
 ]
@@ -83,13 +173,17 @@ Strength = Annotated[
         "N",
         at_least=1e4,
         at_most=1e8,
+        usual=(5e4, 5e6),
         because="couplers withstand about 100 kN in trams and 1.5 MN in trains (EN 12663-1)",
     ),
 ]
 Pressure = Annotated[
     float,
     UnitRange(
-        "Pa", at_least=1e4, at_most=1e8, because="brake cylinders have 2 to 6 bar of air, or up to 200 bar of oil"
+        "Pa",
+        at_least=1e4,
+        at_most=3e7,
+        because="brake cylinders have 2 to 6 bar of air, or up to 200 bar of oil",
     ),
 ]
 Stiffness = Annotated[
@@ -98,21 +192,48 @@ Stiffness = Annotated[
         "N/m",
         at_least=1e4,
         at_most=1e10,
+        usual=(1e5, 1e9),
         because="axle boxes have 1.2 MN/m in the Manchester benchmarks (Iwnicki, 1998), couplers about 10 MN/m",
     ),
 ]
 Damping = Annotated[
     float,
-    UnitRange("N.s/m", at_least=10, at_most=1e9, or_zero=True, because="dampers of trains have 1 kN.s/m to 1 MN.s/m"),
+    UnitRange(
+        "N.s/m",
+        at_least=10,
+        at_most=1e9,
+        or_zero=True,
+        usual=(500, 1e7),
+        because="dampers of trains have 1 kN.s/m to 1 MN.s/m",
+    ),
 ]
 Seconds = Annotated[
-    float, UnitRange("s", at_least=1e-3, at_most=120, or_zero=True, because="no cylinder takes two minutes")
+    float,
+    UnitRange("s", at_least=1e-3, at_most=120, or_zero=True, usual=(0, 15), because="brakes act within seconds"),
 ]
 TravelSpeed = Annotated[
     float, UnitRange("m/s", at_least=0.1, at_most=FASTEST, because="no train on wheels has been faster than 159.7 m/s")
 ]
-Temperature = Annotated[float, UnitRange("K", at_least=1, at_most=3e3, because="brakes work between 230 K and 1300 K")]
-LagTime = Annotated[float, UnitRange("s", at_least=1e-3, at_most=60)]
+Temperature = Annotated[
+    float,
+    UnitRange(
+        "K",
+        at_least=200,
+        at_most=1300,
+        usual=(250, 700),
+        because="brakes work between 230 K and 1300 K; write '60 degC' for 60 °C",
+    ),
+]
+TemperatureRange = Annotated[
+    float, UnitRange("K", at_least=1, at_most=2e3, usual=(20, 800), difference=True, because="discs get 500 K hotter")
+]
+LagTime = Annotated[
+    float, UnitRange("s", at_least=1e-3, at_most=60, usual=(0.02, 12), because="cylinders fill in 1 to 30 s")
+]
+FillTime = Annotated[
+    float,
+    UnitRange("s", at_least=1e-6, at_most=60, usual=(1, 35), because="UIC 540 has 3 to 5 s (P) and 18 to 30 s (G)"),
+]
 SharedBy = Literal["axle", "bogie", "car"]
 
 
@@ -143,13 +264,11 @@ class SourcedTable(Table):
 class Resistance(SourcedTable):
     """Resistances of the train: air, bearings, rolling."""
 
-    drag_coefficient: Positive = Field(description="drag coefficient of the whole train, referred to its frontal area")
+    drag_coefficient: Drag = Field(description="drag coefficient of the whole train, referred to its frontal area")
     frontal_area: FrontalArea = Field(description="frontal area of the train")
-    bearing_friction: Share = Field(description="friction coefficient of the axle bearings")
-    bearing_radius: Size = Field(description="radius at which the bearing friction acts")
-    rolling_arm: Annotated[float, UnitRange("m", at_least=1e-6, at_most=0.01, or_zero=True)] = Field(
-        description="lever arm of the rolling resistance"
-    )
+    bearing_friction: BearingFriction = Field(description="friction coefficient of the axle bearings")
+    bearing_radius: BearingRadius = Field(description="radius at which the bearing friction acts")
+    rolling_arm: RollingArm = Field(description="lever arm of the rolling resistance")
 
 
 class Pads(SourcedTable):
@@ -161,7 +280,7 @@ class Pads(SourcedTable):
     force_nominal: PadForce = Field(description="force of both pads at which friction is nominal")
     temperature_effect: Effect = Field(description="relative increase in friction over the temperature range")
     temperature_nominal: Temperature = Field(description="temperature at which friction is nominal")
-    temperature_range: Temperature = Field(
+    temperature_range: TemperatureRange = Field(
         description="temperature range over which friction changes by the temperature effect"
     )
     settle_energy: Annotated[
@@ -179,7 +298,7 @@ class BrakeUnit(SourcedTable):
     efficiency: Efficiency = Field(description="efficiency of the rigging")
     spring_force: Spring = Field(description="force of slack adjuster and return spring at the piston")
     pressure_max: Pressure = Field(description="highest cylinder pressure")
-    pad_friction: Share = Field(description="nominal friction coefficient of the pads")
+    pad_friction: PadFriction = Field(description="nominal friction coefficient of the pads")
 
 
 class TrackBrake(SourcedTable):
@@ -210,7 +329,7 @@ class BrakePipe(SourcedTable):
     branch_volume: Annotated[float, UnitRange("m3", at_least=1e-6, at_most=1, or_zero=True)] = Field(
         description="volume of branch pipe and dirt collector in each car, upstream of the distributor"
     )
-    fill_time: Annotated[float, UnitRange("s", at_least=1e-6, at_most=60)] = Field(
+    fill_time: FillTime = Field(
         description="time from the first pressure to 95 % of the highest pressure, through a distributor"
     )
     reservoir: Annotated[float, UnitRange("m3", at_least=1e-4, at_most=10)] = Field(
@@ -260,7 +379,7 @@ Command = Annotated[Electropneumatic | BrakePipe, Field(discriminator="kind")]
 class Bogie(SourcedTable):
     """A bogie whose axles have the same wheels and brake units."""
 
-    axles: tuple[Annotated[float, UnitRange("m", at_least=0, at_most=20)], ...] = Field(
+    axles: tuple[AxlePosition, ...] = Field(
         min_length=2, max_length=8, description="equally spaced positions relative to the first axle, which is at 0"
     )
     brake: Name = Field(description="name of its brake units in [brakes]")
@@ -273,13 +392,13 @@ class Bogie(SourcedTable):
         default=None, description="name of its track brakes in [track_brakes], used in an emergency"
     )
     wheel_radius: WheelRadius = Field(description="rolling radius")
-    inertia: tuple[Inertia, ...] = Field(
+    inertia: tuple[WheelsetInertia, ...] = Field(
         min_length=1,
         description="inertia of an axle with wheels, discs and drive: one value for all axles, or one for each",
     )
-    axle_mass: PartMass = Field(description="mass of one wheelset")
-    frame_mass: PartMass = Field(description="mass of the frame without wheelsets")
-    frame_inertia: Inertia = Field(description="pitch moment of inertia of the frame")
+    axle_mass: WheelsetMass = Field(description="mass of one wheelset")
+    frame_mass: FrameMass = Field(description="mass of the frame without wheelsets")
+    frame_inertia: FrameInertia = Field(description="pitch moment of inertia of the frame")
     frame_height: Height = Field(description="height of its centre of gravity above the rail")
     rod_height: Height = Field(description="height of the traction rod above the rail")
     stiffness: Stiffness = Field(description="stiffness of the primary suspension of one axle")

@@ -4,9 +4,9 @@ Source: EN 14531-1, stopping distance by time steps from instantaneous forces; i
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate
-from math import expm1, pi, sqrt
+from math import expm1, inf, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,9 +36,9 @@ class HandCalculation:
     Attributes:
         distance: Distance from the brake demand to standstill [m].
         duration: Time from the brake demand to standstill [s].
-        deceleration: Mean deceleration with fully developed brakes [m/s2].
-        equivalent_time: Equivalent response time [s]: no brake force for this time and then the full force give the
-            same distance.
+        deceleration: Mean deceleration over the distance of a stop with fully developed brakes [m/s2].
+        equivalent_time: Equivalent response time [s]: this time at the initial speed, and then a stop with fully
+            developed brakes, give the same distance (EN 14531-1), s = v te + v²/(2 a).
         adhesion: Maximum adhesion used by each axle, shape (axles,); coupled axles share their brake forces.
         rotating_mass: Equivalent mass of the rotating parts [kg].
         coupler_force: Maximum force in each coupler, compression positive, shape (cars - 1,) [N].
@@ -67,6 +67,16 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
     Raises:
         InputError: The train does not stop within ten minutes.
     """
+    stop, developed = _stop(train, speed), _stop(train, speed, developed=True)
+    return replace(
+        stop,
+        deceleration=speed**2 / (2 * developed.distance),
+        equivalent_time=(stop.distance - developed.distance) / speed,
+    )
+
+
+def _stop(train: Train, speed: float, *, developed: bool = False) -> HandCalculation:
+    """Return a stop whose brakes build up, or are `developed` from the start."""
     brakes, wheel = _brakes_of(train)
     mass, inertia = np.array([[axle.mass, axle.inertia] for axle in train.axles]).T
     rolling = mass * GRAVITY * _rolling(train, wheel)
@@ -78,13 +88,13 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
     magnetic = [(bogie.cars[0], bogie.track_brake) for bogie in train.bogies_in_train if bogie.track_brake is not None]
     magnetic_car = np.array([car for car, _ in magnetic], dtype=np.intp)
     build_up = _PressureBuildUp(train, speed)
+    head_start = inf if developed else 0.0
     v, s, t = speed, 0.0, 0.0
     adhesion, joints = np.zeros(mass.size), np.zeros(len(train.cars) - 1)
-    decelerations: list[float] = []
     history: list[Vector] = []
     car_mass = cars @ (mass + turning)
     while v > 0:
-        now = t + _STEP / 2  # forces in the middle of a step
+        now = t + _STEP / 2 + head_start  # forces in the middle of a step
         braking = _brake_force(brakes, v, build_up.share(now, v)) + rolling
         magnets = np.array([_magnetic_force(brake, v, now) for _, brake in magnetic])
         drag = 0.5 * _AIR_DENSITY * train.resistance.drag_coefficient * train.resistance.frontal_area * v**2
@@ -96,20 +106,17 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
         history.append(of_cars)
         surplus = np.cumsum(of_cars - car_mass * deceleration)[:-1]
         joints = np.where(np.abs(surplus) > np.abs(joints), surplus, joints)
-        if t > build_up.developed_at:
-            decelerations.append(deceleration)
         last = deceleration * _STEP >= v
         step = v / deceleration if last else _STEP
         s += v * step - 0.5 * deceleration * step**2
         v = 0.0 if last else v - deceleration * step
         t += step
         _require_end(train, speed, t)
-    mean = float(np.mean(decelerations)) if decelerations else speed**2 / (2 * s)
     return HandCalculation(
         distance=s,
         duration=t,
-        deceleration=mean,
-        equivalent_time=max(s / speed - speed / (2 * mean), 0.0),
+        deceleration=speed**2 / (2 * s),
+        equivalent_time=0.0,
         adhesion=adhesion,
         rotating_mass=float(turning.sum()),
         coupler_force=joints,
@@ -202,23 +209,18 @@ def _brake_force(brakes: dict[str, Vector], speed: float, share: Vector) -> Vect
 
 
 class _PressureBuildUp:
-    """Build-up of the brake pressure at each axle.
-
-    Attributes:
-        developed_at: Time from the demand until braking counts as fully developed [s].
-    """
+    """Build-up of the brake pressure at each axle."""
 
     def __init__(self, train: Train, speed: float) -> None:
         self._command, self._stages = train.command, _Stages(train, speed)
         positions = np.array([axle.position for axle in train.axles])
         match self._command:
             case None:
-                self._delay, self.developed_at = np.zeros(positions.size), 0.0
-            case Electropneumatic(delay=delay, time_constant=time_constant):
-                self._delay, self.developed_at = np.full(positions.size, delay), delay + 3 * time_constant
+                self._delay = np.zeros(positions.size)
+            case Electropneumatic(delay=delay):
+                self._delay = np.full(positions.size, delay)
             case BrakePipe() as pipe:
                 self._delay = positions / _front_speed(train, pipe)
-                self.developed_at = float(self._delay.max()) + pipe.fill_time / _FILLED
 
     def share(self, time: float, speed: float) -> Vector:
         """Return the pressure at each axle in the next step as a share of the highest, shape (axles,)."""

@@ -78,6 +78,7 @@ def profile_of(scenario: Scenario, formation: Formation) -> FrictionTable:
             positions are not given.
     """
     adhesion, wheelsets = scenario.adhesion, formation.wheelsets
+    _require_reached(scenario)
     _require_resolved(scenario)
     step, places = _grid(scenario, formation)
     friction = _profile_friction(scenario, places, step, wheelsets)
@@ -193,11 +194,40 @@ def reach_of(scenario: Scenario) -> float:
     Raises:
         ScenarioError: The distance is too long for a table.
     """
-    has_traction = scenario.demand is not None and scenario.demand.has_traction
-    reach = (FASTEST if has_traction else scenario.start.speed) * scenario.horizon
-    fastest = "any train" if has_traction else "[start] speed"
+    reach, fastest = _farthest(scenario), "any train" if _has_traction(scenario) else "[start] speed"
     _require_tabulated(scenario, reach, f"{fastest} goes until [limits] horizon")
     return reach
+
+
+def _has_traction(scenario: Scenario) -> bool:
+    return scenario.demand is not None and scenario.demand.has_traction
+
+
+def _farthest(scenario: Scenario) -> float:
+    return (FASTEST if _has_traction(scenario) else scenario.start.speed) * scenario.horizon
+
+
+def _require_reached(scenario: Scenario) -> None:
+    """Raise an error for places on rail and track of which the train reaches none: they have another origin."""
+    adhesion, reach = scenario.adhesion, _farthest(scenario)
+    places = {
+        "[[adhesion.patch]] begin": [patch.begin for patch in adhesion.patch],
+        "[[track.gradient]] begin": [section.begin for section in scenario.track.gradient],
+        "[[track.curve]] begin": [section.begin for section in scenario.track.curve],
+    }
+    if scenario.runs_over_distance:
+        if isinstance(adhesion, Points):
+            places["[adhesion] points"] = list(adhesion.places)
+        elif isinstance(adhesion, FromTable):
+            places[f"[adhesion] file {adhesion.file.entry}"] = adhesion.curve.axis.tolist()
+    for key, distances in places.items():
+        if distances and (min(distances) > reach or max(distances) < 0.0):
+            has_origin = key.startswith("[adhesion]")
+            raise ScenarioError(
+                f"{scenario.name}: {key} is from {min(distances):g} m to {max(distances):g} m from the brake demand, "
+                f"but the train gets no farther than {reach:g} m; places are distances from the brake demand"
+                + (", or chainages if [adhesion] origin has that of the leading wheelset there" if has_origin else "")
+            )
 
 
 def _require_tabulated(scenario: Scenario, reach: float, what: str) -> None:

@@ -4,7 +4,7 @@ import csv
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, Literal
 
@@ -84,16 +84,31 @@ class FrictionCurve:
         return self.columns.values
 
 
-def read_curve(path: Path) -> FrictionCurve:
+def read_curve(path: Path, origin: float | None = None) -> FrictionCurve:
     """Read the columns time or distance, and mu0 or mu0_1 … mu0_n; without a unit in s, m and 1.
+
+    Args:
+        path: Path of the file.
+        origin: Chainage at which the leading wheelset is at the brake demand [m], if the distances are chainages; in
+            the order of the rows they rise or fall.
 
     Raises:
         ValueError: The file is wrong; the message has the line, but not the file's name.
     """
     columns = read_columns(
-        path, axes={"time": "s", "distance": "m"}, name="mu0", si="1", span=(0.0, 1.0), above=True, example="%"
-    )
+        path, axes={"time": "s", "distance": "m"}, name="mu0", si="1", span=(0.0, 1.0), above=True, example="%",
+        falling=origin is not None,
+    )  # fmt: skip
+    if origin is not None:
+        if columns.axis == "time":
+            raise ValueError("has a column time, and origin is a place on the rail; leave origin out")
+        columns = replace(columns, points=along(columns.points, origin))
     return FrictionCurve(over="time" if columns.axis == "time" else "distance", columns=columns)
+
+
+def along(chainages: NDArray[np.float64], origin: float) -> NDArray[np.float64]:
+    """Return the distances of a train [m], rising, at chainages in its direction of travel, rising or falling."""
+    return chainages - origin if chainages[-1] > chainages[0] else origin - chainages
 
 
 def read_columns(
@@ -104,6 +119,7 @@ def read_columns(
     si: str,
     span: tuple[float, float],
     above: bool = False,
+    falling: bool = False,
     example: str,
 ) -> TabulatedQuantity:
     """Read a quantity over a rising axis.
@@ -117,6 +133,7 @@ def read_columns(
         si: SI unit of the quantity.
         span: Minimum and maximum of the values in it.
         above: Whether the minimum is excluded.
+        falling: Whether the axis may also fall throughout.
         example: Another unit of the quantity, for a message.
 
     Raises:
@@ -156,9 +173,12 @@ def read_columns(
             values[:, place] = gain * values[:, place] + shift
     points = values[:, header.index(axis)]
     quantity = values[:, [header.index(column) for column in columns]]
-    if not np.all(np.diff(points) > 0):
-        line = rows[1:][int(np.argmin(np.diff(points) > 0)) + 1][0]
-        raise ValueError(f"line {line}: {axis} does not rise")
+    steps = np.diff(points)
+    if not (np.all(steps > 0) or (falling and np.all(steps < 0))):
+        line = rows[1:][int(np.argmin(steps > 0)) + 1][0]
+        is_chainage = not falling and axis == "distance" and np.all(steps < 0)
+        hint = "; chainages that fall in the direction of travel need the key origin" if is_chainage else ""
+        raise ValueError(f"line {line}: {axis} does not rise{hint}")
     least, most = span
     inside = np.all(((quantity > least) if above else (quantity >= least)) & (quantity <= most), axis=1)
     if not np.all(inside):

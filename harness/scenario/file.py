@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
@@ -86,17 +85,29 @@ class OtherFileString(str):
         return text
 
 
-@dataclass(frozen=True, slots=True)
 class NamedFile:
     """A file that a scenario refers to.
+
+    It is not a dataclass, which pydantic would dump as a table.
 
     Attributes:
         entry: The path as written; results record only this, so that they do not depend on the location of the project.
         path: Path of the file on this machine.
     """
 
-    entry: str
-    path: Path
+    __slots__ = ("entry", "path")
+
+    def __init__(self, entry: str, path: Path) -> None:
+        self.entry, self.path = entry, path
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, NamedFile) and (self.entry, self.path) == (other.entry, other.path)
+
+    def __hash__(self) -> int:
+        return hash((self.entry, self.path))
+
+    def __repr__(self) -> str:
+        return f"NamedFile({self.entry!r}, {self.path!r})"
 
     def digest(self) -> str:
         """Return the SHA-256 of the content; for a `package.mo`, that of all Modelica files of its library."""
@@ -134,5 +145,5 @@ class NamedFile:
         return core_schema.with_info_plain_validator_function(
             cls.find,
             json_schema_input_schema=core_schema.str_schema(min_length=1),
-            serialization=core_schema.plain_serializer_function_ser_schema(lambda file: file.entry),
+            serialization=core_schema.plain_serializer_function_ser_schema(lambda file: file.entry, when_used="json"),
         )

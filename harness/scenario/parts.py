@@ -182,9 +182,12 @@ class Limits(Table):
         "a stop that takes longer ends here, with that outcome; without it twice the time that locked wheels would "
         "take on the lowest friction, at least 2 and at most 10 min"
     )
-    stop_speed: Annotated[float, UnitRange("m/s", at_least=0)] = Field(
-        default=0.1, description="speed that counts as standstill"
-    )
+    stop_speed: Annotated[
+        float,
+        UnitRange(
+            "m/s", at_least=0, at_most=1.5, because="a train that moves faster does not stand: 2 m or more are missing"
+        ),
+    ] = Field(default=0.1, description="speed that counts as standstill")
     alpha_max: Friction = Field(
         default=_ADHESION_LIMITS["tsi"],
         description="most adhesion that may be used: a number, 'tsi' (0.15) or 'tsi_short_formation' (0.13); "

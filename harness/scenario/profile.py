@@ -2,15 +2,16 @@
 
 from typing import Annotated, Literal, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from railgrip.base import registry
-from railgrip.scenario.curve import FrictionCurve, read_curve
+from railgrip.scenario.curve import FrictionCurve, along, read_curve
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.quantity import Magnitude, UnitRange
 from railgrip.scenario.surface import Recovery, Sand
-from railgrip.scenario.table import ONE_OR_EACH, Friction, Length, Table, not_in, optional, table_error
+from railgrip.scenario.table import ONE_OR_EACH, Chainage, Friction, Length, Table, not_in, optional, table_error
 
 
 class Conditioning(Table):
@@ -309,6 +310,12 @@ class Random(_Varying):
         return self
 
 
+_ORIGIN = (
+    "chainage of the leading wheelset at the brake demand, of a profile over distance whose places are chainages; they "
+    "rise or fall in the direction of travel"
+)
+
+
 class Points(_Varying):
     """Linear between points, constant beyond them; optionally with scatter of a relative standard deviation.
 
@@ -318,6 +325,7 @@ class Points(_Varying):
 
     kind: Literal["points"]
     points: tuple[tuple[Extent, Friction], ...] = Field(min_length=1, description="time or distance, and mu0 there")
+    origin: Chainage | None = optional(_ORIGIN)
     scatter: Annotated[float, UnitRange("1", at_least=0, below=0.3)] = Field(default=0.0, description="1σ over mu0")
     correlation: Extent | None = Field(default=None, description="correlation length of the scatter; required with it")
 
@@ -327,8 +335,9 @@ class Points(_Varying):
 
     @property
     def places(self) -> tuple[float, ...]:
-        """Places of the points, in the unit of the axis."""
-        return tuple(place.si(self.unit) for place, _ in self.points)
+        """Times or distances of the points since the brake demand, in the unit of the axis."""
+        places = tuple(place.si(self.unit) for place, _ in self.points)
+        return places if self.origin is None else tuple(along(np.array(places), self.origin).tolist())
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
@@ -336,8 +345,12 @@ class Points(_Varying):
             places = self.places
         except ValueError as problem:
             raise table_error(f"points {problem} (the profile runs over {self.over})") from problem
-        if list(places) != sorted(set(places)) or places[0] < 0:
-            raise table_error(f"points must begin with rising values from 0 on, got {list(places)}")
+        if self.origin is not None and self.over == "time":
+            raise table_error("has an origin, which is a place on the rail, and runs over time; leave origin out")
+        if list(places) != sorted(set(places)) or (self.origin is None and places[0] < 0):
+            raise table_error(
+                f"points must begin with rising values from 0 on, got {list(places)}; for chainages give origin"
+            )
         if self.correlation is not None:
             self._check_extents("correlation")
         elif self.scatter:
@@ -352,6 +365,8 @@ class FromTable(_Profile):
     file: NamedFile = Field(
         description="CSV with columns time or distance, and mu0 or mu0_1 … mu0_n; in s and m, or in stated units"
     )
+
+    origin: Chainage | None = optional(_ORIGIN)
 
     @model_validator(mode="after")
     def _readable(self) -> Self:
@@ -370,7 +385,7 @@ class FromTable(_Profile):
     def curve(self) -> FrictionCurve:
         """The content of the file."""
         try:
-            return read_curve(self.file.path)
+            return read_curve(self.file.path, self.origin)
         except ValueError as problem:
             raise table_error(f"file {self.file.entry}: {problem}") from problem
 

@@ -28,8 +28,8 @@ _WITH_UNIT = core_schema.str_schema(pattern=r"^\s*[-+]?\.?\d")
 class UnitRange:
     """Annotation of a float field: its SI unit and range.
 
-    `Annotated[float, Unit("m/s", above=0)]` accepts "80 km/h", which is converted after a check of its dimension, and
-    22.2, which is in SI.
+    `Annotated[float, UnitRange("m/s", above=0)]` accepts "80 km/h", which is converted after a check of its dimension,
+    and 22.2, which is in SI.
     """
 
     def __init__(
@@ -41,6 +41,8 @@ class UnitRange:
         below: float | None = None,
         at_most: float | None = None,
         or_zero: bool = False,
+        usual: tuple[float, float] | None = None,
+        difference: bool = False,
         because: str = "",
     ) -> None:
         """Store unit and limits.
@@ -52,9 +54,11 @@ class UnitRange:
             below: Upper limit, exclusive.
             at_most: Upper limit, inclusive.
             or_zero: Whether 0 is valid regardless of the limits.
+            usual: Minimum and maximum of usual values; others within the limits are valid, but worth a remark.
+            difference: Whether the value is a difference of temperatures, which "°C" does not express.
             because: Reason of the limits.
         """
-        self.unit, self.or_zero = unit, or_zero
+        self.unit, self.or_zero, self.usual, self.difference = unit, or_zero, usual, difference
         self.because = f"; {because}" if because else ""
         self.limits = dict(zip(_LIMITS, (above, at_least, below, at_most), strict=True))
 
@@ -81,6 +85,11 @@ class UnitRange:
             raise _refusal(str(problem)) from problem
         except OverflowError:  # an integer of more than 308 digits
             value = math.inf
+        if self.difference and isinstance(entry, str) and (point := quantity(entry)[1]).offset:
+            raise _refusal(
+                f"is {_spell(entry)}, a temperature, but a difference of temperatures is expected; write it in K, "
+                f"or without a unit ({point.name} has another zero than K)"
+            )
         if not math.isfinite(value):
             raise _refusal(f"is {_spell(entry)}, but a finite number is expected")
         if 0.0 < abs(value) < sys.float_info.min:
@@ -93,6 +102,13 @@ class UnitRange:
                 span = self._span(suffix)
                 raise _refusal(f"must be {words} {limit:g}{suffix}, got {_spell(entry)}{span}{reason}")
         return value
+
+    def doubt(self, value: float) -> str:
+        """Return the words, after the name of a key, for a valid value that is not usual; '' for a usual one."""
+        if self.usual is None or self.usual[0] <= value <= self.usual[1] or (self.or_zero and value == 0.0):
+            return ""
+        suffix, (low, high) = "" if self.unit == "1" else f" {self.unit}", self.usual
+        return f"is {value:g}{suffix}; usual are {low:g} to {high:g}{suffix}{self.because}"
 
     def _span(self, suffix: str) -> str:
         above, at_least, below, at_most = self.limits.values()

@@ -8,6 +8,7 @@ periods of 1 ms, and straight level track.
 import hashlib
 import json
 import math
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import Annotated, Any, Final, Self
 
@@ -18,6 +19,7 @@ from railgrip.scenario.demand import Demand
 from railgrip.scenario.faults import Fault, Truth, kinds_of_faults
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.kinds import ByKind
+from railgrip.scenario.merge import merge
 from railgrip.scenario.parts import (
     Actuation,
     Controller,
@@ -192,6 +194,16 @@ class Scenario(Table):
     def resolved(self) -> dict[str, Any]:
         """Return the scenario as plain values in SI units with all defaults; loading them gives an equal scenario."""
         return self.model_dump(mode="json")
+
+    def tables(self) -> dict[str, Any]:
+        """Return the values of `resolved` with each file at its place on this machine, so that they can be validated
+        again from any folder.
+        """
+        return self.model_dump()
+
+    def revised(self, change: Mapping[str, Any]) -> "Scenario":
+        """Return the scenario with the keys of `change` overlaid, as `railgrip.scenario.merge.merge` does."""
+        return Scenario.model_validate(merge(self.tables(), change))
 
     def digest(self) -> str:
         """Return a SHA-256 of all inputs of the stop: values, and the content of the files they name."""

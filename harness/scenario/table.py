@@ -39,6 +39,7 @@ Period = Annotated[
 Delay = Annotated[float, UnitRange("s", at_least=0, at_most=10800, because=_WHY_THREE_HOURS)]
 Lag = Annotated[float, UnitRange("s", at_least=0, at_most=10, because="what a sensor shows so late is of another stop")]
 Length = Annotated[float, UnitRange("m", at_least=0, at_most=1e5, because="no braking is longer than 100 km")]
+Chainage = Annotated[float, UnitRange("m", at_least=-1e7, at_most=1e7, because="no line is longer than 10,000 km")]
 Mass = Annotated[float, UnitRange("kg", above=0, at_most=1e8, because="the heaviest train weighed 1e8 kg")]
 Deviation = Annotated[float, UnitRange("1", at_least=0, below=1)]
 ModelicaClass = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$", max_length=200)]

@@ -178,7 +178,7 @@ class Vehicle(Table):
     def _named_or_file(cls, entry: Any, info: ValidationInfo) -> NamedFile | None:
         return find_train(entry, info)
 
-    @field_serializer("plant", "train")
+    @field_serializer("plant", "train", when_used="json")
     def _as_written(self, plant: str | NamedFile | None) -> str | None:
         return plant.entry if isinstance(plant, NamedFile) else plant
 

@@ -192,6 +192,15 @@ _LEAST = {"speed": 1.0, "wheelset_speed": 2.0, "acceleration": 0.3, "cylinder_pr
 scale."""
 _MAX_RATIO = 1.5
 """Above any adhesion, pad friction or slip: a larger estimate is in percent."""
+_SLIDES = 0.1  # slip; readings of the speed of a rolling train are less than 10 % off
+_ROUGHLY_ZERO = 0.02  # adhesion and friction; filters overshoot zero by less
+_SLOWED = 5.0  # m/s; a train that slows by so much without a change of slip is not on a rail
+_SIGNS = {
+    "slip": "; the wheels read slower than the train: slip is 1 - r w/v, positive in braking",
+    "adhesion": "; adhesion is positive in braking",
+    "pad_friction": "; friction of pads is positive",
+}
+"""Name of an estimate → the end of the message on its sign."""
 
 
 class CustomController:
@@ -333,6 +342,57 @@ class _UnitCheck:
         return self.mistake(time, np.where(np.abs(values) > _MAX_RATIO, 100.0, 1.0), np.ones(values.shape))
 
 
+class _Persistence:
+    """The time for which a condition has held without a break."""
+
+    def __init__(self) -> None:
+        self._since = math.inf
+
+    def lasts(self, time: float, holds: bool) -> bool:
+        """Return whether the condition, which holds at this time or not, has held for a second."""
+        self._since = min(self._since, time) if holds else math.inf
+        return time >= self._since + _PATIENCE
+
+
+class _SignCheck:
+    """Compares the signs of estimates with those that braking gives them, and looks for estimates that never change."""
+
+    def __init__(self, name: str, wheel_radius: Array) -> None:
+        """Check the estimate of a name on groups with wheels of these radii, shape (groups,) [m]."""
+        self._name, self._radius = name, wheel_radius
+        self._wrong, self._first, self._speed = _Persistence(), np.empty(0), math.nan
+
+    def mistake(self, observation: Observation, value: ArrayLike) -> str:
+        """Return the mistake, in words that follow the value; '' for a value that may be right."""
+        values = np.atleast_1d(np.asarray(value, dtype=np.float64))
+        if self._wrong.lasts(observation.time, self._is_wrong(observation, values)):
+            return _SIGNS[self._name]
+        # Adhesion and friction of pads may be assumptions, or steady in a steady braking.
+        return self._stuck(observation, values) if self._name in ("speed", "wheelset_speed", "slip") else ""
+
+    def _is_wrong(self, observation: Observation, values: Array) -> bool:
+        match self._name:
+            case "slip":
+                rolling = max(observation.speed, _SLOWED) / self._radius
+                read = 1.0 - observation.wheelset_speed / rolling
+                return bool(np.any((read > _SLIDES) & (values < -0.5 * read)))
+            case "adhesion":
+                return bool(observation.driver_demand.max() > 0.0 and np.any(values < -_ROUGHLY_ZERO))
+            case "pad_friction":
+                return bool(np.any(values < -_ROUGHLY_ZERO))
+            case _:
+                return False
+
+    def _stuck(self, observation: Observation, values: Array) -> str:
+        if not self._first.size:
+            self._first, self._speed = values.copy(), observation.speed
+        has_moved = not np.array_equal(values, self._first)
+        if has_moved:
+            self._speed = math.nan  # compared with nothing from now on
+        slowed = self._speed - observation.speed
+        return f"; it has not changed since the start, while the train slowed by {slowed:.3g} m/s" * (slowed > _SLOWED)
+
+
 class CustomEstimator:
     """Puts a user's estimator into the loop.
 
@@ -354,6 +414,8 @@ class CustomEstimator:
             )
         self._part, self._formation, self._has_started = estimator, _guard_formation(formation), False
         self._checks = {name: _UnitCheck(_LEAST.get(name, 0.0)) for name in self.provides}
+        radius = np.array([brake.wheel_radius for brake in formation.brakes])
+        self._signs = {name: _SignCheck(name, radius) for name in self.provides if not name.endswith("_sd")}
         extent: dict[str, Extent] = {signal.name.removeprefix("estimate_"): signal.extent for signal in ESTIMATES}
         self._shapes = {
             name: () if extent[name] == "train" else (formation.width(extent[name]),) for name in self.provides
@@ -388,6 +450,8 @@ class CustomEstimator:
         return {name: np.array(value, dtype=np.float64, ndmin=1) for name, value in values.items()}
 
     def _mistake(self, name: str, value: ArrayLike, observation: Observation) -> str:
+        if name in self._signs and (words := self._signs[name].mistake(observation, value)):
+            return words
         if name in _LEAST:
             return self._checks[name].mistake(observation.time, value, getattr(observation, name))
         # Slip, adhesion and friction have no reading to compare with, and a standard deviation has no upper bound.

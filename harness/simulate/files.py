@@ -46,10 +46,10 @@ def _class_file(class_name: str, library: Path, digest: str, interface: Literal[
 @cache
 def _train_file(path: Path, digest: str, pneumatic: bool, rail: "_Rail") -> Path:  # pyright: ignore[reportUnusedParameter]
     # Imported here: the schema of a train file takes as long to load as numpy, and few scenarios use one.
+    from railgrip.rolling_stock.check import checked_train
     from railgrip.rolling_stock.modelica import class_name, class_text
-    from railgrip.rolling_stock.schema import load_train
 
-    train = load_train(path)
+    train = checked_train(path)
     name, text = class_name(train, pneumatic=pneumatic), class_text(train, pneumatic=pneumatic)
     rigging = "redeclare block TrainRigging = RailBraking.Pneumatics.HystereticRigging"
     return _build(*_on_rail(name, text, len(train.axles), rail._replace(hysteresis=rigging, uneven=True)))
@@ -162,6 +162,31 @@ def _class_with_curves(name: str, wheelsets: int) -> tuple[str, str]:
 def _build(name: str, text: str) -> Path:
     source = keep("modelica", sha256(text.encode()).hexdigest(), f"{name}.mo", text.encode())
     return build_class(name, source).path
+
+
+def remarks_on_train(scenario: Scenario) -> list[str]:
+    """Return a sentence for each unusual value of the train file of a scenario.
+
+    Raises:
+        ScenarioError: The law of pad friction does not hold at the speeds of the stop.
+    """
+    source = scenario.vehicle.source
+    if not isinstance(source, TrainFile):
+        return []
+    remarks, wrong = _remarks_on_train(source.file.path, source.file.digest(), scenario.start.speed)
+    if wrong:
+        raise ScenarioError("\n".join(f"{scenario.name}: {sentence}" for sentence in wrong))
+    return [f"{scenario.name}: {sentence}" for sentence in remarks]
+
+
+@cache
+def _remarks_on_train(path: Path, digest: str, speed: float) -> tuple[list[str], list[str]]:  # pyright: ignore[reportUnusedParameter]
+    from railgrip.rolling_stock.check import checked_train, fastest_stop, findings, friction_findings
+
+    train = checked_train(path)
+    # A train that starts from rest accelerates to a speed that is not known here.
+    wrong = friction_findings(train, speed or fastest_stop(train))
+    return [f"{path.name}: {remark}" for remark in findings(train)], [f"{path.name}: {remark}" for remark in wrong]
 
 
 @cache

@@ -336,7 +336,7 @@ def _full_brake(scenario: Scenario) -> Scenario:
 def _bare(scenario: Scenario, changes: dict[str, Any]) -> Scenario:
     """Return a scenario with the tables in `changes`, fully braked without a controller."""
     parts = {"sensors": {"kind": "ideal"}, "estimator": {"kind": "none"}, "controller": {"kind": "full_brake"}}
-    return Scenario.model_validate(scenario.resolved() | parts | changes)
+    return Scenario.model_validate(scenario.tables() | parts | changes)
 
 
 def _write_motion(recorder: Recorder, distance: Array, speed: Array, acceleration: Array) -> None:

@@ -25,6 +25,7 @@ from railgrip.simulate import custom
 from railgrip.simulate.controller import law_states, open_controller, train_level_of, valve_logic_of
 from railgrip.simulate.estimator import state_estimator
 from railgrip.simulate.faults.site import faults_of
+from railgrip.simulate.files import remarks_on_train
 from railgrip.simulate.importing import origin_of, part_of, table_of
 from railgrip.simulate.loop.loop import Ending, Loop
 from railgrip.simulate.loop.parts import Clock, Instruments, LoopController, LoopPlant, Parts, StateEstimator
@@ -152,8 +153,9 @@ def assemble(
     formation, layout = vehicle.nominal.formation, vehicle.layout
     radius = tuple(group.wheel_radius for group in formation.brakes)
     clock, user_objects = _clock(scenario), _UserObjects(objects)
-    for doubt in doubts(scenario):
-        notify(doubt)
+    vehicle.require_pad_friction()
+    for sentence in (*doubts(scenario), *remarks_on_train(scenario)):
+        notify(sentence)
     with shared_budget(), ExitStack() as stack:
         plant = _plant(vehicle, user_objects, stack, notify)
         filter_, estimates = _estimator(vehicle, user_objects, fmus, stack, notify)

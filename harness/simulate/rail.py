@@ -8,7 +8,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.base.units import GRAVITY
 from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.adhesion import position_of, profile_of, reach_of
-from railgrip.scenario.profile import FromTable
+from railgrip.scenario.profile import FromTable, Points
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.surface import Sander
 from railgrip.scenario.vehicle import TrainFile
@@ -63,14 +63,24 @@ def doubts(scenario: Scenario) -> list[str]:
         columns = adhesion.curve.columns
         strongest = GRAVITY * adhesion.factor * float(columns.values.max())
         if adhesion.over == "distance":
+            sentences += _late_begin(f"[adhesion] file {adhesion.file.entry}", float(columns.points[0]))
             doubt = columns.doubt(speed**2 / (2.0 * strongest), reach_of(scenario))
         else:
             doubt = columns.doubt(speed / strongest, scenario.horizon)
         sentences += [f"[adhesion] file {adhesion.file.entry} {doubt}"] if doubt else []
+    if isinstance(adhesion, Points) and adhesion.over == "distance":
+        sentences += _late_begin("[adhesion] points", adhesion.places[0])
     if demand is not None and demand.file is not None:
         doubt = demand.profile().doubt(0.0 if has_traction else speed / GRAVITY, scenario.horizon)
         sentences += [f"[demand] file {demand.file.entry} {doubt}"] if doubt else []
     return [f"{scenario.name}: {sentence}." for sentence in sentences]
+
+
+def _late_begin(what: str, begin: float) -> list[str]:
+    """Return a sentence if a profile over distance begins after the brake demand [m]."""
+    if begin <= 0.0:
+        return []
+    return [f"{what} begins {begin:g} m after the brake demand; until there, the friction of its first point applies"]
 
 
 def driver_of(vehicle: VehicleData) -> Driver:

@@ -25,7 +25,7 @@ from railgrip.scenario.parts import ControllerFmu, KalmanFilter
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.track.table import TrackForce, force_along, track_force_of
-from railgrip.scenario.vehicle import FormationTable, LibraryPlant, ModelicaPlant, PythonClass, TrainFile
+from railgrip.scenario.vehicle import FormationTable, LibraryPlant, ModelicaPlant, PythonClass, RecipePlant, TrainFile
 from railgrip.simulate.contact import compiled_contact
 from railgrip.simulate.faults.brake import isolated_groups, isolated_units
 from railgrip.simulate.files import (
@@ -39,7 +39,7 @@ from railgrip.simulate.files import (
 from railgrip.simulate.loop.plausible import UNBOUNDED, Slowing, slowing_of
 from railgrip.simulate.roles import require_plant
 from railgrip.trace.contact import Contact
-from railgrip.vehicle.brake import BRAKE, PRESSURE_OF_FORCE, Brake
+from railgrip.vehicle.brake import BRAKE, LOWEST_PAD_FRICTION, PRESSURE_OF_FORCE, Brake, lowest_friction
 from railgrip.vehicle.formation import Formation, carried_mass
 from railgrip.vehicle.motion import air_resistance, resistance_lever
 from railgrip.vehicle.parameters import (
@@ -225,6 +225,31 @@ class VehicleData:
             parameters |= self.nominal.valves
         isolated = isolated_groups(self.scenario, self.formation)
         return VehicleParameters(self.formation, self._with_valves(parameters), tuple(isolated))
+
+    def require_pad_friction(self) -> None:
+        """Check that the law of pad friction of a built-in plant holds at the speeds and forces of the stop.
+
+        Raises:
+            ScenarioError: Friction falls below `LOWEST_PAD_FRICTION`.
+        """
+        known, names = self.true.parameters, ("speed_effect", "force_effect", "temperature_effect")
+        if not isinstance(self.scenario.vehicle.source, RecipePlant) or not set(names) <= known.keys():
+            return
+        effects = {name: known[name] for name in names}
+        effects |= {"speed_nominal": known["pad_speed_nominal"], "force_nominal": known["pad_force_nominal"]}
+        for nominal, brake in zip(array_of(known, "mu_b_nominal"), self.true.brakes, strict=False):
+            if brake is None:
+                continue
+            speed = self.scenario.start.speed * brake.friction_radius / brake.wheel_radius
+            friction, v, force = lowest_friction(
+                nominal, effects=effects, speed=speed, force=float(brake.pad_force(brake.pressure_max))
+            )
+            if friction <= LOWEST_PAD_FRICTION:
+                raise ScenarioError(
+                    f"{self.scenario.name}: [vehicle.parameters] speed_effect, force_effect, temperature_effect: pad "
+                    f"friction falls to {friction:.3f} at {v:.3g} m/s of the pads and {force / 1e3:.3g} kN; the linear "
+                    f"law holds only where friction is above {LOWEST_PAD_FRICTION:g}; reduce the effects"
+                )
 
     def _with_valves(self, parameters: dict[str, float]) -> dict[str, float]:
         """Return parameters with all valve times, if the plant has valves; missing ones are those of the catalogue

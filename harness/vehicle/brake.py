@@ -44,6 +44,42 @@ def pressure_of(force: Values, *, piston_area: Values, spring_force: Values, rig
     return (force / rigging + spring_force) / piston_area
 
 
+LOWEST_PAD_FRICTION = 0.05
+"""Friction that pads and blocks keep on wet or hot discs and wheels; a law that goes below it does not hold."""
+
+
+def lowest_friction(
+    friction: float,
+    *,
+    effects: Mapping[str, float],
+    speed: float,
+    force: float,
+) -> tuple[float, float, float]:
+    """Return the lowest friction of pads in a stop: friction, sliding speed [m/s], force of both pads [N].
+
+    Each effect of `RailBraking.Friction.PadFriction` is linear, so that the minimum is at an end of its range.
+
+    Args:
+        friction: Nominal friction.
+        effects: speed_effect, speed_nominal [m/s], force_effect, force_nominal [N] and temperature_effect.
+        speed: Highest sliding speed [m/s].
+        force: Highest force of both pads [N].
+    """
+    heat = 1 - abs(effects["temperature_effect"])
+    return min(
+        (
+            friction
+            * heat
+            * (1 + effects["speed_effect"] * (1 - v / effects["speed_nominal"]))
+            * (1 - effects["force_effect"] * (normal / effects["force_nominal"] - 1)),
+            v,
+            normal,
+        )
+        for v in (0.0, speed)
+        for normal in (0.0, force)
+    )
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Brake:
     """The brake units and wheelsets of one group, with nominal or true data; the type of each states unit and meaning.

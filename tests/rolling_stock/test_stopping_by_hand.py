@@ -54,7 +54,49 @@ def test_an_electropneumatic_build_up_adds_its_closed_form(tables):
     stop = by_hand(train_of(tables | {"command": command}, "ours.toml"), 30.0)
     expected = 30.0 * (0.4 + 0.5) - full.deceleration * 0.5**2 / 2
     assert stop.distance - full.distance == pytest.approx(expected, rel=1e-3)
-    assert stop.equivalent_time == pytest.approx(0.9, abs=0.05)
+    assert stop.equivalent_time == pytest.approx(expected / 30.0, rel=1e-3)
+    assert stop.deceleration == pytest.approx(full.deceleration, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_equivalent_time_and_deceleration_give_the_distance(name):
+    """EN 14531-1: s = v te + v²/(2 a), with a from a stop whose full force acts at once; te hardly depends on v."""
+    train = load_train(Path(name))
+    speeds = np.array([60.0, 80.0, 100.0]) / 3.6
+    stops = [by_hand(train, speed) for speed in speeds]
+    for speed, stop in zip(speeds, stops, strict=True):
+        assert stop.distance == pytest.approx(
+            speed * stop.equivalent_time + speed**2 / (2 * stop.deceleration), rel=1e-12
+        )
+    if train.command is not None and train.command.kind == "electropneumatic":
+        at_once = train.model_copy(update={"command": None})
+        for speed, stop in zip(speeds, stops, strict=True):
+            magnets = any(bogie.track_brake for bogie in train.bogies_in_train)
+            assert magnets or by_hand(at_once, speed).distance == pytest.approx(
+                speed**2 / (2 * stop.deceleration), rel=1e-9
+            )
+    # During the build-up the train slows by some 5 % of these speeds.
+    assert np.ptp([stop.equivalent_time for stop in stops]) < 0.05 * stops[0].equivalent_time
+
+
+def test_a_filling_that_outlasts_the_stop_has_its_equivalent_time(tables):
+    """A pressure that would take 200 s is far from developed when the train stops; the definition still holds."""
+    tables = bare(tables) | {"command": {"kind": "electropneumatic", "delay": 0, "time_constant": "60 s"}}
+    tables["command"]["estimated"] = True
+    tables["brakes"]["disc"]["spring_force"] = 0
+    train = train_of(tables, "ours.toml")
+    stop, a = by_hand(train, 10.0), deceleration_without_spring(train)
+    # v(t) = v0 − a (t − T (1 − e^(−t/T))), to standstill.
+    time = np.linspace(0, 60, 600_001)
+    speed = 10.0 - a * (time - 60 * -np.expm1(-time / 60))
+    distance = np.trapezoid(np.maximum(speed, 0), time)
+    assert stop.distance == pytest.approx(distance, rel=1e-3)
+    assert stop.equivalent_time == pytest.approx((distance - 50 / a) / 10.0, rel=1e-3)
+
+
+def deceleration_without_spring(train):
+    force = 8 * 2 * 0.35 * 0.95 * 4 * 3.2e5 * 0.0324 * 0.25 / 0.46
+    return force / (88e3 + 8 * 120 / 0.46**2)
 
 
 def test_a_brake_pipe_brakes_the_rear_later(tables):

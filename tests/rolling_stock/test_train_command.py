@@ -49,9 +49,8 @@ def test_an_inconsistency_is_reported_with_file_and_key(railgrip, mine):
 @pytest.mark.parametrize(
     ("wanted", "weak"),
     [
-        ("pad_friction = 0.35", "pad_friction = 0.001"),
+        ('piston_area = "0.0324 m2"', 'piston_area = "0.00376 m2"'),
         ('pressure_max = "3.2 bar"', 'pressure_max = "0.371 bar"'),  # the force of the spring plus 1 N
-        ('speed_nominal = "13 m/s"', 'speed_nominal = "0.1 m/s"'),  # negative friction at speed
     ],
 )
 def test_brakes_that_cannot_stop_a_train_are_reported_and_listed(railgrip, mine, wanted, weak):

@@ -146,7 +146,7 @@ def test_a_prefix_wrong_by_two_steps_is_noticed_for_every_quantity(name, factor)
         ("stiffness", 5e-324, "is 5e-324, too small to calculate with; give 0, or at least 2.2e-308"),
         ("damping", "5e-310 N.s/m", "is '5e-310 N.s/m', too small to calculate with"),
         ("damping", "24 mN.s/m", "got '24 mN.s/m'; expected is 0, or 10 to 1e+09 N.s/m; dampers"),
-        ("wheel_radius", "0.46 mm", "expected is 0.1 to 1.3 m; wheels have diameters of 330 mm (UIC 510-2)"),
+        ("wheel_radius", "0.46 mm", "expected is 0.15 to 0.7 m; this is the radius, not the diameter; wheels have"),
     ],
 )
 def test_an_impossible_value_is_refused_with_the_expected_range(tables, key, value, sentence):

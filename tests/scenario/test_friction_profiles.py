@@ -340,3 +340,65 @@ def test_markov_noise_is_the_filter_of_scipy_and_keeps_unit_variance(persistence
     assert np.array_equal(markov(white, persistence), lfilter([1.0], [1.0, -persistence], fresh))
     responses = np.array([markov(impulse, persistence) for impulse in np.eye(50)])
     assert np.sum(responses**2, axis=0) == pytest.approx(np.ones(50), rel=1e-12)
+
+
+CHAINAGES = "distance [km],mu0\n12.350,.15\n12.450,.05\n12.850,.05\n12.950,.15\n"
+
+
+def test_a_profile_that_the_stop_never_reaches_is_refused(tmp_path):
+    with pytest.raises(
+        ScenarioError, match=r"file rail.csv is from 12350 m to 12950 m .* the train gets no farther than"
+    ):
+        profile_of(tabled(tmp_path, CHAINAGES), TWO_PART_TRAIN)
+
+
+@pytest.mark.parametrize(
+    ("content", "origin", "places"),
+    [
+        (CHAINAGES, 12_300, [50, 150, 550, 650]),
+        ("distance [km],mu0\n12.950,.15\n12.850,.05\n12.450,.05\n12.350,.15\n", 13_000, [50, 150, 550, 650]),
+    ],
+)
+def test_chainages_begin_at_the_origin_and_rise_or_fall(tmp_path, content, origin, places):
+    """On the chainage 12.400 km, 100 m after 12.300 km, friction is halfway between 0.15 and 0.05."""
+    given = tabled(tmp_path, content, f"adhesion.origin={origin}")
+    expected = np.interp([0, 100, 300, 600, 700], places, [0.15, 0.05, 0.05, 0.15])
+    found = profile_of(given, TWO_PART_TRAIN)
+    # The grid of 5 mm moves a place by 2.5 mm at most, where friction changes by 1e-3 a metre.
+    for distance, mu0 in zip([0, 100, 300, 600, 700], expected, strict=True):
+        assert friction_at(found, 0.0, distance)[0] == pytest.approx(mu0, abs=3e-6)
+    assert any("begins 50 m after the brake demand" in sentence for sentence in doubts(given))
+
+
+def test_falling_chainages_without_origin_name_the_key(tmp_path):
+    with pytest.raises(ScenarioError, match="chainages that fall in the direction of travel need the key origin"):
+        tabled(tmp_path, "distance,mu0\n300,.1\n0,.05\n")
+
+
+def test_an_origin_of_a_profile_over_time_is_refused(tmp_path):
+    with pytest.raises(ScenarioError, match="leave origin out"):
+        tabled(tmp_path, "time,mu0\n0,.1\n30,.05\n", "adhesion.origin=5")
+
+
+def test_points_take_chainages():
+    points = [["12.35 km", 0.15], ["12.45 km", 0.05]]
+    change = {"kind": "points", "over": "distance", "polach": "soap", "points": points}
+    given = scenario_of(
+        load(LIBRARY / "plain.toml").tables() | {"adhesion": change | {"origin": "12.4 km"}},
+        directory=Path(),
+        origin="x",
+    )
+    assert friction_at(profile_of(given, TWO_PART_TRAIN), 0.0, 0.0)[0] == pytest.approx(0.10, abs=3e-6)
+
+
+@pytest.mark.parametrize("table", ["patch", "gradient", "curve"])
+def test_places_that_the_train_never_reaches_are_refused(table):
+    tables = load(LIBRARY / "plain.toml").tables()
+    if table == "patch":
+        tables["adhesion"] |= {"patch": [{"begin": "12.35 km", "length": "20 m", "mu0": 0.05}]}
+    else:
+        section = {"begin": "12.35 km"} | ({"slope": 0.01} if table == "gradient" else {"radius": "300 m"})
+        tables["track"] = {table: [section]}
+    given = scenario_of(tables, directory=Path(), origin="x")
+    with pytest.raises(ScenarioError, match=rf"{table}\]\] begin is from 12350 m to 12350 m"):
+        profile_of(given, TWO_PART_TRAIN)

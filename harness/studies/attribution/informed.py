@@ -8,7 +8,6 @@ import numpy as np
 
 from railgrip.controllers.law import Law
 from railgrip.controllers.observation import Observation
-from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.ideal import KnownRail
@@ -77,6 +76,4 @@ def informed_distance(scenario: Scenario, knowledge: Knowledge) -> float:
 def without_dead_time(scenario: Scenario) -> Scenario:
     """Return a stop whose valves, and the law's model of them, have no dead time."""
     dead = {name: "0 s" for name in VALVES if name.startswith("dead")}
-    return Scenario.model_validate(
-        merge(scenario.resolved(), {"vehicle": {"parameters": dead}, "controller": {"parameters": dead}})
-    )
+    return scenario.revised({"vehicle": {"parameters": dead}, "controller": {"parameters": dead}})

@@ -85,7 +85,7 @@ class TruthEstimator:
 def scenario_with(scenario: Scenario, *, truth: bool, ideal_actuation: bool) -> Scenario:
     """Return a stop without the faults and valves that the law is relieved of."""
     parts = (*(READ_BY if truth else ()), *(("valve", "supply") if ideal_actuation else ()))
-    table = scenario.resolved()
+    table = scenario.tables()
     table["faults"] = [fault for fault in table.get("faults", ()) if fault["part"] not in parts]
     if ideal_actuation:
         vehicle = {"vehicle": {"plant": "TwoPartTrain"}} if "train" not in table["vehicle"] else {}

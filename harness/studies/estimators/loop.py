@@ -150,8 +150,8 @@ def scenario_of_case(case: LoopCase) -> schema.Scenario:
         changes["estimator"] = {"model": model, "noise": "service", "outlier_limit": dict(OUTLIER_LIMITS)}
         if period:
             changes["periods"] = {"estimator": period}
-    resolved = case.scenario.resolved()
-    return schema.Scenario.model_validate(resolved | {name: resolved[name] | table for name, table in changes.items()})
+    tables = case.scenario.tables()
+    return schema.Scenario.model_validate(tables | {name: tables[name] | table for name, table in changes.items()})
 
 
 def stops_of_type_test(work: Work, count: int) -> LoopStops:

@@ -11,7 +11,6 @@ from railgrip.campaign.work import Work
 from railgrip.controllers.laws.adhesion_based import AdhesionBased
 from railgrip.report.table import ReportTable
 from railgrip.scenario.campaign import load_campaign
-from railgrip.scenario.merge import merge
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import braking_distance, trace_of
 from railgrip.simulate.vehicle import VehicleData
@@ -75,7 +74,7 @@ def _with_parameters(scenario: Scenario, variant: str, seed: int) -> Scenario:
         "controller": {"parameters": dict(parameters)},
         "vehicle": {"nudge": {"relative": PERTURBATION, "seed": seed}},
     }
-    return Scenario.model_validate(merge(scenario.resolved(), changes))
+    return scenario.revised(changes)
 
 
 def guards_table(found: Mapping[str, Mapping[str, float | None]]) -> ReportTable:
