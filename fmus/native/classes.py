@@ -31,7 +31,7 @@ class Modifier:
     Attributes:
         value: Expression of its value, or None.
         type: Name of the new type of a redeclaration, else ''.
-        node: Node with its place in the source.
+        node: Node with its place in the source; `is_dotted` says whether its name is written with dots.
     """
 
     name: str
@@ -428,11 +428,11 @@ def _modifier(argument: Node, each: bool, redeclare: bool) -> Modifier | None:
         nested.get("modifications") or (), nested.get("each_flags") or (), nested.get("redeclare_flags") or ()
     )
     *outer, last = path_of(target).split(".")
-    written = {"span": target["span"], "whole": argument}
+    written = {"span": target["span"], "whole": argument, "is_dotted": False}
     found = Modifier(last, value, inner, each, new_type, written)
     for name in reversed(outer):
         found = Modifier(name, None, (found,), False, "", written)
-    return found
+    return replace(found, node=written | {"is_dotted": bool(outer)})
 
 
 def _is_modification(argument: Node) -> bool:

@@ -150,7 +150,7 @@ def _sources(tree: Tree, class_: Class, equations: Sequence[Node]) -> Iterator[s
 def _signal_sources(tree: Tree, class_: Class, reference: Node) -> Iterator[str]:
     # connector|signal|source for each signal of a connector; `none` for the others.
     path = _path(tree, class_, reference)
-    if not path:
+    if not path or any(element.node["condition"] is not None for element in path):
         return
     is_inside = any(e.type is not None and e.type.kind in ("model", "block", "class") for e in path[:-1])
     name, last = path_of(reference), path[-1]

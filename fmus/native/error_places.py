@@ -79,7 +79,7 @@ def explain(message: str) -> str:
     """Return a message of the front end without repetitions, after a sentence on what it means if it is internal."""
     message, _, related = message.partition("\nRelated failures")
     others = [line for line in related.splitlines()[1:] if line.rpartition("]: ")[2] not in message]
-    message = "\n".join([message, *others])
+    message = "\n".join([message, *others[:_MAXIMUM_PLACES]])
     for pattern, sentence in _EXPLANATIONS:
         match = re.search(pattern, message)
         if match:

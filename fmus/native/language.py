@@ -368,6 +368,13 @@ class _Checker:
                 continue
             if outside and element.protected:
                 yield self._locate(modifier.node, f"'{name}' is modified, which is protected in {target.name} (4.1)")
+            if modifier.node["is_dotted"]:
+                path = next(modifier.leaves(), name)
+                yield self._locate(
+                    modifier.node,
+                    f"the modifier of '{path}' would be lost in the built-in compiler (7.2); write nested brackets: "
+                    f"{path.replace('.', '(')} = ...{')' * path.count('.')}",
+                )
             if not element.is_class and element.node["outer"]:
                 yield self._locate(
                     modifier.node, f"'{name}' is modified, which is outer in {element.owner.name} (5.4); modify the "
