@@ -21,6 +21,9 @@ Node = dict[str, Any]
 Sources = Mapping[int, tuple[str, bytes]]
 """Source id → (file name, text); places are byte offsets into the text."""
 
+_STRINGS = re.compile(r'"(?:[^"\\]|\\.)*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
+KINDS = "model|block|class|record|connector|type|function|package|operator"
+"""Keywords of class definitions, as a regular expression."""
 SIMPLE = ("Real", "Integer", "Boolean", "String")
 
 
@@ -345,6 +348,14 @@ class Tree:
         _, text = self.sources.get(place["source"], ("", b""))
         return text[place["start"] :].partition(b";")[0].decode(errors="replace")
 
+    def code(self, class_: Class) -> str:
+        """Return the text of the definition of a class, with strings and comments blanked so that lines stay."""
+        place = class_.definition["location"]
+        _, text = self.sources.get(place["source"], ("", b""))
+        return _STRINGS.sub(
+            lambda m: re.sub(r"[^\n]", " ", m[0]), text[place["start"] : place["end"]].decode(errors="replace")
+        )
+
     def starts_with_dot(self, place: Node) -> bool:
         """Return whether a name is written with a leading dot, which rumoca's tree omits for the name of a type."""
         _, text = self.sources.get(place["source"], ("", b""))
@@ -417,9 +428,12 @@ def _modifier(argument: Node, each: bool, redeclare: bool) -> Modifier | None:
         nested, value = node["lhs"]["ClassModification"], node["rhs"]
         target = nested["target"]
     elif kind == "Modification" and redeclare:  # redeclare Type a(...) = value
-        ((_, nested),) = node["value"].items()
-        new_type = path_of(nested.get("target", nested))
-        value = next((a for a in nested.get("modifications") or () if not _is_modification(a)), None)
+        ((form, nested),) = node["value"].items()
+        if form not in ("ClassModification", "ComponentReference"):  # replaceable Type a = value, without its type
+            nested, value = {}, {"ClassModification": {}}
+        else:
+            new_type = path_of(nested.get("target", nested))
+            value = next((a for a in nested.get("modifications") or () if not _is_modification(a)), None)
     elif kind == "Modification":  # a = value
         value = node["value"]
     else:

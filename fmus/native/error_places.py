@@ -8,6 +8,7 @@ import rumoca
 
 from railgrip.base.errors import InputError
 from railgrip.base.files import read_bytes
+from railgrip.fmus.native.classes import KINDS
 
 _MAXIMUM_PLACES = 3
 """Maximum number of places in a message."""
@@ -26,22 +27,22 @@ def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
     if syntax:
         return tuple(syntax[:_MAXIMUM_PLACES])
     name = class_name.rpartition(".")[2]
-    if not any(re.search(rf"\b(?:{_KINDS})\s+{name}\b", text) for text in texts.values()):
+    if not any(re.search(rf"\b(?:{KINDS})\s+{name}\b", text) for text in texts.values()):
         return (f"no file of it declares {name}",)
     named = [n for n in re.findall(r"['`]([\w.\[\]]+)['`]", message) if n != class_name]
     lines = tuple(_lines_with(re.findall(r"unresolved[^']*'([^']+)'", message), texts))
     if not lines and not re.search(r"\.mo:\d+", message):
         body = dict(_body(name, texts))
         last_parts = [re.sub(r"\[.*", "", n).rpartition(".")[2] for n in named]
-        lines = tuple(_lines_with(last_parts, body)) or tuple(_lines_with(last_parts, texts))
-        lines = lines or tuple(_lines_with([name], body))[:1]
+        for names, where in ((named, body), (last_parts, body), (named, texts), (last_parts, texts), ([name], body)):
+            lines = lines or tuple(_lines_with(names, where))
     return (*_undeclared_use(path, texts), *lines[:_MAXIMUM_PLACES])
 
 
 def _body(name: str, texts: dict[str, str]) -> Iterator[tuple[str, str]]:
     # The definition of a class, below empty lines, so that its lines have their numbers.
     for file, text in texts.items():
-        found = re.search(rf"\b(?:{_KINDS})\s+{name}\b.*?\bend\s+{name}\b", text, re.DOTALL)
+        found = re.search(rf"\b(?:{KINDS})\s+{name}\b.*?\bend\s+{name}\b", text, re.DOTALL)
         if found:
             yield file, "\n" * text.count("\n", 0, found.start()) + found[0]
             return
@@ -87,9 +88,6 @@ def explain(message: str) -> str:
     return message
 
 
-_KINDS = "model|block|class|record|connector|type|function|package|operator"
-
-
 def _code(text: str) -> str:
     # The text with comments, strings and quoted names blanked, so that places stay as they are.
     return _TOKENS.sub(lambda m: m[0] if len(m[0]) == 1 else re.sub(r"[^\n]", " ", m[0]), text)
@@ -97,7 +95,7 @@ def _code(text: str) -> str:
 
 def has_class_extends(path: Path) -> bool:
     """Return whether `model extends` or the like is in a file or library."""
-    form = re.compile(rf"\b(?:{_KINDS})\s+extends\b")
+    form = re.compile(rf"\b(?:{KINDS})\s+extends\b")
     return any(form.search(text) and form.search(_code(text)) for text in _texts(path).values())
 
 
@@ -115,7 +113,7 @@ def _within(file: Path, path: Path, text: str) -> str | None:
         return f"{line}: the file has {what}, but its folder requires `within {required};` (13.4)"
     if path.name == "package.mo":
         name = file.parent.name if file.name == "package.mo" else file.stem
-        declared = re.search(rf"\b(?:{_KINDS})\s+(?:extends\s+)?(\w+)", code)
+        declared = re.search(rf"\b(?:{KINDS})\s+(?:extends\s+)?(\w+)", code)
         if declared and declared[1] != name:
             line = code.count("\n", 0, declared.start()) + 1
             return f"{line}: the file declares {declared[1]}, but its name requires {name} (13.4)"

@@ -15,6 +15,7 @@ from typing import Any
 from railgrip.base.errors import TranslationError
 from railgrip.fmus.native import connections, names
 from railgrip.fmus.native.classes import (
+    KINDS,
     SIMPLE,
     Class,
     Element,
@@ -40,6 +41,10 @@ _BASES = {  # section 7.1.3; rumoca enforces the others
     "type": ("type",),
 }
 """Kind of a class → kinds of its base classes."""
+_CLASS_EXTENDS = (
+    "`{0} extends {1}` is not supported by the built-in compiler (7.3.1); write a class of another name that extends "
+    "the inherited {1}, and redeclare {1} as that class in the extends clause"
+)
 _MAXIMUM_FINDINGS = 3
 """Maximum number of findings in a message."""
 
@@ -130,6 +135,7 @@ class _Checker:
         if top is not None:
             yield from self._lost_modifiers(top.definition, top.short_name, top, ())
         for class_ in self.tree.every:
+            yield from self._class_extends(class_)
             yield from self._enumeration(class_)
             yield from self._bases(class_)
             for name, node in class_.components.items():
@@ -144,12 +150,7 @@ class _Checker:
             base = self.tree.by_id.get(clause["base_def_id"])
             named = join_name(clause["base_name"])
             if named == class_.short_name:
-                yield self._locate(
-                    class_.definition,
-                    f"`{class_.kind} extends {named}` is not supported by the built-in compiler (7.3.1); write a class "
-                    f"of another name that extends the inherited {named}, and redeclare {named} as that class in the "
-                    "extends clause",
-                )
+                yield self._locate(class_.definition, _CLASS_EXTENDS.format(class_.kind, named))
                 return
             if class_.definition["is_long"] and (class_.components or len(clauses) > 1):
                 if named in SIMPLE or self.tree.simple(base)[0]:
@@ -186,6 +187,15 @@ class _Checker:
             inherited |= elements
         for inner in class_.classes.values():
             name = inner.short_name
+            if name not in inherited and not inner.definition["is_redeclare"]:
+                # rumoca's tree omits a class that nothing uses, so that of the base class may be in its text only.
+                declaration = re.compile(rf"\b(?:{KINDS})\s+{name}\b")
+                for base in self.tree.bases(class_):
+                    if declaration.search(self.tree.code(base)) and name not in self.tree.elements(base):
+                        yield self._locate(
+                            inner.definition,
+                            f"the class {name} is declared, and another in the base class {base.name} (7.1); rename it",
+                        )
             if name not in inherited or inner.definition["is_redeclare"]:
                 continue
             theirs = inherited[name]
@@ -216,6 +226,15 @@ class _Checker:
                     "declarations or modifiers that may differ (7.1)",
                 )
 
+    def _class_extends(self, class_: Class) -> Iterator[str]:
+        # rumoca's tree omits a class that nothing uses, such as the extended one without the keyword redeclare.
+        if class_.kind == "package":
+            return
+        code, place = self.tree.code(class_), class_.definition["location"]
+        for form in re.finditer(rf"\b({KINDS})\s+extends\s+(\w+)", code):
+            start = place["start"] + len(code[: form.start()].encode())
+            yield self._locate({"span": place | {"start": start}}, _CLASS_EXTENDS.format(form[1], form[2]))
+
     def _enumeration(self, class_: Class) -> Iterator[str]:
         literals = class_.literals
         for literal in sorted(set(literals)):
@@ -235,9 +254,10 @@ class _Checker:
                 node, f"{name} is inner and outer, which the built-in compiler does not support (5.4); declare an "
                 "inner component of another name that is modified with values of the outer one"
             )  # fmt: skip
-        if element.causality and element.type is not None and element.type.kind in ("model", "block"):
+        prefixes = " ".join(p for p in (element.variability, element.causality) if p)
+        if prefixes and element.type is not None and element.type.kind in ("model", "block"):
             yield self._locate(
-                node, f"{name} is {element.causality} and of the {element.type.kind} {element.type.name} (4.4.2.2); "
+                node, f"{name} is {prefixes} and of the {element.type.kind} {element.type.name} (4.4.2.2); "
                 "only simple types, records and connectors can be"
             )  # fmt: skip
         if node["outer"] and node["binding"] is None and element.variability == "" and element.simple == "Real":
@@ -275,7 +295,8 @@ class _Checker:
             yield self._locate(definition, f"a class has the name {short} of a predefined type (4.9)")
         if definition["constrainedby"]:
             constraint = self.tree.resolve(join_name(definition["constrainedby"]), class_)
-            yield from self._subtype(definition, short, inner, constraint)
+            own = len(definition["array_subscripts"] or ())
+            yield from self._subtype(definition, short, inner, constraint, own)
         if definition["constrainedby"] and re.search(
             r"\bconstrainedby\s+[\w.]+\s*\(", self.tree.text_of(definition["location"])
         ):
@@ -306,12 +327,16 @@ class _Checker:
                     element.node, f"the constraining clause of {name} modifies '{modified}', which {constraint.name} "
                     "does not have (7.3.2)"
                 )  # fmt: skip
-        yield from self._subtype(element.node, name, element.type, constraint)
+        yield from self._subtype(element.node, name, self.tree.by_id.get(element.node["type_def_id"] or -1), constraint)
 
-    def _subtype(self, node: Node, name: str, new: Class | None, constraint: Class | None) -> Iterator[str]:
+    def _subtype(
+        self, node: Node, name: str, new: Class | None, constraint: Class | None, own_rank: int = 0
+    ) -> Iterator[str]:
+        # The dimensions that a declaration itself adds to its type do not count.
         if new is None or constraint is None:
             return
-        if self.tree.simple(new) != self.tree.simple(constraint):
+        simple, rank = self.tree.simple(new)
+        if (simple, rank - own_rank) != self.tree.simple(constraint):
             yield self._locate(
                 node, f"{name} is of {new.name}, whose type or number of dimensions is not that of {constraint.name} "
                 "(7.3.2)"
@@ -467,8 +492,13 @@ class _Checker:
                         f"constraining clause: redeclared, {name} loses it (7.3.2); write "
                         "`constrainedby` with the modifiers",
                     )
-        if new is not None and element.is_class and self.tree.simple(new) != self.tree.simple(element.type):
-            yield from self._subtype(modifier.node, name, new, element.type)
+        simple, rank = (modifier.type, 0) if modifier.type in SIMPLE else self.tree.simple(new)
+        if element.is_class and element.type is not None and (simple, rank) != self.tree.simple(element.type):
+            yield self._locate(
+                modifier.node,
+                f"'{name}' is replaced by {modifier.type}, whose type or number of dimensions is not that of "
+                f"{element.type.name} (7.3.2)",
+            )
         if new is not None and not self.tree.simple(new)[0]:
             yield from self._modifiers(scope, modifier.inner, new, rank=element.rank, outside=True, depth=depth + 1)
             yield from self._lost_modifiers(modifier.node, name, new, modifier.inner)

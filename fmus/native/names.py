@@ -128,6 +128,14 @@ class _Names:
         yield from self._protected(node, path, parts)
         last, used = (path[-1] if len(path) == len(parts) else None), self.tree.by_id.get(number or -1)
         meant = last.type if isinstance(last, Element) and last.is_class else last
+        if is_global and (local := self.tree.look_up(parts[0], scope)) is not self.tree.roots.get(parts[0]):
+            owner = f" in {local.owner.name}" if isinstance(local, Element) else ""
+            yield self.tree.locate(
+                node,
+                f"the built-in compiler reads .{'.'.join(parts)}, the type of {name}, as the local {parts[0]}{owner} "
+                "(5.3.3); rename the local one",
+            )
+            return
         redeclared = any(isinstance(e, Element) and e.redeclared for e in path)
         if isinstance(meant, Class) and used is not None and meant is not used and not redeclared:
             yield self.tree.locate(
