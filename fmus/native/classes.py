@@ -318,6 +318,20 @@ class Tree:
                     return found
         return None
 
+    def imported_names(self, clause: Node) -> list[str]:
+        """Return the names that an import clause makes known."""
+        ((kind, node),) = clause.items()
+        path = join_name(node["path"]).split(".")
+        if kind == "Renamed":
+            return [node["alias"]["text"]]
+        if kind == "Selective":
+            return [part["text"] for part in node.get("names", ())]
+        if kind == "Unqualified":
+            package = self.global_element(path)
+            type_ = package.type if isinstance(package, Element) else package
+            return [] if type_ is None else list(self.elements(type_))
+        return path[-1:]
+
     def global_element(self, names: Sequence[str]) -> "Element | Class | None":
         """Return the element of a name that starts at the outermost classes."""
         root = self.roots.get(names[0])

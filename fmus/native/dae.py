@@ -202,6 +202,8 @@ def _diagnosis(class_name: str, path: Path, alias: str) -> tuple[str, list[str]]
             tree = read_tree(model, class_name, _sources(model, "dae", path, alias))
     except (rumoca.RumocaError, RuntimeError) as error:
         message = str(error).replace(alias, str(path)).replace(name, class_name)
+        if "unresolved import" in message:
+            message = f"there is no class {class_name}"
         return message, []
     except InputError:
         return "", []

@@ -36,7 +36,13 @@ def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
         last_parts = [re.sub(r"\[.*", "", n).rpartition(".")[2] for n in named]
         for names, where in ((named, body), (last_parts, body), (named, texts), (last_parts, texts), ([name], body)):
             lines = lines or tuple(_lines_with(names, where))
-    return (*_undeclared_use(path, texts), *lines[:_MAXIMUM_PLACES])
+    return (*_undeclared_use(path, texts), *_class_within(path, texts, class_name), *lines[:_MAXIMUM_PLACES])
+
+
+def _class_within(path: Path, texts: dict[str, str], class_name: str) -> Iterator[str]:
+    found = re.match(r"\s*within\s+([\w.]+)\s*;", _code(texts[short(path, path)]))
+    if path.name != "package.mo" and found and not class_name.startswith(f"{found[1]}."):
+        yield f"{short(path, path)}:1: the file has `within {found[1]};`, so its class is {found[1]}.{class_name}"
 
 
 def _body(name: str, texts: dict[str, str]) -> Iterator[tuple[str, str]]:

@@ -136,6 +136,7 @@ class _Checker:
             yield from self._lost_modifiers(top.definition, top.short_name, top, ())
         for class_ in self.tree.every:
             yield from self._class_extends(class_)
+            yield from self._imports(class_)
             yield from self._enumeration(class_)
             yield from self._bases(class_)
             for name, node in class_.components.items():
@@ -187,15 +188,12 @@ class _Checker:
             inherited |= elements
         for inner in class_.classes.values():
             name = inner.short_name
-            if name not in inherited and not inner.definition["is_redeclare"]:
-                # rumoca's tree omits a class that nothing uses, so that of the base class may be in its text only.
-                declaration = re.compile(rf"\b(?:{KINDS})\s+{name}\b")
-                for base in self.tree.bases(class_):
-                    if declaration.search(self.tree.code(base)) and name not in self.tree.elements(base):
-                        yield self._locate(
-                            inner.definition,
-                            f"the class {name} is declared, and another in the base class {base.name} (7.1); rename it",
-                        )
+            base = self._base_with_class(class_, name)
+            if name not in inherited and not inner.definition["is_redeclare"] and base is not None:
+                yield self._locate(
+                    inner.definition,
+                    f"the class {name} is declared, and another in the base class {base.name} (7.1); rename it",
+                )
             if name not in inherited or inner.definition["is_redeclare"]:
                 continue
             theirs = inherited[name]
@@ -234,6 +232,24 @@ class _Checker:
         for form in re.finditer(rf"\b({KINDS})\s+extends\s+(\w+)", code):
             start = place["start"] + len(code[: form.start()].encode())
             yield self._locate({"span": place | {"start": start}}, _CLASS_EXTENDS.format(form[1], form[2]))
+
+    def _base_with_class(self, class_: Class, name: str) -> Class | None:
+        # rumoca's tree omits a class that nothing uses, so that of a base class may be in its text only.
+        declaration = re.compile(rf"\b(?:{KINDS})\s+{re.escape(name)}\b")
+        return next((base for base in self.tree.bases(class_) if declaration.search(self.tree.code(base))), None)
+
+    def _imports(self, class_: Class) -> Iterator[str]:
+        # rumoca looks up imports before inherited elements.
+        inherited = self.tree.inherit(class_)
+        for clause in class_.definition["imports"]:
+            for name in self.tree.imported_names(clause):
+                if name in inherited or self._base_with_class(class_, name) is not None:
+                    ((_, node),) = clause.items()
+                    yield self._locate(
+                        node,
+                        f"{class_.short_name} imports {name} and inherits an element {name}, which the built-in "
+                        "compiler does not find (5.3.1); write the full name of the imported one without the import",
+                    )
 
     def _enumeration(self, class_: Class) -> Iterator[str]:
         literals = class_.literals

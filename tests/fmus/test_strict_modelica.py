@@ -333,6 +333,19 @@ UNSUPPORTED = {
         "  constant Real g = 1;\n  model X\n    package P\n      constant Real g = 2;\n    end P;\n"
         "    Real z = .P.g;\n  end X;\n", r"reads \.P\.g as the local P"
     ),
+    "an import of the name of an inherited element": (
+        "  package Q\n    constant Real q = 9;\n  end Q;\n  model X\n    extends A;\n    import P.Q.q;\n"
+        "    Real z = q;\n  end X;\n", r"X imports q and inherits an element q"
+    ),
+    "an import of all names, of which one is inherited": (
+        "  package Q\n    constant Real q = 9;\n  end Q;\n  model X\n    extends A;\n    import P.Q.*;\n"
+        "    Real z = q;\n  end X;\n", r"X imports q and inherits an element q"
+    ),
+    "an import of the name of an inherited class": (
+        "  package Q\n    model K\n      Real v = 3;\n    end K;\n  end Q;\n  model Y\n    model K\n      Real v = 9;\n"
+        "    end K;\n  end Y;\n  model X\n    extends Y;\n    import P.Q.K;\n    K k;\n  end X;\n",
+        r"X imports K and inherits an element K",
+    ),
     "an outer Real": (
         "  model Y\n    outer Real g;\n    Real z = g;\n  end Y;\n" + model("inner Real g = time;\n    Y y;"),
         r"the outer Real variable g .*`inner World world`",
