@@ -16,9 +16,11 @@ import rumoca
 
 from railgrip.base.errors import InputError, TranslationError
 from railgrip.base.files import read_text
-from railgrip.fmus.native.error_places import nested_arrays, places, require_readable, short
-from railgrip.fmus.native.language import require_strict, require_values
+from railgrip.fmus.native.classes import Sources, read_tree
+from railgrip.fmus.native.error_places import explain, has_class_extends, nested_arrays, places, require_readable, short
+from railgrip.fmus.native.language import findings, refuse, require_strict, require_values
 from railgrip.fmus.native.library import LIBRARY, sources_digest
+from railgrip.fmus.native.outer import connect_outer, outer_variables
 
 FRONT = Path(__file__).parent / "front"
 _CACHE_OF_RUMOCA = "XDG_CACHE_HOME"
@@ -137,6 +139,9 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
     alias = f"single-file/{path.name}"
     if path.parent != LIBRARY:
         require_readable(path)
+        if has_class_extends(path):  # rumoca overflows its stack if the class uses it
+            _, sentences = _diagnosis(class_name, path, alias)
+            refuse(f"{class_name} does not conform to the Modelica language", sentences)
     try:
         with _without_cache_of_rumoca():
             if path.name == "package.mo":
@@ -145,12 +150,15 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
                 model = rumoca.Session(roots=[str(LIBRARY)]).loads(read_text(path), model=class_name, filename=alias)
             template = model.codegen(str(FRONT)).files[0].content
             flat = _first_object(model.to_json("flat", pretty=False), "variables")
-            files = _first_object(model.to_json("dae", pretty=False), "source_map")["files"]
+            sources = _sources(model, "dae", path, alias)
     except (rumoca.RumocaError, RuntimeError) as error:
         # `codegen` raises RuntimeError, and its message begins with the name of the template.
         message = str(error).replace(alias, str(path)).rpartition("_dae.json': ")[2]
         if nested := nested_arrays(message, path, class_name):
             raise TranslationError("\n".join(nested)) from error
+        cause, sentences = _diagnosis(class_name, path, alias)
+        refuse(f"{class_name} does not conform to the Modelica language", sentences)
+        message = explain(cause if message.endswith("because resolve/parse failed") and cause else message)
         hints = "".join(f"\n  {place}" for place in places(message, path, class_name))
         raise InputError(f"{class_name} does not compile ({path}): {message}{hints}") from error
     content = _parse_template(template)
@@ -160,14 +168,46 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
             f"rumoca {rumoca.version()} writes the DAE as {schema}, this compiler reads {SCHEMA}; "
             "install the version pinned in pyproject.toml."
         )
-    sources = {
-        number: (short(path if name == alias else Path(name), path), text.encode()) for number, name, text in files
-    }
-    require_strict(model, class_name, sources)
-    if complete:
-        require_values(class_name, flat, sources)
+    tree = read_tree(model, class_name, sources)
+    require_strict(tree, class_name, flat)
+    outer = outer_variables(tree, flat)
+    require_values(class_name, flat, sources, outer.keys(), complete=complete)
+    impossible = connect_outer(content, outer)
+    if impossible:
+        raise TranslationError(
+            f"{class_name}: the outer variable {impossible[0]} is not of the type, size or variability of the inner "
+            f"{outer[impossible[0]]} (5.4)."
+        )
     protected = frozenset(name for name, variable in flat.items() if variable["is_protected"])
     return Dae(class_name=class_name, content=content, protected=protected, sources=sources)
+
+
+def _sources(model: rumoca.Model, stage: str, path: Path, alias: str) -> Sources:
+    files = _first_object(model.to_json(stage, pretty=False), "source_map")["files"]
+    return {number: (short(path if name == alias else Path(name), path), text.encode()) for number, name, text in files}
+
+
+def _diagnosis(class_name: str, path: Path, alias: str) -> tuple[str, list[str]]:
+    # rumoca has a syntax tree of a class that it cannot translate only if another class imports it, and names the cause
+    # of some errors of syntax only then.
+    name = "Class__with__an__import"
+    importing = f"\nmodel {name} import {class_name}; Real x = 1; end {name};\n"
+    try:
+        with _without_cache_of_rumoca():
+            if path.name == "package.mo":
+                session, text = rumoca.Session(roots=[str(LIBRARY), str(path.parent)]), importing
+            else:
+                session, text = rumoca.Session(roots=[str(LIBRARY)]), read_text(path) + importing
+            model = session.loads(text, model=name, filename=alias)
+            tree = read_tree(model, class_name, _sources(model, "dae", path, alias))
+    except (rumoca.RumocaError, RuntimeError) as error:
+        message = str(error).replace(alias, str(path)).replace(name, class_name)
+        if "unresolved import" in message:
+            message = f"there is no class {class_name}"
+        return message, []
+    except InputError:
+        return "", []
+    return "", findings(tree, class_name, {})
 
 
 _environment = threading.Lock()

@@ -8,6 +8,7 @@ import rumoca
 
 from railgrip.base.errors import InputError
 from railgrip.base.files import read_bytes
+from railgrip.fmus.native.classes import KINDS
 
 _MAXIMUM_PLACES = 3
 """Maximum number of places in a message."""
@@ -26,10 +27,103 @@ def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
     if syntax:
         return tuple(syntax[:_MAXIMUM_PLACES])
     name = class_name.rpartition(".")[2]
-    if not any(re.search(rf"\b(?:model|block|class)\s+{name}\b", text) for text in texts.values()):
+    if not any(re.search(rf"\b(?:{KINDS})\s+{name}\b", text) for text in texts.values()):
         return (f"no file of it declares {name}",)
-    names = re.findall(r"unresolved[^']*'([^']+)'", message)
-    return (*_undeclared_use(path, texts), *tuple(_lines_with(names, texts))[:_MAXIMUM_PLACES])
+    named = [n for n in re.findall(r"['`]([\w.\[\]]+)['`]", message) if n != class_name]
+    lines = tuple(_lines_with(re.findall(r"unresolved[^']*'([^']+)'", message), texts))
+    if not lines and not re.search(r"\.mo:\d+", message):
+        body = dict(_body(name, texts))
+        last_parts = [re.sub(r"\[.*", "", n).rpartition(".")[2] for n in named]
+        for names, where in ((named, body), (last_parts, body), (named, texts), (last_parts, texts), ([name], body)):
+            lines = lines or tuple(_lines_with(names, where))
+    return (*_undeclared_use(path, texts), *_class_within(path, texts, class_name), *lines[:_MAXIMUM_PLACES])
+
+
+def _class_within(path: Path, texts: dict[str, str], class_name: str) -> Iterator[str]:
+    found = re.match(r"\s*within\s+([\w.]+)\s*;", _code(texts[short(path, path)]))
+    if path.name != "package.mo" and found and not class_name.startswith(f"{found[1]}."):
+        yield f"{short(path, path)}:1: the file has `within {found[1]};`, so its class is {found[1]}.{class_name}"
+
+
+def _body(name: str, texts: dict[str, str]) -> Iterator[tuple[str, str]]:
+    # The definition of a class, below empty lines, so that its lines have their numbers.
+    for file, text in texts.items():
+        found = re.search(rf"\b(?:{KINDS})\s+{name}\b.*?\bend\s+{name}\b", text, re.DOTALL)
+        if found:
+            yield file, "\n" * text.count("\n", 0, found.start()) + found[0]
+            return
+
+
+_EXPLANATIONS = (
+    (
+        r"unbalanced model: (\d+) equations, (\d+) unknowns",
+        r"the class has \1 equations for \2 unknowns (section 4.7 of the Modelica specification)",
+    ),
+    (
+        "depends on a runtime coordinate",
+        "a constant or parameter, the size of an array or the condition of a component depends on a variable that "
+        "changes (4.4.4)",
+    ),
+    ("component binding type compatibility", "the value of a component is not of its type (6.7)"),
+    ("expandable", "expandable connectors are not supported by the built-in compiler"),
+    (
+        "unsupported model algorithm",
+        "an algorithm section of this form is not supported by the built-in compiler; write equations, or a function "
+        "with the algorithm",
+    ),
+    ("external C function", "external functions are not supported by the built-in compiler; write them in Modelica"),
+    (
+        r"semantic owner|canonical|internal|missing source context|structured identity|typed owner|lowering slice|"
+        r"flat variable|resolve/parse failed|proof|cyclic class",
+        "a construct of this class is not supported by the built-in compiler; simplify it, or build the class with "
+        "OpenModelica (--compiler openmodelica)",
+    ),
+)
+"""Pattern in a message of the front end → what it means for the user."""
+
+
+def explain(message: str) -> str:
+    """Return a message of the front end without repetitions, after a sentence on what it means if it is internal."""
+    message, _, related = message.partition("\nRelated failures")
+    others = [line for line in related.splitlines()[1:] if line.rpartition("]: ")[2] not in message]
+    message = "\n".join([message, *others[:_MAXIMUM_PLACES]])
+    for pattern, sentence in _EXPLANATIONS:
+        match = re.search(pattern, message)
+        if match:
+            return f"{match.expand(sentence)}. The front end reports: {message}"
+    return message
+
+
+def _code(text: str) -> str:
+    # The text with comments, strings and quoted names blanked, so that places stay as they are.
+    return _TOKENS.sub(lambda m: m[0] if len(m[0]) == 1 else re.sub(r"[^\n]", " ", m[0]), text)
+
+
+def has_class_extends(path: Path) -> bool:
+    """Return whether `model extends` or the like is in a file or library."""
+    form = re.compile(rf"\b(?:{KINDS})\s+extends\b")
+    return any(form.search(text) and form.search(_code(text)) for text in _texts(path).values())
+
+
+def _within(file: Path, path: Path, text: str) -> str | None:
+    # What is wrong with the clause `within` of a file of a library, or with the name of its class (13.4).
+    code = _code(text)
+    found = re.match(r"\s*(?:within\b\s*([\w.\s]*);)?", code)
+    clause = "".join((found[1] or "").split()) if found else ""
+    folder = file.parent.parent if file.name == "package.mo" else file.parent
+    base = path.parent.parent
+    required = ".".join(folder.relative_to(base).parts) if path.name == "package.mo" else ""
+    line = code.count("\n", 0, found.start(1)) + 1 if found and found[1] else 1
+    if path.name == "package.mo" and clause != required:
+        what = f"`within {clause};`" if clause else "no `within`"
+        return f"{line}: the file has {what}, but its folder requires `within {required};` (13.4)"
+    if path.name == "package.mo":
+        name = file.parent.name if file.name == "package.mo" else file.stem
+        declared = re.search(rf"\b(?:{KINDS})\s+(?:extends\s+)?(\w+)", code)
+        if declared and declared[1] != name:
+            line = code.count("\n", 0, declared.start()) + 1
+            return f"{line}: the file declares {declared[1]}, but its name requires {name} (13.4)"
+    return None
 
 
 def _texts(path: Path) -> dict[str, str]:
@@ -115,7 +209,8 @@ def require_readable(path: Path) -> None:
         path: The file to read; `package.mo` represents all files of its library.
 
     Raises:
-        InputError: A file is not in UTF-8, or has brackets nested too deeply.
+        InputError: A file is not in UTF-8, begins with a byte order mark, has a `within` or a class that does not fit
+            its place in the library, or has brackets nested too deeply.
     """
     for file in _files(path):
         content = read_bytes(file)
@@ -124,6 +219,11 @@ def require_readable(path: Path) -> None:
         except UnicodeDecodeError as error:
             line = content.count(b"\n", 0, error.start) + 1
             raise InputError(f"{file}:{line}: the text is not UTF-8; save the file as UTF-8.") from error
+        if content.startswith(b"\xef\xbb\xbf") and path.name == "package.mo":
+            raise InputError(f"{file}:1: the file starts with a byte order mark; save it as UTF-8 without one.")
+        misplaced = _within(file, path, text)
+        if misplaced:
+            raise InputError(f"{file}:{misplaced}.")
         depth = 0
         for token in _TOKENS.finditer(text):
             depth += 1 if token[0] in "([{" else -1 if token[0] in ")]}" else 0

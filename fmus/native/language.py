@@ -1,164 +1,122 @@
 """Constructs that rumoca interprets differently from the Modelica language, or that the language forbids.
 
 Section numbers are those of the Modelica Language Specification, version 3.6. Rules that rumoca 0.10 enforces itself
-are not repeated here; tests/fmus/test_strict_modelica.py lists them.
+are not repeated here; tests/fmus/test_strict_modelica.py lists them. This module has the rules of declarations; `names`
+has those of expressions, and `connections` those of connect equations.
 """
 
-import json
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
-from pathlib import Path
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 from railgrip.base.errors import TranslationError
+from railgrip.fmus.native import connections, names
+from railgrip.fmus.native.classes import (
+    KINDS,
+    SIMPLE,
+    Class,
+    Element,
+    Modifier,
+    Node,
+    Sources,
+    Tree,
+    extends_modifiers,
+    join_name,
+    locate,
+    prefix,
+    without_places,
+)
 
-DECLARATIONS = Path(__file__).parent / "declarations"
-
-Node = dict[str, Any]
-"""A node of the syntax tree as rumoca writes it, with its field names."""
-
-Sources = Mapping[int, tuple[str, bytes]]
-"""Source id → (file name, text); places are byte offsets into the text."""
-
-_SIMPLE = ("Real", "Integer", "Boolean", "String")
 _ATTRIBUTES = frozenset(  # section 4.9
     ("value", "quantity", "unit", "displayUnit", "min", "max", "start", "fixed", "nominal", "unbounded", "stateSelect")
+)
+_BASES = {  # section 7.1.3; rumoca enforces the others
+    "model": ("model", "block", "record"),
+    "block": ("block", "record"),
+    "record": ("record",),
+    "connector": ("connector", "record", "type"),
+    "type": ("type",),
+}
+"""Kind of a class → kinds of its base classes."""
+_CLASS_EXTENDS = (
+    "`{0} extends {1}` is not supported by the built-in compiler (7.3.1); write a class of another name that extends "
+    "the inherited {1}, and redeclare {1} as that class in the extends clause"
 )
 _MAXIMUM_FINDINGS = 3
 """Maximum number of findings in a message."""
 
 
-def require_strict(model: Any, class_name: str, sources: Sources) -> None:
-    """Raise an error for constructs that Modelica compilers interpret differently.
+def findings(tree: Tree, class_name: str, flat: Mapping[str, Node]) -> list[str]:
+    """Return a sentence with file and line for each construct that Modelica compilers interpret differently.
 
     Args:
-        model: rumoca's model of the class.
+        tree: Declarations of the class and of those that it uses.
         class_name: Full name of the class.
-        sources: Source texts.
+        flat: Variables of the flat class by name; empty if it could not be flattened.
+    """
+    every = chain(_Checker(tree, class_name).findings(), names.findings(tree), connections.findings(tree, flat))
+    return list(dict.fromkeys(every))
+
+
+def require_strict(tree: Tree, class_name: str, flat: Mapping[str, Node]) -> None:
+    """Raise an error for constructs that Modelica compilers interpret differently; for the arguments see `findings`.
 
     Raises:
         TranslationError: The class has such constructs; the message lists them with file and line.
     """
-    text: str = model.codegen(str(DECLARATIONS)).files[0].content
-    text = re.sub(r"\bnone\b", "null", text)
-    text = re.sub(r"\\u\{([0-9a-f]+)\}", lambda m: f"\\u{int(m[1], 16):04x}", text)
-    try:
-        tree = json.loads(text)
-    except json.JSONDecodeError as error:
-        # rumoca does not escape quoted names, so a quotation mark in a name ends the string.
-        raise TranslationError(f"{class_name}: a quoted name with a quotation mark in it is not translated.") from error
-    _refuse(f"{class_name} does not conform to the Modelica language", _Checker(tree, sources).findings())
+    refuse(f"{class_name} does not conform to the Modelica language", findings(tree, class_name, flat))
 
 
-def require_values(class_name: str, variables: Mapping[str, Node], sources: Sources) -> None:
-    """Raise an error for component parameters without a value, whose start value would be used (section 8.6).
+def require_values(
+    class_name: str, variables: Mapping[str, Node], sources: Sources, outer: Set[str], *, complete: bool
+) -> None:
+    """Raise an error for parameters and constants without a value, whose start value would be used (4.4.4, 8.6).
 
-    This is the only sign of a lost modifier; therefore OpenModelica's warning fails a build as well. Parameters of the
-    class itself are set by the importer of the FMU.
+    For parameters this is the only sign of a lost modifier; therefore OpenModelica's warning fails a build as well.
+    Parameters of the class itself are set by the importer of the FMU.
 
     Args:
         class_name: Full name of the class.
         variables: Variables of the flat class by name.
         sources: Source texts.
+        outer: Names of outer variables, which have the value of an inner one.
+        complete: Whether the parameters of components must have a value.
 
     Raises:
-        TranslationError: A parameter without a value is not an array of size zero.
+        TranslationError: A constant, or a parameter of a component, has no value and is not an array of size zero.
     """
-    unset = (
-        _locate({"span": variable["source_span"]}, f"parameter {name} has no value", sources)
-        for name, variable in variables.items()
-        if "." in name
-        and "Parameter" in variable["variability"]
-        and variable["binding"] is None
-        and all(variable["fixed"] or ())
-        and 0 not in variable["dims"]
+
+    def kind(name: str, variable: Node) -> str:
+        if name in outer or variable["binding"] is not None or 0 in variable["dims"]:
+            return ""
+        if "Constant" in variable["variability"]:
+            return "constant"
+        is_set = "." in name and "Parameter" in variable["variability"] and all(variable["fixed"] or ())
+        return "parameter" if complete and is_set else ""
+
+    refuse(
+        f"{class_name} has parameters or constants without a value",
+        (
+            locate({"span": variable["source_span"]}, f"{kind(name, variable)} {name} has no value", sources)
+            for name, variable in variables.items()
+            if kind(name, variable)
+        ),
     )
-    _refuse(f"{class_name} has parameters without a value", unset)
 
 
-def _refuse(what: str, findings: Iterable[str]) -> None:
-    every = list(dict.fromkeys(findings))
+def refuse(what: str, sentences: Iterable[str]) -> None:
+    """Raise an error with the first of some sentences, if there are any.
+
+    Raises:
+        TranslationError: There are sentences.
+    """
+    every = list(dict.fromkeys(sentences))
     if every:
         more = [f"and {len(every) - _MAXIMUM_FINDINGS} more"] if len(every) > _MAXIMUM_FINDINGS else []
         raise TranslationError("\n  ".join([f"{what}:", *every[:_MAXIMUM_FINDINGS], *more]))
-
-
-@dataclass(frozen=True, slots=True)
-class _Modifier:
-    """One argument of a modification.
-
-    Attributes:
-        value: Expression of its value, or None.
-        type: Name of the new type of a redeclaration, else ''.
-        node: Node with its place in the source.
-    """
-
-    name: str
-    value: Node | None
-    inner: tuple["_Modifier", ...]
-    each: bool
-    type: str
-    node: Node
-
-    def leaves(self, before: str = "") -> Iterator[str]:
-        """Yield the paths of all elements that it assigns a value or redeclares."""
-        path = f"{before}{self.name}"
-        if self.value is not None or self.type:
-            yield path
-        if not self.type:
-            for modifier in self.inner:
-                yield from modifier.leaves(f"{path}.")
-
-
-@dataclass(frozen=True)
-class _Class:
-    """A class definition; `name` is the full one."""
-
-    name: str
-    node: Node
-    components: Mapping[str, Node]
-    classes: Mapping[str, "_Class"]
-
-    @property
-    def definition(self) -> Node:
-        return self.node["own"]
-
-
-@dataclass(frozen=True, slots=True)
-class _Element:
-    """A component or class in a class, own or inherited.
-
-    Attributes:
-        owner: Class in which it is declared.
-        type: Type of a component, or the class itself; None for simple and unknown types.
-        simple: Whether it is a scalar or array of a simple type.
-        rank: Number of array dimensions.
-        modifiers: Modifiers of its declaration.
-        constraint_modifiers: Modifiers of an explicit constraining clause, name → expression; None without one.
-        redeclared: Whether an extends clause redeclares it.
-    """
-
-    owner: _Class
-    node: Node
-    is_class: bool
-    type: _Class | None
-    simple: bool
-    rank: int
-    protected: bool
-    replaceable: bool
-    modifiers: tuple[_Modifier, ...]
-    constraint_modifiers: Mapping[str, Node] | None
-    redeclared: bool = False
-
-    @property
-    def lost_in_clause(self) -> list[str]:
-        """Names that the constraining clause modifies and the declaration does not: lost unless it is redeclared."""
-        if self.redeclared or self.is_class:
-            return []
-        return sorted((self.constraint_modifiers or {}).keys() - {m.name for m in self.modifiers})
 
 
 @dataclass(frozen=True)
@@ -169,58 +127,165 @@ class _Checker:
     which excludes protected elements, and `depth` is the level of nested modifiers.
     """
 
-    tree: Node
-    sources: Sources
-    _elements: dict[str, dict[str, _Element]] = field(default_factory=dict[str, dict[str, _Element]])
-
-    @cached_property
-    def roots(self) -> dict[str, _Class]:
-        return {name: _class(name, node) for name, node in self.tree.items() if name}
-
-    @cached_property
-    def every(self) -> list[_Class]:
-        def walk(classes: Mapping[str, _Class]) -> Iterator[_Class]:
-            for class_ in classes.values():
-                yield class_
-                yield from walk(class_.classes)
-
-        return list(walk(self.roots))
-
-    @cached_property
-    def by_name(self) -> dict[str, _Class]:
-        return {class_.name: class_ for class_ in self.every}
-
-    @cached_property
-    def by_id(self) -> dict[int, _Class]:
-        return {class_.definition["def_id"]: class_ for class_ in self.every}
+    tree: Tree
+    class_name: str
 
     def findings(self) -> Iterator[str]:
-        for class_ in self.every:
+        top = self.tree.by_name.get(self.class_name)
+        if top is not None:
+            yield from self._lost_modifiers(top.definition, top.short_name, top, ())
+        for class_ in self.tree.every:
+            yield from self._class_extends(class_)
+            yield from self._imports(class_)
+            yield from self._enumeration(class_)
             yield from self._bases(class_)
             for name, node in class_.components.items():
                 yield from self._component(class_, name, node)
             for inner in class_.classes.values():
                 yield from self._local_class(class_, inner)
 
-    def _bases(self, class_: _Class) -> Iterator[str]:
-        inherited: dict[str, _Element] = {}
-        for clause in class_.definition["extends"]:
-            base = self.by_id.get(clause["base_def_id"])
+    def _bases(self, class_: Class) -> Iterator[str]:
+        inherited: dict[str, Element] = {}
+        clauses = class_.definition["extends"]
+        for clause in clauses:
+            base = self.tree.by_id.get(clause["base_def_id"])
+            named = join_name(clause["base_name"])
+            if named == class_.short_name:
+                yield self._locate(class_.definition, _CLASS_EXTENDS.format(class_.kind, named))
+                return
+            if class_.definition["is_long"] and (class_.components or len(clauses) > 1):
+                if named in SIMPLE or self.tree.simple(base)[0]:
+                    what = "a simple type"
+                elif base is not None and base.definition["array_subscripts"]:
+                    what = "an array of a class"
+                elif base is not None and prefix(base.definition["causality"]):
+                    what = "a class with the prefix input or output"
+                else:
+                    what = ""
+                if what:
+                    yield self._locate(
+                        clause, f"{class_.short_name} extends {named}, {what}, and has other elements (7.1.3)"
+                    )
             if base is None:
                 continue
+            allowed = _BASES.get(class_.kind)
+            if allowed is not None and base.kind not in (*allowed, "class"):
+                yield self._locate(
+                    clause, f"the {class_.kind} {class_.short_name} extends the {base.kind} {named} (7.1.3); "
+                    f"the base class must be a {' or '.join(allowed)}"
+                )  # fmt: skip
             if base.definition["is_replaceable"] and not class_.definition["is_redeclare"]:
                 yield self._locate(clause, f"{base.name} is replaceable and cannot be a base class (7.1.4)")
-            yield from self._modifiers(class_, _extends_modifiers(clause), base, rank=0, outside=False, depth=0)
-            inherited |= self.elements(base)
+            arguments = extends_modifiers(clause)
+            simple, base_rank = self.tree.simple(base)
+            if simple:
+                subscripts = class_.definition["array_subscripts"] or ()
+                yield from self._attributes(class_, arguments, class_.short_name, base_rank + len(subscripts))
+                continue
+            yield from self._modifiers(class_, arguments, base, rank=0, outside=False, depth=0)
+            elements = self.tree.elements(base)
+            yield from self._inherited_twice(class_, clause, inherited, elements)
+            inherited |= elements
+        for inner in class_.classes.values():
+            name = inner.short_name
+            base = self._base_with_class(class_, name)
+            if name not in inherited and not inner.definition["is_redeclare"] and base is not None:
+                yield self._locate(
+                    inner.definition,
+                    f"the class {name} is declared, and another in the base class {base.name} (7.1); rename it",
+                )
+            if name not in inherited or inner.definition["is_redeclare"]:
+                continue
+            theirs = inherited[name]
+            if theirs.type is None or without_places(inner.node) != without_places(theirs.type.node):
+                yield self._locate(
+                    inner.definition,
+                    f"the class {name} is inherited from {theirs.owner.name} and declared again, differently (7.1)",
+                )
         for name in class_.components.keys() & inherited.keys():
-            mine, theirs = self.elements(class_)[name], inherited[name]
+            mine, theirs = self.tree.elements(class_)[name], inherited[name]
             if not mine.node["is_redeclare"] and _compared_parts(mine.node) != _compared_parts(theirs.node):
                 yield self._locate(
                     mine.node, f"{name} is inherited from {theirs.owner.name} and declared again, differently (7.1)"
                 )
 
-    def _component(self, class_: _Class, name: str, node: Node) -> Iterator[str]:
-        element = self.elements(class_)[name]
+    def _inherited_twice(
+        self, class_: Class, clause: Node, first: Mapping[str, Element], second: Mapping[str, Element]
+    ) -> Iterator[str]:
+        modified = {m.name for c in class_.definition["extends"] for m in extends_modifiers(c)}
+        for name in first.keys() & second.keys():
+            one, other = first[name], second[name]
+            if one.node is other.node and name not in modified:
+                continue
+            if one.node is other.node or _compared_parts(one.node) != _compared_parts(other.node):
+                yield self._locate(
+                    clause,
+                    f"{class_.short_name} inherits {name} twice, from {one.owner.name} and {other.owner.name}, with "
+                    "declarations or modifiers that may differ (7.1)",
+                )
+
+    def _class_extends(self, class_: Class) -> Iterator[str]:
+        # rumoca's tree omits a class that nothing uses, such as the extended one without the keyword redeclare.
+        if class_.kind == "package":
+            return
+        code, place = self.tree.code(class_), class_.definition["location"]
+        for form in re.finditer(rf"\b({KINDS})\s+extends\s+(\w+)", code):
+            start = place["start"] + len(code[: form.start()].encode())
+            yield self._locate({"span": place | {"start": start}}, _CLASS_EXTENDS.format(form[1], form[2]))
+
+    def _base_with_class(self, class_: Class, name: str) -> Class | None:
+        # rumoca's tree omits a class that nothing uses, so that of a base class may be in its text only.
+        declaration = re.compile(rf"\b(?:{KINDS})\s+{re.escape(name)}\b")
+        return next((base for base in self.tree.bases(class_) if declaration.search(self.tree.code(base))), None)
+
+    def _imports(self, class_: Class) -> Iterator[str]:
+        # rumoca looks up imports before inherited elements.
+        inherited = self.tree.inherit(class_)
+        for clause in class_.definition["imports"]:
+            for name in self.tree.imported_names(clause):
+                if name in inherited or self._base_with_class(class_, name) is not None:
+                    ((_, node),) = clause.items()
+                    yield self._locate(
+                        node,
+                        f"{class_.short_name} imports {name} and inherits an element {name}, which the built-in "
+                        "compiler does not find (5.3.1); write the full name of the imported one without the import",
+                    )
+
+    def _enumeration(self, class_: Class) -> Iterator[str]:
+        literals = class_.literals
+        for literal in sorted(set(literals)):
+            if literal in ("quantity", "min", "max", "start", "fixed"):
+                yield self._locate(class_.definition, f"the enumeration {class_.name} has a literal {literal} (4.9.5)")
+            if literals.count(literal) > 1:
+                yield self._locate(class_.definition, f"the enumeration {class_.name} has {literal} twice (4.9.5)")
+
+    def _prefixes(self, class_: Class, name: str, element: Element) -> Iterator[str]:
+        node = element.node
+        if name in SIMPLE:
+            yield self._locate(node, f"a component has the name {name} of a predefined type (4.9)")
+        if class_.kind == "record" and (node["inner"] or node["outer"]):
+            yield self._locate(node, f"{name} of the record {class_.short_name} is inner or outer (4.7)")
+        if node["inner"] and node["outer"]:
+            yield self._locate(
+                node, f"{name} is inner and outer, which the built-in compiler does not support (5.4); declare an "
+                "inner component of another name that is modified with values of the outer one"
+            )  # fmt: skip
+        prefixes = " ".join(p for p in (element.variability, element.causality) if p)
+        if prefixes and element.type is not None and element.type.kind in ("model", "block"):
+            yield self._locate(
+                node, f"{name} is {prefixes} and of the {element.type.kind} {element.type.name} (4.4.2.2); "
+                "only simple types, records and connectors can be"
+            )  # fmt: skip
+        if node["outer"] and node["binding"] is None and element.variability == "" and element.simple == "Real":
+            yield self._locate(
+                node, f"the built-in compiler does not support the outer Real variable {name} (5.4); declare it in a "
+                f"model, such as `model World Real {name}; end World;`, and write `inner World world` and "
+                f"`outer World world`"
+            )  # fmt: skip
+
+    def _component(self, class_: Class, name: str, node: Node) -> Iterator[str]:
+        element = self.tree.elements(class_)[name]
+        yield from self._prefixes(class_, name, element)
         yield from self._constraint(class_, name, element)
         if node["is_redeclare"]:
             yield from self._element_redeclaration(class_, name, element)
@@ -229,62 +294,90 @@ class _Checker:
             if element.simple:
                 yield from self._attributes(class_, modifiers, name, element.rank)
             return
+        if element.type.definition["array_subscripts"]:
+            yield self._locate(
+                node, f"the class {element.type.name} of {name} is an array, which the built-in compiler does not "
+                f"support; write the subscripts on {name}"
+            )  # fmt: skip
         if modifiers and element.type.definition["is_final"]:
             yield self._locate(node, f"{name} modifies the class {element.type.name}, which is final (7.2.6)")
         yield from self._modifiers(class_, modifiers, element.type, rank=element.rank, outside=True, depth=0)
         yield from self._lost_modifiers(node, name, element.type, modifiers)
 
-    def _local_class(self, class_: _Class, inner: _Class) -> Iterator[str]:
+    def _local_class(self, class_: Class, inner: Class) -> Iterator[str]:
         definition = inner.definition
-        short = inner.name.rpartition(".")[2]
-        if definition["constrainedby"] and re.search(r"\bconstrainedby\s+[\w.]+\s*\(", self._text_of(definition)):
+        short = inner.short_name
+        if short in SIMPLE:
+            yield self._locate(definition, f"a class has the name {short} of a predefined type (4.9)")
+        if definition["constrainedby"]:
+            constraint = self.tree.resolve(join_name(definition["constrainedby"]), class_)
+            own = len(definition["array_subscripts"] or ())
+            yield from self._subtype(definition, short, inner, constraint, own)
+        if definition["constrainedby"] and re.search(
+            r"\bconstrainedby\s+[\w.]+\s*\(", self.tree.text_of(definition["location"])
+        ):
             yield self._locate(
                 definition,
                 f"modifiers in the constraining clause of the class {short} are lost in the built-in compiler (7.3.2); "
                 f"write them on components of type {short}",
             )
         if definition["is_redeclare"]:
-            original = self._inherit(class_).get(short)
+            original = self.tree.inherit(class_).get(short)
+            if original is not None:
+                yield from self._redeclared_element(definition, short, original, definition["is_protected"])
+                yield from self._subtype(definition, short, inner, original.type)
             if original is None:
                 yield self._locate(definition, f"{short} is redeclared, but {class_.name} does not inherit it (7.3)")
             elif not original.replaceable:
                 yield self._locate(definition, f"{short} is redeclared, but is not replaceable (7.3.3)")
 
-    def _constraint(self, class_: _Class, name: str, element: _Element) -> Iterator[str]:
+    def _constraint(self, class_: Class, name: str, element: Element) -> Iterator[str]:
         named = element.node["constrainedby"]
-        constraint = self.resolve(_join_name(named), class_) if named else None
+        constraint = self.tree.resolve(join_name(named), class_) if named else None
         if constraint is None:
             return
-        allowed = self.elements(constraint)
+        allowed = self.tree.elements(constraint)
         for modified in element.constraint_modifiers or {}:
             if modified not in allowed:
                 yield self._locate(
                     element.node, f"the constraining clause of {name} modifies '{modified}', which {constraint.name} "
                     "does not have (7.3.2)"
                 )  # fmt: skip
-        yield from self._subtype(element.node, name, element.type, constraint)
+        yield from self._subtype(element.node, name, self.tree.by_id.get(element.node["type_def_id"] or -1), constraint)
 
-    def _subtype(self, node: Node, name: str, new: _Class | None, constraint: _Class | None) -> Iterator[str]:
+    def _subtype(
+        self, node: Node, name: str, new: Class | None, constraint: Class | None, own_rank: int = 0
+    ) -> Iterator[str]:
+        # The dimensions that a declaration itself adds to its type do not count.
         if new is None or constraint is None:
             return
-        has = self.elements(new)
+        simple, rank = self.tree.simple(new)
+        if (simple, rank - own_rank) != self.tree.simple(constraint):
+            yield self._locate(
+                node, f"{name} is of {new.name}, whose type or number of dimensions is not that of {constraint.name} "
+                "(7.3.2)"
+            )  # fmt: skip
+        has = self.tree.elements(new)
         missing = sorted(
-            n for n, e in self.elements(constraint).items() if not e.protected and (n not in has or has[n].protected)
+            n
+            for n, e in self.tree.elements(constraint).items()
+            if not e.protected and (n not in has or has[n].protected)
         )
         if missing:
             yield self._locate(
                 node, f"{name} is of {new.name}, which lacks {', '.join(missing)} of {constraint.name} (7.3.2)"
             )
 
-    def _element_redeclaration(self, class_: _Class, name: str, element: _Element) -> Iterator[str]:
-        original = self._inherit(class_).get(name)
+    def _element_redeclaration(self, class_: Class, name: str, element: Element) -> Iterator[str]:
+        original = self.tree.inherit(class_).get(name)
         if original is None:
             yield self._locate(element.node, f"{name} is redeclared, but {class_.name} does not inherit it (7.3)")
             return
         if not original.replaceable:
             yield self._locate(element.node, f"{name} is redeclared, but is not replaceable (7.3.3)")
+        yield from self._redeclared_element(element.node, name, original, element.protected)
         constraint = original.node["constrainedby"]
-        bound = self.resolve(_join_name(constraint), original.owner) if constraint else original.type
+        bound = self.tree.resolve(join_name(constraint), original.owner) if constraint else original.type
         yield from self._subtype(element.node, name, element.type, bound)
         if original.constraint_modifiers or (original.constraint_modifiers is None and original.modifiers):
             yield self._locate(
@@ -293,11 +386,22 @@ class _Checker:
                 f"compiler (7.3.2); redeclare it in the extends clause",
             )
 
+    def _redeclared_element(self, node: Node, name: str, original: Element, protected: bool) -> Iterator[str]:
+        if original.node["is_final"]:
+            yield self._locate(node, f"{name} is redeclared, but is final in {original.owner.name} (7.2.6)")
+        if original.variability == "constant":
+            yield self._locate(node, f"{name} is redeclared, but is a constant of {original.owner.name} (7.3.3)")
+        if original.protected != protected:
+            before, after = ("protected", "public") if original.protected else ("public", "protected")
+            yield self._locate(
+                node, f"{name} is redeclared as {after}, but is {before} in {original.owner.name} (7.3.3)"
+            )
+
     def _modifiers(
-        self, scope: _Class, modifiers: Sequence[_Modifier], target: _Class, *, rank: int, outside: bool, depth: int
+        self, scope: Class, modifiers: Sequence[Modifier], target: Class, *, rank: int, outside: bool, depth: int
     ) -> Iterator[str]:
         yield from self._duplicates(modifiers)
-        elements = self.elements(target)
+        elements = self.tree.elements(target)
         for modifier in modifiers:
             name, element = modifier.name, elements.get(modifier.name)
             if element is None:
@@ -305,6 +409,37 @@ class _Checker:
                 continue
             if outside and element.protected:
                 yield self._locate(modifier.node, f"'{name}' is modified, which is protected in {target.name} (4.1)")
+            if modifier.node["is_dotted"]:
+                path = next(modifier.leaves(), name)
+                yield self._locate(
+                    modifier.node,
+                    f"the modifier of '{path}' would be lost in the built-in compiler (7.2); write nested brackets: "
+                    f"{path.replace('.', '(')} = ...{')' * path.count('.')}",
+                )
+            if not element.is_class and element.node["outer"]:
+                yield self._locate(
+                    modifier.node, f"'{name}' is modified, which is outer in {element.owner.name} (5.4); modify the "
+                    "inner component"
+                )  # fmt: skip
+            if modifier.value is not None and "ClassModification" in modifier.value:
+                yield self._locate(
+                    modifier.node,
+                    f"'{name}' is replaced without the keyword redeclare; write `redeclare replaceable` (7.3)",
+                )
+                continue
+            if element.is_class and not modifier.type and modifier.value is not None:
+                yield self._locate(
+                    modifier.node,
+                    f"the class '{name}' is replaced without the keyword redeclare; write "
+                    f"`redeclare {element.node['class_type'].lower()} {name} = ...` (7.3)"
+                )  # fmt: skip
+                continue
+            if element.is_class and not modifier.type:
+                yield self._locate(
+                    modifier.node, f"the modifiers of the class '{name}' would be lost in the built-in compiler (7.2); "
+                    f"write them on components of type {name}"
+                )  # fmt: skip
+                continue
             around = 0 if modifier.each else rank
             if modifier.type:
                 yield from self._redeclaration(scope, modifier, element, depth)
@@ -322,8 +457,8 @@ class _Checker:
                 scope, modifier.inner, element.type, rank=around + element.rank, outside=True, depth=depth + 1
             )
 
-    def _redeclaration(self, scope: _Class, modifier: _Modifier, element: _Element, depth: int) -> Iterator[str]:
-        name, new = modifier.name, self.resolve(modifier.type, scope)
+    def _redeclaration(self, scope: Class, modifier: Modifier, element: Element, depth: int) -> Iterator[str]:
+        name, new = modifier.name, self.tree.resolve(modifier.type, scope)
         if depth:
             yield self._locate(
                 modifier.node,
@@ -332,6 +467,25 @@ class _Checker:
             )
         if not element.replaceable:
             yield self._locate(modifier.node, f"'{name}' is redeclared, but is not replaceable (7.3.3)")
+        if element.node["is_final"]:
+            yield self._locate(modifier.node, f"'{name}' is redeclared, but is final in {element.owner.name} (7.2.6)")
+        # rumoca's tree omits a value that follows modifiers in brackets.
+        argument = self._argument_text(modifier)
+        follows = re.sub(r"\([^()]*(?:\([^()]*\)[^()]*)*\)", "", argument).partition('"')[0]
+        if modifier.value is not None or (not element.is_class and re.match(r"[\w.\[\]:\s]*=", follows)):
+            yield self._locate(
+                modifier.node,
+                f"the value of the redeclaration of '{name}' would be lost in the built-in compiler (7.3); if its type "
+                f"remains, write `{name} = ...` without redeclare, else write a class that extends "
+                f"{element.owner.name} and redeclares {name} as an element: "
+                f"`redeclare {modifier.type} {name} = ...;`",
+            )
+        if re.search(r"\bconstrainedby\s+[\w.]+\s*\(", argument):
+            yield self._locate(
+                modifier.node,
+                f"the constraining clause in the redeclaration of '{name}' would be lost in the built-in compiler "
+                "(7.3.2); write a class that extends the other and redeclares it as an element",
+            )
         if element.is_class and element.modifiers:
             yield self._locate(
                 modifier.node,
@@ -347,21 +501,28 @@ class _Checker:
         if element.constraint_modifiers is not None and not element.is_class:
             for m in element.modifiers:
                 written = m.value if m.value is not None and not m.inner else m.node
-                if _without_places(written) != _without_places(element.constraint_modifiers.get(m.name)):
+                if without_places(written) != without_places(element.constraint_modifiers.get(m.name)):
                     yield self._locate(
                         element.node,
                         f"'{m.name}' is modified on the declaration of {name} and not, or otherwise, in its "
                         f"constraining clause: redeclared, {name} loses it (7.3.2); write "
                         "`constrainedby` with the modifiers",
                     )
-        if new is not None:
+        simple, rank = (modifier.type, 0) if modifier.type in SIMPLE else self.tree.simple(new)
+        if element.is_class and element.type is not None and (simple, rank) != self.tree.simple(element.type):
+            yield self._locate(
+                modifier.node,
+                f"'{name}' is replaced by {modifier.type}, whose type or number of dimensions is not that of "
+                f"{element.type.name} (7.3.2)",
+            )
+        if new is not None and not self.tree.simple(new)[0]:
             yield from self._modifiers(scope, modifier.inner, new, rank=element.rank, outside=True, depth=depth + 1)
             yield from self._lost_modifiers(modifier.node, name, new, modifier.inner)
 
-    def _lost_modifiers(self, node: Node, name: str, used: _Class, modifiers: Sequence[_Modifier]) -> Iterator[str]:
+    def _lost_modifiers(self, node: Node, name: str, used: Class, modifiers: Sequence[Modifier]) -> Iterator[str]:
         # rumoca reads a constraining clause only where the class is redeclared.
         redeclared = {m.name for m in modifiers if m.type}
-        for part, element in self.elements(used).items():
+        for part, element in self.tree.elements(used).items():
             if element.lost_in_clause and part not in redeclared:
                 yield self._locate(
                     node,
@@ -370,14 +531,14 @@ class _Checker:
                     "or write them on its declaration as well",
                 )
 
-    def _attributes(self, scope: _Class, modifiers: Sequence[_Modifier], name: str, rank: int) -> Iterator[str]:
+    def _attributes(self, scope: Class, modifiers: Sequence[Modifier], name: str, rank: int) -> Iterator[str]:
         yield from self._duplicates(modifiers)
         for modifier in modifiers:
             if modifier.name not in _ATTRIBUTES:
                 yield self._locate(modifier.node, f"'{modifier.name}' is not an attribute of {name} (4.9)")
             yield from self._rank(scope, modifier, 0 if modifier.each else rank)
 
-    def _rank(self, scope: _Class, modifier: _Modifier, required: int) -> Iterator[str]:
+    def _rank(self, scope: Class, modifier: Modifier, required: int) -> Iterator[str]:
         found = None if modifier.value is None else self.rank(modifier.value, scope)
         if found is not None and found != required:
             what = ("a scalar", "a vector", "a matrix")[min(found, 2)]
@@ -387,124 +548,14 @@ class _Checker:
                 f"'{modifier.name}' is given {what} where {required} dimensions are required (7.2.5){hint}",
             )
 
-    def _duplicates(self, modifiers: Sequence[_Modifier]) -> Iterator[str]:
+    def _duplicates(self, modifiers: Sequence[Modifier]) -> Iterator[str]:
         counts = Counter(leaf for modifier in modifiers for leaf in modifier.leaves())
         for modifier in modifiers:
             for leaf in modifier.leaves():
                 if counts[leaf] > 1:
                     yield self._locate(modifier.node, f"'{leaf}' is modified twice (7.2.4)")
 
-    def elements(self, class_: _Class) -> dict[str, _Element]:
-        """Return the elements of a class by name, inherited ones first."""
-        if class_.name not in self._elements:
-            self._elements[class_.name] = {}  # where classes extend each other, which rumoca refuses
-            self._elements[class_.name] = self._inherit(class_) | {
-                **{name: self._element(class_, node) for name, node in class_.components.items()},
-                **{
-                    inner.name.rpartition(".")[2]: self._class_element(inner, class_)
-                    for inner in class_.classes.values()
-                },
-            }
-        return self._elements[class_.name]
-
-    def _inherit(self, class_: _Class) -> dict[str, _Element]:
-        found: dict[str, _Element] = {}
-        for clause in class_.definition["extends"]:
-            base = self.by_id.get(clause["base_def_id"])
-            if base is None:
-                continue
-            elements = dict(self.elements(base))
-            if clause["is_protected"]:
-                elements = {name: replace(element, protected=True) for name, element in elements.items()}
-            for modifier in _extends_modifiers(clause):
-                element = elements.get(modifier.name)
-                if modifier.type and element is not None:
-                    elements[modifier.name] = replace(
-                        element,
-                        type=self.resolve(modifier.type, class_),
-                        replaceable=self._is_replaceable(modifier),
-                        redeclared=True,
-                    )
-            found |= elements
-        return found
-
-    def _element(self, owner: _Class, node: Node) -> _Element:
-        declared = self.by_id.get(node["type_def_id"] or -1)
-        simple, rank = self._simple(declared)
-        simple = simple or (declared is None and _join_name(node["type_name"]) in _SIMPLE)
-        named = {
-            path.removeprefix("__constrainedby__.").partition(".")[0]: value[0]
-            for path, value in node["clause"].items()
-            if path
-        }
-        return _Element(
-            owner=owner,
-            node=node,
-            is_class=False,
-            type=None if simple else declared,
-            simple=simple,
-            rank=rank + len(node["shape_expr"] or ()),
-            protected=node["is_protected"],
-            replaceable=node["is_replaceable"],
-            modifiers=_modifiers(node["modifiers"], node["each"], node["redeclare"]),
-            constraint_modifiers=named if node["constrainedby"] else None,
-        )
-
-    def _class_element(self, inner: _Class, owner: _Class) -> _Element:
-        definition = inner.definition
-        return _Element(
-            owner=owner,
-            node=definition,
-            is_class=True,
-            type=inner,
-            simple=False,
-            rank=0,
-            protected=definition["is_protected"],
-            replaceable=definition["is_replaceable"],
-            modifiers=()
-            if definition["is_long"]
-            else tuple(m for clause in definition["extends"] for m in _extends_modifiers(clause)),
-            constraint_modifiers={} if definition["constrainedby"] else None,
-        )
-
-    def _simple(self, class_: _Class | None) -> tuple[bool, int]:
-        if class_ is None:
-            return False, 0
-        if class_.definition["enum_literals"]:
-            return True, 0
-        rank = len(class_.definition["array_subscripts"] or ())
-        for clause in class_.definition["extends"]:
-            if _join_name(clause["base_name"]) in _SIMPLE:
-                return True, rank
-            simple, more = self._simple(self.by_id.get(clause["base_def_id"]))
-            if simple:
-                return True, rank + more
-        return False, rank
-
-    def resolve(self, name: str, scope: _Class) -> _Class | None:
-        """Return the class of a name that is written in a class, None if it is unknown (section 5.3)."""
-        first, *rest = name.split(".")
-        place = scope.name
-        while True:
-            class_ = self.by_name.get(place)
-            found = None if class_ is None else self.elements(class_).get(first)
-            if found is not None and found.is_class:
-                break
-            if not place:
-                root = self.roots.get(first)
-                return root and self._inside(root, rest)
-            place = place.rpartition(".")[0]
-        return found.type and self._inside(found.type, rest)
-
-    def _inside(self, type_: _Class, names: Sequence[str]) -> _Class | None:
-        for name in names:
-            element = self.elements(type_).get(name)
-            if element is None or not element.is_class or element.type is None:
-                return None
-            type_ = element.type
-        return type_
-
-    def rank(self, value: Node, scope: _Class) -> int | None:
+    def rank(self, value: Node, scope: Class) -> int | None:
         """Return the number of dimensions of an expression, None if its form alone does not determine it."""
         ((kind, node),) = value.items()
         match kind:
@@ -523,108 +574,30 @@ class _Checker:
             case _:
                 return None
 
-    def _reference_rank(self, parts: Sequence[Node], scope: _Class) -> int | None:
-        type_: _Class | None = scope
+    def _reference_rank(self, parts: Sequence[Node], scope: Class) -> int | None:
+        type_: Class | None = scope
         rank = 0
         for part in parts:
-            element = None if type_ is None else self.elements(type_).get(part["ident"]["text"])
+            element = None if type_ is None else self.tree.elements(type_).get(part["ident"]["text"])
             if element is None or element.is_class or part["subs"]:
                 return None
             rank += element.rank
             type_ = element.type
         return rank
 
-    def _is_replaceable(self, modifier: _Modifier) -> bool:
-        # rumoca's tree omits `replaceable` in a redeclaration of an extends clause.
-        span = modifier.node["span"]
-        text = self.sources[span["source"]][1][: span["start"]].decode(errors="replace")
-        return (
-            re.search(r"\breplaceable\s+(?:\w+\s+)*[\w.]*\s*$", text.rpartition(",")[2].rpartition("(")[2]) is not None
-        )
-
-    def _text_of(self, definition: Node) -> str:
-        # Its declaration as it is written: rumoca's tree omits the modifiers of the constraining clause.
-        place = definition["location"]
-        _, text = self.sources.get(place["source"], ("", b""))
-        return text[place["start"] :].partition(b";")[0].decode(errors="replace")
+    def _argument_text(self, modifier: Modifier) -> str:
+        # From its name to the comma or bracket that ends the argument.
+        text, depth = self.tree.text_of(modifier.node["span"]), 0
+        for i, character in enumerate(text):
+            depth += (character in "([{") - (character in ")]}")
+            if depth < 0 or (not depth and character == ","):
+                return text[:i]
+        return text
 
     def _locate(self, node: Node, sentence: str) -> str:
-        return _locate(node, sentence, self.sources)
-
-
-def _locate(node: Node, sentence: str, sources: Sources) -> str:
-    place = node.get("location") or node["span"]
-    name, text = sources.get(place["source"], ("?", b""))
-    line = text.count(b"\n", 0, place["start"]) + 1
-    return f"{name}:{line}: {sentence}."
-
-
-def _class(name: str, node: Node) -> _Class:
-    return _Class(
-        name=name,
-        node=node,
-        components={key: {**k["own"], "clause": k["clause"]} for key, k in node["components"].items() if key},
-        classes={key: _class(f"{name}.{key}", inner) for key, inner in node["classes"].items() if key},
-    )
-
-
-def _extends_modifiers(clause: Node) -> tuple[_Modifier, ...]:
-    arguments = clause["modifications"]
-    return _modifiers(
-        [a["expr"] for a in arguments], [a["each"] for a in arguments], [a["redeclare"] for a in arguments]
-    )
-
-
-def _modifiers(arguments: Sequence[Node], each: Sequence[bool], redeclare: Sequence[bool]) -> tuple[_Modifier, ...]:
-    found: list[_Modifier] = []
-    for i, argument in enumerate(arguments):
-        modifier = _modifier(argument, i < len(each) and each[i], i < len(redeclare) and redeclare[i])
-        if modifier is not None:
-            found.append(modifier)
-    return tuple(found)
-
-
-def _modifier(argument: Node, each: bool, redeclare: bool) -> _Modifier | None:
-    ((kind, node),) = argument.items()
-    target, value, nested, new_type = node.get("target"), None, {}, ""
-    if kind == "ClassModification":  # a(...)
-        nested = node
-    elif kind == "Binary" and node["op"] == "Assign" and "ClassModification" in node["lhs"]:  # a(...) = value
-        nested, value = node["lhs"]["ClassModification"], node["rhs"]
-        target = nested["target"]
-    elif kind == "Modification" and redeclare:  # redeclare Type a(...)
-        ((_, nested),) = node["value"].items()
-        new_type = _path(nested.get("target", nested))
-    elif kind == "Modification":  # a = value
-        value = node["value"]
-    else:
-        return None
-    inner = _modifiers(
-        nested.get("modifications") or (), nested.get("each_flags") or (), nested.get("redeclare_flags") or ()
-    )
-    *outer, last = _path(target).split(".")
-    written = {"span": target["span"], "whole": argument}
-    found = _Modifier(last, value, inner, each, new_type, written)
-    for name in reversed(outer):
-        found = _Modifier(name, None, (found,), False, "", written)
-    return found
-
-
-def _path(reference: Node) -> str:
-    return ".".join(part["ident"]["text"] for part in reference["parts"])
-
-
-def _join_name(name: Node | None) -> str:
-    return ".".join(part["text"] for part in name["name"]) if name else ""
+        return self.tree.locate(node, sentence)
 
 
 def _compared_parts(node: Node) -> Any:
     keys = ("type_def_id", "shape_expr", "binding", "variability", "causality", "modifiers", "is_protected")
-    return _without_places({key: node.get(key) for key in keys})
-
-
-def _without_places(tree: Any) -> Any:
-    if isinstance(tree, dict):
-        skipped = ("span", "location", "token_number", "def_id")
-        return {key: _without_places(value) for key, value in tree.items() if key not in skipped}
-    return [_without_places(value) for value in tree] if isinstance(tree, list) else tree
+    return without_places({key: node.get(key) for key in keys})

@@ -119,7 +119,9 @@ def _answer(task: str, class_name: str, library: Path, arguments: dict[str, Any]
     except RecursionError:
         problem = "an expression that is too long or nested too deeply, or a function that calls itself"
         return {"kind": "TranslationError", "refusal": f"{class_name} has {problem}."}
-    except Exception as error:
+    except BaseException as error:  # the panic of a Rust extension is not an Exception
+        if not isinstance(error, Exception) and type(error).__name__ != "PanicException":
+            raise
         if "bad_alloc" in str(error):
             _exit_with("out of memory")
         last_line = f"{type(error).__name__}: {error}".strip().splitlines()[-1]

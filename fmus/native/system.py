@@ -146,6 +146,7 @@ def explicit(dae: Dae) -> System:
         [RELUCTANCE[s.attributes["state_select"]] * (2 if s.fixed else 1) for s in v.states], dae.class_name,
     )  # fmt: skip
     states, algebraics = _split_states(v, index_one.states, index_one.former_states)
+    _require_state_select(dae, states, algebraics)
     loops, start_loops = Loops(), Loops()
     derivative, algebraic, indicators = solve(
         index_one.equations, index_one.unknowns,
@@ -227,6 +228,15 @@ def _at_events(
         )
     loops.blocks = blocks
     return event_values, assertions
+
+
+def _require_state_select(dae: Dae, states: list[Scalar], algebraics: list[Scalar]) -> None:
+    for scalars, forbidden, what in ((states, "Never", "is a state"), (algebraics, "Always", "cannot be a state")):
+        for s in scalars:
+            if s.attributes["state_select"] == forbidden:
+                raise dae.refuse(
+                    f"{s.name}(stateSelect=StateSelect.{forbidden.lower()}) {what} (4.9.7.1)", s.provenance
+                )
 
 
 def _refuse_unsupported(dae: Dae) -> None:

@@ -125,3 +125,66 @@ def test_a_class_with_events_is_not_a_plain_differential_equation(tmp_path):
     file.write_text("model M Real x(start=1,fixed=true); equation der(x) = if x > 0.5 then -1 else -x; end M;")
     with pytest.raises(TranslationError, match="noEvent"):
         lower("M", file)
+
+
+LIBRARY = {
+    "package.mo": "package Lib\nend Lib;\n",
+    "B.mo": "within Lib;\nmodel B\n  Real x(start=1, fixed=true);\nequation\n  der(x) = -x;\nend B;\n",
+    "S/package.mo": "within Lib;\npackage S\nend S;\n",
+    "S/C.mo": "within Lib.S;\nmodel C\n  extends Lib.B;\nend C;\n",
+}
+
+
+def write_library(folder, changed):
+    for name, text in (LIBRARY | changed).items():
+        file = folder / "Lib" / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return folder / "Lib"
+
+
+ACCEPTED_FILES = {
+    "carriage returns": {name: text.replace("\n", "\r\n") for name, text in LIBRARY.items()},
+    "comments before within": {"B.mo": f"// within X;\n/* within Y; */\n{LIBRARY['B.mo']}"},
+    "an empty within": {"package.mo": f"within ;\n{LIBRARY['package.mo']}"},
+}
+REFUSED_FILES = {
+    "a byte order mark": ({"B.mo": b"\xef\xbb\xbf" + LIBRARY["B.mo"].encode()}, r"B\.mo:1: .* byte order mark"),
+    "UTF-16": ({"B.mo": LIBRARY["B.mo"].encode("utf-16")}, r"B\.mo:1: the text is not UTF-8"),
+    "another within": (
+        {"B.mo": LIBRARY["B.mo"].replace("Lib", "Other")},
+        r"B\.mo:1: the file has `within Other;`, but its folder requires `within Lib;`",
+    ),
+    "no within": ({"B.mo": LIBRARY["B.mo"].replace("within Lib;", "")}, r"B\.mo:1: the file has no `within`"),
+    "the within of another folder": (
+        {"S/C.mo": LIBRARY["S/C.mo"].replace("within Lib.S", "within Lib")}, r"C\.mo:1: .* requires `within Lib\.S;`"
+    ),
+    "a within above the library": (
+        {"package.mo": f"within Above;\n{LIBRARY['package.mo']}"}, r"package\.mo:1: .*`within Above;`"
+    ),
+    "a class of another name": (
+        {"B.mo": LIBRARY["B.mo"].replace("model B", "model D").replace("end B", "end D")},
+        r"B\.mo:2: the file declares D, but its name requires B",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ACCEPTED_FILES)
+def test_a_library_with_unusual_text_files_is_translated(tmp_path, name):
+    library = write_library(tmp_path, ACCEPTED_FILES[name])
+    assert [v.name for v in lower("Lib.S.C", library).states] == ["x"]
+
+
+@pytest.mark.parametrize("name", REFUSED_FILES)
+def test_a_file_that_does_not_fit_its_library_is_refused_with_its_line(tmp_path, name):
+    changed, sentence = REFUSED_FILES[name]
+    with pytest.raises(InputError, match=sentence):
+        lower("Lib.S.C", write_library(tmp_path, changed))
+
+
+def test_a_single_file_with_within_names_its_class(tmp_path):
+    file = tmp_path / "B.mo"
+    file.write_text(LIBRARY["B.mo"])
+    assert [v.name for v in lower("Lib.B", file).states] == ["x"]
+    with pytest.raises(InputError, match=r"B\.mo:1: the file has `within Lib;`, so its class is Lib\.B"):
+        lower("B", file)

@@ -124,3 +124,18 @@ def test_a_hanging_c_compiler_is_ended(monkeypatch, tmp_path):
         toolchain.binary({"endless.c": ""}, "endless")
     time.sleep(2.2)
     assert not mark.exists()
+
+
+def test_a_panic_of_the_front_end_is_a_sentence(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    """A panic of Rust reaches Python as an exception that is not an Exception."""
+
+    class PanicException(BaseException):
+        pass
+
+    def panic(*_: object):
+        raise PanicException("index out of bounds")
+
+    monkeypatch.setattr("railgrip.fmus.native.equations.lower_here", panic)
+    answer = separate_process._answer("lower", "M", tmp_path, {})
+    assert "M: the built-in compiler fails on this class" in answer["refusal"]
+    assert "build it with OpenModelica" in answer["refusal"]

@@ -1,0 +1,466 @@
+"""Names and types in expressions that rumoca reads differently from the language, or that the language forbids.
+
+Section numbers are those of the Modelica Language Specification, version 3.6.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+from railgrip.fmus.native.classes import (
+    SIMPLE,
+    Class,
+    Element,
+    Modifier,
+    Node,
+    Tree,
+    extends_modifiers,
+    path_of,
+)
+
+_COMPARISONS = ("Eq", "Neq", "Lt", "Le", "Gt", "Ge")
+_DISCRETE_FUNCTIONS = frozenset(
+    ("integer", "pre", "edge", "change", "initial", "terminal", "sample", "Integer", "String", "size", "ndims")
+)
+"""Built-in functions whose value changes at events only, whatever their arguments."""
+_TERMINALS = {"UnsignedInteger": "Integer", "UnsignedReal": "Real", "Bool": "Boolean", "String": "String"}
+
+Kind = str | Class
+"""A simple type: Real, Integer, Boolean, String or the class of an enumeration."""
+
+
+def findings(tree: Tree) -> Iterator[str]:
+    """Yield a sentence with file and line for each name or type that is misread or forbidden."""
+    for class_ in tree.every:
+        yield from _Names(tree, class_).findings()
+
+
+@dataclass(frozen=True, slots=True)
+class _Reference:
+    """A name in an expression.
+
+    Attributes:
+        parts: Identifiers, first to last.
+        is_global: Whether it is written with a leading dot.
+        in_connect: Whether it is an argument of connect.
+        bound: Iteration variables around it.
+    """
+
+    parts: tuple[str, ...]
+    node: Node
+    is_global: bool = False
+    in_connect: bool = False
+    bound: frozenset[str] = frozenset()
+
+    @property
+    def text(self) -> str:
+        return ".".join(self.parts)
+
+
+def references(tree: Any, bound: frozenset[str] = frozenset()) -> Iterator[_Reference]:
+    """Yield all names in a tree of equations or expressions, including those of functions."""
+    if isinstance(tree, list):
+        for item in tree:
+            yield from references(item, bound)
+        return
+    if not isinstance(tree, dict):
+        return
+    if "indices" in tree:
+        bound |= {index["ident"]["text"] for index in tree["indices"]}
+    for key, value in tree.items():
+        if key in ("ComponentReference", "comp"):
+            yield from _reference(value, bound)
+        elif key == "Connect":
+            for side in ("lhs", "rhs"):
+                yield from (replace(r, in_connect=True) for r in _reference(value[side], bound))
+        elif key != "target":
+            yield from references(value, bound)
+
+
+def _reference(node: Node, bound: frozenset[str]) -> Iterator[_Reference]:
+    parts = tuple(part["ident"]["text"] for part in node["parts"])
+    yield _Reference(parts, node, is_global=bool(node.get("local")), bound=bound)
+    for part in node["parts"]:
+        yield from references(part["subs"], bound)
+
+
+@dataclass(frozen=True)
+class _Names:
+    """Checks of the expressions in one class."""
+
+    tree: Tree
+    class_: Class
+
+    def findings(self) -> Iterator[str]:
+        yield from self._types()
+        for expression in self._expressions():
+            for reference in references(expression):
+                yield from self._reference(reference)
+            yield from self._mismatches(expression)
+        yield from self._lost_assertions(self.class_.content)
+        yield from self._bindings()
+        if not self.class_.definition["is_long"]:
+            yield from self._short_class()
+
+    def _expressions(self) -> Iterator[Any]:
+        for node in self.class_.components.values():
+            yield [node["binding"], node["modifiers"], node["shape_expr"], node["condition"]]
+        yield [a["expr"] for clause in self.class_.definition["extends"] for a in clause["modifications"]]
+        yield self.class_.content
+
+    def _types(self) -> Iterator[str]:
+        for name, node in self.class_.components.items():
+            yield from self._type(name, node["type_name"], node["type_def_id"], self.class_)
+        scope = self.class_
+        if not scope.definition["is_long"]:
+            scope = self.tree.by_name.get(scope.name.rpartition(".")[0], scope)
+        for clause in self.class_.definition["extends"]:
+            yield from self._type(self.class_.short_name, clause["base_name"], clause["base_def_id"], scope)
+
+    def _type(self, name: str, written: Node, number: int | None, scope: Class) -> Iterator[str]:
+        parts = tuple(part["text"] for part in written["name"])
+        if not parts or (len(parts) == 1 and parts[0] in SIMPLE):
+            return
+        node = written["name"][0]
+        is_global = self.tree.starts_with_dot(node["location"])
+        path = self._path(parts, scope, is_global)
+        yield from self._protected(node, path, parts)
+        last, used = (path[-1] if len(path) == len(parts) else None), self.tree.by_id.get(number or -1)
+        meant = last.type if isinstance(last, Element) and last.is_class else last
+        if is_global and (local := self.tree.look_up(parts[0], scope)) is not self.tree.roots.get(parts[0]):
+            owner = f" in {local.owner.name}" if isinstance(local, Element) else ""
+            yield self.tree.locate(
+                node,
+                f"the built-in compiler reads .{'.'.join(parts)}, the type of {name}, as the local {parts[0]}{owner} "
+                "(5.3.3); rename the local one",
+            )
+            return
+        redeclared = any(isinstance(e, Element) and e.redeclared for e in path)
+        if isinstance(meant, Class) and used is not None and meant is not used and not redeclared:
+            yield self.tree.locate(
+                node,
+                f"the built-in compiler reads the type {'.' * is_global}{'.'.join(parts)} of {name} as {used.name}, "
+                f"but it is {meant.name} (5.3); rename one of them",
+            )
+
+    def _reference(self, reference: _Reference) -> Iterator[str]:
+        first, node = reference.parts[0], reference.node
+        if first in reference.bound:
+            return
+        if first == "time" and len(reference.parts) == 1 and self.class_.kind not in ("model", "block", "class"):
+            yield self.tree.locate(node, f"the {self.class_.kind} {self.class_.short_name} uses time (3.6.7)")
+            return
+        if reference.is_global:
+            found = self.tree.look_up(first, self.class_)
+            if found is not None and found is not self.tree.roots.get(first):
+                yield self.tree.locate(
+                    node,
+                    f"the built-in compiler reads .{reference.text} as the local {first} (5.3.3); rename the local one",
+                )
+        path = self._path(reference.parts, self.class_, reference.is_global)
+        yield from self._protected(node, path, reference.parts)
+        for element, part in zip(path, reference.parts, strict=False):
+            if not isinstance(element, Element) or element.is_class:
+                continue
+            if element.node["condition"] is not None and not reference.in_connect:
+                yield self.tree.locate(
+                    node, f"{reference.text} uses the conditional component {part}, which only connect may (4.4.5)"
+                )
+        for element, following in pairwise(path):
+            is_array = isinstance(element, Element) and not element.is_class and element.rank
+            if is_array and isinstance(following, Element) and following.is_class:
+                yield self.tree.locate(node, f"{reference.text} is a class in an array of components (5.3.2)")
+
+    def _protected(self, node: Node, path: Sequence[Element | Class], parts: Sequence[str]) -> Iterator[str]:
+        for element, part in list(zip(path, parts, strict=False))[1:]:
+            if isinstance(element, Element) and element.protected:
+                yield self.tree.locate(
+                    node, f"{'.'.join(parts)} uses {part}, which is protected in {element.owner.name} (4.1)"
+                )
+
+    def _path(self, parts: Sequence[str], scope: Class, is_global: bool) -> list[Element | Class]:
+        # The elements that the parts of a name denote, as far as they are known.
+        found = self.tree.roots.get(parts[0]) if is_global else self.tree.look_up(parts[0], scope)
+        path: list[Element | Class] = []
+        for part in (*parts[1:], None):
+            if found is None:
+                break
+            path.append(found)
+            type_ = found if isinstance(found, Class) else found.type
+            found = None if type_ is None or part is None else self.tree.elements(type_).get(part)
+        return path
+
+    def _short_class(self) -> Iterator[str]:
+        inherited = self.tree.inherit(self.class_)
+        around = self.tree.by_name.get(self.class_.name.rpartition(".")[0])
+        for clause in self.class_.definition["extends"]:
+            for reference in references([a["expr"] for a in clause["modifications"]]):
+                first = reference.parts[0]
+                element = inherited.get(first)
+                if element is None or first in reference.bound or reference.is_global:
+                    continue
+                if around is None or self.tree.look_up(first, around) != element:
+                    yield self.tree.locate(
+                        reference.node,
+                        f"the built-in compiler reads {first} in the modifiers of the short class "
+                        f"{self.class_.short_name} as the element of {element.owner.name}, but it is that of the class "
+                        f"around {self.class_.short_name} (5.3); rename that one",
+                    )
+
+    def _lost_assertions(self, content: Any) -> Iterator[str]:
+        # rumoca drops the assertions of an if equation unless it can decide its condition at translation.
+        if self.class_.kind == "function":
+            return
+        if isinstance(content, list):
+            for item in content:
+                yield from self._lost_assertions(item)
+        elif isinstance(content, dict):
+            for key, value in content.items():
+                if key == "If" and "cond_blocks" in value:
+                    conditions = [block["cond"] for block in value["cond_blocks"]]
+                    if not all(self._is_parameter(condition) for condition in conditions):
+                        for call in _calls(value, "assert"):
+                            yield self.tree.locate(
+                                call["comp"],
+                                "the built-in compiler drops an assertion in an if equation whose condition changes "
+                                "(8.3.4); write `assert(not condition or ..., ...)` outside of it",
+                            )
+                        continue
+                yield from self._lost_assertions(value)
+
+    def _is_parameter(self, expression: Any) -> bool:
+        for reference in references(expression):
+            if reference.parts[0] in reference.bound:
+                continue
+            path = self._path(reference.parts, self.class_, reference.is_global)
+            if any(isinstance(e, Element) and e.variability in ("parameter", "constant") for e in path):
+                continue
+            last = path[-1] if path else None
+            if isinstance(last, Element) and last.is_class:
+                last = last.type
+            if isinstance(last, Class) and (last.kind == "function" or last.literals):
+                continue
+            if not path and reference.parts[0] not in ("time", "initial", "terminal", "sample"):
+                continue  # a built-in function
+            return False
+        return True
+
+    def kind(self, value: Node, bound: frozenset[str] = frozenset()) -> Kind | None:
+        """Return the simple type of an expression, None if its form alone does not determine it."""
+        ((form, node),) = value.items()
+        match form:
+            case "Terminal" | "Literal":
+                return _TERMINALS.get(node.get("terminal_type", ""))
+            case "ComponentReference":
+                return self._reference_kind(node, bound)
+            case "Parenthesized" | "Unary":
+                inner = next((node[key] for key in ("inner", "rhs", "expr") if key in node), None)
+                return None if inner is None else self.kind(inner, bound)
+            case "If":
+                return self.kind(node["else_branch"], bound)
+            case "Array":
+                return self.kind(node["elements"][0], bound) if node["elements"] else None
+            case "Binary":
+                return self._binary_kind(node, bound)
+            case "FunctionCall":
+                function = self.tree.resolve(path_of(node["comp"]), self.class_)
+                if function is None or function.kind != "function":
+                    return None
+                outputs = [e for e in self.tree.elements(function).values() if e.causality == "output"]
+                return outputs[0].simple if outputs else None
+            case _:
+                return None
+
+    def _binary_kind(self, node: Node, bound: frozenset[str]) -> Kind | None:
+        if node["op"] in (*_COMPARISONS, "And", "Or"):
+            return "Boolean"
+        kinds = [self.kind(node[side], bound) for side in ("lhs", "rhs")]
+        if not all(kind in ("Real", "Integer") for kind in kinds):
+            return None
+        return "Integer" if kinds == ["Integer", "Integer"] and node["op"] in ("Add", "Sub", "Mul") else "Real"
+
+    def _reference_kind(self, node: Node, bound: frozenset[str]) -> Kind | None:
+        parts = [part["ident"]["text"] for part in node["parts"]]
+        if parts[0] in bound:
+            return None
+        path = self._path(parts, self.class_, bool(node.get("local")))
+        if not path:
+            return None
+        last = path[-1]
+        if len(path) == len(parts):
+            return None if isinstance(last, Class) or last.is_class else last.simple
+        type_ = last if isinstance(last, Class) else last.type if last.is_class else None
+        literals = None if type_ is None else self.tree.simple(type_)[0]
+        is_literal = len(path) == len(parts) - 1 and isinstance(literals, Class) and parts[-1] in literals.literals
+        return literals if is_literal else None
+
+    def _mismatch(
+        self, node: Node, what: str, target: Kind | None, value: Node | None, bound: frozenset[str] = frozenset()
+    ) -> Iterator[str]:
+        found = None if value is None or "Empty" in value else self.kind(value, bound)
+        if target is None or found is None or _fits(target, found):
+            return
+        names = [kind if isinstance(kind, str) else f"the enumeration {kind.name}" for kind in (target, found)]
+        yield self.tree.locate(node, f"{what} is of {names[0]}, but its value is of {names[1]} (6.7)")
+
+    def _bindings(self) -> Iterator[str]:
+        elements = self.tree.elements(self.class_)
+        for name, node in self.class_.components.items():
+            element = elements[name]
+            yield from self._mismatch(node, name, element.simple, node["binding"])
+            yield from self._continuous(node, name, element, node["binding"])
+            if element.type is not None:
+                yield from self._modifiers(element.modifiers, element.type)
+        for clause in self.class_.definition["extends"]:
+            base = self.tree.by_id.get(clause["base_def_id"])
+            if base is not None:
+                yield from self._modifiers(extends_modifiers(clause), base)
+
+    def _modifiers(self, modifiers: Sequence[Modifier], target: Class) -> Iterator[str]:
+        for modifier in modifiers:
+            element = self.tree.elements(target).get(modifier.name)
+            if element is None or element.is_class or modifier.type:
+                continue
+            yield from self._mismatch(modifier.node, f"'{modifier.name}'", element.simple, modifier.value)
+            yield from self._continuous(modifier.node, f"'{modifier.name}'", element, modifier.value)
+            if element.type is not None:
+                yield from self._modifiers(modifier.inner, element.type)
+
+    def _mismatches(self, tree: Any, bound: frozenset[str] = frozenset()) -> Iterator[str]:
+        if isinstance(tree, list):
+            for item in tree:
+                yield from self._mismatches(item, bound)
+            return
+        if not isinstance(tree, dict):
+            return
+        if "indices" in tree:
+            bound |= {index["ident"]["text"] for index in tree["indices"]}
+        for key, value in tree.items():
+            if key == "Binary" and value["op"] in _COMPARISONS:
+                yield from self._pair([value["lhs"], value["rhs"]], bound, "a comparison")
+            elif key == "Simple":
+                yield from self._pair([value["lhs"], value["rhs"]], bound, "an equation")
+                yield from self._discrete(value["lhs"], value["rhs"])
+            elif key == "Assignment":
+                target = {"ComponentReference": value["comp"]}
+                name = path_of(value["comp"])
+                yield from self._mismatch(value["comp"], name, self.kind(target, bound), value["value"], bound)
+                yield from self._discrete(target, value["value"])
+            elif key == "If" and "branches" in value:
+                branches = [branch[1] for branch in value["branches"]]
+                yield from self._pair([*branches, value["else_branch"]], bound, "an if expression")
+            elif key == "Array" and value.get("kind") == "Array":
+                yield from self._pair(value["elements"], bound, "an array")
+            elif key == "FunctionCall":
+                yield from self._arguments(value)
+            yield from self._mismatches(value, bound)
+
+    def _pair(self, values: Sequence[Node], bound: frozenset[str], what: str) -> Iterator[str]:
+        kinds = [kind for kind in (self.kind(value, bound) for value in values) if kind is not None]
+        for other in kinds[1:]:
+            if not (_fits(kinds[0], other) or _fits(other, kinds[0])):
+                names = [
+                    kind if isinstance(kind, str) else f"the enumeration {kind.name}" for kind in (kinds[0], other)
+                ]
+                place = next(_places(values), None)
+                if place is not None:
+                    yield self.tree.locate(place, f"{what} has values of {names[0]} and of {names[1]} (6.7)")
+
+    def _arguments(self, call: Node) -> Iterator[str]:
+        function = self.tree.resolve(path_of(call["comp"]), self.class_)
+        if function is None or function.kind not in ("function", "record"):
+            return
+        inputs = {
+            name: element
+            for name, element in self.tree.elements(function).items()
+            if not element.is_class and (element.causality == "input" or function.kind == "record")
+        }
+        for name, argument in zip(inputs, call["args"], strict=False):
+            if "NamedArgument" not in argument:
+                yield from self._mismatch(call["comp"], f"argument {name}", inputs[name].simple, argument)
+        for argument in call["args"]:
+            if "NamedArgument" in argument:
+                named = argument["NamedArgument"]
+                name = named["name"]["text"] if isinstance(named["name"], dict) else named["name"]
+                if name in inputs:
+                    yield from self._mismatch(call["comp"], f"argument {name}", inputs[name].simple, named["value"])
+
+    def _discrete(self, target: Node, value: Node) -> Iterator[str]:
+        if "ComponentReference" in target:
+            node = target["ComponentReference"]
+            parts = [part["ident"]["text"] for part in node["parts"]]
+            path = self._path(parts, self.class_, bool(node.get("local")))
+            if len(path) == len(parts) and isinstance(path[-1], Element):
+                yield from self._continuous(node, ".".join(parts), path[-1], value)
+
+    def _continuous(self, node: Node, name: str, element: Element, value: Node | None) -> Iterator[str]:
+        if value is None or element.simple in (None, "Real") or element.variability in ("parameter", "constant"):
+            return
+        if element.causality != "input" and self.class_.kind != "function" and self._is_continuous(value):
+            yield self.tree.locate(
+                node, f"{name} changes at events only, but the function or noEvent in its value does not (3.8.3); "
+                "use Real, or relations without noEvent"
+            )  # fmt: skip
+
+    def _is_continuous(self, tree: Any, *, without_events: bool = False) -> bool:
+        # Whether a value of type Integer, Boolean or enumeration may change between events.
+        if isinstance(tree, list):
+            return any(self._is_continuous(item, without_events=without_events) for item in tree)
+        if not isinstance(tree, dict):
+            return False
+        for key, value in tree.items():
+            if key == "FunctionCall":
+                name = path_of(value["comp"])
+                if name in _DISCRETE_FUNCTIONS:
+                    continue
+                function = self.tree.resolve(name, self.class_)
+                inside = without_events or name in ("noEvent", "smooth") or (
+                    function is not None and function.kind == "function"
+                )  # fmt: skip
+                if self._is_continuous(value["args"], without_events=inside):
+                    return True
+            elif key == "ComponentReference":
+                if without_events and self._is_continuous_variable(value):
+                    return True
+            elif key not in ("target", "subs") and self._is_continuous(value, without_events=without_events):
+                return True
+        return False
+
+    def _is_continuous_variable(self, node: Node) -> bool:
+        parts = [part["ident"]["text"] for part in node["parts"]]
+        if parts == ["time"]:
+            return True
+        path = self._path(parts, self.class_, bool(node.get("local")))
+        if any(isinstance(e, Element) and e.variability for e in path):
+            return False
+        return len(path) == len(parts) and isinstance(path[-1], Element) and path[-1].simple == "Real"
+
+
+def _fits(target: Kind, value: Kind) -> bool:
+    # Enumerations with the same literals in the same order are the same type (6.5).
+    if isinstance(target, Class) and isinstance(value, Class):
+        return target.literals == value.literals
+    return target == value or (target == "Real" and value == "Integer")
+
+
+def _calls(tree: Any, name: str) -> Iterator[Node]:
+    if isinstance(tree, list):
+        for item in tree:
+            yield from _calls(item, name)
+    elif isinstance(tree, dict):
+        for key, value in tree.items():
+            if key == "FunctionCall" and path_of(value["comp"]) == name:
+                yield value
+            yield from _calls(value, name)
+
+
+def _places(tree: Any) -> Iterator[Node]:
+    if isinstance(tree, list):
+        for item in tree:
+            yield from _places(item)
+    elif isinstance(tree, dict):
+        if tree.get("span"):
+            yield tree
+        for value in tree.values():
+            yield from _places(value)
