@@ -1,5 +1,12 @@
 /* Co-simulation: integration between communication points with adaptive internal steps. */
 
+/* Whether the sides of a relation are not numbers. */
+static int undefined(Instance *m, double t, const double *z) {
+    for (int i = 0; i < NZ; i++)
+        if (isnan(z[i])) return failure(m, "the relation %s compares what is not a number at time = %.9g s", indicator_text[i], t);
+    return 0;
+}
+
 /* Take work.x1 at time t as the state. */
 static void accept(Instance *m, double t) {
     State *s = &m->s;
@@ -48,17 +55,50 @@ static int locate(Instance *m, double t, double *h) {
     return 0;
 }
 
+/* Longest step in which zeros of functions of time are searched for: no error of integration shortens it to them. */
+static double search_length(const Instance *m) {
+    double part = m->communication_step / SEARCHED_PARTS;
+    return !SEARCHED ? INFINITY : part > SEARCHED_TIME ? part : SEARCHED_TIME;
+}
+
+/* Find the first event of a model without states up to `target`, which becomes its time; 1 if there is one, -1 if a loop
+ * has no solution. */
+static int search(Instance *m, double *target) {
+    State *s = &m->s;
+    double z[NZ + 1], lo = s->v[TIME], end = *target, part = search_length(m);
+    double parts = part < end - lo ? ceil((end - lo) / part) : 1, start = lo;
+    for (double k = 1; k <= parts; k++) {
+        double hi = k == parts ? end : start + (end - start) * (k / parts);
+        if (NG && loops(m, inside(s, hi), s->v + X)) return -1;
+        indicators(s, hi, s->v + X, z);
+        if (undefined(m, hi, z)) return -1;
+        if (!crossed(s, z)) {
+            lo = hi;
+            continue;
+        }
+        while (hi - lo > EVENT_TIME + 4 * DBL_EPSILON * fabs(hi)) {
+            double middle = 0.5 * (lo + hi);
+            if (NG && loops(m, inside(s, middle), s->v + X)) return -1;
+            indicators(s, middle, s->v + X, z);
+            *(crossed(s, z) ? &hi : &lo) = middle;
+        }
+        *target = hi;
+        return 1;
+    }
+    return 0;
+}
+
 /* Take one internal step towards `target`; `linear` is whether the model is already linearised at its start, `event`
  * becomes whether the step ended at a state event. */
 static int internal_step(Instance *m, double target, int linear, int *event) {
     State *s = &m->s;
     Work *w = &m->w;
-    const double t = s->v[TIME], order = s->v[SOLVER] == 3 ? 1.0 / 3 : 0.25;
+    const double t = s->v[TIME], longest = search_length(m), order = s->v[SOLVER] == 3 ? 1.0 / 3 : 0.25;
     int rejected = 0, worst = 0;
     memcpy(w->x0, s->v + X, NX * sizeof(double));
     if (!linear && linearise(m, t)) return 1;
     for (;;) {
-        double rest = target - t, h = s->h;
+        double rest = target - t, h = s->h < longest ? s->h : longest;
         /* Two equal steps are more accurate than a full one and a very short rest. */
         if (h >= 0.999 * rest)
             h = rest;
@@ -80,6 +120,7 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
                 outputs_and_indicators(s, target, w->x1, s->v + O, w->z1);
             else
                 indicators(s, t + h, w->x1, w->z1);
+            if (undefined(m, t + h, w->z1)) return 1;
             *event = crossed(s, w->z1);
             if (*event && locate(m, t, &h)) return 1;
             s->v[STEPS]++;
@@ -130,16 +171,18 @@ static int endless(Instance *m) {
 /* Advance to time `end`. */
 static int advance(Instance *m, double end) {
     State *s = &m->s;
-    int jumped, crowd = 0, now, linear = 0;
+    int jumped, crowd = 0, now = 0, linear = 0;
     double last = -INFINITY;
     double more = ATTEMPTS_PER_SECOND * (end - s->v[TIME]);
     more = more > ATTEMPTS_AT_LEAST ? more : ATTEMPTS_AT_LEAST;
+    m->communication_step = end - s->v[TIME];
     m->attempts = (m->attempts < ATTEMPTS_SAVED ? m->attempts : ATTEMPTS_SAVED) + more;
     if (s->stale_parameters) {
         dependent_parameters(s);
-        s->hi = next_time_event(s);
+        now = NI || N_MOVING; /* relations of time and parameters may have changed */
     }
-    if ((now = input_event(m, &linear)) != 0 && (now < 0 || events(m, 0, &jumped))) return 1;
+    if (!now) now = input_event(m, &linear);
+    if (now != 0 && (now < 0 || events(m, 0, &jumped))) return 1;
     while (s->v[TIME] < end || s->hi <= end) {
         double target = s->hi < end ? s->hi : end;
         int event = 0;
@@ -147,16 +190,10 @@ static int advance(Instance *m, double end) {
             for (; !event && target - s->v[TIME] > 4 * DBL_EPSILON * fabs(target); linear = 0)
                 if (endless(m) || internal_step(m, target, linear, &event)) return 1;
         } else {
-            double z[NZ + 1];
             m->attempts--;
-            if (endless(m)) return 1;
+            if (endless(m) || (NZ && (event = search(m, &target)) < 0)) return 1;
             s->v[TIME] = target;
             stale(s);
-            if (NZ) {
-                if (NG && loops(m, inside(s, target), s->v + X)) return 1;
-                indicators(s, target, s->v + X, z);
-                event = crossed(s, z);
-            }
         }
         if (!event) s->v[TIME] = target;
         if (event || s->v[TIME] >= s->hi) {

@@ -12,8 +12,8 @@ static void reset(State *s) {
     s->v[TOLERANCE] = DEFAULT_TOLERANCE;
     s->v[SOLVER] = DEFAULT_SOLVER;
     s->stale_parameters = s->stale_start = 1;
-    s->lo = -INFINITY;
-    s->hi = s->h = INFINITY;
+    s->lo = s->settled = -INFINITY;
+    s->hi = s->h = s->moving = INFINITY;
     stale(s);
 }
 

@@ -9,6 +9,7 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
     int jumped;
     dependent_parameters(s);
     if (events(M, 0, &jumped) || assertions(M)) return failed(M, fmi2Error);
+    s->settled = s->v[TIME];
     info->newDiscreteStatesNeeded = info->terminateSimulation = info->nominalsOfContinuousStatesChanged = fmi2False;
     info->valuesOfContinuousStatesChanged = jumped ? fmi2True : fmi2False;
     info->nextEventTimeDefined = isfinite(s->hi) ? fmi2True : fmi2False;
@@ -26,6 +27,7 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_set_state
     *event = *terminate = fmi2False;
     if (NG && loops(M, inside(s, s->v[TIME]), s->v + X)) return failed(M, fmi2Error);
     indicators(s, s->v[TIME], s->v + X, z);
+    s->settled = s->v[TIME];
     /* A root that the importer's root finder missed still becomes an event. */
     for (int i = 0; i < NZ; i++)
         if (s->r[indicator_relation[i]] > 0.5 ? z[i] < -2 * EVENT_EPS : z[i] > 2 * EVENT_EPS) *event = fmi2True;
@@ -54,6 +56,10 @@ fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real dx[], size_t n) {
     for (int i = 0; i < NX; i++) {
         if (!isfinite(M->s.v[DX + i])) {
             failure(M, "der(%s) is not a number at time = %.9g s", x_name[i], M->s.v[TIME]);
+            if (M->s.v[TIME] == M->s.settled) { /* no smaller step avoids it */
+                M->s.phase = FAILED;
+                return failed(M, fmi2Error);
+            }
             return failed(M, fmi2Discard); /* the importer may try a smaller step */
         }
         dx[i] = M->s.v[DX + i];
