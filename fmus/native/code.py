@@ -205,6 +205,7 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         table("int", "repeating", repeating),
         table("int", "d_calculated", [*system.start_discretes]),
         table("int", "indicator_relation", system.indicator_relation),
+        table("char", "indicator_inclusive", [int(system.relation_inclusive[k]) for k in system.indicator_relation]),
         *(
             table("int", f"{name}_{axis}", places)
             for name, pattern in patterns.items()

@@ -27,6 +27,7 @@ class Relations:
         memory: Symbol of each distinct relation, with the value since the last event.
         live: Expression of its present value.
         indicator: Expression that crosses zero where the relation changes, and is positive where it holds.
+        inclusive: Whether it holds where the indicator is zero.
         text: Its Modelica text and place.
         steps: Place of a relation that represents a function with steps, such as `floor` → the expression that is a
             whole number at these steps.
@@ -37,6 +38,7 @@ class Relations:
     memory: list[SX] = field(default_factory=list)
     live: list[SX] = field(default_factory=list)
     indicator: list[SX] = field(default_factory=list)
+    inclusive: list[bool] = field(default_factory=list)
     text: list[str] = field(default_factory=list)
     steps: dict[int, SX] = field(default_factory=dict)
     slot: dict[int, int] = field(default_factory=dict)
@@ -78,6 +80,7 @@ def find_relations(dae: Dae, evaluate: ExpressionBuilder, with_numbers: Callable
                 (out.steps[number],) = with_numbers([evaluate(steps, binding).item()])
             provenance = dae.expressions[expression]["provenance"]
             out.text.append(f"{dae.text(provenance)} ({dae.where(provenance)})")
+            out.inclusive.append(dae.expressions[expression]["operation"].get("operator", "").endswith("_equal"))
             out.live.append(live)
             out.indicator.append(indicator)
             out.memory.append(SX.sym(f"relation{number}"))
@@ -145,6 +148,13 @@ def _assertion_only_relations(dae: Dae) -> set[int]:
         if residual["activation"]["kind"] == "when":
             walk(residual["activation"]["trigger"], elsewhere)
     return in_assertions - elsewhere
+
+
+def includes_initial(dae: Dae, condition: int) -> bool:
+    """Return whether a condition contains `initial()`."""
+    operation = dae.systems["conditions"]["conditions"][condition]["operation"]
+    children = (operation.get(key) for key in ("condition", "lhs", "rhs"))
+    return operation["kind"] == "initial" or any(includes_initial(dae, k) for k in children if isinstance(k, int))
 
 
 @dataclass(slots=True)

@@ -8,7 +8,7 @@ import numpy as np
 
 from railgrip.base.errors import TranslationError
 from railgrip.fmus.native.arrays import SX, Array, choose, is_number
-from railgrip.fmus.native.conditions import EventConditions, Relations, find_relations
+from railgrip.fmus.native.conditions import EventConditions, Relations, find_relations, includes_initial
 from railgrip.fmus.native.dae import Dae, Node
 from railgrip.fmus.native.expressions import ExpressionBuilder
 from railgrip.fmus.native.index import RELUCTANCE, IndexOne, reduce_index
@@ -49,6 +49,7 @@ class System:
         calculated: Whether each initial value depends on parameters or initial equations.
         start_discretes: Place of a discrete variable → its value before the start, if it depends on these.
         relation: Values of relations since the last event.
+        relation_inclusive: Whether they hold where their indicator is zero.
         relation_text: Their Modelica texts and places.
         indicators: Expressions that are zero where a relation changes.
         indicator_relation: Place of the relation of each indicator.
@@ -74,6 +75,7 @@ class System:
     calculated: list[bool]
     start_discretes: dict[int, SX]
     relation: SX
+    relation_inclusive: list[bool]
     relation_text: list[str]
     indicators: SX
     indicator_relation: list[int]
@@ -179,6 +181,7 @@ def explicit(dae: Dae) -> System:
         calculated=start.calculated,
         start_discretes=start.discretes,
         relation=column(relations.memory),
+        relation_inclusive=relations.inclusive,
         relation_text=relations.text,
         indicators=column([indicators[k] for k in crossings]),
         indicator_relation=crossings,
@@ -462,15 +465,8 @@ def _initial_equations(
 
 
 def _held_at_start(dae: Dae, v: ModelVariables) -> set[str]:
-    conditions = dae.systems["conditions"]["conditions"]
-
-    def at_start(i: int) -> bool:
-        operation = conditions[i]["operation"]
-        children = (operation.get(key) for key in ("condition", "lhs", "rhs"))
-        return operation["kind"] == "initial" or any(at_start(k) for k in children if isinstance(k, int))
-
     def active(activation: Node) -> bool:
-        return activation["kind"] != "when" or at_start(activation["trigger"])
+        return activation["kind"] != "when" or includes_initial(dae, activation["trigger"])
 
     changed: set[str] = set()
     for owner in dae.systems["discrete_values"]["owners"]:
@@ -520,6 +516,12 @@ def _event_equations(
     for action in dae.systems["events"]["actions"]:
         operation = action["operation"]
         if operation["kind"] == "reinitialize":
+            if includes_initial(dae, action["guard"]):
+                raise dae.refuse(
+                    "reinit in a when clause with initial() is not supported; write an initial equation as well as a "
+                    "when clause without initial()",
+                    action["provenance"],
+                )
             i = _state_place(dae, v, operation, place, action)
             active = conditions.edge(action["guard"])
             after[i] = choose(active, evaluate(operation["value"]).item(), after[i])

@@ -44,7 +44,7 @@ SECTIONS = (
 @pytest.mark.parametrize("section", SECTIONS)
 @pytest.mark.parametrize("T", [0.33, 0.47])
 def test_a_periodic_pulse_starts_within_its_period(modelica, interface, section, T):
-    """The form of the pulse source of the Modelica Standard Library; the reference is its definition, between its edges."""
+    """The form of the standard library's pulse source; the reference is its definition, between its edges."""
     (y,) = trajectory(modelica(PULSE.format(section=section)), interface, "y", T=T, step=0.07, stop=1.4)
     expected = [float(t >= 0.05 and (t - 0.05) % T < T / 2) for t in (0.07 * k for k in range(21))]
     assert y == expected

@@ -28,7 +28,7 @@ static int locate(Instance *m, double t, double *h) {
     for (int k = 0; hi - lo > tolerance; k++) {
         double probe = hi, z[NZ + 1];
         for (int i = 0; i < NZ; i++)
-            if (s->r[indicator_relation[i]] > 0.5 ? w->z1[i] < 0 : w->z1[i] > 0) {
+            if (contradicts(s, i, w->z1[i])) {
                 double root = lo + (hi - lo) * w->z0[i] / (w->z0[i] - w->z1[i]);
                 if (!(root >= probe)) probe = root;
             }
@@ -88,6 +88,77 @@ static int search(Instance *m, double *target) {
     return 0;
 }
 
+#if NG
+/* Largest change of an unknown of the nonlinear loops, relative to its nominal value. */
+static double loop_change(const double *from, const double *to) {
+    double largest = 0;
+    for (int i = 0; i < NG; i++) {
+        double change = fabs(to[i] - from[i]) / (nominal_g[i] + fabs(from[i]) + fabs(to[i]));
+        if (!(change <= largest)) largest = change;
+    }
+    return largest;
+}
+
+/* Find out whether the solution of the loops, which was `g` at the beginning of a step of size h to work.x1, ceases to exist
+ * within it, so that another one was found at its end. Then h becomes the time before which that happens and 1 is returned,
+ * or 2 if that is now, and the step over the jump has been taken. Bisection follows the solution along the line between the
+ * states: the change of a continuous solution is halved as well. */
+static int loop_jumps(Instance *m, double t, double *h, const double *g) {
+    State *s = &m->s;
+    Work *w = &m->w;
+    double x[NX + 1], end[NG], low[NG], high[NG], lo = 0, hi = 1, whole = loop_change(g, s->g);
+    const double resolution = EVENT_TIME + 4 * DBL_EPSILON * fabs(t);
+    if (whole < LOOP_JUMP) return 0;
+    memcpy(end, s->g, sizeof end);
+    memcpy(low, g, sizeof low);
+    memcpy(high, end, sizeof high);
+    while ((hi - lo) * *h > resolution) {
+        double part = 0.5 * (lo + hi);
+        for (int i = 0; i < NX; i++) x[i] = w->x0[i] + part * (w->x1[i] - w->x0[i]);
+        memcpy(s->g, low, sizeof low);
+        if (loops(m, t + part * *h, x)) {
+            hi = part;
+        } else if (loop_change(low, s->g) >= loop_change(s->g, high)) {
+            hi = part;
+            memcpy(high, s->g, sizeof high);
+        } else {
+            lo = part;
+            memcpy(low, s->g, sizeof low);
+        }
+        if (loop_change(low, high) < 0.1 * whole) {
+            memcpy(s->g, end, sizeof end);
+            return 0;
+        }
+    }
+    if (lo * *h > 4 * resolution) {
+        /* If the line to its end keeps the branch, a stage of the step has left it. */
+        *h *= hi < 1 ? lo : 0.5;
+        memcpy(s->g, g, sizeof low);
+        return 1;
+    }
+    *h *= hi;
+    for (int i = 0; i < NX; i++) w->x1[i] = w->x0[i] + *h * w->f0[i];
+    memcpy(s->g, high, sizeof high);
+    return loops(m, t + *h, w->x1) ? -1 : 2;
+}
+/* Take a step over the end of the branch of the solution: just after it Newton's method does not find the other branch, but
+ * it does further ahead, from where that branch is followed back. */
+static int leave_branch(Instance *m, double t, double *h, const double *g) {
+    State *s = &m->s;
+    Work *w = &m->w;
+    const double resolution = EVENT_TIME + 4 * DBL_EPSILON * fabs(t);
+    for (double ahead = 2 * resolution; ahead < 1; ahead *= 2) {
+        for (int i = 0; i < NX; i++) w->x1[i] = w->x0[i] + ahead * w->f0[i];
+        memcpy(s->g, g, NG * sizeof *g);
+        if (loops(m, t + ahead, w->x1) || loop_change(g, s->g) < LOOP_JUMP) continue;
+        *h = resolution;
+        for (int i = 0; i < NX; i++) w->x1[i] = w->x0[i] + *h * w->f0[i];
+        if (!loops(m, t + *h, w->x1) && loop_change(g, s->g) >= LOOP_JUMP) return 2;
+    }
+    return 0;
+}
+#endif
+
 /* Take one internal step towards `target`; `linear` is whether the model is already linearised at its start, `event`
  * becomes whether the step ended at a state event. */
 static int internal_step(Instance *m, double target, int linear, int *event) {
@@ -97,6 +168,10 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
     int rejected = 0, worst = 0;
     memcpy(w->x0, s->v + X, NX * sizeof(double));
     if (!linear && linearise(m, t)) return 1;
+#if NG
+    double g[NG];
+    memcpy(g, s->g, sizeof g);
+#endif
     for (;;) {
         double rest = target - t, h = s->h < longest ? s->h : longest;
         /* Two equal steps are more accurate than a full one and a very short rest. */
@@ -106,6 +181,22 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
             h = 0.5 * rest;
         int failed = try_step(m, t, h);
         double e = failed ? NAN : error_norm(m, &worst), scale;
+#if NG
+        int jump = isfinite(e) ? loop_jumps(m, t, &h, g) : failed && h < 10 * EVENT_TIME ? leave_branch(m, t, &h, g) : 0;
+        if (jump < 0) return 1;
+        if (jump == 1) {
+            s->h = h;
+            rejected = 1;
+            s->v[REJECTED]++;
+            continue;
+        }
+        if (jump == 2) {
+            *event = 1;
+            s->v[STEPS]++;
+            accept(m, t + h);
+            return 0;
+        }
+#endif
         if (e <= 1) {
             double grown;
             scale = e > 1e-8 ? 0.9 * pow(e, -order) : 6;
@@ -128,6 +219,9 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
             s->stale_outputs = *event || !shown;
             return 0;
         }
+#if NG
+        memcpy(s->g, g, sizeof g); /* the solutions of a rejected step may be on another branch */
+#endif
         rejected = 1;
         s->v[REJECTED]++;
         scale = isnan(e) || isinf(e) ? 0.1 : 0.9 * pow(e, -order);

@@ -12,7 +12,7 @@ static double inside(const State *s, double t) {
 }
 
 /* Solve the nonlinear loops at (t, x) by damped Newton iteration from their last solution. */
-static int loops(Instance *m, double t, const double *x) {
+static int newton(Instance *m, double t, const double *x) {
     State *s = &m->s;
     double next[NG + 1], residual[NG + 1], before[NG + 1], norm = 0, last = INFINITY;
     const double *a[] = ARGUMENTS(s, &t, x);
@@ -44,6 +44,19 @@ static int loops(Instance *m, double t, const double *x) {
     }
 failed:
     return failure(m, "the nonlinear loop of %s does not converge at time = %.9g s (residual %.3g)", loop_names[0], t, norm);
+}
+
+/* Solve the nonlinear loops from the last solution; in Model Exchange from that of the last event or completed step, if it
+ * leads to one, because trial steps of the importer must not select the branch. */
+static int loops(Instance *m, double t, const double *x) {
+    State *s = &m->s;
+    double g[NG + 1];
+    if (!NG || m->co_simulation || s->phase < RUNNING) return newton(m, t, x);
+    memcpy(g, s->g, sizeof g);
+    memcpy(s->g, s->settled_g, sizeof g);
+    if (!newton(m, t, x)) return 0;
+    memcpy(s->g, g, sizeof g);
+    return newton(m, t, x);
 }
 
 static int derivatives(Instance *m, double t, const double *x, double *dx) {

@@ -113,9 +113,13 @@ static int events(Instance *m, int initial, int *jumped) {
     return failure(m, "the event iteration does not end at time = %.9g s", now);
 }
 
-/* Whether the sign of an indicator contradicts the stored value of its relation. */
+/* Whether an indicator contradicts the stored value of its relation. */
+static int contradicts(const State *s, int i, double z) {
+    return (s->r[indicator_relation[i]] > 0.5) != (indicator_inclusive[i] ? z >= 0 : z > 0);
+}
+
 static int crossed(const State *s, const double *z) {
     for (int i = 0; i < NZ; i++)
-        if (s->r[indicator_relation[i]] > 0.5 ? z[i] < 0 : z[i] > 0) return 1;
+        if (contradicts(s, i, z[i])) return 1;
     return 0;
 }

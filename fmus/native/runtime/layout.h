@@ -47,6 +47,7 @@ enum { INSTANTIATED, INITIALIZING, RUNNING, FAILED, TERMINATED };
 #define SEARCHED_PARTS 64
 #define SEARCHED_TIME 1e-3
 #define LOOP_TOLERANCE 1e-10
+#define LOOP_JUMP 1e-2 /* relative change of an unknown of a loop in a step from which it is checked for a jump */
 #define LOOP_ITERATIONS 50
 #define EVENT_ITERATIONS 200
 /* Limits of the number of internal steps in a communication step, including rejected ones and those that locate events: a
@@ -63,6 +64,7 @@ typedef struct {
     double previous[ND + 1];         /* discretes before the event */
     double r[NR + 1], last[NC + 1];  /* relations and conditions at the last event */
     double g[NG + 1], q[NQ + 1];     /* unknowns of nonlinear loops */
+    double settled_g[NG + 1];        /* Model Exchange: at the last event or completed step */
     double tick[NT + 1];             /* next instant of each clock */
     double instant[NI + 1];
     double moving;                   /* next of the instants that change at events */

@@ -1,5 +1,11 @@
 /* FMI 2.0 for Model Exchange: the importer integrates. */
 
+/* Note that the present values are those of the trajectory. */
+static void settle(State *s) {
+    s->settled = s->v[TIME];
+    memcpy(s->settled_g, s->g, sizeof s->g);
+}
+
 fmi2Status fmi2EnterEventMode(fmi2Component c) {
     (void)c;
     return fmi2OK;
@@ -9,7 +15,7 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
     int jumped;
     dependent_parameters(s);
     if (events(M, 0, &jumped) || assertions(M)) return failed(M, fmi2Error);
-    s->settled = s->v[TIME];
+    settle(s);
     info->newDiscreteStatesNeeded = info->terminateSimulation = info->nominalsOfContinuousStatesChanged = fmi2False;
     info->valuesOfContinuousStatesChanged = jumped ? fmi2True : fmi2False;
     info->nextEventTimeDefined = isfinite(s->hi) ? fmi2True : fmi2False;
@@ -27,10 +33,10 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_set_state
     *event = *terminate = fmi2False;
     if (NG && loops(M, inside(s, s->v[TIME]), s->v + X)) return failed(M, fmi2Error);
     indicators(s, s->v[TIME], s->v + X, z);
-    s->settled = s->v[TIME];
-    /* A root that the importer's root finder missed still becomes an event. */
+    settle(s);
+    /* A root that the importer's root finder missed still becomes an event, and so does one without a change of sign. */
     for (int i = 0; i < NZ; i++)
-        if (s->r[indicator_relation[i]] > 0.5 ? z[i] < -2 * EVENT_EPS : z[i] > 2 * EVENT_EPS) *event = fmi2True;
+        if (contradicts(s, i, z[i]) && (z[i] == 0 || fabs(z[i]) > 2 * EVENT_EPS)) *event = fmi2True;
     return assertions(M) ? failed(M, fmi2Error) : fmi2OK;
 }
 fmi2Status fmi2SetTime(fmi2Component c, fmi2Real t) {
