@@ -24,6 +24,9 @@ RARE = frozenset({"f_locals", "f_parameters", "f_start", "f_start_loop", "f_dire
 """Functions that no step calls. An estimator requests directional derivatives along the states of a Model Exchange FMU
 at every sample, but these use f_state_jacobian and f_output_jacobian; only others use f_directional."""
 
+_RETURNING = frozenset((ca.OP_FLOOR, ca.OP_CEIL, ca.OP_SIN, ca.OP_COS))
+"""Operations of functions that may take a value again and again: floor, mod, sin, ..."""
+
 SOLVERS = {"rodas3": 3, "rodas4": 4}
 
 
@@ -155,6 +158,15 @@ def repeating_discretes(system: System) -> list[int]:
     return [i for i in every if i not in holds or i in readers]
 
 
+def _may_return(indicators: SX, time: SX) -> bool:
+    # Whether an indicator may become zero twice in a step that is accurate: the error of a step is that of the states.
+    if not indicators.numel():
+        return False
+    program = ca.Function("program", [ca.vertcat(*ca.symvar(indicators))], [indicators])
+    operations = {program.instruction_id(k) for k in range(program.n_instructions())}
+    return ca.depends_on(indicators, time) or not operations.isdisjoint(_RETURNING)
+
+
 def _newton(loops: Loops) -> list[SX]:
     return [column([table[name] for name in loops.guesses]) for table in (loops.updates, loops.residuals)]
 
@@ -237,7 +249,7 @@ def _sizes(system: System, layout: ValueLayout) -> dict[str, int]:
         "NC": system.last_conditions.numel(),
         "NT": len(system.clocks),
         "NI": system.instants.numel(),
-        "SEARCHED": int(system.indicators.numel() > 0 and ca.depends_on(system.indicators, system.time)),
+        "SEARCHED": int(_may_return(system.indicators, system.time)),
         "N_MOVING": system.moving_instants.numel(),
         "NG": len(system.loops.guesses),
         "NQ": len(system.start_loops.guesses),

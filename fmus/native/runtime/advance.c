@@ -55,7 +55,8 @@ static int locate(Instance *m, double t, double *h) {
     return 0;
 }
 
-/* Longest step in which zeros of functions of time are searched for: no error of integration shortens it to them. */
+/* Longest step in which zeros of functions of time or periodic functions are searched for: their number is not limited by
+ * the error of integration. */
 static double search_length(const Instance *m) {
     double part = m->communication_step / SEARCHED_PARTS;
     return !SEARCHED ? INFINITY : part > SEARCHED_TIME ? part : SEARCHED_TIME;

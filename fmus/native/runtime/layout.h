@@ -3,7 +3,7 @@
  * The generated file comes first: sizes (NX states, NU inputs, NP parameters of which NF may be set, NO algebraic
  * outputs, NL other algebraic variables, ND discretes, NR relations kept between events, NZ indicators, NC conditions, NT
  * clocks, NI instants, N_MOVING instants that change at events,
- * SEARCHED 1 if indicators depend on time, NG and NQ unknowns of running and initial nonlinear loops, NA assertions, NM values in their
+ * SEARCHED 1 if indicators may become zero several times in a step, NG and NQ unknowns of running and initial nonlinear loops, NA assertions, NM values in their
  * messages, NJ entries of the solver's Jacobian, N_REPEATING discretes whose change requires another event pass,
  * ND_CALCULATED discretes whose value before the start is calculated; for Model
  * Exchange BY_STATE is 1 and NSJ and NOJ count the entries of the Jacobians of derivatives and outputs by the states),
@@ -42,8 +42,8 @@ enum { INSTANTIATED, INITIALIZING, RUNNING, FAILED, TERMINATED };
 /* Time events are evaluated just after their instant, so that `time > T` holds and floor(time/T) has its next value. */
 #define AFTER(t) ((t) + 1e-14 * (1 + fabs(t)))
 #define EVENT_EPS 1e-9   /* hysteresis of Model Exchange indicators */
-/* Smallest parts in which a communication step is searched for zeros of functions of time alone: their number, or their
- * size [s]. */
+/* Parts in which a communication step is searched for zeros of functions that may have several in one internal step: their
+ * largest number, and their smallest size [s]. */
 #define SEARCHED_PARTS 64
 #define SEARCHED_TIME 1e-3
 #define LOOP_TOLERANCE 1e-10
