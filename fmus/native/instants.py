@@ -16,8 +16,8 @@ from railgrip.fmus.native.arrays import SX
 _DEPTH = 30
 """Depth to which CasADi compares two expressions; if they are equal only below it, both are kept."""
 
-_CONSTANT, _STEPS, _LINEAR = range(3)
-"""Dependence on time: none, piecewise constant, piecewise linear."""
+_CONSTANT, _STEPS, _LINEAR, _OTHER = range(4)
+"""Dependence on time: none, piecewise constant, piecewise linear, any other."""
 
 _COMPARISONS = (ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE)
 
@@ -55,8 +55,12 @@ class TimeEvents:
 
     def _add(self, expression: SX, following: SX, *, is_zero: bool = True) -> bool:
         names = {s.name() for s in ca.symvar(expression)} - {self.time.name()}
-        breakpoints = _breakpoints(expression, self.time) if names <= self.held else None
-        if breakpoints is None:
+        if not names <= self.held:
+            return False
+        breakpoints, is_piecewise_linear = _breakpoints(expression, self.time)
+        if not is_piecewise_linear:  # the search for zeros begins anew at each breakpoint
+            for instant in breakpoints:
+                _add_once(self.moving, ca.densify(instant))
             return False
         if is_zero and not breakpoints and names <= self.parameters:
             slope = ca.jacobian(expression, self.time)
@@ -82,13 +86,14 @@ def _next_whole_number(expression: SX, time: SX) -> SX:
     return time + (ca.if_else(slope > 0, ca.floor(expression) + 1, ca.ceil(expression) - 1) - expression) / slope
 
 
-def _breakpoints(expression: SX, time: SX) -> list[SX] | None:
-    """Return the next instants at which its slope may change, or None if it is not piecewise linear."""
+def _breakpoints(expression: SX, time: SX) -> tuple[list[SX], bool]:
+    """Return the next breakpoints of the piecewise linear parts of an expression, and whether it is one as a whole."""
     others = [s for s in ca.symvar(expression) if s.name() != time.name()]
     inputs = [time, ca.vertcat(*others)]
     program = ca.Function("program", inputs, [expression])
     values: dict[int, tuple[SX, int]] = {}
     out: list[SX] = []
+    kinds: list[int] = []
     for k in range(program.n_instructions()):
         operation = program.instruction_id(k)
         if operation == ca.OP_OUTPUT:
@@ -104,23 +109,24 @@ def _breakpoints(expression: SX, time: SX) -> list[SX] | None:
         operands = [values[i][0] for i in arguments]
         value = SX.unary(operation, *operands) if len(operands) == 1 else SX.binary(operation, *operands)
         kind, more = _kind(operation, operands, [values[i][1] for i in arguments], time)
-        if kind is None:
-            return None
         values[place] = value, kind
         out += more
-    return out
+        kinds.append(kind)
+    return out, _OTHER not in kinds
 
 
-def _kind(operation: int, operands: Sequence[SX], kinds: Sequence[int], time: SX) -> tuple[int | None, list[SX]]:
-    # The dependence on time of an operation's result, None if it is neither of them, and its own next breakpoints.
+def _kind(operation: int, operands: Sequence[SX], kinds: Sequence[int], time: SX) -> tuple[int, list[SX]]:
+    # The dependence on time of an operation's result, and its own next breakpoints.
+    if _OTHER in kinds:
+        return _OTHER, []
     if max(kinds) < _LINEAR:
         return max(kinds), []
     if operation in (ca.OP_ADD, ca.OP_SUB, ca.OP_NEG, ca.OP_TWICE):
         return _LINEAR, []
     if operation in (ca.OP_MUL, ca.OP_IF_ELSE_ZERO):
-        return (_LINEAR if min(kinds) < _LINEAR else None), []
+        return (_LINEAR if min(kinds) < _LINEAR else _OTHER), []
     if operation == ca.OP_DIV:
-        return (_LINEAR if kinds[1] < _LINEAR else None), []
+        return (_LINEAR if kinds[1] < _LINEAR else _OTHER), []
     if operation in (ca.OP_FLOOR, ca.OP_CEIL):
         return _STEPS, [_next_whole_number(operands[0], time)]
     if operation in (ca.OP_SIGN, ca.OP_FABS):
@@ -128,4 +134,4 @@ def _kind(operation: int, operands: Sequence[SX], kinds: Sequence[int], time: SX
     if operation in (ca.OP_FMIN, ca.OP_FMAX, *_COMPARISONS):
         kind = _STEPS if operation in _COMPARISONS else _LINEAR
         return kind, [_next_zero(operands[0] - operands[1], time)]
-    return None, []
+    return _OTHER, []

@@ -168,3 +168,18 @@ def test_functions_of_time_are_searched_in_a_model_without_states(modelica, run)
     instance = run(fmu)
     instance.steps(1, 1.0)
     assert instance.get("at")[0] == pytest.approx(math.asin(0.5) / 20 + 3 * math.pi / 10, abs=2e-10)
+
+
+@pytest.mark.parametrize("interface", INTERFACES)
+def test_a_sine_compared_with_a_carrier_has_all_its_pulses(modelica, interface):
+    """Pulse-width modulation of 50 Hz at 5 kHz; the shortest pulse lasts 48 ns, twelve points of the grid."""
+    t = (np.arange(5_000_000) + 0.4321) * 4e-9
+    wanted = np.sin(2 * np.pi * 50 * t) > 2 * np.abs(2 * np.mod(5000 * t, 1) - 1) - 1
+    fmu = modelica(
+        "model M Boolean on = sin(2*3.141592653589793*50*time) > 2*abs(2*mod(5000*time, 1) - 1) - 1;"
+        " Integer n(start=0,fixed=true); Real x(start=0,fixed=true); equation der(x) = if on then 1 else 0;"
+        " when on then n = pre(n) + 1; end when; end M;"
+    )
+    end = ends(fmu, interface, stop=0.02, step=0.01)
+    assert end["n"] == np.sum(wanted[1:] & ~wanted[:-1])
+    assert end["x"] == pytest.approx(0.02 * wanted.mean(), abs=1e-6)
