@@ -163,6 +163,8 @@ def explicit(dae: Dae) -> System:
     )  # fmt: skip
     # Between events pre(d) is d.
     derivative, algebraic, indicators, steps = _between_events(v, [derivative, algebraic, indicators, steps])
+    for table in (loops.updates, loops.residuals):
+        table.update(zip(table, _between_events(v, [*table.values()]), strict=True))
     _refuse_ticks(dae, ticks, [*states, *algebraics], ca.vertcat(derivative, algebraic))
     events, crossings = _time_events(v, time, relations, indicators, steps)
     start = _solve_start(dae, evaluate, v, states, algebraics, index_one, start_loops)
@@ -203,7 +205,7 @@ def explicit(dae: Dae) -> System:
 
 def _between_events(v: ModelVariables, expressions: list[SX]) -> list[SX]:
     previous = column(v.previous)
-    if not previous.numel() or not ca.depends_on(ca.vertcat(*expressions), previous):
+    if not expressions or not previous.numel() or not ca.depends_on(ca.vertcat(*expressions), previous):
         return expressions
     return list(ca.substitute(expressions, [previous], [vector(v.discretes)]))
 
@@ -261,7 +263,9 @@ def _at_events(
         [*index_one.unknowns, *(s.symbol for s in v.discretes)], targets[:4], loops, dae.class_name,
     )  # fmt: skip
     # Assertions are checked between events, with the present values of discrete variables.
-    values = iter(solve(index_one.equations, index_one.unknowns, targets[4:], loops, dae.class_name))
+    values = iter(
+        _between_events(v, solve(index_one.equations, index_one.unknowns, targets[4:], loops, dae.class_name))
+    )
     assertions = [
         replace(
             a,

@@ -160,3 +160,15 @@ def test_a_relation_changes_where_its_sides_become_equal(modelica, interface):
     kind = {"cs": "CoSimulation", "me": "ModelExchange"}[interface]
     found = fmpy.simulate_fmu(str(fmu.folder), stop_time=1.0, output=["more", "none", "n"], fmi_type=kind)
     assert [found[name][-1] for name in ("more", "none", "n")] == [0, 1, 1]
+
+
+@pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
+def test_pre_in_a_loop_and_a_derivative_is_the_value_since_the_last_event(modelica, interface):
+    """y³ + y is 2 for y = 1 and 10 for y = 2."""
+    fmu = modelica(
+        "model M Integer n(start=1,fixed=true); Real y(start=1), x(start=0,fixed=true), z(start=0,fixed=true);"
+        " equation y^3 + y = 1 + pre(n); der(x) = y; der(z) = pre(n); when time > 0.5 then n = pre(n) + 8; end when;"
+        " end M;"
+    )
+    found = fmpy.simulate_fmu(str(fmu.folder), stop_time=1.0, output=["x", "y", "z"], fmi_type=interface)
+    assert [float(found[name][-1]) for name in ("x", "y", "z")] == pytest.approx([1.5, 2, 5], abs=1e-4)
