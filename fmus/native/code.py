@@ -24,6 +24,9 @@ RARE = frozenset({"f_locals", "f_parameters", "f_start", "f_start_loop", "f_dire
 """Functions that no step calls. An estimator requests directional derivatives along the states of a Model Exchange FMU
 at every sample, but these use f_state_jacobian and f_output_jacobian; only others use f_directional."""
 
+_RETURNING = frozenset((ca.OP_FLOOR, ca.OP_CEIL, ca.OP_SIN, ca.OP_COS))
+"""Operations of functions that may take a value again and again: floor, mod, sin, ..."""
+
 SOLVERS = {"rodas3": 3, "rodas4": 4}
 
 
@@ -97,7 +100,7 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
     direction = ca.densify(ca.jtimes(both, knowns, seed)) if both.numel() and knowns.numel() else SX.zeros(both.shape)
     nx = len(system.states)
     by_states = ca.jacobian(outputs, system.x)
-    loops, start = system.loops, system.start_loops
+    loops, start, discretes = system.loops, system.start_loops, system.start_discretes
     texts = [piece for a in system.assertions for piece in a.message if isinstance(piece, SX)]
     ft = ca.densify(ca.jacobian(system.derivative, system.time)) if nx else SX(0, 1)
     slope = [system.derivative, jacobian(system), ft]
@@ -124,7 +127,12 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
             [system.event_discretes, system.event_states, system.event_relations, system.event_conditions],
         ),
         ("f_parameters", [free], [dependent, _substitute_dependent(system.instants, v.dependent, dependent)]),
-        ("f_start", at_start, [system.start]),
+        *(
+            [("f_instants", [system.time, system.p, system.d, system.relation], [system.moving_instants])]
+            if system.moving_instants.numel()
+            else []
+        ),
+        ("f_start", at_start, [system.start, *([column([*discretes.values()])] if discretes else [])]),
         ("f_start_loop", at_start, _newton(start)),
     ]  # fmt: skip
     return [ca.Function(name, arguments, results, {"cse": True}) for name, arguments, results in definitions]
@@ -148,6 +156,15 @@ def repeating_discretes(system: System) -> list[int]:
     rows, columns = ca.jacobian_sparsity(still, before).get_triplet()
     readers = {j for i, j in zip(rows, columns, strict=True) if i != j}
     return [i for i in every if i not in holds or i in readers]
+
+
+def _may_return(indicators: SX, time: SX) -> bool:
+    # Whether an indicator may become zero twice in a step that is accurate: the error of a step is that of the states.
+    if not indicators.numel():
+        return False
+    program = ca.Function("program", [ca.vertcat(*ca.symvar(indicators))], [indicators])
+    operations = {program.instruction_id(k) for k in range(program.n_instructions())}
+    return ca.depends_on(indicators, time) or not operations.isdisjoint(_RETURNING)
 
 
 def _newton(loops: Loops) -> list[SX]:
@@ -186,6 +203,7 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         "NSJ": len(patterns["state"][0]),
         "NOJ": len(patterns["output"][0]),
         "N_REPEATING": len(repeating),
+        "ND_CALCULATED": len(system.start_discretes),
         "NLU": elimination.entries if elimination else 0,
         "DISCRETE_INPUTS": int(any(s.type != "real" for s in layout.inputs)),
         "DEFAULT_SOLVER": SOLVERS[solver],
@@ -197,7 +215,9 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         *(f"#define {name} {value}" for name, value in sizes.items()),
         *_value_tables(system, layout),
         table("int", "repeating", repeating),
+        table("int", "d_calculated", [*system.start_discretes]),
         table("int", "indicator_relation", system.indicator_relation),
+        table("char", "indicator_inclusive", [int(system.relation_inclusive[k]) for k in system.indicator_relation]),
         *(
             table("int", f"{name}_{axis}", places)
             for name, pattern in patterns.items()
@@ -229,6 +249,8 @@ def _sizes(system: System, layout: ValueLayout) -> dict[str, int]:
         "NC": system.last_conditions.numel(),
         "NT": len(system.clocks),
         "NI": system.instants.numel(),
+        "SEARCHED": int(_may_return(system.indicators, system.time)),
+        "N_MOVING": system.moving_instants.numel(),
         "NG": len(system.loops.guesses),
         "NQ": len(system.start_loops.guesses),
         "NA": len(system.assertions),
@@ -263,6 +285,8 @@ def _text_tables(system: System, layout: ValueLayout) -> list[str]:
     return [
         table("char", "assertion_fatal", [int(a.fatal) for a in assertions]),
         strings("x_name", [s.name for s in layout.states]),
+        strings("d_name", [s.name for s in layout.discretes]),
+        strings("indicator_text", [system.relation_text[k] for k in system.indicator_relation]),
         strings("assertion_place", [a.where for a in assertions]),
         strings("message_piece", [None if isinstance(piece, SX) else piece for a in assertions for piece in a.message]),
         table("int", "message_begin", [0, *accumulate(len(a.message) for a in assertions)]),

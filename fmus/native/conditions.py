@@ -1,4 +1,4 @@
-"""Relations, conditions and time events of a class, whose values the event iteration keeps."""
+"""Relations and conditions of a class, whose values the event iteration keeps."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -12,6 +12,9 @@ from railgrip.fmus.native.expressions import ExpressionBuilder, Site, site
 # Factor of lhs − rhs with which it is positive where the relation holds.
 SIGN = {"less": -1, "less_equal": -1, "greater": 1, "greater_equal": 1}
 
+STEPS = frozenset(("floor", "ceil", "integer", "mod", "rem", "div"))
+"""Functions with steps, which cause events (Modelica Language Specification 3.6, section 3.7.2)."""
+
 _DEPTH = 30
 """Depth to which CasADi compares two expressions; if they are equal only below it, both are kept."""
 
@@ -24,31 +27,31 @@ class Relations:
         memory: Symbol of each distinct relation, with the value since the last event.
         live: Expression of its present value.
         indicator: Expression that crosses zero where the relation changes, and is positive where it holds.
-        crossings: Places of the relations whose zeros must be searched for; the others change at known `instants`.
+        inclusive: Whether it holds where the indicator is zero.
+        text: Its Modelica text and place.
+        steps: Place of a relation that represents a function with steps, such as `floor` → the expression that is a
+            whole number at these steps.
         slot: Relation id of the DAE → place in `memory`.
         alone: Relation id → expression id of relations that only assertions use, which are never kept.
-        instants: Times at which relations between time and parameters change, as expressions of the parameters.
     """
 
     memory: list[SX] = field(default_factory=list)
     live: list[SX] = field(default_factory=list)
     indicator: list[SX] = field(default_factory=list)
-    crossings: list[int] = field(default_factory=list)
+    inclusive: list[bool] = field(default_factory=list)
+    text: list[str] = field(default_factory=list)
+    steps: dict[int, SX] = field(default_factory=dict)
     slot: dict[int, int] = field(default_factory=dict)
     alone: dict[int, int] = field(default_factory=dict)
-    instants: list[SX] = field(default_factory=list)
 
 
-def find_relations(
-    dae: Dae, evaluate: ExpressionBuilder, with_numbers: Callable[[list[SX]], list[SX]], parameters: SX
-) -> Relations:
+def find_relations(dae: Dae, evaluate: ExpressionBuilder, with_numbers: Callable[[list[SX]], list[SX]]) -> Relations:
     """Collect the relations of a class and make `evaluate` use their memory.
 
     Args:
         dae: The class.
         evaluate: Builder of expressions, which uses the symbols in `memory` afterwards.
         with_numbers: Function that replaces constants by their numbers.
-        parameters: Symbols on which an instant may depend.
     """
     conditions = dae.systems["conditions"]
     assertion_only = _assertion_only_relations(dae)
@@ -58,6 +61,8 @@ def find_relations(
     ]
     for root in conditions["structured_roots"]:
         sites += [(root, root["expression"], point) for point in dae.iterate(root["domain"])]
+    listed = {r["expression"] for r in conditions["relations"]}
+    sites += [({}, i, {}) for i in _relations_of_time(dae) if i not in listed]
     place: dict[Site, SX] = {}
     for root, expression, binding in sites:
         (live,) = with_numbers([evaluate.live(expression, binding).item()])
@@ -70,63 +75,54 @@ def find_relations(
             if sign:
                 sides = [evaluate(operation[k], binding).item() for k in ("lhs", "rhs")]
                 (indicator,) = with_numbers([sign * (sides[0] - sides[1])])
+            steps = _steps(dae, expression)
+            if steps is not None:
+                (out.steps[number],) = with_numbers([evaluate(steps, binding).item()])
+            provenance = dae.expressions[expression]["provenance"]
+            out.text.append(f"{dae.text(provenance)} ({dae.where(provenance)})")
+            out.inclusive.append(dae.expressions[expression]["operation"].get("operator", "").endswith("_equal"))
             out.live.append(live)
             out.indicator.append(indicator)
             out.memory.append(SX.sym(f"relation{number}"))
         place[site(expression, binding)] = out.memory[number]
         if not binding and "id" in root:
             out.slot[root["id"]] = number
-    out.instants = _declared_instants(dae, evaluate, with_numbers, parameters)
-    for k, indicator in enumerate(out.indicator):
-        instant = _instant(indicator, evaluate.time, parameters)
-        if instant is None:
-            out.crossings.append(k)
-        else:
-            _add_once(out.instants, instant)
     evaluate.remember(place)
     return out
 
 
-def _instant(difference: SX, time: SX, parameters: SX) -> SX | None:
-    # The time at which the difference is zero, if it is linear in time and otherwise depends on parameters alone.
-    if not ca.depends_on(difference, time):
+def _steps(dae: Dae, expression: int) -> int | None:
+    # rumoca represents the steps of floor, mod, ... by the relation sin(π e) >= 0, where e is a whole number at a step,
+    # with the provenance of the function.
+    node = dae.expressions[expression]
+    left = dae.expressions[node["operation"]["lhs"]] if node["operation"].get("operator") == "greater_equal" else node
+    if left["operation"].get("builtin") != "sin":
         return None
-    slope = ca.jacobian(difference, time)
-    rest = ca.substitute(difference, time, SX(0))
-    names = {s.name() for s in ca.vertsplit(parameters)} if parameters.numel() else set[str]()
-    if any(s.name() not in names for s in [*ca.symvar(slope), *ca.symvar(rest)]):
-        return None
-    return ca.densify(-rest / slope)
+    product = dae.expressions[left["operation"]["arguments"][0]]
+    span = node["provenance"]["span"]
+    here = dae.by_span[span["source"], span["start"], span["end"]]
+    is_step = left in here and product in here and any(n["operation"].get("builtin") in STEPS for n in here)
+    return product["operation"]["rhs"] if is_step else None
 
 
-def _add_once(instants: list[SX], instant: SX) -> None:
-    if not any(ca.is_equal(instant, other, _DEPTH) for other in instants):
-        instants.append(instant)
-
-
-def _declared_instants(
-    dae: Dae, evaluate: ExpressionBuilder, with_numbers: Callable[[list[SX]], list[SX]], parameters: SX
-) -> list[SX]:
-    out: list[SX] = []
+def _relations_of_time(dae: Dae) -> list[int]:
+    # Relations that rumoca lists as time events, by the provenance alone; those with a moving deadline are listed as
+    # relations, too.
+    number = {id(node): i for i, node in enumerate(dae.expressions)}
+    out: list[int] = []
     for event in dae.systems["events"]["time_events"]:
         span = event["provenance"]["span"]
-        nodes = dae.by_span.get((span["source"], span["start"], span["end"]), [])
-        linear = False
-        for node in nodes:
-            operation = node["operation"]
-            if operation["kind"] != "binary" or operation["operator"] not in SIGN or node["binder_domain"] is not None:
-                continue
-            lhs, rhs = (evaluate(operation[k]).item() for k in ("lhs", "rhs"))
-            instant = _instant(with_numbers([lhs - rhs])[0], evaluate.time, parameters)
-            if instant is not None:
-                linear = True
-                _add_once(out, instant)
-        if not linear:
+        nodes = [
+            n
+            for n in dae.by_span.get((span["source"], span["start"], span["end"]), [])
+            if n["operation"]["kind"] == "binary" and n["operation"]["operator"] in SIGN
+        ]
+        if not nodes or any(n["binder_domain"] is not None for n in nodes):
             raise dae.refuse(
-                f"a time event that is not linear in time is not supported: {dae.text(event['provenance'])}",
-                event["provenance"],
+                f"a time event of this form is not supported: {dae.text(event['provenance'])}", event["provenance"]
             )
-    return out
+        out += [number[id(n)] for n in nodes]
+    return list(dict.fromkeys(out))
 
 
 def _assertion_only_relations(dae: Dae) -> set[int]:
@@ -152,6 +148,13 @@ def _assertion_only_relations(dae: Dae) -> set[int]:
         if residual["activation"]["kind"] == "when":
             walk(residual["activation"]["trigger"], elsewhere)
     return in_assertions - elsewhere
+
+
+def includes_initial(dae: Dae, condition: int) -> bool:
+    """Return whether a condition contains `initial()`."""
+    operation = dae.systems["conditions"]["conditions"][condition]["operation"]
+    children = (operation.get(key) for key in ("condition", "lhs", "rhs"))
+    return operation["kind"] == "initial" or any(includes_initial(dae, k) for k in children if isinstance(k, int))
 
 
 @dataclass(slots=True)

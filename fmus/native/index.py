@@ -65,6 +65,8 @@ def reduce_index(
         TranslationError: The system is singular, or an equation with an input would have to be differentiated.
     """
     n = len(states)
+    if not equations and not n and not algebraics:  # discrete variables alone
+        return IndexOne(equations=[], unknowns=[], states=[], former_states=frozenset())
     system = _Pantelides(
         equations=list(equations),
         symbols=[*states, *derivatives, *algebraics],

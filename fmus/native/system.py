@@ -4,13 +4,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import casadi as ca
+import numpy as np
 
 from railgrip.base.errors import TranslationError
 from railgrip.fmus.native.arrays import SX, Array, choose, is_number
-from railgrip.fmus.native.conditions import EventConditions, find_relations
+from railgrip.fmus.native.conditions import EventConditions, Relations, find_relations, includes_initial
 from railgrip.fmus.native.dae import Dae, Node
 from railgrip.fmus.native.expressions import ExpressionBuilder
 from railgrip.fmus.native.index import RELUCTANCE, IndexOne, reduce_index
+from railgrip.fmus.native.instants import TimeEvents
 from railgrip.fmus.native.structure import Equation, Loops, solve
 from railgrip.fmus.native.variables import ModelVariables, Scalar, declare, settle, vector
 
@@ -45,10 +47,14 @@ class System:
         algebraic: Values of `algebraics`.
         start: Initial values of `states`.
         calculated: Whether each initial value depends on parameters or initial equations.
+        start_discretes: Place of a discrete variable → its value before the start, if it depends on these.
         relation: Values of relations since the last event.
+        relation_inclusive: Whether they hold where their indicator is zero.
+        relation_text: Their Modelica texts and places.
         indicators: Expressions that are zero where a relation changes.
         indicator_relation: Place of the relation of each indicator.
         instants: Times of events, as expressions of parameters.
+        moving_instants: Next times of further events, as expressions of time, parameters, discretes and relations.
         clocks: (phase, period) of sample clocks [s]; `ticks` has a symbol for each and one for initialisation.
         previous: Values of discretes before the event.
         event_discretes, event_states, event_relations, event_conditions: Values after one pass of the event iteration.
@@ -67,10 +73,14 @@ class System:
     algebraic: SX
     start: SX
     calculated: list[bool]
+    start_discretes: dict[int, SX]
     relation: SX
+    relation_inclusive: list[bool]
+    relation_text: list[str]
     indicators: SX
     indicator_relation: list[int]
     instants: SX
+    moving_instants: SX
     clocks: list[tuple[float, float]]
     ticks: SX
     previous: SX
@@ -132,8 +142,7 @@ def explicit(dae: Dae) -> System:
     v = settle(dae, of_id, symbols, evaluate)
     if not (v.states or v.algebraics or v.discretes):
         raise TranslationError(f"{dae.class_name} has no variables that change, so it cannot be simulated.")
-    parameters = ca.vertcat(vector(v.free), vector(v.dependent))
-    relations = find_relations(dae, evaluate, v.with_numbers, parameters)
+    relations = find_relations(dae, evaluate, v.with_numbers)
     clocks = _clocks(dae, v)
     ticks = [SX.sym(f"tick{k}") for k in range(len(clocks))] + [SX.sym("initial")]
     conditions = EventConditions(dae=dae, evaluate=evaluate, relations=relations, ticks=ticks)
@@ -148,12 +157,18 @@ def explicit(dae: Dae) -> System:
     states, algebraics = _split_states(v, index_one.states, index_one.former_states)
     _require_state_select(dae, states, algebraics)
     loops, start_loops = Loops(), Loops()
-    derivative, algebraic, indicators = solve(
+    derivative, algebraic, indicators, steps = solve(
         index_one.equations, index_one.unknowns,
         [column([derivative for _, derivative in index_one.states]), vector(algebraics),
-         column([relations.indicator[k] for k in relations.crossings])], loops, dae.class_name,
+         column(relations.indicator), column([*relations.steps.values()])], loops, dae.class_name,
     )  # fmt: skip
-    start, calculated = _solve_start(dae, evaluate, v, states, index_one, start_loops)
+    # Between events pre(d) is d.
+    derivative, algebraic, indicators, steps = _between_events(v, [derivative, algebraic, indicators, steps])
+    for table in (loops.updates, loops.residuals):
+        table.update(zip(table, _between_events(v, [*table.values()]), strict=True))
+    _refuse_ticks(dae, ticks, [*states, *algebraics], ca.vertcat(derivative, algebraic))
+    events, crossings = _time_events(v, time, relations, indicators, steps)
+    start = _solve_start(dae, evaluate, v, states, algebraics, index_one, start_loops)
     (discretes, reinitialised, live, levels), assertions = _at_events(
         dae, evaluate, v, conditions, states, index_one, loops
     )
@@ -165,12 +180,16 @@ def explicit(dae: Dae) -> System:
         algebraics=algebraics,
         derivative=column([derivative]),
         algebraic=column([algebraic]),
-        start=start,
-        calculated=calculated,
+        start=start.states,
+        calculated=start.calculated,
+        start_discretes=start.discretes,
         relation=column(relations.memory),
-        indicators=column([indicators]),
-        indicator_relation=relations.crossings,
-        instants=column(relations.instants),
+        relation_inclusive=relations.inclusive,
+        relation_text=relations.text,
+        indicators=column([indicators[k] for k in crossings]),
+        indicator_relation=crossings,
+        instants=column(events.instants),
+        moving_instants=column(events.moving),
         clocks=clocks,
         ticks=column(ticks),
         previous=column(v.previous),
@@ -183,6 +202,40 @@ def explicit(dae: Dae) -> System:
         start_loops=start_loops,
         assertions=assertions,
     )
+
+
+def _between_events(v: ModelVariables, expressions: list[SX]) -> list[SX]:
+    previous = column(v.previous)
+    if not expressions or not previous.numel() or not ca.depends_on(ca.vertcat(*expressions), previous):
+        return expressions
+    return list(ca.substitute(expressions, [previous], [vector(v.discretes)]))
+
+
+def _refuse_ticks(dae: Dae, ticks: list[SX], scalars: list[Scalar], values: SX) -> None:
+    if not values.numel() or not ca.depends_on(values, ca.vertcat(*ticks)):
+        return
+    for scalar, value in zip(scalars, ca.vertsplit(values), strict=True):
+        if ca.depends_on(value, ca.vertcat(*ticks)):
+            raise dae.refuse(
+                f"{scalar.name} depends on sample() or initial() outside of a when clause, which is supported for "
+                "discrete variables only",
+                scalar.provenance,
+            )
+
+
+def _time_events(
+    v: ModelVariables, time: SX, relations: Relations, indicators: SX, steps: SX
+) -> tuple[TimeEvents, list[int]]:
+    # The time events, and the places of the relations whose zeros must be searched for.
+    parameters = frozenset(p.name for p in (*v.free, *v.dependent))
+    held = parameters | {d.name for d in v.discretes} | {r.name() for r in relations.memory}
+    events = TimeEvents(time=time, parameters=parameters, held=held)
+    step_of = dict(zip(relations.steps, ca.vertsplit(steps) if relations.steps else [], strict=True))
+    return events, [
+        k
+        for k in range(len(relations.memory))
+        if not (events.add_whole_numbers(step_of[k]) if k in step_of else events.add_zeros(indicators[k]))
+    ]
 
 
 def _at_events(
@@ -211,7 +264,9 @@ def _at_events(
         [*index_one.unknowns, *(s.symbol for s in v.discretes)], targets[:4], loops, dae.class_name,
     )  # fmt: skip
     # Assertions are checked between events, with the present values of discrete variables.
-    values = iter(solve(index_one.equations, index_one.unknowns, targets[4:], loops, dae.class_name))
+    values = iter(
+        _between_events(v, solve(index_one.equations, index_one.unknowns, targets[4:], loops, dae.class_name))
+    )
     assertions = [
         replace(
             a,
@@ -247,9 +302,8 @@ def _refuse_unsupported(dae: Dae) -> None:
         for node in temporal[kind]:
             raise dae.refuse(f"{kind} is not supported", node.get("provenance"))
     initialization = dae.systems["initialization"]
-    for kind in ("parameter_values", "discrete_values"):
-        for node in initialization[kind]:
-            raise dae.refuse(f"initial {kind.replace('_', ' ')} are not supported", node.get("provenance"))
+    for node in initialization["parameter_values"]:
+        raise dae.refuse("initial values of parameters are not supported", node.get("provenance"))
 
 
 def _with_numbers(v: ModelVariables, equations: list[Equation]) -> list[Equation]:
@@ -315,45 +369,137 @@ def _split_states(
     return states, [*v.algebraics, *former]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Start:
+    """Initial values.
+
+    Attributes:
+        states: Values of the states.
+        calculated: Whether each of them depends on parameters or initial equations.
+        discretes: Place of a discrete variable → its value before the start, if it depends on these.
+    """
+
+    states: SX
+    calculated: list[bool]
+    discretes: dict[int, SX]
+
+
 def _solve_start(
     dae: Dae,
     evaluate: ExpressionBuilder,
     v: ModelVariables,
     states: list[Scalar],
+    algebraics: list[Scalar],
     index_one: IndexOne,
     loops: Loops,
-) -> tuple[SX, list[bool]]:
+) -> _Start:
     # Initial equations may determine any variable, so they are solved together with the equations of the model.
     starts = v.with_numbers([s.binding for s in states])
     calculated = [not is_number(SX(value)) for value in starts]
-    initial = _with_numbers(v, _equations(dae, evaluate, "initialization"))
+    initial, targets = _initial_equations(dae, evaluate, v, algebraics)
+    before = v.with_numbers([d.binding for d in v.discretes])
+    discretes = {i: SX(e) for i, e in enumerate(before) if not is_number(SX(e)) and i not in targets}
     if not initial:
-        return column(starts), calculated
+        return _Start(states=column(starts), calculated=calculated, discretes=discretes)
     free = [s for s in states if not s.fixed]
-    if len(free) != len(initial):
+    if len(free) + len(targets) != len(initial):
+        places = ", ".join(dict.fromkeys(e.where for e in initial))
+        unknown = ", ".join([s.name for s in free] + [f"pre({v.discretes[i].name})" for i in targets])
+        spare = len(initial) - len(free) - len(targets)
         raise TranslationError(
-            f"{dae.class_name}: {len(initial)} initial equations for {len(free)} states without a fixed start"
-            f" ({', '.join(s.name for s in free) or 'none'})."
+            f"{dae.class_name}: the initial values are not determined: the number of initial equations is "
+            f"{len(initial)} ({places}), that of initial values without a fixed start {len(free) + len(targets)} "
+            f"({unknown or 'none'}). A fixed start of a variable that is not a state is an initial equation. "
+            f"Set fixed = {'false' if spare > 0 else 'true'} for {abs(spare)} start values, or change the initial "
+            "equations."
         )
-    (solution,) = solve(
+    fixed = [(s.symbol, value) for s, value in zip(states, starts, strict=True) if s.fixed]
+    fixed += [(v.previous[i], value) for i, value in discretes.items()]
+    solution, determined = solve(
         [*index_one.equations, *initial],
-        [*index_one.unknowns, *(s.symbol for s in free)],
-        [vector(free)],
+        [*index_one.unknowns, *(s.symbol for s in free), *(v.previous[i] for i in targets)],
+        [vector(free), column([v.previous[i] for i in targets])],
         loops,
         dae.class_name,
     )
-    fixed = [(s.symbol, value) for s, value in zip(states, starts, strict=True) if s.fixed]
     if fixed:
         symbols, values = ca.vertcat(*[s for s, _ in fixed]), ca.vertcat(*[value for _, value in fixed])
-        solution = ca.substitute(solution, symbols, values)
+        solution, determined = ca.substitute([solution, determined], [symbols], [values])
         for table in (loops.updates, loops.residuals):
             for name, expression in table.items():
                 table[name] = ca.substitute(expression, symbols, values)
+    _require_known(dae, v, [solution, determined, *loops.updates.values(), *loops.residuals.values()])
     place = {s.name: i for i, s in enumerate(free)}
     start = [solution[place[s.name]] if s.name in place else starts[i] for i, s in enumerate(states)]
-    return column(start), [
-        is_calculated or s.name in place for is_calculated, s in zip(calculated, states, strict=True)
+    return _Start(
+        states=column(start),
+        calculated=[is_calculated or s.name in place for is_calculated, s in zip(calculated, states, strict=True)],
+        discretes=discretes | {i: determined[k] for k, i in enumerate(targets)},
+    )
+
+
+def _initial_equations(
+    dae: Dae, evaluate: ExpressionBuilder, v: ModelVariables, algebraics: list[Scalar]
+) -> tuple[list[Equation], list[int]]:
+    # Initial equations, fixed start values of other variables than states (MLS 3.6, section 8.6), and the places of the
+    # discrete variables that they determine.
+    equations = _equations(dae, evaluate, "initialization")
+    equations += [
+        Equation(s.symbol - s.binding, f"{dae.where(s.provenance)} ({s.name})") for s in algebraics if s.fixed
     ]
+    targets: list[int] = []
+    slot = {s.name: i for i, s in enumerate(v.discretes)}
+    held = _held_at_start(dae, v)
+    for node in dae.systems["initialization"]["discrete_values"]:
+        scalars, values = v.of_id[node["target"]], evaluate(node["value"])
+        for scalar, value in zip(scalars, np.broadcast_to(values, len(scalars)).flat, strict=True):
+            i = slot.get(scalar.name)
+            if i is None or (scalar.name not in held and not dae.text(node["provenance"]).startswith("pre(")):
+                raise dae.refuse(
+                    f"an initial equation of {scalar.name} itself is not supported, because another equation sets "
+                    f"it at the start; write pre({scalar.name}) = ...",
+                    node["provenance"],
+                )
+            targets.append(i)
+            equations.append(Equation(v.previous[i] - SX(value), dae.where(node["provenance"])))
+    equations = _with_numbers(v, equations)
+    if twice := [v.discretes[i].name for i in targets if targets.count(i) > 1 or v.discretes[i].fixed]:
+        raise TranslationError(f"{dae.class_name}: {twice[0]} has more than one initial value.")
+    # At the start a discrete variable that only when clauses without initial() change has its value before the start.
+    same = [i for i, s in enumerate(v.discretes) if s.name in held]
+    if equations and same:
+        symbols, previous = (ca.vertcat(*[x[i] for i in same]) for x in ([s.symbol for s in v.discretes], v.previous))
+        residuals = ca.substitute([e.residual for e in equations], [symbols], [previous])
+        equations = [Equation(r, e.where) for r, e in zip(residuals, equations, strict=True)]
+    mentioned = {s.name() for e in equations for s in ca.symvar(e.residual)}
+    targets += [
+        i for i, s in enumerate(v.discretes) if v.previous[i].name() in mentioned and i not in targets and not s.fixed
+    ]
+    return equations, targets
+
+
+def _held_at_start(dae: Dae, v: ModelVariables) -> set[str]:
+    def active(activation: Node) -> bool:
+        return activation["kind"] != "when" or includes_initial(dae, activation["trigger"])
+
+    changed: set[str] = set()
+    for owner in dae.systems["discrete_values"]["owners"]:
+        if any(active(branch["activation"]) for branch in owner["branches"]):
+            changed |= {s.name for target in owner["targets"] for s in v.of_id[target]}
+    for residual in dae.systems["discrete_real"]["residuals"]:
+        if active(residual["activation"]):
+            left = dae.expressions[dae.expressions[residual["residual"]]["operation"]["lhs"]]
+            changed |= {s.name for s in v.of_id.get(left["operation"].get("coordinate", {}).get("id"), v.discretes)}
+    return {s.name for s in v.discretes} - changed
+
+
+def _require_known(dae: Dae, v: ModelVariables, expressions: list[SX]) -> None:
+    previous = {s.name() for s in v.previous}
+    unknown = sorted({s.name() for e in expressions for s in ca.symvar(SX(e))} & previous)
+    if unknown:
+        raise TranslationError(
+            f"{dae.class_name}: the initial equations depend on {unknown[0]}, which none of them determines."
+        )
 
 
 def _event_equations(
@@ -384,6 +530,12 @@ def _event_equations(
     for action in dae.systems["events"]["actions"]:
         operation = action["operation"]
         if operation["kind"] == "reinitialize":
+            if includes_initial(dae, action["guard"]):
+                raise dae.refuse(
+                    "reinit in a when clause with initial() is not supported; write an initial equation as well as a "
+                    "when clause without initial()",
+                    action["provenance"],
+                )
             i = _state_place(dae, v, operation, place, action)
             active = conditions.edge(action["guard"])
             after[i] = choose(active, evaluate(operation["value"]).item(), after[i])

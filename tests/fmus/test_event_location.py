@@ -1,7 +1,9 @@
 """Events occur at the right instant with the right effect, compared with closed forms."""
 
+import ctypes
 import math
 
+import fmpy
 import pytest
 
 from railgrip.fmus.native.code import repeating_discretes
@@ -103,3 +105,70 @@ def test_a_clause_acts_at_the_tick_that_changes_its_variables(modelica, run):
     assert instance.get("line[1]", "line[2]", "line[3]") == [5.0, 4.0, 3.0]
     # line[3] was 1 from 0.3 s, 2 from 0.4 s and 3 from 0.5 s.
     assert instance.get("x")[0] == pytest.approx(0.1 * 1 + 0.1 * 2 + 0.05 * 3, abs=1e-9)
+
+
+MULTIVIBRATOR = """model M "Relaxation oscillator: amplifier of gain 15000 between ±15 V with hysteresis"
+  parameter Real tau = 0.05/log(3);
+  Real c(start=1, fixed=true);
+  Real v(start=-15);
+equation
+  v = noEvent(if 15000*(0.5*v - c) > 15 then 15 elseif 15000*(0.5*v - c) < -15 then -15 else 15000*(0.5*v - c));
+  tau*der(c) = v - c;
+end M;
+"""
+
+
+@pytest.mark.parametrize("step", [1e-3, 0.00625, 0.25])
+def test_a_solution_of_a_loop_that_ceases_to_exist_is_left_at_that_instant(modelica, run, step):
+    """A saturated branch ends where the input reaches ±(7.5 − 0.001) V; between these the capacitor relaxes to ±15 V.
+
+    The tolerance is that of ten half periods integrated with a relative error of 1e-5; a switch that is late by a step
+    of 1 ms would be an error of 0.3 V.
+    """
+    instance = run(modelica(MULTIVIBRATOR))
+    tau, end, limit = 0.05 / math.log(3), 0.5, 7.5 - 0.001
+    instance.steps(round(end / step), step)
+    first, half = tau * math.log(16 / (15 - limit)), tau * math.log((15 + limit) / (15 - limit))
+    count, rest = divmod(end - first, half)
+    side = 1 if count % 2 == 0 else -1
+    assert instance.get("c")[0] == pytest.approx(side * (15 - (15 + limit) * math.exp(-rest / tau)), abs=1e-3)
+    assert instance.get("v")[0] == pytest.approx(side * 15, abs=1e-6)
+
+
+def test_model_exchange_locates_or_refuses_the_end_of_a_loops_solution(modelica, run):
+    fmu = modelica(MULTIVIBRATOR)
+    instance = run(fmu, "me")
+    instance.instance.newDiscreteStates()
+    instance.instance.enterContinuousTimeMode()
+    instance.instance.setTime(0.04)
+    values = (ctypes.c_double * 1)(-8.0)
+    instance.instance.setContinuousStates(values, 1)
+    assert instance.get("v")[0] == pytest.approx(15, abs=1e-6)
+    # A trial step beyond the end of the branch has not selected the other one.
+    values[0] = -5.0
+    instance.instance.setContinuousStates(values, 1)
+    assert instance.get("v")[0] == pytest.approx(-15, abs=1e-6)
+
+
+@pytest.mark.parametrize("interface", ["cs", "me"])
+def test_a_relation_changes_where_its_sides_become_equal(modelica, interface):
+    """max(x, 0) > 0 ends when x becomes 0 at 0.5 s, although the difference of its sides never becomes negative."""
+    fmu = modelica(
+        "model M Real x(start=1,fixed=true); Real y = max(x, 0); Boolean more = y > 0, none = y <= 0;"
+        " Integer n(start=0,fixed=true); equation der(x) = -2; when y <= 0 then n = pre(n) + 1; end when; end M;"
+    )
+    kind = {"cs": "CoSimulation", "me": "ModelExchange"}[interface]
+    found = fmpy.simulate_fmu(str(fmu.folder), stop_time=1.0, output=["more", "none", "n"], fmi_type=kind)
+    assert [found[name][-1] for name in ("more", "none", "n")] == [0, 1, 1]
+
+
+@pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
+def test_pre_in_a_loop_and_a_derivative_is_the_value_since_the_last_event(modelica, interface):
+    """y³ + y is 2 for y = 1 and 10 for y = 2."""
+    fmu = modelica(
+        "model M Integer n(start=1,fixed=true); Real y(start=1), x(start=0,fixed=true), z(start=0,fixed=true);"
+        " equation y^3 + y = 1 + pre(n); der(x) = y; der(z) = pre(n); when time > 0.5 then n = pre(n) + 8; end when;"
+        " end M;"
+    )
+    found = fmpy.simulate_fmu(str(fmu.folder), stop_time=1.0, output=["x", "y", "z"], fmi_type=interface)
+    assert [float(found[name][-1]) for name in ("x", "y", "z")] == pytest.approx([1.5, 2, 5], abs=1e-4)

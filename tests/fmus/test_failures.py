@@ -1,7 +1,9 @@
 """Failures of a running FMU are reported through its logger, with variable and time."""
 
+import ctypes
 import math
 
+import fmpy
 import pytest
 from fmpy.fmi1 import FMICallException
 
@@ -86,3 +88,63 @@ def test_a_model_that_chatters_ends_the_step_instead_of_hanging(modelica, run):
     patient = run(fmu, start={"d": 1e-4})
     patient.steps(1000, 1e-3)
     assert patient.get("time")[0] == pytest.approx(1.0)
+
+
+# Words of the message → the model.
+NOT_NUMBERS = {
+    "der(x) is not a number at time = 0.5 s": (
+        "Real x(start=1,fixed=true); parameter Real c = 1; equation (if time > 0.5 then 0 else c)*der(x) = 1;"
+    ),
+    "der(x) is not a number at time = 0 s": "Real x(start=0,fixed=true); equation x*der(x) = 1;",
+    "d is not a number at time = 0.5 s": (
+        "discrete Real d(start=1,fixed=true); Real x(start=1,fixed=true); equation der(x) = d;"
+        " when time > 0.5 then d = 1/(pre(d) - 1); end when;"
+    ),
+    "reinit sets x to a value that is not a number at time = 0.5 s": (
+        "Real x(start=1,fixed=true); equation der(x) = 0; when time > 0.5 then reinit(x, 1/(pre(x) - 1)); end when;"
+    ),
+    "the relation y < -100": (
+        "Real x(start=1,fixed=true); Real y = log(x); Boolean low = y < -100; equation der(x) = -1.3;"
+    ),
+}
+
+
+@pytest.mark.parametrize("words", NOT_NUMBERS)
+def test_a_singularity_is_an_error_that_names_variable_and_time(modelica, words):
+    """FMPy repeats a discarded step for ever, so the status must be an error."""
+    messages = []
+    with pytest.raises(FMICallException, match=r"status 3 \(error\)"):
+        fmpy.simulate_fmu(
+            str(modelica(f"model M {NOT_NUMBERS[words]} end M;").folder), stop_time=1.0, fmi_type="CoSimulation",
+            logger=lambda *a: messages.append(a[4].decode()),
+        )  # fmt: skip
+    assert any(words in m for m in messages)
+
+
+def test_model_exchange_discards_trial_steps_only(modelica, run):
+    """At a point of the trajectory itself no smaller step of the importer avoids the singularity: an error."""
+    instance = run(modelica("model M Real x(start=1,fixed=true); equation (x - 0.5)*der(x) = -1; end M;"), "me")
+    instance.instance.newDiscreteStates()
+    values, derivative = (ctypes.c_double * 1)(0.5), (ctypes.c_double * 1)()
+    instance.instance.setTime(0.1)
+    instance.instance.setContinuousStates(values, 1)
+    with pytest.raises(FMICallException, match="status 2"):
+        instance.instance.getDerivatives(derivative, 1)
+    instance.instance.completedIntegratorStep()
+    with pytest.raises(FMICallException, match="status 3"):
+        instance.instance.getDerivatives(derivative, 1)
+    assert "der(x) is not a number at time = 0.1 s" in instance.messages
+
+
+def test_a_warning_is_given_at_each_violation_and_counted(modelica, run):
+    """sin(2πt) exceeds 0.5 in each of three periods."""
+    fmu = modelica(
+        "model M Real x(start=0,fixed=true); equation der(x) = 1;"
+        ' assert(sin(6.283185307179586*x) < 0.5, "too large", AssertionLevel.warning); end M;'
+    )
+    instance = run(fmu)
+    instance.steps(300, 0.01)
+    warnings = [m for m in instance.messages if "too large" in m]
+    assert len(warnings) == 3
+    assert ["occurrence 2" in m for m in warnings] == [False, True, False]
+    assert "occurrence 3" in warnings[2]

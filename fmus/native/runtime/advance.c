@@ -1,5 +1,12 @@
 /* Co-simulation: integration between communication points with adaptive internal steps. */
 
+/* Whether the sides of a relation are not numbers. */
+static int undefined(Instance *m, double t, const double *z) {
+    for (int i = 0; i < NZ; i++)
+        if (isnan(z[i])) return failure(m, "the relation %s compares what is not a number at time = %.9g s", indicator_text[i], t);
+    return 0;
+}
+
 /* Take work.x1 at time t as the state. */
 static void accept(Instance *m, double t) {
     State *s = &m->s;
@@ -21,7 +28,7 @@ static int locate(Instance *m, double t, double *h) {
     for (int k = 0; hi - lo > tolerance; k++) {
         double probe = hi, z[NZ + 1];
         for (int i = 0; i < NZ; i++)
-            if (s->r[indicator_relation[i]] > 0.5 ? w->z1[i] < 0 : w->z1[i] > 0) {
+            if (contradicts(s, i, w->z1[i])) {
                 double root = lo + (hi - lo) * w->z0[i] / (w->z0[i] - w->z1[i]);
                 if (!(root >= probe)) probe = root;
             }
@@ -48,17 +55,126 @@ static int locate(Instance *m, double t, double *h) {
     return 0;
 }
 
+/* Longest step in which zeros of functions of time or periodic functions are searched for: their number is not limited by
+ * the error of integration. */
+static double search_length(const Instance *m) {
+    double part = m->communication_step / SEARCHED_PARTS;
+    return !SEARCHED ? INFINITY : part > SEARCHED_TIME ? part : SEARCHED_TIME;
+}
+
+/* Find the first event of a model without states up to `target`, which becomes its time; 1 if there is one, -1 if a loop
+ * has no solution. */
+static int search(Instance *m, double *target) {
+    State *s = &m->s;
+    double z[NZ + 1], lo = s->v[TIME], end = *target, part = search_length(m);
+    double parts = part < end - lo ? ceil((end - lo) / part) : 1, start = lo;
+    for (double k = 1; k <= parts; k++) {
+        double hi = k == parts ? end : start + (end - start) * (k / parts);
+        if (NG && loops(m, inside(s, hi), s->v + X)) return -1;
+        indicators(s, hi, s->v + X, z);
+        if (undefined(m, hi, z)) return -1;
+        if (!crossed(s, z)) {
+            lo = hi;
+            continue;
+        }
+        while (hi - lo > EVENT_TIME + 4 * DBL_EPSILON * fabs(hi)) {
+            double middle = 0.5 * (lo + hi);
+            if (NG && loops(m, inside(s, middle), s->v + X)) return -1;
+            indicators(s, middle, s->v + X, z);
+            *(crossed(s, z) ? &hi : &lo) = middle;
+        }
+        *target = hi;
+        return 1;
+    }
+    return 0;
+}
+
+#if NG
+/* Largest change of an unknown of the nonlinear loops, relative to its nominal value. */
+static double loop_change(const double *from, const double *to) {
+    double largest = 0;
+    for (int i = 0; i < NG; i++) {
+        double change = fabs(to[i] - from[i]) / (nominal_g[i] + fabs(from[i]) + fabs(to[i]));
+        if (!(change <= largest)) largest = change;
+    }
+    return largest;
+}
+
+/* Find out whether the solution of the loops, which was `g` at the beginning of a step of size h to work.x1, ceases to exist
+ * within it, so that another one was found at its end. Then h becomes the time before which that happens and 1 is returned,
+ * or 2 if that is now, and the step over the jump has been taken. Bisection follows the solution along the line between the
+ * states: the change of a continuous solution is halved as well. */
+static int loop_jumps(Instance *m, double t, double *h, const double *g) {
+    State *s = &m->s;
+    Work *w = &m->w;
+    double x[NX + 1], end[NG], low[NG], high[NG], lo = 0, hi = 1, whole = loop_change(g, s->g);
+    const double resolution = EVENT_TIME + 4 * DBL_EPSILON * fabs(t);
+    if (whole < LOOP_JUMP) return 0;
+    memcpy(end, s->g, sizeof end);
+    memcpy(low, g, sizeof low);
+    memcpy(high, end, sizeof high);
+    while ((hi - lo) * *h > resolution) {
+        double part = 0.5 * (lo + hi);
+        for (int i = 0; i < NX; i++) x[i] = w->x0[i] + part * (w->x1[i] - w->x0[i]);
+        memcpy(s->g, low, sizeof low);
+        if (loops(m, t + part * *h, x)) {
+            hi = part;
+        } else if (loop_change(low, s->g) >= loop_change(s->g, high)) {
+            hi = part;
+            memcpy(high, s->g, sizeof high);
+        } else {
+            lo = part;
+            memcpy(low, s->g, sizeof low);
+        }
+        if (loop_change(low, high) < 0.1 * whole) {
+            memcpy(s->g, end, sizeof end);
+            return 0;
+        }
+    }
+    if (lo * *h > 4 * resolution) {
+        /* If the line to its end keeps the branch, a stage of the step has left it. */
+        *h *= hi < 1 ? lo : 0.5;
+        memcpy(s->g, g, sizeof low);
+        return 1;
+    }
+    *h *= hi;
+    for (int i = 0; i < NX; i++) w->x1[i] = w->x0[i] + *h * w->f0[i];
+    memcpy(s->g, high, sizeof high);
+    return loops(m, t + *h, w->x1) ? -1 : 2;
+}
+/* Take a step over the end of the branch of the solution: just after it Newton's method does not find the other branch, but
+ * it does further ahead, from where that branch is followed back. */
+static int leave_branch(Instance *m, double t, double *h, const double *g) {
+    State *s = &m->s;
+    Work *w = &m->w;
+    const double resolution = EVENT_TIME + 4 * DBL_EPSILON * fabs(t);
+    for (double ahead = 2 * resolution; ahead < 1; ahead *= 2) {
+        for (int i = 0; i < NX; i++) w->x1[i] = w->x0[i] + ahead * w->f0[i];
+        memcpy(s->g, g, NG * sizeof *g);
+        if (loops(m, t + ahead, w->x1) || loop_change(g, s->g) < LOOP_JUMP) continue;
+        *h = resolution;
+        for (int i = 0; i < NX; i++) w->x1[i] = w->x0[i] + *h * w->f0[i];
+        if (!loops(m, t + *h, w->x1) && loop_change(g, s->g) >= LOOP_JUMP) return 2;
+    }
+    return 0;
+}
+#endif
+
 /* Take one internal step towards `target`; `linear` is whether the model is already linearised at its start, `event`
  * becomes whether the step ended at a state event. */
 static int internal_step(Instance *m, double target, int linear, int *event) {
     State *s = &m->s;
     Work *w = &m->w;
-    const double t = s->v[TIME], order = s->v[SOLVER] == 3 ? 1.0 / 3 : 0.25;
+    const double t = s->v[TIME], longest = search_length(m), order = s->v[SOLVER] == 3 ? 1.0 / 3 : 0.25;
     int rejected = 0, worst = 0;
     memcpy(w->x0, s->v + X, NX * sizeof(double));
     if (!linear && linearise(m, t)) return 1;
+#if NG
+    double g[NG];
+    memcpy(g, s->g, sizeof g);
+#endif
     for (;;) {
-        double rest = target - t, h = s->h;
+        double rest = target - t, h = s->h < longest ? s->h : longest;
         /* Two equal steps are more accurate than a full one and a very short rest. */
         if (h >= 0.999 * rest)
             h = rest;
@@ -66,6 +182,22 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
             h = 0.5 * rest;
         int failed = try_step(m, t, h);
         double e = failed ? NAN : error_norm(m, &worst), scale;
+#if NG
+        int jump = isfinite(e) ? loop_jumps(m, t, &h, g) : failed && h < 10 * EVENT_TIME ? leave_branch(m, t, &h, g) : 0;
+        if (jump < 0) return 1;
+        if (jump == 1) {
+            s->h = h;
+            rejected = 1;
+            s->v[REJECTED]++;
+            continue;
+        }
+        if (jump == 2) {
+            *event = 1;
+            s->v[STEPS]++;
+            accept(m, t + h);
+            return 0;
+        }
+#endif
         if (e <= 1) {
             double grown;
             scale = e > 1e-8 ? 0.9 * pow(e, -order) : 6;
@@ -80,6 +212,7 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
                 outputs_and_indicators(s, target, w->x1, s->v + O, w->z1);
             else
                 indicators(s, t + h, w->x1, w->z1);
+            if (undefined(m, t + h, w->z1)) return 1;
             *event = crossed(s, w->z1);
             if (*event && locate(m, t, &h)) return 1;
             s->v[STEPS]++;
@@ -87,6 +220,9 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
             s->stale_outputs = *event || !shown;
             return 0;
         }
+#if NG
+        memcpy(s->g, g, sizeof g); /* the solutions of a rejected step may be on another branch */
+#endif
         rejected = 1;
         s->v[REJECTED]++;
         scale = isnan(e) || isinf(e) ? 0.1 : 0.9 * pow(e, -order);
@@ -130,16 +266,18 @@ static int endless(Instance *m) {
 /* Advance to time `end`. */
 static int advance(Instance *m, double end) {
     State *s = &m->s;
-    int jumped, crowd = 0, now, linear = 0;
+    int jumped, crowd = 0, now = 0, linear = 0;
     double last = -INFINITY;
     double more = ATTEMPTS_PER_SECOND * (end - s->v[TIME]);
     more = more > ATTEMPTS_AT_LEAST ? more : ATTEMPTS_AT_LEAST;
+    m->communication_step = end - s->v[TIME];
     m->attempts = (m->attempts < ATTEMPTS_SAVED ? m->attempts : ATTEMPTS_SAVED) + more;
     if (s->stale_parameters) {
         dependent_parameters(s);
-        s->hi = next_time_event(s);
+        now = NI || N_MOVING; /* relations of time and parameters may have changed */
     }
-    if ((now = input_event(m, &linear)) != 0 && (now < 0 || events(m, 0, &jumped))) return 1;
+    if (!now) now = input_event(m, &linear);
+    if (now != 0 && (now < 0 || events(m, 0, &jumped))) return 1;
     while (s->v[TIME] < end || s->hi <= end) {
         double target = s->hi < end ? s->hi : end;
         int event = 0;
@@ -147,16 +285,10 @@ static int advance(Instance *m, double end) {
             for (; !event && target - s->v[TIME] > 4 * DBL_EPSILON * fabs(target); linear = 0)
                 if (endless(m) || internal_step(m, target, linear, &event)) return 1;
         } else {
-            double z[NZ + 1];
             m->attempts--;
-            if (endless(m)) return 1;
+            if (endless(m) || (NZ && (event = search(m, &target)) < 0)) return 1;
             s->v[TIME] = target;
             stale(s);
-            if (NZ) {
-                if (NG && loops(m, inside(s, target), s->v + X)) return 1;
-                indicators(s, target, s->v + X, z);
-                event = crossed(s, z);
-            }
         }
         if (!event) s->v[TIME] = target;
         if (event || s->v[TIME] >= s->hi) {

@@ -1,5 +1,13 @@
 /* FMI 2.0 for Co-Simulation: the FMU integrates. */
 
+/* Whether a state is not a number. */
+static int not_finite(Instance *m) {
+    State *s = &m->s;
+    for (int i = 0; i < NX; i++)
+        if (!isfinite(s->v[X + i])) return failure(m, "%s is not a number at time = %.9g s", x_name[i], s->v[TIME]);
+    return 0;
+}
+
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_set_state) {
     State *s = &M->s;
     (void)no_set_state;
@@ -9,19 +17,9 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_se
         failure(M, "fmi2DoStep: a step was requested from %.9g s, but this FMU is at %.9g s", t, s->v[TIME]);
         return failed(M, fmi2Error);
     }
-    if (advance(M, t + h)) return failed(M, fmi2Discard);
-    for (int i = 0; i < NX; i++)
-        if (!isfinite(s->v[X + i])) {
-            failure(M, "%s is not a number at time = %.9g s", x_name[i], s->v[TIME]);
-            s->phase = FAILED;
-            return failed(M, fmi2Error);
-        }
-    if (NA) {
-        if (NG && loops(M, inside(s, s->v[TIME]), s->v + X)) return failed(M, fmi2Discard);
-        if (assertions(M)) {
-            s->phase = FAILED;
-            return failed(M, fmi2Error);
-        }
+    if (advance(M, t + h) || not_finite(M) || (NA && ((NG && loops(M, inside(s, s->v[TIME]), s->v + X)) || assertions(M)))) {
+        s->phase = FAILED; /* an importer that repeats the step would never end */
+        return failed(M, fmi2Error);
     }
     return fmi2OK;
 }

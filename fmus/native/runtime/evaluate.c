@@ -1,12 +1,18 @@
 /* Evaluation of the model: parameters, derivatives, nonlinear loops, outputs. */
 
-/* Equations are evaluated strictly between two time events, so that `time < T` has the same value in the whole interval. */
+/* Equations are evaluated strictly between two time events, so that `noEvent(time < T)` and floor(time/T) have the same
+ * value in the whole interval. */
 static double inside(const State *s, double t) {
+#if N_MOVING
+    double lo = AFTER(s->lo), hi = s->hi - (AFTER(s->hi) - s->hi);
+    return s->phase < RUNNING ? t : t > hi && hi > lo ? hi : t < lo ? lo : t;
+#else
     return t >= s->hi ? nextafter(s->hi, -INFINITY) : t <= s->lo ? nextafter(s->lo, INFINITY) : t;
+#endif
 }
 
 /* Solve the nonlinear loops at (t, x) by damped Newton iteration from their last solution. */
-static int loops(Instance *m, double t, const double *x) {
+static int newton(Instance *m, double t, const double *x) {
     State *s = &m->s;
     double next[NG + 1], residual[NG + 1], before[NG + 1], norm = 0, last = INFINITY;
     const double *a[] = ARGUMENTS(s, &t, x);
@@ -38,6 +44,19 @@ static int loops(Instance *m, double t, const double *x) {
     }
 failed:
     return failure(m, "the nonlinear loop of %s does not converge at time = %.9g s (residual %.3g)", loop_names[0], t, norm);
+}
+
+/* Solve the nonlinear loops from the last solution; in Model Exchange from that of the last event or completed step, if it
+ * leads to one, because trial steps of the importer must not select the branch. */
+static int loops(Instance *m, double t, const double *x) {
+    State *s = &m->s;
+    double g[NG + 1];
+    if (!NG || m->co_simulation || s->phase < RUNNING) return newton(m, t, x);
+    memcpy(g, s->g, sizeof g);
+    memcpy(s->g, s->settled_g, sizeof g);
+    if (!newton(m, t, x)) return 0;
+    memcpy(s->g, g, sizeof g);
+    return newton(m, t, x);
 }
 
 static int derivatives(Instance *m, double t, const double *x, double *dx) {
@@ -79,9 +98,9 @@ static void stale(State *s) {
 /* Initial states from parameters and inputs, initial equations included. */
 static int start_states(Instance *m) {
     State *s = &m->s;
-    double x[NX + 1], next[NQ + 1], residual[NQ + 1], before[NQ + 1], norm = 0, last = INFINITY;
-    const double *a[] = { s->v, s->v + U, s->v + P, s->d0, s->r, s->q };
-    double *r[] = { x }, *l[] = { next, residual };
+    double x[NX + 1], d[ND_CALCULATED + 1], next[NQ + 1], residual[NQ + 1], before[NQ + 1], norm = 0, last = INFINITY;
+    const double *a[] = { s->v, s->v + U, s->v + P, s->v + D, s->r, s->q };
+    double *r[] = { x, d }, *l[] = { next, residual };
     for (int k = 0; NQ; k++) {
         int converged = 1;
         if (k == 4 * LOOP_ITERATIONS)
@@ -101,7 +120,8 @@ static int start_states(Instance *m) {
         memcpy(before, s->q, NQ * sizeof *before);
         memcpy(s->q, next, NQ * sizeof *next);
     }
-    if (NX) f_start(a, r);
+    if (NX || ND_CALCULATED) f_start(a, r);
+    for (int i = 0; i < ND_CALCULATED; i++) s->d0[d_calculated[i]] = d[i];
     for (int i = 0; i < NX; i++)
         if (x_calculated[i] && !s->x_set[i]) s->x0[i] = x[i];
     return 0;
@@ -117,15 +137,18 @@ static int prepare(Instance *m) {
     s->stale_start = 0;
     memcpy(s->v + D, s->d0, ND * sizeof(double));
     memset(s->r, 0, sizeof s->r);
-    for (int k = 0; k < 20; k++) { /* initial states may depend on relations, and these on the states */
-        double r[NR + 1];
+    /* Initial states may depend on relations and discretes, and these on the states. */
+    for (int k = 0;; k++) {
+        double r[NR + 1], d[ND + 1];
         int jumped;
+        if (k == 20) return failure(m, "the initial values of states and discrete variables do not settle");
+        memcpy(d, s->v + D, ND * sizeof *d);
         if (start_states(m)) return 1;
         memcpy(r, s->r, sizeof r);
         memcpy(s->v + X, s->x0, NX * sizeof(double));
         memcpy(s->v + D, s->d0, ND * sizeof(double));
         if (events(m, 1, &jumped)) return 1;
-        if (!NR || !memcmp(r, s->r, NR * sizeof *r)) break;
+        if (!memcmp(r, s->r, NR * sizeof *r) && !memcmp(d, s->v + D, ND * sizeof *d)) break;
     }
     stale(s);
     return 0;
@@ -219,10 +242,13 @@ static int assertions(Instance *m) {
             continue;
         }
         if (s->warned[i]) continue;
+        char again[32] = "";
+        if (++s->warnings[i] > 1) snprintf(again, sizeof again, ", occurrence %d", s->warnings[i]);
         assertion_text(i, values, text, sizeof text);
         if (assertion_fatal[i]) return failure(m, "assertion (%s) at time = %.9g s: %s", assertion_place[i], s->v[TIME], text);
         s->warned[i] = 1; /* one warning until the condition holds again */
-        message(m, fmi2Warning, "logStatusWarning", "warning (%s) at time = %.9g s: %s", assertion_place[i], s->v[TIME], text);
+        message(m, fmi2Warning, "logStatusWarning", "warning (%s) at time = %.9g s%s: %s", assertion_place[i], s->v[TIME], again,
+                text);
     }
     return 0;
 }

@@ -5,12 +5,33 @@ static double next_time_event(const State *s) {
     for (int i = 0; i < NT; i++)
         if (s->tick[i] < t) t = s->tick[i];
     for (int i = 0; i < NI; i++)
-        if (s->instant[i] > s->lo && s->instant[i] > s->v[TIME] && s->instant[i] < t) t = s->instant[i];
-    return t;
+        if (s->instant[i] > s->lo && s->instant[i] >= s->v[TIME] && s->instant[i] < t) t = s->instant[i];
+    return s->moving < t ? s->moving : t;
+}
+
+/* Find the next of the instants that change at events: until then it is valid. */
+static void next_moving_instant(State *s) {
+#if N_MOVING
+    double t = AFTER(s->v[TIME]), instant[N_MOVING];
+    const double *a[] = { &t, s->v + P, s->v + D, s->r };
+    double *out[] = { instant };
+    s->moving = s->phase < RUNNING ? s->v[TIME] : INFINITY; /* functions of time may have a step at the start */
+    f_instants(a, out);
+    for (int i = 0; i < N_MOVING; i++)
+        if (instant[i] > t && instant[i] < s->moving) s->moving = instant[i];
+#else
+    s->moving = INFINITY;
+#endif
+}
+
+/* The time at which an event now is evaluated. Relations have their values of the start itself during initialisation. */
+static double event_time(const State *s) {
+    return (NI || N_MOVING) && s->phase >= RUNNING ? AFTER(s->v[TIME]) : s->v[TIME];
 }
 
 static void event_pass(State *s, const double *tick, double *d, double *x, double *r, double *c) {
-    const double *a[] = { s->v, s->v + X, s->v + U, s->v + P, s->previous, s->r, s->last, tick, s->g };
+    double t = event_time(s);
+    const double *a[] = { &t, s->v + X, s->v + U, s->v + P, s->previous, s->r, s->last, tick, s->g };
     double *out[] = { d, x, r, c };
     f_event(a, out);
 }
@@ -27,7 +48,7 @@ static int consistent(Instance *m, const double *tick, double *d, double *x, dou
         memcpy(s->r, r, NR * sizeof *r);
         if (NG) {
             memcpy(g, s->g, NG * sizeof *g);
-            if (loops(m, s->v[TIME], s->v + X)) return 1;
+            if (loops(m, event_time(s), s->v + X)) return 1;
             for (int i = 0; i < NG; i++)
                 if (!(fabs(g[i] - s->g[i]) <= 10 * LOOP_TOLERANCE * (fabs(g[i]) + nominal_g[i]))) same = 0;
         }
@@ -52,10 +73,10 @@ static int events(Instance *m, int initial, int *jumped) {
     tick[NT] = initial;
     s->lo = now >= s->hi ? s->hi : s->lo;
     if (initial) s->lo = -INFINITY;
-    for (int i = 0; i < NI; i++)
+    for (int i = 0; i < NI && !initial; i++)
         if (s->instant[i] <= now && s->instant[i] > s->lo) s->lo = s->instant[i];
-    s->hi = next_time_event(s);
-    if (!ND && !NR && !NC) {
+    if (!ND && !NR && !NC && !NT) {
+        s->hi = next_time_event(s);
         stale(s);
         return 0;
     }
@@ -76,6 +97,12 @@ static int events(Instance *m, int initial, int *jumped) {
         changed |= NC && memcmp(c, s->last, NC * sizeof *c);
         for (int i = 0; i < N_REPEATING; i++) changed |= !!memcmp(d + repeating[i], s->previous + repeating[i], sizeof *d);
         if (!changed) {
+            for (int i = 0; i < ND; i++)
+                if (!isfinite(d[i])) return failure(m, "%s is not a number at time = %.9g s", d_name[i], now);
+            for (int i = 0; i < NX && *jumped; i++)
+                if (!isfinite(x[i])) return failure(m, "reinit sets %s to a value that is not a number at time = %.9g s", x_name[i], now);
+            next_moving_instant(s);
+            s->hi = next_time_event(s);
             stale(s);
             return 0;
         }
@@ -86,9 +113,13 @@ static int events(Instance *m, int initial, int *jumped) {
     return failure(m, "the event iteration does not end at time = %.9g s", now);
 }
 
-/* Whether the sign of an indicator contradicts the stored value of its relation. */
+/* Whether an indicator contradicts the stored value of its relation. */
+static int contradicts(const State *s, int i, double z) {
+    return (s->r[indicator_relation[i]] > 0.5) != (indicator_inclusive[i] ? z >= 0 : z > 0);
+}
+
 static int crossed(const State *s, const double *z) {
     for (int i = 0; i < NZ; i++)
-        if (s->r[indicator_relation[i]] > 0.5 ? z[i] < 0 : z[i] > 0) return 1;
+        if (contradicts(s, i, z[i])) return 1;
     return 0;
 }

@@ -12,8 +12,8 @@ static void reset(State *s) {
     s->v[TOLERANCE] = DEFAULT_TOLERANCE;
     s->v[SOLVER] = DEFAULT_SOLVER;
     s->stale_parameters = s->stale_start = 1;
-    s->lo = -INFINITY;
-    s->hi = s->h = INFINITY;
+    s->lo = s->settled = -INFINITY;
+    s->hi = s->h = s->moving = INFINITY;
     stale(s);
 }
 
@@ -59,6 +59,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
             return failed(M, fmi2Error);
         }
     s->phase = RUNNING;
+    memcpy(s->settled_g, s->g, sizeof s->g);
     if (M->co_simulation && s->hi <= s->v[TIME] && events(M, 0, &jumped)) return failed(M, fmi2Error);
     s->v[EVENTS] = s->v[EVALUATIONS] = 0;
     s->inputs_set = 0;

@@ -2,8 +2,10 @@
  *
  * The generated file comes first: sizes (NX states, NU inputs, NP parameters of which NF may be set, NO algebraic
  * outputs, NL other algebraic variables, ND discretes, NR relations kept between events, NZ indicators, NC conditions, NT
- * clocks, NI instants, NG and NQ unknowns of running and initial nonlinear loops, NA assertions, NM values in their
- * messages, NJ entries of the solver's Jacobian, N_REPEATING discretes whose change requires another event pass; for Model
+ * clocks, NI instants, N_MOVING instants that change at events,
+ * SEARCHED 1 if indicators may become zero several times in a step, NG and NQ unknowns of running and initial nonlinear loops, NA assertions, NM values in their
+ * messages, NJ entries of the solver's Jacobian, N_REPEATING discretes whose change requires another event pass,
+ * ND_CALCULATED discretes whose value before the start is calculated; for Model
  * Exchange BY_STATE is 1 and NSJ and NOJ count the entries of the Jacobians of derivatives and outputs by the states),
  * tables, and the functions f_*. */
 #include <float.h>
@@ -37,8 +39,15 @@ enum {
 enum { INSTANTIATED, INITIALIZING, RUNNING, FAILED, TERMINATED };
 
 #define EVENT_TIME 1e-10 /* accuracy of the location of state events [s] */
+/* Time events are evaluated just after their instant, so that `time > T` holds and floor(time/T) has its next value. */
+#define AFTER(t) ((t) + 1e-14 * (1 + fabs(t)))
 #define EVENT_EPS 1e-9   /* hysteresis of Model Exchange indicators */
+/* Parts in which a communication step is searched for zeros of functions that may have several in one internal step: their
+ * largest number, and their smallest size [s]. */
+#define SEARCHED_PARTS 64
+#define SEARCHED_TIME 1e-3
 #define LOOP_TOLERANCE 1e-10
+#define LOOP_JUMP 1e-2 /* relative change of an unknown of a loop in a step from which it is checked for a jump */
 #define LOOP_ITERATIONS 50
 #define EVENT_ITERATIONS 200
 /* Limits of the number of internal steps in a communication step, including rejected ones and those that locate events: a
@@ -55,9 +64,12 @@ typedef struct {
     double previous[ND + 1];         /* discretes before the event */
     double r[NR + 1], last[NC + 1];  /* relations and conditions at the last event */
     double g[NG + 1], q[NQ + 1];     /* unknowns of nonlinear loops */
+    double settled_g[NG + 1];        /* Model Exchange: at the last event or completed step */
     double tick[NT + 1];             /* next instant of each clock */
     double instant[NI + 1];
+    double moving;                   /* next of the instants that change at events */
     double lo, hi;                   /* no time event occurs between these times */
+    double settled;                  /* Model Exchange: time of the last event or completed step */
     double h;                        /* internal step to try next */
     int phase;
     int inputs_set;                  /* since the last event iteration */
@@ -65,7 +77,8 @@ typedef struct {
     int stale_parameters, stale_start, stale_derivatives, stale_outputs, stale_locals;
     int stale_state_jacobian, stale_output_jacobian;
     char x_set[NX + 1];
-    char warned[NA + 1];
+    char warned[NA + 1];             /* whether a warning has been given since its condition held */
+    int warnings[NA + 1];
 } State;
 
 /* Work memory of one internal step; its content is not kept between calls. */
@@ -84,6 +97,7 @@ typedef struct {
     fmi2CallbackFunctions callbacks;
     fmi2Boolean logging;
     int co_simulation;
+    double communication_step;
     double attempts;   /* remaining number of internal steps */
     char failure[512]; /* message of the last failure within a step */
     char name[1];      /* the other characters follow */

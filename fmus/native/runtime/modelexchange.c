@@ -1,5 +1,11 @@
 /* FMI 2.0 for Model Exchange: the importer integrates. */
 
+/* Note that the present values are those of the trajectory. */
+static void settle(State *s) {
+    s->settled = s->v[TIME];
+    memcpy(s->settled_g, s->g, sizeof s->g);
+}
+
 fmi2Status fmi2EnterEventMode(fmi2Component c) {
     (void)c;
     return fmi2OK;
@@ -9,6 +15,7 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
     int jumped;
     dependent_parameters(s);
     if (events(M, 0, &jumped) || assertions(M)) return failed(M, fmi2Error);
+    settle(s);
     info->newDiscreteStatesNeeded = info->terminateSimulation = info->nominalsOfContinuousStatesChanged = fmi2False;
     info->valuesOfContinuousStatesChanged = jumped ? fmi2True : fmi2False;
     info->nextEventTimeDefined = isfinite(s->hi) ? fmi2True : fmi2False;
@@ -26,9 +33,10 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_set_state
     *event = *terminate = fmi2False;
     if (NG && loops(M, inside(s, s->v[TIME]), s->v + X)) return failed(M, fmi2Error);
     indicators(s, s->v[TIME], s->v + X, z);
-    /* A root that the importer's root finder missed still becomes an event. */
+    settle(s);
+    /* A root that the importer's root finder missed still becomes an event, and so does one without a change of sign. */
     for (int i = 0; i < NZ; i++)
-        if (s->r[indicator_relation[i]] > 0.5 ? z[i] < -2 * EVENT_EPS : z[i] > 2 * EVENT_EPS) *event = fmi2True;
+        if (contradicts(s, i, z[i]) && (z[i] == 0 || fabs(z[i]) > 2 * EVENT_EPS)) *event = fmi2True;
     return assertions(M) ? failed(M, fmi2Error) : fmi2OK;
 }
 fmi2Status fmi2SetTime(fmi2Component c, fmi2Real t) {
@@ -54,6 +62,10 @@ fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real dx[], size_t n) {
     for (int i = 0; i < NX; i++) {
         if (!isfinite(M->s.v[DX + i])) {
             failure(M, "der(%s) is not a number at time = %.9g s", x_name[i], M->s.v[TIME]);
+            if (M->s.v[TIME] == M->s.settled) { /* no smaller step avoids it */
+                M->s.phase = FAILED;
+                return failed(M, fmi2Error);
+            }
             return failed(M, fmi2Discard); /* the importer may try a smaller step */
         }
         dx[i] = M->s.v[DX + i];

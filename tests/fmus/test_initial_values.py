@@ -1,0 +1,172 @@
+"""Initial values of discrete variables, and fixed start values of variables that are not states."""
+
+import fmpy
+import pytest
+
+from railgrip.base.errors import TranslationError
+from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.system import explicit
+
+INTERFACES = ["CoSimulation", "ModelExchange"]
+
+
+def trajectory(fmu, interface, *names, stop=1.0, step=0.1, **start):
+    """Return the values of variables at each communication point."""
+    found = fmpy.simulate_fmu(
+        str(fmu.folder), stop_time=stop, output=names, output_interval=step, fmi_type=interface, start_values=start,
+        record_events=False,
+    )  # fmt: skip
+    return [found[name].astype(float).tolist() for name in names]
+
+
+PULSE = """model M "High for the first half of each period, counted from the start time; T may be changed"
+  parameter Real T = 0.3, start_time = 0.05;
+  output Real y;
+protected
+  Real begin "of the present period";
+  Integer count;
+initial {section}
+equation
+  when integer((time - start_time)/T) > pre(count) then
+    count = pre(count) + 1;
+    begin = time;
+  end when;
+  y = if time < start_time or time >= begin + T/2 then 0 else 1;
+end M;
+"""
+SECTIONS = (
+    "algorithm count := integer((time - start_time)/T); begin := start_time + count*T;",
+    "equation pre(count) = integer((time - start_time)/T); pre(begin) = start_time + pre(count)*T;",
+)
+
+
+@pytest.mark.parametrize("interface", INTERFACES)
+@pytest.mark.parametrize("section", SECTIONS)
+@pytest.mark.parametrize("T", [0.33, 0.47])
+def test_a_periodic_pulse_starts_within_its_period(modelica, interface, section, T):
+    """The form of the standard library's pulse source; the reference is its definition, between its edges."""
+    (y,) = trajectory(modelica(PULSE.format(section=section)), interface, "y", T=T, step=0.07, stop=1.4)
+    expected = [float(t >= 0.05 and (t - 0.05) % T < T / 2) for t in (0.07 * k for k in range(21))]
+    assert y == expected
+
+
+@pytest.mark.parametrize("interface", INTERFACES)
+@pytest.mark.parametrize("left", ["{}", "pre({})"])
+def test_initial_equations_set_variables_that_only_when_clauses_change(modelica, interface, left):
+    """MLS 3.6, section 8.6: before the first event such a variable has its value before the start."""
+    equations = "; ".join(f"{left.format(name)} = {value}" for name, value in (("n", 5), ("d", "2*p"), ("b", "true")))
+    fmu = modelica(
+        f"model M parameter Real p = 1.25; Integer n; Real d; Boolean b; initial equation {equations}; equation"
+        " when time > 0.45 then n = pre(n) + 1; d = pre(d)*2; b = not pre(b); end when; end M;"
+    )
+    n, d, b = trajectory(fmu, interface, "n", "d", "b", p=2.0)
+    assert (n[0], d[0], b[0], n[-1], d[-1], b[-1]) == (5, 4, 1, 6, 8, 0)
+
+
+@pytest.mark.parametrize("interface", INTERFACES)
+def test_the_start_of_a_discrete_variable_follows_its_parameter(modelica, interface):
+    fmu = modelica(
+        "model M parameter Real p = 2; discrete Real d(start=2*p, fixed=true); Real x(start=0, fixed=true); equation"
+        " der(x) = d; when time > 0.5 then d = pre(d) + 1; end when; end M;"
+    )
+    d, x = trajectory(fmu, interface, "d", "x", p=3.0)
+    assert (d[0], d[-1]) == (6, 7)
+    assert x[-1] == pytest.approx(0.5 * 6 + 0.5 * 7, abs=1e-5)
+
+
+@pytest.mark.parametrize("interface", INTERFACES)
+def test_a_state_starts_at_the_value_that_when_initial_gives(modelica, interface):
+    fmu = modelica(
+        "model M discrete Real d; Integer n(start=1,fixed=true); Real x; initial equation x = 2*d; equation der(x) = 0;"
+        " when initial() then d = 3; n = pre(n) + 4; end when; end M;"
+    )
+    d, n, x = trajectory(fmu, interface, "d", "n", "x")
+    assert (d[0], n[-1], x[0], x[-1]) == (3, 5, 6, 6)
+
+
+@pytest.mark.parametrize("interface", INTERFACES)
+def test_a_step_of_a_state_graph_is_left_at_its_transition(modelica, interface):
+    """pre() of Booleans that other equations determine: active until the transition fires at 0.55 s."""
+    fmu = modelica(
+        "model M Boolean active, next, fire; initial equation pre(next) = true; equation fire = active and time > 0.55;"
+        " active = pre(next); next = active and not fire; end M;"
+    )
+    (active,) = trajectory(fmu, interface, "active")
+    assert active == [1.0] * 6 + [0.0] * 5
+
+
+@pytest.mark.parametrize("interface", INTERFACES)
+def test_hysteresis_keeps_its_initial_branch(modelica, interface):
+    """u = 1 − 2 t falls through 0.5 at 0.25 s and −0.5 at 0.75 s."""
+    fmu = modelica(
+        "model M parameter Boolean high = true; Real u = 1 - 2*time; Boolean y, never; initial equation pre(y) = high;"
+        " pre(never) = false; equation y = pre(y) and u >= -0.5 or u > 2; never = not pre(never) and u > 2; end M;"
+    )
+    y, never = trajectory(fmu, interface, "y", "never")
+    assert y == [1.0] * 8 + [0.0] * 3
+    assert not any(never)
+
+
+# Declarations and equations → initial value of x.
+FIXED = {
+    "an algebraic variable": ("Real x; Real a(start=4, fixed=true);", "der(x) = -x; a = -4*x;", -1.0),
+    "an output": ("Real x(start=1); output Real y(start=6, fixed=true) = 2*x;", "der(x) = -x;", 3.0),
+    "a parameter as start": (
+        "parameter Real p = 6; Real x; Real y(start=p, fixed=true) = 2*x + 1;", "der(x) = -x;", 2.5,
+    ),
+    "a nonlinear function": ("Real x(start=1); Real y(start=8, fixed=true) = x^3;", "der(x) = -x;", 2.0),
+    "an array": ("Real x, z, y[2](start={1, 2}, each fixed=true);", "der(x) = -x; der(z) = 0; y = {x, z};", 1.0),
+    "with a discrete variable": (
+        "Integer n(start=2,fixed=true); Real x; Real y(start=8, fixed=true) = n*x;",
+        "der(x) = -x; when time > 9 then n = 3; end when;", 4.0,
+    ),
+    "a demoted speed": (
+        "Real s1, x, s2(start=0, fixed=true), v2(start=3, fixed=true), f;",
+        "der(s1) = x; der(x) = f; der(s2) = v2; der(v2) = -f; s1 = s2;", 3.0,
+    ),
+    "a position and a demoted speed": (
+        "Real s1(start=0, fixed=true), x, s2, v2(start=3, fixed=true), f;",
+        "der(s1) = x; der(x) = f; der(s2) = v2; der(v2) = -f; s1 = s2;", 3.0,
+    ),
+    "a gear": (
+        "Real a1, x, a2(start=0, fixed=true), w2(start=3, fixed=true), t;",
+        "der(a1) = x; der(x) = t; der(a2) = w2; der(w2) = -2*t; a1 = 2*a2;", 6.0,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("interface", INTERFACES)
+@pytest.mark.parametrize("case", FIXED)
+def test_a_fixed_start_is_an_initial_equation(modelica, interface, case):
+    """MLS 3.6, section 8.6, for all continuous variables, states or not."""
+    declarations, equations, x = FIXED[case]
+    (found,) = trajectory(modelica(f"model M {declarations} equation {equations} end M;"), interface, "x")
+    assert found[0] == pytest.approx(x, abs=1e-9)
+
+
+# Sentence → model.
+REFUSED = {
+    r"number of initial equations is 1 \(Model.mo:2 \(y\)\).*without a fixed start 0 \(none\).*fixed = false for 1": (
+        "Real x(start=1, fixed=true);\n Real y(start=6, fixed=true) = 2*x;\nequation der(x) = -x;"
+    ),
+    r"number of initial equations is 1 \(Model.mo:2 \(y\)\).*without a fixed start 2 \(x, z\).*fixed = true for 1": (
+        "Real x, z;\n Real y(start=6, fixed=true) = x + z;\nequation der(x) = -x; der(z) = -z;"
+    ),
+    "n has more than one initial value": (
+        "Integer n(start=2, fixed=true);\ninitial equation n = 3; equation when time > 1 then n = 4; end when;"
+    ),
+    r"Model.mo:2.*initial equation of b itself.*write pre\(b\)": (
+        "Boolean b; Real x(start=1, fixed=true);\ninitial equation b = true; equation b = x > 0.5; der(x) = -1;"
+    ),
+    r"Model.mo:1: M: y depends on sample\(\) or initial\(\) outside of a when clause": (
+        "Real x(start=1, fixed=true); Real y;\nequation der(x) = -x; y = if initial() then 5 else x;"
+    ),
+}
+
+
+@pytest.mark.parametrize("sentence", REFUSED)
+def test_initial_values_that_are_not_determined_are_refused_by_name(tmp_path, sentence):
+    file = tmp_path / "Model.mo"
+    file.write_text(f"model M {REFUSED[sentence]} end M;")
+    with pytest.raises(TranslationError, match=sentence):
+        explicit(read("M", file))
