@@ -9,6 +9,8 @@ import os
 import re
 import sys
 import tempfile
+import zipfile
+import zlib
 from collections import deque
 from collections.abc import Callable, Generator
 from contextlib import chdir, contextmanager, suppress
@@ -32,7 +34,7 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 
 from railgrip.base.errors import Failure, FmuError, PlantFailed, Reason
 from railgrip.base.files import scratch
-from railgrip.fmi.archive import digest
+from railgrip.fmi.archive import DESCRIPTION, digest, extract
 from railgrip.fmi.description import PLATFORMS, Description, Interface
 from railgrip.fmi.parameters import Assignment
 
@@ -111,14 +113,14 @@ def unpack(description: Description) -> Generator[Path]:
         try:
             if digest(description.file) != description.digest:
                 raise FmuError(f"{description.file}: the FMU changed while it was being read; try again.")
-            fmpy.extract(
-                str(description.file),
-                unzipdir=str(folder),
-                include=lambda name: name.startswith((here, "resources/")) or name == "modelDescription.xml",
+            extract(
+                description.file,
+                folder,
+                lambda name: name.startswith((here, "resources/")) or name == DESCRIPTION,
             )
         except FmuError:
             raise
-        except Exception as error:  # FMPy raises bare Exception for illegal paths in the archive
+        except (OSError, ValueError, RuntimeError, zipfile.BadZipFile, zlib.error) as error:
             raise FmuError(f"{description.file}: the FMU cannot be unpacked: {error}") from error
         yield folder
 

@@ -43,6 +43,14 @@ class SteppedPlant:
                 f"{description.file.name}: its internal step is fixed at {step:g} s, and the communication period of "
                 f"{period:g} s is not a whole multiple of it; give a multiple in [periods], such as {near:g} s."
             )
+        only = description.co_simulation.only_step if description.co_simulation is not None else None
+        if only is not None and not isclose(period, only, rel_tol=1e-9):
+            raise FmuError(
+                f"{description.file.name}: it declares one communication step, stepSize = {only:g} s with "
+                f"canHandleVariableCommunicationStepSize = false, and is stepped every {period:g} s; set its period in "
+                f'[periods] to "{only:g} s" (communication for a plant, controller for a controller), or export it for '
+                "a variable step."
+            )
         self._description = description
         self._binding = binding
         self._period, self._begins = period, begin

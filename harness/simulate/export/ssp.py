@@ -1,13 +1,13 @@
 """Export a scenario as a system of FMUs by SSP 1.0: plant, track, sensors, estimator, law and valves, connected."""
 
 import xml.etree.ElementTree as ET
-import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_bytes
+from railgrip.fmi.archive import read_description
 from railgrip.fmus.native.package import Source, archive_bytes, zip_files
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle import FmuFile
@@ -79,8 +79,7 @@ def _components(scenario: Scenario, vehicle: VehicleData, platforms: Sequence[st
                 f"{scenario.name}: all components of a system are Co-Simulation by FMI 2.0, the plant {file.name} is "
                 "not; export it as that"
             )
-        with zipfile.ZipFile(file) as archive:
-            yield _Component("plant", file.read_bytes(), ET.fromstring(archive.read("modelDescription.xml")))
+        yield _Component("plant", file.read_bytes(), ET.fromstring(read_description(file)))
         sources: dict[str, Source | None] = {}
     else:
         sources = {"plant": plant_fmu(scenario)}
