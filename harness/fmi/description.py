@@ -81,6 +81,7 @@ class Interface:
             or None.
         only_step: The one communication step that it declares [s]: DefaultExperiment stepSize of a co-simulation that
             cannot handle a variable step and has no internal step; else None.
+        once: Whether only one instance may exist in a process.
         needs_tool: Whether it runs only if the tool that made it is installed.
     """
 
@@ -89,6 +90,7 @@ class Interface:
     completed_steps: bool
     fixed_step: float | None
     only_step: float | None = None
+    once: bool = False
     needs_tool: bool
 
 
@@ -496,5 +498,6 @@ def _interface(path: Path, element: Any, suggested: str = "") -> Interface | Non
         completed_steps=bool(getattr(element, "needsCompletedIntegratorStep", False)),
         fixed_step=None if text is None else float(text),
         only_step=only_step,
+        once=bool(element.canBeInstantiatedOnlyOncePerProcess),
         needs_tool=bool(element.needsExecutionTool),
     )

@@ -1,12 +1,13 @@
 """User-defined controllers as co-simulation FMUs, which get the same observation as a built-in law."""
 
 from collections.abc import Callable, Collection, Generator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
 import numpy as np
 
 from railgrip import fmi
 from railgrip.base.errors import ControllerFailed, FmuError, PlantFailed
+from railgrip.base.interrupted import end_if_stuck
 from railgrip.controllers.observation import Observation
 from railgrip.fmi import Binding, Description, bind, open_plant
 from railgrip.scenario.parts import ControllerFmu
@@ -41,7 +42,7 @@ class ForeignController:
 
     def __init__(self, fmu: LoopPlant, binding: Binding, gives: str) -> None:
         """Decide by an open FMU that has not been started; `gives` is the name of its output, demand or command."""
-        self._fmu = fmu
+        self.fmu = fmu
         self._inputs, self._places = np.zeros(binding.inputs.size), binding.inputs.layout
         self._decision = binding.outputs.layout[gives]
         self._has_started = False
@@ -56,9 +57,9 @@ class ForeignController:
             self._inputs[place] = getattr(observation, name)
         try:
             if not self._has_started:
-                self._fmu.start(self._inputs)
+                self.fmu.start(self._inputs)
                 self._has_started = True
-            outputs = self._fmu.step(self._inputs)
+            outputs = self.fmu.step(self._inputs)
         except PlantFailed as failed:
             raise ControllerFailed(f"The controller failed: {failed}") from failed
         return tuple(outputs[self._decision].tolist())
@@ -134,5 +135,5 @@ def foreign_controller(
         limits=scenario.limits.fmu,
         table="[controller]",
     )
-    with context as fmu:
+    with end_if_stuck(description.file.name) if table.trust else nullcontext(), context as fmu:
         yield ForeignController(fmu, binding, gives), gives == "command"
