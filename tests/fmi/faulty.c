@@ -51,6 +51,12 @@
 #ifndef GRIP
 #define GRIP 9.81 /* m/s2 at friction of 1 */
 #endif
+#ifndef SPEED_UNIT
+#define SPEED_UNIT 1 /* m/s */
+#endif
+#ifndef PRESSURE_UNIT
+#define PRESSURE_UNIT 1 /* Pa */
+#endif
 #define SOON 0.1 /* s */
 #define RATE 4e-6 /* m/s2 per Pa */
 
@@ -110,12 +116,15 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     return MISBEHAVIOUR == NEVER_STARTS ? fmi2Error : fmi2OK;
 }
 fmi2Status fmi2Terminate(fmi2Component c) { (void)c; if (MISBEHAVIOUR == CRASHES_IN_TERMINATE) abort(); return fmi2OK; }
+static double unit_of(fmi2ValueReference vr) {
+    return vr == 12 ? SPEED_UNIT : vr < 4 || vr > 17 ? PRESSURE_UNIT : 1;
+}
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real v[]) {
-    for (size_t i = 0; i < n; i++) v[i] = ((FaultyFmu *)c)->v[vr[i]];
+    for (size_t i = 0; i < n; i++) v[i] = ((FaultyFmu *)c)->v[vr[i]] / unit_of(vr[i]);
     return fmi2OK;
 }
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real v[]) {
-    for (size_t i = 0; i < n; i++) ((FaultyFmu *)c)->v[vr[i]] = v[i];
+    for (size_t i = 0; i < n; i++) ((FaultyFmu *)c)->v[vr[i]] = v[i] * unit_of(vr[i]);
     return fmi2OK;
 }
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
