@@ -92,13 +92,18 @@ def test_kinds_of_messages_are_limited(foundry: Path):
         assert sum(plant.warnings.values()) == 26
 
 
-def test_a_message_to_an_unknown_instance_is_dropped(foundry: Path):
-    """Some FMUs pass an environment that is not the one that they were given."""
+def test_a_message_to_an_unknown_instance_belongs_to_the_only_one_or_is_dropped(foundry: Path):
+    """Some FMUs pass themselves instead of the environment that they were given, and no category."""
     description = describe(tiny(foundry, "WARNS_SOMEBODY_ELSE"))
     with CoSimulation(description, tied(description), period=1e-3, parameters={"allowed": 0}) as plant:
         plant.start(np.zeros(1))
         plant.step(np.zeros(1))
-        assert plant.warnings == {}
+        assert plant.warnings == {"hello": 1}
+        with CoSimulation(description, tied(description), period=1e-3, parameters={"allowed": 0}) as other:
+            other.start(np.zeros(1))
+            other.step(np.zeros(1))
+            assert other.warnings == {}
+        assert plant.warnings == {"hello": 1}
 
 
 def test_control_codes_do_not_reach_the_terminal(foundry: Path):

@@ -186,7 +186,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
             m->call->logger(m->call->componentEnvironment, "tiny", fmi2Warning, "logStatusWarning", "%s", text);
             break;
         }
-        case WARNS_SOMEBODY_ELSE: m->call->logger(m, "tiny", fmi2Warning, "logStatusWarning", "hello"); break;
+        case WARNS_SOMEBODY_ELSE: m->call->logger(m, "tiny", fmi2Warning, NULL, "hello"); break;
         case WARNS_IN_COLOUR:
             m->call->logger(m->call->componentEnvironment, "tiny", fmi2Warning, "logStatusWarning", "\033[31mred\n\033line");
             break;

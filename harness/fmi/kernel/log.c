@@ -122,7 +122,8 @@ static void note(Log *log, int status, const char *text)
         log->kinds[log->n_kinds++] = *last;
 }
 
-/* FMUs have passed environments that are not the one they were given: only an open log is written to. */
+/* Some FMUs pass themselves instead of the environment that they were given. Only an open log is written to; the message
+   goes to the only one if there is one. */
 EXPORT void record(Log *log, int status, const char *text)
 {
     if (!text || !*text)
@@ -130,11 +131,13 @@ EXPORT void record(Log *log, int status, const char *text)
     acquire();
     if (most_messages >= 0 && ++heard > most_messages)
         _exit(exit_code);
-    for (Log *each = open_logs; each; each = each->next)
-        if (each == log) {
-            note(log, status, text);
-            break;
-        }
+    Log *found = open_logs;
+    while (found && found != log)
+        found = found->next;
+    if (!found && open_logs && !open_logs->next)
+        found = open_logs;
+    if (found)
+        note(found, status, text);
     release();
 }
 
