@@ -48,7 +48,7 @@ def end_if_stuck(what: str) -> Generator[None]:
     """End the program when code from outside does not return after a signal, as Python cannot raise `Interrupted` then.
 
     Args:
-        what: What is loaded into this process, for the message.
+        what: Name of the code that is loaded into this process, for the message.
     """
     if os.name != "posix" or threading.current_thread() is not threading.main_thread() or not _is_listening():
         yield

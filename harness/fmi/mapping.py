@@ -359,7 +359,7 @@ def _unit_of(variable: FmuVariable, target: _Target, ours: Unit, file: str, who:
 
 
 _NO_UNIT: Final = ("-", "none", "null")
-"""Units by which tools mean that a variable has none."""
+"""Units that tools write for a variable without a unit."""
 
 
 def known_unit(variable: FmuVariable) -> Unit | None:
@@ -422,7 +422,7 @@ def _target(item: object, index: int, signal: Port, who: str, *, pattern: bool =
 
 
 def _require_one_meaning(description: Description, target: _Target, who: str) -> _Target:
-    """Return a target; a variable whose own name begins with '-' is read as what it is called.
+    """Return a target; a variable whose own name begins with '-' is that variable, not a negation.
 
     Raises:
         FmuError: The FMU has that variable, and the one without '-'.

@@ -58,7 +58,7 @@ def test_a_device_is_not_read_for_a_digest():
 
 
 @pytest.mark.parametrize("module", ["os", "math", "sys"])
-def test_a_module_without_a_source_of_its_own_is_no_controller(module):
+def test_a_module_without_a_source_of_its_own_is_refused(module):
     with pytest.raises(ScenarioError, match=rf"the module {module} is part of Python or compiled|is not a class"):
         controller_digest(entrant(kind=f"{module}:system"))
 

@@ -232,7 +232,7 @@ def test_the_one_step_that_an_fmu_declares_is_the_only_one(foundry: Path, kind: 
             kind(description, tied(description), period=period, parameters={})
 
 
-def test_a_suggested_step_of_an_fmu_with_variable_step_is_no_limit(foundry: Path):
+def test_a_suggested_step_does_not_limit_an_fmu_with_variable_step(foundry: Path):
     description = describe(tiny(foundry, description=declaring("0.02", "true")))
     CoSimulation(description, tied(description), period=0.01, parameters={})
 

@@ -114,7 +114,7 @@ def test_a_start_value_that_is_not_finite_is_accepted_for_an_unused_variable(fou
     text = xml().replace('Real start="3"', f'Real start="{start}"')
     description = describe(tiny(foundry, description=text))
     assert isnan(description.variables["gain"].start)
-    with pytest.raises(FmuError, match="which is no Integer"):
+    with pytest.raises(FmuError, match="Integer; correct it"):
         describe(tiny(foundry, description=xml().replace('Integer start="3"', f'Integer start="{start}"')))
 
 

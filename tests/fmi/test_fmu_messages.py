@@ -63,7 +63,7 @@ def test_a_stop_without_warnings_stores_none(tmp_path: Path, foundry: Path, comm
 
 
 def test_references_become_names(tmp_path: Path, foundry: Path, command):
-    """FMI 2.0.4, §2.1.5: #r12# is the Real variable of value reference 12, ## is #; #r99# is no variable."""
+    """FMI 2.0.4, §2.1.5: #r12# is the Real variable of value reference 12, ## is #; #r99# is not a variable."""
     result = command("run", scenario(tmp_path, faulty_fmu(foundry, "REFERS"), trust=True), "--out", tmp_path / "out")
     assert "it says: error: speed is above #r99#, see #5." in result.err
 

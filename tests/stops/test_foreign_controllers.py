@@ -220,7 +220,7 @@ def observed(speed: float, slip: list[float], pressure: list[float]) -> Observat
 
 
 def test_a_controller_of_others_never_gets_nan(folder):
-    """Before the first reading it gets its own start values, later the last reading, and what it asks on validity."""
+    """Before the first reading it gets its own start values, later the last reading; validity has separate inputs."""
     description, binding = law_of_inputs(folder)
     fmu, nan = Recorder(), np.nan
     law = ForeignController(fmu, binding, "demand", description)

@@ -1,5 +1,5 @@
-/* Messages of FMUs. They are collected without the interpreter: an FMU may log from a thread of its own while another
-   thread, which holds the interpreter's lock, waits for it in fmi2DoStep. */
+/* Messages of FMUs. They are collected without the interpreter: a worker thread of an FMU may log while the thread that
+   holds the interpreter's lock waits for it in fmi2DoStep. */
 #ifndef LOG_H
 #define LOG_H
 

@@ -48,7 +48,7 @@ def require_file(estimator: str) -> None:
 
 
 def require_one_of_each_name(estimators: Iterable[str]) -> None:
-    """Check that tables can tell the estimators apart, and that Python can import their modules.
+    """Check that tables can distinguish the estimators, and that Python can import their modules.
 
     Raises:
         InputError: Two have one name, or two files that are imported have one.
