@@ -135,6 +135,10 @@ class Struct:
         """Bytes of the struct."""
         return bytes(self._ffi.buffer(self.pointer))
 
+    def bytes_of(self, value: Any) -> bytes:
+        """Return the bytes of a nested array or struct."""
+        return bytes(self._ffi.buffer(value))
+
     def targets(self) -> Iterator["Struct | NDArray[Any]"]:
         """Yield the structs and arrays that the struct, or a struct nested in it, points to."""
         for name, value in self._fields.items():

@@ -8,6 +8,7 @@ the function once: outputs at its end follow from the inputs set at its beginnin
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
+from math import isnan
 
 import casadi as ca
 
@@ -43,12 +44,14 @@ def sources(system: SampledSystem, waits: int = 0, hidden: frozenset[str] = froz
     Args:
         system: A system with a period; its step is a casadi.Function or a `WrittenStep`.
         waits: Number of leading inputs of which one must be nonzero for the first period to begin; 0 begins at once.
-        hidden: Names of parameters that are not listed in modelDescription.xml.
+        hidden: Names of parameters that are not listed in modelDescription.xml, in addition to those without a value.
 
     Raises:
         InputError: The period is not positive, names are not unique, or the step has other sizes.
     """
     _check(system)
+    # The data of a vehicle that the scenario does not give; the step does not depend on them.
+    hidden |= {variable.name for variable in system.parameters if isnan(variable.start)}
     identifier = c_identifier(system.name)
     files = {"model.c": _code(system, waits)}
     files |= {part: (RUNTIME / part).read_text(encoding="utf-8") for part in PARTS}
@@ -110,8 +113,8 @@ def _code(system: SampledSystem, waits: int) -> str:
         [
             "/* Generated; do not edit. */",
             *(f"#define {name} {value}" for name, value in numbers.items()),
-            *(table("double", f"start_{name}", [v.start for v in group]) for name, group in groups.items()),
             "#include <math.h>",
+            *(table("double", f"start_{name}", [v.start for v in group]) for name, group in groups.items()),
             "#include <string.h>",
             step,
             '#include "discrete.c"',

@@ -176,10 +176,21 @@ _DISK: Final = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACC
 """Errors of a full or protected disk, for files outside of results, built or temporary ones."""
 
 
+_NO_PATHS: Final = {
+    errno.ENAMETOOLONG: "is longer than a name or path may be on this system; name a shorter one",
+    errno.ELOOP: "is a link that leads to itself; remove it, or name the file itself",
+}
+_LONGEST_NAME: Final = 60  # characters that a message shows
+
+
 def for_user(problem: BaseException) -> RailgripError | None:
     """Return the error message of an exception for the user, or None for a bug in this program."""
     if isinstance(problem, RailgripError):
         return problem
     if isinstance(problem, OSError) and problem.errno in _DISK:
         return WriteFailed(f"{problem.filename or 'a file or the standard output'}: {problem.strerror}")
+    if isinstance(problem, OSError) and problem.errno in _NO_PATHS:
+        name = str(problem.filename or "a path")
+        shown = name if len(name) <= _LONGEST_NAME else f"{name[:_LONGEST_NAME]}…"
+        return InputError(f"{shown}: {_NO_PATHS[problem.errno]}")
     return None

@@ -3,6 +3,7 @@
 import os
 import signal
 import threading
+import time
 from collections.abc import Generator
 from contextlib import contextmanager
 from types import FrameType
@@ -37,11 +38,56 @@ def stop_listening() -> None:
         signal.signal(number, signal.SIG_DFL)
 
 
+_handled = 0.0
+"""Time at which Python last handled a signal; `time.monotonic`."""
+_PATIENCE = 0.8  # s
+
+
+@contextmanager
+def end_if_stuck(what: str) -> Generator[None]:
+    """End the program when code from outside does not return after a signal, as Python cannot raise `Interrupted` then.
+
+    Args:
+        what: Name of the code that is loaded into this process, for the message.
+    """
+    if os.name != "posix" or threading.current_thread() is not threading.main_thread() or not _is_listening():
+        yield
+        return
+    source, wake = os.pipe()
+    os.set_blocking(wake, False)
+
+    def watch() -> None:
+        while number := os.read(source, 1):
+            received = time.monotonic()
+            time.sleep(_PATIENCE)
+            if number[0] in list(_MEANINGS) and _handled < received - _PATIENCE:
+                meaning = _MEANINGS[signal.Signals(number[0])]
+                os.write(2, f"{meaning}: {what} does not return, so the program ends at once.\n".encode())
+                os._exit(128 + number[0])
+
+    before = signal.set_wakeup_fd(wake, warn_on_full_buffer=False)
+    watcher = threading.Thread(target=watch, daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        signal.set_wakeup_fd(before)
+        os.close(wake)
+        watcher.join(2 * _PATIENCE)
+        os.close(source)
+
+
+def _is_listening() -> bool:
+    return all(signal.getsignal(number) is _interrupt for number in _MEANINGS)
+
+
 _queues: list[list[int]] = []
 """Signals received in each open `postpone_interrupts` block, the innermost last."""
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
+    global _handled
+    _handled = time.monotonic()
     if _queues:
         _queues[-1].append(number)
     else:

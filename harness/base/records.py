@@ -6,7 +6,7 @@ from typing import Any, Final, NoReturn, cast
 
 from pydantic import ValidationError
 
-from railgrip.base.errors import InputError, RecordError
+from railgrip.base.errors import InputError, RecordError, for_user
 from railgrip.base.files import read_bytes
 
 LARGEST_JSON: Final = 64 << 20
@@ -26,7 +26,11 @@ def inside(folder: Path, name: str) -> Path:
     path = folder / name
     try:
         is_below = path.resolve().is_relative_to(folder.resolve())
-    except (OSError, RuntimeError, ValueError) as problem:  # a loop of links, or a null character
+    except RuntimeError as problem:
+        raise RecordError(f"{path}: is a link that leads to itself; remove it") from problem
+    except (OSError, ValueError) as problem:  # too long, or a null character
+        if isinstance(problem, OSError) and (sentence := for_user(problem)) is not None:
+            raise RecordError(str(sentence)) from problem
         raise RecordError(f"{folder}: '{name}' is not a path: {problem}") from problem
     if not is_below:
         raise RecordError(f"{path}: leads out of the folder {folder}; remove the link, or copy what it points to")

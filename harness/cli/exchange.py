@@ -117,7 +117,10 @@ def map_(
             help="Number of wheelsets of each group, leading first; as declared by the FMU unless given.",
         ),
     ] = None,
-    period: Annotated[float, typer.Option(min=1e-5, max=0.1, help="Communication period of the short run [s].")] = 1e-3,
+    period: Annotated[
+        float | None,
+        typer.Option(min=1e-5, max=0.1, help="Communication period of the short run [s]; 1 ms, or the FMU's own step."),
+    ] = None,
 ) -> None:
     """Print the tables of a scenario for the FMU of another tool.
 
@@ -129,9 +132,14 @@ def map_(
             say(line)
         return
     require_role(description, "plant", "railgrip map")
+    own_step = None if description.co_simulation is None else description.co_simulation.only_step
     try:
         draft = find_mapping(
-            description, wheelsets_per_group=tuple(per_group or ()), speed=speed, period=period, notify=remark
+            description,
+            wheelsets_per_group=tuple(per_group or ()),
+            speed=speed,
+            period=period or own_step or 1e-3,
+            notify=remark,
         )
     except PlantFailed as failed:
         say(f"# the short run failed: {failed}")

@@ -42,6 +42,8 @@ def run(
             remark,
         )
     metrics = stop.metrics
+    for sentence in stop.warning_sentences():
+        remark(sentence)
     if as_json:
         print_json(
             {
@@ -53,6 +55,7 @@ def run(
                 "braking_distance": metrics.distance if stop.outcome is Outcome.STANDSTILL else None,
                 "metrics": metrics.to_plain(),
                 "doubts": list(metrics.doubts()),
+                "fmu_warnings": stop.fmu_warnings,
             }
         )
         if stop.outcome is not Outcome.STANDSTILL:

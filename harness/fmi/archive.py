@@ -4,9 +4,11 @@ The declared sizes can be trusted: Python's zipfile never returns more bytes tha
 """
 
 import hashlib
+import shutil
 import stat
 import zipfile
 import zlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from xml.parsers import expat
@@ -68,15 +70,49 @@ def members(path: Path, limits: FmuLimits) -> frozenset[str]:
         raise FmuError(f"{path}: not an FMU: it is not a zip archive ({error}).") from error
     if corrupt is not None:
         raise FmuError(f"{path}: the archive is damaged, '{corrupt}' does not match its checksum.")
-    names = frozenset(entry.filename for entry in entries if not entry.is_dir())
+    names = frozenset(_plain(entry) for entry in entries if not entry.is_dir())
     if _SYSTEM in names:
         raise FmuError(
             f"{path}: is a system by SSP; railgrip exports such systems but does not import them. Unpack it and name "
             "the FMU of the train in its folder resources."
         )
     if DESCRIPTION not in names:
-        raise FmuError(f"{path}: not an FMU: the archive has no {DESCRIPTION}.")
+        inside = sorted(name for name in names if PurePosixPath(name).name == DESCRIPTION)
+        raise FmuError(
+            f"{path}: not an FMU: {DESCRIPTION} is in the folder '{PurePosixPath(inside[0]).parent}' of the archive; "
+            "pack the content of that folder, not the folder itself."
+            if inside
+            else f"{path}: not an FMU: the archive has no {DESCRIPTION}."
+        )
     return names
+
+
+def _plain(entry: zipfile.ZipInfo) -> str:
+    """Return the path of an entry; some tools begin all paths with './'."""
+    return entry.filename.removeprefix("./")
+
+
+def read_description(path: Path) -> bytes:
+    """Return modelDescription.xml of an archive that `members` accepts."""
+    with zipfile.ZipFile(path) as archive:
+        return archive.read(_entry_of_description(archive))
+
+
+def _entry_of_description(archive: zipfile.ZipFile) -> zipfile.ZipInfo:
+    return next((e for e in archive.infolist() if _plain(e) == DESCRIPTION), None) or archive.getinfo(DESCRIPTION)
+
+
+def extract(path: Path, folder: Path, include: Callable[[str], bool]) -> None:
+    """Unpack the files of an archive that `members` accepts whose paths are included."""
+    with zipfile.ZipFile(path) as archive:
+        for entry in archive.infolist():
+            name = _plain(entry)
+            if entry.is_dir() or not include(name):
+                continue
+            target = folder / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            with archive.open(entry) as source, target.open("wb") as copy:
+                shutil.copyfileobj(source, copy)
 
 
 def _require_harmless(path: Path, entries: list[zipfile.ZipInfo], limits: FmuLimits) -> None:
@@ -85,14 +121,21 @@ def _require_harmless(path: Path, entries: list[zipfile.ZipInfo], limits: FmuLim
     names: set[str] = set()
     for entry in entries:
         name = entry.orig_filename
-        if "\\" in name or ":" in name or name.startswith("/") or ".." in PurePosixPath(name).parts:
+        portable = name.replace("\\", "/")
+        if ":" in name or portable.startswith("/") or ".." in PurePosixPath(portable).parts:
             raise FmuError(f"{path}: entry '{name}' of the archive would be unpacked outside its folder.")
+        if portable != name:
+            raise FmuError(
+                f"{path}: entry '{name}' of the archive has a backslash, and a zip archive separates folders by '/'; "
+                "pack the FMU again with a tool that writes '/'."
+            )
         if stat.S_IFMT(entry.external_attr >> 16) not in (0, stat.S_IFREG, stat.S_IFDIR):
             raise FmuError(f"{path}: entry '{name}' of the archive is a link or device; pack the file itself.")
-        if entry.filename in names:
-            raise FmuError(f"{path}: the archive has '{entry.filename}' twice.")
-        names.add(entry.filename)
-        if entry.filename == DESCRIPTION and entry.file_size > limits.description_mib * MIB:
+        if _plain(entry) in names:
+            raise FmuError(f"{path}: the archive has '{_plain(entry)}' twice.")
+        if not entry.is_dir():  # a folder that occurs twice is the same folder
+            names.add(_plain(entry))
+        if _plain(entry) == DESCRIPTION and entry.file_size > limits.description_mib * MIB:
             raise _beyond(path, f"{DESCRIPTION} has {_mib(entry.file_size)}", limits, "description_mib")
         if entry.file_size > limits.member_mib * MIB:
             raise _beyond(path, f"'{entry.filename}' unpacks to {_mib(entry.file_size)}", limits, "member_mib")
@@ -149,7 +192,7 @@ def outline(path: Path, limits: FmuLimits) -> Outline:
     parser.StartElementHandler, parser.EndElementHandler = start, end
     parser.StartDoctypeDeclHandler = lambda *_: _refuse_document_type(path)
     try:
-        with zipfile.ZipFile(path) as archive, archive.open(DESCRIPTION) as stream:
+        with zipfile.ZipFile(path) as archive, archive.open(_entry_of_description(archive)) as stream:
             while piece := stream.read(1 << 16):
                 parser.Parse(piece, False)
             parser.Parse(b"", True)
@@ -172,8 +215,8 @@ def _refuse_document_type(path: Path) -> None:
 
 def copy_of_description(path: Path, folder: Path) -> Path:
     """Return a copy of an archive's modelDescription.xml in a folder."""
-    with zipfile.ZipFile(path) as archive:
-        return Path(archive.extract(DESCRIPTION, folder))
+    extract(path, folder, lambda name: name == DESCRIPTION)
+    return folder / DESCRIPTION
 
 
 def _mib(size: int) -> str:

@@ -25,6 +25,8 @@ TOLERANCE: Final = 1e-6
 """Relative error of a step of CVODE, as in the built-in plants; the absolute error is that times nominal values."""
 _MAX_STEPS: Final = 5000  # of CVODE between two communication points
 _DISCARD: Final = 2  # status of FMI
+_SAME_INSTANT: Final = 1e-9  # of a period
+_MAX_EVENTS: Final = 100  # at one instant; far more than any model needs
 
 
 class _Block:
@@ -132,8 +134,21 @@ class IntegratedModel(_FmpyPlant):
         if self._sent is None or not np.array_equal(self._sent, inputs):
             self._sent = inputs.copy()
             self._event(instance, time, inputs)
-        while time < end and not isclose(time, end):
-            until = end if self._next_event is None else min(end, self._next_event)
+        events = 0
+        while True:
+            if self._next_event is not None and self._next_event - time <= _SAME_INSTANT * self._period:
+                # The solver cannot take a step of no length.
+                time, events = max(time, self._next_event), events + 1
+                if events > _MAX_EVENTS:
+                    doing = f"it sets its next event at the present time again, {events} times"
+                    raise PlantFailed(instance.failure("not_integrated", "", time, doing=doing))
+                with instance.calling(time, "at an event") as fmu:
+                    fmu.setTime(time)
+                self._event(instance, time)
+                continue
+            if time >= end or isclose(time, end):
+                return
+            before, until = time, end if self._next_event is None else min(end, self._next_event)
             with instance.calling(time) as fmu:
                 is_event, time = self._integrate(instance, time, until)
                 fmu.setTime(time)
@@ -142,8 +157,8 @@ class IntegratedModel(_FmpyPlant):
                     is_event = is_event or is_step_event
                     if ended:
                         raise PlantFailed(instance.failure("ended", "", time))
-            is_due = self._next_event is not None and (time > self._next_event or isclose(time, self._next_event))
-            if is_event or is_due:
+            events = events if time - before <= _SAME_INSTANT * self._period else 0
+            if is_event:
                 self._event(instance, time)
 
     def _integrate(self, instance: Instance, time: float, until: float) -> tuple[bool, float]:

@@ -20,8 +20,8 @@ from railgrip.fmi.by_fmpy import loaded_plant
 from railgrip.fmi.instance import limit_messages
 from railgrip.fmi.plant import LoadedPlant
 
-Request = Literal["open", "start", "step"]
-_CODES: Final[dict[Request, int]] = {"open": 1, "start": 2, "step": 3}
+Request = Literal["open", "start", "step", "warnings"]
+_CODES: Final[dict[Request, int]] = {"open": 1, "start": 2, "step": 3, "warnings": 4}
 _REQUESTS: Final = {code: request for request, code in _CODES.items()}
 ANSWER: Final = 0
 FAILED: Final = 255
@@ -81,6 +81,8 @@ def serve(line: socket.socket) -> None:
                     answer = b""
                 elif plant is None:
                     raise RuntimeError("the first request opens the plant")
+                elif request == "warnings":
+                    answer = json.dumps(plant.warnings).encode()
                 else:
                     answer = getattr(plant, request)(np.frombuffer(payload)).tobytes()
             # Any exception is sent to the parent, which raises it in the caller.
@@ -102,7 +104,7 @@ def serve_on(number: int, messages: int) -> None:
     An FMU that logs more messages than allowed ends the process with `TALKATIVE`, one that closes the socket with
     `UNREACHABLE`.
     """
-    limit_messages(messages, lambda: os._exit(TALKATIVE))
+    limit_messages(messages, TALKATIVE)
     # The parent may have exited before the answer, which then has no receiver.
     try:
         with socket.socket(fileno=number) as line, suppress(ConnectionError):

@@ -26,9 +26,9 @@ _KERNEL: Final = ("railgrip.fmi", "set_step_get")
 def _step() -> Any:
     """Return the library's function for calls from Python.
 
-    It keeps the interpreter lock: releasing and acquiring it would cost as much as the rest of the call.
+    It releases the interpreter's lock: a thread of the FMU may need it, and so does Ctrl-C.
     """
-    step = ctypes.PyDLL(str(kernel_library(*_KERNEL).path)).set_step_get
+    step = ctypes.CDLL(str(kernel_library(*_KERNEL).path)).set_step_get
     step.argtypes, step.restype = [ctypes.c_void_p, ctypes.c_double], ctypes.c_int
     return step
 
@@ -77,6 +77,10 @@ class CoSimulation(LoadedPlant):
         row["transfer"], row["count"], row["whole"] = exchange, buffer.size, is_integer
         for name, array in arrays.items():
             row[name] = array.ctypes.data
+
+    @property
+    def _warned(self) -> int:
+        return int(self._struct.pointer.warnings)
 
     def _send(self, inputs: Vector) -> None:
         self.inputs[:] = inputs

@@ -79,6 +79,9 @@ class Interface:
         completed_steps: Whether a solver has to call completedIntegratorStep after each of its steps.
         fixed_step: Internal step of a co-simulation of FMI 3.0 [s], of which a communication step is a whole multiple,
             or None.
+        only_step: The one communication step that it declares [s]: DefaultExperiment stepSize of a co-simulation that
+            cannot handle a variable step and has no internal step; else None.
+        once: Whether only one instance may exist in a process.
         needs_tool: Whether it runs only if the tool that made it is installed.
     """
 
@@ -86,6 +89,8 @@ class Interface:
     directional_derivatives: bool
     completed_steps: bool
     fixed_step: float | None
+    only_step: float | None = None
+    once: bool = False
     needs_tool: bool
 
 
@@ -185,8 +190,7 @@ def describe(file: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
             raise
         # Variables that the schema would have rejected, in an FMU that is accepted nevertheless.
         raise FmuError(f"{path}: {blemishes or f'{DESCRIPTION} cannot be understood'}: {error}.") from error
-    _require_binary(description, inside)
-    return description
+    return _with_binaries(description, inside)
 
 
 def _version(path: Path, first: Outline) -> Version:
@@ -243,20 +247,37 @@ def _leniently(path: Path, fmi: Version, file: str, problems: list[str]) -> tupl
     return clause, read
 
 
-def _require_binary(description: Description, inside: frozenset[str]) -> None:
-    suffix = fmpy.sharedLibraryExtension
-    for interface in (description.co_simulation, description.model_exchange):
-        if interface is None:
-            continue
-        binary = f"binaries/{PLATFORMS[description.fmi]}/{interface.identifier}{suffix}"
-        if binary not in inside:
-            # Only files are listed: folders, which may be empty, do not count.
-            others = sorted({m.split("/")[1] for m in inside if m.startswith("binaries/") and m.count("/") > 1})
-            platforms = f"it has binaries for {', '.join(others)}" if others else "it has no binaries at all"
-            raise FmuError(
-                f"{description.file}: no binary for this platform, {binary} is missing; {platforms}. "
-                f"Export it for {PLATFORMS[description.fmi]}."
-            )
+def _with_binaries(description: Description, inside: frozenset[str]) -> Description:
+    """Return the description with the interfaces whose binary the archive has."""
+    folder, suffix = f"binaries/{PLATFORMS[description.fmi]}/", fmpy.sharedLibraryExtension
+    interfaces = {"Co-Simulation": description.co_simulation, "Model Exchange": description.model_exchange}
+    binaries = {way: f"{folder}{each.identifier}{suffix}" for way, each in interfaces.items() if each is not None}
+    missing = {way: binary for way, binary in binaries.items() if binary not in inside}
+    if not missing:
+        return description
+    if len(missing) < len(binaries):
+        ((way, binary),) = missing.items()
+        clause = f"it offers {way}, but its library {binary} is missing"
+        return replace(
+            description,
+            co_simulation=None if way == "Co-Simulation" else description.co_simulation,
+            model_exchange=None if way == "Model Exchange" else description.model_exchange,
+            blemishes=f"{description.blemishes}; {clause}" if description.blemishes else clause,
+        )
+    binary = next(iter(missing.values()))
+    # Only files are listed: folders, which may be empty, do not count.
+    here = sorted(member for member in inside if member.startswith(folder))
+    if here:
+        raise FmuError(
+            f"{description.file}: no binary for this platform, {binary} is missing; the archive has {', '.join(here)}. "
+            f"The file must have the name of modelIdentifier in {DESCRIPTION}, in the same case."
+        )
+    others = sorted({m.split("/")[1] for m in inside if m.startswith("binaries/") and m.count("/") > 1})
+    platforms = f"it has binaries for {', '.join(others)}" if others else "it has no binaries at all"
+    raise FmuError(
+        f"{description.file}: no binary for this platform, {binary} is missing; {platforms}. "
+        f"Export it for {PLATFORMS[description.fmi]}."
+    )
 
 
 def _description(
@@ -306,7 +327,7 @@ def _description(
         },
         event_indicators=event_indicators,
         log_categories=tuple(c.name for c in xml.logCategories),
-        co_simulation=_interface(path, xml.coSimulation),
+        co_simulation=_interface(path, xml.coSimulation, first.step),
         model_exchange=_interface(path, xml.modelExchange),
         blemishes=blemishes,
     )
@@ -354,7 +375,7 @@ def _with_angle(angle_unit: Unit) -> Unit:
 _REFERENCES = 1 << 32
 """Value references are unsigned integers of 32 bits (FMI 2.0.4, §2.1.2)."""
 _REAL = re.compile(r"\s*([+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?INF)\s*", re.ASCII)
-"""A number in the format of XML Schema, except NaN, which is valid neither as a bound nor as a start value."""
+"""A number in the format of XML Schema, except NaN, which is not valid as a bound."""
 
 
 def _value_of(path: Path, element: Any, attribute: str, text: str | None) -> float | None:
@@ -363,6 +384,9 @@ def _value_of(path: Path, element: Any, attribute: str, text: str | None) -> flo
         return None
     kind = "Integer" if kind == "Enumeration" else kind
     value = {"true": 1.0, "false": 0.0, "1": 1.0, "0": 0.0}.get(text.strip()) if kind == "Boolean" else None
+    if attribute == "start" and kind == "Real" and text.strip() in ("NaN", "INF", "-INF"):
+        # The start value of a variable that nothing here reads or sets; XML Schema has these three.
+        return math.nan
     if kind != "Boolean" and _REAL.fullmatch(text):
         value = float(text)
         most = 1 << (64 if "64" in element.type else 32 if element.type == "UInt32" else 31)
@@ -451,7 +475,7 @@ def _variable(
     )
 
 
-def _interface(path: Path, element: Any) -> Interface | None:
+def _interface(path: Path, element: Any, suggested: str = "") -> Interface | None:
     if element is None:
         return None
     text = getattr(element, "fixedInternalStepSize", None)
@@ -460,10 +484,20 @@ def _interface(path: Path, element: Any) -> Interface | None:
             f"{path}: fixedInternalStepSize is {text} in {DESCRIPTION}, but a positive time in s is expected; correct "
             "it or ask the tool that made the FMU."
         )
+    only_step = None
+    if suggested and text is None and not element.canHandleVariableCommunicationStepSize:
+        only_step = float(suggested) if _REAL.fullmatch(suggested) else math.nan
+        if not 0.0 < only_step < math.inf:
+            raise FmuError(
+                f"{path}: stepSize is {suggested[:40]} in {DESCRIPTION}, but a positive time in s is expected; correct "
+                "it or ask the tool that made the FMU."
+            )
     return Interface(
         identifier=element.modelIdentifier,
         directional_derivatives=bool(element.providesDirectionalDerivative),
         completed_steps=bool(getattr(element, "needsCompletedIntegratorStep", False)),
         fixed_step=None if text is None else float(text),
+        only_step=only_step,
+        once=bool(element.canBeInstantiatedOnlyOncePerProcess),
         needs_tool=bool(element.needsExecutionTool),
     )

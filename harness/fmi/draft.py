@@ -11,7 +11,7 @@ import numpy as np
 from railgrip.base.errors import FmuError
 from railgrip.base.units import unit
 from railgrip.fmi.description import Causality, Description, FmuVariable
-from railgrip.fmi.mapping import Port
+from railgrip.fmi.mapping import Port, known_unit
 
 OTHER_NAMES = {
     "pressure_command": "demand brake_demand cylinder_demand pressure_demand pressure_setpoint brake_command p_set "
@@ -160,7 +160,7 @@ def _score(signal: Port, causality: Causality, array: Array) -> float:
     if not (fits and is_size and is_uniform) or first.kind == "String":
         return 0.0
     with suppress(FmuError):
-        theirs = first.defined_unit or (unit(first.unit) if first.unit else None)
+        theirs = known_unit(first)
         if theirs is not None and theirs.exponents != unit(signal.unit).exponents:
             return 0.0
     words = (signal.name, *OTHER_NAMES.get(signal.name, "").split())

@@ -46,9 +46,9 @@ _CALLS: Final = MappingProxyType(
 
 
 @cache
-def _functions() -> ctypes.PyDLL:
-    # The interpreter lock is kept: releasing and acquiring it would cost as much as an evaluation.
-    library = ctypes.PyDLL(str(kernel_library(*_KERNEL).path))
+def _functions() -> ctypes.CDLL:
+    # Released, the interpreter's lock is there for threads of the FMU.
+    library = ctypes.CDLL(str(kernel_library(*_KERNEL).path))
     for function in (library.derivative, library.output):
         function.argtypes, function.restype = [ctypes.c_void_p] * 5, ctypes.c_int
     return library

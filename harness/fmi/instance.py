@@ -9,16 +9,15 @@ import os
 import re
 import sys
 import tempfile
-from collections import deque
-from collections.abc import Callable, Generator
+import zipfile
+import zlib
+from collections.abc import Generator
 from contextlib import chdir, contextmanager, suppress
 from dataclasses import replace
-from itertools import count
 from pathlib import Path
 from typing import Any, Final, Literal, cast
 
 import fmpy
-import fmpy.logging
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import (
     FMU2Model,
@@ -32,9 +31,10 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 
 from railgrip.base.errors import Failure, FmuError, PlantFailed, Reason
 from railgrip.base.files import scratch
-from railgrip.fmi.archive import digest
+from railgrip.fmi.archive import DESCRIPTION, digest, extract
 from railgrip.fmi.description import PLATFORMS, Description, Interface
 from railgrip.fmi.parameters import Assignment
+from railgrip.fmus.native.c_library import kernel_library
 
 Way = Literal["co-simulation", "model exchange"]
 _CLASSES: Final = {
@@ -49,48 +49,27 @@ _REASONS: Final[dict[int, Reason]] = {2: "discard", 3: "error", 4: "fatal", 5: "
 _STATUS_NAMES: Final = ("info", "warning", "discard", "error", "fatal", "pending")
 _LAST_SUCCESSFUL_TIME: Final = 2  # fmi2StatusKind
 _TERMINATED: Final = 3  # fmi2StatusKind
+_LAST: Final = 50  # messages that log.h keeps
 _MAX_ITERATIONS: Final = 100  # of an event; far more than any model needs
 
-Log = deque[tuple[int, str]]
-_logs: dict[int, Log] = {}
-_environments = count(1)
+_KERNEL: Final = ("railgrip.fmi", "log")
+_REFERENCE: Final = re.compile(r"#([rRiIbBsS])(\d+)#|##")
+_KINDS_OF_REFERENCE: Final = {
+    "r": ("Real",), "i": ("Integer", "Enumeration"), "b": ("Boolean",), "s": ("String",)
+}  # fmt: skip
 
 
-_heard = 0
-_quota: tuple[int, Callable[[], object]] | None = None
-_LONGEST_MESSAGE: Final = 2000  # characters that are kept
-
-
-def limit_messages(most: int, end: Callable[[], object]) -> None:
-    """Call `end` when the FMUs of this process have logged more than `most` messages."""
-    global _quota
-    _quota = most, end
-
-
-def _hear(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
-    global _heard
-    _heard += 1
-    if _quota is not None and _heard > _quota[0]:
-        _quota[1]()
-    log = _logs.get(environment or 0)
-    if log is not None and message:
-        log.append(
-            (status, message[: 4 * _LONGEST_MESSAGE].decode("utf-8", errors="replace").strip()[:_LONGEST_MESSAGE])
-        )
-
-
-# FMPy's proxy expands the printf arguments in C and then calls the logger that was set last, process-wide. So all
-# instances share one logger, and the environment identifies the instance.
-_LOGGER = fmi2CallbackLoggerTYPE(_hear)
+def limit_messages(most: int, code: int) -> None:
+    """End this process with an exit code when its FMUs have logged more than `most` messages."""
+    kernel_library(*_KERNEL).functions.limit_messages(most, code)
 
 
 def _callbacks(environment: int) -> fmi2CallbackFunctions:
     callbacks = fmi2CallbackFunctions()
-    callbacks.logger = _LOGGER
+    callbacks.logger = fmi2CallbackLoggerTYPE(kernel_library(*_KERNEL).functions.address_of_logger())
     # The C functions themselves: wrapped in Python, each allocation of the FMU would enter the interpreter.
     callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(_address(fmpy.calloc))
     callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(_address(fmpy.free))
-    fmpy.logging.addLoggerProxy(ctypes.byref(callbacks))
     callbacks.componentEnvironment = environment
     return callbacks
 
@@ -111,14 +90,14 @@ def unpack(description: Description) -> Generator[Path]:
         try:
             if digest(description.file) != description.digest:
                 raise FmuError(f"{description.file}: the FMU changed while it was being read; try again.")
-            fmpy.extract(
-                str(description.file),
-                unzipdir=str(folder),
-                include=lambda name: name.startswith((here, "resources/")) or name == "modelDescription.xml",
+            extract(
+                description.file,
+                folder,
+                lambda name: name.startswith((here, "resources/")) or name == DESCRIPTION,
             )
         except FmuError:
             raise
-        except Exception as error:  # FMPy raises bare Exception for illegal paths in the archive
+        except (OSError, ValueError, RuntimeError, zipfile.BadZipFile, zlib.error) as error:
             raise FmuError(f"{description.file}: the FMU cannot be unpacked: {error}") from error
         yield folder
 
@@ -183,16 +162,16 @@ class Instance:
                 f"Export the FMU again for this platform, with all functions of FMI {description.fmi}.0."
             ) from error
         self._library: Any = instance.dll
-        self._environment = next(_environments)
-        self._log: Log = deque(maxlen=50)
-        _logs[self._environment] = self._log
+        self._log = kernel_library(*_KERNEL).struct("Log")
+        self._functions = kernel_library(*_KERNEL).functions
+        self._functions.open_log(self._log.pointer)
         self.fmpy = instance
         self._running = False
         self._defect: Reason | None = None
         with _without_solver_lines(description):
             try:
                 if description.fmi == 2:
-                    instance.instantiate(callbacks=_callbacks(self._environment), loggingOn=True)
+                    instance.instantiate(callbacks=_callbacks(self._log.address), loggingOn=True)
                 else:
                     instance.instantiate(logMessage=self._hear, loggingOn=True)
             except Exception:  # FMPy raises bare Exception if instantiation fails
@@ -211,7 +190,33 @@ class Instance:
             instance.setDebugLogging(bool(categories), categories)
 
     def _hear(self, _: object, status: int, category: bytes, message: bytes) -> None:
-        _hear(self._environment, b"", status, category, message)
+        # FMI 3.0 is stepped through FMPy, which releases the interpreter's lock in each call.
+        self._functions.record(self._log.pointer, status, message or b"")
+
+    def warnings(self) -> dict[str, int]:
+        """Return the messages of warnings and worse so far, each kind with its number; also after `close`.
+
+        Messages that differ only in numbers are of one kind, whose first message is returned.
+        """
+        log = self._log.pointer
+        counts = {self._text(log.kinds[k]): int(log.kinds[k].count) for k in range(log.n_kinds)}
+        return counts | ({"further messages": int(log.others)} if log.others else {})
+
+    def _text(self, message: Any) -> str:
+        """Return the text of a message, with the names of variables for their references (FMI 2.0.4, §2.1.5)."""
+        text = bytes(self._log.bytes_of(message.text)).split(b"\0")[0].decode("utf-8", errors="replace")
+        text = "".join(
+            c if c.isprintable() else " " for c in text
+        ).strip()  # one line, and no control codes of a terminal
+        return _REFERENCE.sub(self._name, text)
+
+    def _name(self, reference: re.Match[str]) -> str:
+        kind, number = reference[1], reference[2]
+        if kind is None:
+            return "#"
+        kinds = _KINDS_OF_REFERENCE[kind.lower()]
+        names = (v.name for v in self.description.variables.values() if v.kind in kinds and v.reference == int(number))
+        return next(names, reference[0])
 
     def address(self, name: str) -> int:
         """Return the address of an FMI function, for a caller in C."""
@@ -256,7 +261,9 @@ class Instance:
 
     def failure(self, reason: Reason, call: str, time: float, *, variable: str = "", doing: str = "") -> Failure:
         """Return a failure of this FMU with the messages that it logged."""
-        worst = [f"{_STATUS_NAMES[min(max(s, 0), 5)]}: {m}" for s, m in self._log if s != 0]
+        log = self._log.pointer
+        messages = [log.last[n % _LAST] for n in range(max(log.heard - _LAST, 0), log.heard)]
+        worst = [f"{_STATUS_NAMES[min(max(m.status, 0), 5)]}: {self._text(m)}" for m in messages if m.status != 0]
         return Failure(
             file=self.description.file.name,
             time=time,
@@ -321,7 +328,12 @@ class Instance:
 
     def close(self) -> None:
         """Terminate, free and unload, as far as the last status allows; may be called twice."""
-        _logs.pop(self._environment, None)
+        try:
+            self._close()
+        finally:
+            self._functions.close_log(self._log.pointer)
+
+    def _close(self) -> None:
         if self._defect == "fatal":
             # No function of this FMU may be called any more; its library stays loaded until the process ends.
             self.component = 0

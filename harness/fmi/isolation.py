@@ -40,6 +40,7 @@ from railgrip.fmi.plant import LoadedPlant, SteppedPlant
 Vector = NDArray[np.float64]
 
 KEEPER: Final = Path(__file__).with_name("keeper.py")
+_WARNINGS: Final = TypeAdapter(dict[str, int])
 _FAILURE: Final = TypeAdapter(Failure)
 _READY: Final = 120.0  # s; start of an interpreter with its imports on a busy machine, before any code of the FMU runs
 _SHORTEST: Final = 1e-3  # s; a timeout of 0 would not wait at all
@@ -114,6 +115,8 @@ class IsolatedCoSimulation(SteppedPlant):
         self._life: socket.socket | None = None
         self._token = token_hex(8)
         self._hurry = False
+        self._is_dead = False
+        self._warnings: dict[str, int] = {}
 
     def __enter__(self) -> Self:
         # The FMU is unpacked in this process, so that its files are removed even if the child crashes.
@@ -156,7 +159,17 @@ class IsolatedCoSimulation(SteppedPlant):
         self._hurry = self._hurry or kind is not None  # on an error, do not wait for a step to end
         self._stack.close()
 
+    @property
+    def warnings(self) -> dict[str, int]:
+        """Messages of warnings so far, each kind with its number; none if the FMU crashed or did not return."""
+        if self._line is not None and not self._hurry and not self._is_dead:
+            with suppress(PlantFailed, FmuError, ValidationError, OSError):
+                send(self._line, "warnings", b"")
+                self._warnings = _WARNINGS.validate_json(self._receive(self._patience))
+        return self._warnings
+
     def _end(self) -> None:
+        self._warnings = self.warnings
         process, line, life = self._process, self._line, self._life
         self._process = self._line = self._life = None
         if process is None or line is None or life is None:
@@ -255,6 +268,7 @@ class IsolatedCoSimulation(SteppedPlant):
 
     def _fail(self, reason: Reason, detail: str) -> PlantFailed:
         name = self._description.file.name
+        self._is_dead = True
         self._failure = PlantFailed(Failure(file=name, time=self.time, reason=reason, detail=detail))
         self._end()
         return self._failure
@@ -327,7 +341,8 @@ def open_plant(
 
     Args:
         begin: Time of the FMU at the start [s].
-        trusted: Whether it was built here, or the scenario declares trust.
+        trusted: Whether it was built here, or the scenario declares trust. An FMU that can be instantiated only once in
+            a process runs in a separate one all the same: a stop follows its trial runs, and other stops.
         notify: Called with a sentence for the user if the FMU is isolated; the caller displays it once.
         table: Table of the scenario with the key `trust`; for messages.
 
@@ -336,9 +351,16 @@ def open_plant(
     """
     if description.blemishes:
         notify(f"{description.file.name}: {description.blemishes}; it runs all the same.")
-    if trusted:
+    interface = description.co_simulation or description.model_exchange
+    is_once = interface is not None and interface.once and os.name == "posix"
+    if trusted and not is_once:
         return loaded_plant(description)(description, binding, period=period, parameters=parameters, begin=begin)
-    notify(notice(description, table))
+    notify(
+        f"{description.file.name} can be instantiated only once in a process, and runs in a separate one in spite of "
+        f"trust = true under {table}."
+        if trusted
+        else notice(description, table)
+    )
     return IsolatedCoSimulation(
         description,
         binding,

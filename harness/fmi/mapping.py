@@ -11,13 +11,13 @@ The table of a scenario reads
 
 A signal that the table omits has the same name in the FMU. Elements of an array may be named `n[1]`, `n_1` or `n1`
 there, and a single one `n`. Units are converted from those that the FMU declares; `scale` multiplies the rest (value =
-scale · FMU value, both in SI). A `unit` is given only if the FMU declares none, or omits the unit of rotation: `1/min`
-of a speed may be `rev/min` or `rad/min`.
+scale · FMU value, both in SI). A `unit` is given only if the FMU declares none, one that neither it nor railgrip
+defines, or omits the unit of rotation: `1/min` of a speed may be `rev/min` or `rad/min`.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import cast
+from dataclasses import dataclass, replace
+from typing import Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -145,6 +145,7 @@ class _Target:
     variable: str
     scale: float
     stated_unit: str | None
+    text: str = ""
 
 
 def bind(
@@ -208,7 +209,10 @@ def _side(
     missing: list[str] = []
     rows: dict[str, list[tuple[int, FmuVariable, float, float]]] = {}
     for signal in signals:
-        targets = _targets(signal, entries, where)
+        targets = tuple(
+            _require_one_meaning(description, target, f"{where} {signal.name}")
+            for target in _targets(signal, entries, where)
+        )
         lack = [t.variable for t in targets if t.variable not in description.variables]
         if lack and signal.name not in entries:
             spelled = next((names for names in _spellings(signal) if description.variables.keys() >= set(names)), None)
@@ -327,9 +331,8 @@ def _unit_of(variable: FmuVariable, target: _Target, ours: Unit, file: str, who:
             stated_unit = unit(target.stated_unit)
         except UnitError as error:
             raise FmuError(f"{who}: {error}") from error
-        if variable.unit and not (
-            unit_of_variable is not None and unit_of_variable.leaves_the_angle_out_of(stated_unit)
-        ):
+        known = known_unit(variable)
+        if known is not None and not known.leaves_the_angle_out_of(stated_unit):
             raise FmuError(
                 f"{who}: unit = '{target.stated_unit}' is stated for '{variable.name}', but {file} already "
                 f"gives '{variable.unit}'; leave it out, or use scale if the FMU is wrong."
@@ -341,8 +344,11 @@ def _unit_of(variable: FmuVariable, target: _Target, ours: Unit, file: str, who:
         try:
             return unit(variable.unit)
         except UnitError as error:
+            if variable.unit in _NO_UNIT and ours.dimension == "1":
+                return unit("1")
             raise FmuError(
-                f"{who}: {file} gives '{variable.name}' the unit '{variable.unit}' without defining it, and {error}"
+                f"{who}: {file} gives '{variable.name}' the unit '{variable.unit}' without defining it, and {error} "
+                f'State the unit in the mapping, {{ variable = "{target.variable}", unit = "{ours.name}" }}.'
             ) from error
     if ours.dimension == "1":  # a number, an index or a boolean needs no unit
         return unit("1")
@@ -350,6 +356,20 @@ def _unit_of(variable: FmuVariable, target: _Target, ours: Unit, file: str, who:
         f"{who}: {file} does not say the unit of '{variable.name}'; state it in the mapping, "
         f'{{ variable = "{target.variable}", unit = "{ours.name}" }}.'
     )
+
+
+_NO_UNIT: Final = ("-", "none", "null")
+"""Units that tools write for a variable without a unit."""
+
+
+def known_unit(variable: FmuVariable) -> Unit | None:
+    """Return the unit of a variable, if the FMU gives one that it or railgrip defines."""
+    if variable.defined_unit is not None or not variable.unit:
+        return variable.defined_unit
+    try:
+        return unit(variable.unit)
+    except UnitError:
+        return None
 
 
 def _targets(signal: Port, entries: Mapping[str, object], where: str) -> tuple[_Target, ...]:
@@ -397,7 +417,25 @@ def _target(item: object, index: int, signal: Port, who: str, *, pattern: bool =
         variable=name.removeprefix("-").strip().replace("{i}", str(index)),
         scale=sign * float(scale),
         stated_unit=unit_entry,
+        text=name.strip().replace("{i}", str(index)),
     )
+
+
+def _require_one_meaning(description: Description, target: _Target, who: str) -> _Target:
+    """Return a target; a variable whose own name begins with '-' is that variable, not a negation.
+
+    Raises:
+        FmuError: The FMU has that variable, and the one without '-'.
+    """
+    if target.text == target.variable or target.text not in description.variables:
+        return target
+    if target.variable in description.variables:
+        raise FmuError(
+            f"{who}: {description.file.name} has '{target.text}' as well as '{target.variable}', so '{target.text}' "
+            f'is ambiguous; write {{ variable = "{target.variable}", scale = -1 }} for the latter with its sign '
+            "changed, or rename the former in the FMU."
+        )
+    return replace(target, variable=target.text, scale=-target.scale)
 
 
 def _all_missing(description: Description, missing: Sequence[str], causality: Causality, where: str) -> str:

@@ -6,7 +6,7 @@ from contextlib import ExitStack, contextmanager
 from math import isclose, isfinite
 from pathlib import Path
 from types import TracebackType
-from typing import ClassVar, Self
+from typing import ClassVar, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +19,10 @@ from railgrip.fmi.parameters import Values, assignments
 
 Vector = NDArray[np.float64]
 
+SILENT_WARNING: Final = "the status of a call was a warning, without a message"
 
-class SteppedPlant:
+
+class SteppedPlant(ABC):
     """Base of plants that are stepped by an FMU in any process: step count, time and first failure.
 
     Attributes:
@@ -43,6 +45,14 @@ class SteppedPlant:
                 f"{description.file.name}: its internal step is fixed at {step:g} s, and the communication period of "
                 f"{period:g} s is not a whole multiple of it; give a multiple in [periods], such as {near:g} s."
             )
+        only = description.co_simulation.only_step if description.co_simulation is not None else None
+        if only is not None and not isclose(period, only, rel_tol=1e-9):
+            raise FmuError(
+                f"{description.file.name}: it declares one communication step, stepSize = {only:g} s with "
+                f"canHandleVariableCommunicationStepSize = false, and is stepped every {period:g} s; set its period in "
+                f'[periods] to "{only:g} s" (communication for a plant, controller for a controller), or export it for '
+                "a variable step."
+            )
         self._description = description
         self._binding = binding
         self._period, self._begins = period, begin
@@ -53,12 +63,22 @@ class SteppedPlant:
         self.sample = -1
 
     @property
+    @abstractmethod
+    def warnings(self) -> dict[str, int]:
+        """Messages of warnings so far, each kind with its number; also after the end of `with`."""
+
+    @property
+    def file(self) -> str:
+        """Name of the FMU's file."""
+        return self._description.file.name
+
+    @property
     def time(self) -> float:
         """Time of the FMU [s]."""
         return self._begins + max(self.sample, 0) * self._period
 
 
-class LoadedPlant(SteppedPlant, ABC):
+class LoadedPlant(SteppedPlant):
     """An FMU in this process.
 
         with CoSimulation(description, binding, period=1e-3, parameters={"mass": 84e3}) as plant:
@@ -95,6 +115,7 @@ class LoadedPlant(SteppedPlant, ABC):
         super().__init__(description, binding, period, parameters, begin)
         self._folder = folder
         self._instance: Instance | None = None
+        self._listened: Instance | None = None
         self._ready = False  # started, not failed, not closed
         self._blank = np.full(binding.outputs.size, np.nan)
 
@@ -104,7 +125,7 @@ class LoadedPlant(SteppedPlant, ABC):
             instance = Instance(self._description, self._way, folder, name="plant")
             stack.callback(instance.close)
             instance.assign(self._assignments, self._begins)
-            self._instance = instance
+            self._instance = self._listened = instance
             self._prepare(instance)
             self._stack = stack.pop_all()
         return self
@@ -115,6 +136,22 @@ class LoadedPlant(SteppedPlant, ABC):
         self._instance = None
         self._ready = False
         self._stack.close()
+
+    @property
+    def warnings(self) -> dict[str, int]:
+        """Messages of warnings so far, each kind with its number; also after the end of `with`.
+
+        A call that returned a warning without any message counts as a message that says so.
+        """
+        if self._listened is None:
+            return {}
+        messages = self._listened.warnings()
+        return messages or ({SILENT_WARNING: self._warned} if self._warned else {})
+
+    @property
+    def _warned(self) -> int:
+        """Number of calls that returned a warning."""
+        return 0
 
     def start(self, inputs: Vector) -> Vector:
         """Initialise with `inputs` applied and return the outputs at the start time.

@@ -6,7 +6,7 @@ stop.json has digests of its content and of trace.nc, so a changed or truncated 
 import glob
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import isfinite, isnan, nan
 from pathlib import Path
@@ -66,6 +66,8 @@ class Stop:
             it is the user's own.
         limited_demands: Number of decisions of a controller from outside of this project that demanded pressures beyond
             what cylinders take, and were limited.
+        fmu_warnings: Name of each FMU that warned → kind of message → number. Messages that differ only in numbers
+            are of one kind.
         directory: Folder of its files; None for a stop that was not read from files.
         trace_digest: SHA-256 of the file of the trace; None where the samples were not kept.
         variants: Axis of the campaign → variant.
@@ -85,6 +87,7 @@ class Stop:
     fmus: Mapping[str, str]
     classes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict[str, Mapping[str, Any]])
     limited_demands: int = 0
+    fmu_warnings: Mapping[str, Mapping[str, int]] = field(default_factory=dict[str, Mapping[str, int]])
     directory: Path | None = None
     trace_digest: str | None = None
     variants: Mapping[str, str] = field(default_factory=dict[str, str])
@@ -194,6 +197,12 @@ class Stop:
             f"sensors {inputs['sensors']['kind']}; {self.distance_text} in "
             f"{metrics.duration:.1f} s{utilisation}{consistency}"
         )
+
+    def warning_sentences(self) -> Iterator[str]:
+        """Yield each kind of warning of the FMUs once, with its number."""
+        for name, messages in self.fmu_warnings.items():
+            for message, count in messages.items():
+                yield f"{name} warned {count:,} time{'s' if count > 1 else ''}: {message.rstrip('.')}."
 
     @property
     def own_repeats(self) -> RepeatedDistances | None:
@@ -367,6 +376,7 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
         "fmus": dict(sorted(stop.fmus.items())),
         **({"classes": stop.classes} if stop.classes else {}),
         **({"limited_demands": stop.limited_demands} if stop.limited_demands else {}),
+        **({"fmu_warnings": stop.fmu_warnings} if stop.fmu_warnings else {}),
         _TRACE_DIGEST: None,
     }
     path = directory / TRACE_FILE
@@ -419,6 +429,7 @@ def read_stop(directory: Path) -> Stop:
             versions=stored.versions,
             fmus=stored.fmus,
             classes=stored.classes,
+            fmu_warnings=stored.fmu_warnings,
             trace_digest=stored.trace_sha256,
         )
     except FileNotFoundError as problem:

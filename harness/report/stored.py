@@ -121,5 +121,6 @@ class StoredStop(Stored):
     versions: dict[str, str]
     fmus: dict[str, str]
     classes: dict[str, dict[str, Any]] = {}
+    fmu_warnings: dict[str, dict[str, int]] = {}
     trace_sha256: Digest | None
     sha256: Digest

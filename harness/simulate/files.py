@@ -1,5 +1,6 @@
 """The FMUs and Modelica classes that a scenario names, found or built, and cached in the process."""
 
+import math
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -265,9 +266,7 @@ def parameters_of(description: Description) -> dict[str, float]:
     return {
         variable.name: variable.start
         for variable in description.variables.values()
-        if variable.causality == "parameter"
-        and variable.kind in ("Real", "Integer")
-        and variable.start_text is not None
+        if variable.causality == "parameter" and variable.kind in ("Real", "Integer") and not math.isnan(variable.start)
     }
 
 

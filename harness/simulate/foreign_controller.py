@@ -1,12 +1,16 @@
 """User-defined controllers as co-simulation FMUs, which get the same observation as a built-in law."""
 
 from collections.abc import Callable, Collection, Generator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+from dataclasses import replace
+from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railgrip import fmi
 from railgrip.base.errors import ControllerFailed, FmuError, PlantFailed
+from railgrip.base.interrupted import end_if_stuck
 from railgrip.controllers.observation import Observation
 from railgrip.fmi import Binding, Description, bind, open_plant
 from railgrip.scenario.parts import ControllerFmu
@@ -17,6 +21,21 @@ from railgrip.vehicle.signals import DEMANDED, OBSERVED, ONLY_ESTIMATED, Signal
 
 _DECISIONS = (*DEMANDED, Signal("command", "group", "1", "command to the valves: -1 vent, 0 hold, 1 fill"))
 """Alternative outputs of a controller FMU."""
+
+
+EXPORTED: Final = "railgrip (CasADi"
+"""Start of the generation tool of a law that was exported here."""
+_VALID: Final = "_valid"
+"""End of the names of inputs that say whether the quantity has a value."""
+
+
+def _starts(binding: Binding, description: Description) -> NDArray[np.float64]:
+    """Return the start values of the FMU's inputs, in the units of the harness; 0 for those without one."""
+    values = np.zeros(binding.inputs.size)
+    for channel in binding.inputs.channels:
+        start = np.nan_to_num([description.variables[name].start for name in channel.variables])
+        values[channel.positions] = (start - channel.shift) / channel.gain
+    return values
 
 
 def _bindable(signals: Sequence[Signal], groups: int) -> tuple[fmi.Port, ...]:
@@ -35,16 +54,20 @@ class ForeignController:
 
     A step of the FMU lasts from one decision to the next. Its inputs are the observation at the start of the step, held
     constant. Its outputs at the end of the step are the decision, which is applied at once: a sampled law decides on
-    its current inputs, and a law in continuous time leads by one period. As for built-in laws, readings that no sensor
-    has delivered yet are NaN.
+    its current inputs, and a law in continuous time leads by one period.
+
+    The FMU never gets NaN, for which comparisons are false in most languages. A quantity without a value keeps its last
+    one, or the start value of the FMU's input before the first. An input such as `slip_valid` is 1 while the slip has a
+    value, else 0. Only a law that railgrip exported gets NaN, by which it defines a missing value.
     """
 
-    def __init__(self, fmu: LoopPlant, binding: Binding, gives: str) -> None:
+    def __init__(self, fmu: LoopPlant, binding: Binding, gives: str, description: Description) -> None:
         """Decide by an open FMU that has not been started; `gives` is the name of its output, demand or command."""
-        self._fmu = fmu
-        self._inputs, self._places = np.zeros(binding.inputs.size), binding.inputs.layout
+        self.fmu = fmu
+        self._inputs, self._places = _starts(binding, description), binding.inputs.layout
         self._decision = binding.outputs.layout[gives]
         self._has_started = False
+        self._knows_nan = description.generator.startswith(EXPORTED)
 
     def decide(self, observation: Observation) -> tuple[float, ...]:
         """Return the demanded pressure of each group [Pa], or the valve command if that is the FMU's output.
@@ -53,12 +76,17 @@ class ForeignController:
             ControllerFailed: The FMU failed.
         """
         for name, place in self._places.items():
-            self._inputs[place] = getattr(observation, name)
+            if name.endswith(_VALID):
+                continue
+            values = np.atleast_1d(np.asarray(getattr(observation, name), dtype=np.float64))
+            has_value = np.isfinite(values)
+            np.copyto(self._inputs[place], values, where=has_value | self._knows_nan)
+            self._inputs[self._places[name + _VALID]] = has_value
         try:
             if not self._has_started:
-                self._fmu.start(self._inputs)
+                self.fmu.start(self._inputs)
                 self._has_started = True
-            outputs = self._fmu.step(self._inputs)
+            outputs = self.fmu.step(self._inputs)
         except PlantFailed as failed:
             raise ControllerFailed(f"The controller failed: {failed}") from failed
         return tuple(outputs[self._decision].tolist())
@@ -79,7 +107,10 @@ def binding_of(
     outputs = [signal for signal in _DECISIONS if signal.name in table.map] or _DECISIONS
     binding = bind(
         description,
-        inputs=_bindable(inputs, groups),
+        inputs=(
+            *_bindable(inputs, groups),
+            *(replace(port, name=port.name + _VALID, unit="1") for port in _bindable(inputs, groups)),
+        ),
         outputs=_bindable(outputs, groups),
         table=table.map,
         where=where,
@@ -134,5 +165,5 @@ def foreign_controller(
         limits=scenario.limits.fmu,
         table="[controller]",
     )
-    with context as fmu:
-        yield ForeignController(fmu, binding, gives), gives == "command"
+    with end_if_stuck(description.file.name) if table.trust else nullcontext(), context as fmu:
+        yield ForeignController(fmu, binding, gives, description), gives == "command"

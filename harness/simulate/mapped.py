@@ -14,6 +14,7 @@ from railgrip.controllers.law import FULL_PRESSURE
 from railgrip.fmi import Description, Port, bind, open_plant, shared_budget
 from railgrip.fmi.description import Causality
 from railgrip.fmi.draft import draft_mapping, sizes_of
+from railgrip.fmi.mapping import known_unit
 from railgrip.simulate.files import parameters_of
 from railgrip.simulate.foreign_controller import controller_signals
 from railgrip.simulate.loop.plausible import slowing_of
@@ -270,7 +271,7 @@ def _entry(description: Description, signal: Port, variables: str | tuple[str, .
     scale = -1.0 if names[0].startswith("-") else 1.0
     bare = tuple(name.removeprefix("-") for name in names)
     first = description.variables[bare[0].replace("{i}", "1")]
-    unit = "" if first.unit or signal.unit == "1" else signal.unit
+    unit = "" if known_unit(first) is not None or signal.unit == "1" else signal.unit
     return SignalMapping(signal, bare[0] if isinstance(variables, str) else bare, scale, unit)
 
 

@@ -1,6 +1,6 @@
 """The parts of a scenario's stop, open and ready for a loop."""
 
-from collections.abc import Callable, Collection, Generator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -13,6 +13,7 @@ from railgrip.base.programs import versions
 from railgrip.base.registry import Role
 from railgrip.controllers.sampled import Sampled
 from railgrip.fmi import Description, shared_budget
+from railgrip.fmi.plant import SteppedPlant
 from railgrip.report.stop import Stop
 from railgrip.scenario.kinds import Custom
 from railgrip.scenario.outcome import Outcome
@@ -26,6 +27,7 @@ from railgrip.simulate.controller import law_states, open_controller, train_leve
 from railgrip.simulate.estimator import state_estimator
 from railgrip.simulate.faults.site import faults_of
 from railgrip.simulate.files import remarks_on_train
+from railgrip.simulate.foreign_controller import ForeignController
 from railgrip.simulate.importing import origin_of, part_of, table_of
 from railgrip.simulate.loop.loop import Ending, Loop
 from railgrip.simulate.loop.parts import Clock, Instruments, LoopController, LoopPlant, Parts, StateEstimator
@@ -126,7 +128,15 @@ class StopAssembly:
             classes=self.classes,
             reason=stop.reason + self.limits.sentence(-(-ending.samples // self.parts.clock.controller)),
             limited_demands=self.limits.limited,
+            fmu_warnings={fmu.file: fmu.warnings for fmu in self._steppers() if fmu.warnings},
         )
+
+    def _steppers(self) -> Iterator[SteppedPlant]:
+        """Yield the FMUs that are stepped."""
+        controller = self.parts.controller
+        for part in (self.parts.plant, controller.fmu if isinstance(controller, ForeignController) else None):
+            if isinstance(part, SteppedPlant):
+                yield part
 
 
 @contextmanager

@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.errors import PlantFailed, ScenarioError
+from railgrip.base.interrupted import end_if_stuck
 from railgrip.base.units import GRAVITY
 from railgrip.fmi import Binding, Description, Port, bind, open_plant
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track.table import STEEPEST
-from railgrip.scenario.vehicle import LibraryPlant, ModelicaPlant, Nudge, RecipePlant, TrainFile
+from railgrip.scenario.vehicle import FmuFile, LibraryPlant, ModelicaPlant, Nudge, RecipePlant, TrainFile
 from railgrip.simulate import custom
 from railgrip.simulate.files import is_trusted, parameters_of
 from railgrip.simulate.loop.parts import LoopPlant
@@ -122,6 +123,8 @@ def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitSt
         trusted=is_trusted(scenario),
         limits=scenario.limits.fmu,
     )
+    if isinstance(source, FmuFile) and table.trust:
+        stack.enter_context(end_if_stuck(description.file.name))
     # The class of a train file consists of built-in parts; delays by a distributor or a long pipe would fail the trial.
     if not isinstance(source, LibraryPlant) or (isinstance(source, TrainFile) and table.map):
         # The stop will report the failure.

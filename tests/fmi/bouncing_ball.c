@@ -3,7 +3,7 @@
  * dh/dt = v, dv/dt = -g + lift, and 1 m/s2 more from `gust_at` on; at h = 0 the ball leaves with e times its speed.
  * Value references: 1 x[2] = h, v (states), 2 der(x)[2], 3 constants[2] = g, e, 4 lift (input), 5 indicator,
  * 6 bounces (Int32), 7 gust_at. With e < 0 the derivatives fail.
- * Below 0.9 m, with e = 2 the indicator, with e = 3 the second derivative, and with e = 4 the next event is NaN. */
+ * With e = 5 the gust comes in two events at one instant, with e = 6 that event repeats for ever. Below 0.9 m, with e = 2 the indicator, with e = 3 the second derivative, and with e = 4 the next event is NaN. */
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -60,8 +60,8 @@ int fmi3UpdateDiscreteStates(void *c, bool *again, bool *end, bool *nominals, bo
         b->bounces++;
         *values = true;
     }
-    if (b->t >= b->gust_at - 1e-12) b->gust = 1;
-    *defined = !b->gust;
+    if (b->t >= b->gust_at) b->gust = b->constants[1] < 5 || b->gust > 0 ? 1 : 0.5;
+    *defined = b->gust < 1 || b->constants[1] == 6;
     *next = is_ill(b, 4) ? NAN : b->gust_at;
     return OK;
 }

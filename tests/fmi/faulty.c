@@ -6,6 +6,7 @@
 #define _GNU_SOURCE
 #include <fcntl.h>
 #include <math.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,6 +37,10 @@
 #define CRASHES_IN_FREE 19
 #define TALKS_AT_ONCE 20
 #define SLEEPS 21          /* a fifth of a second a step */
+#define WARNS 22           /* in each step, with the time */
+#define WARNS_IN_SILENCE 23
+#define LOGS_FROM_A_THREAD 24
+#define REFERS 25          /* to variables by their references */
 
 #ifndef RADIUS
 #define RADIUS 0.38
@@ -46,6 +51,12 @@
 #ifndef GRIP
 #define GRIP 9.81 /* m/s2 at friction of 1 */
 #endif
+#ifndef SPEED_UNIT
+#define SPEED_UNIT 1 /* m/s */
+#endif
+#ifndef PRESSURE_UNIT
+#define PRESSURE_UNIT 1 /* Pa */
+#endif
 #define SOON 0.1 /* s */
 #define RATE 4e-6 /* m/s2 per Pa */
 
@@ -54,6 +65,11 @@ typedef struct {
     double t, v[22];
 } FaultyFmu;
 
+static void *speak(void *c) {
+    FaultyFmu *m = c;
+    m->call->logger(m->call->componentEnvironment, "faulty_fmu", fmi2Warning, "logStatusWarning", "a worker speaks");
+    return NULL;
+}
 /* A process that belongs to nobody; its number goes to a file that the test reads. */
 static void leave_one_behind(void) {
     if (fork() == 0) {
@@ -100,12 +116,15 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     return MISBEHAVIOUR == NEVER_STARTS ? fmi2Error : fmi2OK;
 }
 fmi2Status fmi2Terminate(fmi2Component c) { (void)c; if (MISBEHAVIOUR == CRASHES_IN_TERMINATE) abort(); return fmi2OK; }
+static double unit_of(fmi2ValueReference vr) {
+    return vr == 12 ? SPEED_UNIT : vr < 4 || vr > 17 ? PRESSURE_UNIT : 1;
+}
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real v[]) {
-    for (size_t i = 0; i < n; i++) v[i] = ((FaultyFmu *)c)->v[vr[i]];
+    for (size_t i = 0; i < n; i++) v[i] = ((FaultyFmu *)c)->v[vr[i]] / unit_of(vr[i]);
     return fmi2OK;
 }
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real v[]) {
-    for (size_t i = 0; i < n; i++) ((FaultyFmu *)c)->v[vr[i]] = v[i];
+    for (size_t i = 0; i < n; i++) ((FaultyFmu *)c)->v[vr[i]] = v[i] * unit_of(vr[i]);
     return fmi2OK;
 }
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
@@ -116,7 +135,9 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
             m->call->logger(m->call->componentEnvironment, "faulty_fmu", fmi2Error, "logStatusError", "the wheel came off");
             return fmi2Error;
         case DISCARD: return fmi2Discard;
-        case NEVER_RETURNS: for (volatile int k = 0;; k = 0) { (void)k; }
+        case NEVER_RETURNS:
+            if (getenv("FAULTY_MARKER")) fclose(fopen(getenv("FAULTY_MARKER"), "w"));
+            for (volatile int k = 0;; k = 0) { (void)k; }
         case CRASH: { volatile int *nowhere = NULL; *nowhere = 1; break; }
         case FORKS:
             for (int k = 0; k < 3; k++) leave_one_behind();
@@ -150,6 +171,20 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
             for (int k = 0; k < 20000; k++) printf("%99d\n", k);
             fflush(stdout);
             break;
+        case LOGS_FROM_A_THREAD: {
+            pthread_t worker;
+            pthread_create(&worker, NULL, speak, m);
+            pthread_join(worker, NULL);
+            break;
+        }
+        case WARNS:
+            m->call->logger(m->call->componentEnvironment, "faulty_fmu", fmi2Warning, "logStatusWarning",
+                            "table of brake force is extrapolated at %g s", t);
+            break;
+        case REFERS:
+            m->call->logger(m->call->componentEnvironment, "faulty_fmu", fmi2Error, "logStatusError",
+                            "#r12# is above #r99#, see ##5");
+            return fmi2Error;
         case SLEEPS: usleep(200000); break;
         case CLOSES:
             for (int k = 0; k < 1024; k++) close(k);
@@ -162,7 +197,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
     m->v[12] = fmax(0, m->v[12] + h * SIGN * m->v[13]);
     show(m);
     if (MISBEHAVIOUR == NAN_OUTPUT && t >= SOON) m->v[12] = NAN;
-    return fmi2OK;
+    return (MISBEHAVIOUR == WARNS || MISBEHAVIOUR == WARNS_IN_SILENCE) && t >= SOON ? fmi2Warning : fmi2OK;
 }
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference z[], size_t nz,
                                         const fmi2ValueReference w[], size_t nw, const fmi2Real dw[], fmi2Real dz[]) {

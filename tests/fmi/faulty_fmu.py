@@ -13,6 +13,8 @@ from railgrip.fmus.native.toolchain import shared_library
 HERE = Path(__file__).parent
 SOURCES = {name: (HERE / name).read_text() for name in ("faulty.c", "quiet.h", "reals_only.h")}
 UNITS = {
+    "bar": '<BaseUnit kg="1" m="-1" s="-2" factor="1e5"/>',
+    "km/h": '<BaseUnit m="1" s="-1" factor="0.2777777777777778"/>',
     "Pa": '<BaseUnit kg="1" m="-1" s="-2"/>',
     "m": '<BaseUnit m="1"/>',
     "m/s": '<BaseUnit m="1" s="-1"/>',
@@ -27,6 +29,7 @@ def faulty_fmu(
     misbehaviour: str = "WELL",
     *,
     speed_unit: str = "m/s",
+    pressure_unit: str = "Pa",
     platform: str = fmpy.platform,
     names: Mapping[str, str] = MappingProxyType({}),
     tool: str = "a hand",
@@ -39,6 +42,7 @@ def faulty_fmu(
         folder: Where the FMU is written.
         misbehaviour: A name defined in faulty.c.
         speed_unit: Declared unit of its speed.
+        pressure_unit: Declared unit of its pressures.
         platform: Folder of the binary inside the FMU.
         forged: What FORGES writes.
         names: Name in railgrip → name of that variable in the FMU.
@@ -56,17 +60,19 @@ def faulty_fmu(
     )
     file = folder / f"{misbehaviour.lower()}.fmu"
     with zipfile.ZipFile(file, "w") as archive:
-        archive.writestr("modelDescription.xml", _description(speed_unit, names, tool))
+        archive.writestr("modelDescription.xml", _description(speed_unit, pressure_unit, names, tool))
         archive.write(library, f"binaries/{platform}/faulty_fmu{fmpy.sharedLibraryExtension}")
     return file
 
 
-def _description(speed_unit: str, names: Mapping[str, str], tool: str) -> str:
-    inputs = [(f"pressure_command[{i}]", "Pa") for i in range(1, 5)] + [(f"mu0[{i}]", "1") for i in range(1, 7)]
+def _description(speed_unit: str, pressure_unit: str, names: Mapping[str, str], tool: str) -> str:
+    inputs = [(f"pressure_command[{i}]", pressure_unit) for i in range(1, 5)] + [
+        (f"mu0[{i}]", "1") for i in range(1, 7)
+    ]
     outputs = [
         *(("distance", "m"), ("speed", speed_unit), ("acceleration", "m/s2")),
         *((f"wheelset_speed[{i}]", "rad/s") for i in range(1, 5)),
-        *((f"cylinder_pressure[{i}]", "Pa") for i in range(1, 5)),
+        *((f"cylinder_pressure[{i}]", pressure_unit) for i in range(1, 5)),
     ]
     rows = [
         *(('input" variability="continuous', name, unit, ' start="0"') for name, unit in inputs),

@@ -10,7 +10,7 @@ import pytest
 from tiny_fmu import tied, tiny, xml
 
 from railgrip.base.errors import FmuError, PlantFailed
-from railgrip.fmi import Binding, Description, IsolatedCoSimulation, Port, bind, describe, open_plant
+from railgrip.fmi import Binding, CoSimulation, Description, IsolatedCoSimulation, Port, bind, describe, open_plant
 from railgrip.fmi.by_fmpy import IntegratedModel
 from railgrip.fmi.plant import LoadedPlant
 from railgrip.fmus.native import package
@@ -118,6 +118,27 @@ def test_a_time_event_occurs_at_its_time(foundry: Path):
     np.testing.assert_allclose(rows[:, 1], -G * time + np.maximum(time - at, 0), atol=1e-5)
 
 
+# On a communication point, next to one, and between two.
+@pytest.mark.parametrize("at", [0.0, 1e-20, 0.1, 0.1 + 1e-13, 0.1234567])
+def test_two_time_events_at_one_instant_occur_both(foundry: Path, at: float):
+    """The first event announces the second at the present time, and only both together make the gust."""
+    description = describe(ball(foundry))
+    given = {"gust_at": at, "constants[2]": 5.0}
+    plant = IntegratedModel(description, ball_binding(description), period=PERIOD, parameters=given)
+    rows = flight(plant, np.zeros(300))
+    time = np.arange(301) * PERIOD
+    exact = 1 - G * time**2 / 2 + np.maximum(time - at, 0) ** 2 / 2
+    np.testing.assert_allclose(rows[:, 0], exact, atol=1e-5)  # up to 300 steps of 1e-6; half a gust is 0.008 m off
+
+
+def test_an_event_that_repeats_for_ever_ends_with_a_sentence(foundry: Path):
+    description = describe(ball(foundry))
+    given = {"gust_at": 0.1, "constants[2]": 6.0}
+    plant = IntegratedModel(description, ball_binding(description), period=PERIOD, parameters=given)
+    with pytest.raises(PlantFailed, match=r"at 0\.1 s .* sets its next event at the present time again"):
+        flight(plant, np.zeros(300))
+
+
 def test_a_single_element_of_an_array_can_be_set(foundry: Path):
     description = describe(ball(foundry))
     assert [description.variables[f"x[{i}]"].reference for i in (1, 2)] == [1, 1]
@@ -189,6 +210,37 @@ def test_a_period_that_is_not_a_multiple_of_the_internal_step_is_refused(foundry
     words = f"its internal step is fixed at 0.003 s, and the communication period of {period:g} s is not a whole"
     with pytest.raises(FmuError, match=re.escape(words) + f".*such as {near} s"):
         IsolatedCoSimulation(description, ball_binding(description), period=period, parameters={})
+
+
+def declaring(step: str, variable: str = "false") -> str:
+    return (
+        xml(ways=("CoSimulation",))
+        .replace(
+            'canHandleVariableCommunicationStepSize="true"', f'canHandleVariableCommunicationStepSize="{variable}"'
+        )
+        .replace("  <ModelVariables>", f'  <DefaultExperiment stepSize="{step}"/><ModelVariables>')
+    )
+
+
+@pytest.mark.parametrize("kind", [CoSimulation, IsolatedCoSimulation])
+def test_the_one_step_that_an_fmu_declares_is_the_only_one(foundry: Path, kind: type[CoSimulation]):
+    """A law of 20 ms that is stepped every 10 ms would count its time twice as fast."""
+    description = describe(tiny(foundry, description=declaring("0.02")))
+    kind(description, tied(description), period=0.02, parameters={})
+    for period in (0.01, 0.04, 0.020001):
+        with pytest.raises(FmuError, match=r'stepSize = 0\.02 s .* stepped every .* set its period .* to "0\.02 s"'):
+            kind(description, tied(description), period=period, parameters={})
+
+
+def test_a_suggested_step_does_not_limit_an_fmu_with_variable_step(foundry: Path):
+    description = describe(tiny(foundry, description=declaring("0.02", "true")))
+    CoSimulation(description, tied(description), period=0.01, parameters={})
+
+
+@pytest.mark.parametrize("step", ["0", "-1e-3", "NaN", "INF"])
+def test_a_declared_step_that_is_not_a_time_is_refused(foundry: Path, step: str):
+    with pytest.raises(FmuError, match=f"stepSize is {step}"):
+        describe(tiny(foundry, description=declaring(step)))
 
 
 @pytest.mark.parametrize("step", ["0", "-1e-3", "NaN", "INF"])

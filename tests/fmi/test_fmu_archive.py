@@ -4,14 +4,16 @@ import stat
 import subprocess
 import sys
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
-from tiny_fmu import tiny, xml
+from tiny_fmu import tied, tiny, xml
 
 from railgrip.base.errors import FmuError
 from railgrip.base.limits import FmuLimits
-from railgrip.fmi import describe
+from railgrip.fmi import CoSimulation, describe
 
 MIB = 1 << 20
 
@@ -89,6 +91,39 @@ def test_overlapping_entries_are_counted_separately(foundry: Path, tmp_path: Pat
 def test_an_entry_outside_of_the_folder_is_refused(foundry: Path, tmp_path: Path, name: str):
     with pytest.raises(FmuError, match=r"more\.fmu: entry '.*evil' of the archive would be unpacked outside"):
         describe(with_more(foundry, tmp_path, (name, b"")))
+
+
+def packed_again(foundry: Path, folder: Path, rename: Callable[[str], str]) -> Path:
+    """Return the well-behaved FMU with other paths in its archive."""
+    file = folder / "again.fmu"
+    with zipfile.ZipFile(tiny(foundry)) as original, zipfile.ZipFile(file, "w") as archive:
+        for name in original.namelist():
+            archive.writestr(rename(name), original.read(name))
+    return file
+
+
+def test_backslashes_and_a_folder_around_all_files_are_refused_with_the_remedy(foundry: Path, tmp_path: Path):
+    with pytest.raises(
+        FmuError, match=r"'binaries\\.*' of the archive has a backslash, .* with a tool that writes '/'"
+    ):
+        describe(packed_again(foundry, tmp_path, lambda name: name.replace("/", "\\")))
+    with pytest.raises(FmuError, match=r"is in the folder 'Train' of the archive; pack the content of that folder"):
+        describe(packed_again(foundry, tmp_path, lambda name: f"Train/{name}"))
+
+
+def test_paths_that_begin_with_the_present_folder_are_accepted(foundry: Path, tmp_path: Path):
+    """A zip of '.' has './modelDescription.xml'; the train steps as in its usual archive."""
+    description = describe(packed_again(foundry, tmp_path, lambda name: f"./{name}"))
+    with CoSimulation(description, tied(description), period=0.1, parameters={}) as plant:
+        plant.start(np.zeros(1))
+        assert plant.step(np.zeros(1))[0] == pytest.approx(np.exp(-0.2), rel=1e-12)
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+def test_a_folder_may_occur_twice_and_a_file_may_not_under_two_spellings(foundry: Path, tmp_path: Path):
+    describe(with_more(foundry, tmp_path, ("extra/", b""), ("extra/note.txt", b"1"), ("extra/", b"")))
+    with pytest.raises(FmuError, match=r"has 'extra/note\.txt' twice"):
+        describe(with_more(foundry, tmp_path, ("extra/note.txt", b"1"), ("./extra/note.txt", b"2")))
 
 
 def test_a_link_is_refused(foundry: Path, tmp_path: Path):

@@ -3,6 +3,7 @@
 import hashlib
 import re
 import zipfile
+from math import isnan
 from pathlib import Path
 
 import pytest
@@ -87,6 +88,34 @@ def test_a_damaged_archive_is_refused(tmp_path: Path, foundry: Path):
     file.write_bytes(content)
     with pytest.raises(FmuError, match=r"damaged\.fmu: the archive is damaged, 'modelDescription\.xml'"):
         describe(file)
+
+
+def test_a_library_in_another_case_is_named(foundry: Path, tmp_path: Path):
+    file = tmp_path / "case.fmu"
+    with zipfile.ZipFile(tiny(foundry)) as original, zipfile.ZipFile(file, "w") as copy:
+        for name in original.namelist():
+            copy.writestr(name.replace("/tiny.", "/Tiny."), original.read(name))
+    with pytest.raises(
+        FmuError, match=r"/tiny\.\w+ is missing; the archive has binaries/.*/Tiny\.\w+\. .* in the same case"
+    ):
+        describe(file)
+
+
+@pytest.mark.parametrize(("way", "stays"), [("ModelExchange", "co_simulation"), ("CoSimulation", "model_exchange")])
+def test_an_interface_without_its_library_is_left_out(foundry: Path, way: str, stays: str):
+    text = xml().replace(f'<{way} modelIdentifier="tiny"', f'<{way} modelIdentifier="absent"')
+    description = describe(tiny(foundry, description=text))
+    assert [w for w in ("co_simulation", "model_exchange") if getattr(description, w) is not None] == [stays]
+    assert "its library binaries/" in description.blemishes
+
+
+@pytest.mark.parametrize("start", ["INF", "-INF", "NaN"])
+def test_a_start_value_that_is_not_finite_is_accepted_for_an_unused_variable(foundry: Path, start: str):
+    text = xml().replace('Real start="3"', f'Real start="{start}"')
+    description = describe(tiny(foundry, description=text))
+    assert isnan(description.variables["gain"].start)
+    with pytest.raises(FmuError, match="Integer; correct it"):
+        describe(tiny(foundry, description=xml().replace('Integer start="3"', f'Integer start="{start}"')))
 
 
 def test_an_fmu_for_another_platform_is_refused(foundry: Path, tmp_path: Path):

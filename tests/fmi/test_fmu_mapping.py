@@ -8,6 +8,7 @@ from tiny_fmu import tiny, xml
 
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.fmi import Binding, CoSimulation, Description, Port, bind, describe
+from railgrip.fmi.parameters import assignments
 
 WHERE = "city.toml: [vehicle.map]"
 
@@ -101,6 +102,48 @@ def test_a_missing_unit_must_be_stated(foreign: Description):
         tied(foreign, {"speed": "y"})
     binding = tied(foreign, {"speed": {"variable": "y", "unit": "km/h"}})
     np.testing.assert_allclose(binding.outputs.channels[0].gain, [1 / 3.6], rtol=1e-15)
+
+
+def test_a_unit_that_nobody_defines_is_overruled_by_the_map(foundry: Path):
+    """`unit` in the map is the remedy that the refusal names, and it works."""
+    description = describe(tiny(foundry, description=xml(state_unit="knots_at_sea", input_unit="-")))
+    with pytest.raises(
+        FmuError, match=r"'knots_at_sea' without defining it, .* \{ variable = \"x\", unit = \"m/s\" \}"
+    ):
+        tied(description, {"speed": "x", "command": {"variable": "u", "unit": "Pa"}})
+    binding = tied(
+        description, {"speed": {"variable": "x", "unit": "km/h"}, "command": {"variable": "u", "unit": "Pa"}}
+    )
+    np.testing.assert_allclose(binding.outputs.channels[0].gain, [1 / 3.6], rtol=1e-15)
+
+
+@pytest.mark.parametrize("unit", ["-", "none", "null"])
+def test_a_ratio_may_have_the_words_for_no_unit(foundry: Path, unit: str):
+    description = describe(tiny(foundry, description=xml(output_unit=unit)))
+    binding = bind(description, inputs=[], outputs=[signal("y")])
+    np.testing.assert_array_equal(binding.outputs.channels[0].gain, [1.0])
+
+
+def test_a_name_that_begins_with_a_minus_is_not_a_negation(foundry: Path):
+    only = describe(tiny(foundry, description=xml().replace('name="y"', 'name="-v"')))
+    ratio = bind(only, inputs=[], outputs=[signal("ratio")], table={"ratio": "-v"}).outputs.channels[0]
+    assert (ratio.variables, ratio.gain.tolist()) == (("-v",), [1.0])
+    both = describe(tiny(foundry, description=xml().replace('name="y"', 'name="-x"')))
+    with pytest.raises(FmuError, match=r"has '-x' as well as 'x', so '-x' is ambiguous; .* scale = -1"):
+        bind(both, inputs=[], outputs=[signal("ratio")], table={"ratio": "-x"})
+    table = {"ratio": {"variable": "x", "scale": -1}}
+    assert bind(both, inputs=[], outputs=[signal("ratio")], table=table).outputs.channels[0].gain.tolist() == [-1.0]
+
+
+def test_a_bound_is_met_within_the_rounding_of_a_conversion(foundry: Path):
+    """Two units multiplied into a value move it by a bit or two; the FMU receives the bound itself."""
+    description = describe(tiny(foundry))
+    (sent,) = assignments(description, {"rate": 10 * (1 + 4e-16)})
+    assert sent.values == (10.0,)
+    (sent,) = assignments(description, {"rate": 0.1 * (1 - 4e-16)})
+    assert sent.values == (0.1,)
+    with pytest.raises(FmuError, match="at most 10"):
+        assignments(description, {"rate": 10 * (1 + 1e-12)})
 
 
 def test_a_unit_named_but_not_defined_is_read_by_its_name(foundry: Path):

@@ -22,6 +22,10 @@
 #define PENDING 10
 #define EXITS 12
 #define NO_STATUS 13
+#define WARNS 14                  /* about two variables in each step, with the time */
+#define WARNS_ALWAYS_OTHERWISE 15 /* in other words in each step */
+#define WARNS_SOMEBODY_ELSE 16    /* not the one who created it */
+#define WARNS_IN_COLOUR 17
 
 #ifndef MISBEHAVIOUR
 #define MISBEHAVIOUR WELL
@@ -176,6 +180,16 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
         case NEVER_STOPS: for (volatile int k = 0;; k = 0) { (void)k; }
         case CRASH: { volatile int *nowhere = NULL; *nowhere = 1; break; }
         case EXITS: exit(7);
+        case WARNS: say(m, fmi2Warning, "#r0# is late by", t); say(m, fmi2Warning, "#r5# is late by", t); break;
+        case WARNS_ALWAYS_OTHERWISE: {
+            const char text[] = { (char)('a' + (s->steps - 1) % 26), 0 };
+            m->call->logger(m->call->componentEnvironment, "tiny", fmi2Warning, "logStatusWarning", "%s", text);
+            break;
+        }
+        case WARNS_SOMEBODY_ELSE: m->call->logger(m, "tiny", fmi2Warning, NULL, "hello"); break;
+        case WARNS_IN_COLOUR:
+            m->call->logger(m->call->componentEnvironment, "tiny", fmi2Warning, "logStatusWarning", "\033[31mred\n\033line");
+            break;
         default: break;
     }
     s->x = after(s, h); s->t = t + h;

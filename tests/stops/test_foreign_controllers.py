@@ -1,20 +1,26 @@
 """Controllers as FMUs: built-in laws, exported and read back, and refusals of FMUs that do not match."""
 
+import re
+from dataclasses import replace
 from functools import partial
 
 import casadi as ca
+import numpy as np
 import pytest
 from synthetic import LIBRARY
 from table_1 import table_1_scenario
 
 from railgrip.base.errors import FmuError, ScenarioError
 from railgrip.base.system import SampledSystem, Variable
+from railgrip.controllers.observation import Observation
+from railgrip.fmi import Port, bind, describe
 from railgrip.fmus.build import fmu
 from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.export.controller import controller_fmu
+from railgrip.simulate.foreign_controller import ForeignController
 from railgrip.simulate.run import run_stop
 
 PLAIN = LIBRARY / "plain.toml"
@@ -158,3 +164,80 @@ def test_inputs_without_an_estimate_are_reported(folder):
     assert "random-slip_two_state.fmu: nothing drives its adhesion, pad_friction" in notifications(other)[0]
     _, other = with_fmu("trapezoid-ideal-adhesion_based", folder, "controller.trust=true")
     assert notifications(other) == []
+
+
+class Recorder:
+    """A plant that records its inputs."""
+
+    def __init__(self):
+        self.rows = []
+
+    def start(self, inputs):
+        return inputs
+
+    def step(self, inputs):
+        self.rows.append(inputs.copy())
+        return np.zeros(2)
+
+
+def law_of_inputs(folder, tool: str = "a hand"):
+    """Return description and binding of a law with these inputs: speed in km/h, slip, its validity, an array."""
+    state, inputs = ca.SX.sym("x", 0), ca.SX.sym("u", 7)
+    names = ("speed", "slip[1]", "slip[2]", "slip_valid[1]", "slip_valid[2]", "pressure[1]", "pressure[2]")
+    starts = (36.0, 0.02, 0.03, 1.0, 1.0, 7.0, 8.0)
+    system = SampledSystem(
+        name="Law",
+        description="",
+        period=0.01,
+        states=(),
+        inputs=tuple(
+            Variable(name=n, unit="km/h" if n == "speed" else "Pa" if "pressure" in n else "1", description="", start=s)
+            for n, s in zip(names, starts, strict=True)
+        ),
+        parameters=(),
+        outputs=tuple(Variable(name=f"demand[{g}]", unit="Pa", description="") for g in (1, 2)),
+        step=ca.Function("step", [state, inputs], [state, inputs[:2]]),
+    )
+    source = sources(system)
+    source = replace(source, xml=re.sub(r'generationTool="[^"]*"', f'generationTool="{tool}"', source.xml))
+    description = describe(pack(source, folder / f"law_{len(tool)}.fmu"))
+    ports = [
+        Port(name=name, unit=unit, size=size, needed=False)
+        for name, unit, size in (
+            ("speed", "m/s", 0), ("slip", "1", 2), ("pressure", "Pa", 2),
+            ("speed_valid", "1", 0), ("slip_valid", "1", 2), ("pressure_valid", "1", 2),
+        )
+    ]  # fmt: skip
+    outputs = [Port(name="demand", unit="Pa", size=2, needed=True)]
+    return description, bind(description, inputs=ports, outputs=outputs)
+
+
+def observed(speed: float, slip: list[float], pressure: list[float]) -> Observation:
+    empty = np.full(2, np.nan)
+    return Observation(
+        0.0, speed, 0.0, empty, np.array(slip), False, None, None, np.array(pressure), np.full(2, 1e5)
+    )  # fmt: skip
+
+
+def test_a_controller_of_others_never_gets_nan(folder):
+    """Before the first reading it gets its own start values, later the last reading; validity has separate inputs."""
+    description, binding = law_of_inputs(folder)
+    fmu, nan = Recorder(), np.nan
+    law = ForeignController(fmu, binding, "demand", description)
+    law.decide(observed(nan, [nan, nan], [nan, nan]))
+    law.decide(observed(20.0, [0.1, nan], [3e5, 2e5]))
+    law.decide(observed(nan, [nan, 0.2], [nan, nan]))
+    places = binding.inputs.layout
+    assert not np.isnan(fmu.rows).any()
+    rows = {name: np.array(fmu.rows)[:, places[name]].tolist() for name in ("speed", "slip", "slip_valid", "pressure")}
+    assert rows["speed"] == [[pytest.approx(10.0)], [20.0], [20.0]]  # 36 km/h
+    assert rows["slip"] == [[0.02, 0.03], [0.1, 0.03], [0.1, 0.2]]
+    assert rows["slip_valid"] == [[0, 0], [1, 0], [0, 1]]
+    assert rows["pressure"] == [[7.0, 8.0], [3e5, 2e5], [3e5, 2e5]]
+
+
+def test_an_exported_law_gets_nan_which_it_defines(folder):
+    description, binding = law_of_inputs(folder, "railgrip (CasADi 3)")
+    fmu = Recorder()
+    ForeignController(fmu, binding, "demand", description).decide(observed(np.nan, [np.nan, 0.1], [1.0, 1.0]))
+    assert np.isnan(fmu.rows[0][binding.inputs.layout["slip"]]).tolist() == [True, False]

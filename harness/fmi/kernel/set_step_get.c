@@ -12,8 +12,10 @@
 #endif
 
 /* Whether a status is an error: not fmi2OK or fmi2Warning, including numbers that FMI does not define. */
-static int failed(long long status)
+static int failed(SetStepGet *c, long long status)
 {
+    c->status = status;
+    c->warnings += status == 1;
     return status != 0 && status != 1;
 }
 
@@ -49,14 +51,14 @@ EXPORT int exchange(SetStepGet *c, int actions, double time)
 {
     if (actions & SET)
         for (long long k = 0; k < c->n_senders; k++)
-            if (failed(c->status = send(c, c->senders + (c->at = k))))
+            if (failed(c, send(c, c->senders + (c->at = k))))
                 return SETTING;
     if (actions & STEP)
-        if (failed(c->status = c->step(c->fmu, c->begin + time, c->period, 1))) /* true: no earlier state is restored */
+        if (failed(c, c->step(c->fmu, c->begin + time, c->period, 1))) /* true: no earlier state is restored */
             return STEPPING;
     if (actions & GET) {
         for (long long k = 0; k < c->n_receivers; k++)
-            if (failed(c->status = receive(c, c->receivers + (c->at = k))))
+            if (failed(c, receive(c, c->receivers + (c->at = k))))
                 return GETTING;
         for (long long k = 0; k < c->n_receivers; k++)
             for (long long i = 0; i < c->receivers[k].count; i++)

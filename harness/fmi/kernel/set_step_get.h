@@ -31,6 +31,7 @@ typedef struct {
     double *outputs;      /* NaN for outputs that the FMU lacks */
     double period, begin; /* begin: time of the FMU at the start */
     long long done;       /* steps of `follow` that succeeded */
+    long long warnings;   /* calls that returned one */
     long long status, at; /* of the call that failed; index of its channel or output */
 } SetStepGet;
 

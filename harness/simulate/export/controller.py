@@ -11,6 +11,7 @@ from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import Source
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.controller import controller_of, valve_logic_of
+from railgrip.simulate.export.in_other_units import Conversion
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.signals import Layout
 
@@ -20,7 +21,9 @@ PERIODS = frozenset({"period", _VALVES + "period"})
 """Parameters for the period of the step: the FMU has a fixed one, and any other value would be wrong."""
 
 
-def controller_fmu(scenario: Scenario, *, with_valves: bool = True) -> Source:
+def controller_fmu(
+    scenario: Scenario, *, with_valves: bool = True, convert: Conversion = lambda system: system
+) -> Source:
     """Return C code and modelDescription.xml of a controller, with its valve logic if `with_valves` is set.
 
     They are for `railgrip.fmus.native.package.pack`. A step of the FMU is one period of the controller: outputs at its
@@ -47,22 +50,26 @@ def controller_fmu(scenario: Scenario, *, with_valves: bool = True) -> Source:
         outputs, step = valves.formula.outputs, _in_series(law, limited, valves, vehicle.layout)
     full = {f"driver_demand[{g}]": group.pressure_max for g, group in enumerate(groups, start=1)}
     return sources(
-        SampledSystem(
-            name=law.formula.name,
-            description=law.formula.description,
-            period=scenario.periods.controller,
-            states=states,
-            inputs=started_at(law.formula.inputs, [full.get(variable.name, 0.0) for variable in law.formula.inputs]),
-            parameters=parameters,
-            outputs=started_at(outputs, [0.0] * len(outputs)),
-            step=step,
+        convert(
+            SampledSystem(
+                name=law.formula.name,
+                description=law.formula.description,
+                period=scenario.periods.controller,
+                states=states,
+                inputs=started_at(
+                    law.formula.inputs, [full.get(variable.name, 0.0) for variable in law.formula.inputs]
+                ),
+                parameters=parameters,
+                outputs=started_at(outputs, [0.0] * len(outputs)),
+                step=step,
+            )
         ),
         waits=int(scenario.start.speed > 0.0),
         hidden=PERIODS,
     )
 
 
-def valves_fmu(scenario: Scenario) -> Source | None:
+def valves_fmu(scenario: Scenario, convert: Conversion = lambda system: system) -> Source | None:
     """Return the source of the valve logic alone, from demanded and measured pressures.
 
     The result is None if the plant has no valves.
@@ -72,15 +79,17 @@ def valves_fmu(scenario: Scenario) -> Source | None:
         return None
     formula = valves.formula
     return sources(
-        SampledSystem(
-            name=formula.name,
-            description=formula.description,
-            period=scenario.periods.controller,
-            states=started_at(formula.states, valves.state, _MEMORY),
-            inputs=started_at(formula.inputs, [0.0] * len(formula.inputs)),
-            parameters=started_at(formula.parameters, valves.parameters),
-            outputs=started_at(formula.outputs, [0.0] * len(formula.outputs)),
-            step=valves.step,
+        convert(
+            SampledSystem(
+                name=formula.name,
+                description=formula.description,
+                period=scenario.periods.controller,
+                states=started_at(formula.states, valves.state, _MEMORY),
+                inputs=started_at(formula.inputs, [0.0] * len(formula.inputs)),
+                parameters=started_at(formula.parameters, valves.parameters),
+                outputs=started_at(formula.outputs, [0.0] * len(formula.outputs)),
+                step=valves.step,
+            )
         ),
         # Without it, an instant without a demand would be held for the minimum pulse.
         waits=len(formula.inputs),

@@ -23,6 +23,7 @@ from railgrip.fmus.native.toolchain import FMU_FLAGS, static_library
 from railgrip.scenario.parts import KalmanFilter
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.export.controller import PERIODS, law_parameters, started_at
+from railgrip.simulate.export.in_other_units import Conversion
 from railgrip.simulate.loop.library import headers, kernel, texts
 from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.loop.parts import Parts, StateEstimator
@@ -59,9 +60,9 @@ class _Role:
     macros: Mapping[str, object]
 
 
-def part_fmu(scenario: Scenario, kind: Kind) -> Source:
+def part_fmu(scenario: Scenario, kind: Kind, convert: Conversion = lambda system: system) -> Source:
     """Return C code and modelDescription.xml of a part of a scenario's stop; errors are those of `part_in_c`."""
-    system = part_in_c(scenario, kind)
+    system = convert(part_in_c(scenario, kind))
     # A train that begins to move would only wait for zeros.
     readings = sum(not variable.name.startswith("driver_demand") for variable in system.inputs)
     return sources(system, waits=readings if scenario.start.speed else 0, hidden=PERIODS)

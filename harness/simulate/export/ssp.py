@@ -1,17 +1,20 @@
 """Export a scenario as a system of FMUs by SSP 1.0: plant, track, sensors, estimator, law and valves, connected."""
 
 import xml.etree.ElementTree as ET
-import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_bytes
+from railgrip.base.system import SampledSystem
+from railgrip.fmi import Binding
+from railgrip.fmi.archive import read_description
 from railgrip.fmus.native.package import Source, archive_bytes, zip_files
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle import FmuFile
 from railgrip.simulate.export.controller import controller_fmu, valves_fmu
+from railgrip.simulate.export.in_other_units import in_other_units
 from railgrip.simulate.export.parts import part_fmu
 from railgrip.simulate.export.plant import plant_fmu
 from railgrip.simulate.plant import binding_of, values_of
@@ -39,12 +42,15 @@ class _Component:
 
 @dataclass(frozen=True, slots=True)
 class _Connection:
-    """Connection of an output to an input, as (component, variable), with gain and shift."""
+    """Connection of an output to an input, as (component, variable).
+
+    Values pass unchanged: not every tool applies the transformations of SSP. The track, the sensors and the last part
+    before the plant convert them to and from the units and signs of a foreign plant.
+    """
 
     source: tuple[str, str]
     target: tuple[str, str]
-    gain: float = 1.0
-    shift: float = 0.0
+    is_converted: bool = False
 
 
 def write_ssp(scenario: Scenario, path: Path, platforms: Sequence[str] = ()) -> Path:
@@ -62,8 +68,9 @@ def write_ssp(scenario: Scenario, path: Path, platforms: Sequence[str] = ()) -> 
         FmuError: The plant does not fit.
     """
     vehicle = VehicleData(scenario)
-    components = {component.name: component for component in _components(scenario, vehicle, platforms)}
-    connections = [*_connections(vehicle, components)]
+    binding = binding_of(vehicle)
+    components = {component.name: component for component in _components(scenario, vehicle, binding, platforms)}
+    connections = [*_connections(vehicle, binding, components)]
     members = {f"resources/{name}.fmu": component.content for name, component in components.items()}
     members["SystemStructure.ssd"] = _bytes(_structure(scenario, components, connections))
     members[_PARAMETERS] = _bytes(_parameter_set(vehicle, components))
@@ -71,7 +78,9 @@ def write_ssp(scenario: Scenario, path: Path, platforms: Sequence[str] = ()) -> 
     return path
 
 
-def _components(scenario: Scenario, vehicle: VehicleData, platforms: Sequence[str]) -> Iterator[_Component]:
+def _components(
+    scenario: Scenario, vehicle: VehicleData, binding: Binding, platforms: Sequence[str]
+) -> Iterator[_Component]:
     if isinstance(scenario.vehicle.source, FmuFile):
         file = vehicle.file.file
         if vehicle.file.fmi != 2 or vehicle.file.co_simulation is None:
@@ -79,28 +88,71 @@ def _components(scenario: Scenario, vehicle: VehicleData, platforms: Sequence[st
                 f"{scenario.name}: all components of a system are Co-Simulation by FMI 2.0, the plant {file.name} is "
                 "not; export it as that"
             )
-        with zipfile.ZipFile(file) as archive:
-            yield _Component("plant", file.read_bytes(), ET.fromstring(archive.read("modelDescription.xml")))
+        yield _Component("plant", file.read_bytes(), ET.fromstring(read_description(file)))
         sources: dict[str, Source | None] = {}
     else:
         sources = {"plant": plant_fmu(scenario)}
-    sources |= {kind: part_fmu(scenario, kind) for kind in ("track", "sensors", "estimator")}
-    sources |= {"law": controller_fmu(scenario, with_valves=False), "valves": valves_fmu(scenario)}
+    of_plant, to_plant = _factors(binding.outputs.ties()), _factors(binding.inputs.ties())
+    command = "valve_command" if scenario.actuation.kind == "pneumatic" else "pressure_command"
+
+    def commands(system: SampledSystem) -> SampledSystem:
+        names = {v.name: _command_of(command, v.name) for v in system.outputs}
+        return in_other_units(system, {}, {own: to_plant[name] for own, name in names.items() if name in to_plant})
+
+    def convert(system: SampledSystem) -> SampledSystem:
+        return in_other_units(system, of_plant, to_plant)
+
+    sources |= {
+        "track": part_fmu(scenario, "track", convert),
+        "sensors": part_fmu(scenario, "sensors", lambda system: in_other_units(system, of_plant, {})),
+        "estimator": part_fmu(scenario, "estimator"),
+    }
+    if (valves := valves_fmu(scenario, commands)) is None:
+        sources["law"] = controller_fmu(scenario, with_valves=False, convert=commands)
+    else:
+        sources |= {"law": controller_fmu(scenario, with_valves=False), "valves": valves}
     for name, source in sources.items():
         if source is not None:
             yield _Component(name, archive_bytes(source, platforms=platforms), ET.fromstring(source.xml))
 
 
-def _connections(vehicle: VehicleData, components: Mapping[str, _Component]) -> Iterator[_Connection]:
-    binding = binding_of(vehicle)
+def _factors(ties: Mapping[str, tuple[str, float, float]]) -> dict[str, float]:
+    """Return the factor of each element whose unit or sign differs."""
+    return {name: gain for name, (_, gain, _) in ties.items() if gain != 1.0}
+
+
+def _of_plant(vehicle: VehicleData, tie: tuple[str, float, float]) -> tuple[tuple[str, str], bool]:
+    """Return a variable of the plant as the end of a connection, and whether it is converted.
+
+    Raises:
+        ScenarioError: The variable is not Real, or has a unit with an offset.
+    """
+    variable, gain, shift = tie
+    kind = vehicle.file.variables[variable].kind
+    if kind != "Real" or shift:
+        fault = "in a unit with an offset" if shift else f"of type {kind}"
+        raise ScenarioError(
+            f"{vehicle.scenario.name}: the plant {vehicle.file.file.name} has '{variable}' {fault}, which a system of "
+            "FMUs does not convert; give the FMU a Real variable in SI"
+        )
+    return ("plant", variable), gain != 1.0
+
+
+def _command_of(command: str, variable: str) -> str:
+    """Return the plant's input for an output of the law or the valves."""
+    return command + variable[variable.find("[") :]
+
+
+def _connections(vehicle: VehicleData, binding: Binding, components: Mapping[str, _Component]) -> Iterator[_Connection]:
     outputs, inputs = binding.outputs.ties(), binding.inputs.ties()
     for name in ("track", "sensors"):
         for variable in components[name].variables("input"):
             if variable in outputs:
-                yield _Connection(("plant", outputs[variable][0]), (name, variable), *outputs[variable][1:])
+                source, is_converted = _of_plant(vehicle, outputs[variable])
+                yield _Connection(source, (name, variable), is_converted)
     from_track = components["track"].variables("output")
     for variable in from_track.keys() & inputs.keys():
-        yield _Connection(("track", variable), ("plant", inputs[variable][0]), *inputs[variable][1:])
+        yield _Connection(("track", variable), *_of_plant(vehicle, inputs[variable]))
     for source, target in (("sensors", "estimator"), ("estimator", "law"), ("track", "law"), ("law", "valves")):
         if target in components:
             wanted = components[target].variables("input")
@@ -113,8 +165,7 @@ def _connections(vehicle: VehicleData, components: Mapping[str, _Component]) -> 
             if variable.startswith("pressure["):
                 yield _Connection(("estimator", variable), ("valves", variable))
     for variable in components[last].variables("output"):
-        name, gain, shift = inputs[command + variable[variable.find("[") :]]
-        yield _Connection((last, variable), ("plant", name), gain, shift)
+        yield _Connection((last, variable), *_of_plant(vehicle, inputs[_command_of(command, variable)]))
 
 
 def _structure(
@@ -145,8 +196,8 @@ def _structure(
             lines, "ssd:Connection", startElement=connection.source[0], startConnector=connection.source[1],
             endElement=connection.target[0], endConnector=connection.target[1],
         )  # fmt: skip
-        if (connection.gain, connection.shift) != (1.0, 0.0):
-            _element(line, "ssc:LinearTransformation", factor=repr(connection.gain), offset=repr(connection.shift))
+        if connection.is_converted:
+            line.set("suppressUnitConversion", "true")
     _units(root, "ssd:Units", components)
     begin = scenario.plant_begin
     stop = repr(begin + scenario.horizon)

@@ -1,5 +1,6 @@
 """Estimators of users in the study: a class in Python, or a prediction FMU in the extended Kalman filter."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -44,6 +45,30 @@ def require_file(estimator: str) -> None:
         raise InputError(f"--estimator {estimator}: expected FILE.py:CLASS, the file of a class in Python.")
     if not file.is_file():
         raise InputError(f"--estimator {estimator}: there is no file {file}.")
+
+
+def require_one_of_each_name(estimators: Iterable[str]) -> None:
+    """Check that tables can distinguish the estimators, and that Python can import their modules.
+
+    Raises:
+        InputError: Two have one name, or two files that are imported have one.
+    """
+    of_name, of_module = dict[str, str](), dict[str, tuple[str, Path]]()
+    for estimator in dict.fromkeys(estimators):
+        earlier = of_name.setdefault(name_of(estimator), estimator)
+        if earlier != estimator:
+            raise InputError(
+                f"--estimator {estimator}: would have the name of {earlier} in the tables, {name_of(estimator)}; "
+                "rename one."
+            )
+        if is_class(estimator):
+            file = Path(estimator.rpartition(":")[0]).resolve()
+            other, path = of_module.setdefault(file.stem, (estimator, file))
+            if path != file:
+                raise InputError(
+                    f"--estimator {estimator}: {file.name} is another file than that of {other}, and Python imports "
+                    f"one module named '{file.stem}'; rename one of the files."
+                )
 
 
 def trace_with_class(case: RecordingCase, estimator: str) -> xarray.Dataset:

@@ -20,7 +20,7 @@ from railgrip.scenario.file import is_file, locate
 from railgrip.studies.estimators.judge import bounds_of, errors_of, truths_of
 from railgrip.studies.estimators.loop import BEST, compare, compare_table_1, stops_of_table_1, stops_of_type_test
 from railgrip.studies.estimators.noises import FACTORS, SEARCHED
-from railgrip.studies.estimators.own import is_class, is_fmu, name_of, require_file
+from railgrip.studies.estimators.own import is_class, is_fmu, name_of, require_file, require_one_of_each_name
 from railgrip.studies.estimators.recordings import (
     COUNT,
     FAMILIES,
@@ -216,6 +216,7 @@ class Estimators(Study):
             elif name not in known:
                 hint = did_you_mean(name, known) or f"there are {', '.join(known)}."
                 raise InputError(f"--estimator {name}: is unknown; {hint}")
+        require_one_of_each_name(self.estimator or ())
         chosen = self.estimator or [name for name in (FAST if self.quick else ESTIMATORS) if name not in without]
         return tuple(dict.fromkeys((*REFERENCES, *chosen)))
 

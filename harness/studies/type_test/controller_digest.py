@@ -8,7 +8,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from railgrip.base import registry
-from railgrip.base.errors import ScenarioError
+from railgrip.base.errors import InputError, ScenarioError
+from railgrip.base.files import LARGEST_TABLE, read_bytes
 from railgrip.studies.type_test.entrants import Entrant
 
 
@@ -63,14 +64,22 @@ def _module_file(module: str, folders: Sequence[Path]) -> Path:
             if file.is_file():
                 return file
     spec = find_spec(module)
-    if spec is None or not spec.origin:
-        raise ScenarioError(f"--sealed: the source of {module} was not found")
+    if spec is None:
+        raise ScenarioError(f"--controller: there is no module {module}; correct the name, or add --import-from")
+    if not spec.has_location or spec.origin is None or Path(spec.origin).suffix != ".py":
+        raise ScenarioError(
+            f"--controller: the module {module} is part of Python or compiled, and has no source in Python; a "
+            "controller is a class of your own, module:Class"
+        )
     return Path(spec.origin)
 
 
 def _meaning(path: Path) -> bytes:
     """Return the syntax tree of a source without docstrings, as text."""
-    tree = ast.parse(_bytes(path))
+    try:
+        tree = ast.parse(_bytes(path))
+    except (SyntaxError, ValueError, RecursionError) as problem:
+        raise ScenarioError(f"{path.name}: is not a module in Python: {problem}") from problem
     for node in ast.walk(tree):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef) and ast.get_docstring(
             node, clean=False
@@ -81,6 +90,6 @@ def _meaning(path: Path) -> bytes:
 
 def _bytes(path: Path) -> bytes:
     try:
-        return path.read_bytes()
-    except OSError as problem:
-        raise ScenarioError(f"{path.name}: cannot be read for its digest: {problem.strerror}") from problem
+        return read_bytes(path, LARGEST_TABLE)
+    except InputError as problem:
+        raise ScenarioError(f"--controller: {problem}") from problem

@@ -93,6 +93,14 @@ def _entrant_of_user(argument: str, ours: Mapping[str, Entrant]) -> tuple[str, E
         if "controller" not in table:
             raise ScenarioError(f"{name}: has no [controller], which is what takes part in a type test")
         tables = {key: table[key] for key in ("controller", "estimator") if key in table}
+        for key, content in tables.items():
+            kind = content.get("kind") if isinstance(content, dict) else None
+            if not isinstance(kind, str):
+                found = content if kind is None else kind
+                raise ScenarioError(
+                    f"{name}: [{key}] is a table whose kind is a text, got {cut(repr(found))}; write [{key}] and below "
+                    f'it kind = "..."'
+                )
         return path.stem, _entrant_of(f"[controller] of {name}", tables)
     if path.suffix == ".fmu":
         return path.stem, _entrant_of(path.name, {"controller": {"kind": "fmu", "file": str(path.resolve())}})

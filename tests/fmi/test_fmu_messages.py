@@ -1,0 +1,149 @@
+"""Messages and warnings of FMUs: counted, shown once, stored, and taken from any thread without a deadlock."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from faulty_fmu import faulty_fmu, quick_stop
+from tiny_fmu import tied, tiny, xml
+
+from railgrip.fmi import CoSimulation, IsolatedCoSimulation, describe, open_plant
+from railgrip.report.stop import read_stop
+
+SCENARIO = """
+name = "town"
+seed = 1
+[vehicle]
+plant = "{plant}"
+trust = {trust}
+"""
+STEPS = 20
+
+
+def scenario(folder: Path, plant: Path, *, trust: bool) -> Path:
+    file = folder / "town.toml"
+    file.write_text(SCENARIO.format(plant=plant, trust=str(trust).lower()) + quick_stop("full_brake"))
+    return file
+
+
+@pytest.mark.parametrize("trust", [True, False])
+@pytest.mark.parametrize(
+    ("misbehaviour", "message"),
+    [
+        ("WARNS", "table of brake force is extrapolated at 0.1 s"),  # later ones differ in the time
+        ("WARNS_IN_SILENCE", "the status of a call was a warning, without a message"),
+        ("LOGS_FROM_A_THREAD", "a worker speaks"),
+    ],
+)
+def test_warnings_are_shown_once_with_their_number_and_stored(
+    tmp_path: Path, foundry: Path, command, trust: bool, misbehaviour: str, message: str
+):
+    """From 0.1 s on, each step of 10 ms warns once: the number follows from the duration of the stop."""
+    out = tmp_path / "out"
+    result = command("run", scenario(tmp_path, faulty_fmu(foundry, misbehaviour), trust=trust), "--out", out)
+    assert result.code == 0, result.err
+    duration = json.loads((out / "stop.json").read_text())["duration_s"]
+    count = round(duration / 0.01) - 10
+    name = f"{misbehaviour.lower()}.fmu"
+    assert result.err.count(f"{name} warned {count} times: {message}.") == 1
+    assert result.err.count(message) == 1
+    assert read_stop(out).fmu_warnings == {name: {message: count}}
+
+
+def test_a_stop_without_warnings_stores_none(tmp_path: Path, foundry: Path, command):
+    result = command("run", scenario(tmp_path, faulty_fmu(foundry), trust=True), "--out", tmp_path / "out")
+    assert "warned" not in result.err
+    assert "fmu_warnings" not in json.loads((tmp_path / "out" / "stop.json").read_text())
+
+
+def test_references_become_names(tmp_path: Path, foundry: Path, command):
+    """FMI 2.0.4, §2.1.5: #r12# is the Real variable of value reference 12, ## is #; #r99# is not a variable."""
+    result = command("run", scenario(tmp_path, faulty_fmu(foundry, "REFERS"), trust=True), "--out", tmp_path / "out")
+    assert "it says: error: speed is above #r99#, see #5." in result.err
+
+
+@pytest.mark.parametrize("kind", [CoSimulation, IsolatedCoSimulation])
+def test_messages_that_differ_only_in_numbers_are_of_one_kind(foundry: Path, kind: type[CoSimulation]):
+    """tiny.c warns in each step with its time; #r0# and #r5# are two variables, not two numbers."""
+    description = describe(tiny(foundry, "WARNS"))
+    with kind(description, tied(description), period=1e-3, parameters={"allowed": 0}) as plant:
+        plant.start(np.zeros(1))
+        for _ in range(STEPS):
+            plant.step(np.zeros(1))
+        expected = {"x is late by 0": STEPS, "y is late by 0": STEPS}
+        assert plant.warnings == expected
+    assert plant.warnings == expected, "after the end, too"
+
+
+def test_kinds_of_messages_are_limited(foundry: Path):
+    description = describe(tiny(foundry, "WARNS_ALWAYS_OTHERWISE"))
+    with CoSimulation(description, tied(description), period=1e-3, parameters={"allowed": 0}) as plant:
+        plant.start(np.zeros(1))
+        for _ in range(26):
+            plant.step(np.zeros(1))
+        assert len(plant.warnings) == 21
+        assert plant.warnings["further messages"] == 6
+        assert sum(plant.warnings.values()) == 26
+
+
+def test_a_message_to_an_unknown_instance_belongs_to_the_only_one_or_is_dropped(foundry: Path):
+    """Some FMUs pass themselves instead of the environment that they were given, and no category."""
+    description = describe(tiny(foundry, "WARNS_SOMEBODY_ELSE"))
+    with CoSimulation(description, tied(description), period=1e-3, parameters={"allowed": 0}) as plant:
+        plant.start(np.zeros(1))
+        plant.step(np.zeros(1))
+        assert plant.warnings == {"hello": 1}
+        with CoSimulation(description, tied(description), period=1e-3, parameters={"allowed": 0}) as other:
+            other.start(np.zeros(1))
+            other.step(np.zeros(1))
+            assert other.warnings == {}
+        assert plant.warnings == {"hello": 1}
+
+
+def test_control_codes_do_not_reach_the_terminal(foundry: Path):
+    description = describe(tiny(foundry, "WARNS_IN_COLOUR"))
+    with CoSimulation(description, tied(description), period=1e-3, parameters={"allowed": 0}) as plant:
+        plant.start(np.zeros(1))
+        plant.step(np.zeros(1))
+        assert plant.warnings == {"[31mred  line": 1}
+
+
+@pytest.mark.skipif(not Path("/proc").exists(), reason="needs POSIX signals")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_the_program_though_a_trusted_fmu_never_returns(tmp_path: Path, foundry: Path, number: int):
+    marker = tmp_path / "in_the_step"
+    command = str(Path(sys.executable).with_name("railgrip"))
+    file = scenario(tmp_path, faulty_fmu(foundry, "NEVER_RETURNS"), trust=True)
+    environment = os.environ | {"FAULTY_MARKER": str(marker)}
+    process = subprocess.Popen(
+        [command, "run", str(file), "--out", str(tmp_path / "out")], stderr=subprocess.PIPE, env=environment
+    )
+    end = time.monotonic() + 120
+    while not marker.exists():
+        assert time.monotonic() < end, "the step was not reached"
+        time.sleep(0.01)
+    sent = time.monotonic()
+    process.send_signal(number)
+    _, errors = process.communicate(timeout=60)
+    # 0.8 s of patience; the rest is for a machine that is busy with other tests.
+    assert time.monotonic() - sent < 5.0
+    assert process.returncode == 128 + number
+    assert b"never_returns.fmu does not return, so the program ends at once" in errors
+
+
+@pytest.mark.skipif(os.name != "posix", reason="isolation needs POSIX")
+def test_an_fmu_of_one_instance_runs_in_a_process_of_its_own(foundry: Path):
+    """Trial runs in this process would use up its only instance."""
+    text = xml().replace("<CoSimulation ", '<CoSimulation canBeInstantiatedOnlyOncePerProcess="true" ')
+    description, sentences = describe(tiny(foundry, description=text)), list[str]()
+    plant = open_plant(
+        description, tied(description), period=1e-3, parameters={}, trusted=True, notify=sentences.append
+    )
+    assert isinstance(plant, IsolatedCoSimulation)
+    assert "only once in a process, and runs in a separate one in spite of trust = true" in sentences[0]
