@@ -20,7 +20,6 @@ from railgrip.estimation.inspection import inspect_recording
 from railgrip.estimation.judge import Judgement, judge
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.page import errors_table, estimate_page, parameters_table
-from railgrip.estimation.plausible import check_estimates, check_signals
 from railgrip.estimation.run import units_of
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import (
@@ -130,11 +129,8 @@ def estimate(
     require_free(folder, *files)
     recording = _recording(specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ())
     with progress(f"{specification.name}: filter"):
-        prediction = prediction_for(specification)
         estimates = estimate_of(specification, recording)
-    strange = check_signals(recording, (*prediction.inputs, *prediction.outputs)) + check_estimates(estimates)
-    warnings = str(estimates.attrs["warnings"]).splitlines()
-    problems = [*strange, *([estimates.attrs["ended"]] if estimates.attrs["ended"] else [])]
+    warnings, problems = (str(estimates.attrs[key]).splitlines() for key in ("warnings", "problems"))
     parameters = model_parameters(specification)
     judgements = {state: judge(recording, estimates, state) for state in _known_states(recording, estimates)}
     with progress(f"{specification.name}: page"):

@@ -10,6 +10,8 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 import xarray
+from numpy.typing import NDArray
+from scipy.ndimage import binary_closing
 
 from railgrip.base.errors import EstimationError, FilterDiverged
 from railgrip.base.names import did_you_mean
@@ -24,6 +26,7 @@ from railgrip.fmus.build import build_class, fmu
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.native.library import LIBRARY
 from railgrip.fmus.recipe import read_recipes
+from railgrip.recording.flag import intervals
 from railgrip.recording.samples import period_of, samples
 
 Kind = Literal["fmu", "compiled"]
@@ -32,6 +35,10 @@ Kind = Literal["fmu", "compiled"]
 READ_STATES = {"v": "speed", "w": "wheelset_speed"}
 """States that are measured directly; if `start` omits them they are initialised with the first reading."""
 
+REJECTED_TOGETHER = 0.5
+"""Longest time between rejected samples of one sentence [s]."""
+MOST_REJECTIONS = 3
+"""Number of sentences for each reading."""
 LONGEST_STEP = 1.5
 """Product of period and fastest mode of a model beyond which a filter takes several steps from sample to sample.
 
@@ -271,8 +278,8 @@ def estimate(
         its degrees of freedom `readings` (time). The first sample is the start. The attribute `ended` is empty for a
         valid filter. Otherwise it states why and from when on its estimates are invalid: the filter diverged, and later
         values are NaN, or it is lost (`railgrip.estimators.consistency.loss_step`). `nis_ratio` is the median of NIS
-        over its expected one, NaN without readings. `warnings` has a line for each disagreement between signals of the
-        recording.
+        over its expected one, NaN without readings. `repairs` has a line for each error in the file that was mended,
+        `warnings` one for each disagreement between signals of the recording.
 
     Raises:
         EstimationError: A signal is missing or in another unit, the grid is uneven, or an input is NaN.
@@ -291,6 +298,8 @@ def estimate(
         rows[0], rows[1 : 1 + done] = start, steps
         return rows
 
+    times = recording["time"].values[1 : 1 + done]
+    rejected = _rejected(prediction.outputs, times, np.isfinite(data.readings[:done]) & (beliefs.used == 0.0), data)
     ratio = nis_ratio(beliefs.squared_innovation, beliefs.degrees)
     return xarray.Dataset(
         {
@@ -306,9 +315,32 @@ def estimate(
             "period": data.period,
             "name": recording.attrs.get("name", ""),
             "nis_ratio": np.nan if ratio is None else ratio,
-            "warnings": "\n".join(recording.attrs.get("warnings", ())),
+            "repairs": "\n".join(recording.attrs.get("flags", ())),
+            "warnings": "\n".join([*recording.attrs.get("warnings", ()), *rejected]),
         },
     )
+
+
+def _rejected(outputs: Sequence[str], time: Vector, where: NDArray[np.bool_], data: FilterData) -> list[str]:
+    """Return a sentence for each interval in which the filter rejected samples of a reading as outliers."""
+    near = max(1, round(REJECTED_TOGETHER / data.period))
+    sentences: list[str] = []
+    for name, rejected in zip(outputs, where.T, strict=True):
+        spans = intervals(binary_closing(rejected, np.ones(near + 1, dtype=np.bool_)) | rejected)
+        for first, last in spans[:MOST_REJECTIONS]:
+            count = int(rejected[first : last + 1].sum())
+            if count > 1:
+                sentences.append(
+                    f"{name} contradicts the other signals from {time[first]:.3f} s to {time[last]:.3f} s: {count} of "
+                    "its samples are further from their expectation than outlier_limit and are not used; compare the "
+                    "sensor, and the brake inputs there."
+                )
+        if len(spans) > MOST_REJECTIONS:
+            sentences.append(
+                f"{name} contradicts the other signals {len(spans) - MOST_REJECTIONS} more times until "
+                f"{time[spans[-1][1]]:.3f} s."
+            )
+    return sentences
 
 
 def _follow(filter_: CompiledFilter, first: GaussianEstimate, data: FilterData) -> tuple[FilterRecord, str]:
@@ -317,9 +349,7 @@ def _follow(filter_: CompiledFilter, first: GaussianEstimate, data: FilterData) 
     except FilterDiverged as problem:
         # The estimates before that are valid.
         valid = problem.after // data.steps * data.steps
-        return filter_.follow(
-            first, data.inputs[:valid], data.readings_by_step[:valid], every=data.steps
-        ), problem.why
+        return filter_.follow(first, data.inputs[:valid], data.readings_by_step[:valid], every=data.steps), problem.why
 
 
 def _end(beliefs: FilterRecord, problem: str, readings: Matrix, time: Vector) -> str:

@@ -14,6 +14,7 @@ from railgrip.base.errors import EstimationError, UnitError
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import Unit, conversion, short, unit
 from railgrip.recording.cleaning import Treatment, clean
+from railgrip.recording.faults import find_faults
 from railgrip.recording.files import Series, read_series, unit_at_end
 from railgrip.recording.flag import Flag, flags_of, summary
 from railgrip.recording.grid import gaps_of, input_on_grid, on_grid
@@ -79,7 +80,7 @@ def read_recording(
         elif name in inputs:
             source = columns[name]
             values, changes = input_on_grid(name, source.time, source.values, grid, table.period, table.longest_gap)
-            _refuse_gaps(path, name, column, values, grid, table)
+            _refuse_gaps(path, name, column, values, grid, table, flags)
             flags += changes
         else:
             source = columns[name]
@@ -116,7 +117,7 @@ def _columns(
 ) -> dict[str, _Samples]:
     """Return the columns of the file by signal, converted and cleaned; errors are added to `flags`."""
     series = read_series(path, table)
-    columns: dict[str, _Samples] = {}
+    converted: dict[str, tuple[Vector, Vector, str]] = {}
     for name, column in table.columns.items():
         if column.column is None:
             continue
@@ -126,17 +127,39 @@ def _columns(
         values = gain * values + shift
         if column.minimum is not None:
             values = np.maximum(values, _si(f"[data.columns] {name} minimum", column.minimum, target))
-        is_number = np.abs(values) < _LARGEST
+        converted[name] = time, np.where(np.abs(values) < _LARGEST, values, np.nan), unit_of_column
+    return _clean(path, table, units, inputs, converted, flags)
+
+
+def _clean(
+    path: Path,
+    table: DataTable,
+    units: Mapping[str, str],
+    inputs: Sequence[str],
+    converted: Mapping[str, tuple[Vector, Vector, str]],
+    flags: list[Flag],
+) -> dict[str, _Samples]:
+    # A reference is not a sensor: its samples are not judged.
+    measured = {name: samples for name, samples in converted.items() if not name.startswith(TRUTH)}
+    numbers = {name: (time[np.isfinite(x)], x[np.isfinite(x)]) for name, (time, x, _) in measured.items()}
+    faults, found = find_faults(numbers)
+    flags += found
+    columns: dict[str, _Samples] = {}
+    for name, (time, values, unit_of_column) in converted.items():
+        column, is_number = table.columns[name], np.isfinite(values)
         file_time = time[is_number]
-        if name.startswith(TRUTH):  # a reference, not a sensor: its samples are not judged
+        if name.startswith(TRUTH):
             time, values = file_time, values[is_number]
         else:
-            values = np.where(is_number, values, np.nan)
-            time, values, changes = clean(name, time, values, _treatment(name, column, table, target, name in inputs))
+            left = ~faults[name]
+            time, values = numbers[name][0][left], numbers[name][1][left]
+            treatment = _treatment(name, column, table, units[name], name in inputs)
+            time, values, changes = clean(name, time, values, treatment)
             flags += changes
         if time.size < 2:
             raise EstimationError(
                 f"{path.name}: {name} (column {short(column.column)}) has {time.size} usable samples."
+                + "".join(f" {flag}" for flag in flags if flag.signal == name)
             )
         columns[name] = _Samples(time, values, file_time, unit_of_column)
     return columns
@@ -285,12 +308,16 @@ def _grid(path: Path, table: DataTable, times: Mapping[str, Vector]) -> Vector:
     return np.asarray(np.minimum(begin + np.arange(count) * table.period, end), dtype=np.float64)
 
 
-def _refuse_gaps(path: Path, name: str, column: Column, values: Vector, grid: Vector, table: DataTable) -> None:
+def _refuse_gaps(
+    path: Path, name: str, column: Column, values: Vector, grid: Vector, table: DataTable, flags: Sequence[Flag]
+) -> None:
     missing = np.isnan(values)
     if missing.any():
         at = grid[int(np.argmax(missing))]
+        near = [f for f in flags if f.signal == name and f.begin <= at + table.period and f.end >= at - table.period]
         raise EstimationError(
             f"{path.name}: input {name} (column '{column.column}') is missing from {at:.3f} s for "
             f"{missing.sum() * table.period:.3g} s in all, and a filter must know its inputs; cut the recording with "
             f"begin and end in [data], or raise longest_gap ({table.longest_gap:g} s) if the value can be interpolated."
+            + "".join(f" {flag}" for flag in near)
         )
