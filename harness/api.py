@@ -343,6 +343,7 @@ def inspect(
     time: str | None = None,
     decimal: Literal[".", ","] | None = None,
     train: str | Path | None = None,
+    order: Literal["day first", "month first"] | None = None,
 ) -> "Inspection":
     """Return the content of a recording: `findings` by column, `signals` recognised, a `proposal` for reading it.
 
@@ -354,6 +355,7 @@ def inspect(
         time: Column of time; None to recognise it.
         decimal: Decimal sign of a csv file; None to detect it.
         train: Train of the prediction, a name or a train file; None for that of the estimation.
+        order: Order of dates such as 04/01/2025; None to recognise it.
 
     Raises:
         ScenarioError: The estimation cannot be read.
@@ -363,8 +365,10 @@ def inspect(
 
     if decimal not in (None, ".", ","):
         raise EstimationError(f"decimal is {short(decimal)}; expected is '.' or ','")
+    if order not in (None, "day first", "month first"):
+        raise EstimationError(f"order is {short(order)}; expected is 'day first' or 'month first'")
     train_name = None if train is None else str(_path(train, "train"))
-    return inspect_recording(_path(recording, "recording"), _path(model, "model"), time, decimal, train_name)
+    return inspect_recording(_path(recording, "recording"), _path(model, "model"), time, decimal, train_name, order)
 
 
 def _with_parts(scenario: ScenarioLike, *, plant: Any, **parts: Any) -> tuple[Scenario, dict[str, Any]]:

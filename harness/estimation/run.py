@@ -35,6 +35,8 @@ Kind = Literal["fmu", "compiled"]
 READ_STATES = {"v": "speed", "w": "wheelset_speed"}
 """States that are measured directly; if `start` omits them they are initialised with the first reading."""
 
+STANDSTILL = 1.0
+"""Speed below which rejected readings are not reported [m/s]."""
 REJECTED_TOGETHER = 0.5
 """Longest time between rejected samples of one sentence [s]."""
 MOST_REJECTIONS = 3
@@ -299,7 +301,10 @@ def estimate(
         return rows
 
     times = recording["time"].values[1 : 1 + done]
-    rejected = _rejected(prediction.outputs, times, np.isfinite(data.readings[:done]) & (beliefs.used == 0.0), data)
+    unused = np.isfinite(data.readings[:done]) & (beliefs.used == 0.0)
+    if "v" in prediction.states:  # at standstill the models do not hold: brakes would turn the train back
+        unused &= (beliefs.mean[:, prediction.states.index("v")] > STANDSTILL)[:, None]
+    rejected = _rejected(prediction.outputs, times, unused, data)
     ratio = nis_ratio(beliefs.squared_innovation, beliefs.degrees)
     return xarray.Dataset(
         {

@@ -18,6 +18,7 @@ from railgrip.recording.faults import find_faults
 from railgrip.recording.files import Series, read_series, unit_at_end
 from railgrip.recording.flag import Flag, flags_of, summary
 from railgrip.recording.grid import gaps_of, input_on_grid, on_grid
+from railgrip.recording.instants import cause_of_step_back
 from railgrip.recording.samples import recording_of
 from railgrip.recording.table import Column, DataTable, factor_for
 from railgrip.scenario.quantity import Magnitude
@@ -67,7 +68,8 @@ def read_recording(
     """
     require_signals(path.name, table, units, inputs, outputs)
     flags: list[Flag] = []
-    columns = _columns(path, table, units, inputs, flags)
+    series = read_series(path, table)
+    columns = _columns(path, series, table, units, inputs, flags)
     times = {name: column.time for name, column in columns.items()}
     grid = _grid(path, table, {name: time for name, time in times.items() if name in inputs} or times)
     signals: dict[str, tuple[Vector, str]] = {
@@ -96,7 +98,8 @@ def read_recording(
         start=float(grid[0]),
         name=path.stem,
     )
-    recording.attrs["flags"] = summary(flags)
+    notices = dict.fromkeys(notice for each in series.values() for notice in each.notices)
+    recording.attrs["flags"] = [*notices, *summary(flags)]
     recording.attrs["columns"] = {
         name: (str(table.columns[name].column), column.unit) for name, column in columns.items()
     }
@@ -113,17 +116,21 @@ class _Samples(NamedTuple):
 
 
 def _columns(
-    path: Path, table: DataTable, units: Mapping[str, str], inputs: Sequence[str], flags: list[Flag]
+    path: Path,
+    series: Mapping[str, Series],
+    table: DataTable,
+    units: Mapping[str, str],
+    inputs: Sequence[str],
+    flags: list[Flag],
 ) -> dict[str, _Samples]:
     """Return the columns of the file by signal, converted and cleaned; errors are added to `flags`."""
-    series = read_series(path, table)
     converted: dict[str, tuple[Vector, Vector, str]] = {}
     for name, column in table.columns.items():
         if column.column is None:
             continue
         target = units[name.removeprefix(TRUTH)]
-        time, values = _rising(path, name, series[column.column], flags)
-        unit_of_column, gain, shift = _convert_unit(path, name, column, series[column.column].unit, target)
+        time, values = _rising(path, name, series[column.label], flags)
+        unit_of_column, gain, shift = _convert_unit(path, name, column, series[column.label].unit, target)
         values = gain * values + shift
         if column.minimum is not None:
             values = np.maximum(values, _si(f"[data.columns] {name} minimum", column.minimum, target))
@@ -200,7 +207,7 @@ def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[V
         row = int(np.argmax(steps < 0.0))
         raise EstimationError(
             f"{path.name}: time goes backwards at sample {row + 2} of {name}, from {time[row]:.6f} s to "
-            f"{time[row + 1]:.6f} s; sort the file or cut it there."
+            f"{time[row + 1]:.6f} s. {cause_of_step_back(float(time[row]), float(time[row + 1]), _usual(steps))}."
         )
     again = np.concatenate([[False], steps == 0.0]) if time.size else np.zeros(0, dtype=np.bool_)
     repeats = flags_of("time", "time", time, again)
@@ -211,6 +218,10 @@ def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[V
     # Signals of one table share their instants, whose errors are reported once.
     flags.extend(flag for flag in repeats if flag not in flags)
     return time[~again], values[~again]
+
+
+def _usual(steps: Vector) -> float:
+    return float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
 
 
 def _convert_unit(
@@ -295,9 +306,9 @@ def _grid(path: Path, table: DataTable, times: Mapping[str, Vector]) -> Vector:
         steps = np.diff(times[slowest])
         at = int(np.argmax(steps))
         raise EstimationError(
-            f"{path.name}: from {begin:.6g} s to {end:.6g} s are {count:.3g} samples of {table.period:g} s, and "
+            f"{path.name}: from {begin:.3f} s to {end:.3f} s are {count:.3g} samples of {table.period:g} s, and "
             f"{_MAX_SAMPLES:.0e} are the most; the longest step, {steps[at]:.6g} s, follows "
-            f"{times[slowest][at]:.6g} s: see the unit of [data.time], a jump in it, and period in [data]."
+            f"{times[slowest][at]:.3f} s: see the unit of [data.time], a jump in it, and period in [data]."
         )
     if count < 2:
         raise EstimationError(
