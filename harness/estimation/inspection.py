@@ -218,11 +218,16 @@ def _read(
     frame = file.values
     clock = _clock(path, file, time).model_copy(update={"order": order})
     numbers = [name for name, values in frame.items() if name != clock.column and _is_numeric(values)]
-    clock = clock.model_copy(update={"unit": clock.unit or "s"}) if clock.unit is None else clock
-    stated = clock.unit
+    stated = clock.unit or "s"
     table = DataTable(
-        time=clock, period=1.0, longest_gap=1.0, frozen=1.0, spike=8.0, columns={}, blank="missing"
-    )  # fmt: skip
+        time=clock.model_copy(update={"unit": stated}),
+        period=1.0,
+        longest_gap=1.0,
+        frozen=1.0,
+        spike=8.0,
+        columns={},
+        blank="missing",
+    )
     notices: list[str] = []
     instants = pd.to_numeric(pd.Series(frame[clock.column]), errors="coerce") if stated == "s" else None
     if instants is not None and is_hhmmss(np.asarray(instants, dtype=float)):
@@ -233,12 +238,17 @@ def _read(
     notices += dict.fromkeys(notice for each in series.values() for notice in each.notices)
     if any("repeats = 'spread'" in notice for notice in notices):
         clock = clock.model_copy(update={"repeats": "spread"})
-        series = series_of_table(path, file, table.model_copy(update={"time": clock}), numbers)
+        series = series_of_table(
+            path, file, table.model_copy(update={"time": clock.model_copy(update={"unit": clock.unit or "s"})}), numbers
+        )
     blank = None
     if is_change_driven(each.values for each in series.values()):
         blank = "unchanged"
         notices.append(f"{path.name}: most cells are blank; a blank cell is taken to repeat the value above it.")
-        series = series_of_table(path, file, table.model_copy(update={"time": clock, "blank": blank}), numbers)
+        of_changes = table.model_copy(
+            update={"time": clock.model_copy(update={"unit": clock.unit or "s"}), "blank": blank}
+        )
+        series = series_of_table(path, file, of_changes, numbers)
     return clock, series, [name for name in frame if name not in (clock.column, *numbers)], blank, notices
 
 

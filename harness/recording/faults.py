@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.recording.cleaning import find_repeats
+from railgrip.recording.cleaning import MAX_SPIKE, find_repeats
 from railgrip.recording.flag import Flag, intervals
 
 Vector = NDArray[np.float64]
@@ -78,7 +78,11 @@ def find_faults(signals: Mapping[str, tuple[Vector, Vector]]) -> tuple[dict[str,
         for first, last in intervals(stuck):
             found.append(
                 Flag(
-                    signal=name, kind="stuck", begin=float(time[first]), end=float(time[last]), samples=last - first + 1
+                    signal=name,
+                    kind="frozen",
+                    begin=float(time[first]),
+                    end=float(time[last]),
+                    samples=last - first + 1,
                 )
             )
         # A dead sensor steps to its last value: one fault, one flag.
@@ -144,7 +148,13 @@ def _excursions(name: str, time: Vector, values: Vector, steps: list[_Step]) -> 
         rest = [step for step in rest if step.at > back.at]
         mask[first.at : back.at] = True
         flags.append(
-            Flag(signal=name, kind="jump", begin=first.time, end=float(time[back.at - 1]), samples=back.at - first.at)
+            Flag(
+                signal=name,
+                kind="jump" if back.at - first.at > MAX_SPIKE else "spike",
+                begin=first.time,
+                end=float(time[back.at - 1]),
+                samples=back.at - first.at,
+            )
         )
     return mask, flags
 

@@ -296,8 +296,8 @@ def _repeated(path: Path, time: Vector) -> list[str]:
     step = float(np.median(np.diff(stamps))) if stamps.size > 1 else 0.0
     return [
         f"{known.size - stamps.size} of {known.size} rows of {path.name} repeat an instant, {np.median(counts):.0f} "
-        f"rows have each, and the next is {step:.6g} s later: stamps were cut. Only the first row of each is used; write "
-        "repeats = 'spread' in time of [data] to spread the rows evenly."
+        f"rows have each, and the next is {step:.6g} s later: stamps were cut. Only the first row of each is used; "
+        "write repeats = 'spread' in time of [data] to spread the rows evenly."
     ]
 
 

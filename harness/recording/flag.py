@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Kind = Literal["gap", "bridged", "frozen", "spike", "range", "zero", "time", "timing", "jump", "step", "stuck"]
+Kind = Literal["gap", "bridged", "frozen", "spike", "range", "zero", "time", "timing", "jump", "step"]
 
 TREATMENTS: dict[Kind, str] = {
     "gap": "no samples; nothing is new there",
@@ -19,7 +19,6 @@ TREATMENTS: dict[Kind, str] = {
     "time": "instants that repeat or are not numbers; rows left out",
     "jump": "jumps away and back faster than anything it measures can; left out",
     "step": "changes within a sample by more than anything it measures can",
-    "stuck": "repeats itself exactly without its noise, a dead sensor; left out",
     "timing": "samples moved to the nearest instant of the grid",
 }
 """Meaning and treatment of each kind."""

@@ -148,8 +148,10 @@ def _clean(
 ) -> dict[str, _Samples]:
     # A reference is not a sensor: its samples are not judged.
     measured = {name: samples for name, samples in converted.items() if not name.startswith(TRUTH)}
+    treatments = {name: _treatment(name, table.columns[name], table, units[name], name in inputs) for name in measured}
     numbers = {name: (time[np.isfinite(x)], x[np.isfinite(x)]) for name, (time, x, _) in measured.items()}
-    faults, found = find_faults(numbers)
+    possible = {name: _inside(values, treatments[name].limits) for name, (_, values) in numbers.items()}
+    faults, found = find_faults({name: (t[possible[name]], x[possible[name]]) for name, (t, x) in numbers.items()})
     flags += found
     columns: dict[str, _Samples] = {}
     for name, (time, values, unit_of_column) in converted.items():
@@ -158,10 +160,10 @@ def _clean(
         if name.startswith(TRUTH):
             time, values = file_time, values[is_number]
         else:
-            left = ~faults[name]
-            time, values = numbers[name][0][left], numbers[name][1][left]
-            treatment = _treatment(name, column, table, units[name], name in inputs)
-            time, values, changes = clean(name, time, values, treatment)
+            left = np.ones(numbers[name][0].size, dtype=np.bool_)
+            left[possible[name]] = ~faults[name]
+            time, values = (samples[left] for samples in numbers[name])
+            time, values, changes = clean(name, time, values, treatments[name])
             flags += changes
         if time.size < 2:
             raise EstimationError(
@@ -170,6 +172,11 @@ def _clean(
             )
         columns[name] = _Samples(time, values, file_time, unit_of_column)
     return columns
+
+
+def _inside(values: Vector, limits: tuple[float, float] | None) -> NDArray[np.bool_]:
+    low, high = limits or (-np.inf, np.inf)
+    return (values >= low) & (values <= high)
 
 
 def require_signals(

@@ -1,27 +1,31 @@
-"""Faults of sensors in recordings of simulated stops: the filter's interval covers the truth, or a sentence names them.
+"""Faults and mistakes in recordings of simulated stops: the filter's interval covers the truth, or a sentence names them.
 
-The stops are those of this bench, whose truth is known: a slide under two laws, steps of the demand, a constant rail.
-`make fuzz` draws 320 faults, the tests 24.
+The stops are those of this bench, whose truth is known. Faults are those of one sensor for some time, mistakes those of
+who writes the file or its map. `make fuzz` draws 320 faults, the tests 24, and ten times as many mistakes.
 """
 
 import os
+import warnings
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 import railgrip as rg
-from railgrip.base.errors import InputError
+from railgrip.base.errors import EstimateWarning, InputError
 from railgrip.estimation.sources import stop_read
 from railgrip.scenario.load import load, scenario_of
 from railgrip.trace.estimation import SLOWEST
 
 WHITE = {"speed": "0.1 m/s", "wheelset_speed": "0.1 rad/s", "acceleration": "0.05 m/s**2", "deflection": "0.2 mm"}
 STOPS = {
-    "two maxima of braking": ("trapezoid", "slip_three_state"),
-    "sweep": ("sine_sweep", "slip_two_state"),
-    "constant rail": ("plain", "slip_three_state"),
+    "trapezoid": "slip_three_state",
+    "sine_sweep": "slip_two_state",
+    "plain": "slip_three_state",
+    "service_steps": "slip_two_state",
 }
 MAP = """
 extends = "train"
@@ -108,7 +112,8 @@ def coverage(trace, estimates, begin: float) -> dict[str, float]:
 
 def sentences(estimates) -> set[str]:
     lines = [estimates.attrs["ended"], *estimates.attrs["repairs"].splitlines()]
-    return {line for line in (*lines, *estimates.attrs["warnings"].splitlines()) if line}
+    lines += estimates.attrs["warnings"].splitlines() + estimates.attrs["problems"].splitlines()
+    return {line for line in lines if line}
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +121,7 @@ def stops(tmp_path_factory):
     """Traces of the stops with the estimates from their recordings without faults."""
     folder, found = tmp_path_factory.mktemp("stops"), []
     (folder / "map.toml").write_text(MAP, encoding="utf-8")
-    for scenario, law in STOPS.values():
+    for scenario, law in STOPS.items():
         changes = ["periods.trace=10 ms", "periods.controller=10 ms", "start.speed=60 km/h"]
         table = load(Path(scenario), changes).resolved() | {"vehicle": {"train": "vt642"}}
         table |= {"estimator": {"kind": "none"}, "sensors": {"kind": "white", "noise": WHITE}}
@@ -153,7 +158,8 @@ def test_a_fault_is_covered_or_named(stops):
         new = sentences(estimates) - sentences(clean)
         if not any(name in line for name in names for line in new):
             missed.append(f"{fault}: {sorted(new)}")
-    assert len(missed) <= 0.05 * count, "\n".join(missed)
+    # Chance: of 24 draws of which 5 % miss, more than 4 miss in one sample of 200.
+    assert len(missed) <= (0.05 * count if count > 100 else 4), "\n".join(missed)
 
 
 @pytest.mark.parametrize(("values", "length"), [(10.0, 0.05), (0.0, 0.3)])
@@ -168,13 +174,11 @@ def test_a_pressure_that_fails_for_a_moment_does_not_mislead(stops, values, leng
     inside = (table["t"] >= start) & (table["t"] < start + length)
     table.loc[inside, "cylinder_pressure[2]"] = values
     table.to_csv(folder / "fault.csv", index=False)
-    try:
-        estimates = rg.estimate(folder / "fault.csv", folder / "map.toml")
-    except InputError as refusal:
-        assert length > 0.1
-        assert "cylinder_pressure[2]" in str(refusal)
-        assert f"{start:.2f}" in str(refusal)
+    if length > 0.1:
+        with pytest.raises(InputError, match=rf"cylinder_pressure\[2\].*{start:.2f}"):
+            rg.estimate(folder / "fault.csv", folder / "map.toml")
         return
+    estimates = rg.estimate(folder / "fault.csv", folder / "map.toml")
     assert any("cylinder_pressure[2]" in line and f"{start:.2f}" in line for line in sentences(estimates))
     difference = (estimates["mean"] - clean["mean"]).sel(state="mu_b[2]").values[-1]
     assert abs(difference) < clean["sd"].sel(state="mu_b[2]").values[-1]
@@ -191,3 +195,144 @@ def test_a_recording_that_begins_inside_a_braking_covers_the_truth(stops, start)
     shares = coverage(trace, estimates, start + 1.0)
     for base in ("alpha", "mu_b"):
         assert np.mean([share for state, share in shares.items() if state.startswith(base)]) >= 0.85
+
+
+# ---- mistakes of people -----------------------------------------------------------------------------------------------
+
+WHEELS = [name for name in COLUMNS if name.startswith("wheelset")]
+PRESSURES = [name for name in COLUMNS if name.startswith("cylinder")]
+
+
+def scaled(names, low, high=None):
+    """Return a mistake that multiplies columns by a number between two, either of them if there is a list."""
+
+    def change(table, draw):
+        factor = draw(st.sampled_from(low) if isinstance(low, list) else st.floats(low, high))
+        return table.assign(**{name: factor * table[name] for name in names}), {}
+
+    return change
+
+
+def shifted(names, low, high):
+    def change(table, draw):
+        offset = draw(st.floats(low, high))
+        return table.assign(**{name: table[name] + offset for name in names}), {}
+
+    return change
+
+
+def late(names, low, high, signs=(1.0,)):
+    def change(table, draw):
+        delay = draw(st.sampled_from(signs)) * draw(st.floats(low, high))
+        at = table["t"] - delay
+        columns = {name: np.interp(at, table["t"], table[name]) for name in names}
+        inside = (at >= table["t"].iloc[0]) & (at <= table["t"].iloc[-1])
+        return table.assign(**columns)[inside], {}
+
+    return change
+
+
+def with_unit(names, units):
+    """Return a mistake in the unit that the map states."""
+
+    def change(table, draw):
+        unit = draw(st.sampled_from(units))
+        return table, {"data.columns": {name: {"unit": unit} for name in names}}
+
+    return change
+
+
+def swapped(first, second):
+    return lambda table, draw: (table.assign(**{first: table[second], second: table[first]}), {})
+
+
+def of_time(change):
+    return lambda table, draw: (table.assign(t=change(table["t"].to_numpy(), draw)), {})
+
+
+def clock_text(form, begin):
+    """Return a clock as text; the second half of the recording is after midnight or the change of the hour."""
+
+    def change(table, draw):
+        middle = pd.Timestamp(begin) - pd.to_timedelta(table["t"].iloc[len(table) // 2], unit="s")
+        stamps = (middle + pd.to_timedelta(table["t"], unit="s")).dt.tz_localize("UTC").dt.tz_convert("Europe/Berlin")
+        return table.assign(t=stamps.dt.strftime(form)), {"data.time": {"column": "t", "unit": "timestamp"}}
+
+    return change
+
+
+def hhmmss(time, draw):
+    seconds = time + 3600 * draw(st.integers(0, 20)) + 55.0
+    return np.floor(seconds / 3600) * 1e4 + np.floor(seconds % 3600 / 60) * 100 + seconds % 60
+
+
+MISTAKES = {
+    "unit of speed": with_unit(["speed"], ["km/h", "mph", "knot"]),
+    "unit of wheelset speeds": with_unit(WHEELS, ["rev/min", "deg/s", "rev/s"]),
+    "unit of pressures": with_unit(PRESSURES, ["kPa", "MPa", "psi", "mbar"]),
+    "unit of acceleration": scaled(["acceleration"], [1 / 9.80665, 1e3]),
+    "sign of speed": scaled(["speed"], [-1.0]),
+    "sign of wheelset speeds": scaled(WHEELS, [-1.0]),
+    "sign of pressures": scaled(PRESSURES, [-1.0]),
+    "sign of acceleration": scaled(["acceleration"], [-1.0]),
+    "absolute pressures": shifted(PRESSURES, 0.95, 1.03),
+    "offset of pressures": shifted(PRESSURES, 0.35, 0.9),
+    "offset of the accelerometer": shifted(["acceleration"], 0.5, 2.0),
+    "half or double wheelset speeds": scaled(WHEELS, [0.5, 2.0]),
+    "wheel diameter as radius": lambda table, draw: (table, {"model.parameters": {"r_wheel": "0.76 m"}}),
+    "pressures ten times off": scaled(PRESSURES, [0.1, 10.0]),
+    "mass per axle and per car": lambda table, draw: (
+        table, {"model.parameters": {"m_wheelset": draw(st.sampled_from(["3.5 t", "56 t"]))}}
+    ),
+    "lost decimal sign": scaled(["speed"], [1e3]),
+    "pressures late": late(PRESSURES, 0.3, 1.0, (1.0, -1.0)),
+    "wheelsets late": late(WHEELS, 0.3, 1.0),
+    "accelerometer late": late(["acceleration"], 0.4, 1.0, (1.0, -1.0)),
+    "speed and a wheelset swapped": swapped("speed", "wheelset_speed[1]"),
+    "speed and acceleration swapped": swapped("speed", "acceleration"),
+    "pressure and wheelset swapped": swapped("cylinder_pressure[2]", "wheelset_speed[2]"),
+    "milliseconds as seconds": of_time(lambda time, draw: 1e3 * time),
+    "seconds as milliseconds": lambda table, draw: (table, {"data.time": {"column": "t", "unit": "ms"}}),
+    "origin of the clock": of_time(lambda time, draw: time + draw(st.sampled_from([1.7e9, 1e5]))),
+    "rows reversed": lambda table, draw: (table.iloc[::-1], {}),
+    "rows shuffled": lambda table, draw: (table.sample(frac=1.0, random_state=1), {}),
+    "stamps cut to seconds": of_time(lambda time, draw: np.floor(time)),
+    "hhmmss as seconds": of_time(hhmmss),
+    "midnight": clock_text("%H:%M:%S.%f", "2025-03-04 23:00"),
+    "daylight saving": clock_text("%Y-%m-%d %H:%M:%S.%f", "2025-10-26 01:00"),
+    "day and month": clock_text("%d/%m/%Y %H:%M:%S.%f", "2025-01-04 23:00"),
+    "counter of 32 bits": of_time(lambda time, draw: (time + 2**32 * 1e-6 - time[time.size // 2]) % (2**32 * 1e-6)),
+    "every row twice": lambda table, draw: (table.loc[table.index.repeat(2)], {}),
+    "missing samples as zero": lambda table, draw: (
+        table.assign(speed=table["speed"].where(np.random.default_rng(3).random(len(table)) > 0.02, 0.0)), {}
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+@settings(
+    max_examples=10 if "RAILGRIP_FUZZ" in os.environ else 1,
+    derandomize=True,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+@given(data=st.data())
+def test_a_mistake_is_refused_or_announced_or_has_no_effect(stops, mistake, data):
+    """On the stop with coasting, braking in steps and release; smaller mistakes are in docs/limits_of_checks.md."""
+    folder, found = stops
+    trace, clean = found[3]
+    table, changes = MISTAKES[mistake](frame_of(trace), data.draw)
+    table.to_csv(folder / "mistake.csv", index=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", EstimateWarning)
+        try:
+            estimates = rg.estimate(folder / "mistake.csv", folder / "map.toml", changes)
+        except InputError as refusal:
+            assert str(refusal)
+            return
+    if sentences(estimates) - sentences(clean):
+        return
+    start = float(estimates["time"].values[0]) - float(trace["time"].values[0])
+    moved = estimates.assign_coords(time=estimates["time"] - (start if start > 1.0 else 0.0))
+    expected = coverage(trace, clean, 0.0)
+    assert all(share >= expected[state] - 0.15 for state, share in coverage(trace, moved, 0.0).items())
