@@ -102,7 +102,7 @@ BETTER = 0.15
 """Gain of a lag in the area tangent of the correlation; chance reaches 0.02 in simulated stops."""
 BEYOND = 2.0
 """Factor on the tolerance of the brake force beyond which a recording is refused."""
-EVALUATED = 4000
+EVALUATED = 1500
 """Maximum number of samples at which the model is evaluated."""
 
 _SPEEDS = ("m/s", "km/h", "mph", "knot", "km/min")
@@ -392,7 +392,10 @@ class _RecordingComparison:
         ]
 
     def _pressure_unit(self, names: Sequence[str]) -> str:
-        """Return the unit in which the largest pressure would be that of a brake; springs make forces disproportionate."""
+        """Return a question for the unit in which the largest pressure would be that of a brake, or an empty text.
+
+        Springs make forces disproportionate to pressures, so that their ratio does not show a unit.
+        """
         column, text = self._columns.get(names[0], ("", ""))
         largest = float(np.max(np.quantile(list(self._brakes.values()), 0.99, axis=1)))
         if _base(names[0]) != "cylinder_pressure" or not text or BRAKE[0] <= largest <= BRAKE[1]:
@@ -504,7 +507,7 @@ class _RecordingComparison:
         weights = np.array([inertias[name] / (self._radius(name) or 1.0) for name in self._wheels])
         momentum = mass * self._speed + np.stack(list(self._wheels.values()), axis=1) @ weights
         rows = np.arange(self._time.size)
-        step = max(1, rows.size // EVALUATED)
+        step = _stride(rows.size)
         brake, _ = self._model_forces(mass, weights, rows)
         brake = np.interp(rows, rows[::step][: brake.size], brake)
         impulse = np.concatenate([[0.0], np.cumsum(0.5 * (brake[1:] + brake[:-1])) * self._period])
@@ -556,7 +559,7 @@ class _RecordingComparison:
 
     def _model_forces(self, mass: float, weights: Vector, at: NDArray[np.intp]) -> tuple[Vector, Vector]:
         """Return brake force and the other forces on the train, without adhesion [N], at the samples `at`."""
-        at = at[:: max(1, at.size // EVALUATED)]
+        at = at[:: _stride(at.size)]
         prediction = equations_for(self._specification)
         mean = self._settings.start
         states = np.zeros((at.size, len(prediction.states)))
@@ -620,6 +623,10 @@ class _RecordingComparison:
         if not questions:
             questions.append(f"{otherwise or 'another scale of the column, or another vehicle in [model.parameters]'}?")
         return f"Ratio {ratio:.3g}: {' Or '.join(questions)}"
+
+
+def _stride(count: int) -> int:
+    return -(-count // EVALUATED)
 
 
 def _shifted(values: Vector, samples_later: int) -> Vector:
