@@ -17,7 +17,7 @@ HOUR: Final = 3600.0
 _NUMERIC_DATE = re.compile(r"\s*(\d{1,2})([./-])(\d{1,2})[./-](\d{2,4})\b")
 """A date that ends with its year; whether its day or its month is first is a custom."""
 _COUNTERS: Final = {f"{bits} bits": float(2**bits) for bits in (16, 24, 31, 32)}
-_TICKS: Final = (1.0, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9)
+_TICKS: Final = (1.0, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
 """Seconds of a count."""
 _STEPS: Final = 5.0
 """Number of periods within which a jump of a clock is one of its usual sizes."""
@@ -64,7 +64,9 @@ def _is_day_first(file: str, name: str, texts: Any, order: str | None) -> bool:
     if order is not None:
         return order == "day first"
     dates: Any = texts.str.extract(_NUMERIC_DATE).dropna()
-    if dates.empty or (dates[1] == ".").all():
+    if dates.empty:  # years first: pandas would exchange their months and days
+        return False
+    if (dates[1] == ".").all():
         return True
     first, second = (dates[k].astype(int) for k in (0, 2))
     if (first > 12).any() or (second > 12).any():
