@@ -93,7 +93,7 @@ def find_faults(signals: Mapping[str, tuple[Vector, Vector]]) -> tuple[dict[str,
 
 def _at(time: Vector, flag: Flag) -> slice:
     first = int(np.searchsorted(time, flag.begin))
-    return slice(first, first + 2)
+    return slice(max(first - 1, 0), first + 2)
 
 
 def _steps(name: str, time: Vector, values: Vector) -> list[_Step]:

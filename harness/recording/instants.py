@@ -14,7 +14,7 @@ Vector = NDArray[np.float64]
 
 DAY: Final = 86400.0
 HOUR: Final = 3600.0
-_NUMERIC_DATE = re.compile(r"\s*(\d{1,2})([./-])(\d{1,2})[./-](\d{2,4})\b")
+_NUMERIC_DATE = re.compile(r"(?<!\d)(\d{1,2})([./-])(\d{1,2})[./-](\d{2,4})\b")
 """A date that ends with its year; whether its day or its month is first is a custom."""
 _COUNTERS: Final = {f"{bits} bits": float(2**bits) for bits in (16, 24, 31, 32)}
 _TICKS: Final = (1.0, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
@@ -61,11 +61,11 @@ def _is_day_first(file: str, name: str, texts: Any, order: str | None) -> bool:
 
     Dates with dots are day first. Otherwise a number above 12 decides, or a single date, whose order does not matter.
     """
-    if order is not None:
-        return order == "day first"
     dates: Any = texts.str.extract(_NUMERIC_DATE).dropna()
     if dates.empty:  # years first: pandas would exchange their months and days
         return False
+    if order is not None:
+        return order == "day first"
     if (dates[1] == ".").all():
         return True
     first, second = (dates[k].astype(int) for k in (0, 2))
