@@ -516,7 +516,8 @@ class _RecordingComparison:
             for values in (-momentum, impulse)
         )
         turning = np.stack([self._rim(name) for name in self._wheels], axis=1) > 0.1 * self._speed[:, None]
-        near = binary_dilation(self._brake_mask(), np.ones(2 * round(LONGEST_LAG / self._period) + 1, dtype=np.bool_))
+        kernel = np.ones(2 * round(LONGEST_LAG / self._period) + 1, dtype=np.bool_)
+        near = np.asarray(binary_dilation(self._brake_mask(), kernel), dtype=np.bool_)
         moving = (self._speed > SLOWEST) & turning.all(axis=1) & near
         if not self._is_long(moving) or np.std(lost[moving]) < VARIES * mass:
             return []
@@ -643,7 +644,7 @@ def _lag(reference: Vector, values: Vector, where: Mask, period: float) -> tuple
     longest = min(round(LONGEST_LAG / period), int(where.sum()) // 4)
     step = max(1, round(0.02 / period))
     shifts = np.arange(-(longest // step) * step, longest + 1, step)
-    fits = np.array([_correlation(reference[where], _shifted(values, shift)[where]) for shift in shifts])
+    fits = np.array([_correlation(reference[where], _shifted(values, shift)[where]) for shift in shifts.tolist()])
     if not np.isfinite(fits).any():
         return 0.0, 0.0
     best = int(np.nanargmax(np.abs(fits)))
