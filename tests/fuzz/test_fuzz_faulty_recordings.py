@@ -1,7 +1,7 @@
 """Faults and mistakes in recordings of simulated stops: intervals cover the truth, or a sentence names them.
 
 The stops are those of this bench, whose truth is known. Faults are those of one sensor for some time, mistakes those of
-who writes the file or its map. `make fuzz` draws 320 faults, the tests 16, and ten times as many mistakes.
+who writes the file or its map. `make fuzz` draws 320 faults, the tests 12, and ten times as many mistakes.
 """
 
 import os
@@ -127,8 +127,8 @@ def stops(tmp_path_factory):
         table |= {"estimator": {"kind": "none"}, "sensors": {"kind": "white", "noise": WHITE}}
         table |= {"controller": {"kind": law}, "actuation": {"kind": "pneumatic"}}
         trace = stop_read(scenario_of(table, directory=Path(), origin=scenario))
-        if scenario == "service_steps":  # from its coasting before the first braking on
-            trace = trace.isel(time=slice(3300, None))
+        if scenario == "service_steps":  # from its coasting to its release
+            trace = trace.isel(time=slice(3300, 6000))
         frame_of(trace).to_csv(folder / "clean.csv", index=False)
         found.append((trace, rg.estimate(folder / "clean.csv", folder / "map.toml")))
     return folder, found
@@ -141,7 +141,7 @@ def test_a_fault_is_covered_or_named(stops):
     0.15: estimates without faults have 0.9 to 1 of a stop, and less of its last seconds.
     """
     folder, found = stops
-    count = 320 if "RAILGRIP_FUZZ" in os.environ else 16
+    count = 320 if "RAILGRIP_FUZZ" in os.environ else 12
     draw = np.random.default_rng(5)
     missed = []
     for number in range(count):
@@ -160,7 +160,7 @@ def test_a_fault_is_covered_or_named(stops):
         new = sentences(estimates) - sentences(clean)
         if not any(name in line for name in names for line in new):
             missed.append(f"{fault}: {sorted(new)}")
-    # Chance: of 16 draws of which 5 % miss, more than 3 miss in one sample of 140.
+    # Chance: of 12 draws of which 5 % miss, more than 3 miss in one sample of 440.
     assert len(missed) <= (0.05 * count if count > 100 else 3), "\n".join(missed)
 
 
@@ -186,7 +186,7 @@ def test_a_pressure_that_fails_for_a_moment_does_not_mislead(stops, values, leng
     assert abs(difference) < clean["sd"].sel(state="mu_b[2]").values[-1]
 
 
-@pytest.mark.parametrize("start", [5.0, 10.0, 15.0, 20.0])
+@pytest.mark.parametrize("start", [8.0, 16.0])
 def test_a_recording_that_begins_inside_a_braking_covers_the_truth(stops, start):
     """Adhesion and pad friction, from the first second on, in nine samples of ten, the bound of whole recordings."""
     folder, found = stops
