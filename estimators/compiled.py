@@ -36,7 +36,7 @@ class FilterRecord:
         variance: Variance of each state, shape (k, n).
         expectation: Predicted readings, shape (k, m).
         squared_innovation: Normalised innovation squared, shape (k,).
-        degrees: Number of readings that were used, the degrees of freedom of the above, shape (k,).
+        used: 1 for every reading that a step used, 0 for missing readings and outliers, shape (k, m).
         covariance: Covariance after every step, shape (k, n, n); empty unless requested.
     """
 
@@ -44,8 +44,13 @@ class FilterRecord:
     variance: Matrix
     expectation: Matrix
     squared_innovation: Vector
-    degrees: Vector
+    used: Matrix
     covariance: Matrix
+
+    @property
+    def degrees(self) -> Vector:
+        """Number of readings that were used, the degrees of freedom of `squared_innovation`, shape (k,)."""
+        return self.used.sum(axis=1)
 
 
 class StepInC:
@@ -246,14 +251,14 @@ class CompiledFilter(StepInC):
             variance=np.empty((rows, n)),
             expectation=np.empty((rows, m)),
             squared_innovation=np.empty(rows),
-            degrees=np.empty(rows),
+            used=np.empty((rows, m)),
             covariance=np.empty((rows if with_covariance else 0, n, n)),
         )
         outcome, integral_of = ctypes.c_int(0), np.array([*sources, 0], dtype=np.intc)
         arrays = (
             integral_of, input_rows, reading_rows, estimates.mean, estimates.variance,
             estimates.covariance if with_covariance else None, estimates.expectation, estimates.squared_innovation,
-            estimates.degrees,
+            estimates.used,
         )  # fmt: skip
         pointers = [None if array is None else ctypes.c_void_p(array.ctypes.data) for array in arrays]
         steps = self._run(self._address, count, every, *pointers, ctypes.byref(outcome))

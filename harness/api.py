@@ -1,6 +1,7 @@
 """The public interface of `import railgrip`; see docs/api.md."""
 
 import copy
+import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping
 from importlib import import_module
 from pathlib import Path
@@ -10,6 +11,7 @@ from pydantic import PrivateAttr
 
 from railgrip.base.errors import (
     ControllerFailed,
+    EstimateWarning,
     EstimationError,
     EstimatorFailed,
     FilterDiverged,
@@ -47,6 +49,7 @@ __all__ = [
     "Controller",
     "ControllerFailed",
     "Estimate",
+    "EstimateWarning",
     "EstimationError",
     "Estimator",
     "EstimatorFailed",
@@ -293,7 +296,9 @@ def estimate(
 ) -> "Estimates":
     """Return the estimates of a filter at every sample of a recording: `mean` and `sd` of its states, innovations, NIS.
 
-    The result is an xarray dataset; `.plot()` draws it.
+    The result is an xarray dataset; `.plot()` draws it. Its attributes `repairs`, `warnings` and `problems` have the
+    sentences that the command prints, a line each. Where the command ends with exit code 3, because the filter is lost
+    or no vehicle has these signals or estimates, `problems` is not empty and an `EstimateWarning` is issued.
 
     Args:
         recording: A trace, such as `stop.trace`, or a file: trace.nc of a stop, or csv, parquet, mat or mf4 that [data]
@@ -308,21 +313,28 @@ def estimate(
         EstimationError: The recording lacks signals that the model requires, or its signals contradict each other.
     """
     from railgrip.estimation.check import require_consistent
-    from railgrip.estimation.sources import complete_trace, recording_of_estimation
+    from railgrip.estimation.sources import recording_of_estimation, recording_of_trace
     from railgrip.estimation.spec import estimate_of, load_specification
-    from railgrip.report.estimates import as_estimates
 
     specification = load_specification(_path(model, "model"), _changes(changes))
     kinds = tuple(filters)
     if isinstance(recording, str | Path):
         recording_file = recording_of_estimation(specification, data=Path(recording))
-        return as_estimates(estimate_of(specification, recording_file, kinds))
+        return _announced(estimate_of(specification, recording_file, kinds))
     if not _is_over_time(recording):
         raise EstimationError(
             f"recording is {short(recording)}; expected is a trace over time, such as stop.trace, or the path of a file"
         )
     require_consistent(specification)
-    return as_estimates(estimate_of(specification, complete_trace(specification, recording), kinds))
+    return _announced(estimate_of(specification, recording_of_trace(specification, recording)[1], kinds))
+
+
+def _announced(estimates: "xarray.Dataset") -> "Estimates":
+    from railgrip.report.estimates import as_estimates
+
+    if estimates.attrs["problems"]:
+        warnings.warn(f"{estimates.attrs['estimation']}: {estimates.attrs['problems']}", EstimateWarning, stacklevel=3)
+    return as_estimates(estimates)
 
 
 def inspect(
@@ -330,6 +342,8 @@ def inspect(
     model: str | Path = "field",
     time: str | None = None,
     decimal: Literal[".", ","] | None = None,
+    train: str | Path | None = None,
+    order: Literal["day first", "month first"] | None = None,
 ) -> "Inspection":
     """Return the content of a recording: `findings` by column, `signals` recognised, a `proposal` for reading it.
 
@@ -340,6 +354,8 @@ def inspect(
         model: Estimation that will read it, a file or a name.
         time: Column of time; None to recognise it.
         decimal: Decimal sign of a csv file; None to detect it.
+        train: Train of the prediction, a name or a train file; None for that of the estimation.
+        order: Order of dates such as 04/01/2025; None to recognise it.
 
     Raises:
         ScenarioError: The estimation cannot be read.
@@ -349,7 +365,10 @@ def inspect(
 
     if decimal not in (None, ".", ","):
         raise EstimationError(f"decimal is {short(decimal)}; expected is '.' or ','")
-    return inspect_recording(_path(recording, "recording"), _path(model, "model"), time, decimal)
+    if order not in (None, "day first", "month first"):
+        raise EstimationError(f"order is {short(order)}; expected is 'day first' or 'month first'")
+    train_name = None if train is None else str(_path(train, "train"))
+    return inspect_recording(_path(recording, "recording"), _path(model, "model"), time, decimal, train_name, order)
 
 
 def _with_parts(scenario: ScenarioLike, *, plant: Any, **parts: Any) -> tuple[Scenario, dict[str, Any]]:

@@ -39,9 +39,8 @@ EXPORT int run(double *block, int count, int every, const int *integral_of, cons
                 covariance[(row * N + i) * N + j] = block[COVARIANCE + i * WIDTH + j];
         }
         squared[row] = block[SQUARED];
-        used[row] = 0.0;
         for (int i = 0; i < M; i++) {
-            used[row] += block[USED + i];
+            used[row * M + i] = block[USED + i];
             expected[row * M + i] = block[EXPECTED + i];
         }
     }

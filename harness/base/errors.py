@@ -36,6 +36,10 @@ class EstimationError(ScenarioError):
     """
 
 
+class EstimateWarning(UserWarning):
+    """Estimates from Python that are not to be used, where the command ends with exit code 3."""
+
+
 class RecordError(InputError):
     """A result file is missing, unreadable, or was not written by railgrip."""
 

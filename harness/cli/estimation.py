@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 import xarray
@@ -20,7 +20,6 @@ from railgrip.estimation.inspection import inspect_recording
 from railgrip.estimation.judge import Judgement, judge
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.page import errors_table, estimate_page, parameters_table
-from railgrip.estimation.plausible import check_estimates, check_signals
 from railgrip.estimation.run import units_of
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import (
@@ -60,7 +59,7 @@ TrainName = Annotated[
 ]
 Data = Annotated[
     Path | None,
-    typer.Option(metavar="RUN", help="Trace of a stop (.nc), or csv, parquet, mat or mf4 file, read by [data]."),
+    typer.Option(metavar="RUN", help="Trace of a stop (.nc), or csv, parquet, mat, mf4 or mdf file, read by [data]."),
 ]
 
 
@@ -130,11 +129,8 @@ def estimate(
     require_free(folder, *files)
     recording = _recording(specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ())
     with progress(f"{specification.name}: filter"):
-        prediction = prediction_for(specification)
         estimates = estimate_of(specification, recording)
-    strange = check_signals(recording, (*prediction.inputs, *prediction.outputs)) + check_estimates(estimates)
-    warnings = str(estimates.attrs["warnings"]).splitlines()
-    problems = [*strange, *([estimates.attrs["ended"]] if estimates.attrs["ended"] else [])]
+    warnings, problems = (str(estimates.attrs[key]).splitlines() for key in ("warnings", "problems"))
     parameters = model_parameters(specification)
     judgements = {state: judge(recording, estimates, state) for state in _known_states(recording, estimates)}
     with progress(f"{specification.name}: page"):
@@ -170,6 +166,13 @@ def estimate(
         fail(*(f"{specification.name}: {sentence}" for sentence in problems))
 
 
+class DateOrder(StrEnum):
+    """Orders of day and month in dates."""
+
+    DAY_FIRST = "day-first"
+    MONTH_FIRST = "month-first"
+
+
 class Decimal(StrEnum):
     """Decimal signs."""
 
@@ -178,7 +181,7 @@ class Decimal(StrEnum):
 
 
 def inspect(
-    run: Annotated[Path, typer.Argument(metavar="RUN", help="A recording: csv, parquet, mat or mf4.")],
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="A recording: csv, parquet, mat, mf4 or mdf.")],
     estimation: Annotated[
         Path,
         typer.Option(
@@ -193,6 +196,10 @@ def inspect(
     decimal: Annotated[
         Decimal | None, typer.Option(metavar="SIGN", help="Decimal sign of a csv file, . or ,; found unless given.")
     ] = None,
+    order: Annotated[
+        DateOrder | None,
+        typer.Option(metavar="ORDER", help="Order of dates such as 04/01/2025, day-first or month-first."),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(help="File for the proposal (.toml), which must not exist; printed unless given.")
     ] = None,
@@ -204,7 +211,12 @@ def inspect(
     """
     if out is not None and out.exists():
         raise InputError(f"{out} exists; choose another file.")
-    inspection = inspect_recording(run, estimation, time, decimal.value if decimal else None, train)
+    dates: dict[DateOrder | None, Literal["day first", "month first"] | None] = {
+        None: None,
+        DateOrder.DAY_FIRST: "day first",
+        DateOrder.MONTH_FIRST: "month first",
+    }
+    inspection = inspect_recording(run, estimation, time, decimal.value if decimal else None, train, dates[order])
     if out is not None:
         write_text(out, f"#:schema ./estimation.schema.json\n{inspection.proposal}")
         write_schema("estimation", out)
@@ -217,6 +229,7 @@ def inspect(
                 "unrecognised": inspection.unrecognised,
                 "parameters": [_as_json(each) for each in inspection.parameters],
                 "proposal": inspection.proposal,
+                "notices": inspection.notices,
             }
         )
         return
@@ -241,6 +254,8 @@ def inspect(
     show_table(ReportTable(rows, forms, left=("column", "signal", "unit"), title=run.name))
     if inspection.texts:
         say(f"Not numbers: {', '.join(inspection.texts)}.")
+    for sentence in inspection.notices:
+        complain(sentence)
     if out is None:
         say(inspection.proposal)
     else:

@@ -1,11 +1,14 @@
 """Checks that the signals of a recording agree with each other and with the model: scale, timing and brake force.
 
 A wrong unit, a late channel or another vehicle's data still give estimates, and often a better NIS than right ones,
-because adhesion and pad friction absorb the error. Three comparisons find them:
+because adhesion and pad friction absorb the error. Six comparisons find them:
 
     scale        r ω / v is near 1 while nothing brakes
     timing       r ω <= v while a train slows: a wheelset that turns faster than it rolls is recorded late
     brake force  m Δv + Σ J Δω / r = ∫ (F_external - Σ T_brake / r) dt
+    brake delay  the lag at which both sides of this balance fit best is near 0
+    release      pressures fall to 0 while the train coasts: absolute pressures do not
+    acceleration a = dv/dt + g sin β, at the same time
 
 The third is the balance of momentum with the adhesion between wheel and rail eliminated. It therefore holds in any
 slide, as long as the wheelsets turn: samples with a locked wheelset are left out. Its tolerance covers gradients of
@@ -27,7 +30,7 @@ from railgrip.base.units import GRAVITY, mistake, unit
 from railgrip.estimation.run import by_name
 from railgrip.estimation.spec import Specification, equations_for, parameters_for, settings_for
 from railgrip.estimators.belief import Vector
-from railgrip.recording.samples import has_reading, period_of, samples
+from railgrip.recording.samples import has_reading, period_of, readings_in, samples
 
 Mask = NDArray[np.bool_]
 
@@ -73,12 +76,36 @@ GRADIENT = 25e-3
 """Gradient of a track whose force is not recorded; the steepest main lines have 27 per mille over some kilometres."""
 RESIDUAL = 5e-3
 """Gradient that corresponds to the error of a recorded or computed track force."""
+BRAKE = (5e4, 1e6)
+"""Largest cylinder pressure of a braking [Pa]."""
+RELEASED = 3e4
+"""Pressure in all cylinders while the train coasts that is reported [Pa]; blocks are clear of wheels below 0.3 bar."""
+ABSOLUTE = (0.85e5, 1.15e5)
+"""Air pressure from sea level to 1500 m [Pa]."""
+COASTING = 0.25
+"""Deceleration below which a train coasts [m/s2], or rolls on a gradient of 25 per mille."""
+NO_RATIO = (0.3, 3.0)
+"""Ratio of both beyond which a recording is refused, if they differ by more than that as well."""
+VARIES = 0.15
+"""Standard deviation of the deceleration that a comparison of its instants needs [m/s2]."""
+OFFSET = 0.35
+"""Mean difference of an accelerometer from dv/dt in braking that is reported [m/s2]: that of 25 per mille, and bias."""
+LAG = 0.2
+"""Lag between brakes or accelerometer and the speed that is reported [s]."""
+LONGEST_LAG = 1.5
+"""Largest lag that is searched for [s]."""
+FOLLOWS = 0.8
+"""Correlation of brake inputs and deceleration above which the one follows from the other."""
+FITS = 0.7
+"""Correlation above which a lag is meaningful."""
+BETTER = 0.15
+"""Gain of a lag in the area tangent of the correlation; chance reaches 0.02 in simulated stops."""
 BEYOND = 2.0
 """Factor on the tolerance of the brake force beyond which a recording is refused."""
-EVALUATED = 4000
+EVALUATED = 1500
 """Maximum number of samples at which the model is evaluated."""
 
-_SPEEDS = ("m/s", "km/h", "mph", "km/min")
+_SPEEDS = ("m/s", "km/h", "mph", "knot", "km/min")
 _ROTATIONS = ("rad/s", "rev/min", "rev/s", "deg/s")
 _FORCES = ("N", "kN", "MN", "lbf")
 _PRESSURES = ("Pa", "hPa", "kPa", "bar", "MPa", "psi", "mbar")
@@ -139,8 +166,11 @@ def disagreements(
     comparison = _RecordingComparison(specification, run)
     found = comparison.scales()
     if not any(each.is_impossible for each in found):
-        found += comparison.delays()
-    return found + _RecordingComparison(specification, run if braking is None else braking).forces()
+        found += comparison.delays() + comparison.accelerations()
+    found += comparison.releases()
+    part = _RecordingComparison(specification, run if braking is None else braking)
+    forces = part.forces()
+    return found + forces + ([] if forces or found else part.brake_delays())
 
 
 class _RecordingComparison:
@@ -345,10 +375,11 @@ class _RecordingComparison:
             return []
         ratio = expected / observed if observed > 0.0 else np.inf
         text = f"{ratio:.3g} times" if np.isfinite(ratio) else "far more than"
+        cause = self._units_for({names[0]: 1.0 / ratio if ratio else np.inf}, ratio, 0.5, self._pressure_unit(names))
         sentence = (
             f"the brake force computed from {self._describe(names)}, {expected / 1e3:.3g} kN on average, is {text} "
             f"the {observed / 1e3:.3g} kN that slow {mass / 1e3:.3g} t in {self._describe(['speed'])}. "
-            f"{self._units_for({names[0]: 1.0 / ratio if ratio else np.inf}, ratio, 0.5)}"
+            f"{cause}"
         )
         return [
             Disagreement(
@@ -356,7 +387,155 @@ class _RecordingComparison:
                 signals=("speed", *names),
                 value=ratio,
                 sentence=sentence,
-                is_impossible=is_braked and excess > BEYOND,
+                is_impossible=(is_braked or self._follows_the_brakes()) and excess > BEYOND,
+            )
+        ]
+
+    def _pressure_unit(self, names: Sequence[str]) -> str:
+        """Return a question for the unit in which the largest pressure would be that of a brake, or an empty text.
+
+        Springs make forces disproportionate to pressures, so that their ratio does not show a unit.
+        """
+        column, text = self._columns.get(names[0], ("", ""))
+        largest = float(np.max(np.quantile(list(self._brakes.values()), 0.99, axis=1)))
+        if _base(names[0]) != "cylinder_pressure" or not text or BRAKE[0] <= largest <= BRAKE[1]:
+            return ""
+        for other in ("bar", "kPa", "MPa", "psi", "Pa"):
+            if BRAKE[0] <= largest * unit(other).factor / unit(text).factor <= BRAKE[1]:
+                return f"is column '{column}' in {other}, not {text}"
+        return ""
+
+    def _follows_the_brakes(self) -> bool:
+        """Return whether the train slows with the brake inputs, however small they are: their scale is wrong then."""
+        total = np.sum(list(self._brakes.values()), axis=0)
+        slowing = self._slowing()
+        if np.std(total) <= 0.0 or np.std(slowing) <= VARIES:
+            return False
+        return bool(np.corrcoef(uniform_filter1d(total, self._smoothed), slowing)[0, 1] > FOLLOWS)
+
+    # ---- release, delay of the brakes, acceleration -----------------------------------------------------------------
+
+    def releases(self) -> list[Disagreement]:
+        """Compare the least cylinder pressures with that of a released brake."""
+        pressures = {name: values for name, values in self._brakes.items() if _base(name) == "cylinder_pressure"}
+        if self._speed is None or not pressures:
+            return []
+        least = {name: float(np.quantile(values, 0.01)) for name, values in pressures.items()}
+        low, high = min(least.values()), max(least.values())
+        total = np.mean(list(pressures.values()), axis=0)
+        released = (total < np.mean(list(least.values())) + 0.1 * np.ptp(total) + 2e3) & (self._speed > SLOWEST)
+        if low < RELEASED or not self._is_long(released) or np.median(self._slowing()[released]) > COASTING:
+            return []
+        what = f"{self._describe(list(pressures))} is {low / 1e5:.3g} bar or more, also while the train coasts"
+        _, text = self._columns.get(next(iter(pressures)), ("", "Pa"))
+        if ABSOLUTE[0] <= low and high <= ABSOLUTE[1]:
+            offset = unit("bar").factor / unit(text or "Pa").factor * -1.013
+            cause = f"Is it an absolute pressure? Write offset = {offset:.6g} with the column in [data.columns]."
+        else:
+            cause = "Does the transducer have an offset, or did a brake not release? Correct it with offset."
+        return [
+            Disagreement(
+                kind="release",
+                signals=tuple(pressures),
+                value=low,
+                sentence=f"{what}. {cause}",
+                is_impossible=False,
+            )
+        ]
+
+    def accelerations(self) -> list[Disagreement]:
+        """Compare accelerometers along the vehicle with the derivative of the speed."""
+        if self._speed is None:
+            return []
+        derivative, moving = -self._slowing(), self._speed > SLOWEST
+        slowing = moving & (derivative < -SLOWING)
+        if not self._is_long(slowing):
+            return []
+        found: list[Disagreement] = []
+        for name in ("acceleration", *readings_in(self._recording, "acceleration_along")):
+            if (
+                not has_reading(self._recording, name)
+                or not self._is_long(moving)
+                or np.std(derivative[moving]) < VARIES
+            ):
+                continue
+            values = self._signal(name)
+            if values is None:
+                continue
+            smooth = uniform_filter1d(values, self._smoothed)
+            lag, fit = _lag(derivative, smooth, moving, self._period)
+            own, others = self._describe([name]), self._describe(["speed"])
+            usual, mean = float(np.mean(derivative[slowing])), float(np.mean(smooth[slowing]))
+            ratio = mean / usual
+            sentence, value, is_impossible = "", ratio, False
+            if abs(mean - usual) > OFFSET:
+                is_impossible = ratio < NO_RATIO[0] or ratio > NO_RATIO[1]
+                cause = f"Ratio {ratio:.3g}: does the accelerometer have an offset, or another scale?"
+                if abs(ratio + 1.0) < 0.4:
+                    cause = "Is its sign the other one?"
+                elif abs(np.log(max(ratio, 1e-9) * GRAVITY)) < 0.3:
+                    cause = f"Is column {self._column(name)} in g?"
+                sentence = (
+                    f"{own} is {mean:.2g} m/s2 on average while the derivative of {others} is {usual:.2g} m/s2, a "
+                    f"difference that no gradient explains. {cause}"
+                )
+            elif fit > FITS and abs(lag) > LAG:
+                direction, value = "behind" if lag > 0.0 else "ahead of", lag
+                sentence = (
+                    f"{own} is about {abs(lag):.2g} s {direction} the derivative of {others}. Does one of them come "
+                    "through a filter or from another logger? Shift the column in the file."
+                )
+            if sentence:
+                found.append(
+                    Disagreement(
+                        kind="acceleration",
+                        signals=("speed", name),
+                        value=value,
+                        sentence=sentence,
+                        is_impossible=is_impossible,
+                    )
+                )
+        return found
+
+    def brake_delays(self) -> list[Disagreement]:
+        """Compare the instants of the brake force that the model computes and of the momentum that the train loses."""
+        mass, inertias = self._mass(), self._inertias()
+        if self._speed is None or not self._wheels or mass is None or inertias is None or not self._brakes:
+            return []
+        if self._time.size < 3 * self._smoothed or self._period > LAG:
+            return []
+        weights = np.array([inertias[name] / (self._radius(name) or 1.0) for name in self._wheels])
+        momentum = mass * self._speed + np.stack(list(self._wheels.values()), axis=1) @ weights
+        rows = np.arange(self._time.size)
+        step = _stride(rows.size)
+        brake, _ = self._model_forces(mass, weights, rows)
+        brake = np.interp(rows, rows[::step][: brake.size], brake)
+        impulse = np.concatenate([[0.0], np.cumsum(0.5 * (brake[1:] + brake[:-1])) * self._period])
+        lost, braked = (
+            np.asarray(savgol_filter(values, self._smoothed, 2, deriv=1, delta=self._period), dtype=np.float64)
+            for values in (-momentum, impulse)
+        )
+        turning = np.stack([self._rim(name) for name in self._wheels], axis=1) > 0.1 * self._speed[:, None]
+        kernel = np.ones(2 * round(LONGEST_LAG / self._period) + 1, dtype=np.bool_)
+        near = np.asarray(binary_dilation(self._brake_mask(), kernel), dtype=np.bool_)
+        moving = (self._speed > SLOWEST) & turning.all(axis=1) & near
+        if not self._is_long(moving) or np.std(lost[moving]) < VARIES * mass:
+            return []
+        lag, fit = _lag(lost, braked, moving, self._period)
+        if fit < FITS or abs(lag) <= LAG:
+            return []
+        names, direction = list(self._brakes), "behind" if lag > 0.0 else "ahead of"
+        return [
+            Disagreement(
+                kind="brake delay",
+                signals=("speed", *names),
+                value=lag,
+                sentence=(
+                    f"{self._describe(names)} is about {abs(lag):.2g} s {direction} the deceleration in "
+                    f"{self._describe(['speed'])} and the wheelset speeds. Does one of them come through a filter or "
+                    "from another logger? Shift the column in the file."
+                ),
+                is_impossible=False,
             )
         ]
 
@@ -381,7 +560,7 @@ class _RecordingComparison:
 
     def _model_forces(self, mass: float, weights: Vector, at: NDArray[np.intp]) -> tuple[Vector, Vector]:
         """Return brake force and the other forces on the train, without adhesion [N], at the samples `at`."""
-        at = at[:: max(1, at.size // EVALUATED)]
+        at = at[:: _stride(at.size)]
         prediction = equations_for(self._specification)
         mean = self._settings.start
         states = np.zeros((at.size, len(prediction.states)))
@@ -445,6 +624,38 @@ class _RecordingComparison:
         if not questions:
             questions.append(f"{otherwise or 'another scale of the column, or another vehicle in [model.parameters]'}?")
         return f"Ratio {ratio:.3g}: {' Or '.join(questions)}"
+
+
+def _stride(count: int) -> int:
+    return -(-count // EVALUATED)
+
+
+def _shifted(values: Vector, samples_later: int) -> Vector:
+    """Return a signal advanced by a number of samples, with its ends repeated."""
+    at = np.clip(np.arange(values.size) + samples_later, 0, values.size - 1)
+    return values[at]
+
+
+def _lag(reference: Vector, values: Vector, where: Mask, period: float) -> tuple[float, float]:
+    """Return the lag of a signal behind another [s] and the correlation there; the sign of a signal may be wrong.
+
+    The lag is 0 unless its correlation exceeds that without a lag by `BETTER`.
+    """
+    longest = min(round(LONGEST_LAG / period), int(where.sum()) // 4)
+    step = max(1, round(0.02 / period))
+    shifts = np.arange(-(longest // step) * step, longest + 1, step)
+    fits = np.array([_correlation(reference[where], _shifted(values, shift)[where]) for shift in shifts.tolist()])
+    if not np.isfinite(fits).any():
+        return 0.0, 0.0
+    best = int(np.nanargmax(np.abs(fits)))
+    at_zero = _correlation(reference[where], values[where])
+    if abs(shifts[best]) >= longest or np.arctanh(abs(fits[best])) - np.arctanh(abs(at_zero)) < BETTER:
+        return 0.0, float(at_zero)
+    return float(shifts[best] * period), float(fits[best])
+
+
+def _correlation(a: Vector, b: Vector) -> float:
+    return float(np.corrcoef(a, b)[0, 1]) if np.std(a) > 0.0 and np.std(b) > 0.0 else 0.0
 
 
 def _base(name: str) -> str:

@@ -1,8 +1,9 @@
 """Inspect a recording, and propose the table [data] by which an estimation reads it."""
 
 import json
+import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import accumulate
@@ -20,8 +21,10 @@ from railgrip.estimation.check import ACCELERATION, UNITS_OF_RUN, signals_of
 from railgrip.estimation.spec import ModelParameter, Specification, load_specification, model_parameters
 from railgrip.fmi.draft import OTHER_NAMES, bare_name, likeness
 from railgrip.recording.files import (
+    MDF,
     Columns,
     Series,
+    is_change_driven,
     name_without_unit,
     read_mf4,
     read_table,
@@ -29,6 +32,7 @@ from railgrip.recording.files import (
     unit_at_end,
     unit_in_brackets,
 )
+from railgrip.recording.instants import is_hhmmss
 from railgrip.recording.table import DataTable, TimeColumn
 from railgrip.scenario.file import is_file
 
@@ -113,6 +117,7 @@ class Inspection:
         proposal: Estimation as TOML that reads the recording.
         unrecognised: Signals of the proposal whose column or unit the reader has to complete.
         parameters: Vehicle data that the model needs, with their defaults.
+        notices: Sentences on the file and its clock.
     """
 
     findings: tuple[ColumnMatch, ...]
@@ -121,6 +126,7 @@ class Inspection:
     proposal: str
     unrecognised: tuple[str, ...]
     parameters: tuple[ModelParameter, ...]
+    notices: tuple[str, ...] = ()
 
 
 def inspect_recording(
@@ -129,15 +135,17 @@ def inspect_recording(
     time: str | None = None,
     decimal: Literal[".", ","] | None = None,
     train: str | None = None,
+    order: Literal["day first", "month first"] | None = None,
 ) -> Inspection:
     """Return the content of a recording, and a proposal for an estimation that reads it.
 
     Args:
-        path: Recording: csv, parquet, mat or mf4.
+        path: Recording: csv, parquet, mat, mf4 or mdf.
         estimation: File or name of the estimation whose signals are searched for.
         time: Column of time; None to recognise it.
         decimal: Decimal sign of a csv file; None to detect it.
         train: Train of the prediction, a name or a file; None for that of the estimation.
+        order: Order of dates that end with their year; None to recognise it.
 
     Raises:
         ScenarioError: The estimation cannot be read.
@@ -146,7 +154,7 @@ def inspect_recording(
     specification = load_specification(estimation, {} if train is None else {"model.train": train})
     # The proposal may be in another folder than the current one.
     base = _found_anywhere(str(estimation))
-    clock, series, texts = _read(path, time, decimal)
+    clock, series, texts, blank, notices = _read(path, time, decimal, order)
     findings = [finding for name, column in series.items() for finding in _findings(name, column)]
     if not findings:
         raise EstimationError(f"{path.name}: has no column with two numbers besides its time; name another recording.")
@@ -167,7 +175,8 @@ def inspect_recording(
         "",
         "[data]",
         _clock_line(clock, path),
-        f'period = "{1e3 * period:.6g} ms"',
+        f'period = "{_shortest(1e3 * period, 1e3 * _resolution(recognised.values() or findings)):g} ms"',
+        *([] if blank is None else [f"blank = {_toml(blank)}  # a column has a value only where it changes"]),
         *([] if decimal is None else [f"decimal = {_toml(decimal)}"]),
         *_gap_lines([finding for name, finding in recognised.items() if wanted[name][1]], period),
         'frozen = "2 s"  # readings that repeat exactly for longer are left out',
@@ -182,6 +191,7 @@ def inspect_recording(
         proposal="\n".join([*head, *lines]) + "\n",
         unrecognised=tuple(unrecognised),
         parameters=parameters,
+        notices=tuple(notices),
     )
 
 
@@ -198,27 +208,62 @@ def _parameter_line(parameter: ModelParameter) -> str:
 # ---- what the file holds ----------------------------------------------------------------------------------------
 
 
-def _read(path: Path, time: str | None, decimal: str | None) -> tuple[TimeColumn, dict[str, Series], list[str]]:
-    if path.suffix.lower() == ".mf4":
-        return TimeColumn(column="time", unit="s"), read_mf4(path), []
+def _read(
+    path: Path, time: str | None, decimal: str | None, order: Literal["day first", "month first"] | None
+) -> tuple[TimeColumn, dict[str, Series], list[str], Literal["unchanged"] | None, list[str]]:
+    """Return the column of time, those of numbers, the names of the others, what blank cells mean, and notices."""
+    if path.suffix.lower() in MDF:
+        return TimeColumn(column="time", unit="s"), read_mf4(path), [], None, []
     file = read_table(path, decimal=decimal)
     frame = file.values
-    clock = _clock(path, file, time)
+    clock = _clock(path, file, time).model_copy(update={"order": order})
     numbers = [name for name, values in frame.items() if name != clock.column and _is_numeric(values)]
+    stated = clock.unit or "s"
     table = DataTable(
-        time=clock.model_copy(update={"unit": clock.unit or "s"}), period=1.0, longest_gap=1.0, frozen=1.0, spike=8.0,
+        time=clock.model_copy(update={"unit": stated}),
+        period=1.0,
+        longest_gap=1.0,
+        frozen=1.0,
+        spike=8.0,
         columns={},
-    )  # fmt: skip
+        blank="missing",
+    )
+    notices: list[str] = []
+    instants = pd.to_numeric(pd.Series(frame[clock.column]), errors="coerce") if stated == "s" else None
+    if instants is not None and is_hhmmss(np.asarray(instants, dtype=float)):
+        clock = clock.model_copy(update={"unit": "hhmmss"})
+        table = table.model_copy(update={"time": clock})
+        notices.append(f"{path.name}: {short(clock.column)} has times of day as hhmmss, not seconds.")
     series = series_of_table(path, file, table, numbers)
-    return clock, series, [name for name in frame if name not in (clock.column, *numbers)]
+    notices += dict.fromkeys(notice for each in series.values() for notice in each.notices)
+    if any("repeats = 'spread'" in notice for notice in notices):
+        clock = clock.model_copy(update={"repeats": "spread"})
+        series = series_of_table(
+            path, file, table.model_copy(update={"time": clock.model_copy(update={"unit": clock.unit or "s"})}), numbers
+        )
+    blank = None
+    if is_change_driven(each.values for each in series.values()):
+        blank = "unchanged"
+        notices.append(f"{path.name}: most cells are blank; a blank cell is taken to repeat the value above it.")
+        of_changes = table.model_copy(
+            update={"time": clock.model_copy(update={"unit": clock.unit or "s"}), "blank": blank}
+        )
+        series = series_of_table(path, file, of_changes, numbers)
+    return clock, series, [name for name in frame if name not in (clock.column, *numbers)], blank, notices
 
 
 def _is_numeric(values: Any) -> bool:
     array = np.asarray(values)
+    if array.dtype.kind == "M":
+        return False
     if array.ndim != 1 or array.dtype.kind in "fiub":
         return array.ndim == 1
     filled: Any = pd.Series(values).dropna()
-    numbers: Any = pd.to_numeric(filled, errors="coerce")
+    if len(filled) and filled.map(lambda value: hasattr(value, "isoformat")).all():
+        return False
+    # Separators of thousands are examined where the column is read.
+    plain: Any = filled.astype(str).str.replace(r"[.,' \u2019\u00a0\u202f](?=\d{3})", "", regex=True)
+    numbers: Any = pd.to_numeric(plain.str.replace(",", ".", regex=False), errors="coerce")
     return 2 * int(numbers.notna().sum()) > len(filled)  # a remark may be a number
 
 
@@ -235,7 +280,7 @@ def _clock(path: Path, file: Columns, time: str | None) -> TimeColumn:
         if values.dtype.kind not in "fiu" and not _is_numeric(values):
             if _is_called_time(name) or time is not None:
                 return TimeColumn(column=name, unit="timestamp")
-        elif time is not None or ((_is_called_time(name) or text) and _rises(values)):
+        elif time is not None or _is_called_time(name) or (text and _rises(values)):
             with suppress(UnitError):
                 conversion(unit(text or ""), unit("s"))
                 return TimeColumn(column=name, unit=text)
@@ -258,7 +303,10 @@ def _clock_line(clock: TimeColumn, path: Path) -> str:
     unit_of_time, remark = clock.unit, ""
     if unit_of_time is None:
         unit_of_time, remark = "s", f"  # {path.name} does not state it: seconds are assumed"
-    return f"time = {{ column = {_toml(clock.column)}, unit = {_toml(unit_of_time)} }}{remark}"
+    keys = [f"column = {_toml(clock.column)}", f"unit = {_toml(unit_of_time)}"]
+    keys += [] if clock.order is None else [f"order = {_toml(clock.order)}"]
+    keys += [] if clock.repeats == "drop" else [f"repeats = {_toml(clock.repeats)}"]
+    return f"time = {{ {', '.join(keys)} }}{remark}"
 
 
 def _findings(name: str, series: Series) -> Iterator[ColumnMatch]:
@@ -291,8 +339,20 @@ def _gap_lines(inputs: Sequence[ColumnMatch], period: float) -> Iterator[str]:
         first, last = max(finding.begin for finding in inputs), min(finding.end for finding in inputs)
         begins, ends = [first, *accumulate((end for _, end in cuts), max)], [*(begin for begin, _ in cuts), last]
         begin, end = max(zip(begins, ends, strict=True), key=lambda part: part[1] - part[0])
-        yield f'begin = "{begin:.6g} s"  # inputs are missing before or after for more than {_BRIDGED:g} s'
-        yield f'end = "{end:.6g} s"'
+        digits = max(0, math.ceil(-math.log10(period)) + 1)
+        yield f'begin = "{begin:.{digits}f} s"  # inputs are missing before or after for more than {_BRIDGED:g} s'
+        yield f'end = "{end:.{digits}f} s"'
+
+
+def _resolution(findings: Iterable[ColumnMatch]) -> float:
+    """Return the rounding of differences of the instants [s]: seconds since 1970 have some 1e-7."""
+    return max(4.0 * float(np.spacing(max(abs(finding.begin), abs(finding.end)))) for finding in findings)
+
+
+def _shortest(value: float, tolerance: float) -> float:
+    """Return the number of fewest digits within a tolerance, six digits if none is."""
+    candidates = (float(f"{value:.{digits}g}") for digits in range(1, 6))
+    return next((each for each in candidates if abs(each - value) <= tolerance), float(f"{value:.6g}"))
 
 
 def _with_unit(
@@ -344,7 +404,7 @@ def _score(signal: str, target: str, stem: str, number: int | None, finding: Col
 
 
 def _stem(name: str) -> tuple[str, int | None]:
-    text = name_without_unit(name)
+    text = name_without_unit(re.sub(r" \(group \d+(, index \d+)?\)$", "", name))
     numbers = re.findall(r"\d+", text)
     return bare_name(re.sub(r"\d+", "_", text)), int(numbers[-1]) if numbers else None
 
@@ -396,8 +456,17 @@ def _columns(
         elif text.startswith("rev/") and finding.unit is not None and "rev" not in finding.unit:
             remark = f"  # the file says {finding.unit}: revolutions are assumed"
         rest = ", may_rest = true" if signal.partition("[")[0] in _MAY_REST else ""
-        lines.append(f"{key} = {{ column = {_toml(finding.name)}, unit = {_toml(text or _UNKNOWN)}{rest} }}{remark}")
+        lines.append(f"{key} = {{ {_source(finding.name)}, unit = {_toml(text or _UNKNOWN)}{rest} }}{remark}")
     return lines, unrecognised
+
+
+def _source(label: str) -> str:
+    """Return the keys for a column, with group and index of a channel whose name occurs several times."""
+    match = re.fullmatch(r"(.*) \(group (\d+)(?:, index (\d+))?\)", label)
+    if match is None:
+        return f"column = {_toml(label)}"
+    name, group, index = match.groups()
+    return f"column = {_toml(name)}, group = {group}" + (f", index = {index}" if index else "")
 
 
 def _zero(unit_of_signal: str) -> str:

@@ -1,5 +1,6 @@
 """Run a filter over a recording: mean and standard deviation of every state, and innovations, at every sample."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -9,9 +10,12 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 import xarray
+from numpy.typing import NDArray
+from scipy.ndimage import binary_closing
 
 from railgrip.base.errors import EstimationError, FilterDiverged
 from railgrip.base.names import did_you_mean
+from railgrip.estimation.beginning import start_in_braking
 from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter, FilterRecord
 from railgrip.estimators.consistency import FAR, loss_step, nis_ratio
@@ -22,6 +26,7 @@ from railgrip.fmus.build import build_class, fmu
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.native.library import LIBRARY
 from railgrip.fmus.recipe import read_recipes
+from railgrip.recording.flag import intervals
 from railgrip.recording.samples import period_of, samples
 
 Kind = Literal["fmu", "compiled"]
@@ -29,6 +34,20 @@ Kind = Literal["fmu", "compiled"]
 
 READ_STATES = {"v": "speed", "w": "wheelset_speed"}
 """States that are measured directly; if `start` omits them they are initialised with the first reading."""
+
+STANDSTILL = 1.0
+"""Speed below which rejected readings are not reported [m/s]."""
+REJECTED_TOGETHER = 0.5
+"""Longest time between rejected samples of one sentence [s]."""
+MOST_REJECTIONS = 3
+"""Number of sentences for each reading."""
+LONGEST_STEP = 1.5
+"""Product of period and fastest mode of a model beyond which a filter takes several steps from sample to sample.
+
+Classical Runge-Kutta is stable up to 2.8; see `railgrip.estimators.discretisation`.
+"""
+FINE_STEP = 0.6
+"""Largest such product of each of several steps: one step then has an error of 0.6^5/120, below 0.1 %, in that mode."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -178,17 +197,33 @@ class FilterData:
     """A recording as the arrays of a filter, for k samples after the first.
 
     Attributes:
-        inputs: Inputs over the period that ends at each sample, shape (k, inputs).
+        inputs: Inputs over each step of the filter, shape (k steps, inputs).
         readings: Readings at each sample, NaN where missing, shape (k, outputs).
-        mean, variance: Mean and variance of the states at the first sample, each of shape (states,).
+        mean, covariance: Estimate at the first sample, shapes (states,) and (states, states).
         period: Time between samples [s].
+        steps: Steps of the filter from sample to sample; more than one if the model is too fast for the period.
     """
 
     inputs: Matrix
     readings: Matrix
     mean: Vector
-    variance: Vector
+    covariance: Matrix
     period: float
+    steps: int = 1
+
+    @property
+    def step(self) -> float:
+        """Time of a step of the filter [s]."""
+        return self.period / self.steps
+
+    @property
+    def readings_by_step(self) -> Matrix:
+        """Readings at each step of the filter, NaN between samples, shape (k steps, outputs)."""
+        if self.steps == 1:
+            return self.readings
+        rows = np.full((len(self.readings) * self.steps, self.readings.shape[1]), np.nan)
+        rows[self.steps - 1 :: self.steps] = self.readings
+        return rows
 
 
 def filter_data(
@@ -197,13 +232,33 @@ def filter_data(
     """Return a recording as the arrays of a filter; arguments and errors as for `estimate`."""
     outputs, unit_of_name = prediction.outputs, dict(units or {})
     readings = samples(recording, outputs, [unit_of_name.get(name) for name in outputs])
+    inputs, period = _inputs(recording, prediction, unit_of_name), period_of(recording)
+    deviation = by_name("[start] deviation", settings.start_deviation, prediction.states)
+    released = _start(settings.start, prediction.states, outputs, readings)
+    mean, covariance = start_in_braking(prediction, released, deviation, inputs[0], readings, period)
+    steps = steps_per_sample(prediction, mean, inputs, period)
     return FilterData(
-        inputs=_inputs(recording, prediction, unit_of_name, settings.between),
+        inputs=_by_step(inputs, steps, settings.between),
         readings=readings[1:],
-        mean=_start(settings.start, prediction.states, outputs, readings),
-        variance=by_name("[start] deviation", settings.start_deviation, prediction.states) ** 2,
-        period=period_of(recording),
+        mean=mean,
+        covariance=covariance,
+        period=period,
+        steps=steps,
     )
+
+
+def steps_per_sample(prediction: PredictionInC, mean: Vector, inputs: Matrix, period: float) -> int:
+    """Return the number of steps that a filter takes from sample to sample; see `LONGEST_STEP`.
+
+    Args:
+        prediction: The model.
+        mean: States at the first sample, shape (states,).
+        inputs: Shape (k, inputs); the fastest mode is that of their first and largest values.
+        period: Time between samples [s].
+    """
+    modes = [np.abs(np.linalg.eigvals(prediction.derivative_jacobian(mean, row))) for row in (inputs[0], inputs.max(0))]
+    fastest = max((float(np.max(each, initial=0.0)) for each in modes if np.isfinite(each).all()), default=0.0)
+    return 1 if fastest * period <= LONGEST_STEP else math.ceil(fastest * period / FINE_STEP)
 
 
 def estimate(
@@ -225,8 +280,8 @@ def estimate(
         its degrees of freedom `readings` (time). The first sample is the start. The attribute `ended` is empty for a
         valid filter. Otherwise it states why and from when on its estimates are invalid: the filter diverged, and later
         values are NaN, or it is lost (`railgrip.estimators.consistency.loss_step`). `nis_ratio` is the median of NIS
-        over its expected one, NaN without readings. `warnings` has a line for each disagreement between signals of the
-        recording.
+        over its expected one, NaN without readings. `repairs` has a line for each error in the file that was mended,
+        `warnings` one for each disagreement between signals of the recording.
 
     Raises:
         EstimationError: A signal is missing or in another unit, the grid is uneven, or an input is NaN.
@@ -235,8 +290,8 @@ def estimate(
     data = filter_data(recording, prediction, settings, units)
     process = by_name("[noise] process", settings.process, prediction.states)
     noise = by_name("[noise] readings", settings.readings, prediction.outputs)
-    filter_ = CompiledFilter(prediction, process, noise, data.period, settings.gate, settings.outlier_limit)
-    first = filter_.start(data.mean, data.variance)
+    filter_ = CompiledFilter(prediction, process, noise, data.step, settings.gate, settings.outlier_limit)
+    first = filter_.start(data.mean, data.covariance)
     beliefs, problem = _follow(filter_, first, data)
     count, done = len(data.readings), len(beliefs.mean)
 
@@ -245,6 +300,11 @@ def estimate(
         rows[0], rows[1 : 1 + done] = start, steps
         return rows
 
+    times = recording["time"].values[1 : 1 + done]
+    unused = np.isfinite(data.readings[:done]) & (beliefs.used == 0.0)
+    if "v" in prediction.states:  # at standstill the models do not hold: brakes would turn the train back
+        unused &= (beliefs.mean[:, prediction.states.index("v")] > STANDSTILL)[:, None]
+    rejected = _rejected(prediction.outputs, times, unused, data)
     ratio = nis_ratio(beliefs.squared_innovation, beliefs.degrees)
     return xarray.Dataset(
         {
@@ -260,17 +320,41 @@ def estimate(
             "period": data.period,
             "name": recording.attrs.get("name", ""),
             "nis_ratio": np.nan if ratio is None else ratio,
-            "warnings": "\n".join(recording.attrs.get("warnings", ())),
+            "repairs": "\n".join(recording.attrs.get("flags", ())),
+            "warnings": "\n".join([*recording.attrs.get("warnings", ()), *rejected]),
         },
     )
 
 
+def _rejected(outputs: Sequence[str], time: Vector, where: NDArray[np.bool_], data: FilterData) -> list[str]:
+    """Return a sentence for each interval in which the filter rejected samples of a reading as outliers."""
+    near = max(1, round(REJECTED_TOGETHER / data.period))
+    sentences: list[str] = []
+    for name, rejected in zip(outputs, where.T, strict=True):
+        spans = intervals(binary_closing(rejected, np.ones(near + 1, dtype=np.bool_)) | rejected)
+        for first, last in spans[:MOST_REJECTIONS]:
+            count = int(rejected[first : last + 1].sum())
+            if count > 1:
+                sentences.append(
+                    f"{name} contradicts the other signals from {time[first]:.3f} s to {time[last]:.3f} s: {count} of "
+                    "its samples are further from their expectation than outlier_limit and are not used; compare the "
+                    "sensor, and the brake inputs there."
+                )
+        if len(spans) > MOST_REJECTIONS:
+            sentences.append(
+                f"{name} contradicts the other signals {len(spans) - MOST_REJECTIONS} more times until "
+                f"{time[spans[-1][1]]:.3f} s."
+            )
+    return sentences
+
+
 def _follow(filter_: CompiledFilter, first: GaussianEstimate, data: FilterData) -> tuple[FilterRecord, str]:
     try:
-        return filter_.follow(first, data.inputs, data.readings), ""
+        return filter_.follow(first, data.inputs, data.readings_by_step, every=data.steps), ""
     except FilterDiverged as problem:
         # The estimates before that are valid.
-        return filter_.follow(first, data.inputs[: problem.after], data.readings[: problem.after]), problem.why
+        valid = problem.after // data.steps * data.steps
+        return filter_.follow(first, data.inputs[:valid], data.readings_by_step[:valid], every=data.steps), problem.why
 
 
 def _end(beliefs: FilterRecord, problem: str, readings: Matrix, time: Vector) -> str:
@@ -283,8 +367,8 @@ def _end(beliefs: FilterRecord, problem: str, readings: Matrix, time: Vector) ->
     return f"{problem} At {time[len(beliefs.mean) + 1]:.3f} s." if problem else ""
 
 
-def _inputs(recording: xarray.Dataset, prediction: PredictionInC, units: Mapping[str, str], between: str) -> Matrix:
-    """Return for each sample except the first the inputs of the period that ends there, shape (k, inputs)."""
+def _inputs(recording: xarray.Dataset, prediction: PredictionInC, units: Mapping[str, str]) -> Matrix:
+    """Return the inputs at each sample, shape (k + 1, inputs)."""
     names = prediction.inputs
     columns = samples(recording, names, [units.get(name) for name in names])
     for name, values in zip(names, columns.T, strict=True):
@@ -294,7 +378,18 @@ def _inputs(recording: xarray.Dataset, prediction: PredictionInC, units: Mapping
                 f"recording: input {name} is not a number at {at:.3f} s; a filter needs its inputs at every sample, "
                 "fill or cut the gap."
             )
-    return 0.5 * (columns[:-1] + columns[1:]) if between == "mean" else columns[:-1]
+    return columns
+
+
+def _by_step(inputs: Matrix, steps: int, between: str) -> Matrix:
+    """Return the inputs over each step: held at the sample before, or those of the line to the next in its middle."""
+    before, after = inputs[:-1], inputs[1:]
+    if between != "mean":
+        return np.repeat(before, steps, axis=0)
+    if steps == 1:
+        return 0.5 * (before + after)
+    share = ((np.arange(steps) + 0.5) / steps)[:, None]
+    return (before[:, None] + share * (after - before)[:, None]).reshape(-1, inputs.shape[1])
 
 
 def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Matrix:

@@ -52,13 +52,17 @@ def run_kind(kind: str, context: FilterContext, data: FilterData) -> FilterRun:
     nis, degrees = np.zeros(count), np.zeros(count)
     mean[0], variance[0] = filter_.mean, np.diagonal(filter_.covariance)
     ended, begin = "", process_time()
-    for k in range(count):
-        filter_.inputs[:], filter_.readings[:] = data.inputs[k], data.readings[k]
+    readings = data.readings_by_step
+    for step in range(count * data.steps):
+        filter_.inputs[:], filter_.readings[:] = data.inputs[step], readings[step]
+        k = step // data.steps
         try:
             filter_.advance()
         except FilterDiverged as problem:
             ended = f"{problem} At step {k + 1}."
             break
+        if (step + 1) % data.steps:
+            continue
         mean[k + 1], variance[k + 1] = filter_.mean, np.diagonal(filter_.covariance)
         nis[k], degrees[k] = filter_.squared_innovation, filter_.selection.sum()
     return FilterRun(
@@ -82,11 +86,11 @@ def context_of(prediction: PredictionInC, settings: Settings, data: FilterData) 
         prediction=prediction,
         process_noise=by_name("[noise] process", settings.process, prediction.states),
         reading_noise=by_name("[noise] readings", settings.readings, prediction.outputs),
-        period=data.period,
+        period=data.step,
         gate=settings.gate,
         outlier_limit=None if limit is None else [limit] * len(prediction.outputs),
         mean=data.mean,
-        covariance=data.variance,
+        covariance=data.covariance,
     )
 
 

@@ -64,11 +64,19 @@ def recording_of_estimation(
         scenario = scenario or source.scenario
         require_consistent(specification, scenario)
         recording = recording_of_stop(scenario, source.seed if seed is None else seed, source.noise, import_from)
-    run = complete_trace(specification, recording)
-    recording = run if specification.course is None else braking_of(run, specification.course).recording
+    run, recording = recording_of_trace(specification, recording)
     if data is None or data.suffix == ".nc":  # a trace has its units and one clock
         return recording
     return recording.assign_attrs(warnings=require_agreement(specification, run, recording, data.name))
+
+
+def recording_of_trace(specification: Specification, trace: xarray.Dataset) -> tuple[xarray.Dataset, xarray.Dataset]:
+    """Return a trace completed by the estimation, and the part of it that the filter uses.
+
+    Errors are those of `complete_trace` and, with [course], of `railgrip.estimation.braking.braking_of`.
+    """
+    run = complete_trace(specification, trace)
+    return run, run if specification.course is None else braking_of(run, specification.course).recording
 
 
 def complete_trace(specification: Specification, trace: xarray.Dataset) -> xarray.Dataset:

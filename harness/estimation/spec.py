@@ -46,6 +46,7 @@ from pydantic import Field, PrivateAttr, ValidationInfo, field_serializer, field
 from railgrip.base.errors import EstimationError
 from railgrip.base.names import did_you_mean
 from railgrip.estimation.models import DEFAULT, PredictionModel, of_class, of_train
+from railgrip.estimation.plausible import check_estimates, check_signals
 from railgrip.estimation.run import READ_STATES, Kind, Settings, estimate, units_of
 from railgrip.estimation.several import estimate_several
 from railgrip.estimators.design import Gate
@@ -498,7 +499,8 @@ def estimate_of(specification: Specification, recording: xarray.Dataset, filters
 
     With names of kinds in `filters`, those of several filters; see `several.estimate_several`. The attributes
     `parameters` and `settings` are JSON: name, value, unit and origin of each parameter of the model, and of noises,
-    start, gate and constant inputs.
+    start, gate and constant inputs. `problems` has a line for each reason for which the estimates are not to be used:
+    signals or estimates that no vehicle has, and a filter that is lost. It is empty for valid estimates.
 
     Raises:
         EstimationError: The recording does not fit the model.
@@ -518,7 +520,15 @@ def estimate_of(specification: Specification, recording: xarray.Dataset, filters
         for key, rows in lists.items()
     }
     warnings = [*str(estimates.attrs.get("warnings", "")).splitlines(), *specification.model.prediction.limits]
-    return estimates.assign_attrs(estimation=specification.name, warnings="\n".join(warnings), **texts)
+    problems = check_signals(recording, (*prediction.inputs, *prediction.outputs))
+    for kind in filters or ("",):
+        of_one = estimates.sel(filter=kind) if kind else estimates
+        ended = str(of_one["ended"].item()) if kind else str(estimates.attrs["ended"])
+        sentences = [*check_estimates(of_one), *([ended] if ended else [])]
+        problems += [f"{kind}: {sentence}" if kind else sentence for sentence in sentences]
+    return estimates.assign_attrs(
+        estimation=specification.name, warnings="\n".join(warnings), problems="\n".join(problems), **texts
+    )
 
 
 def _gate(specification: Specification, gate: GateTable) -> Gate:

@@ -10,7 +10,7 @@ from railgrip.recording.flag import Flag, flags_of, intervals
 
 Vector = NDArray[np.float64]
 
-_MAX_RUN = 3  # samples in a row that can be found off
+MAX_SPIKE = 3  # samples in a row that can be found off
 _BESIDE = 3  # samples on either side of a spike: one that it comes from or back to, and those that show how it moves
 _NEIGHBOURS = 7  # samples whose median is not part of a spike
 _JUMP = 2.0  # times the motion of the signal next to a spike; the peak of a ramp deviates by exactly that
@@ -112,7 +112,7 @@ def spikes(time: Vector, values: Vector, deviations: float) -> NDArray[np.bool_]
     padding = np.pad(values, _BESIDE, mode="reflect")
     steps = np.abs(np.diff(padding))
     period = float(np.median(np.diff(time)))
-    for length in range(1, _MAX_RUN + 1):
+    for length in range(1, MAX_SPIKE + 1):
         if length > 1 and length * period > 0.9 * _VALVE_PULSE:  # two of 10 ms are as long, whatever rounding says
             break
         first = np.arange(1, values.size - length)

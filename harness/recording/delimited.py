@@ -27,7 +27,10 @@ SPELLINGS = {
 _BYTE_ORDER_MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 _LINES = 50
 """Lines after the header that a separator is judged by."""
-_COMMA_NUMBER = re.compile(r"\s*[+-]?(?:\d+,?\d*|,\d+)(?:[eE][+-]?\d+)?\s*")
+_FOOTER = 30
+"""Largest number of lines of a footer."""
+_STAMP = re.compile(r"\s*\d+[-./:]\d+")
+_COMMA_NUMBER = re.compile(r"\s*[+-]?(?:\d{1,3}(?:\.\d{3})+,\d*|\d+,?\d*|,\d+)(?:[eE][+-]?\d+)?\s*")
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}(?:,\d{3})+\s*")
 """A number whose commas may separate thousands: "50,000", but neither "0,500" nor "50,0"."""
 
@@ -40,11 +43,13 @@ class TextTable:
         frame: Its columns; a column with a cell that is not a number holds texts.
         units: Unit of a column by its name, from a row below the header.
         decimal: Decimal sign of its numbers.
+        notices: Sentences on lines that were left out.
     """
 
     frame: pd.DataFrame
     units: Mapping[str, str]
     decimal: str
+    notices: tuple[str, ...] = ()
 
 
 def read_delimited(path: Path, separator: str | None = None, decimal: str | None = None) -> TextTable:
@@ -64,13 +69,54 @@ def read_delimited(path: Path, separator: str | None = None, decimal: str | None
     separator = separator or _separator(path, [text for _, text in lines])
     header, *rows = _cells([text for _, text in lines], separator)
     units = _units(header, rows)
-    skipped = [lines[1][0]] if units else []
+    repeated, footer = _other_lines(path, encoding, separator, [text for _, text in lines[: 2 if units else 1]])
+    skipped = [*([lines[1][0]] if units else []), *repeated, *footer]
+    notices: list[str] = []
+    if repeated:
+        notices.append(
+            f"{path.name}: {len(repeated)} lines repeat the header, the first is line {repeated[0] + 1}; left out."
+        )
+    if footer:
+        notices.append(
+            f"{path.name}: {len(footer)} lines at the end, from line {footer[0] + 1}, are not samples; left out."
+        )
     frame = _table(path, encoding, separator, decimal or ".", skipped)
     if decimal is None and _has_decimal_commas(path, frame):
         decimal = ","
         frame = _table(path, encoding, separator, decimal, skipped)
     frame = frame.rename(columns={name: str(name).strip() for name in frame.columns})
-    return TextTable(frame=frame, units=units, decimal=decimal or ".")
+    return TextTable(frame=frame, units=units, decimal=decimal or ".", notices=tuple(notices))
+
+
+def _other_lines(path: Path, encoding: str, separator: str, head: Sequence[str]) -> tuple[list[int], list[int]]:
+    """Return the numbers from 0 of lines that repeat the header, and of those of a footer.
+
+    A line of the footer has fewer cells than the header names, or text in the first one alone.
+    """
+    columns = len(_cells(head[:1], separator)[0])
+    heads, repeated, last = {line.strip() for line in head}, list[int](), list[tuple[int, str]]()
+    is_past_head = 0
+    with path.open(encoding=encoding, newline="") as file:
+        for number, line in enumerate(file):
+            text = line.strip()
+            if not text:
+                continue
+            if text in heads:
+                is_past_head += 1
+                if is_past_head > len(head):
+                    repeated.append(number)
+                    continue
+            last = [*last[-(_FOOTER - 1) :], (number, line)]
+    footer: list[int] = []
+    for number, line in reversed(last[1:]):
+        if number == 0 or line.strip() in heads:
+            break
+        first, *rest = _cells([line], separator)[0]
+        is_short = len(rest) + 1 < columns or not any(cell.strip() for cell in rest)
+        if not is_short or not first.strip() or _is_number(first) or _STAMP.match(first):
+            break
+        footer.insert(0, number)
+    return repeated, footer
 
 
 def _table(path: Path, encoding: str, separator: str, decimal: str, skipped: Sequence[int]) -> pd.DataFrame:

@@ -10,7 +10,7 @@ import re
 import sys
 import traceback
 import warnings
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -28,11 +28,14 @@ from railgrip.base.files import LARGEST_TABLE, require_regular
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import conversion, cut, short, unit
 from railgrip.recording.delimited import SPELLINGS, read_delimited
-from railgrip.recording.table import DataTable
+from railgrip.recording.instants import is_hhmmss, seconds_of_day, seconds_of_stamps
+from railgrip.recording.table import DataTable, channel_label
 
 Vector = NDArray[np.float64]
 
-FORMATS = (".csv", ".parquet", ".mat", ".mf4")
+FORMATS = (".csv", ".parquet", ".mat", ".mf4", ".mdf")
+MDF = (".mf4", ".mdf")
+"""Measurement data format of ASAM, versions 4 and 3."""
 
 _UNIT_IN_NAME = re.compile(r".*[\[(]\s*([^\[\]()]+?)\s*[\])]\s*")
 
@@ -45,11 +48,13 @@ class Series:
         time: Instants [s], shape (k,); NaN if missing in the file.
         values: In the unit of the file, shape (k,); NaN if missing.
         unit: Unit according to the file, or None.
+        notices: Sentences on the table that it is from.
     """
 
     time: Vector
     values: Vector
     unit: str | None
+    notices: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,11 +65,13 @@ class Columns:
         values: By name.
         units: Those that the file states apart from the names, by name.
         decimal: Decimal sign of numbers in texts.
+        notices: Sentences on lines that were left out.
     """
 
     values: Mapping[str, Any]
     units: Mapping[str, str] = field(default_factory=dict[str, str])
     decimal: str = "."
+    notices: tuple[str, ...] = ()
 
 
 @contextmanager
@@ -82,9 +89,15 @@ def read_series(path: Path, table: DataTable) -> dict[str, Series]:
     Raises:
         EstimationError: Missing, unreadable or of another format; a column is not there or not of numbers.
     """
-    columns = list(dict.fromkeys(c.column for c in table.columns.values() if c.column is not None))
-    if path.suffix.lower() == ".mf4":
+    columns = list(dict.fromkeys(c.label for c in table.columns.values() if c.column is not None))
+    if path.suffix.lower() in MDF:
         return read_mf4(path, columns)
+    of_group = [name for name, column in table.columns.items() if column.group is not None]
+    if of_group:
+        raise EstimationError(
+            f"{path.name}: [data.columns] {', '.join(of_group)} has group, which is for channels of mf4 and mdf files; "
+            "remove it."
+        )
     file = read_table(path, [table.time.column, *columns], table.separator, table.decimal)
     return series_of_table(path, file, table, columns)
 
@@ -150,7 +163,10 @@ def _csv(path: Path, separator: str | None, decimal: str | None) -> Columns:
         table = read_delimited(path, separator, decimal)
     frame = table.frame
     return Columns(
-        values={str(name): frame[name].to_numpy() for name in frame.columns}, units=table.units, decimal=table.decimal
+        values={str(name): frame[name].to_numpy() for name in frame.columns},
+        units=table.units,
+        decimal=table.decimal,
+        notices=table.notices,
     )
 
 
@@ -160,8 +176,18 @@ def _parquet(path: Path, columns: Sequence[str] | None) -> Columns:
         if columns is not None:
             _all_there(path, columns, parquet.read_schema(path).names)
             columns = list(dict.fromkeys(columns))
-        frame = parquet.read_table(path, columns=columns).to_pandas()
-    return Columns(values={str(name): frame[name].to_numpy() for name in frame.columns})
+        # Without the metadata of pandas, levels of an index are columns.
+        frame = parquet.read_table(path, columns=columns).to_pandas(ignore_metadata=True)
+    units = {str(name): "s" for name in frame.columns if frame[name].dtype.kind == "m"}
+    return Columns(values={str(name): _without_zone(frame[name]) for name in frame.columns}, units=units)
+
+
+def _without_zone(column: Any) -> Any:
+    if isinstance(column.dtype, pd.DatetimeTZDtype):
+        return column.dt.tz_convert("UTC").dt.tz_localize(None).to_numpy()
+    if column.dtype.kind == "m":
+        return column.dt.total_seconds().to_numpy()
+    return column.to_numpy()
 
 
 def _mat(path: Path) -> Columns:
@@ -196,15 +222,83 @@ def series_of_table(path: Path, file: Columns, table: DataTable, columns: Sequen
     """Return columns of a table, all on its column of time; see `read_series`."""
     _all_there(path, [table.time.column, *columns], list(file.values))
     time = _instants(path, file, table)
+    blocks = {name: _numbers(path, name, file) for name in columns}
+    notices = list(file.notices)
+    if table.time.repeats == "spread":
+        time = _spread(time)
+    else:
+        notices += _repeated(path, time)
+    if table.blank is None and is_change_driven(blocks.values()):
+        raise EstimationError(
+            f"{path.name}: most cells are blank, and each column has a value only where it changes; write blank = "
+            "'unchanged' in [data] if a blank cell repeats the value above it, else blank = 'missing'."
+        )
+    if table.blank == "unchanged":
+        blocks = {name: _filled(values) for name, values in blocks.items()}
     series: dict[str, Series] = {}
-    for name in columns:
-        values = _numbers(path, name, file)
+    for name, values in blocks.items():
         if values.shape != time.shape:
             raise EstimationError(
                 f"{path.name}: column '{name}' has {values.size} samples, its time '{table.time.column}' {time.size}."
             )
-        series[name] = Series(time=time, values=values, unit=file.units.get(name) or unit_in_brackets(name))
+        unit_of_column = file.units.get(name) or unit_in_brackets(name)
+        series[name] = Series(time=time, values=values, unit=unit_of_column, notices=tuple(notices))
     return series
+
+
+def is_change_driven(columns: Iterable[Vector]) -> bool:
+    """Return whether columns have a value only where it changes: most cells are blank, and hardly a value repeats."""
+    blocks = [values for values in columns if values.ndim == 1 and np.isfinite(values).sum() > 1]
+    if len(blocks) < 2 or len({values.size for values in blocks}) > 1:
+        return False
+    shares = [np.isnan(values).mean() for values in blocks]
+    rows = np.isfinite(np.stack(blocks)).sum(axis=0)
+    repeats = [np.mean(np.diff(values[np.isfinite(values)]) == 0.0) for values in blocks]
+    # Loggers with several rates fill rows together; a row of changes has one or a few.
+    return bool(np.median(shares) > 0.5 and np.median(rows) < len(blocks) / 2 and max(repeats) < 0.02)
+
+
+def _filled(values: Vector) -> Vector:
+    last = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(values.size), -1))
+    return np.where(last >= 0, values[np.maximum(last, 0)], np.nan)
+
+
+def _spread(time: Vector) -> Vector:
+    """Return instants that rise evenly from each different instant to the next, as stamps that were cut."""
+    known = np.flatnonzero(np.isfinite(time))
+    stamps, counts = _runs(time[known])
+    if stamps.size < 3:
+        return time
+    steps = np.append(np.diff(stamps), np.median(np.diff(stamps)))
+    # The first and last group may be incomplete: they have the spacing of the fullest one.
+    spacing = np.where(steps > 0.0, steps / counts, np.inf)
+    usual = float(np.median(spacing))
+    spacing[[0, -1]] = usual
+    spread = time.copy()
+    begin = stamps.copy()
+    begin[0] = stamps[1] - counts[0] * usual
+    place = np.concatenate([np.arange(count) for count in counts])
+    spread[known] = np.repeat(begin, counts) + place * np.repeat(np.minimum(spacing, 2.0 * usual), counts)
+    return spread
+
+
+def _runs(time: Vector) -> tuple[Vector, NDArray[np.int64]]:
+    first = np.flatnonzero(np.concatenate([[True], np.diff(time) != 0.0])) if time.size else np.zeros(0, dtype=np.int64)
+    return time[first], np.diff(np.append(first, time.size))
+
+
+def _repeated(path: Path, time: Vector) -> list[str]:
+    """Return a sentence if most rows repeat an instant, as of stamps that were cut to seconds."""
+    known = time[np.isfinite(time)]
+    stamps, counts = _runs(known)
+    if known.size < 10 or 2 * stamps.size > known.size:
+        return []
+    step = float(np.median(np.diff(stamps))) if stamps.size > 1 else 0.0
+    return [
+        f"{known.size - stamps.size} of {known.size} rows of {path.name} repeat an instant, {np.median(counts):.0f} "
+        f"rows have each, and the next is {step:.6g} s later: stamps were cut. Only the first row of each is used; "
+        "write repeats = 'spread' in time of [data] to spread the rows evenly."
+    ]
 
 
 def unit_in_brackets(name: str) -> str | None:
@@ -264,10 +358,10 @@ def _numbers(path: Path, name: str, file: Columns) -> Vector:
         raise EstimationError(f"{path.name}: column '{name}' must have one real number in each sample.")
     if values.dtype.kind in "fiub":
         return values.astype(np.float64)
-    column: Any = pd.Series(raw)
+    column: Any = _without_thousands(pd.Series(raw), file.decimal)
     numbers: Any = pd.to_numeric(column, errors="coerce")
     wrong = numbers.isna().to_numpy() & ~pd.isna(column).to_numpy()
-    if file.decimal == ",":  # pandas would read "50.000" as 50
+    if file.decimal == "," and column.equals(pd.Series(raw)):  # pandas would read "50.000" as 50
         wrong |= column.astype(str).str.contains(".", regex=False).to_numpy()
     if wrong.any():
         row = int(np.argmax(wrong))
@@ -280,20 +374,31 @@ def _numbers(path: Path, name: str, file: Columns) -> Vector:
     return np.asarray(numbers, dtype=np.float64)
 
 
+def _without_thousands(column: Any, decimal: str) -> Any:
+    """Return numbers in texts without separators of thousands, where these are certain."""
+    texts: Any = column.dropna().astype(str).str.strip()
+    for separator in ("." if decimal == "," else ",", "'", "\u2019", "\u00a0", "\u202f", " "):
+        sign, point = re.escape(separator), re.escape(decimal)
+        grouped = rf"[+-]?(?:\d{{1,3}}(?:{sign}\d{{3}})+|\d+)(?:{point}\d*)?(?:[eE][+-]?\d+)?"
+        with_separator = texts.str.contains(separator, regex=False)
+        # A point or comma alone may be a decimal sign.
+        is_certain = separator not in ",." or (with_separator & texts.str.contains(decimal, regex=False)).any()
+        if with_separator.any() and is_certain and texts.str.fullmatch(grouped).all():
+            plain: Any = column.astype("string").str.strip().str.replace(separator, "", regex=False)
+            return plain.str.replace(decimal, ".", regex=False)
+    return column
+
+
 def _instants(path: Path, file: Columns, table: DataTable) -> Vector:
     """Return the column of time in seconds; time stamps count from the first."""
     name = table.time.column
     values = file.values[name]
     text = table.time.unit or file.units.get(name) or unit_in_brackets(name) or unit_at_end(name, "s")
-    if text == "timestamp":
-        try:
-            stamps: Any = pd.to_datetime(pd.Series(values), utc=True)
-        except (ValueError, TypeError, OverflowError) as problem:
-            raise EstimationError(f"{path.name}: column '{name}' has no time stamps: {cut(str(problem))}") from None
-        if stamps.isna().all():
-            return np.full(len(stamps), np.nan)
-        seconds = (stamps - stamps.dropna().iloc[0]).dt.total_seconds()
-        return np.asarray(seconds, dtype=np.float64)
+    is_date = np.asarray(values).dtype.kind == "M"
+    if text == "timestamp" or (text is None and is_date):
+        return seconds_of_stamps(path.name, name, values, table.time.order)
+    if text == "hhmmss":
+        return seconds_of_day(_numbers(path, name, file))
     if text is None:
         raise EstimationError(
             f"{path.name}: column '{name}' names no unit; write [data] time = {{ column = '{name}', unit = '…' }}, "
@@ -303,9 +408,15 @@ def _instants(path: Path, file: Columns, table: DataTable) -> Vector:
         gain, _ = conversion(unit(text), unit("s"))
     except UnitError as problem:
         raise EstimationError(f"[data.time] unit: {problem} Time stamps have the unit 'timestamp'.") from problem
-    if np.asarray(values).dtype.kind == "M":
+    if is_date:
         raise EstimationError(f"{path.name}: column '{name}' holds time stamps; write unit = 'timestamp'.")
-    return _numbers(path, name, file) * gain
+    numbers = _numbers(path, name, file)
+    if is_hhmmss(numbers):
+        raise EstimationError(
+            f"{path.name}: column '{name}' has times of day as hhmmss: it jumps from 59 s to the next minute; write "
+            f"time = {{ column = '{name}', unit = 'hhmmss' }} in [data]."
+        )
+    return numbers * gain
 
 
 @_quietly()
@@ -316,18 +427,23 @@ def read_mf4(path: Path, columns: Sequence[str] | None = None) -> dict[str, Seri
     logging.getLogger("asammdf").setLevel(logging.CRITICAL)  # it raises an exception for each damage that it logs
     # Damage may show as late as in a block of samples.
     with _reading(path, "an MDF file"), _silently_collected(), library.MDF(path) as file:
+        places, is_of_all = _places(file), columns is None
         if columns is None:
-            columns = _readable(file)
-        _all_there(path, columns, list(file.channels_db))
+            columns = list(places)
+        _all_there(path, [name for name in columns if name not in file.channels_db and name not in places], [*places])
         for name in columns:
-            places = file.channels_db[name]
-            if len(places) > 1:
+            if name not in places:
+                ways = [label for label in places if label.startswith(f"{name} (")]
                 raise EstimationError(
-                    f"{path.name}: there are {len(places)} channels '{name}'; give each its own name."
+                    f"{path.name}: there are {len(ways)} channels '{name}': {', '.join(ways)}; write group = … (and "
+                    "index = … if it is twice in the group) with the column in [data.columns]."
                 )
-            signal = file.get(name)
+            group, index = places[name]
+            signal = file.get(group=group, index=index)
             values = np.asarray(signal.samples)
             if values.dtype.kind not in "fiub" or values.ndim != 1:
+                if is_of_all:
+                    continue
                 raise EstimationError(
                     f"{path.name}: channel '{name}' must have one number per sample; it has {values.dtype}."
                 )
@@ -339,11 +455,20 @@ def read_mf4(path: Path, columns: Sequence[str] | None = None) -> dict[str, Seri
     return series
 
 
-def _readable(file: Any) -> list[str]:
-    places = {name: where[0] for name, where in file.channels_db.items() if len(where) == 1}
-    masters = {(group, channel) for group, channel in file.masters_db.items()}
-    signals = {name: file.get(name).samples for name, place in places.items() if place not in masters}
-    return [name for name, values in signals.items() if values.dtype.kind in "fiub" and values.ndim == 1]
+def _places(file: Any) -> dict[str, tuple[int, int]]:
+    """Return group and index of each channel by its name, or by `channel_label` where the name occurs several times."""
+    masters = set(file.masters_db.items())
+    places: dict[str, tuple[int, int]] = {}
+    for name, where in file.channels_db.items():
+        own = [place for place in where if place not in masters]
+        groups = [group for group, _ in own]
+        for group, index in own:
+            if len(own) == 1:
+                places[name] = group, index
+            else:
+                is_twice = groups.count(group) > 1
+                places[channel_label(name, group, index if is_twice else None)] = group, index
+    return places
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Kind = Literal["gap", "bridged", "frozen", "spike", "range", "zero", "time", "timing"]
+Kind = Literal["gap", "bridged", "frozen", "spike", "range", "zero", "time", "timing", "jump", "step"]
 
 TREATMENTS: dict[Kind, str] = {
     "gap": "no samples; nothing is new there",
@@ -17,6 +17,8 @@ TREATMENTS: dict[Kind, str] = {
     "range": "outside the range that the map allows; left out",
     "zero": "reads exactly zero, a locked wheel or a dead sensor; kept",
     "time": "instants that repeat or are not numbers; rows left out",
+    "jump": "jumps away and back faster than anything it measures can; left out",
+    "step": "changes within a sample by more than anything it measures can",
     "timing": "samples moved to the nearest instant of the grid",
 }
 """Meaning and treatment of each kind."""

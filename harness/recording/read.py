@@ -14,9 +14,11 @@ from railgrip.base.errors import EstimationError, UnitError
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import Unit, conversion, short, unit
 from railgrip.recording.cleaning import Treatment, clean
+from railgrip.recording.faults import find_faults
 from railgrip.recording.files import Series, read_series, unit_at_end
 from railgrip.recording.flag import Flag, flags_of, summary
 from railgrip.recording.grid import gaps_of, input_on_grid, on_grid
+from railgrip.recording.instants import cause_of_step_back
 from railgrip.recording.samples import recording_of
 from railgrip.recording.table import Column, DataTable, factor_for
 from railgrip.scenario.quantity import Magnitude
@@ -66,7 +68,8 @@ def read_recording(
     """
     require_signals(path.name, table, units, inputs, outputs)
     flags: list[Flag] = []
-    columns = _columns(path, table, units, inputs, flags)
+    series = read_series(path, table)
+    columns = _columns(path, series, table, units, inputs, flags)
     times = {name: column.time for name, column in columns.items()}
     grid = _grid(path, table, {name: time for name, time in times.items() if name in inputs} or times)
     signals: dict[str, tuple[Vector, str]] = {
@@ -79,7 +82,7 @@ def read_recording(
         elif name in inputs:
             source = columns[name]
             values, changes = input_on_grid(name, source.time, source.values, grid, table.period, table.longest_gap)
-            _refuse_gaps(path, name, column, values, grid, table)
+            _refuse_gaps(path, name, column, values, grid, table, flags)
             flags += changes
         else:
             source = columns[name]
@@ -95,7 +98,8 @@ def read_recording(
         start=float(grid[0]),
         name=path.stem,
     )
-    recording.attrs["flags"] = summary(flags)
+    notices = dict.fromkeys(notice for each in series.values() for notice in each.notices)
+    recording.attrs["flags"] = [*notices, *summary(flags)]
     recording.attrs["columns"] = {
         name: (str(table.columns[name].column), column.unit) for name, column in columns.items()
     }
@@ -112,34 +116,67 @@ class _Samples(NamedTuple):
 
 
 def _columns(
-    path: Path, table: DataTable, units: Mapping[str, str], inputs: Sequence[str], flags: list[Flag]
+    path: Path,
+    series: Mapping[str, Series],
+    table: DataTable,
+    units: Mapping[str, str],
+    inputs: Sequence[str],
+    flags: list[Flag],
 ) -> dict[str, _Samples]:
     """Return the columns of the file by signal, converted and cleaned; errors are added to `flags`."""
-    series = read_series(path, table)
-    columns: dict[str, _Samples] = {}
+    converted: dict[str, tuple[Vector, Vector, str]] = {}
     for name, column in table.columns.items():
         if column.column is None:
             continue
         target = units[name.removeprefix(TRUTH)]
-        time, values = _rising(path, name, series[column.column], flags)
-        unit_of_column, gain, shift = _convert_unit(path, name, column, series[column.column].unit, target)
+        time, values = _rising(path, name, series[column.label], flags)
+        unit_of_column, gain, shift = _convert_unit(path, name, column, series[column.label].unit, target)
         values = gain * values + shift
         if column.minimum is not None:
             values = np.maximum(values, _si(f"[data.columns] {name} minimum", column.minimum, target))
-        is_number = np.abs(values) < _LARGEST
+        converted[name] = time, np.where(np.abs(values) < _LARGEST, values, np.nan), unit_of_column
+    return _clean(path, table, units, inputs, converted, flags)
+
+
+def _clean(
+    path: Path,
+    table: DataTable,
+    units: Mapping[str, str],
+    inputs: Sequence[str],
+    converted: Mapping[str, tuple[Vector, Vector, str]],
+    flags: list[Flag],
+) -> dict[str, _Samples]:
+    # A reference is not a sensor: its samples are not judged.
+    measured = {name: samples for name, samples in converted.items() if not name.startswith(TRUTH)}
+    treatments = {name: _treatment(name, table.columns[name], table, units[name], name in inputs) for name in measured}
+    numbers = {name: (time[np.isfinite(x)], x[np.isfinite(x)]) for name, (time, x, _) in measured.items()}
+    possible = {name: _inside(values, treatments[name].limits) for name, (_, values) in numbers.items()}
+    faults, found = find_faults({name: (t[possible[name]], x[possible[name]]) for name, (t, x) in numbers.items()})
+    flags += found
+    columns: dict[str, _Samples] = {}
+    for name, (time, values, unit_of_column) in converted.items():
+        column, is_number = table.columns[name], np.isfinite(values)
         file_time = time[is_number]
-        if name.startswith(TRUTH):  # a reference, not a sensor: its samples are not judged
+        if name.startswith(TRUTH):
             time, values = file_time, values[is_number]
         else:
-            values = np.where(is_number, values, np.nan)
-            time, values, changes = clean(name, time, values, _treatment(name, column, table, target, name in inputs))
+            left = np.ones(numbers[name][0].size, dtype=np.bool_)
+            left[possible[name]] = ~faults[name]
+            time, values = (samples[left] for samples in numbers[name])
+            time, values, changes = clean(name, time, values, treatments[name])
             flags += changes
         if time.size < 2:
             raise EstimationError(
                 f"{path.name}: {name} (column {short(column.column)}) has {time.size} usable samples."
+                + "".join(f" {flag}" for flag in flags if flag.signal == name)
             )
         columns[name] = _Samples(time, values, file_time, unit_of_column)
     return columns
+
+
+def _inside(values: Vector, limits: tuple[float, float] | None) -> NDArray[np.bool_]:
+    low, high = limits or (-np.inf, np.inf)
+    return (values >= low) & (values <= high)
 
 
 def require_signals(
@@ -177,7 +214,7 @@ def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[V
         row = int(np.argmax(steps < 0.0))
         raise EstimationError(
             f"{path.name}: time goes backwards at sample {row + 2} of {name}, from {time[row]:.6f} s to "
-            f"{time[row + 1]:.6f} s; sort the file or cut it there."
+            f"{time[row + 1]:.6f} s. {cause_of_step_back(float(time[row]), float(time[row + 1]), _usual(steps))}."
         )
     again = np.concatenate([[False], steps == 0.0]) if time.size else np.zeros(0, dtype=np.bool_)
     repeats = flags_of("time", "time", time, again)
@@ -188,6 +225,10 @@ def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[V
     # Signals of one table share their instants, whose errors are reported once.
     flags.extend(flag for flag in repeats if flag not in flags)
     return time[~again], values[~again]
+
+
+def _usual(steps: Vector) -> float:
+    return float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
 
 
 def _convert_unit(
@@ -272,9 +313,9 @@ def _grid(path: Path, table: DataTable, times: Mapping[str, Vector]) -> Vector:
         steps = np.diff(times[slowest])
         at = int(np.argmax(steps))
         raise EstimationError(
-            f"{path.name}: from {begin:.6g} s to {end:.6g} s are {count:.3g} samples of {table.period:g} s, and "
+            f"{path.name}: from {begin:.3f} s to {end:.3f} s are {count:.3g} samples of {table.period:g} s, and "
             f"{_MAX_SAMPLES:.0e} are the most; the longest step, {steps[at]:.6g} s, follows "
-            f"{times[slowest][at]:.6g} s: see the unit of [data.time], a jump in it, and period in [data]."
+            f"{times[slowest][at]:.3f} s: see the unit of [data.time], a jump in it, and period in [data]."
         )
     if count < 2:
         raise EstimationError(
@@ -285,12 +326,16 @@ def _grid(path: Path, table: DataTable, times: Mapping[str, Vector]) -> Vector:
     return np.asarray(np.minimum(begin + np.arange(count) * table.period, end), dtype=np.float64)
 
 
-def _refuse_gaps(path: Path, name: str, column: Column, values: Vector, grid: Vector, table: DataTable) -> None:
+def _refuse_gaps(
+    path: Path, name: str, column: Column, values: Vector, grid: Vector, table: DataTable, flags: Sequence[Flag]
+) -> None:
     missing = np.isnan(values)
     if missing.any():
         at = grid[int(np.argmax(missing))]
+        near = [f for f in flags if f.signal == name and f.begin <= at + table.period and f.end >= at - table.period]
         raise EstimationError(
             f"{path.name}: input {name} (column '{column.column}') is missing from {at:.3f} s for "
             f"{missing.sum() * table.period:.3g} s in all, and a filter must know its inputs; cut the recording with "
             f"begin and end in [data], or raise longest_gap ({table.longest_gap:g} s) if the value can be interpolated."
+            + "".join(f" {flag}" for flag in near)
         )

@@ -1,7 +1,7 @@
 """[data]: which column of a user's file is which signal of the model, in which unit, and how errors are treated.
 
 [data]
-time = { column = "t", unit = "ms" }        # unit = "timestamp" for dates with times of day
+time = { column = "t", unit = "ms" }        # unit = "timestamp" for dates with times of day, "hhmmss" for these alone
 period = "10 ms"                            # of the even grid that the filter steps on
 longest_gap = "100 ms"                      # missing samples are bridged up to here
 frozen = "1 s"                              # a reading that repeats itself exactly for longer has died
@@ -34,8 +34,24 @@ class TimeColumn(Table):
 
     column: str = Field(description="name of the column; mf4 files bring their own time and may write 'time'")
     unit: str | None = Field(
-        default=None, description="unit of the column, or 'timestamp'; may be left out where the header states it"
+        default=None,
+        description="unit of the column, 'timestamp' for dates, or 'hhmmss' for times of day such as 130540.25; may be "
+        "left out where the header states it",
     )
+    order: Literal["day first", "month first"] | None = Field(
+        default=None, description="of dates such as 04/01/2025; dates with dots are day first"
+    )
+    repeats: Literal["drop", "spread"] = Field(
+        default="drop",
+        description="rows with the instant of the row above: left out, or spread evenly up to the next instant, for "
+        "stamps that were cut to seconds",
+    )
+
+
+def channel_label(name: str, group: int | None, index: int | None) -> str:
+    """Return the name of a channel with its group and index, if they are given."""
+    place = [f"{what} {number}" for what, number in (("group", group), ("index", index)) if number is not None]
+    return f"{name} ({', '.join(place)})" if place else name
 
 
 class Column(Table):
@@ -58,13 +74,26 @@ class Column(Table):
     range: tuple[Magnitude, Magnitude] | None = Field(default=None, description="samples outside are left out")
     holds: StrictBool = Field(default=False, description="repeats its last value until a new one comes")
     may_rest: StrictBool = Field(default=False, description="standing still exactly is normal for this signal")
+    group: Annotated[int, Field(ge=0)] | None = Field(
+        default=None, description="channel group of a name that occurs several times in an mf4 or mdf file"
+    )
+    index: Annotated[int, Field(ge=0)] | None = Field(
+        default=None, description="index in that group of a name that occurs several times in it"
+    )
     value: Magnitude | None = Field(default=None, description="instead of a column: this value throughout")
 
     @model_validator(mode="after")
     def _one_of_both(self) -> Self:
         if (self.column is None) == (self.value is None):
             raise table_error("needs either column or value")
+        if self.index is not None and self.group is None:
+            raise table_error("has an index without a group")
         return self
+
+    @property
+    def label(self) -> str:
+        """Name of the column in the file, with group and index if they are given."""
+        return channel_label(self.column or "", self.group, self.index)
 
     def expected_unit(self, target: str) -> units.Unit:
         """Return a unit of the dimension that the column must have, which times the factor gives `target`."""
@@ -124,6 +153,10 @@ class DataTable(Table):
         default=None, description="of a csv file; found unless given"
     )
     decimal: Literal[".", ","] | None = Field(default=None, description="likewise")
+    blank: Literal["unchanged", "missing"] | None = Field(
+        default=None,
+        description="meaning of blank cells of a table: the value above them, for logs of changes, or no sample",
+    )
     contradictions: Literal["refuse", "warn"] = Field(
         default="refuse", description="signals that contradict each other as on no vehicle are refused or only reported"
     )

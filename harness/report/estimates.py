@@ -45,7 +45,9 @@ class Estimates(xarray.Dataset):
             f"  xarray.Dataset with {', '.join(str(name) for name in self.data_vars)}",
         )
         warnings = (f"  warning: {line}" for line in str(self.attrs.get("warnings", "")).splitlines())
-        return "\n".join((*lines, *warnings))
+        problems = (f"  problem: {line}" for line in str(self.attrs.get("problems", "")).splitlines())
+        repairs = (f"  repair: {line}" for line in str(self.attrs.get("repairs", "")).splitlines())
+        return "\n".join((*lines, *problems, *repairs, *warnings))
 
     def _repr_html_(self) -> str:
         return f"<pre>{html.escape(repr(self))}</pre>{super()._repr_html_()}"

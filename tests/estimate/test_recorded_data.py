@@ -43,6 +43,14 @@ def stop() -> pd.DataFrame:
     )
 
 
+LOCKED = (
+    {row: 340.0 * (300 - row) / 30 for row in range(270, 300)}
+    | dict.fromkeys(range(300, 500), 0.0)
+    | {row: 310.0 * (row - 499) / 30 for row in range(500, 530)}
+)
+"""Rows of a wheelset that locks in 0.3 s and rolls again, in rev/min: no wheelset stops within 10 ms."""
+
+
 def table(**changes: Any) -> DataTable:
     columns = {
         "speed": {"column": "v", "unit": "km/h"},
@@ -148,7 +156,8 @@ SPEED = {"column": "v", "unit": "km/h"}
     [
         ("n", {500: 2000.0}, {}, ("wheelset_speed", "spike", 5.0, 1), range(500, 501)),
         ("v", dict.fromkeys(range(300, 500), 61.2), {}, ("speed", "frozen", 3.01, 199), range(301, 500)),
-        ("n", dict.fromkeys(range(300, 500), 0.0), {}, ("wheelset_speed", "zero", 3.0, 200), range(0)),
+        ("n", LOCKED, {}, ("wheelset_speed", "zero", 3.0, 200), range(0)),
+        ("n", dict.fromkeys(range(300, 500), 0.0), {}, ("wheelset_speed", "jump", 3.0, 200), range(300, 500)),
         (
             "v",
             dict.fromkeys(range(600, 610), 655.35),
@@ -159,7 +168,7 @@ SPEED = {"column": "v", "unit": "km/h"}
         ("v", dict.fromkeys(range(200, 240), np.nan), {}, ("speed", "gap", 1.99, 0), range(200, 240)),
         ("v", {700: np.nan}, {}, None, range(700, 701)),
     ],
-    ids=["spike", "frozen", "zero", "range", "gap", "short gap"],
+    ids=["spike", "frozen", "locked", "drop-out", "range", "gap", "short gap"],
 )
 def test_a_fault_is_flagged_and_its_samples_omitted(tmp_path, column, values, changes, flag, omitted):
     """The filter receives no invented number; a wheel that reads zero may be locked, so this reading is used."""

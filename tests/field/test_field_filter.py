@@ -168,7 +168,7 @@ def test_a_retuned_filter_equals_a_new_one(task, model):
     noise, data = PHYSICAL.scale(3.0, 0.2), task.data
     new, other = filtering.filter_of(model, data.period, noise), filtering.filter_of(model, data.period)
     other.retune(noise.process, noise.readings)
-    start = new.start(data.mean, data.variance)
+    start = new.start(data.mean, data.covariance)
     means = [one.follow(start, data.inputs[:100], data.readings[:100]).mean for one in (new, other)]
     np.testing.assert_array_equal(*means)
     with pytest.raises(EstimatorError, match="negative eigenvalue"):

@@ -142,11 +142,11 @@ def _task(case: RecordingCase, estimator: str, noise: NoiseSet) -> tuple[FilterC
         prediction=prediction,
         process_noise=by_name("process", settings.process, prediction.states),
         reading_noise=by_name("readings", settings.readings, prediction.outputs),
-        period=data.period,
+        period=data.step,
         gate=pad_gate(model.release_pressure({}, RELEASED_PADS), case.groups),
         outlier_limit=[OUTLIER_LIMITS.get(name.partition("[")[0], math.inf) for name in prediction.outputs],
         mean=data.mean,
-        covariance=data.variance,
+        covariance=data.covariance,
     )
     return context, data
 
@@ -198,7 +198,7 @@ def _filtered(context: FilterContext, data: FilterData, kind: str) -> Replay:
 def _smoothed(context: FilterContext, data: FilterData, lag: int | None) -> Replay:
     filter_ = ExtendedKalmanFilter.without_estimate(context)
     begin = process_time()
-    found = smooth(filter_, filter_.start(data.mean, data.variance), data.inputs, data.readings, lag)
+    found = smooth(filter_, filter_.start(data.mean, data.covariance), data.inputs, data.readings, lag)
     return Replay(
         mean=found.mean,
         variance=np.einsum("kii->ki", found.covariance),

@@ -178,7 +178,7 @@ def follow(task: FilterTask, filter_: CompiledFilter, noise: Noise, start_scale:
         FilterDiverged: The filter diverged.
     """
     filter_.retune(noise.process, noise.readings)
-    start = GaussianEstimate(mean=task.data.mean, covariance=start_scale * np.diag(task.data.variance))
+    start = GaussianEstimate(mean=task.data.mean, covariance=start_scale * task.data.covariance)
     return filter_.follow(start, task.data.inputs, task.data.readings)
 
 
