@@ -64,7 +64,7 @@ report: simulate  ## the same with the panels of every stop
 conditioning: fmus  ## repeat the stops of the table with the plant's parameters moved by 1e-7, shown beside distances (minutes)
 	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml
 
-discretisation: fmus  ## repeat the stops of the table with half and a quarter of the communication step (half an hour)
+discretisation: fmus  ## repeat the stops of the table with smaller communication steps and other tolerances (hours)
 	$(PROGRAM) maintain discretisation harness/scenario/campaigns/table1.toml
 
 headlines: conditioning discretisation  ## all numbers of the table anew, into baselines and docs: make headlines REASON='…'

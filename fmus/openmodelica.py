@@ -2,6 +2,7 @@
 
 import re
 import shutil
+import signal
 import subprocess
 import warnings
 from functools import lru_cache
@@ -15,14 +16,16 @@ from railgrip.fmus.recipe import Recipe
 
 TOLERANCE = 1e-8
 """Tolerance of CVODE in a co-simulation FMU, which omc reads from the class, not from the importer of the FMU. The
-absolute error is this times a nominal value, mostly one, while a deflection is 1e-3 and the twist of an axle 1e-5."""
+absolute error is this times the nominal value of a state, 1e5 for a pressure, 1e-3 for a deflection."""
 
 _LINES = 12
 """Maximum number of lines of a build log in a message."""
 _UNSET = re.compile(
     r"Parameter \S+\.\S+ has (?:no value\b.*\busing available start|neither value nor start) value", re.DOTALL
 )
-_TELLING = re.compile(r"\berror\b|undefined reference|not found|no such file|cannot", re.IGNORECASE)
+_TELLING = re.compile(
+    r"\berror\b|undefined reference|not found|no such file|cannot|segmentation fault|\bassert", re.IGNORECASE
+)
 
 
 def script(recipe: Recipe, library: Path, *, derivatives: bool) -> str:
@@ -137,7 +140,20 @@ def _run(text: str, recipe: Recipe, folder: Path) -> tuple[Path | None, str]:
     problems = "\n".join(errors(process.stdout))
     if process.returncode == 0 and fmu.exists():
         return fmu, problems
-    return None, problems or (process.stdout + process.stderr).strip() or f"omc ended with {process.returncode}"
+    printed = problems or (process.stdout + process.stderr).strip()
+    if process.returncode == 0:
+        return None, printed or "omc ended with 0 and built no FMU"
+    # A crash leaves the values of the first commands, `true`, which say nothing.
+    return None, f"omc ended with {_end(process.returncode)}\n{printed}".strip()
+
+
+def _end(code: int) -> str:
+    if code >= 0:
+        return f"exit status {code}"
+    try:
+        return f"signal {signal.Signals(-code).name}"
+    except ValueError:
+        return f"signal {-code}"
 
 
 def errors(output: str) -> list[str]:

@@ -114,6 +114,8 @@ def _attributes(s: Scalar) -> dict[str, str]:
         return out
     for key, name in (("min", "minimum"), ("max", "maximum"), ("nominal", "nominal")):
         value = s.bound(name)
+        if key == "nominal" and value is not None:  # FMI requires a positive one; solvers take 1 for zero
+            value = abs(value) or None
         # A bound of 1e300 or more represents infinity.
         if value is not None and abs(value) < 1e300 and (type_ == "Real" or key != "nominal"):
             out[key] = _number(value, type_)

@@ -8,6 +8,7 @@ OpenModelica is on the PATH, and therefore compiles the plants, those of the bui
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 from railgrip.base import registry
 from railgrip.campaign.work import Work
@@ -16,9 +17,10 @@ from railgrip.report.stop import Stop, read_stop
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import SMOOTH, ConditioningFile, RepeatedDistances
 from railgrip.scenario.file import NamedFile
+from railgrip.scenario.quantity import Parameter
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.sensors import SampledSensors
-from railgrip.scenario.vehicle import Nudge, RecipePlant
+from railgrip.scenario.vehicle import ModelicaPlant, Nudge, RecipePlant
 from railgrip.simulate.run import braking_distance
 
 _OTHER = "native"
@@ -109,12 +111,12 @@ def conditioning_of(
 def keep_divided_steps(
     stops: Mapping[str, RepeatedDistances], before: Mapping[str, RepeatedDistances]
 ) -> dict[str, RepeatedDistances]:
-    """Return repeats with the distances at divided communication steps that were measured before.
+    """Return repeats with the distances at divided communication steps and other tolerances that were measured before.
 
     They are kept for stops of the same scenario whose median distance has not changed by more than `SMOOTH`.
     """
     return {
-        name: stop.model_copy(update={"steps": before[name].steps})
+        name: stop.model_copy(update={"steps": before[name].steps, "tolerances": before[name].tolerances})
         if name in before and before[name].digest == stop.digest and abs(before[name].median - stop.median) <= SMOOTH
         else stop
         for name, stop in stops.items()
@@ -128,43 +130,61 @@ The changes with half and a quarter of it show the error of time discretisation.
 """
 
 
-def with_divided_steps(
-    campaign: Campaign, before: ConditioningFile, work: Work, *, count: int
-) -> tuple[dict[str, RepeatedDistances], dict[str, str]]:
-    """Return the repeats of stops with their distances at divided communication steps, and the stops without them.
+TOLERANCES = (1e-4, 1e-6, 1e-7, 1e-8)
+"""Tolerances of the plant's solver besides its own, from loose to tight: the changes show the error of integration."""
 
-    Each stop is repeated up to `count` times at each step, with the first of the perturbed parameters; only once if its
-    distance hardly depends on them. The periods of sensors, estimator and controller are not divided.
+Refinement = Literal["steps", "tolerances"]
+
+
+def with_refinement(
+    campaign: Campaign, before: ConditioningFile, work: Work, *, of: Refinement, count: int
+) -> tuple[dict[str, RepeatedDistances], dict[str, str]]:
+    """Return the repeats of stops with distances at divided communication steps, or at other tolerances of the solver.
+
+    Each stop is repeated up to `count` times at each value, with the first of the perturbed parameters; only once if
+    its distance hardly depends on them. The periods of sensors, estimator and controller are not divided.
 
     Returns:
         Repeats by stop; and for each other stop the reason.
     """
-    cases: list[tuple[str, int, Scenario]] = []
+    values: tuple[float, ...] = DIVISORS if of == "steps" else TOLERANCES
+    refine = _divide_step if of == "steps" else _with_tolerance
+    cases: list[tuple[str, float, Scenario]] = []
     without: dict[str, str] = {}
     for stop in campaign.stops:
         repeated = before.stops.get(stop.name)
         if stop.scenario.controller.kind in registry.ANALYSES:
             without[stop.name] = "an analysis, not a stop of the loop"
+        elif of == "tolerances" and not isinstance(stop.scenario.vehicle.source, ModelicaPlant):
+            without[stop.name] = "its plant is not compiled here, so that its tolerance is its own"
         elif repeated is None or repeated.digest != stop.scenario.digest():
             without[stop.name] = "has no repeats of its present scenario; run `railgrip maintain conditioning` before"
         else:
             seeds = range(1, 1 + (1 if repeated.is_smooth else count))
             cases += [
-                (stop.name, divisor, _divide_step(stop.scenario, divisor, Nudge(relative=before.relative, seed=seed)))
-                for divisor in DIVISORS
+                (stop.name, value, refine(stop.scenario, value, Nudge(relative=before.relative, seed=seed)))
+                for value in values
                 for seed in seeds
             ]
     distances = work.map(braking_distance, [scenario for *_, scenario in cases])
-    steps: dict[str, dict[int, list[float | None]]] = {}
-    for (name, divisor, _), distance in zip(cases, distances, strict=True):
-        steps.setdefault(name, {}).setdefault(divisor, []).append(None if distance is None else round(distance, 3))
+    found: dict[str, dict[float, list[float | None]]] = {}
+    for (name, value, _), distance in zip(cases, distances, strict=True):
+        found.setdefault(name, {}).setdefault(value, []).append(None if distance is None else round(distance, 3))
     return {
-        name: before.stops[name].model_copy(update={"steps": {divisor: tuple(each) for divisor, each in of.items()}})
-        for name, of in steps.items()
+        name: before.stops[name].model_copy(update={of: {value: tuple(each) for value, each in by_value.items()}})
+        for name, by_value in found.items()
     }, without
 
 
-def _divide_step(scenario: Scenario, divisor: int, nudge: Nudge) -> Scenario:
+def _with_tolerance(scenario: Scenario, tolerance: float, nudge: Nudge) -> Scenario:
+    vehicle = scenario.vehicle
+    parameters = {**vehicle.parameters, "_tolerance": Parameter(tolerance)}
+    return scenario.model_copy(
+        update={"vehicle": vehicle.model_copy(update={"nudge": nudge, "parameters": parameters})}
+    )
+
+
+def _divide_step(scenario: Scenario, divisor: float, nudge: Nudge) -> Scenario:
     periods = scenario.periods.model_copy(update={"communication": scenario.periods.communication / divisor})
     vehicle = scenario.vehicle.model_copy(update={"nudge": nudge})
     return scenario.model_copy(update={"periods": periods, "vehicle": vehicle})

@@ -316,7 +316,9 @@ class _Maintain(Commands):
             "accept": Command("baselines:accept", "Update the baselines to the results of the last regress."),
             "validation": Command("baselines:validation", "Write the accepted distances into the documentation."),
             "conditioning": Command("baselines:conditioning", "Repeat stops with other parameters and sensors."),
-            "discretisation": Command("baselines:discretisation", "Repeat stops with smaller communication steps."),
+            "discretisation": Command(
+                "baselines:discretisation", "Repeat stops with smaller steps and other tolerances."
+            ),
         },
         "FMUs": {"fmus": Command("fmus:survey_command", "Open and step the FMUs of a folder; write a table.")},
         "Searches": {

@@ -9,12 +9,14 @@ import typer
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_text
+from railgrip.base.registry import shelf
 from railgrip.campaign.conditioning import (
+    Refinement,
     campaign_of,
     conditioning_of,
     keep_divided_steps,
     repeats_of,
-    with_divided_steps,
+    with_refinement,
 )
 from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.work import work
@@ -37,7 +39,7 @@ from railgrip.report.console import complain, say, show_table
 from railgrip.report.marked import write_tables
 from railgrip.report.results import read_results
 from railgrip.report.table import ReportTable, yes_no
-from railgrip.report.validation import TABLES
+from railgrip.report.validation import CONVERGENCE, TABLES, steps_table, tolerances_table
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import RepeatedDistances, read_conditioning, text_of
 from railgrip.studies.study import headlines
@@ -123,6 +125,8 @@ def validation(
         accepted = _baseline_of_campaign(path)
         write_tables(docs / page, tables_of(load_campaign(path.parent / str(accepted.campaign)), accepted))
         say(str(docs / page))
+    page = docs / CONVERGENCE
+    write_tables(page, {"tolerances": tolerances_table(load_campaign(shelf("campaigns")["convergence"]))})
 
 
 def _baseline_of_campaign(path: Path) -> Baseline:
@@ -189,24 +193,32 @@ def discretisation(
     stops: Annotated[
         str, typer.Option(metavar="PATTERN", help="Only stops of such a name, as '*-slope_seeking'; others stay.")
     ] = "*",
+    only: Annotated[Refinement | None, typer.Option(help="Only the steps, or only the tolerances.")] = None,
     workers: Workers = 2,
     fresh: Fresh = False,
 ) -> None:
-    """Repeat stops with smaller communication steps.
+    """Repeat stops with smaller steps and other tolerances.
 
-    The steps are half and a quarter of that of the scenario.
-    The distances are added to the file of conditioning, whose repeats have the whole step. `railgrip maintain
-    validation` writes the table of the documentation from it.
+    Communication steps are half and a quarter of that of the scenario, tolerances of the plant's solver 1e-4 to 1e-8.
+    The distances are added to the file of conditioning, whose repeats have the whole step and the tolerance of the
+    plant. `railgrip maintain validation` writes the tables of the documentation from it.
     """
     loaded = load_campaign(file)
     if loaded.conditioning is None:
         raise ScenarioError(f"{file.name}: has no key 'conditioning'; it must name the file of the repeats")
     selection, before = loaded.only(lambda stop: fnmatch(stop.name, stops)), read_conditioning(loaded.conditioning)
-    with work("discretisation", workers=workers, fresh=fresh) as tasks:
-        divided, without = with_divided_steps(selection, before, tasks, count=repeats)
-    write_text(loaded.conditioning, text_of(before.model_copy(update={"stops": before.stops | divided})))
+    without: dict[str, str] = {}
+    kinds: tuple[Refinement, ...] = ("steps", "tolerances")
+    for of in kinds if only is None else (only,):
+        with work("discretisation", workers=workers, fresh=fresh) as tasks:
+            refined, reasons = with_refinement(selection, before, tasks, of=of, count=repeats)
+        before = before.model_copy(update={"stops": before.stops | refined})
+        without |= reasons
+        write_text(loaded.conditioning, text_of(before))
     for name, reason in without.items():
         say(f"{name}: {reason}")
+    show_table(steps_table(selection))
+    show_table(tolerances_table(selection))
     say(str(loaded.conditioning))
 
 

@@ -11,6 +11,7 @@ from railgrip.campaign.one_stop import Runner, run_folder
 from railgrip.campaign.one_stop import run as run_scenario
 from railgrip.cli.app import RUN_FAILED, AsJson, File, ImportFrom, Overrides, With, fail, print_json
 from railgrip.report.console import progress, remark, say
+from railgrip.report.results import by_compiler, from_elsewhere
 from railgrip.report.stop import require_no_campaign
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
@@ -73,6 +74,8 @@ def run(
         say(f"{scenario.name}: {sentence}")
     if stop.limited_demands:
         say(f"{scenario.name}: {stop.reason}")
+    for sentence in from_elsewhere([stop]) and by_compiler([stop]):
+        say(f"{scenario.name}: {sentence}")
     say(f"{directory}/stop.json")
     if stop.outcome is not Outcome.STANDSTILL:
         fail(f"{scenario.name}: no braking distance, the stop ended with {stop.outcome.value}: {stop.reason}")

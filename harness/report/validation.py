@@ -113,7 +113,7 @@ def tables(campaign: Campaign, baseline: Baseline) -> dict[str, ReportTable]:
     return {
         "distances": distances,
         "orders": _orders(lines, columns),
-        "discretisation": _discretisation(campaign, baseline),
+        "discretisation": steps_table(campaign),
     }
 
 
@@ -182,7 +182,7 @@ def _difference(differences: Sequence[float]) -> str:
     return text(float(np.median(differences)), "{:+.1f} m") + text(low, " [{:+.1f}, ") + text(high, "{:+.1f}] ") + order
 
 
-def _discretisation(campaign: Campaign, baseline: Baseline) -> ReportTable:
+def steps_table(campaign: Campaign) -> ReportTable:
     """Return by how much half and a quarter of the communication step move the median of each distance.
 
     The half width of the 95 % interval of a change without any cause follows; larger changes are bold. Rows without
@@ -192,7 +192,9 @@ def _discretisation(campaign: Campaign, baseline: Baseline) -> ReportTable:
     texts: dict[tuple[str, str], dict[str, str]] = {}
     lines: dict[tuple[str, str], dict[str, Cell]] = {}
     for stop in campaign.stops:
-        cell = Cell(stop, stop.scenario.resolved(), baseline.accepted.get(stop.name))
+        if "equipment" not in stop.variants:
+            continue
+        cell = Cell(stop, stop.scenario.resolved(), None)
         lines.setdefault(cell.line, {})[cell.column] = cell
         repeated = repeats.get(stop.name)
         if repeated is not None and repeated.steps:
@@ -213,6 +215,38 @@ def _moved_by_steps(repeated: RepeatedDistances) -> str:
         texts.append(f"**{shown}**" if abs(change) > max(noise, _VISIBLE) else shown)
     noise = max(repeated.noise_of_step(divisor) for divisor in repeated.steps)
     return f"{', '.join(texts)} (± {100 * noise:.2f} %)"
+
+
+CONVERGENCE = "validation.md"
+"""Page of docs/ with the table of tolerances of the campaign `convergence`."""
+
+
+def tolerances_table(campaign: Campaign) -> ReportTable:
+    """Return the error of each distance over the tolerance of the plant's solver, against the tightest tolerance.
+
+    Errors within the 95 % interval of an error without any cause are not significant; others are bold. The first column
+    of errors is that of the plant's own tolerance. Stops without repeats at other tolerances are left out.
+    """
+    repeats = read_conditioning(campaign.conditioning).stops if campaign.conditioning else {}
+    rows: list[dict[str, Any]] = []
+    for stop in campaign.stops:
+        repeated = repeats.get(stop.name)
+        if repeated is None or not repeated.tolerances:
+            continue
+        tolerances = sorted(repeated.tolerances, reverse=True)
+        errors = {"as in the recipe": repeated.error_at(None)}
+        errors |= {f"{tolerance:.0e}": repeated.error_at(tolerance) for tolerance in tolerances[:-1]}
+        rows.append(
+            {"stop": ", ".join(names.replace("_", " ") for names in stop.variants.values())}
+            | {f"{tolerances[-1]:.0e}": float(np.median([d or math.inf for d in repeated.tolerances[tolerances[-1]]]))}
+            | {
+                column: f"**{shown}**" if abs(error) > max(noise, _VISIBLE) else shown
+                for column, (error, noise) in errors.items()
+                for shown in (f"{text(100 * error, '{:+.2f}')} ± {100 * noise:.2f} %",)
+            }
+            | {"range": 100 * (repeated.highest / repeated.lowest - 1.0)}
+        )
+    return ReportTable(rows, {"1e-08": "{:.2f} m", "range": "{:.2f} %"}, left=("stop",))
 
 
 _VISIBLE = 5e-5

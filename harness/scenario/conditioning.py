@@ -61,6 +61,10 @@ class RepeatedDistances(Table):
         default={}, description="divisor of the communication step → distances [m] with it, parameters moved as well"
     )
 
+    tolerances: dict[float, tuple[NotNegative | None, ...]] = Field(
+        default={}, description="tolerance of the plant's solver → distances [m] with it, parameters moved as well"
+    )
+
     @property
     def lowest(self) -> float:
         """The shortest distance [m]."""
@@ -108,7 +112,7 @@ class RepeatedDistances(Table):
 
     def moved_by_step(self, divisor: int) -> float:
         """Return the relative change of the median with a divided communication step; infinite without standstill."""
-        return float(np.median(_endless(self.steps[divisor]))) / self.median - 1.0
+        return _moved(self._all(), _endless(self.steps[divisor]))
 
     def noise_of_step(self, divisor: int) -> float:
         """Return the half width of the 95 % interval of `moved_by_step` if the step has no effect.
@@ -116,9 +120,23 @@ class RepeatedDistances(Table):
         Both medians are of normal draws with the deviation of the undivided repeats; the median's standard error is
         √(π/2) σ/√n (Kendall and Stuart, The Advanced Theory of Statistics 1, 1969, §14.12).
         """
-        first, second = len(self.distances), len(self.steps[divisor])
-        deviation = float(np.std(self._all(), ddof=1)) if first > 1 else 0.0
-        return 1.96 * math.sqrt(0.5 * math.pi * (1.0 / first + 1.0 / second)) * deviation / self.median
+        deviation = float(np.std(self._all(), ddof=1)) if len(self.distances) > 1 else 0.0
+        return _noise(len(self.distances), len(self.steps[divisor]), deviation) / self.median
+
+    def error_at(self, tolerance: float | None) -> tuple[float, float]:
+        """Return the relative error of the median distance at a tolerance, against the tightest one of `tolerances`.
+
+        Args:
+            tolerance: Tolerance of the plant's solver; None for that of the plant.
+
+        Returns:
+            Error, and the half width of its 95 % interval, with the deviation of the repeats at either tolerance.
+        """
+        tightest = _endless(self.tolerances[min(self.tolerances)])
+        repeats = self._all() if tolerance is None else _endless(self.tolerances[tolerance])
+        spread = [float(np.std(each, ddof=1)) if len(each) > 1 else 0.0 for each in (tightest, repeats)]
+        noise = _noise(len(tightest), len(repeats), math.hypot(*spread) / math.sqrt(2.0))
+        return _moved(tightest, repeats), noise / float(np.median(tightest))
 
     @property
     def margin(self) -> float:
@@ -150,6 +168,14 @@ class RepeatedDistances(Table):
 
     def _all(self) -> list[float]:
         return _endless(self.distances)
+
+
+def _moved(before: Sequence[float], after: Sequence[float]) -> float:
+    return float(np.median(after)) / float(np.median(before)) - 1.0
+
+
+def _noise(first: int, second: int, deviation: float) -> float:
+    return 1.96 * math.sqrt(0.5 * math.pi * (1.0 / first + 1.0 / second)) * deviation
 
 
 def _endless(distances: Sequence[float | None]) -> list[float]:

@@ -66,6 +66,13 @@ def begin_off_the_samples(step: float) -> float:
 _MAX_ROWS = 1_000_000
 """Maximum number of samples of a stop: a quarter of an hour in milliseconds, some 0.8 GB."""
 
+_LONGEST_STEP, _LONGEST_STEP_OF_FULL_BRAKE = 10e-3, 50e-3
+"""Maximum communication step of a built-in plant [s], with a controller and without.
+
+With 10 ms distances of slip control change by less than 1 %, with 20 ms the sampled acceleration of a wheel that locks
+no longer adds up to the change of speed. With full brake wheels lock once; with 50 ms distances change by 0.3 %.
+"""
+
 _MIN_HORIZON, _MAX_HORIZON = 120.0, 600.0
 """Bounds of the default horizon [s]."""
 
@@ -116,6 +123,13 @@ class Scenario(Table):
                 f"[sensors] period must be a whole multiple of [periods] communication, got {sampling:g} s over "
                 f"{self.periods.communication:g} s"
             )
+        step, longest = self.periods.communication, self._longest_step
+        if step > longest:
+            raise table_error(
+                f"[periods] communication must be at most {longest:g} s with a built-in plant under [controller] kind "
+                f"'{self.controller.kind}', got {step:g} s: command and friction are constant during a step, and "
+                "longer ones miss how wheels lock and release; give a shorter one, the other periods may stay"
+            )
         rows = self.horizon / self.periods.communication
         if rows > _MAX_ROWS:
             raise table_error(
@@ -138,6 +152,13 @@ class Scenario(Table):
                 f"{slowest}, {period:g} s each; give a longer horizon or a shorter period"
             )
         return self
+
+    @property
+    def _longest_step(self) -> float:
+        """Maximum communication step [s]: of a built-in plant one that is validated, of others any."""
+        if not isinstance(self.vehicle.source, LibraryPlant):
+            return math.inf
+        return _LONGEST_STEP_OF_FULL_BRAKE if self.controller.kind == "full_brake" else _LONGEST_STEP
 
     @property
     def horizon(self) -> float:

@@ -24,10 +24,11 @@ block Train "A point mass on six axles in four groups"
   output Real cylinder[4](each final unit="bar") "Cylinder pressure of each group";
   output Real brake_moment[4](each final unit="kN.m") "Moment of the brakes on each group";
   output Boolean blocked[4] "= true, if the group hardly turns while the train moves";
-  Real s(final unit="m", start=0, fixed=true) "Distance";
-  Real v(final unit="m/s", start=v0/3.6, fixed=true) "Speed";
-  Real w[4](each final unit="rad/s", each start=v0/3.6/(wheel_diameter/2000), each fixed=true) "Angular velocities";
-  Real p[4](each final unit="bar", each start=0, each fixed=true) "Cylinder pressures";
+  Real s(final unit="m", start=0, fixed=true, nominal=1) "Distance";
+  Real v(final unit="m/s", start=v0/3.6, fixed=true, nominal=1) "Speed";
+  Real w[4](each final unit="rad/s", each start=v0/3.6/(wheel_diameter/2000), each fixed=true,
+    each nominal=1) "Angular velocities";
+  Real p[4](each final unit="bar", each start=0, each fixed=true, each nominal=1) "Cylinder pressures";
 protected
   Real r(final unit="m") = wheel_diameter/2000 "Radius of the wheels";
   Real axle_creep[6](each final unit="1") "Creep of each axle";

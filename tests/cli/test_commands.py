@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import threading
+from dataclasses import replace
 from importlib.metadata import version
 
 import pytest
@@ -12,6 +13,7 @@ from test_console import HEAVY
 from typer.main import get_command
 
 import railgrip as rg
+from railgrip.cli import runs
 from railgrip.cli.app import Command, Commands, app, maintain
 from railgrip.report import console
 
@@ -125,3 +127,16 @@ def test_verbose_prints_debugging_messages(railgrip, capfd, option, printed):
     railgrip(*option, "report", "nowhere")
     logging.getLogger("railgrip.fmus").debug("a message")
     assert ("a message" in capfd.readouterr().err) is printed
+
+
+@pytest.mark.parametrize("tool", ["OpenModelica Compiler v1.27.0", "railgrip (rumoca 0.10)"])
+def test_run_names_the_compiler_of_its_fmus_if_it_is_not_the_built_in_one(railgrip, monkeypatch, tmp_path, tool):
+    simulate = runs.run_scenario
+
+    def run(*arguments):
+        stop = simulate(*arguments)
+        return replace(stop, versions={**stop.versions, "TwoPartTrain.fmu": tool})
+
+    monkeypatch.setattr(runs, "run_scenario", run)
+    output = railgrip("run", "plain", "--out", str(tmp_path / "out"))
+    assert (f"plain: FMUs by {tool}: TwoPartTrain.fmu." in output.out) == tool.startswith("OpenModelica")

@@ -209,6 +209,19 @@ def test_the_end_of_a_long_log_without_errors_is_passed_on(omc, tmp_path):
     assert words[-2:] == ["200", f"All 200 lines are in {tmp_path / 'Plant.log'}."]
 
 
+@pytest.mark.parametrize(
+    ("last", "begins"), [("exit 3", "omc ended with exit status 3"), ("kill -SEGV $$", "omc ended with signal SIGSEGV")]
+)
+def test_a_crash_of_omc_is_reported_before_what_it_printed(omc, tmp_path, last, begins):
+    """The values of the commands before it, `true`, say nothing."""
+    omc("echo true", "seq 1 40", "echo 'Segmentation fault (core dumped)' >&2", last)
+    with pytest.raises(BuildFailed) as failure:
+        openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
+    words = str(failure.value).splitlines()
+    assert words[1] == begins
+    assert "Segmentation fault (core dumped)" in words
+
+
 def test_no_output_and_no_fmu_is_an_error(omc, tmp_path):
     omc("exit 0")
     with pytest.raises(BuildFailed, match="omc ended with 0"):

@@ -3,6 +3,7 @@
 import math
 from itertools import pairwise
 
+import fmpy
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -69,3 +70,11 @@ def test_a_cancelled_pivot_is_avoided_by_pivoting(modelica, run):
     tight.steps(1, 0.01)
     growth = math.exp(2.0)
     assert tight.get("x", "y") == pytest.approx([growth * math.cos(10), -growth * math.sin(10)], rel=1e-5)
+
+
+@pytest.mark.parametrize(("declared", "written"), [("0", None), ("-250", "250.0"), ("250", "250.0")])
+def test_the_nominal_value_of_a_state_is_positive_in_the_description(modelica, declared, written):
+    """FMI 2.0 requires it; importers divide by it, or take it times the relative tolerance."""
+    fmu = modelica(f"model M Real x(start=1,fixed=true,nominal={declared}); equation der(x)=-x; end M;")
+    (x,) = [v for v in fmpy.read_model_description(str(fmu.path)).modelVariables if v.name == "x"]
+    assert x.nominal == written

@@ -1,5 +1,6 @@
 """Every FMU of recipes.toml is valid, agrees with lock.toml, and has the trajectory of rumoca's own simulator."""
 
+import re
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -11,10 +12,14 @@ import rumoca
 from fmpy.validation import validate_fmu
 from small_fmus import Fmu
 
-from railgrip.fmus.build import build
+from railgrip.base.registry import shelf
+from railgrip.fmus.build import build, fmu
 from railgrip.fmus.lock import differences, read_lock
-from railgrip.fmus.native.dae import LIBRARY
+from railgrip.fmus.native.dae import LIBRARY, read
+from railgrip.fmus.native.system import explicit
 from railgrip.fmus.recipe import read_recipes
+from railgrip.rolling_stock.modelica import class_name, class_text
+from railgrip.rolling_stock.schema import load_train
 
 BOOK = read_recipes()
 STOP, STEP = 3.0, 0.015  # no point is at a sample of the valves, 0.5 ms + k 2 ms
@@ -202,3 +207,31 @@ def test_the_jacobian_of_a_prediction_is_its_central_difference(train, run, name
         given = np.array(instance.instance.getDirectionalDerivative(references, [fmu.reference(n)], [1.0]))
         rounding = 1e-9 * np.maximum(np.abs(sides[0]), 1) / h * 1e-6
         assert given == pytest.approx((sides[0] - sides[1]) / (2 * h), rel=1e-5, abs=1e-5 + np.max(rounding)), n
+
+
+@pytest.mark.parametrize("name", BOOK.recipes)
+def test_every_state_has_a_nominal_value(name: str) -> None:
+    """Solvers scale errors of a state by it; where it is missing FMI 2.0 takes 1, for deflections as for pressures."""
+    description = fmpy.read_model_description(str(fmu(name)), validate=False)
+    states = [derivative.variable.derivative for derivative in description.derivatives]
+    assert [state.name for state in states if not state.nominal] == []
+
+
+@pytest.mark.parametrize(
+    ("train", "pneumatic", "cars"), [("tram", False, 1), ("vt642", True, 2), ("loco_coaches", True, 2)]
+)
+def test_every_state_of_a_train_file_has_a_nominal_value(
+    tmp_path: Path, train: str, pneumatic: bool, cars: int
+) -> None:
+    """With every part that trains of the library have: couplers, brake pipe and distributors, track brakes."""
+    text, *more = re.split(r"^(?=\[\[cars\]\])", shelf("trains")[train].read_text(encoding="utf-8"), flags=re.MULTILINE)
+    more[cars - 1] = re.sub(r"^coupler = .*\n", "", more[cars - 1], flags=re.MULTILINE)
+    file = tmp_path / "train.toml"
+    file.write_text("".join([text, *more[:cars]]), encoding="utf-8")
+    found = load_train(file)
+    library = tmp_path / "Train.mo"
+    name = class_name(found, pneumatic=pneumatic)
+    library.write_text(class_text(found, pneumatic=pneumatic), encoding="utf-8")
+    system = explicit(read(name, library))
+    assert len(system.states) > 20
+    assert [state.name for state in system.states if state.bound("nominal") is None] == []

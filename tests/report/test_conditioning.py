@@ -14,7 +14,7 @@ from railgrip.campaign.conditioning import (
     conditioning_of,
     keep_divided_steps,
     repeats_of,
-    with_divided_steps,
+    with_refinement,
 )
 from railgrip.campaign.run import write_description
 from railgrip.report.baseline import (
@@ -138,7 +138,7 @@ def test_a_divided_step_keeps_the_periods_of_all_other_parts(tmp_path, write_cam
             seen.extend(cases)
             return [float(round(1e4 * case.periods.communication)) for case in cases]
 
-    divided, without = with_divided_steps(campaign, before, Work(), count=2)
+    divided, without = with_refinement(campaign, before, Work(), of="steps", count=2)
     assert divided[stop.name].steps == {2: (50.0, 50.0), 4: (25.0, 25.0)}
     assert divided[stop.name].distances == repeated.distances
     assert without.keys() == {other.name for other in others}
@@ -201,3 +201,39 @@ def test_the_conditioning_of_table_1_belongs_to_its_stops_or_is_stale():
         assert len(one.distances) >= 20
         assert digests[name] == one.digest or range_text(one, digests[name], one.median) == STALE
         assert range_text(one, digests[name], 0.5 * one.lowest) == STALE
+
+
+def test_the_error_over_the_tolerance_is_against_the_tightest_one():
+    repeated = RepeatedDistances(
+        digest="d", distances=(303.0,), tolerances={1e-4: (309.0,), 1e-8: (299.0, 300.0, 301.0), 1e-6: (None,)}
+    )
+    assert repeated.error_at(None)[0] == pytest.approx(0.01)
+    assert repeated.error_at(1e-4)[0] == pytest.approx(0.03)
+    assert repeated.error_at(1e-6)[0] == np.inf
+    # √(π/2 (1 + 1/3)) standard errors of a normal draw, whose variance is the mean of both: 1² and none.
+    assert repeated.error_at(None)[1] == pytest.approx(1.96 * np.sqrt(0.5 * np.pi * (4 / 3)) * np.sqrt(0.5) / 300.0)
+
+
+def test_a_stop_is_repeated_at_other_tolerances(tmp_path, write_campaign):
+    campaign = write_campaign(tmp_path, lambda stop: stop.name.startswith("trapezoid-ideal-"))
+    stop = campaign.stops[0]
+    repeated = RepeatedDistances(digest=stop.scenario.digest(), distances=(300.0, 301.0, 302.0))
+    before = ConditioningFile(relative=1e-7, stops={stop.name: repeated})
+    digests = set()
+
+    class Work:
+        def map(self, function, cases):
+            digests.update(case.digest() for case in cases)
+            return [-np.log10(case.vehicle.parameters["_tolerance"].entry) for case in cases]
+
+    refined, _ = with_refinement(campaign, before, Work(), of="tolerances", count=2)
+    assert refined[stop.name].tolerances == {10.0**-k: (float(k), float(k)) for k in (4, 6, 7, 8)}
+    assert len(digests) == 8
+    assert read_back(tmp_path, refined) == refined
+
+
+def read_back(folder, stops):
+    """Return repeats as written to a file and read from it."""
+    file = folder / "written.json"
+    file.write_text(text_of(ConditioningFile(relative=1e-7, stops=stops)))
+    return read_conditioning(file).stops

@@ -69,7 +69,8 @@ def test_a_sine_sweep_goes_from_its_first_to_its_last_frequency():
 def test_random_friction_has_the_stated_mean_deviation_and_correlation():
     found = profile(
         "random", *PLAIN, "limits.horizon=4000 s", "periods.communication=50 ms", "periods.estimator=50 ms",
-        "periods.controller=50 ms", "periods.trace=50 ms", "adhesion.minimum=0.001", "adhesion.maximum=0.9",
+        "periods.controller=50 ms", "periods.trace=50 ms",
+        "controller.kind=full_brake", "adhesion.minimum=0.001", "adhesion.maximum=0.9",
     )  # fmt: skip
     values = found.table(np.arange(0, 4000, 0.05), np.zeros(80000))[:, 0]
     # 4000 independent correlation lengths: standard errors 3e-4 of the mean, 2 % of the deviation.

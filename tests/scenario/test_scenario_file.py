@@ -157,6 +157,15 @@ REFUSALS = [
         ["limits.stop_speed=1.2", "start.speed=1 m/s"],
         "[limits] stop_speed 1.2 m/s is not below [start] speed 1 m/s; ",
     ),
+    (
+        ["periods.communication=50 ms", "controller.kind=slip_two_state"],
+        "[periods] communication must be at most 0.01 s with a built-in plant under [controller] kind "
+        "'slip_two_state', got 0.05 s: command and friction are constant during a step",
+    ),
+    (
+        ["periods.communication=51 ms", "controller.kind=full_brake", "estimator.kind=none"],
+        "[periods] communication must be at most 0.05 s with a built-in plant under [controller] kind 'full_brake'",
+    ),
 ]
 
 
@@ -230,6 +239,9 @@ def test_no_communication_step_ends_on_a_sample_of_the_valves(step):
     assert load(TRAPEZOID, [f"periods.communication={step}"]).plant_begin == 0.0
 
 
+PERIODS = ["periods.estimator=1 ms", "periods.controller=10 ms", "controller.kind=full_brake"]
+
+
 @pytest.mark.parametrize(
     ("step", "periods"),
     [
@@ -242,7 +254,7 @@ def test_no_communication_step_ends_on_a_sample_of_the_valves(step):
 )
 def test_any_periods_are_possible_with_any_communication_step(step, periods):
     """Shorter periods become the step; rows of the trace are as close to their period as whole steps allow."""
-    loaded = load(TRAPEZOID, [f"periods.communication={step}", "periods.estimator=1 ms", "periods.controller=10 ms"])
+    loaded = load(TRAPEZOID, [f"periods.communication={step}", *PERIODS])
     assert {name: loaded.periods.steps_of(name) for name in periods} == periods
     assert loaded.periods.estimator == max(1e-3, loaded.periods.communication)
 

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from synthetic import LIBRARY
 
+import railgrip as rg
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.merge import merge, read_overrides
+from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.run import braking_distance
 
 SERVICE = load(LIBRARY / "degraded.toml").resolved()["sensors"]
@@ -59,3 +61,15 @@ def test_half_a_step_hardly_changes_stops_of_slope_seeking():
     assert half.size == 6
     assert np.abs(half).max() > 0.0
     assert abs(half.mean()) < 0.05
+
+
+@pytest.mark.parametrize("controller", ["slip_two_state", "slip_three_state", "adhesion_based", "full_brake"])
+@pytest.mark.parametrize("mechanics", ["simple", "detailed"])
+def test_the_longest_step_of_a_built_in_plant_ends_at_standstill(controller, mechanics):
+    """A plant of the library is never implausible for the length of a step; longer ones are refused."""
+    step = "50 ms" if controller == "full_brake" else "10 ms"
+    changes = [f"periods.{part}={step}" for part in ("communication", "estimator", "controller")]
+    scenario = load(
+        LIBRARY / "trapezoid.toml", [*changes, f"controller.kind={controller}", f"truth.mechanics={mechanics}"]
+    )
+    assert rg.run(scenario).outcome is Outcome.STANDSTILL

@@ -1,5 +1,6 @@
 """Stops with other contacts, elastic shafts, hysteresis and an uneven rail, unknown to filter and controller."""
 
+import tomllib
 from functools import cache
 from pathlib import Path
 
@@ -9,6 +10,8 @@ import rumoca
 
 import railgrip as rg
 from railgrip.base.errors import ScenarioError
+from railgrip.base.registry import shelf
+from railgrip.base.units import GRAVITY
 from railgrip.scenario.load import scenario_of
 from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
@@ -178,3 +181,43 @@ def test_cases_of_the_type_test_are_detailed_only_with_a_suitable_plant():
         train = train_of(argument)
         stops = campaign_of(design, one, train, trains={}).stops
         assert {stop.scenario.truth.mechanics for stop in stops} == {expected}
+
+
+@pytest.fixture(scope="module")
+def locomotive(tmp_path_factory):
+    """Return the scenario of the six-axle locomotive alone, with detailed mechanics, on a dry rail."""
+    text = shelf("trains")["loco_coaches"].read_text(encoding="utf-8")
+    only = text[: text.index('[[cars]]\nname = "Bpmz-1"')].replace('\ncoupler = "screw"\n', "\n")
+    command = only[only.index("[command]") : only.index("[resistance]")]
+    file = tmp_path_factory.mktemp("train") / "locomotive.toml"
+    file.write_text(only.replace(command, ""), encoding="utf-8")
+    assert len(tomllib.loads(text)["bogies"]["locomotive"]["axles"]) == 3
+    phases = [{"pressure": "3.4 bar", "until": {"duration": "6 s"}}, {"pressure": "0 bar"}]
+    changes = {"name": "locomotive", "vehicle": {"train": str(file)}, "truth": {"mechanics": "detailed"}}
+    changes |= {"start": {"speed": "120 km/h"}, "limits": {"horizon": "16 s"}, "demand": {"phases": phases}}
+    changes |= {"estimator": {"kind": "none"}, "controller": {"kind": "full_brake"}}
+    changes |= {
+        "adhesion": {"kind": "constant", "mu0": 0.3},
+        "actuation": {"kind": "ideal"},
+        "sensors": {"kind": "ideal"},
+    }
+    return scenario_of(merge(train_of(str(file)), changes), directory=Path(), origin="test")
+
+
+def test_the_loads_of_three_axles_return_to_their_static_values(locomotive):
+    """Without a force on the pattern +1, -2, +1 of the deflections of a bogie, they must not drift apart."""
+    trace = rg.run(locomotive).trace
+    time, load = trace["time"].values, trace["wheelset_load"].values
+    static = 114e3 * GRAVITY / 6
+    assert (load > 0.5 * static).all()
+    released = load[time > 9.0]
+    # The mean over 7 s and some 200 m of rail: waves up to 125 m change the load by 5 % of it, with either sign.
+    assert released.mean(axis=0) == pytest.approx(static, rel=5e-3)
+    assert load[(time > 2.0) & (time < 6.0)].sum(axis=1).mean() == pytest.approx(6 * static, rel=5e-3)
+    # Least squares line through the released part: a drift of 1 kN/s would be seen at once.
+    slope = np.polyfit(time[time > 9.0], released, 1)[0]
+    assert np.abs(slope).max() < 1e3
+
+
+def test_the_energy_of_three_axles_on_an_uneven_rail_closes(locomotive):
+    assert energy_error(rg.run(locomotive)) < 1e-5

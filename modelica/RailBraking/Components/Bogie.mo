@@ -1,5 +1,5 @@
 within RailBraking.Components;
-model Bogie "Bogie of any number of axles, braked"
+model Bogie "Bogie of two axles or more, braked"
   extends Icons.Component;
   replaceable block BogieContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
     "Law of the contacts";
@@ -7,7 +7,7 @@ model Bogie "Bogie of any number of axles, braked"
     "Shafts between wheels and brake discs";
   replaceable block BogieRail = Tracks.EvenRail constrainedby Interfaces.PartialRail "Height of the rail";
   replaceable block BogiePad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
-  parameter Integer n(min=1) = 2 "Number of wheelsets" annotation(Evaluate=true);
+  parameter Integer n(min=2) = 2 "Number of wheelsets" annotation(Evaluate=true);
   parameter Integer groups(min=1) = n
     "Number of groups of coupled wheelsets, equally large: n for none coupled, 1 for all"
     annotation(Evaluate=true);
@@ -90,8 +90,12 @@ equation
   end for;
   frame.a = der(pivot.v);
   rail.v = pivot.v;
-  connect(rail.acceleration, frame.rail_acceleration)
+  connect(rail.height, frame.rail_height)
+    annotation(Line(points={{62, -28}, {84, -28}, {84, 4}, {-52, 4}, {-52, 18}}, color={0, 0, 127}));
+  connect(rail.rate, frame.rail_rate)
     annotation(Line(points={{62, -40}, {80, -40}, {80, 0}, {-40, 0}, {-40, 18}}, color={0, 0, 127}));
+  connect(rail.acceleration, frame.rail_acceleration)
+    annotation(Line(points={{62, -52}, {76, -52}, {76, -4}, {-28, -4}, {-28, 18}}, color={0, 0, 127}));
   frame.F = pivot.f;
   frame.torque = sum(group.brake_torque);
   wheelset.load = frame.load;
@@ -103,6 +107,7 @@ equation
   totals.resistance_power = sum(axle.totals.resistance_power);
   totals.kinetic_energy = sum(axle.totals.kinetic_energy);
 initial equation
+  assert(n >= 2, "Bogie: n must be 2 or more; one wheelset does not hold the pitch of its frame.");
   assert(size_of_group*groups == n, "Bogie: all groups must have the same number of the n wheelsets.");
   annotation (
     Icon(

@@ -1,7 +1,7 @@
 within RailBraking.Components;
 model BogieFrame "Bogie frame on its primary suspension: bounce and pitch"
   extends Icons.Component;
-  parameter Integer n(min=1) = 2 "Number of wheelsets" annotation(Evaluate=true);
+  parameter Integer n(min=2) = 2 "Number of wheelsets" annotation(Evaluate=true);
   parameter Types.Mass m_wheelset[n](each start=14000) "Mass that each wheelset carries on the rail, including its own";
   parameter Types.Mass m_unsprung[n](each start=1500) "Mass of each wheelset alone";
   parameter Types.Mass m_frame(start=3500) "Mass of the frame";
@@ -18,8 +18,12 @@ model BogieFrame "Bogie frame on its primary suspension: bounce and pitch"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
   Interfaces.RealInput torque(final unit="N.m") "Brake torque on all wheelsets together"
     annotation(Placement(transformation(extent={{-120, -77}, {-100, -57}})));
-  Interfaces.RealInput rail_acceleration[n](each final unit="m/s2") "Upward acceleration of each wheelset"
+  Interfaces.RealInput rail_height[n](each final unit="m") "Height of each wheelset over its height on an even rail"
+    annotation(Placement(transformation(extent={{-70, -120}, {-50, -100}}, rotation=90)));
+  Interfaces.RealInput rail_rate[n](each final unit="m/s") "Upward speed of each wheelset"
     annotation(Placement(transformation(extent={{-10, -120}, {10, -100}}, rotation=90)));
+  Interfaces.RealInput rail_acceleration[n](each final unit="m/s2") "Upward acceleration of each wheelset"
+    annotation(Placement(transformation(extent={{50, -120}, {70, -100}}, rotation=90)));
   Interfaces.RealOutput load[n](each final unit="N") "Load of each wheelset on the rail"
     annotation(Placement(transformation(extent={{100, 65}, {120, 85}})));
   Interfaces.RealOutput work_power(final unit="W") "Power that the longitudinal forces put into the pitching frame"
@@ -28,30 +32,36 @@ model BogieFrame "Bogie frame on its primary suspension: bounce and pitch"
     annotation(Placement(transformation(extent={{100, -35}, {120, -15}})));
   Interfaces.RealOutput stored_energy(final unit="J") "Energy of the frame's motion and of the springs"
     annotation(Placement(transformation(extent={{100, -85}, {120, -65}})));
-  Types.Length dz[n](each start=0, each fixed=true)
-    "Deflection over each wheelset, change from static, compression positive";
-  Types.Velocity ddz[n](each start=0, each fixed=true) "Rate of the deflection";
+  Types.Length bounce(nominal=1e-3) "Downward displacement of the frame, change from static";
+  Types.Velocity bounce_rate(nominal=1e-2) "Its rate";
+  Types.Angle pitch(nominal=1e-3) "Nose-down angle of the frame, change from static";
+  Types.AngularVelocity pitch_rate(nominal=1e-2) "Its rate";
+  Types.Length dz[n] "Deflection over each wheelset, change from static, compression positive";
+  Types.Velocity ddz[n] "Rate of the deflection";
 protected
-  final parameter Types.Length arm[n] = {wheelbase/2 - (i - 1)*wheelbase/max(n - 1, 1) for i in 1:n}
+  final parameter Types.Length arm[n] = {wheelbase/2 - (i - 1)*wheelbase/(n - 1) for i in 1:n}
     "Distance of each wheelset ahead of the frame's centre";
   Types.Force spring[n] "Spring and damper force over each wheelset, change from static";
   Types.Torque tipping "Torque that tips the frame nose-down, springs excluded";
-  Types.Acceleration bounce "Downward acceleration of the frame";
-  Types.AngularAcceleration pitch "Nose-down angular acceleration of the frame";
 equation
-  der(dz) = ddz;
+  der(bounce) = bounce_rate;
+  der(pitch) = pitch_rate;
+  dz = fill(bounce, n) + pitch*arm + rail_height;
+  ddz = fill(bounce_rate, n) + pitch_rate*arm + rail_rate;
   spring = k*dz + c*ddz;
   tipping = frameTorque(F, torque, a, sum(m_unsprung), m_frame, h_frame, h_rod, r_wheel);
-  bounce = -sum(spring)/m_frame;
-  // Every pair of wheelsets is counted twice, hence one half.
-  pitch = (tipping - sum((spring[i] - spring[n + 1 - i])*arm[i] for i in 1:n)/2)/I_frame;
-  for i in 1:n loop
-    der(ddz[i]) = bounce + pitch*arm[i] + rail_acceleration[i];
-  end for;
+  m_frame*der(bounce_rate) = -sum(spring);
+  I_frame*der(pitch_rate) = tipping - spring*arm;
   load = g*m_wheelset + spring + m_unsprung.*rail_acceleration;
-  work_power = tipping*(ddz[1] - ddz[n])/wheelbase;
+  work_power = tipping*pitch_rate;
   damper_power = c*(ddz*ddz);
-  stored_energy = m_frame*((ddz[1] + ddz[n])/2)^2/2 + I_frame*((ddz[1] - ddz[n])/wheelbase)^2/2 + k*(dz*dz)/2;
+  stored_energy = m_frame*bounce_rate^2/2 + I_frame*pitch_rate^2/2 + k*(dz*dz)/2;
+initial equation
+  // The frame starts where it deflects the springs least, with the rates that the rail has there.
+  bounce = -sum(rail_height)/n;
+  bounce_rate = -sum(rail_rate)/n;
+  pitch = -(rail_height*arm)/(arm*arm);
+  pitch_rate = -(rail_rate*arm)/(arm*arm);
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
@@ -67,16 +77,17 @@ h_rod/wheelbase for massless parts (see <a href=\"modelica://RailBraking.Validat
 for the exact value).
 </p>
 <p>
-The deflection of each wheelset and its rate are states. With three or more wheelsets two
-deflections determine the others on an even rail; the start values, zero, are consistent. With the sums over the
-wheelsets, x<sub>i</sub> ahead of the centre and F<sub>i</sub> = k
-dz<sub>i</sub> + c ddz<sub>i</sub>: d&sup2;(dz<sub>i</sub>)/dt&sup2; = -&Sigma;F/m_frame + x<sub>i</sub> (tipping -
-&Sigma;F<sub>i</sub> x<sub>i</sub>)/I_frame.
+The frame has two degrees of freedom, whatever the number of wheelsets; its bounce, its pitch and their rates are the
+states. With h<sub>i</sub> the height of the rail under a wheelset x<sub>i</sub> ahead of the centre, the deflection is
+dz<sub>i</sub> = bounce + x<sub>i</sub> pitch + h<sub>i</sub> and its force F<sub>i</sub> = k dz<sub>i</sub> + c
+d(dz<sub>i</sub>)/dt: m_frame d&sup2;(bounce)/dt&sup2; = -&Sigma;F<sub>i</sub>, I_frame d&sup2;(pitch)/dt&sup2; =
+tipping - &Sigma;F<sub>i</sub> x<sub>i</sub>. Deflections as states would drift with three wheelsets or more: no force
+acts on the differences that the frame cannot follow.
 </p>
 <h4>Limitations</h4>
 <p>
-The wheelsets have equal distances and are symmetric about the frame's centre. The force of the car body on the
-frame is constant, because air springs are soft in comparison with the primary suspension. Angles are small.
+There are two wheelsets or more, with equal distances and symmetric about the frame's centre. The force of the car
+body on the frame is constant, because air springs are soft in comparison with the primary suspension. Angles are small.
 All masses move along the track at the speed of the train: the power that pitching takes from the
 longitudinal motion, <code>work_power</code>, is not subtracted there. Its integral is exactly the
 heat of the dampers plus <code>stored_energy</code>: of twenty megajoules, some ten joules in a

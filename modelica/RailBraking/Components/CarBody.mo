@@ -21,7 +21,7 @@ model CarBody "Mass of a car along the track, with drag"
     annotation(Placement(transformation(extent={{100, 30}, {120, 50}})));
   Interfaces.RealOutput kinetic_energy(final unit="J") "Energy of motion along the track"
     annotation(Placement(transformation(extent={{100, -50}, {120, -30}})));
-  Types.Velocity v(start=start_speed, fixed=true, stateSelect=StateSelect.prefer) "Speed";
+  Types.Velocity v(start=start_speed, fixed=true, nominal=1, stateSelect=StateSelect.prefer) "Speed";
 protected
   Types.Force drag_force "Drag of the air";
 equation

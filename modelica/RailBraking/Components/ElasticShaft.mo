@@ -6,8 +6,8 @@ block ElasticShaft "Shafts that twist between the wheels and the brake discs"
   parameter Types.RotationalStiffness k = 6e6 "Stiffness of each wheelset between both wheels and the brake discs";
   parameter Types.RotationalDamping d = 400 "Damping of each wheelset";
 protected
-  Types.AngularVelocity w_tread(start=w_start, fixed=true) "Angular velocity of the wheels";
-  Types.Angle twist(start=0, fixed=true) "Angle of the wheels before the brake discs";
+  Types.AngularVelocity w_tread(start=w_start, fixed=true, nominal=1) "Angular velocity of the wheels";
+  Types.Angle twist(start=0, fixed=true, nominal=1e-3) "Angle of the wheels before the brake discs";
 equation
   J_braked = (1 - wheel_share)*J_total;
   w_wheel = w_tread;

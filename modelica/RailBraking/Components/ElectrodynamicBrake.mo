@@ -15,7 +15,7 @@ block ElectrodynamicBrake "Electrodynamic brake with its limits of force, power 
   Interfaces.RealOutput force(final unit="N") "Force at the wheels, positive when braking"
     annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
 protected
-  Types.Force lagged(start=0, fixed=true) "Force before the limit of the available force";
+  Types.Force lagged(start=0, fixed=true, nominal=1e4) "Force before the limit of the available force";
 equation
   available = noEvent(min(F_max, P_max/max(speed, 1e-3))*min(max((speed - v_end)/(v_full - v_end), 0), 1));
   der(lagged) = (noEvent(min(max(demand, 0), available)) - lagged)/T;

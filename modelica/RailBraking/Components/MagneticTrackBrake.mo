@@ -19,7 +19,7 @@ block MagneticTrackBrake "Magnets that are attracted to the rail and brake by fr
   Pneumatics.DelayLine lowering(delay=delay, final period=0.01) "Remaining time until the magnets are down"
     annotation(Placement(transformation(extent={{-60, 30}, {-20, 70}})));
 protected
-  Types.Ratio field(start=0, fixed=true) "Attraction relative to that of the full field";
+  Types.Ratio field(start=0, fixed=true, nominal=1) "Attraction relative to that of the full field";
   Types.Ratio mu "Friction";
 equation
   lowering.u = noEvent(if command >= 0.5 and speed >= v_min and speed <= v_max then 1 else 0);

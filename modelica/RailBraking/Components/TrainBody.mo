@@ -21,7 +21,7 @@ model TrainBody "All masses of the train along the track, with drag and rest"
     annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
   Interfaces.BooleanOutput standstill(start=false, fixed=true) "= true, if the train is at rest"
     annotation(Placement(transformation(extent={{100, -77}, {120, -57}})));
-  Types.Length s(start=0, fixed=true) "Distance travelled";
+  Types.Length s(start=0, fixed=true, nominal=1) "Distance travelled";
   Types.Velocity v "Speed";
 protected
   final parameter Data.Drag drag = Data.Drag(c_drag=c_drag, A_drag=A_drag, rho_air=rho_air) "Air";

@@ -45,7 +45,7 @@ model Wheelsets "Wheelsets that turn as one, with their contacts"
     annotation(Placement(transformation(extent={{100, -93}, {120, -73}})));
   Interfaces.RotationalFlange shaft "To a drive or an electrodynamic brake; may be left open"
     annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
-  Types.AngularVelocity w(start=w_start, fixed=true) "Angular velocity of the brake discs";
+  Types.AngularVelocity w(start=w_start, fixed=true, nominal=1) "Angular velocity of the brake discs";
   WheelsetsShaft torsion(final n=n, final J_total=J, final w_start=w_start) "Shafts between wheels and brake discs"
     annotation(Placement(transformation(extent={{-20, 40}, {20, 80}})));
   WheelsetsContact contact[n](

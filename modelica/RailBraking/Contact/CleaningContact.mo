@@ -6,7 +6,7 @@ block CleaningContact "The two contacts of one wheelset, which slip frees from t
     removal_share=0.01);
   parameter Types.RemovalRate removal_rate(min=0) = 1.9e-4 "Share of the film removed an energy on a metre of rail";
   parameter Types.Ratio mu_clean(min=0, max=1) = 0.3 "Friction without the film, at the temperature of the rail";
-  Types.LineEnergy energy(start=0, fixed=true) "Slip energy on a metre of each rail, over the transit";
+  Types.LineEnergy energy(start=0, fixed=true, nominal=1e3) "Slip energy on a metre of each rail, over the transit";
   Types.Ratio mu_film "Friction of the film";
   Types.Ratio gain "Rise of the friction without the film, rounded to stay positive";
 protected

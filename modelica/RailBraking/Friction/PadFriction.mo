@@ -1,7 +1,7 @@
 within RailBraking.Friction;
 block PadFriction "Pads whose friction follows temperature, speed and pressure"
   extends Icons.Component;
-  extends Interfaces.PartialPadFriction(mu(start=mu_start, fixed=true));
+  extends Interfaces.PartialPadFriction(mu(start=mu_start, fixed=true, nominal=0.1));
   output Types.Ratio mu_steady "Steady friction at the present conditions";
 protected
   Real rate(final unit="1/s") "Rate at which friction settles";

@@ -43,14 +43,14 @@ block LateralWheelset "Conical wheelset with two halves of a torsional axle, exc
     "Friction coefficient of right and left wheel at their creep speed"
     annotation(Placement(transformation(extent={{102, -99}, {118, -83}})));
 protected
-  Types.Length y(start=0, fixed=true) "Lateral position";
-  Types.Velocity dy(start=0, fixed=true) "Lateral velocity";
-  Types.Angle psi(start=0, fixed=true) "Yaw angle";
-  Types.AngularVelocity dpsi(start=0, fixed=true) "Yaw rate";
-  Types.Velocity v(start=start_speed, fixed=true) "Speed along the track";
-  Types.AngularVelocity w[2](each start=start_speed/r_wheel, each fixed=true)
+  Types.Length y(start=0, fixed=true, nominal=1e-3) "Lateral position";
+  Types.Velocity dy(start=0, fixed=true, nominal=1e-2) "Lateral velocity";
+  Types.Angle psi(start=0, fixed=true, nominal=1e-3) "Yaw angle";
+  Types.AngularVelocity dpsi(start=0, fixed=true, nominal=1e-2) "Yaw rate";
+  Types.Velocity v(start=start_speed, fixed=true, nominal=1) "Speed along the track";
+  Types.AngularVelocity w[2](each start=start_speed/r_wheel, each fixed=true, each nominal=1)
     "Angular velocity of right and left wheel";
-  Types.Angle theta(start=0, fixed=true) "Twist of the axle";
+  Types.Angle theta(start=0, fixed=true, nominal=1e-4) "Twist of the axle";
   Types.Ratio steering "Longitudinal creep by yaw rate and conicity, of the right wheel";
   Types.Ratio creep_x[2] "Longitudinal creep of right and left wheel";
   Types.Ratio creep_y "Lateral creep of both wheels";

@@ -22,7 +22,8 @@ protected
   final parameter Types.Length x[n] = cat(1, {length[1]/2}, {(length[i - 1] + length[i])/2 for i in 2:n})
     "Distance of the middle of each cell from that of the one ahead, or from the leading end";
   Types.Pressure p[n](each start=p_start, each fixed=true) "Pressure in each cell";
-  Types.VolumeFlow q[n](each start=0, each fixed=true) "Free air that flows to the rear in each cell";
+  Types.VolumeFlow q[n](each start=0, each fixed=true, each nominal=1e-2)
+    "Free air that flows to the rear in each cell";
   Real slope_p[n + 1](each final unit="Pa/m") "Slope of the pressure at each face, leading end first";
   Real slope_q[n + 1](each final unit="m2/s") "Slope of the flow at each face";
   Types.Pressure P_before[n] "Absolute pressure at the leading face of each cell, from inside";

@@ -8,7 +8,7 @@ block HystereticRigging "Piston, levers and return spring whose friction opposes
 protected
   final parameter Types.PressureRate rate_small = 10 "Rounding of the magnitude of the rate";
   Types.PressureRate rate "Rate of the pressure";
-  Types.Ratio direction(start=0, fixed=true) "Friction over its limit, 1 when applying, -1 when releasing";
+  Types.Ratio direction(start=0, fixed=true, nominal=1) "Friction over its limit, 1 when applying, -1 when releasing";
 equation
   rate = der(pressure);
   p_reverse*der(direction) = rate - (sqrt(rate^2 + rate_small^2) - rate_small)*direction;

@@ -11,7 +11,7 @@ model TwoStageDistributor "Distributor in position R whose relay has a high and 
   Interfaces.BooleanOutput high(start=false, fixed=true) "= true, if the high stage is selected"
     annotation(Placement(transformation(extent={{100, -70}, {120, -50}})));
 protected
-  Types.Ratio stage(start=share_low, fixed=true) "Present share of the relay";
+  Types.Ratio stage(start=share_low, fixed=true, nominal=1) "Present share of the relay";
 equation
   high = if pre(high) then speed >= v_down else speed >= v_up;
   T_stage*der(stage) = (if high then 1 else share_low) - stage;

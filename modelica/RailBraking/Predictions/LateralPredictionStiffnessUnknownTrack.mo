@@ -2,7 +2,7 @@ within RailBraking.Predictions;
 block LateralPredictionStiffnessUnknownTrack
   "Lateral dynamics with unknown friction and creep stiffness, on a track of which only the spectrum is known"
   extends LateralPredictionUnknownTrack(stiffness=exp(log_stiffness));
-  Real log_stiffness(final unit="1", start=0, fixed=true, stateSelect=StateSelect.always)
+  Real log_stiffness(final unit="1", start=0, fixed=true, nominal=1, stateSelect=StateSelect.always)
     "Natural logarithm of the creep stiffness over that of k_A and k_S";
 equation
   der(log_stiffness) = 0;

@@ -5,8 +5,9 @@ block LateralPredictionUnknownTrack
   extends Vehicles.PartialLateralPrediction;
   parameter Types.Frequency track_frequency = 2 "Corner frequency of the track irregularity at the present speed";
   parameter Types.Ratio track_damping = 0.70710678118654752 "Damping of the irregularity's low-pass";
-  Types.Length track(start=0, fixed=true, stateSelect=StateSelect.always) "Lateral position of the middle of the track";
-  Types.Velocity track_rate(start=0, fixed=true, stateSelect=StateSelect.always)
+  Types.Length track(start=0, fixed=true, nominal=1e-3, stateSelect=StateSelect.always)
+    "Lateral position of the middle of the track";
+  Types.Velocity track_rate(start=0, fixed=true, nominal=1e-2, stateSelect=StateSelect.always)
     "Derivative of the lateral position of the track";
 protected
   final parameter Types.AngularVelocity w_track = 2*3.14159265358979*track_frequency "Corner of the low-pass";

@@ -24,12 +24,13 @@ block LateralReconstruction "Lateral dynamics with creep, friction and creep for
     annotation(Placement(transformation(extent={{100, 40}, {120, 60}})));
   Interfaces.RealOutput yaw_rate(final unit="rad/s") = dpsi "Reading of the gyroscope"
     annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
-  Types.Velocity dy(start=0, fixed=true, stateSelect=StateSelect.always) "Lateral velocity";
-  Types.AngularVelocity dpsi(start=0, fixed=true, stateSelect=StateSelect.always) "Yaw rate";
-  Types.Ratio gamma(start=creep_small, fixed=true, stateSelect=StateSelect.always) "Total creep of each wheel";
-  Types.Ratio U(start=friction_start, fixed=true, stateSelect=StateSelect.always)
+  Types.Velocity dy(start=0, fixed=true, nominal=1e-2, stateSelect=StateSelect.always) "Lateral velocity";
+  Types.AngularVelocity dpsi(start=0, fixed=true, nominal=1e-2, stateSelect=StateSelect.always) "Yaw rate";
+  Types.Ratio gamma(start=creep_small, fixed=true, nominal=1e-3, stateSelect=StateSelect.always)
+    "Total creep of each wheel";
+  Types.Ratio U(start=friction_start, fixed=true, nominal=0.1, stateSelect=StateSelect.always)
     "Friction coefficient at the present creep";
-  Types.Force F(start=0, fixed=true, stateSelect=StateSelect.always) "Total creep force of each wheel";
+  Types.Force F(start=0, fixed=true, nominal=1e3, stateSelect=StateSelect.always) "Total creep force of each wheel";
 protected
   Types.Ratio creep_x "Longitudinal creep of the right wheel";
   Types.Ratio creep_y "Lateral creep of both wheels";

@@ -28,10 +28,13 @@ block RollerRigPrediction "Roller rig as modelled by an estimator"
   Interfaces.RealOutput speed(final unit="m/s") = v "Speed of the roller's surface"
     annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
 
-  Types.AngularVelocity w(start=start_speed/r_wheel, fixed=true, stateSelect=StateSelect.always) "Angular velocity";
-  Types.Velocity v(start=start_speed, fixed=true, stateSelect=StateSelect.always) "Speed of the roller's surface";
-  Types.Ratio mu_b(start=mu_b_start, fixed=true, stateSelect=StateSelect.always) "Pad friction";
-  Types.Ratio alpha(start=alpha_start, fixed=true, stateSelect=StateSelect.always) "Adhesion, positive in braking";
+  Types.AngularVelocity w(start=start_speed/r_wheel, fixed=true, nominal=1, stateSelect=StateSelect.always)
+    "Angular velocity";
+  Types.Velocity v(start=start_speed, fixed=true, nominal=1, stateSelect=StateSelect.always)
+    "Speed of the roller's surface";
+  Types.Ratio mu_b(start=mu_b_start, fixed=true, nominal=0.1, stateSelect=StateSelect.always) "Pad friction";
+  Types.Ratio alpha(start=alpha_start, fixed=true, nominal=0.1, stateSelect=StateSelect.always)
+    "Adhesion, positive in braking";
 protected
   final parameter Types.Ratio f_resistance = Components.bearingFriction(mu_bearing, r_bearing,
     r_wheel) + e_rolling/r_wheel

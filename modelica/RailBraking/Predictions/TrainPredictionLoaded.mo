@@ -4,10 +4,10 @@ block TrainPredictionLoaded "Two-part train as modelled by an estimator that doe
     static = g*(1 + payload)*m_group,
     disturbance = d - payload/(1 + payload)*(thrust - rho_air/2*c_drag*A_drag*v^2)/m,
     acceleration = a + bias);
-  Types.Acceleration d(start=0, fixed=true, stateSelect=StateSelect.always)
+  Types.Acceleration d(start=0, fixed=true, nominal=0.1, stateSelect=StateSelect.always)
     "Acceleration by forces in no other equation: gradient, curve, wind";
-  Types.Acceleration bias(start=0, fixed=true, stateSelect=StateSelect.always) "Bias of the accelerometer";
-  Types.Ratio payload(start=0, fixed=true, stateSelect=StateSelect.always)
+  Types.Acceleration bias(start=0, fixed=true, nominal=0.1, stateSelect=StateSelect.always) "Bias of the accelerometer";
+  Types.Ratio payload(start=0, fixed=true, nominal=0.1, stateSelect=StateSelect.always)
     "Relative difference of the mass of the train from the assumed mass";
 equation
   der(d) = 0;

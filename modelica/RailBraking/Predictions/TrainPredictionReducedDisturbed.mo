@@ -1,9 +1,9 @@
 within RailBraking.Predictions;
 block TrainPredictionReducedDisturbed "Two-part train without suspension, on a track that the estimator does not know"
   extends TrainPredictionReduced(disturbance = d, acceleration = a + bias);
-  Types.Acceleration d(start=0, fixed=true, stateSelect=StateSelect.always)
+  Types.Acceleration d(start=0, fixed=true, nominal=0.1, stateSelect=StateSelect.always)
     "Acceleration by forces in no other equation: gradient, curve, wind";
-  Types.Acceleration bias(start=0, fixed=true, stateSelect=StateSelect.always) "Bias of the accelerometer";
+  Types.Acceleration bias(start=0, fixed=true, nominal=0.1, stateSelect=StateSelect.always) "Bias of the accelerometer";
 equation
   der(d) = 0;
   der(bias) = 0;

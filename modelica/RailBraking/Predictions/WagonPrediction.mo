@@ -38,12 +38,13 @@ block WagonPrediction "Wagon of two wheelsets as modelled by an estimator"
   Interfaces.RealOutput speed(final unit="m/s") = v "Speed of the wagon"
     annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
 
-  Types.AngularVelocity w[2](each start=start_speed/r_wheel, each fixed=true, each stateSelect=StateSelect.always)
+  Types.AngularVelocity w[2](each start=start_speed/r_wheel, each fixed=true, each nominal=1,
+    each stateSelect=StateSelect.always)
     "Angular velocity of each wheelset, front and rear";
-  Types.Velocity v(start=start_speed, fixed=true, stateSelect=StateSelect.always) "Speed of the wagon";
-  Types.Ratio mu_b[2](start=mu_b_start, each fixed=true, each stateSelect=StateSelect.always)
+  Types.Velocity v(start=start_speed, fixed=true, nominal=1, stateSelect=StateSelect.always) "Speed of the wagon";
+  Types.Ratio mu_b[2](start=mu_b_start, each fixed=true, each nominal=0.1, each stateSelect=StateSelect.always)
     "Pad friction of each wheelset";
-  Types.Ratio alpha(start=alpha_start, fixed=true, stateSelect=StateSelect.always)
+  Types.Ratio alpha(start=alpha_start, fixed=true, nominal=0.1, stateSelect=StateSelect.always)
     "Adhesion of both wheelsets, positive in braking";
 protected
   Types.Force pull "Force along the track without adhesion";

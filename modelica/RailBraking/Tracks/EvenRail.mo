@@ -3,6 +3,8 @@ block EvenRail "Rail without irregularities"
   extends Icons.Component;
   extends Interfaces.PartialRail;
 equation
+  height = fill(0, n);
+  rate = fill(0, n);
   acceleration = fill(0, n);
   annotation (
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),

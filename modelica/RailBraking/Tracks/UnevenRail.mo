@@ -14,16 +14,18 @@ protected
   final parameter Types.Ratio step = (longest/shortest)^(1/lines) "Ratio of two successive wavenumbers";
   final parameter Types.Curvature wavenumber[lines] = {2*pi/longest*step^(j - 0.5) for j in 1:lines}
     "Wavenumber of each wave";
-  final parameter Types.Length height[lines] = {sqrt(
+  final parameter Types.Length amplitude[lines] = {sqrt(
     2*roughness*corner^2/((wavenumber[j]^2 + corner_long^2)*(wavenumber[j]^2 + corner^2))
     *wavenumber[j]*(sqrt(step) - 1/sqrt(step))) for j in 1:lines} "Amplitude of each wave";
   final parameter Types.Angle phase[lines] = {2*pi*(j*golden - floor(j*golden)) for j in 1:lines}
     "Phase of each wave at position 0";
-  Types.Length x(start=0, fixed=true) "Distance travelled";
+  Types.Length x(start=0, fixed=true, nominal=1) "Distance travelled";
 equation
   der(x) = v;
   for i in 1:n loop
-    acceleration[i] = railAcceleration(x - behind[i], v, height, wavenumber, phase);
+    height[i] = railHeight(x - behind[i], amplitude, wavenumber, phase);
+    rate[i] = railRate(x - behind[i], v, amplitude, wavenumber, phase);
+    acceleration[i] = railAcceleration(x - behind[i], v, amplitude, wavenumber, phase);
   end for;
   annotation (
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),

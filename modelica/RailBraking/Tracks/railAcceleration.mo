@@ -3,22 +3,22 @@ function railAcceleration "Upward acceleration of a wheelset on a rail whose hei
   extends Icons.Function;
   input Types.Length x "Position";
   input Types.Velocity v "Speed along the track";
-  input Types.Length height[:] "Amplitude of each wave";
+  input Types.Length amplitude[:] "Amplitude of each wave";
   input Types.Curvature wavenumber[:] "Wavenumber of each wave";
   input Types.Angle phase[:] "Phase of each wave at position 0";
   output Types.Acceleration upward "Curvature of the height times the square of the speed";
 algorithm
   upward := 0;
-  for j in 1:size(height, 1) loop
-    upward := upward - height[j]*wavenumber[j]^2*v^2*cos(wavenumber[j]*x + phase[j]);
+  for j in 1:size(amplitude, 1) loop
+    upward := upward - amplitude[j]*wavenumber[j]^2*v^2*cos(wavenumber[j]*x + phase[j]);
   end for;
   annotation (
     smoothOrder=100,
     Documentation(info="<html>
-<p>The height is &Sigma; height cos(wavenumber x + phase).</p>
+<p>The height is &Sigma; amplitude cos(wavenumber x + phase).</p>
 <h4>Syntax</h4>
 <blockquote><pre>
-upward = Tracks.<strong>railAcceleration</strong>(x, v, height, wavenumber, phase);
+upward = Tracks.<strong>railAcceleration</strong>(x, v, amplitude, wavenumber, phase);
 </pre></blockquote>
 <h4>Limitations</h4>
 <p>

@@ -23,11 +23,12 @@ package Types "Quantities with their SI units"
   type RotationalDamping = Real(final unit="N.m.s/rad", min=0) "Rotational damping";
   type Damping = Real(final unit="N.s/m", min=0) "Translational damping";
   type Modulus = Real(final quantity="Pressure", final unit="Pa", min=0) "Modulus of elasticity";
-  type Pressure = Real(final quantity="Pressure", final unit="Pa") "Pressure above the atmosphere";
+  type Pressure = Real(final quantity="Pressure", final unit="Pa", nominal=1e5) "Pressure above the atmosphere";
   type PressureRate = Real(final unit="Pa/s") "Pressure a time";
   type Energy = Real(final quantity="Energy", final unit="J") "Energy, work, heat";
   type Power = Real(final quantity="Power", final unit="W") "Power, heat flow";
-  type Temperature = Real(final quantity="ThermodynamicTemperature", final unit="K", min=0) "Absolute temperature";
+  type Temperature = Real(final quantity="ThermodynamicTemperature", final unit="K", min=0, nominal=300)
+    "Absolute temperature";
   type TemperatureDifference = Real(final quantity="ThermodynamicTemperature", final unit="K")
     "Difference of temperatures";
   type SpecificHeat = Real(final unit="J/(kg.K)", min=0) "Specific heat capacity";

@@ -27,6 +27,8 @@ protected
   Types.Force load "Load of both wheelsets, change from static";
 equation
   rail.v = v;
+  frame.rail_height = rail.height;
+  frame.rail_rate = rail.rate;
   frame.rail_acceleration = rail.acceleration;
   frame.F = 0;
   frame.a = 0;

@@ -20,10 +20,14 @@ equation
   frame.F = F;
   frame.a = a;
   frame.torque = tau;
+  frame.rail_height = fill(0, 2);
+  frame.rail_rate = fill(0, 2);
   frame.rail_acceleration = fill(0, 2);
   massless.F = F;
   massless.a = a;
   massless.torque = 0.38*F;
+  massless.rail_height = fill(0, 2);
+  massless.rail_rate = fill(0, 2);
   massless.rail_acceleration = fill(0, 2);
   error = if time < 4.9 then 0 else max({
     abs(frame.load[1] - 13400*g - tipping/1.9), abs(frame.load[2] - 14100*g + tipping/1.9),

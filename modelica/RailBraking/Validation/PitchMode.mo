@@ -13,6 +13,8 @@ equation
   frame.F = 0;
   frame.a = 0;
   frame.torque = tau;
+  frame.rail_height = fill(0, 2);
+  frame.rail_rate = fill(0, 2);
   frame.rail_acceleration = fill(0, 2);
   error = (frame.dz[1] - tau/(2.4e6*1.9)*(1 - cos(w0*time)))/(tau/(2.4e6*1.9));
   annotation (

@@ -12,6 +12,8 @@ equation
   frame.F = 0;
   frame.a = 0;
   frame.torque = tau;
+  frame.rail_height = fill(0, 3);
+  frame.rail_rate = fill(0, 3);
   frame.rail_acceleration = fill(0, 3);
   error = if time < 4 then 0 else
     abs((frame.load[1] - 20000*g)/(tau/wheelbase) - 1) + abs(frame.load[2]/(20000*g) - 1)

@@ -8,7 +8,7 @@ model Car "Car body on equal bogies"
   replaceable block CarRail = Tracks.EvenRail constrainedby Interfaces.PartialRail "Height of the rail";
   replaceable block CarPad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
   parameter Integer bogies(min=1) = 2 "Number of bogies" annotation(Evaluate=true);
-  parameter Integer axles(min=1) = 2 "Number of wheelsets of a bogie" annotation(Evaluate=true);
+  parameter Integer axles(min=2) = 2 "Number of wheelsets of a bogie" annotation(Evaluate=true);
   parameter Integer groups(min=1) = axles "Number of groups of a bogie that turn as one" annotation(Evaluate=true);
   parameter Types.Length behind[bogies*axles] = fill(0, bogies*axles)
     "Distance of each wheelset behind the leading one of the train";

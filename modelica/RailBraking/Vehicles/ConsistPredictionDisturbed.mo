@@ -2,9 +2,9 @@ within RailBraking.Vehicles;
 block ConsistPredictionDisturbed "Train of any number of groups and bogies on a track that the estimator does not know"
   extends Icons.Vehicle;
   extends ConsistPrediction(disturbance = d, acceleration = a + bias);
-  Types.Acceleration d(start=0, fixed=true, stateSelect=StateSelect.always)
+  Types.Acceleration d(start=0, fixed=true, nominal=0.1, stateSelect=StateSelect.always)
     "Acceleration by forces in no other equation: gradient, curve, wind";
-  Types.Acceleration bias(start=0, fixed=true, stateSelect=StateSelect.always) "Bias of the accelerometer";
+  Types.Acceleration bias(start=0, fixed=true, nominal=0.1, stateSelect=StateSelect.always) "Bias of the accelerometer";
 equation
   der(d) = 0;
   der(bias) = 0;

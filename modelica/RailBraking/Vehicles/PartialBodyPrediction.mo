@@ -5,7 +5,7 @@ partial block PartialBodyPrediction "All masses of a train along the track, with
   parameter Types.Ratio c_drag = 0.9 "Drag coefficient";
   parameter Types.Area A_drag = 10 "Frontal area";
   parameter Types.Density rho_air = 1.2 "Density of the air";
-  Types.Velocity v(start=22, fixed=true, stateSelect=StateSelect.always) "Speed of the train";
+  Types.Velocity v(start=22, fixed=true, nominal=1, stateSelect=StateSelect.always) "Speed of the train";
 protected
   Types.Acceleration disturbance = 0 "Acceleration by forces in no other equation";
   Types.Acceleration a "Acceleration of the train";

@@ -14,7 +14,7 @@ partial block PartialConsist "Train of equal cars, without the supply of the bra
   replaceable block TrainPad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
   parameter Integer bogies_per_car(min=1) = 2 "Number of bogies of a car"
     annotation(Evaluate=true, Dialog(group="Formation"));
-  parameter Integer axles_per_bogie(min=1) = 2 "Number of wheelsets of a bogie"
+  parameter Integer axles_per_bogie(min=2) = 2 "Number of wheelsets of a bogie"
     annotation(Evaluate=true, Dialog(group="Formation"));
   parameter Integer groups_per_bogie(min=1) = axles_per_bogie "Number of groups of a bogie that turn as one"
     annotation(Evaluate=true, Dialog(group="Formation"));

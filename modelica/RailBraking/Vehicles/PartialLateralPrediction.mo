@@ -11,11 +11,11 @@ partial block PartialLateralPrediction "Lateral and yaw dynamics with friction a
     annotation(Placement(transformation(extent={{100, 40}, {120, 60}})));
   Interfaces.RealOutput yaw_rate(final unit="rad/s") = dpsi "Reading of the gyroscope"
     annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
-  Types.Length y(start=0, fixed=true, stateSelect=StateSelect.always) "Lateral position";
-  Types.Velocity dy(start=0, fixed=true, stateSelect=StateSelect.always) "Lateral velocity";
-  Types.Angle psi(start=0, fixed=true, stateSelect=StateSelect.always) "Yaw angle";
-  Types.AngularVelocity dpsi(start=0, fixed=true, stateSelect=StateSelect.always) "Yaw rate";
-  Real log_mu0(final unit="1", start=log(mu0_start), fixed=true, stateSelect=StateSelect.always)
+  Types.Length y(start=0, fixed=true, nominal=1e-3, stateSelect=StateSelect.always) "Lateral position";
+  Types.Velocity dy(start=0, fixed=true, nominal=1e-2, stateSelect=StateSelect.always) "Lateral velocity";
+  Types.Angle psi(start=0, fixed=true, nominal=1e-3, stateSelect=StateSelect.always) "Yaw angle";
+  Types.AngularVelocity dpsi(start=0, fixed=true, nominal=1e-2, stateSelect=StateSelect.always) "Yaw rate";
+  Real log_mu0(final unit="1", start=log(mu0_start), fixed=true, nominal=1, stateSelect=StateSelect.always)
     "Natural logarithm of the maximum friction coefficient";
 protected
   Types.Ratio stiffness = 1 "Creep stiffness over that of k_A and k_S";

@@ -18,15 +18,15 @@ partial block PartialPrediction "Any number of wheelsets and bogies, as modelled
   parameter Types.Inertia I_frame[n_bogies](each min=1e-3, each start=2200) "Pitch inertia of each bogie frame";
   parameter Types.Length wheelbase[n_bogies](each min=1e-3, each start=1.9)
     "Distance of the wheelsets of each bogie";
-  Types.AngularVelocity w[n_groups](each start=0, each fixed=true, each stateSelect=StateSelect.always)
+  Types.AngularVelocity w[n_groups](each start=0, each fixed=true, each nominal=1, each stateSelect=StateSelect.always)
     "Angular velocity of each group";
-  Types.Ratio mu_b[n_groups](each start=0.35, each fixed=true, each stateSelect=StateSelect.always)
+  Types.Ratio mu_b[n_groups](each start=0.35, each fixed=true, each nominal=0.1, each stateSelect=StateSelect.always)
     "Pad friction of each group";
-  Types.Ratio alpha[n_groups](each start=0, each fixed=true, each stateSelect=StateSelect.always)
+  Types.Ratio alpha[n_groups](each start=0, each fixed=true, each nominal=0.1, each stateSelect=StateSelect.always)
     "Adhesion of each group";
-  Types.Length dz[2*n_bogies](each start=0, each fixed=true, each stateSelect=StateSelect.always)
+  Types.Length dz[2*n_bogies](each start=0, each fixed=true, each nominal=1e-3, each stateSelect=StateSelect.always)
     "Deflection of the primary suspension over each wheelset, change from static, compression positive";
-  Types.Velocity ddz[2*n_bogies](each start=0, each fixed=true, each stateSelect=StateSelect.always)
+  Types.Velocity ddz[2*n_bogies](each start=0, each fixed=true, each nominal=1e-2, each stateSelect=StateSelect.always)
     "Rate of the deflection";
 protected
   Types.Length radius[n_groups] "Rolling radius of each group";

@@ -116,7 +116,7 @@ protected
     mu_b_start=mu_b_start, T_disc_start=T_disc_start, start_speed=start_speed, creep=creep, resistance=resistance,
     pads=pads) "Wheelset on the roller"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
-  Types.Length s(start=0, fixed=true) "Distance that the surface has travelled";
+  Types.Length s(start=0, fixed=true, nominal=1) "Distance that the surface has travelled";
 equation
   connect(wheelset.box, body.pivot) annotation(Line(points={{0, 22}, {0, 38}}, color={0, 0, 127}));
   wheelset_load = load*(1 + load_ripple*sin(distance/r_roller));

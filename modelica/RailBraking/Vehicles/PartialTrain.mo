@@ -186,13 +186,13 @@ protected
   Data.Totals totals "Sums over the train";
   Types.VolumeFlow air_flow "Free air taken from the supply per time";
   Types.Power coupler_power "Power that the cars put into the couplers";
-  Types.Length s(start=0, fixed=true) "Distance travelled";
-  Types.Volume air(start=0, fixed=true) "Free air taken from the supply";
-  Types.Energy heat_contact(start=0, fixed=true) "Heat generated between wheels and rails";
-  Types.Energy heat_pad(start=0, fixed=true) "Heat generated between pads and discs";
-  Types.Energy heat_damper(start=0, fixed=true) "Heat generated in the primary suspension";
-  Types.Energy work_resistance(start=0, fixed=true) "Work against resistances and track force";
-  Types.Energy work_coupler(start=0, fixed=true) "Work put into the couplers";
+  Types.Length s(start=0, fixed=true, nominal=1) "Distance travelled";
+  Types.Volume air(start=0, fixed=true, nominal=1e-3) "Free air taken from the supply";
+  Types.Energy heat_contact(start=0, fixed=true, nominal=1e6) "Heat generated between wheels and rails";
+  Types.Energy heat_pad(start=0, fixed=true, nominal=1e6) "Heat generated between pads and discs";
+  Types.Energy heat_damper(start=0, fixed=true, nominal=1e3) "Heat generated in the primary suspension";
+  Types.Energy work_resistance(start=0, fixed=true, nominal=1e6) "Work against resistances and track force";
+  Types.Energy work_coupler(start=0, fixed=true, nominal=1e3) "Work put into the couplers";
 equation
   rest.v = v;
   rest.track_force = track_force;

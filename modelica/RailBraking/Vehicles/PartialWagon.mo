@@ -132,8 +132,8 @@ protected
     mu_b_start=mu_b_start[2], T_disc_start=T_disc_start, start_speed=start_speed, creep=creep, curve=curve[2:2],
     resistance=resistance, pads=pads) "Rear wheelset"
     annotation(Placement(transformation(extent={{40, -20}, {80, 20}})));
-  Types.Length s(start=0, fixed=true) "Distance travelled";
-  Types.Force transfer(start=0, fixed=true) "Load that has moved from the rear to the front wheelset";
+  Types.Length s(start=0, fixed=true, nominal=1) "Distance travelled";
+  Types.Force transfer(start=0, fixed=true, nominal=1e4) "Load that has moved from the rear to the front wheelset";
 equation
   T_pitch*der(transfer) = -h_mass/wheelbase*m*acceleration - transfer;
   wheelset_load = {m*g/2 + transfer, m*g/2 - transfer};
