@@ -271,7 +271,7 @@ class FilterContext:
     gate: Gate | None
     outlier_limit: list[float] | None
     mean: Vector
-    covariance: Vector | Matrix
+    covariance: Matrix
 
 
 class FilterKind:

@@ -51,7 +51,7 @@ class TorqueBalanceEstimator(ABC):
         self._speed, self._speed_reading = states.index("v"), outputs.index("speed")
         self._wheels, self._adhesions = places("state", "w", states), places("state", "alpha", states)
         self._wheel_readings = places("output", "wheelset_speed", outputs)
-        self.mean, self.covariance = context.mean.copy(), np.diag(context.covariance)
+        self.mean, self.covariance = context.mean.copy(), context.covariance.copy()
         self.inputs = np.zeros(len(context.prediction.inputs))
         self.readings, self.selection = np.full(len(outputs), np.nan), np.zeros(len(outputs))
         slope = context.prediction.derivative_jacobian(context.mean, self.inputs)
@@ -61,7 +61,7 @@ class TorqueBalanceEstimator(ABC):
         self._walk = context.process_noise[self._adhesions]
         self.corner = (self._effect**2 * self._walk / (self._wheel_variance * self._period)) ** 0.25
         self._pads = places("state", "mu_b", states)
-        self._pad_variance = context.covariance[self._pads]
+        self._pad_variance = np.diag(context.covariance)[self._pads]
 
     @classmethod
     def of_context(cls, context: FilterContext) -> Self:

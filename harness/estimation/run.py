@@ -61,6 +61,7 @@ class Settings:
         readings: Variance of each reading.
         start: Mean of each state at the first sample; those in `READ_STATES` may be left out.
         start_deviation: Standard deviation of each state at the first sample.
+        steady: Whether a recording that begins inside a braking starts as `start_in_braking` does.
         gate: States to hold constant, with the condition, or None.
         outlier_limit: Number of standard deviations beyond which readings are rejected; None uses all.
         between: Inputs between two samples: `held` at the earlier one, for commands of a digital controller, or the
@@ -71,6 +72,7 @@ class Settings:
     readings: Mapping[str, float]
     start: Mapping[str, float]
     start_deviation: Mapping[str, float]
+    steady: bool = False
     gate: Gate | None = None
     outlier_limit: float | None = None
     between: Literal["held", "mean"] = "held"
@@ -234,8 +236,9 @@ def filter_data(
     readings = samples(recording, outputs, [unit_of_name.get(name) for name in outputs])
     inputs, period = _inputs(recording, prediction, unit_of_name), period_of(recording)
     deviation = by_name("[start] deviation", settings.start_deviation, prediction.states)
-    released = _start(settings.start, prediction.states, outputs, readings)
-    mean, covariance = start_in_braking(prediction, released, deviation, inputs[0], readings, period)
+    mean, covariance = _start(settings.start, prediction.states, outputs, readings), np.diag(deviation**2)
+    if settings.steady:
+        mean, covariance = start_in_braking(prediction, mean, deviation, inputs[0], readings, period)
     steps = steps_per_sample(prediction, mean, inputs, period)
     return FilterData(
         inputs=_by_step(inputs, steps, settings.between),

@@ -41,7 +41,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self, cast
 
 import xarray
-from pydantic import Field, PrivateAttr, ValidationInfo, field_serializer, field_validator, model_validator
+from pydantic import Field, PrivateAttr, StrictBool, ValidationInfo, field_serializer, field_validator, model_validator
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.names import did_you_mean
@@ -174,6 +174,11 @@ class StartTable(Table):
         default_factory=dict, description="of each state; a state that is read may be left out"
     )
     deviation: dict[str, Positive] = Field(description="standard deviation of each state")
+    steady: StrictBool = Field(
+        default=False,
+        description="whether a recording that begins inside a braking starts from the adhesion and deflections of a "
+        "steady braking; otherwise from those of released brakes",
+    )
 
 
 class GateTable(Table):
@@ -489,6 +494,7 @@ def settings_for(specification: Specification, period: float) -> Settings:
         start={name: value for name, value in of_train.items() if name.partition("[")[0] not in mean} | mean,
         start_deviation=present(specification.start.deviation),
         gate=None if gate is None else _gate(specification, gate),
+        steady=specification.start.steady,
         outlier_limit=specification.outlier_limit,
         between=specification.between,
     )

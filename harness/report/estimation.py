@@ -76,11 +76,11 @@ def estimates_figure(recording: xarray.Dataset, estimates: xarray.Dataset, input
         panel.set_ylim(*_reach(np.concatenate(bands)))
         _legend(panel, len(names))
     last = panels[-1]
-    last.semilogy(
-        time, estimates["nis"].values / np.maximum(estimates["readings"].values, 1.0), ".", color=palette.GREY, ms=1.5
-    )
+    nis_of_reading = estimates["nis"].values / np.maximum(estimates["readings"].values, 1.0)
+    last.semilogy(time, nis_of_reading, ".", color=palette.GREY, ms=1.5)
     last.axhline(1.0, color=palette.BLACK, lw=0.8, ls=":")
-    last.set_ylim(1e-2, 1e2)
+    # Most samples of a filter that is lost are beyond a hundred.
+    last.set_ylim(1e-2, max(1e2, 10.0 * float(np.nanmedian(nis_of_reading))))
     style.dress(last, x="time [s]", y="NIS per reading\n(expected: 1)")
     truth = "; dashed: truth" if any(knows(recording, str(state)) for state in estimates["state"].values) else ""
     nis = f"; median NIS {estimates.attrs['nis_ratio']:.2g} of the expected one"

@@ -96,7 +96,7 @@ def state_estimator(
             gate=gate,
             outlier_limit=_outlier_limits(table, prediction),
             mean=mean,
-            covariance=noise.start_covariance(states),
+            covariance=np.diag(noise.start_covariance(states)),
         )
     )
 

@@ -395,7 +395,7 @@ def wheel_context(prediction):
         gate=Gate(states=(), inputs=(), threshold=0.0),
         outlier_limit=None,
         mean=np.array([30.0, 30.0 / 0.38, 0.35, 0.02]),
-        covariance=np.array([1e-2, 1e-1, 1e-12, 1e-3]),
+        covariance=np.diag([1e-2, 1e-1, 1e-12, 1e-3]),
     )
 
 

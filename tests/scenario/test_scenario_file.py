@@ -152,7 +152,7 @@ REFUSALS = [
         ["limits.horizon=40 s", "periods.communication=100 s"],
         "[periods] communication must be at most 60 s, got '100 s'",
     ),
-    (["limits.stop_speed=54 km/h"], "[limits] stop_speed must be at most 1.5 m/s, got '54 km/h'; a train that"),
+    (["limits.stop_speed=54 km/h"], "[limits] stop_speed must be at most 2 m/s, got '54 km/h'; a train that"),
     (
         ["limits.stop_speed=1.2", "start.speed=1 m/s"],
         "[limits] stop_speed 1.2 m/s is not below [start] speed 1 m/s; ",

@@ -228,7 +228,7 @@ def bound_along(context: FilterContext, data: FilterData, truth: Matrix) -> Matr
         context.process_noise,
         context.reading_noise,
         context.period,
-        np.diag(context.covariance),
+        context.covariance,
         truth[np.newaxis],
         data.inputs,
         np.isfinite(data.readings),
