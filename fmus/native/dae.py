@@ -17,7 +17,15 @@ import rumoca
 from railgrip.base.errors import InputError, TranslationError
 from railgrip.base.files import read_text
 from railgrip.fmus.native.classes import Sources, read_tree
-from railgrip.fmus.native.error_places import explain, has_class_extends, nested_arrays, places, require_readable, short
+from railgrip.fmus.native.error_places import (
+    explain,
+    has_class_extends,
+    limits,
+    nested_arrays,
+    places,
+    require_readable,
+    short,
+)
 from railgrip.fmus.native.language import findings, refuse, require_strict, require_values
 from railgrip.fmus.native.library import LIBRARY, sources_digest
 from railgrip.fmus.native.outer import connect_outer, outer_variables
@@ -95,13 +103,28 @@ class Dae:
         line = text.count(b"\n", 0, span["start"]) + 1
         return f"{name}:{line}"
 
-    def text(self, provenance: Node | None) -> str:
-        """Return the Modelica text of a node, on one line."""
+    def text(self, provenance: Node | None, *, subscripts: bool = False) -> str:
+        """Return the Modelica text of a node, on one line, with the subscripts that follow it if requested."""
         span = (provenance or {}).get("span")
         if not span or span["source"] not in self.sources:
             return "?"
         _, text = self.sources[span["source"]]
-        return " ".join(text[span["start"] : span["end"]].decode(errors="replace").split())
+        begin, end = span["start"], span["end"]
+        # rumoca leaves out the outer parentheses of operands.
+        depth = lowest = 0
+        for octet in text[begin:end]:
+            depth += (octet in b"(") - (octet in b")")
+            lowest = min(lowest, depth)
+        while lowest < 0 and text[begin - 1 : begin] in (b"(", b" "):
+            begin -= 1
+            lowest += text[begin : begin + 1] == b"("
+            depth += text[begin : begin + 1] == b"("
+        while depth > 0 and text[end : end + 1] in (b")", b" "):
+            depth -= text[end : end + 1] == b")"
+            end += 1
+        if subscripts and text[end : end + 1] == b"[":
+            end = text.find(b"]", end) + 1
+        return " ".join(text[begin:end].decode(errors="replace").split())
 
     def refuse(self, construct: str, provenance: Node | None) -> TranslationError:
         """Return the error for an unsupported construct, for the caller to raise."""
@@ -158,6 +181,8 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
             raise TranslationError("\n".join(nested)) from error
         cause, sentences = _diagnosis(class_name, path, alias)
         refuse(f"{class_name} does not conform to the Modelica language", sentences)
+        if sentences := limits(message, path, class_name):
+            raise TranslationError("\n".join(sentences)) from error
         message = explain(cause if message.endswith("because resolve/parse failed") and cause else message)
         hints = "".join(f"\n  {place}" for place in places(message, path, class_name))
         raise InputError(f"{class_name} does not compile ({path}): {message}{hints}") from error

@@ -81,6 +81,19 @@ class ModelVariables:
     derivatives: list[SX]
     previous: list[SX]
 
+    def numbers(self) -> dict[tuple[str, int], Array]:
+        """Return the values of constants and structural parameters by store and variable id."""
+        known = (
+            {s.name(): value for s, value in zip(*map(ca.vertsplit, self.constants), strict=True)}
+            if (self.constants[0].numel())
+            else {}
+        )
+        return {
+            key: array([known.get(s.name(), s) for s in symbols.flat], symbols.shape)
+            for key, symbols in self.symbols.items()
+            if key[0] in ("parameter", "constant")
+        }
+
     def with_numbers(self, expressions: Sequence[SX]) -> list[SX]:
         """Return expressions with constants and structural parameters replaced by their numbers."""
         if not self.constants[0].numel():
