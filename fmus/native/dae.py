@@ -4,7 +4,7 @@ import json
 import os
 import re
 import threading
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,10 +15,11 @@ from typing import Any
 import rumoca
 
 from railgrip.base.errors import InputError, TranslationError
-from railgrip.base.files import read_text
+from railgrip.base.files import read_text, scratch
 from railgrip.fmus.native.error_places import nested_arrays, places, require_readable, short
 from railgrip.fmus.native.language import require_strict, require_values
-from railgrip.fmus.native.library import LIBRARY, sources_digest
+from railgrip.fmus.native.library import LIBRARY, library_of, sources_digest
+from railgrip.fmus.native.used_libraries import VARIABLE, name_of, used_libraries
 
 FRONT = Path(__file__).parent / "front"
 _CACHE_OF_RUMOCA = "XDG_CACHE_HOME"
@@ -115,13 +116,16 @@ class Dae:
         return nodes
 
 
-def read(class_name: str, modelica_path: Path | None = None, *, complete: bool = False) -> Dae:
+def read(
+    class_name: str, modelica_path: Path | None = None, *, others: Sequence[Path] = (), complete: bool = False
+) -> Dae:
     """Flatten and check a Modelica class.
 
     Args:
         class_name: Full name, such as `RailBraking.Plants.TwoPartTrain`.
         modelica_path: A `.mo` file, or a library's folder with its `package.mo`; RailBraking by default. It may use
             classes of RailBraking; a library declares that with `annotation(uses(RailBraking))` in its `package.mo`.
+        others: Further libraries that it may use, besides those that `used_libraries` finds.
         complete: Whether every parameter must have a value.
 
     Raises:
@@ -133,26 +137,40 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
         path = path / "package.mo"
     if not path.is_file():
         raise InputError(f"{class_name}: there is no Modelica file {path}.")
+    used = used_libraries(class_name, library_of(path), others)
+    with scratch("build") as folder:
+        used.write(folder)
+        for name in used.names:
+            require_readable(folder / name / "package.mo")
+        is_part = path.name == "package.mo" and name_of(path.parent) in used.names
+        own = folder / name_of(path.parent) / "package.mo" if is_part else path
+        return _read(class_name, own, folder if used.texts else None, complete=complete)
+
+
+def _read(class_name: str, path: Path, further: Path | None, *, complete: bool) -> Dae:
+    # `further` is the folder of all libraries besides RailBraking and that of the class.
     # rumoca reads all files in the folder of a file, so a single file has a name in a folder that does not exist.
     alias = f"single-file/{path.name}"
     if path.parent != LIBRARY:
         require_readable(path)
     try:
-        with _without_cache_of_rumoca():
+        with _environment_of_rumoca():
             if path.name == "package.mo":
-                model = _session(path.parent).load(str(path), model=class_name)
+                model = _session(path.parent, further).load(str(path), model=class_name)
             else:
-                model = rumoca.Session(roots=[str(LIBRARY)]).loads(read_text(path), model=class_name, filename=alias)
+                model = _new_session(further).loads(read_text(path), model=class_name, filename=alias)
             template = model.codegen(str(FRONT)).files[0].content
             flat = _first_object(model.to_json("flat", pretty=False), "variables")
             files = _first_object(model.to_json("dae", pretty=False), "source_map")["files"]
     except (rumoca.RumocaError, RuntimeError) as error:
         # `codegen` raises RuntimeError, and its message begins with the name of the template.
         message = str(error).replace(alias, str(path)).rpartition("_dae.json': ")[2]
+        message = message if further is None else message.replace(f"{further}{os.sep}", "")
         if nested := nested_arrays(message, path, class_name):
             raise TranslationError("\n".join(nested)) from error
         hints = "".join(f"\n  {place}" for place in places(message, path, class_name))
-        raise InputError(f"{class_name} does not compile ({path}): {message}{hints}") from error
+        where = path if further is None else short(path, path, further)
+        raise InputError(f"{class_name} does not compile ({where}): {message}{hints}") from error
     content = _parse_template(template)
     schema = (content["schema"]["name"], content["schema"]["version"])
     if schema != SCHEMA:
@@ -161,7 +179,8 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
             "install the version pinned in pyproject.toml."
         )
     sources = {
-        number: (short(path if name == alias else Path(name), path), text.encode()) for number, name, text in files
+        number: (short(path if name == alias else Path(name), path, further), text.encode())
+        for number, name, text in files
     }
     require_strict(model, class_name, sources)
     if complete:
@@ -174,18 +193,21 @@ _environment = threading.Lock()
 
 
 @contextmanager
-def _without_cache_of_rumoca() -> Generator[None]:
+def _environment_of_rumoca() -> Generator[None]:
     # A damaged file in rumoca's cache aborts this process, and the cache saves less than a tenth of the time of a
-    # translation. With putenv only rumoca sees the change: Python and the processes that it starts use os.environ.
+    # translation. It would read all of the libraries of MODELICAPATH, and `used_libraries` has found the used part.
+    # With putenv only rumoca sees the change: Python and the processes that it starts use os.environ.
     with _environment:
         os.putenv(_CACHE_OF_RUMOCA, os.devnull)
+        os.unsetenv(VARIABLE)
         try:
             yield
         finally:
-            if _CACHE_OF_RUMOCA in os.environ:
-                os.putenv(_CACHE_OF_RUMOCA, os.environ[_CACHE_OF_RUMOCA])
-            else:
-                os.unsetenv(_CACHE_OF_RUMOCA)
+            for name in (_CACHE_OF_RUMOCA, VARIABLE):
+                if name in os.environ:
+                    os.putenv(name, os.environ[name])
+                else:
+                    os.unsetenv(name)
 
 
 def _parse_template(template: str) -> Node:
@@ -207,10 +229,17 @@ _last = threading.local()
 """The last session of each thread; sessions must not be shared between threads."""
 
 
-def _session(library: Path) -> rumoca.Session:
+def _session(library: Path, further: Path | None) -> rumoca.Session:
     # Reading a library takes longer than flattening most of its classes, so a session is reused while no file of the
     # library changes; it would not read a changed file again.
+    if further is not None:
+        return _new_session(further)
     key = (library, sources_digest(library))
     if getattr(_last, "key", None) != key:
-        _last.key, _last.session = key, rumoca.Session(roots=[str(LIBRARY)])
+        _last.key, _last.session = key, _new_session(None)
     return _last.session
+
+
+def _new_session(further: Path | None) -> rumoca.Session:
+    # One folder with all further libraries: as several roots, rumoca 0.10 does not find one from the other.
+    return rumoca.Session(roots=[str(LIBRARY), *([] if further is None else [str(further)])])

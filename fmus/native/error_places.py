@@ -132,10 +132,12 @@ def require_readable(path: Path) -> None:
                 raise InputError(f"{file}:{line}: more than {_DEEPEST} nested brackets; declare parts as variables.")
 
 
-def short(file: Path, path: Path) -> str:
+def short(file: Path, path: Path, further: Path | None = None) -> str:
     """Return a file's path relative to the folder of the library of `path`, so that it is the same on every machine.
 
-    The path of a file elsewhere is returned unchanged.
+    The path of a file in the folder `further` is relative to that, and any other path is returned unchanged.
     """
+    if further is not None and file.is_relative_to(further):
+        return file.relative_to(further).as_posix()
     base = path.parents[2] if path.name == "package.mo" and len(path.parents) > 2 else path.parent
     return file.relative_to(base).as_posix() if file.is_relative_to(base) else file.as_posix()
