@@ -210,7 +210,11 @@ class _Checker:
                 continue
             if base.definition["is_replaceable"] and not class_.definition["is_redeclare"]:
                 yield self._locate(clause, f"{base.name} is replaceable and cannot be a base class (7.1.4)")
-            yield from self._modifiers(class_, _extends_modifiers(clause), base, rank=0, outside=False, depth=0)
+            modifiers, (is_simple, rank) = _extends_modifiers(clause), self._simple(base)
+            if is_simple:  # as in `type Distance = Length(min=0)`
+                yield from self._attributes(class_, modifiers, base.name, rank)
+            else:
+                yield from self._modifiers(class_, modifiers, base, rank=0, outside=False, depth=0)
             inherited |= self.elements(base)
         for name in class_.components.keys() & inherited.keys():
             mine, theirs = self.elements(class_)[name], inherited[name]
