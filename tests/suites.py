@@ -37,7 +37,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -48,6 +48,8 @@ import numpy as np
 from railgrip.base.errors import InputError, RailgripError
 from railgrip.fmus.build import translate
 from railgrip.fmus.native import package
+from railgrip.fmus.native.library import library_of
+from railgrip.fmus.native.used_libraries import name_of
 from railgrip.fmus.recipe import Recipe
 
 SECONDS = 60.0
@@ -355,11 +357,14 @@ def script_case(script: Path) -> Case | None:
 # Reference results
 
 
-def reference(libraries: tuple[Path, ...], results: Path, most: int = 500) -> Iterator[Case]:
-    """Yield the classes with published results: a CSV file next to a `comparisonSignals.txt`."""
+def reference(libraries: Sequence[Path], results: Path, only: str = "", most: int = 500) -> Iterator[Case]:
+    """Yield the classes of libraries with published results: a CSV file next to a `comparisonSignals.txt`."""
+    libraries = [library_of(library.absolute()) for library in libraries]
     for signals in sorted(results.rglob("comparisonSignals.txt")):
         tables = sorted(signals.parent.glob("*.csv"))
-        if len(tables) != 1:
+        parts = signals.parent.relative_to(results).parts
+        own = [library for library in libraries if name_of(library) == parts[0]]
+        if len(tables) != 1 or not own or not re.search(only, ".".join(parts)):
             continue
         with tables[0].open(encoding="utf-8", newline="") as stream:
             rows = [
@@ -374,8 +379,8 @@ def reference(libraries: tuple[Path, ...], results: Path, most: int = 500) -> It
         once = [row for row in rows if count[row[0]] == 1]
         chosen = once[:: max(1, len(once) // most)]
         yield Case(
-            class_name=".".join(signals.parent.relative_to(results).parts),
-            libraries=libraries,
+            class_name=".".join(parts),
+            libraries=(own[0], *(library for library in libraries if library != own[0])),
             start=rows[0][0],
             stop=rows[-1][0],
             times=tuple(row[0] for row in chosen),
@@ -433,7 +438,7 @@ def main() -> None:
         cases = {
             "compliance": lambda: compliance(given.suite, Path(scratch), given.only),
             "omc": lambda: omc(given.suite),
-            "reference": lambda: reference(tuple(given.library), given.suite),
+            "reference": lambda: reference(given.library, given.suite, given.only),
         }[given.kind]()
         for case in cases:
             if not re.search(given.only, case.class_name):

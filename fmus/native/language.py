@@ -27,6 +27,28 @@ _SIMPLE = ("Real", "Integer", "Boolean", "String")
 _ATTRIBUTES = frozenset(  # section 4.9
     ("value", "quantity", "unit", "displayUnit", "min", "max", "start", "fixed", "nominal", "unbounded", "stateSelect")
 )
+_FUNCTIONS = frozenset(  # section 3.7
+    [
+        *("abs", "sign", "sqrt", "div", "mod", "rem", "ceil", "floor", "integer", "sin", "cos", "tan", "asin", "acos"),
+        *(
+            "atan",
+            "atan2",
+            "sinh",
+            "cosh",
+            "tanh",
+            "exp",
+            "log",
+            "log10",
+            "delay",
+            "cardinality",
+            "homotopy",
+            "min",
+            "max",
+        ),
+        *("sum", "product", "size", "ndims", "scalar", "vector", "matrix", "transpose", "outerProduct", "symmetric"),
+        *("cross", "skew", "identity", "diagonal", "zeros", "ones", "fill", "linspace", "cat", "noEvent", "smooth"),
+    ]
+)
 _MAXIMUM_FINDINGS = 3
 """Maximum number of findings in a message."""
 
@@ -195,12 +217,38 @@ class _Checker:
         return {class_.definition["def_id"]: class_ for class_ in self.every}
 
     def findings(self) -> Iterator[str]:
+        yield from self._renamed_functions()
         for class_ in self.every:
+            yield from self._built_in_name(class_)
             yield from self._bases(class_)
             for name, node in class_.components.items():
                 yield from self._component(class_, name, node)
             for inner in class_.classes.values():
                 yield from self._local_class(class_, inner)
+
+    def _built_in_name(self, class_: _Class) -> Iterator[str]:
+        name, place = class_.name.rpartition(".")[2], class_.definition["location"]
+        if name not in _FUNCTIONS or class_.definition["class_type"] != "Function":
+            return
+        _, content = self.sources.get(place["source"], ("", b""))
+        text = content[place["start"] : place["end"]].decode(errors="replace")
+        if not re.search(rf'\bexternal\s+"builtin"\s+\w+\s*=\s*{name}\s*\(', text):
+            yield self._locate(
+                class_.definition,
+                f"the function {class_.name} has the name of a built-in one, which the built-in compiler calls instead "
+                "(5.3.1); choose another name",
+            )
+
+    def _renamed_functions(self) -> Iterator[str]:
+        for file, content in self.sources.values():
+            text = content.decode(errors="replace")
+            for match in re.finditer(r"\bimport\s+(\w+)\s*=\s*([\w.]+)", text):
+                if match[1] in _FUNCTIONS and match[2] != f"Modelica.Math.{match[1]}":
+                    line = text.count("\n", 0, match.start()) + 1
+                    yield (
+                        f"{file}:{line}: the import {match[1]} has the name of a built-in function, which the built-in "
+                        "compiler calls instead (5.3.1); choose another name"
+                    )
 
     def _bases(self, class_: _Class) -> Iterator[str]:
         inherited: dict[str, _Element] = {}

@@ -88,6 +88,16 @@ def using(line: str, modifiers: str = "") -> str:
 
 
 LENIENT = {
+    "a function with the name of a built-in one": (
+        "  function sin\n    input Real u;\n    output Real y;\n  algorithm\n    y := 2*u;\n  end sin;\n"
+        + model("Real y = sin(0.5);"),
+        r"P\.sin has the name of a built-in one",
+    ),
+    "an import with the name of a built-in function": (
+        "  function double\n    input Real u;\n    output Real y;\n  algorithm\n    y := 2*u;\n  end double;\n"
+        + model("import exp = P.double; Real y = exp(0.5);"),
+        "the import exp has the name of a built-in function",
+    ),
     "a modifier outside the constraining clause": (
         model("Lost n(redeclare B a);"), r"'r' is modified on the declaration"
     ),
