@@ -150,7 +150,8 @@ class _Search:
         for match in re.finditer(r"\buses\s*\(", text):
             uses = text[match.start() : end_of_brackets(text, match.start())]
             for name, version in re.findall(r"(\w+)\s*\(\s*version\s*=\s*\"([^\"]*)\"", uses):
-                self.required.setdefault(name, (version, file))
+                # OpenModelica writes "default" for a library without a version.
+                self.required.setdefault(name, ("" if version == "default" else version, file))
             for name in re.findall(r"[(,]\s*(\w+)\s*(?=[,)])", uses):
                 self.required.setdefault(name, ("", file))
 

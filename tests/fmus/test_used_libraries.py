@@ -146,6 +146,50 @@ def test_openmodelica_loads_the_libraries_that_were_found(shelf: Path, tmp_path:
     assert [Path(line.split('"')[1]).parent.name for line in loaded] == ["RailBraking", "Other 1.0.0", "Mine"]
 
 
+def test_one_file_libraries_of_several_versions_may_be_in_one_folder(shelf: Path, tmp_path: Path) -> None:
+    for version, rate in (("", 1), ("9.8.0", 2), ("9.9.0", 3), ("10.0.0", 4)):
+        compatible = {"9.8.0": '"9.7.0"', "9.9.0": '"9.7.0"'}.get(version)
+        conversion = f"conversion(noneFromVersion={compatible})" if compatible else ""
+        annotation = f"annotation({conversion});" if conversion else ""
+        model = f"model Rate Real x(start=0, fixed=true); equation der(x) = {rate}; end Rate;"
+        name = f"Other {version}.mo" if version else "Other.mo"
+        write(shelf, {name: f"package Other {model} {annotation} end Other;"})
+    assert rate_of(train(tmp_path, 'Other(version="default")')) == 1
+    assert rate_of(train(tmp_path, 'Other(version="9.8.0")')) == 2
+    assert rate_of(train(tmp_path, 'Other(version="10.0.0")')) == 4
+    assert rate_of(train(tmp_path, 'Other(version="9.7.0")')) == 3
+
+
+def test_a_library_may_be_in_a_folder_with_any_name(shelf: Path, tmp_path: Path) -> None:
+    rate_library(shelf / "größer als", 6, "1.0.0")
+    mine = train(tmp_path).rename(tmp_path / "Mine 1.2")
+    other = shelf / "größer als" / "Other 1.0.0" / "package.mo"
+    fmu = build_class("Mine.Train", [mine / "package.mo", other], compiler="native").path
+    assert fmu == build_class("Mine.Train", [other, mine], compiler="native").path
+    rate_library(shelf, 5, "2.0.0")
+    # A library that is named precedes those that are found.
+    assert build_class("Mine.Train", [mine, other], compiler="native").path == fmu
+
+
+def test_files_of_a_library_may_have_a_byte_order_mark_and_dos_lines(shelf: Path, tmp_path: Path) -> None:
+    rate_library(shelf, 8)
+    file = shelf / "Other" / "package.mo"
+    file.write_bytes(b"\xef\xbb\xbf" + file.read_bytes().replace(b";", b";\r\n"))
+    assert rate_of(train(tmp_path)) == 8
+
+
+def test_a_file_in_another_encoding_is_refused_only_if_it_is_used(shelf: Path, tmp_path: Path) -> None:
+    rate_library(shelf, 9)
+    (shelf / "Other" / "Waage.mo").write_bytes('within Other; model Waage "größer" end Waage;'.encode("latin-1"))
+    assert rate_of(train(tmp_path)) == 9
+    mine = train(tmp_path)
+    (mine / "package.mo").write_text(
+        (mine / "package.mo").read_text().replace("Real y", "Other.Waage w; output Real y")
+    )
+    with pytest.raises(InputError, match=r"Waage\.mo:1: the text is not UTF-8"):
+        rate_of(mine)
+
+
 LIBRARY = {
     "Big/package.mo": 'package Big "end Big; model Unused" extends Big.Icons.Package; '
     "constant Real two = 2; // model Unused\n /* model Unused */ "
