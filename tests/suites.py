@@ -7,7 +7,7 @@ The suites are not part of this project; the user has a copy of them:
     reference   a library with published reference results, such as ModelicaTest; the folder of results has
                 a file comparisonSignals.txt and a CSV file for each class
 
-Each class is translated, compiled and simulated in a process of its own with a time limit. The CSV file has one line
+Each class is translated, compiled and simulated in a separate process with a time limit. The CSV file has one line
 per class with its verdict:
 
     right          the FMU fulfils all assertions, or has the expected values
@@ -64,7 +64,7 @@ NO_STATE = re.compile(r"has no variables that change|not defined for DM")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Case:
+class SuiteCase:
     """One class of a suite.
 
     Attributes:
@@ -85,14 +85,14 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Verdict:
     """The verdict on a case, with the message or deviation as `detail`."""
 
     verdict: str
     detail: str = ""
 
 
-def simulate(case: Case, fmu: Path) -> Outcome:
+def simulate(case: SuiteCase, fmu: Path) -> Verdict:
     """Simulate an FMU and compare its signals with the expected ones."""
     messages: list[str] = []
 
@@ -145,13 +145,13 @@ def simulate(case: Case, fmu: Path) -> Outcome:
             rows[after] = read()
     except fmpy.fmi1.FMICallException as error:
         text = messages[0] if messages else str(error)
-        return Outcome("wrong" if "assertion (" in text else "no simulation", text)
+        return Verdict("wrong" if "assertion (" in text else "no simulation", text)
     if missing:
-        return Outcome("right" if not case.expected else "no signal", f"the FMU has no {', '.join(missing[:5])}")
+        return Verdict("right" if not case.expected else "no signal", f"the FMU has no {', '.join(missing[:5])}")
     return compare(case, names, rows, width)
 
 
-def compare(case: Case, names: list[str], rows: dict[float, list[float]], width: float) -> Outcome:
+def compare(case: SuiteCase, names: list[str], rows: dict[float, list[float]], width: float) -> Verdict:
     """Compare the values of signals, time → values, with the expected ones."""
     worst, where = 0.0, ""
     for column, name in enumerate(names):
@@ -162,35 +162,35 @@ def compare(case: Case, names: list[str], rows: dict[float, list[float]], width:
             if math.isnan(value) or not near:
                 continue
             if any(math.isnan(v) for v in near):
-                return Outcome("wrong", f"{name} is NaN at {t:g} s")
+                return Verdict("wrong", f"{name} is NaN at {t:g} s")
             deviation = max(min(near) - value, value - max(near), 0.0) / (scale + 1e-6)
             if deviation > worst:
                 worst, where = deviation, f"{name} at {t:g} s: {near[len(near) // 2]:g} instead of {value:g}"
     verdict = "right" if worst <= ACCURACY else "wrong"
-    return Outcome(verdict, f"{worst:.1e} {where}".strip() if case.expected else "")
+    return Verdict(verdict, f"{worst:.1e} {where}".strip() if case.expected else "")
 
 
-def build(case: Case, folder: Path) -> Path | Outcome:
-    """Return the FMU of a class, or the outcome if there is none."""
+def build(case: SuiteCase, folder: Path) -> Path | Verdict:
+    """Return the FMU of a class, or the outcome of a failed build."""
     table = {"class": case.class_name, "interfaces": ("cs",), "solver": "rodas4", "tolerance": TOLERANCE, "step": 1e-3}
     try:
         source, _ = translate(Recipe.model_validate(table), case.libraries[0], case.libraries[1:])
         content = package.archive_bytes(source, flags=("-O0",))
     except RecursionError as error:
-        return Outcome("crash", f"RecursionError: {error}")
+        return Verdict("crash", f"RecursionError: {error}")
     except InputError as error:
-        return Outcome("crash" if INTERNAL.search(str(error)) else "refused", str(error))
+        return Verdict("crash" if INTERNAL.search(str(error)) else "refused", str(error))
     except Exception as error:
-        return Outcome("crash", f"{type(error).__name__}: {error}")
+        return Verdict("crash", f"{type(error).__name__}: {error}")
     fmu = folder / "case.fmu"
     fmu.write_bytes(content)
     return fmu
 
 
-def judge(case: Case, folder: Path) -> Outcome:
+def judge(case: SuiteCase, folder: Path) -> Verdict:
     """Build and simulate a class in this process."""
     fmu = build(case, folder)
-    if isinstance(fmu, Outcome):
+    if isinstance(fmu, Verdict):
         return fmu
     outcome = simulate(case, fmu)
     if case.legal:
@@ -198,7 +198,7 @@ def judge(case: Case, folder: Path) -> Outcome:
     return replace(outcome, verdict="accepted" if outcome.verdict in ("right", "no signal") else "fails")
 
 
-def judge_apart(case: Case, seconds: float) -> Outcome:
+def judge_apart(case: SuiteCase, seconds: float) -> Verdict:
     """Build and simulate a class in a copy of this process, which has all packages in memory, with a time limit."""
     context = multiprocessing.get_context("fork")
     receiver, sender = context.Pipe(duplex=False)
@@ -220,20 +220,20 @@ def judge_apart(case: Case, seconds: float) -> Outcome:
         sender.close()
         outcome = None
         with contextlib.suppress(EOFError):
-            outcome = receiver.recv() if receiver.poll(seconds) else Outcome("hang", f"more than {seconds:g} s")
+            outcome = receiver.recv() if receiver.poll(seconds) else Verdict("hang", f"more than {seconds:g} s")
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, signal.SIGKILL)
         process.join()
         if outcome is None:
             output = (folder / "output").read_text(errors="replace").strip()
-            outcome = Outcome("crash", f"ended with {process.exitcode}: {output[-300:]}")
+            outcome = Verdict("crash", f"ended with {process.exitcode}: {output[-300:]}")
     return outcome
 
 
 # The compliance library
 
 
-def compliance(root: Path, scratch: Path, only: str = "") -> Iterator[Case]:
+def compliance(root: Path, scratch: Path, only: str = "") -> Iterator[SuiteCase]:
     """Yield the classes of the compliance library, each with a library of only the files that it names."""
     root = root / "ModelicaCompliance" if (root / "ModelicaCompliance").is_dir() else root
     for file in sorted(root.rglob("*.mo")):
@@ -242,7 +242,7 @@ def compliance(root: Path, scratch: Path, only: str = "") -> Iterator[Case]:
         if marked is None or file.name == "Template.mo" or not re.search(only, ".".join([root.name, *parts])):
             continue
         stop = re.search(r"StopTime\s*=\s*([\d.eE+-]+)", file.read_text(errors="replace"))
-        yield Case(
+        yield SuiteCase(
             class_name=".".join([root.name, *parts]),
             libraries=(excerpt(root, file, scratch / "_".join(parts)),),
             legal=marked[1] == "true",
@@ -250,7 +250,7 @@ def compliance(root: Path, scratch: Path, only: str = "") -> Iterator[Case]:
         )
 
 
-def with_state(case: Case) -> Case:
+def with_state(case: SuiteCase) -> SuiteCase:
     """Return the case of a class that extends another one and has a state, because FMUs without states are refused."""
     library = case.libraries[0]
     library.joinpath("WithState.mo").write_text(
@@ -292,7 +292,7 @@ def inverted(text: str) -> Iterator[str]:
         yield f"{text[: match.end()]}not ({text[match.end() : end]}){text[end:]}"
 
 
-def unchecked(case: Case, seconds: float) -> int:
+def unchecked(case: SuiteCase, seconds: float) -> int:
     """Return the number of assertions of a right class that hold when inverted as well."""
     library, count = case.libraries[0], 0
     file = library.joinpath(*case.class_name.split(".")[1:]).with_suffix(".mo")
@@ -307,7 +307,7 @@ def unchecked(case: Case, seconds: float) -> int:
 # OpenModelica's scripts
 
 
-def omc(root: Path) -> Iterator[Case]:
+def omc(root: Path) -> Iterator[SuiteCase]:
     """Yield the scripts that simulate one class of one file and print values of variables at given times."""
     for script in sorted(root.rglob("*.mos")):
         case = script_case(script)
@@ -318,7 +318,7 @@ def omc(root: Path) -> Iterator[Case]:
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 
 
-def script_case(script: Path) -> Case | None:
+def script_case(script: Path) -> SuiteCase | None:
     """Return the case of one script; None unless each printed value belongs to a `val(variable, time)`."""
     text = script.read_text(encoding="utf-8", errors="replace")
     status = re.search(r"^//\s*status:\s*(\w+)", text, re.MULTILINE)
@@ -344,7 +344,7 @@ def script_case(script: Path) -> Case | None:
     times = sorted({t for _, t in known})
     names = dict.fromkeys(name for name, _ in known)
     options = dict(re.findall(rf"(\w+)\s*=\s*({_NUMBER})", runs[0]))
-    return Case(
+    return SuiteCase(
         class_name=runs[0].partition(",")[0].strip(),
         libraries=tuple(files),
         start=float(options.get("startTime", 0)),
@@ -357,7 +357,7 @@ def script_case(script: Path) -> Case | None:
 # Reference results
 
 
-def reference(libraries: Sequence[Path], results: Path, only: str = "", most: int = 500) -> Iterator[Case]:
+def reference(libraries: Sequence[Path], results: Path, only: str = "", most: int = 500) -> Iterator[SuiteCase]:
     """Yield the classes of libraries with published results: a CSV file next to a `comparisonSignals.txt`."""
     libraries = [library_of(library.absolute()) for library in libraries]
     for signals in sorted(results.rglob("comparisonSignals.txt")):
@@ -378,7 +378,7 @@ def reference(libraries: Sequence[Path], results: Path, only: str = "", most: in
         count = Counter(row[0] for row in rows)
         once = [row for row in rows if count[row[0]] == 1]
         chosen = once[:: max(1, len(once) // most)]
-        yield Case(
+        yield SuiteCase(
             class_name=".".join(parts),
             libraries=(own[0], *(library for library in libraries if library != own[0])),
             start=rows[0][0],
@@ -392,7 +392,7 @@ def reference(libraries: Sequence[Path], results: Path, only: str = "", most: in
 
 
 def reason(detail: str) -> str:
-    """Return what messages about different classes have in common."""
+    """Return the common part of messages about different classes."""
     text = re.sub(r"^[\w.]+ does not compile \([^)]*\): ", "", detail).strip()
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     line = lines[1] if len(lines) > 1 and lines[0].endswith(":") else (lines or [""])[0]
@@ -401,7 +401,7 @@ def reason(detail: str) -> str:
     return re.sub(r"\d+", "N", line)[:110]
 
 
-def table(rows: Iterable[tuple[Case, Outcome]]) -> str:
+def table(rows: Iterable[tuple[SuiteCase, Verdict]]) -> str:
     """Return the counts of verdicts, and the reasons of refusals by their number."""
     rows = list(rows)
     lines: list[str] = []
@@ -431,7 +431,7 @@ def main() -> None:
     given = parser.parse_args()
     out = given.out or Path("build/suites", f"{given.kind}.csv")
     out.parent.mkdir(parents=True, exist_ok=True)
-    rows: list[tuple[Case, Outcome]] = []
+    rows: list[tuple[SuiteCase, Verdict]] = []
     with tempfile.TemporaryDirectory() as scratch, out.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
         writer.writerow(["class", "legal", "verdict", "seconds", "detail"])

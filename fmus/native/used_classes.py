@@ -30,7 +30,7 @@ _NAMES_FUNCTIONS = re.compile(r"\b(?:derivative|inverse)\b")
 
 
 @dataclass
-class LibraryClass:
+class ScannedClass:
     """A class in a file.
 
     Attributes:
@@ -45,19 +45,19 @@ class LibraryClass:
     end: int = 0
     is_complete: bool = False
     words: set[str] = field(default_factory=set[str])
-    children: list["LibraryClass"] = field(default_factory=list["LibraryClass"])
+    children: list["ScannedClass"] = field(default_factory=list["ScannedClass"])
 
 
 @dataclass(frozen=True)
-class LibraryFile:
+class ScannedFile:
     """A file of a library; `root` is a package without a name that contains the classes of the file."""
 
     path: Path
     text: str
-    root: LibraryClass
+    root: ScannedClass
 
 
-def scan(path: Path) -> LibraryFile:
+def scan(path: Path) -> ScannedFile:
     """Return the classes of a file.
 
     Raises:
@@ -69,7 +69,7 @@ def scan(path: Path) -> LibraryFile:
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise InputError(f"{path}:{line}: the text is not UTF-8; save the file as UTF-8.") from error
-    root = LibraryClass("", is_package=True, start=0, end=len(text))
+    root = ScannedClass("", is_package=True, start=0, end=len(text))
     stack = [root]
     depth, prefix = 0, -1
     tokens = (match for match in _TOKEN.finditer(text) if match[0][0] not in '"/0123456789')
@@ -93,7 +93,7 @@ def scan(path: Path) -> LibraryFile:
             prefix = start if prefix < 0 else prefix
         elif depth == 0 and word in _CLASS:
             kind, name = _name(tokens, word)
-            opened = LibraryClass(name[0], is_package=kind == "package", start=start if prefix < 0 else prefix)
+            opened = ScannedClass(name[0], is_package=kind == "package", start=start if prefix < 0 else prefix)
             opened.is_complete = _IS_SHORT.match(text, name.end()) is not None
             stack[-1].children.append(opened)
             stack.append(opened)
@@ -111,7 +111,7 @@ def scan(path: Path) -> LibraryFile:
             prefix = -1
     if len(stack) > 1:
         raise InputError(f"{path}: the class {stack[-1].name} has no 'end {stack[-1].name};'.")
-    return LibraryFile(path, text, root)
+    return ScannedFile(path, text, root)
 
 
 def _name(tokens: Iterator[re.Match[str]], kind: str) -> tuple[str, re.Match[str]]:
@@ -138,7 +138,7 @@ def end_of_brackets(text: str, start: int) -> int:
 
 
 def words_of(path: Path) -> tuple[set[str], set[str]]:
-    """Return the identifiers in a file, as `LibraryClass.words`, and the names of its classes.
+    """Return the identifiers in a file, as `ScannedClass.words`, and the names of its classes.
 
     If the beginnings and ends of classes do not match, which the front end reports, the names are not known.
     """
@@ -166,7 +166,7 @@ class UsedClasses:
         self._waiting: dict[str, list[Callable[[], None]]] = {}
         self._due: list[Callable[[], None]] = []
         self._kept: set[int] = set()
-        self._files: dict[str, LibraryFile] = {}
+        self._files: dict[str, ScannedFile] = {}
 
     def use(self, words: Iterable[str]) -> None:
         """Keep all that may be found by names in a text with these identifiers."""
@@ -211,7 +211,7 @@ class UsedClasses:
                 child = entry.name if entry.is_dir() else entry.stem
                 self._wait(child, partial(self._keep_path, entry, f"{name}/{child}"))
 
-    def _keep_class(self, one: LibraryClass) -> None:
+    def _keep_class(self, one: ScannedClass) -> None:
         self._kept.add(id(one))
         self._spell(one.words)
         for child in one.children:
@@ -220,10 +220,10 @@ class UsedClasses:
             else:
                 self._keep_class(child)
 
-    def _text(self, file: LibraryFile) -> str:
+    def _text(self, file: ScannedFile) -> str:
         pieces, end = list[str](), 0
 
-        def walk(one: LibraryClass) -> None:
+        def walk(one: ScannedClass) -> None:
             nonlocal end
             for child in one.children:
                 if id(child) in self._kept:

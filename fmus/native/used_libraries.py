@@ -78,7 +78,7 @@ def is_read_whole(library: Path) -> bool:
 
 
 def used_libraries(class_name: str, library: Path, others: Sequence[Path] = ()) -> UsedLibraries:
-    """Return what a class uses of other libraries, and of its own if it is too large to be read as a whole.
+    """Return the used part of other libraries, and of the class's library if that is too large to be read as a whole.
 
     Args:
         class_name: Full name of the class; its library is read as a whole with an empty name.
@@ -90,7 +90,7 @@ def used_libraries(class_name: str, library: Path, others: Sequence[Path] = ()) 
     """
     if is_trusted(library):
         return UsedLibraries({}, {})
-    return _Search(class_name, library, others).result()
+    return _LibrarySearch(class_name, library, others).result()
 
 
 def uses_digest(library: Path, others: Sequence[Path] = (), class_name: str = "") -> str:
@@ -114,7 +114,7 @@ def file_digest(file: Path) -> str:
     return digest([own, *(part for text in texts.items() for part in text)]) if texts else own
 
 
-class _Search:
+class _LibrarySearch:
     """The search for one class; `required` is the version of each library in `uses`, with the file that has it."""
 
     def __init__(self, class_name: str, library: Path, others: Sequence[Path]) -> None:
