@@ -215,7 +215,7 @@ def _version_of(path: Path) -> str:
         return named
     text = read_bytes(path / "package.mo" if path.is_dir() else path).decode(errors="replace")
     match = re.search(r"\b(?:uses|conversion)\s*\(", text)
-    while match is not None:  # these have versions of their own
+    while match is not None:  # their versions are those of other libraries
         text = text[: match.start()] + text[end_of_brackets(text, match.start()) :]
         match = re.search(r"\b(?:uses|conversion)\s*\(", text)
     match = re.search(r"[(,]\s*version\s*=\s*\"([^\"]*)\"", text)
