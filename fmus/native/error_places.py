@@ -114,13 +114,15 @@ def _within(file: Path, path: Path, text: str) -> str | None:
     clause = "".join((found[1] or "").split()) if found else ""
     folder = file.parent.parent if file.name == "package.mo" else file.parent
     base = path.parent.parent
-    required = ".".join(folder.relative_to(base).parts) if path.name == "package.mo" else ""
+    # The folder of a library may have its version in its name.
+    names = [part.partition(" ")[0] for part in folder.relative_to(base).parts] if path.name == "package.mo" else []
+    required = ".".join(names)
     line = code.count("\n", 0, found.start(1)) + 1 if found and found[1] else 1
     if path.name == "package.mo" and clause != required:
         what = f"`within {clause};`" if clause else "no `within`"
         return f"{line}: the file has {what}, but its folder requires `within {required};` (13.4)"
     if path.name == "package.mo":
-        name = file.parent.name if file.name == "package.mo" else file.stem
+        name = file.parent.name.partition(" ")[0] if file.name == "package.mo" else file.stem
         declared = re.search(rf"\b(?:{KINDS})\s+(?:extends\s+)?(\w+)", code)
         if declared and declared[1] != name:
             line = code.count("\n", 0, declared.start()) + 1
@@ -447,10 +449,12 @@ def require_readable(path: Path) -> None:
                 raise InputError(f"{file}:{line}: more than {_DEEPEST} nested brackets; declare parts as variables.")
 
 
-def short(file: Path, path: Path) -> str:
+def short(file: Path, path: Path, further: Path | None = None) -> str:
     """Return a file's path relative to the folder of the library of `path`, so that it is the same on every machine.
 
-    The path of a file elsewhere is returned unchanged.
+    The path of a file in the folder `further` is relative to that, and any other path is returned unchanged.
     """
+    if further is not None and file.is_relative_to(further):
+        return file.relative_to(further).as_posix()
     base = path.parents[2] if path.name == "package.mo" and len(path.parents) > 2 else path.parent
     return file.relative_to(base).as_posix() if file.is_relative_to(base) else file.as_posix()

@@ -50,6 +50,12 @@ def site(expression: int, binding: Binding) -> Site:
     return expression, tuple(sorted(binding.items()))
 
 
+_BUILTIN_IN_LIBRARIES = frozenset(
+    ["sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "log10"]
+)
+"""Functions with language "builtin" in the Modelica Standard Library; none of them triggers events."""
+
+
 @dataclass
 class Frame:
     """Scope of an expression besides model variables.
@@ -369,7 +375,7 @@ class ExpressionBuilder:
     def _call(self, operation: Node, node: Node, frame: Frame) -> Array:
         function = self.dae.functions[operation["function"]]
         if function["external"]:
-            raise self._refusal(f"external function {function['name']}", node)
+            return self._external(function, operation, node, frame)
         for statement in function["statements"]:
             if statement["kind"] == "assertion":
                 if not self.dae.text(statement["provenance"]).startswith("assert"):
@@ -394,6 +400,17 @@ class ExpressionBuilder:
             return self._definition(function["results"][operation["output"]], inside)
         finally:
             self._calls.pop()
+
+    def _external(self, function: Node, operation: Node, node: Node, frame: Frame) -> Array:
+        # Section 12.9: language "builtin" calls the function of the Modelica language, as in Modelica.Math.sin.
+        external = function["external"]
+        expressions = [argument.get("input") for argument in external["arguments"]]
+        is_builtin = external["language"] == "builtin" and external["symbol"] in _BUILTIN_IN_LIBRARIES
+        if not is_builtin or None in expressions or external["result"] != 0:
+            raise self._refusal(f"external function {function['name']}", node)
+        values = [self._value(argument, frame) for argument in operation["arguments"]]
+        call = {"builtin": external["symbol"], "arguments": expressions}
+        return self._builtin(call, node, Frame(function=function, arguments=values))
 
     def _function_value(self, operation: Node, node: Node, frame: Frame) -> Array:
         return self._definition(operation["definition"], frame)

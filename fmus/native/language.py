@@ -45,6 +45,11 @@ _CLASS_EXTENDS = (
     "`{0} extends {1}` is not supported by the built-in compiler (7.3.1); write a class of another name that extends "
     "the inherited {1}, and redeclare {1} as that class in the extends clause"
 )
+_FUNCTIONS = re.compile(  # section 3.7
+    r"abs|sign|sqrt|div|mod|rem|ceil|floor|integer|sin|cos|tan|asin|acos|atan|atan2|sinh|cosh|tanh|exp|"
+    r"log|log10|delay|cardinality|homotopy|min|max|sum|product|size|ndims|scalar|vector|matrix|transpose|"
+    r"outerProduct|symmetric|cross|skew|identity|diagonal|zeros|ones|fill|linspace|cat|noEvent|smooth"
+)
 _MAXIMUM_FINDINGS = 3
 """Maximum number of findings in a message."""
 
@@ -134,7 +139,9 @@ class _Checker:
         top = self.tree.by_name.get(self.class_name)
         if top is not None:
             yield from self._lost_modifiers(top.definition, top.short_name, top, ())
+        yield from self._renamed_functions()
         for class_ in self.tree.every:
+            yield from self._built_in_name(class_)
             yield from self._class_extends(class_)
             yield from self._imports(class_)
             yield from self._enumeration(class_)
@@ -143,6 +150,31 @@ class _Checker:
                 yield from self._component(class_, name, node)
             for inner in class_.classes.values():
                 yield from self._local_class(class_, inner)
+
+    def _built_in_name(self, class_: Class) -> Iterator[str]:
+        name = class_.short_name
+        if not _FUNCTIONS.fullmatch(name) or class_.kind != "function":
+            return
+        place = class_.definition["location"]
+        _, content = self.tree.sources.get(place["source"], ("", b""))
+        text = content[place["start"] : place["end"]].decode(errors="replace")
+        if not re.search(rf'\bexternal\s+"builtin"\s+\w+\s*=\s*{name}\s*\(', text):
+            yield self._locate(
+                class_.definition,
+                f"the function {class_.name} has the name of a built-in one, which the built-in compiler calls instead "
+                "(5.3.1); choose another name",
+            )
+
+    def _renamed_functions(self) -> Iterator[str]:
+        for file, content in self.tree.sources.values():
+            text = content.decode(errors="replace")
+            for match in re.finditer(r"\bimport\s+(\w+)\s*=\s*([\w.]+)", text):
+                if _FUNCTIONS.fullmatch(match[1]) and match[2] != f"Modelica.Math.{match[1]}":
+                    line = text.count("\n", 0, match.start()) + 1
+                    yield (
+                        f"{file}:{line}: the import {match[1]} has the name of a built-in function, which the built-in "
+                        "compiler calls instead (5.3.1); choose another name"
+                    )
 
     def _bases(self, class_: Class) -> Iterator[str]:
         inherited: dict[str, Element] = {}

@@ -155,9 +155,17 @@ def explicit(dae: Dae) -> System:
     conditions = EventConditions(dae=dae, evaluate=evaluate, relations=relations, ticks=ticks)
     evaluate.conditions = conditions.level
 
+    equations = _with_numbers(v, _equations(dae, evaluate, "continuous"))
+    for equation in equations:
+        if ca.depends_on(equation.residual, column(ticks)):
+            raise TranslationError(
+                f"{equation.where}: {dae.class_name}: initial() and sample() are supported in when clauses only; "
+                "write an initial equation"
+            )
+
     # Demoting a state with a fixed start costs twice as much, because its initial condition would be lost.
     index_one = reduce_index(
-        _with_numbers(v, _equations(dae, evaluate, "continuous")), time, vector(v.inputs),
+        equations, time, vector(v.inputs),
         [s.symbol for s in v.states], v.derivatives, [s.symbol for s in v.algebraics],
         [RELUCTANCE[s.attributes["state_select"]] * (2 if s.fixed else 1) for s in v.states], dae.class_name,
     )  # fmt: skip

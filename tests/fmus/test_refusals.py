@@ -17,6 +17,7 @@ PLAIN = STATE + "equation\n der(x) = -x;\n"
 
 # The construct to be named → (the line to be named, the model).
 REFUSED = {
+    r"initial\(\)": ("initial()", STATE + "Real y = if initial() then 0 else x;\nequation\n der(x) = -y;\nend M;"),
     "delay": ("delay(x", STATE + "equation\n der(x) = -delay(x, 0.1);\nend M;"),
     "terminate": ("x < 0.2", PLAIN + ' when x < 0.2 then\n  terminate("done");\n end when;\nend M;'),
     "string": ("String", PLAIN + 'protected\n parameter String s = "a";\nend M;'),

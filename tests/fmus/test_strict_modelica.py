@@ -101,6 +101,16 @@ CONNECTORS = """  connector Flange
 """
 
 LENIENT = {
+    "a function with the name of a built-in one": (
+        "  function sin\n    input Real u;\n    output Real y;\n  algorithm\n    y := 2*u;\n  end sin;\n"
+        + model("Real y = sin(0.5);"),
+        r"P\.sin has the name of a built-in one",
+    ),
+    "an import with the name of a built-in function": (
+        "  function double\n    input Real u;\n    output Real y;\n  algorithm\n    y := 2*u;\n  end double;\n"
+        + model("import exp = P.double; Real y = exp(0.5);"),
+        "the import exp has the name of a built-in function",
+    ),
     "a modifier outside the constraining clause": (
         model("Lost n(redeclare B a);"), r"'r' is modified on the declaration"
     ),
@@ -467,6 +477,23 @@ def parameters(system) -> dict[str, float]:
     dependent = ca.Function("f", [vector(v.free)], [column(v.dependent_values)])(starts) if v.dependent else ca.DM()
     names = [p.name for p in [*v.free, *v.dependent]]
     return dict(zip(names, [*starts, *dependent.full().ravel()], strict=True))
+
+
+@pytest.mark.parametrize(
+    ("types", "start"),
+    [
+        ('type Length = Real(start=2, unit="m"); type Distance = Length(min=0);', 2),
+        ('type Length = Real(start=2, unit="m"); type Distance = Length(start=3);', 3),
+        ('type Length = Real(start=2); type Middle = Length(start=3); type Distance = Middle(unit="m");', 3),
+    ],
+)
+def test_a_type_may_modify_attributes_of_another_type(tmp_path, types, start):
+    """Section 4.6: the attributes are those of the built-in type, the last modification counts."""
+    text = f"{types} model X Distance x(fixed=true); equation der(x) = 1; end X;"
+    system = explicit(read("P.X", file_of(tmp_path, text)))
+    assert float(column([s.start for s in system.variables.states])) == start
+    with pytest.raises(TranslationError, match=r"'unt' is not an attribute of (Distance|Middle)"):
+        read("P.X", file_of(tmp_path, text.replace("Length(", "Length(unt=1, ").replace("Real(unt=1, ", "Real(")))
 
 
 def test_every_finding_names_its_line(tmp_path):
