@@ -17,7 +17,7 @@ import rumoca
 from railgrip.base.errors import InputError, TranslationError
 from railgrip.base.files import read_text
 from railgrip.fmus.native.error_places import nested_arrays, places, require_readable, short
-from railgrip.fmus.native.language import require_strict, require_values
+from railgrip.fmus.native.language import Call, require_strict, require_values
 from railgrip.fmus.native.library import LIBRARY, sources_digest
 
 FRONT = Path(__file__).parent / "front"
@@ -68,6 +68,13 @@ class Dae:
     def functions(self) -> list[Node]:
         """Modelica functions in static single assignment form."""
         return self.content["functions"]
+
+    @property
+    def calls(self) -> list[Call]:
+        """All calls of functions, with the functions that the front end takes for them."""
+        calls = [node for node in self.expressions if node["operation"]["kind"] == "call"]
+        called = [self.functions[node["operation"]["function"]] for node in calls]
+        return [Call(f["name"], f["declaration"], n["provenance"]) for f, n in zip(called, calls, strict=True)]
 
     def shape(self, value_type: int) -> tuple[int, ...]:
         """Return the dimensions of a value type."""
@@ -163,11 +170,12 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
     sources = {
         number: (short(path if name == alias else Path(name), path), text.encode()) for number, name, text in files
     }
-    require_strict(model, class_name, sources)
+    protected = frozenset(name for name, variable in flat.items() if variable["is_protected"])
+    dae = Dae(class_name=class_name, content=content, protected=protected, sources=sources)
+    require_strict(model, class_name, sources, dae.calls)
     if complete:
         require_values(class_name, flat, sources)
-    protected = frozenset(name for name, variable in flat.items() if variable["is_protected"])
-    return Dae(class_name=class_name, content=content, protected=protected, sources=sources)
+    return dae
 
 
 _environment = threading.Lock()

@@ -31,13 +31,14 @@ _MAXIMUM_FINDINGS = 3
 """Maximum number of findings in a message."""
 
 
-def require_strict(model: Any, class_name: str, sources: Sources) -> None:
+def require_strict(model: Any, class_name: str, sources: Sources, calls: Iterable["Call"] = ()) -> None:
     """Raise an error for constructs that Modelica compilers interpret differently.
 
     Args:
         model: rumoca's model of the class.
         class_name: Full name of the class.
         sources: Source texts.
+        calls: Calls of functions in the flat class.
 
     Raises:
         TranslationError: The class has such constructs; the message lists them with file and line.
@@ -50,7 +51,9 @@ def require_strict(model: Any, class_name: str, sources: Sources) -> None:
     except json.JSONDecodeError as error:
         # rumoca does not escape quoted names, so a quotation mark in a name ends the string.
         raise TranslationError(f"{class_name}: a quoted name with a quotation mark in it is not translated.") from error
-    _refuse(f"{class_name} does not conform to the Modelica language", _Checker(tree, sources).findings())
+    checker = _Checker(tree, sources)
+    _refuse(f"{class_name} does not conform to the Modelica language", checker.findings())
+    _refuse(f"{class_name} would call the wrong function", checker.confused(calls))
 
 
 def require_values(class_name: str, variables: Mapping[str, Node], sources: Sources) -> None:
@@ -84,6 +87,21 @@ def _refuse(what: str, findings: Iterable[str]) -> None:
     if every:
         more = [f"and {len(every) - _MAXIMUM_FINDINGS} more"] if len(every) > _MAXIMUM_FINDINGS else []
         raise TranslationError("\n  ".join([f"{what}:", *every[:_MAXIMUM_FINDINGS], *more]))
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A call of a function.
+
+    Attributes:
+        name: Name of the function in the flat class.
+        declaration: Node with the place of its declaration.
+        node: Node with the place of the call.
+    """
+
+    name: str
+    declaration: Node
+    node: Node
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,6 +219,39 @@ class _Checker:
                 yield from self._component(class_, name, node)
             for inner in class_.classes.values():
                 yield from self._local_class(class_, inner)
+
+    def confused(self, calls: Iterable[Call]) -> Iterator[str]:
+        """Yield the calls for which the front end took another function of the same name.
+
+        rumoca 0.10 keeps the name of a function as it is written, unless it is imported or redeclared, so that two
+        functions `f` of different packages become one.
+        """
+        declared = {_start(class_.definition["location"]): class_ for class_ in self.every}
+        for call in calls:
+            written = re.match(r"[\w.]*", self._text_at(call.node["span"]))
+            if written is None or written[0] != call.name:
+                continue
+            right = self.resolve(call.name, self._around(call.node["span"]))
+            taken = declared.get(_start(call.declaration["span"]))
+            if right is not None and taken is not None and taken.name not in self._family(right):
+                yield self._locate(
+                    call.node, f"{call.name} is {right.name}, but the built-in compiler takes {taken.name}, which has "
+                    "the same name; rename one of them (5.3)"
+                )  # fmt: skip
+
+    def _around(self, span: Node) -> _Class:
+        around = [
+            class_
+            for class_ in self.every
+            if (place := class_.definition["location"])["source"] == span["source"]
+            and place["start"] <= span["start"] < place["end"]
+        ]
+        return max(around, key=lambda class_: class_.definition["location"]["start"])
+
+    def _family(self, class_: _Class) -> set[str]:
+        # The names of a class and its bases; a short class is declared where its base is.
+        bases = (self.by_id.get(clause["base_def_id"]) for clause in class_.definition["extends"])
+        return {class_.name}.union(*(self._family(base) for base in bases if base is not None))
 
     def _bases(self, class_: _Class) -> Iterator[str]:
         inherited: dict[str, _Element] = {}
@@ -548,6 +599,10 @@ class _Checker:
         _, text = self.sources.get(place["source"], ("", b""))
         return text[place["start"] :].partition(b";")[0].decode(errors="replace")
 
+    def _text_at(self, span: Node) -> str:
+        _, text = self.sources.get(span["source"], ("", b""))
+        return text[span["start"] : span["end"]].decode(errors="replace")
+
     def _locate(self, node: Node, sentence: str) -> str:
         return _locate(node, sentence, self.sources)
 
@@ -557,6 +612,10 @@ def _locate(node: Node, sentence: str, sources: Sources) -> str:
     name, text = sources.get(place["source"], ("?", b""))
     line = text.count(b"\n", 0, place["start"]) + 1
     return f"{name}:{line}: {sentence}."
+
+
+def _start(place: Node) -> tuple[int, int]:
+    return place["source"], place["start"]
 
 
 def _class(name: str, node: Node) -> _Class:

@@ -6,6 +6,7 @@ import casadi as ca
 import pytest
 
 from railgrip.base.errors import InputError, TranslationError
+from railgrip.fmus.native import lower
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.library import LIBRARY
 from railgrip.fmus.native.system import column, explicit
@@ -256,6 +257,42 @@ def test_every_finding_names_its_line(tmp_path):
         "hidden=2);",
         "replaceable A a(r=k) constrainedby Law;",
     ]
+
+
+TWO_FUNCTIONS = """package P
+  package A
+    function f input Real x; output Real y; algorithm y := abs(x); end f;
+    function g input Real x; output Real y; algorithm y := f(x); end g;
+    model M output Real y = CALL(time - 3); end M;
+  end A;
+  package B
+    function f input Real x; output Real y; algorithm y := 5*x; end f;
+    function h = f;
+    model M import P.A.g; output Real y = IMPORTED(time - 3); end M;
+  end B;
+  model X A.M a; B.M b; output Real y = a.y + b.y; end X;
+end P;
+"""
+
+
+def test_two_functions_of_one_name_are_not_confused(tmp_path):
+    """5.3: a name means the function that is found from the class outwards; rumoca 0.10 takes one for both."""
+    file = tmp_path / "P.mo"
+    file.write_text(TWO_FUNCTIONS.replace("CALL", "f").replace("IMPORTED", "f"))
+    with pytest.raises(TranslationError, match=r"P\.mo:\d+: f is P\..\.f, but the built-in compiler takes P\..\.f"):
+        read("P.X", file)
+
+
+@pytest.mark.parametrize(
+    ("call", "imported", "value"),
+    [("A.f", "B.f", -8), ("g", "g", 4), ("f", "P.B.f", -8), ("g", "f", -8), ("f", "h", -8)],
+)
+def test_two_functions_of_one_name_are_called_by_different_names(tmp_path, call, imported, value):
+    """At 1 s: |1 - 3| and 5*(1 - 3), or twice the first."""
+    file = tmp_path / "P.mo"
+    file.write_text(TWO_FUNCTIONS.replace("CALL", call).replace("IMPORTED", imported))
+    model = lower("P.X", file)
+    assert model.output(1.0, [], [], []).full().item() == value
 
 
 def test_no_replaceable_component_has_modifiers_outside_its_constraining_clause():
