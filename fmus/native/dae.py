@@ -112,6 +112,20 @@ class Dae:
         """Return the error for an unsupported construct, for the caller to raise."""
         return TranslationError(f"{self.where(provenance)}: {self.class_name}: {construct}")
 
+    def lost_subscripts(self) -> Iterator[Node]:
+        """Yield slices such as `a.z[2]` of an array of components, which rumoca 0.10 reads as `a[2].z`."""
+        names = {v["id"]: v["name"] for v in self.variables}
+        for node in self.expressions:
+            operation = node["operation"]
+            name = names.get(operation["coordinate"].get("id"), "") if operation["kind"] == "coordinate" else ""
+            span = node["provenance"].get("span")
+            if "]." not in name or not span or span["source"] not in self.sources:
+                continue
+            _, text = self.sources[span["source"]]
+            written = text[span["start"] : span["end"]]
+            if text[span["end"] :].lstrip().startswith(b"[") and written.count(b"[") < name.count("["):
+                yield node
+
     @cached_property
     def by_span(self) -> dict[tuple[int, int, int], list[Node]]:
         """Expression nodes by source id, begin and end of their text, by which alone time events refer to them."""
@@ -160,6 +174,10 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
             raise TranslationError("\n".join(nested)) from error
         hints = "".join(f"\n  {place}" for place in places(message, path, class_name))
         raise InputError(f"{class_name} does not compile ({path}): {message}{hints}") from error
+    except BaseException as error:
+        if type(error).__name__ != "PanicException":  # of rumoca, no Exception, and nowhere to import from
+            raise
+        raise TranslationError(_describe_panic(str(error), path, class_name)) from error
     content = _parse_template(template)
     schema = (content["schema"]["name"], content["schema"]["version"])
     if schema != SCHEMA:
@@ -176,6 +194,15 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
     if complete:
         require_values(class_name, flat, sources)
     return dae
+
+
+def _describe_panic(message: str, path: Path, class_name: str) -> str:
+    where = short(path, path)
+    position = re.search(r"start: BytePos\((\d+)\)", message)
+    if position and path.name != "package.mo":  # a library has many files, of which the message has a number only
+        where += f":{len(path.read_bytes()[: int(position[1])].splitlines())}"
+    detail = re.search(r'detail: "([^"]*)"', message)
+    return f"{where}: {class_name}: rumoca, the front end, fails on this class: {detail[1] if detail else message}"
 
 
 _environment = threading.Lock()

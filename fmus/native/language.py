@@ -112,6 +112,7 @@ class _Modifier:
         value: Expression of its value, or None.
         type: Name of the new type of a redeclaration, else ''.
         node: Node with its place in the source.
+        dotted: Its name as it is written if that has dots, else ''.
     """
 
     name: str
@@ -120,6 +121,7 @@ class _Modifier:
     each: bool
     type: str
     node: Node
+    dotted: str = ""
 
     def leaves(self, before: str = "") -> Iterator[str]:
         """Yield the paths of all elements that it assigns a value or redeclares."""
@@ -262,6 +264,7 @@ class _Checker:
             if base.definition["is_replaceable"] and not class_.definition["is_redeclare"]:
                 yield self._locate(clause, f"{base.name} is replaceable and cannot be a base class (7.1.4)")
             yield from self._modifiers(class_, _extends_modifiers(clause), base, rank=0, outside=False, depth=0)
+            yield from self._shared_constants(class_, clause, base)
             inherited |= self.elements(base)
         for name in class_.components.keys() & inherited.keys():
             mine, theirs = self.elements(class_)[name], inherited[name]
@@ -269,6 +272,24 @@ class _Checker:
                 yield self._locate(
                     mine.node, f"{name} is inherited from {theirs.owner.name} and declared again, differently (7.1)"
                 )
+
+    def _shared_constants(self, heir: _Class, clause: Node, base: _Class) -> Iterator[str]:
+        # If a class uses both packages, rumoca gives the base the constants of its heir.
+        modified = {modifier.name for modifier in _extends_modifiers(clause)}
+        is_package = "package" in str(base.definition["class_type"]).lower()
+        if not is_package or not modified & base.components.keys():
+            return
+        affected = [*base.components, *base.classes]
+        short, heirs = base.name.rpartition(".")[2], heir.name.rpartition(".")[2]
+        uses = re.compile(rf"\b{short}\s*\.\s*(?:{'|'.join(affected)})\b")
+        texts = [text.decode(errors="replace") for _, text in self.sources.values()]
+        both = (uses, re.compile(rf"\b{heirs}\s*\."))
+        if all(any(pattern.search(text) for text in texts) for pattern in both):
+            yield self._locate(
+                clause,
+                f"{heir.name} modifies constants of {base.name}, which is used itself: the built-in compiler would "
+                f"modify them in {base.name} too (7.1); declare the constants without a value there",
+            )
 
     def _component(self, class_: _Class, name: str, node: Node) -> Iterator[str]:
         element = self.elements(class_)[name]
@@ -351,6 +372,12 @@ class _Checker:
         elements = self.elements(target)
         for modifier in modifiers:
             name, element = modifier.name, elements.get(modifier.name)
+            if modifier.dotted:
+                brackets = f"{modifier.dotted.replace('.', '(')}=...{')' * modifier.dotted.count('.')}"
+                yield self._locate(
+                    modifier.node,
+                    f"the modifier {modifier.dotted} is lost in the built-in compiler; write {brackets} (7.2)",
+                )
             if element is None:
                 yield self._locate(modifier.node, f"'{name}' is modified, which {target.name} does not have (7.2)")
                 continue
@@ -665,7 +692,7 @@ def _modifier(argument: Node, each: bool, redeclare: bool) -> _Modifier | None:
     written = {"span": target["span"], "whole": argument}
     found = _Modifier(last, value, inner, each, new_type, written)
     for name in reversed(outer):
-        found = _Modifier(name, None, (found,), False, "", written)
+        found = _Modifier(name, None, (found,), False, "", written, _path(target))
     return found
 
 

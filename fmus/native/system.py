@@ -230,6 +230,12 @@ def _at_events(
 
 
 def _refuse_unsupported(dae: Dae) -> None:
+    for node in dae.lost_subscripts():
+        raise dae.refuse(
+            f"a subscript behind {dae.text(node['provenance'])} is not supported, because it goes through an array of "
+            "components; write an array comprehension, as in {a[i].z[2] for i in 1:3}",
+            node["provenance"],
+        )
     temporal = dae.systems["temporal"]
     for delay in temporal["delays"]:
         raise dae.refuse(f"delay is not supported: {dae.text(delay['provenance'])}", delay["provenance"])

@@ -147,6 +147,17 @@ LENIENT = {
         "  model X\n    extends N;\n    redeclare Other plain;\n  end X;\n",
         r"plain is of P\.Other, which lacks r of P\.Law"
     ),
+    "a modifier with a dotted name": (
+        using("N n;", "(n.k=1)"), r"the modifier n\.k is lost in the built-in compiler; write n\(k=\.\.\.\)"
+    ),
+    "an attribute with a dotted name": (model("A a(q.start=1);"), r"write q\(start=\.\.\.\)"),
+    "a dotted name inside modifiers": (
+        using("N n;", "(n(q.start=1))"), r"write q\(start=\.\.\.\)"
+    ),
+    "constants of a package and its heir": (
+        "  package K constant Real k = 4; end K;\n  package H extends K(k=5); end H;\n"
+        + model("Real z = H.k + K.k;"), r"P\.H modifies constants of P\.K, which is used itself"
+    ),
     "a second redeclaration": (
         using("extends N(redeclare A plain);", "(redeclare B plain)"),
         r"'plain' is redeclared, but is not replaceable",
@@ -205,6 +216,11 @@ RIGHT = {
     "modifiers without a clause": (model("N n(redeclare E a);"), {"n.a.r": 7}),
     "a redeclared class": (model("N n(redeclare model M = B);"), {"n.m.q": 5}),
     "a parameter of the class itself without a value": (model("parameter Real p(start=2);\n    Real z = p;"), {"p": 2}),
+    "constants of two heirs": (
+        "  package K constant Real k; end K;\n  package H extends K(k=5); end H;\n  package I = K(k=6);\n"
+        + model("parameter Real z = H.k + 10*I.k;\n    Real w = z;"),
+        {"z": 65},
+    ),
     "two redeclarations": (using("extends N(redeclare replaceable A plain);", "(redeclare B plain)"), {"y.plain.q": 5}),
 }
 
