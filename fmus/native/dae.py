@@ -112,18 +112,27 @@ class Dae:
         """Return the error for an unsupported construct, for the caller to raise."""
         return TranslationError(f"{self.where(provenance)}: {self.class_name}: {construct}")
 
-    def lost_subscripts(self) -> Iterator[Node]:
-        """Yield slices such as `a.z[2]` of an array of components, which rumoca 0.10 reads as `a[2].z`."""
+    def misread_slices(self) -> Iterator[Node]:
+        """Yield slices of arrays of components that rumoca 0.10 misreads.
+
+        `a.z[2]` becomes `a[2].z`, and `a.p` through two dimensions the value of p in the class of a.
+        """
         names = {v["id"]: v["name"] for v in self.variables}
+        in_arrays = {re.sub(r"\[[^\]]*\]", "", name) for name in names.values() if "]." in name}
         for node in self.expressions:
-            operation = node["operation"]
-            name = names.get(operation["coordinate"].get("id"), "") if operation["kind"] == "coordinate" else ""
-            span = node["provenance"].get("span")
-            if "]." not in name or not span or span["source"] not in self.sources:
+            operation, span = node["operation"], node["provenance"].get("span")
+            if operation["kind"] not in ("coordinate", "literal") or not span or span["source"] not in self.sources:
                 continue
             _, text = self.sources[span["source"]]
-            written = text[span["start"] : span["end"]]
-            if text[span["end"] :].lstrip().startswith(b"[") and written.count(b"[") < name.count("["):
+            written = text[span["start"] : span["end"]].decode(errors="replace")
+            if operation["kind"] == "literal":
+                is_path = re.fullmatch(r"[A-Za-z_]\w*(\.\w+)+", written) is not None
+                if is_path and any(name == written or name.endswith(f".{written}") for name in in_arrays):
+                    yield node
+                continue
+            name = names.get(operation["coordinate"].get("id"), "")
+            is_indexed = text[span["end"] :].lstrip().startswith(b"[")
+            if "]." in name and is_indexed and written.count("[") < name.count("["):
                 yield node
 
     @cached_property

@@ -221,6 +221,28 @@ class _Checker:
                 yield from self._component(class_, name, node)
             for inner in class_.classes.values():
                 yield from self._local_class(class_, inner)
+        yield from self._confused_constants()
+
+    def _confused_constants(self) -> Iterator[str]:
+        # rumoca 0.10 computes constants by the last two parts of their names.
+        found: dict[tuple[str, str], list[Node]] = {}
+        for class_ in self.every:
+            if "package" in str(class_.definition["class_type"]).lower() and "." in class_.name:
+                for name, node in class_.components.items():
+                    found.setdefault((class_.name.rpartition(".")[2], name), []).append(node)
+        for (package, name), nodes in found.items():
+            computed = any(kind in str(node["binding"]) for node in nodes for kind in ("Reference", "FunctionCall"))
+            uses = re.compile(rf"\b{package}\s*\.\s*{name}\b")
+            if (
+                len(nodes) > 1
+                and computed
+                and any(uses.search(t.decode(errors="replace")) for _, t in self.sources.values())
+            ):
+                yield self._locate(
+                    nodes[-1],
+                    f"{package}.{name} is a computed constant of {len(nodes)} packages of that name, which the "
+                    "built-in compiler confuses; rename one of them (5.3)",
+                )
 
     def confused(self, calls: Iterable[Call]) -> Iterator[str]:
         """Yield the calls for which the front end took another function of the same name.

@@ -230,10 +230,10 @@ def _at_events(
 
 
 def _refuse_unsupported(dae: Dae) -> None:
-    for node in dae.lost_subscripts():
+    for node in dae.misread_slices():
         raise dae.refuse(
-            f"a subscript behind {dae.text(node['provenance'])} is not supported, because it goes through an array of "
-            "components; write an array comprehension, as in {a[i].z[2] for i in 1:3}",
+            f"the slice {dae.text(node['provenance'])} through arrays of components is not supported; write an array "
+            "comprehension, as in {a[i].z[2] for i in 1:3}",
             node["provenance"],
         )
     temporal = dae.systems["temporal"]

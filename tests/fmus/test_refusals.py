@@ -48,10 +48,15 @@ REFUSED = {
         "wheels.contact[1].slip",
         f"{WHEELS}  y = wheels.contact[1].slip;\n end M; end P;",
     ),
-    "a subscript behind a.z": (
+    "the slice a.z": (
         "a.z[2]",
         "package P model A Real z[2] = {1, 2}*time; end A; model M A a[2]; Real y[2];\n"
         "Real x(start=1,fixed=true); equation der(x) = -x;\ny = a.z[2];\nend M; end P;",
+    ),
+    "the slice a.p": (
+        "sum(a.p)",
+        "package P model A parameter Real p = 1; end A; model M A a[2, 3](each p=6);\n"
+        "Real x(start=1,fixed=true); equation\nder(x) = sum(a.p);\nend M; end P;",
     ),
     "the front end, fails on this class": (
         "der(k)",

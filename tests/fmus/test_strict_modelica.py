@@ -158,6 +158,11 @@ LENIENT = {
         "  package K constant Real k = 4; end K;\n  package H extends K(k=5); end H;\n"
         + model("Real z = H.k + K.k;"), r"P\.H modifies constants of P\.K, which is used itself"
     ),
+    "computed constants of two packages of one name": (
+        "  package C\n    package K\n      constant Real p = 1;\n      constant Real q = -p;\n    end K;\n  end C;\n"
+        "  package D\n    package K\n      constant Real p = 2;\n      constant Real q = +p;\n    end K;\n  end D;\n"
+        + model("Real z = C.K.q + D.K.q;"), r"K\.q is a computed constant of 2 packages of the name K"
+    ),
     "a second redeclaration": (
         using("extends N(redeclare A plain);", "(redeclare B plain)"),
         r"'plain' is redeclared, but is not replaceable",
