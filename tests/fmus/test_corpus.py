@@ -2,11 +2,13 @@
 
 The corpus (tests/fmus/corpus) has the rules of the language by chapter and the combinations of features and contexts.
 Here are all rules and a sample of the combinations, in which each feature and each context occurs; with RAILGRIP_FUZZ
-it is all of them, and the classes that are known to be refused. `-m omc` compiles the rules with OpenModelica too.
+it is all of them, and the classes that are known to be refused. Where OpenModelica is installed, it compiles the rules
+too, which checks the expected values themselves.
 """
 
 import multiprocessing
 import os
+import shutil
 from collections.abc import Iterator, Sequence
 from fnmatch import fnmatchcase
 
@@ -18,11 +20,16 @@ from corpus.contexts import CONTEXTS
 from corpus.exceptions import DEFECTS, REFUSED, is_defect, is_refused
 from corpus.features import FEATURES
 from corpus.rules import RULES
-from corpus.verdict import Simulate, judge, simulate
+from corpus.verdict import Simulate, Values, judge, run, simulate
+
+from railgrip.base.errors import BuildFailed
+from railgrip.fmus.openmodelica import export
+from railgrip.fmus.recipe import Recipe
 
 ALL = "RAILGRIP_FUZZ" in os.environ
 EVERY = combinations()
 COMBINATIONS = EVERY if ALL else sample()
+CHAPTERS = ["2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13"]
 LONGEST = 120
 """Time in which a batch must be compiled and simulated [s]; it takes a few seconds."""
 
@@ -54,6 +61,24 @@ def apart() -> Iterator[Simulate]:
 @pytest.mark.parametrize("cases", batches([*RULES, *COMBINATIONS]), ids=first_name)
 def test_the_values_are_right(apart, cases):
     assert judge(cases, apart) == {}
+
+
+@pytest.mark.omc
+@pytest.mark.skipif(shutil.which("omc") is None, reason="OpenModelica's omc is not on the PATH")
+@pytest.mark.parametrize("cases", [[c for c in RULES if c.name.startswith(k)] for k in CHAPTERS], ids=CHAPTERS)
+def test_openmodelica_gives_no_other_values(tmp_path, cases):
+    """It may refuse a class."""
+
+    def simulate(text: str, names: Sequence[str]) -> dict[str, Values] | str:
+        file = tmp_path / "Corpus.mo"
+        file.write_text(text)
+        try:
+            fmu = export(Recipe.of_class("Corpus.All", "me"), file, tmp_path / "All.fmu")
+        except BuildFailed as refusal:
+            return f"refused: {refusal}"
+        return {"ModelExchange": run(fmu, names, "ModelExchange")}
+
+    assert {name: verdict for name, verdict in judge(cases, simulate).items() if verdict.startswith("wrong")} == {}
 
 
 @pytest.mark.parametrize("case", [c for c in [*RULES, *COMBINATIONS] if is_refused(c.name)], ids=lambda case: case.name)
