@@ -20,7 +20,7 @@ class Case:
         name: What the case is about, unique.
         text: Body of a package, with the class `M`; it may use `Shared`.
         expected: Variable of M → value over time, computed without the compiler.
-        tolerance: Largest error, relative to the largest expected value (at least one).
+        tolerance: Largest error, relative to the largest expected value (or to one, if that is larger).
     """
 
     name: str

@@ -39,7 +39,7 @@ def _stick_slip() -> Function:
     c, v, stick, slide = 10.0, 1.0, 4.0, 2.0
     begin = stick / (c * v)
     w = math.sqrt(c)
-    # x'' = slide - c x with x = stick/c and x' = v at the begin; it sticks again when its speed is that of the belt.
+    # x'' = slide - c x with x = stick/c and x' = v at first; it sticks again when its speed is that of the belt.
     a, b = (stick - slide) / c, v / w
     again = 2 * (math.pi - math.atan2(a, b)) / w  # the time at which the speed is v once more
     end = brentq(lambda s: -a * w * math.sin(w * s) + b * w * math.cos(w * s) - v, 0.5 * again, 1.2 * again)
@@ -150,7 +150,7 @@ RULES = [
         y=step(0.4, 0, 7),
     ),
     rule(
-        "8.3.5 a condition that is true at the start is no edge",
+        "8.3.5 a condition that is true at the start makes no edge",
         "model M Integer y(start=0, fixed=true); equation when time >= 0 then y = 7; end when; end M;",
         y=constant(0),
     ),
@@ -279,12 +279,12 @@ RULES = [
         x=lambda t: 2 + t + math.exp(-t),
     ),
     rule(
-        "8.6 an initial equation for a variable that is no state",
+        "8.6 an initial equation for an algebraic variable",
         "model M Real x; Real y = 2*x; initial equation y = 6; equation der(x) = -x; end M;",
         y=lambda t: 6 * math.exp(-t),
     ),
     rule(
-        "8.6 fixed of a variable that is no state",
+        "8.6 fixed of an algebraic variable",
         "model M Real x(start=1); Real y(start=6, fixed=true) = 2*x; equation der(x) = -x; end M;",
         y=lambda t: 6 * math.exp(-t),
     ),

@@ -52,7 +52,7 @@ def _sampled(formula: Formula, signal: Function, value: float) -> Function:
 
 
 def _integrated(formula: Formula, signal: Function, value: float) -> Function:
-    # The midpoint rule: a jump costs at most its height times the step.
+    # The midpoint rule: the error of a jump is below its height times the step.
     step = 2e-5
 
     @cache

@@ -15,7 +15,7 @@ from railgrip.fmus.native.package import pack, sources
 from railgrip.fmus.native.system import explicit
 
 STOP, STEP = 1.0, 0.0137
-"""End and output interval of each simulation [s]; the interval is no divisor of the times of events."""
+"""End and output interval of each simulation [s]; the times of events are not multiples of the interval."""
 
 NEAR = 1e-6
 """Where a value jumps, that of either side is right within this time [s], the error of a state over its slope."""
@@ -26,7 +26,7 @@ PLACE = re.compile(r"Corpus\.mo:\d+")
 
 
 def simulate(text: str, names: Sequence[str]) -> dict[str, Values] | str:
-    """Return the trajectories of `Corpus.All` by interface, or why there are none.
+    """Return the trajectories of `Corpus.All` by interface, or why the simulation failed.
 
     Errors are texts, because those of FMPy and rumoca cannot be sent from one process to another.
     """
@@ -37,7 +37,7 @@ def simulate(text: str, names: Sequence[str]) -> dict[str, Values] | str:
             source = sources(explicit(read("Corpus.All", file)), interfaces=("me", "cs"))
         except InputError as refusal:
             return f"refused: {refusal}"
-        except BaseException as error:  # a panic of rumoca is no Exception
+        except BaseException as error:  # rumoca's PanicException does not derive from Exception
             return f"internal error: {type(error).__name__}: {error}"
         try:
             fmu = pack(source, file.with_suffix(".fmu"), flags=("-O0",))
