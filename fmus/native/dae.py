@@ -28,6 +28,7 @@ from railgrip.fmus.native.error_places import (
 )
 from railgrip.fmus.native.language import findings, refuse, require_strict, require_values
 from railgrip.fmus.native.library import LIBRARY, library_of, sources_digest
+from railgrip.fmus.native.namesakes import Call
 from railgrip.fmus.native.outer import connect_outer, outer_variables
 from railgrip.fmus.native.used_libraries import VARIABLE, name_of, used_libraries
 
@@ -80,6 +81,13 @@ class Dae:
         """Modelica functions in static single assignment form."""
         return self.content["functions"]
 
+    @property
+    def calls(self) -> list[Call]:
+        """All calls of functions, with the functions that the front end takes for them."""
+        calls = [node for node in self.expressions if node["operation"]["kind"] == "call"]
+        called = [self.functions[node["operation"]["function"]] for node in calls]
+        return [Call(f["name"], f["declaration"], n["provenance"]) for f, n in zip(called, calls, strict=True)]
+
     def shape(self, value_type: int) -> tuple[int, ...]:
         """Return the dimensions of a value type."""
         return tuple(self.content["value_types"][value_type]["value_type"]["dimensions"])
@@ -130,6 +138,29 @@ class Dae:
     def refuse(self, construct: str, provenance: Node | None) -> TranslationError:
         """Return the error for an unsupported construct, for the caller to raise."""
         return TranslationError(f"{self.where(provenance)}: {self.class_name}: {construct}")
+
+    def misread_slices(self) -> Iterator[Node]:
+        """Yield slices of arrays of components that rumoca 0.10 misreads.
+
+        `a.z[2]` becomes `a[2].z`, and `a.p` through two dimensions the value of p in the class of a.
+        """
+        names = {v["id"]: v["name"] for v in self.variables}
+        in_arrays = {re.sub(r"\[[^\]]*\]", "", name) for name in names.values() if "]." in name}
+        for node in self.expressions:
+            operation, span = node["operation"], node["provenance"].get("span")
+            if operation["kind"] not in ("coordinate", "literal") or not span or span["source"] not in self.sources:
+                continue
+            _, text = self.sources[span["source"]]
+            written = text[span["start"] : span["end"]].decode(errors="replace")
+            if operation["kind"] == "literal":
+                is_path = re.fullmatch(r"[A-Za-z_]\w*(\.\w+)+", written) is not None
+                if is_path and any(name == written or name.endswith(f".{written}") for name in in_arrays):
+                    yield node
+                continue
+            name = names.get(operation["coordinate"].get("id"), "")
+            is_indexed = text[span["end"] :].lstrip().startswith(b"[")
+            if "]." in name and is_indexed and written.count("[") < name.count("["):
+                yield node
 
     @cached_property
     def by_span(self) -> dict[tuple[int, int, int], list[Node]]:
@@ -205,6 +236,10 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool) 
         hints = "".join(f"\n  {place}" for place in places(message, path, class_name))
         where = path if further is None else short(path, path, further)
         raise InputError(f"{class_name} does not compile ({where}): {message}{hints}") from error
+    except BaseException as error:
+        if type(error).__name__ != "PanicException":  # of rumoca, no Exception, and nowhere to import from
+            raise
+        raise TranslationError(_describe_panic(str(error), path, class_name)) from error
     content = _parse_template(template)
     schema = (content["schema"]["name"], content["schema"]["version"])
     if schema != SCHEMA:
@@ -213,7 +248,9 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool) 
             "install the version pinned in pyproject.toml."
         )
     tree = read_tree(model, class_name, sources)
-    require_strict(tree, class_name, flat)
+    protected = frozenset(name for name, variable in flat.items() if variable["is_protected"])
+    dae = Dae(class_name=class_name, content=content, protected=protected, sources=sources)
+    require_strict(tree, class_name, flat, dae.calls)
     outer = outer_variables(tree, flat)
     require_values(class_name, flat, sources, outer.keys(), complete=complete)
     impossible = connect_outer(content, outer)
@@ -222,8 +259,16 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool) 
             f"{class_name}: the outer variable {impossible[0]} is not of the type, size or variability of the inner "
             f"{outer[impossible[0]]} (5.4)."
         )
-    protected = frozenset(name for name, variable in flat.items() if variable["is_protected"])
-    return Dae(class_name=class_name, content=content, protected=protected, sources=sources)
+    return dae
+
+
+def _describe_panic(message: str, path: Path, class_name: str) -> str:
+    where = short(path, path)
+    position = re.search(r"start: BytePos\((\d+)\)", message)
+    if position and path.name != "package.mo":  # a library has many files, of which the message has a number only
+        where += f":{len(path.read_bytes()[: int(position[1])].splitlines())}"
+    detail = re.search(r'detail: "([^"]*)"', message)
+    return f"{where}: {class_name}: rumoca, the front end, fails on this class: {detail[1] if detail else message}"
 
 
 def _sources(model: rumoca.Model, stage: str, path: Path, alias: str, further: Path | None) -> Sources:

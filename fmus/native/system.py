@@ -375,6 +375,12 @@ def _require_state_select(dae: Dae, states: list[Scalar], algebraics: list[Scala
 
 
 def _refuse_unsupported(dae: Dae) -> None:
+    for node in dae.misread_slices():
+        raise dae.refuse(
+            f"the slice {dae.text(node['provenance'])} through arrays of components is not supported; write an array "
+            "comprehension, as in {a[i].z[2] for i in 1:3}",
+            node["provenance"],
+        )
     temporal = dae.systems["temporal"]
     for delay in temporal["delays"]:
         raise dae.refuse(f"delay is not supported: {dae.text(delay['provenance'])}", delay["provenance"])

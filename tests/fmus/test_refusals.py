@@ -49,6 +49,20 @@ REFUSED = {
         "wheels.contact[1].slip",
         f"{WHEELS}  y = wheels.contact[1].slip;\n end M; end P;",
     ),
+    "the slice a.z": (
+        "a.z[2]",
+        "package P model A Real z[2] = {1, 2}*time; end A; model M A a[2]; Real y[2];\n"
+        "Real x(start=1,fixed=true); equation der(x) = -x;\ny = a.z[2];\nend M; end P;",
+    ),
+    "the slice a.p": (
+        "sum(a.p)",
+        "package P model A parameter Real p = 1; end A; model M A a[2, 3](each p=6);\n"
+        "Real x(start=1,fixed=true); equation\nder(x) = sum(a.p);\nend M; end P;",
+    ),
+    "the front end, fails on this class": (
+        "der(k)",
+        f"{STATE} parameter Real k = 1;\nequation\n der(x) = der(k);\nend M;",
+    ),
     "must be differentiated": (
         "x = u",
         STATE + " input Real u;\n Real v;\nequation\n x = u;\n der(x) = v;\nend M;",
@@ -77,6 +91,15 @@ def test_the_recommended_form_of_two_component_arrays_is_translated(tmp_path):
         model = lower("P.M", file)
         outputs.append(model.output(3.0, [1.0], [], []).full().ravel().tolist())
     assert outputs == [[6.0, 6.0], [6.0, 6.0]]
+
+
+def test_the_recommended_form_of_a_slice_of_components_is_translated(tmp_path):
+    file = tmp_path / "Model.mo"
+    file.write_text(
+        "package P model A Real z[2] = {1, 2}*time; end A; model M A a[2];\n"
+        "output Real y[2] = {a[i].z[2] for i in 1:2}; output Real w[2, 2] = a.z; end M; end P;"
+    )
+    assert lower("P.M", file).output(3.0, [], [], []).full().ravel().tolist() == [6.0, 6.0, 3.0, 6.0, 3.0, 6.0]
 
 
 def test_a_missing_file_or_class_is_reported(tmp_path):
