@@ -293,7 +293,7 @@ def expressions(shape, depth):
             for name, function in (("sum", np.sum), ("max", np.max), ("min", np.min))
             for other in ((3,), (2, 3))
         ]
-        options += [joined("({} * {})", times, (3,), (3,)), joined("{{{0}, {1}}}[2]", lambda a, b: b, (), ())]
+        options += [joined("({} * {})", times, (3,), (3,)), joined("({{{0}, {1}}} * {{0, 1}})", lambda a, b: b, (), ())]
     elif len(shape) == 1:
         n = shape[0]
         options += [joined("({} * {})", times, (n, k), (k,)) for k in (2, 3) if (n, k) in below]
