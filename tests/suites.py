@@ -60,7 +60,6 @@ ACCURACY = 1e-3
 """Permitted deviation, relative to the largest magnitude of a signal."""
 INTERNAL = re.compile(r"panicked|[Ii]nternal error|Traceback|\b\w+Error\b|unreachable|fails on this class|KeyError")
 """Text that no user can act on."""
-NO_STATE = re.compile(r"has no variables that change|not defined for DM")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -250,16 +249,6 @@ def compliance(root: Path, scratch: Path, only: str = "") -> Iterator[SuiteCase]
         )
 
 
-def with_state(case: SuiteCase) -> SuiteCase:
-    """Return the case of a class that extends another one and has a state, because FMUs without states are refused."""
-    library = case.libraries[0]
-    library.joinpath("WithState.mo").write_text(
-        f"within {library.name};\nmodel WithState\n  extends {case.class_name};\n"
-        "  Real stateOfSuite(start=0, fixed=true);\nequation\n  der(stateOfSuite) = 1;\nend WithState;\n"
-    )
-    return replace(case, class_name=f"{library.name}.WithState")
-
-
 def excerpt(root: Path, file: Path, folder: Path) -> Path:
     """Copy a file of a library, the packages around it, and the files next to it that it names."""
     files, left = set[Path](), [file, root / "Icons.mo", root / "Util.mo"]
@@ -299,7 +288,7 @@ def unchecked(case: SuiteCase, seconds: float) -> int:
     text = file.read_text()
     for changed in inverted(text):
         file.write_text(changed)
-        count += judge_apart(with_state(case), seconds).verdict == "right"
+        count += judge_apart(case, seconds).verdict == "right"
     file.write_text(text)
     return count
 
@@ -445,8 +434,6 @@ def main() -> None:
                 continue
             began = time.perf_counter()
             outcome = judge_apart(case, given.seconds)
-            if given.kind == "compliance" and NO_STATE.search(outcome.detail):
-                outcome = judge_apart(with_state(case), given.seconds)
             if given.control and case.legal and outcome.verdict == "right" and given.kind == "compliance":
                 idle = unchecked(case, given.seconds)
                 outcome = replace(outcome, detail=f"{idle} assertions check nothing" if idle else "")

@@ -135,6 +135,10 @@ class Dae:
             end = text.find(b"]", end) + 1
         return " ".join(text[begin:end].decode(errors="replace").split())
 
+    def is_read(self, variable: int) -> bool:
+        """Return whether an expression refers to a variable."""
+        return any(node["operation"].get("coordinate", {}).get("id") == variable for node in self.expressions)
+
     def refuse(self, construct: str, provenance: Node | None) -> TranslationError:
         """Return the error for an unsupported construct, for the caller to raise."""
         return TranslationError(f"{self.where(provenance)}: {self.class_name}: {construct}")

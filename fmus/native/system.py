@@ -146,8 +146,6 @@ def explicit(dae: Dae) -> System:
     evaluate = ExpressionBuilder(dae, symbols, time)
     v = settle(dae, of_id, symbols, evaluate)
     evaluate.know(v.numbers())
-    if not (v.states or v.algebraics or v.discretes):
-        raise TranslationError(f"{dae.class_name} has no variables that change, so it cannot be simulated.")
     with evaluate.for_relations():
         relations = find_relations(dae, evaluate, v.with_numbers)
     clocks = _clocks(dae, v)
