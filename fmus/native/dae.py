@@ -161,9 +161,13 @@ class Dae:
                 if is_path and any(name == written or name.endswith(f".{written}") for name in in_arrays):
                     yield node
                 continue
+            # The name may start in a component of an array, where the class of the component is written once for all.
             name = names.get(operation["coordinate"].get("id"), "")
+            plain = re.sub(r"\[[^\]]*\]", "", written)
+            as_written = ".".join(name.split(".")[-len(plain.split(".")) :])
             is_indexed = text[span["end"] :].lstrip().startswith(b"[")
-            if "]." in name and is_indexed and written.count("[") < name.count("["):
+            is_same = re.sub(r"\[[^\]]*\]", "", as_written) == plain  # else it is the variable with this value
+            if is_same and "]." in as_written and is_indexed and written.count("[") < as_written.count("["):
                 yield node
 
     @cached_property

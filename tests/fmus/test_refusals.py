@@ -102,6 +102,15 @@ def test_the_recommended_form_of_a_slice_of_components_is_translated(tmp_path):
     assert lower("P.M", file).output(3.0, [], [], []).full().ravel().tolist() == [6.0, 6.0, 3.0, 6.0, 3.0, 6.0]
 
 
+def test_an_element_in_the_class_of_an_array_of_components_is_no_slice(tmp_path):
+    file = tmp_path / "Model.mo"
+    file.write_text(
+        "package P model B Real F[2] = {1, 2}*time; end B; model A B b; Real y = b.F[2]; end A; model M A a[2];\n"
+        "output Real y[2] = a.y; end M; end P;"
+    )
+    assert lower("P.M", file).output(3.0, [], [], []).full().ravel().tolist() == [6.0, 6.0]
+
+
 def test_a_missing_file_or_class_is_reported(tmp_path):
     with pytest.raises(InputError, match=r"no Modelica file .*Nowhere\.mo"):
         lower("M", tmp_path / "Nowhere.mo")
