@@ -14,7 +14,7 @@ READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
 .PHONY: help install fmus simulate unseen adverse report conditioning discretisation headlines validation regress regress-long accept calibrate \
-        tune-control type-test bench mutants test suite kept portable test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors trains docs clean
+        tune-control type-test bench mutants test suite kept portable test-omc regress-omc suites fuzz check estimate tune lateral learn monitor k-factors trains docs clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -134,9 +134,13 @@ regress-omc: $(DEV)  ## compare braking distances with OpenModelica's FMUs with 
 monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely the monitor alarms (10 min)
 	$(PROGRAM) study pad_monitor
 
-fuzz: $(DEV)  ## wrong questions by the thousand: mutated scenarios, campaigns, files, overrides, recordings, results (half an hour)
+fuzz: $(DEV)  ## wrong questions by the thousand, and all Modelica classes of the corpus of the compiler (half an hour)
 	RAILGRIP_FUZZ=1000 $(RUN) -m pytest tests/fuzz tests/test_api_arguments.py tests/fmi/test_malformed_description.py \
-	  tests/stops/test_ideal_bound.py
+	  tests/stops/test_ideal_bound.py tests/fmus/test_corpus.py
+
+suites: $(DEV)  ## run a copy of a Modelica test suite: make suites SUITE=/path KIND=compliance|omc|reference [OPTIONS=…]
+	@test -n "$(SUITE)" || { echo "suites needs SUITE=/path of a copy of the suite, and KIND=compliance, omc or reference"; exit 2; }
+	$(RUN) tests/suites.py $(KIND) $(SUITE) $(OPTIONS)
 
 TYPED := build/typed/railgrip
 

@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from functools import lru_cache
@@ -23,6 +23,7 @@ from railgrip.fmus.native.library import (
     require_class_name,
     sources_digest,
 )
+from railgrip.fmus.native.used_libraries import name_of, used_paths, uses_digest
 from railgrip.fmus.recipe import Cookbook, Recipe, read_recipes
 
 if TYPE_CHECKING:
@@ -82,13 +83,14 @@ def build_one(
 
 
 def build_class(
-    class_name: str, library: Path, interface: Literal["me", "cs"] = "cs", compiler: Compiler = "auto"
+    class_name: str, library: Path | Sequence[Path], interface: Literal["me", "cs"] = "cs", compiler: Compiler = "auto"
 ) -> Artifact:
     """Bring the FMU of a user's class up to date; its name is the last part of the name of the class.
 
     Args:
         class_name: Full name, such as `MyLib.MyTrain`.
-        library: A library's folder or its `package.mo`, or a single `.mo` file. It may use RailBraking.
+        library: A library's folder or its `package.mo`, or a single `.mo` file; or several, of which one has the class.
+            It may use RailBraking, and libraries in the folders of MODELICAPATH.
         interface: cs for a plant, me for a prediction.
         compiler: See `choose`.
 
@@ -97,16 +99,20 @@ def build_class(
         RailgripError: A compiler is missing or fails.
     """
     require_class_name(class_name)
-    libraries = library_of(library.absolute())
-    if not (libraries / "package.mo" if libraries.is_dir() else libraries).is_file():
-        raise InputError(
-            f"{class_name}: there is no Modelica library {library}; give its package.mo, its folder or a .mo file."
-        )
+    named = [library] if isinstance(library, Path) else [*library]
+    libraries = [library_of(one.absolute()) for one in named]
+    for one, given in zip(libraries, named, strict=True):
+        if not (one / "package.mo" if one.is_dir() else one).is_file():
+            raise InputError(
+                f"{class_name}: there is no Modelica library {given}; give its package.mo, its folder or a .mo file."
+            )
+    own = next((one for one in libraries if name_of(one) == class_name.partition(".")[0]), libraries[0])
     return _up_to_date(
         _BuildOrder(
             name=class_name.rpartition(".")[2],
             recipe=Recipe.of_class(class_name, interface),
-            library=libraries,
+            library=own,
+            others=tuple(one for one in libraries if one != own),
             compiler=choose(compiler),
             directory=None,
         )
@@ -114,11 +120,14 @@ def build_class(
 
 
 def _up_to_date(order: "_BuildOrder") -> Artifact:
-    inputs = _inputs_digest(order.recipe, order.compiler, sources_digest(order.library))
+    sources = uses_digest(order.library, order.others, order.recipe.class_name)
+    inputs = _inputs_digest(order.recipe, order.compiler, sources)
     return _current(order, inputs) or _compile(order, inputs, _translation_of(order))
 
 
-def translate(recipe: Recipe, library: Path | None = None) -> tuple["Source", dict[str, Any]]:
+def translate(
+    recipe: Recipe, library: Path | None = None, others: Sequence[Path] = ()
+) -> tuple["Source", dict[str, Any]]:
     """Return C code and XML of a recipe's FMU from the built-in compiler, and its interface for lock.toml."""
     # CasADi, rumoca and scipy take half a second to import; when everything is up to date they are not needed.
     from railgrip.fmus.lock import interface_of
@@ -126,7 +135,7 @@ def translate(recipe: Recipe, library: Path | None = None) -> tuple["Source", di
     from railgrip.fmus.native.dae import read
     from railgrip.fmus.native.system import explicit
 
-    system = explicit(read(recipe.class_name, library or recipe.library, complete=True))
+    system = explicit(read(recipe.class_name, library or recipe.library, others=others, complete=True))
     source = package.sources(
         system,
         interfaces=recipe.interfaces,
@@ -180,11 +189,12 @@ def build(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _BuildOrder:
-    """An FMU to build: its recipe, library and compiler, and the folder for a copy."""
+    """An FMU to build: its recipe, library, further libraries and compiler, and the folder for a copy."""
 
     name: str
     recipe: Recipe
     library: Path
+    others: tuple[Path, ...] = ()
     compiler: Literal["openmodelica", "native"]
     directory: Path | None
 
@@ -216,13 +226,17 @@ def _translation_of(order: _BuildOrder) -> _Translation | None:
     from railgrip.fmus.native.package import Source
 
     recipe = order.recipe.model_dump(by_alias=True)
-    source, interface = separate_process.call("translate", order.recipe.class_name, order.library, recipe=recipe)
+    source, interface = separate_process.call(
+        "translate", order.recipe.class_name, order.library, recipe=recipe, others=[str(one) for one in order.others]
+    )
     return Source(**source | {"units": tuple(source["units"])}), interface
 
 
-def translate_here(class_name: str, library: Path, recipe: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+def translate_here(
+    class_name: str, library: Path, recipe: dict[str, Any], others: Sequence[str] = ()
+) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the result of `translate` for a recipe as JSON values, for `separate_process`."""
-    source, interface = translate(Recipe.model_validate(recipe), library)
+    source, interface = translate(Recipe.model_validate(recipe), library, [Path(one) for one in others])
     return asdict(source) | {"units": list(source.units)}, interface
 
 
@@ -235,7 +249,8 @@ def _compile(order: _BuildOrder, inputs: str, translation: _Translation | None) 
         with scratch("build") as folder:
             # A message names this file, so it must remain after the build: next to the copy, or in the cache.
             log = (order.directory or cache.folder() / KIND / inputs / "log") / f"{order.name}.log"
-            content = openmodelica.export(order.recipe, order.library, folder / file, log).read_bytes()
+            further = used_paths(order.recipe.class_name, order.library, order.others)
+            content = openmodelica.export(order.recipe, order.library, folder / file, log, further).read_bytes()
         entry = cache.keep(KIND, kept_under, file, content)
     else:
         from railgrip.fmus.native import package

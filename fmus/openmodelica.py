@@ -5,6 +5,7 @@ import shutil
 import signal
 import subprocess
 import warnings
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
@@ -28,7 +29,7 @@ _TELLING = re.compile(
 )
 
 
-def script(recipe: Recipe, library: Path, *, derivatives: bool) -> str:
+def script(recipe: Recipe, library: Path, *, derivatives: bool, further: Sequence[Path] = ()) -> str:
     """Return the omc script that exports a recipe's FMU into the working folder.
 
     Co-simulation is exported together with model exchange. With `fmuType="cs"` alone, omc 1.22 to 1.27 adds the
@@ -45,8 +46,9 @@ def script(recipe: Recipe, library: Path, *, derivatives: bool) -> str:
         recipe: Recipe of the FMU.
         library: Folder of the Modelica library, or its only file.
         derivatives: Whether directional derivatives are requested.
+        further: Libraries that it uses besides RailBraking, likewise.
     """
-    packages = [library / "package.mo" if library.is_dir() else library]
+    packages = [path / "package.mo" if path.is_dir() else path for path in (*further, library)]
     if library != LIBRARY:
         packages.insert(0, LIBRARY / "package.mo")  # any library may use RailBraking
     prefix = recipe.class_name.replace(".", "_")
@@ -71,7 +73,7 @@ def script(recipe: Recipe, library: Path, *, derivatives: bool) -> str:
     return "\n".join(lines)
 
 
-def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None) -> Path:
+def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None, further: Sequence[Path] = ()) -> Path:
     """Build the FMU of a recipe with omc, and return its path.
 
     omc packs the FMU last, so an existing FMU is complete; messages of omc in addition to it become a warning. A
@@ -84,6 +86,7 @@ def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None) -
         library: Folder of the Modelica library, or its only file.
         path: Path of the FMU.
         log: File for long messages of omc; next to the FMU unless given.
+        further: Libraries that it uses besides RailBraking, as folders or files.
 
     Raises:
         CompilerMissing: omc is not on the PATH.
@@ -94,7 +97,7 @@ def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None) -
     messages: list[str] = []
     for derivatives in (False,) if "cs" in recipe.interfaces else (True, False):
         with scratch("build") as folder:
-            fmu, message = _run(script(recipe, library, derivatives=derivatives), recipe, folder)
+            fmu, message = _run(script(recipe, library, derivatives=derivatives, further=further), recipe, folder)
             messages += [message] if message else []
             if fmu is None:
                 continue

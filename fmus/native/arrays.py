@@ -5,7 +5,7 @@ A Modelica value of any shape is a numpy object array of scalar `SX`; a scalar i
 
 import operator
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import reduce
 from typing import Any
 
@@ -34,7 +34,12 @@ def as_array(value: Any) -> Array:
 def each(function: Callable[..., Any], count: int = 1) -> Callable[..., Array]:
     """Return `function` of `count` scalars, applied elementwise with broadcasting."""
     ufunc = np.frompyfunc(function, count, 1)
-    return lambda *arguments: as_array(ufunc(*arguments))
+
+    def apply(*arguments: Array) -> Array:
+        with np.errstate(all="ignore"):  # a constant out of the domain is reported with its place
+            return as_array(ufunc(*arguments))
+
+    return apply
 
 
 def is_number(value: SX | float) -> bool:
@@ -45,6 +50,20 @@ def is_number(value: SX | float) -> bool:
 def integer(value: SX) -> int:
     """Return a constant expression as int."""
     return int(float(value))
+
+
+def count(value: Array) -> int:
+    """Return a size or an exponent, which is a whole number that is not negative and known at build time."""
+    require(value.ndim == 0, "sizes and exponents of matrices are scalars")
+    number = value.item()
+    require(
+        is_number(number), "sizes and exponents of matrices must be numbers at build time; write a number or a constant"
+    )
+    require(
+        float(number) >= 0 and float(number).is_integer(),
+        f"sizes and exponents of matrices are whole numbers that are not negative, got {float(number):g}",
+    )
+    return integer(number)
 
 
 def choose(condition: SX, yes: SX, no: SX) -> SX:
@@ -65,34 +84,96 @@ def _truncation(value: SX) -> SX:
     return ca.if_else(value < 0, ca.ceil(value), ca.floor(value))
 
 
+def require(condition: bool, rule: str) -> None:
+    """Raise a ShapeError with a rule of the language unless it is fulfilled."""
+    if not condition:
+        raise ShapeError(rule)
+
+
+class ShapeError(ValueError):
+    """Arrays of these shapes cannot be combined; the caller knows the expression and its place."""
+
+
+def _shape(a: Array) -> str:
+    return f"[{', '.join(map(str, a.shape))}]" if a.ndim else "a scalar"
+
+
 def _product(a: Array, b: Array) -> Array:
-    return as_array(a * b if a.ndim == 0 or b.ndim == 0 else np.dot(a, b))
+    if a.ndim == 0 or b.ndim == 0:
+        return as_array(a * b)
+    require(
+        a.ndim <= 2 and b.ndim <= 2 and a.shape[-1] == b.shape[0],
+        f"{_shape(a)} * {_shape(b)}: the factors are vectors or matrices with equal inner sizes (10.6.4)",
+    )
+    # numpy returns the integer 0 for an inner size of zero.
+    return each(SX)(as_array(np.dot(a, b)))
 
 
-def _plain(function: Callable[[Array, Array], Any]) -> Callable[[Array, Array], Array]:
-    # numpy applies an operator to the elements of object arrays itself.
-    return lambda a, b: as_array(function(a, b))
+def _same_shapes(function: Callable[[SX, SX], SX]) -> Callable[[Array, Array], Array]:
+    def apply(a: Array, b: Array) -> Array:
+        require(a.shape == b.shape, f"{_shape(a)} and {_shape(b)}: the sizes of both sides must be equal (10.6)")
+        return each(function, 2)(a, b)
+
+    return apply
 
 
-_ARITHMETIC: dict[str, Callable[[Array, Array], Array]] = {
-    "add": _plain(operator.add),
-    "subtract": _plain(operator.sub),
-    "multiply": _plain(operator.mul),
-    "divide": _plain(operator.truediv),
-    "power": each(_power, 2),
+def _elementwise(function: Callable[[SX, SX], SX]) -> Callable[[Array, Array], Array]:
+    def apply(a: Array, b: Array) -> Array:
+        require(
+            a.shape == b.shape or a.ndim == 0 or b.ndim == 0,
+            f"{_shape(a)} and {_shape(b)}: the sizes must be equal, or one side a scalar (10.6)",
+        )
+        return each(function, 2)(a, b)
+
+    return apply
+
+
+def _quotient(a: Array, b: Array) -> Array:
+    require(b.ndim == 0, f"{_shape(a)} / {_shape(b)}: the divisor must be a scalar (10.6.5); write ./ for each element")
+    return each(operator.truediv, 2)(a, b)
+
+
+def _whole_power(a: Array, exponent: Array) -> Array:
+    if a.ndim == 0:
+        require(exponent.ndim == 0, "the exponent of ^ must be a scalar (10.6.7); write .^ for each element")
+        return each(_power, 2)(a, exponent)
+    require(
+        a.ndim == 2 and a.shape[0] == a.shape[1] and exponent.ndim == 0,
+        f"{_shape(a)} ^ {_shape(exponent)}: the base must be a square matrix and the exponent a scalar (10.6.7)",
+    )
+    n = count(exponent)
+    out, square = _identity(array([SX(a.shape[0])])), a
+    while n:
+        if n % 2:
+            out = _product(out, square)
+        n //= 2
+        square = _product(square, square) if n else square
+    return out
+
+
+_ARITHMETIC: dict[str, Callable[[SX, SX], SX]] = {
+    "add": operator.add,
+    "subtract": operator.sub,
+    "multiply": operator.mul,
+    "divide": operator.truediv,
+    "power": _power,
+}
+_RELATIONS: dict[str, Callable[[SX, SX], SX]] = {
+    "less": operator.lt,
+    "less_equal": operator.le,
+    "greater": operator.gt,
+    "greater_equal": operator.ge,
+    "equal": operator.eq,
+    "not_equal": operator.ne,
+    "and": ca.logic_and,
+    "or": ca.logic_or,
 }
 BINARY: dict[str, Callable[[Array, Array], Array]] = {
-    **_ARITHMETIC,
-    **{f"elementwise_{name}": function for name, function in _ARITHMETIC.items()},
+    **{name: _same_shapes(function) for name, function in (_ARITHMETIC | _RELATIONS).items()},
+    **{f"elementwise_{name}": _elementwise(function) for name, function in _ARITHMETIC.items()},
     "multiply": _product,
-    "less": each(operator.lt, 2),
-    "less_equal": each(operator.le, 2),
-    "greater": each(operator.gt, 2),
-    "greater_equal": each(operator.ge, 2),
-    "equal": each(operator.eq, 2),
-    "not_equal": each(operator.ne, 2),
-    "and": each(ca.logic_and, 2),
-    "or": each(ca.logic_or, 2),
+    "divide": _quotient,
+    "power": _whole_power,
 }
 UNARY: dict[str, Callable[[Array], Array]] = {
     "negate": lambda a: as_array(-a),
@@ -116,7 +197,7 @@ ELEMENTWISE: dict[str, Callable[..., Array]] = {name: each(getattr(ca, name)) fo
 def _fold(pair: Callable[[SX, SX], SX], neutral: float) -> Callable[..., Array]:
     def fold(*arguments: Array) -> Array:
         if len(arguments) == 2:
-            return each(pair, 2)(*arguments)
+            return _elementwise(pair)(*arguments)
         elements = list(arguments[0].flat)
         return array([reduce(pair, elements) if elements else SX(neutral)])
 
@@ -124,28 +205,89 @@ def _fold(pair: Callable[[SX, SX], SX], neutral: float) -> Callable[..., Array]:
 
 
 def _fill(value: SX, *sizes: Array) -> Array:
-    shape = tuple(integer(size.item()) for size in sizes)
+    shape = tuple(map(count, sizes))
     return array([value] * int(np.prod(shape)), shape)
 
 
+def _diagonal(values: Array) -> Array:
+    n = len(values)
+    return array([values[i] if i == j else SX(0) for i in range(n) for j in range(n)], (n, n))
+
+
 def _identity(size: Array) -> Array:
-    n = integer(size.item())
-    return array([SX(float(i == j)) for i in range(n) for j in range(n)], (n, n))
+    return _diagonal(_fill(SX(1), size))
 
 
-def _linspace(first: Array, last: Array, count: Array) -> Array:
-    n = integer(count.item())
+def _linspace(first: Array, last: Array, number: Array) -> Array:
+    n = count(number)
+    require(n >= 2, f"linspace requires at least two points (10.3.3), got {n}")
     a, b = first.item(), last.item()
     return array([a + (b - a) * (k / (n - 1)) for k in range(n)], (n,))
 
 
 def _cross(a: Array, b: Array) -> Array:
+    require(a.shape == b.shape == (3,), f"cross({_shape(a)}, {_shape(b)}): both are vectors of size 3 (10.3.5)")
     (x, y, z), (p, q, r) = a, b
     return array([y * r - z * q, z * p - x * r, x * q - y * p], (3,))
 
 
+def _skew(a: Array) -> Array:
+    require(a.shape == (3,), f"skew({_shape(a)}): the argument is a vector of size 3 (10.3.5)")
+    (x, y, z), zero = a, SX(0)
+    return array([zero, -z, y, z, zero, -x, -y, x, zero], (3, 3))
+
+
+def _outer_product(a: Array, b: Array) -> Array:
+    require(a.ndim == b.ndim == 1, f"outerProduct({_shape(a)}, {_shape(b)}): both are vectors (10.3.5)")
+    return array([x * y for x in a for y in b], (len(a), len(b)))
+
+
+def _symmetric(a: Array) -> Array:
+    require(a.ndim == 2 and a.shape[0] == a.shape[1], f"symmetric({_shape(a)}): the matrix must be square (10.3.5)")
+    return array([a[min(i, j), max(i, j)] for i in range(len(a)) for j in range(len(a))], a.shape)
+
+
+def _transpose(a: Array) -> Array:
+    require(a.ndim >= 2, "transpose requires at least two dimensions (10.3.5)")
+    return np.swapaxes(a, 0, 1)
+
+
+def _vector(a: Array) -> Array:
+    require(sum(n > 1 for n in a.shape) <= 1, f"vector({_shape(a)}): at most one size may exceed 1 (10.3.2)")
+    return a.reshape(-1)
+
+
+def _matrix(a: Array) -> Array:
+    require(all(n == 1 for n in a.shape[2:]), f"matrix({_shape(a)}): sizes after the second are 1 (10.3.2)")
+    return a.reshape((*a.shape, 1, 1)[:2])
+
+
+def _scalar(a: Array) -> Array:
+    require(a.size == 1, f"scalar({_shape(a)}): the argument has one element (10.3.2)")
+    return a.reshape(())
+
+
+def _size(a: Array, axis: Array | None = None) -> Array:
+    if axis is None:
+        return array([SX(n) for n in a.shape], (a.ndim,))
+    k = count(axis)
+    require(1 <= k <= a.ndim, f"size(A, {k}): A has {a.ndim} dimensions (10.3.1)")
+    return array([SX(a.shape[k - 1])])
+
+
+def _concatenate(parts: Sequence[Array], axis: int) -> Array:
+    shapes = {(p.ndim, *p.shape[:axis], *p.shape[axis + 1 :]) for p in parts}
+    require(
+        len(shapes) == 1 and parts[0].ndim > axis >= 0,
+        f"{' and '.join(map(_shape, parts))} cannot be joined along dimension {axis + 1}: "
+        "the other sizes must be equal (10.4.2)",
+    )
+    return np.concatenate(parts, axis)
+
+
 def _matrix_cat(axis: int) -> Callable[..., Array]:
-    return lambda *parts: np.concatenate([p.reshape(p.shape + (1,) * (2 - p.ndim)) for p in parts], axis)
+    # Every operand is a matrix, unless one has more dimensions (10.4.2.1).
+    return lambda *parts: _concatenate([p.reshape(p.shape + (1,) * (2 - p.ndim)) for p in parts], axis)
 
 
 SHAPED: dict[str, Callable[..., Array]] = {
@@ -157,11 +299,19 @@ SHAPED: dict[str, Callable[..., Array]] = {
     "ones": lambda *sizes: _fill(SX(1), *sizes),
     "fill": lambda value, *sizes: _fill(value.item(), *sizes),
     "identity": _identity,
+    "diagonal": _diagonal,
     "linspace": _linspace,
-    "cat": lambda axis, *parts: np.concatenate(parts, integer(axis.item()) - 1),
+    "cat": lambda axis, *parts: _concatenate(parts, count(axis) - 1),
     "promoted_cat1": _matrix_cat(0),
     "promoted_cat2": _matrix_cat(1),
-    "transpose": lambda a: a.T,
+    "transpose": _transpose,
+    "symmetric": _symmetric,
+    "outer_product": _outer_product,
     "cross": _cross,
-    "size": lambda a, axis: array([SX(float(a.shape[integer(axis.item()) - 1]))]),
+    "skew": _skew,
+    "scalar": _scalar,
+    "vector": _vector,
+    "matrix": _matrix,
+    "ndims": lambda a: array([SX(a.ndim)]),
+    "size": _size,
 }

@@ -12,7 +12,7 @@ from railgrip.fmus.native.c_source import string_literal, strings, table
 from railgrip.fmus.native.elimination import eliminate
 from railgrip.fmus.native.functions import fits, interpreter, straight, tape
 from railgrip.fmus.native.structure import Loops
-from railgrip.fmus.native.system import System, column
+from railgrip.fmus.native.system import WHEN, Assertion, System, column
 from railgrip.fmus.native.variables import Scalar, vector
 
 RUNTIME = Path(__file__).parent / "runtime"
@@ -20,12 +20,18 @@ SHARED = ("layout.h", "instance.c", "evaluate.c", "events.c", "fmi2.c")
 PARTS = {"me": ("modelexchange.c",), "cs": ("rosenbrock.c", "advance.c", "cosimulation.c", "status.c")}
 """Further files of each interface besides `SHARED`."""
 
-RARE = frozenset({"f_locals", "f_parameters", "f_start", "f_start_loop", "f_directional"})
+RARE = frozenset({
+    "f_locals", "f_parameters", "f_start", "f_start_loop", "f_directional", "f_assertion_values", "f_parameter_checks",
+    "f_start_checks",
+})  # fmt: skip
 """Functions that no step calls. An estimator requests directional derivatives along the states of a Model Exchange FMU
 at every sample, but these use f_state_jacobian and f_output_jacobian; only others use f_directional."""
 
 _RETURNING = frozenset((ca.OP_FLOOR, ca.OP_CEIL, ca.OP_SIN, ca.OP_COS))
 """Operations of functions that may take a value again and again: floor, mod, sin, ..."""
+
+LEVELS = ("warning", "error", "domain")
+"""Levels of assertions, numbered as in `runtime/layout.h`."""
 
 SOLVERS = {"rodas3": 3, "rodas4": 4}
 
@@ -90,7 +96,8 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
     """Return the functions that the runtime calls, as listed in `runtime/layout.h`."""
     v = system.variables
     here = [system.time, system.x, system.u, system.p, system.d, system.relation, system.guesses]
-    at_start = [system.time, system.u, system.p, system.d, system.relation, system.start_guesses]
+    at_start = [system.time, system.x, system.u, system.p, system.d, system.relation, system.start_guesses,
+                system.previous]  # fmt: skip
     outputs, locals_ = split_algebraics(system)
     free, dependent = vector(v.free), column(v.dependent_values)
     along_x, along_u, along_p = (SX.sym(n, s.shape) for n, s in (("dx", system.x), ("du", system.u), ("dp", free)))
@@ -101,7 +108,9 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
     nx = len(system.states)
     by_states = ca.jacobian(outputs, system.x)
     loops, start, discretes = system.loops, system.start_loops, system.start_discretes
-    texts = [piece for a in system.assertions for piece in a.message if isinstance(piece, SX)]
+    checks = {when: _checks(system.checks(when)) for when in WHEN}
+    event = [system.time, system.x, system.u, system.p, system.previous, system.relation,
+             system.last_conditions, system.ticks, system.guesses]  # fmt: skip
     ft = ca.densify(ca.jacobian(system.derivative, system.time)) if nx else SX(0, 1)
     slope = [system.derivative, jacobian(system), ft]
     definitions: list[tuple[str, list[SX], list[SX]]] = [
@@ -118,12 +127,15 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
         ("f_outputs", here, [outputs, system.indicators]),
         ("f_locals", here, [locals_]),
         ("f_loop", here, _newton(loops)),
-        ("f_assertions", here, [column([a.holds for a in system.assertions]), column(texts)]),
+        ("f_assertions", here, checks["running"][:1]),
+        ("f_assertion_values", here, checks["running"][1:]),
+        ("f_parameter_checks", [system.p], checks["parameters"]),
+        ("f_start_checks", [*here, system.previous], checks["start"]),
+        ("f_event_checks", event, checks["event"]),
         ("f_directional", [*here, along_x, along_u, along_p], [direction[:nx], direction[nx:]]),
         (
             "f_event",
-            [system.time, system.x, system.u, system.p, system.previous, system.relation,
-             system.last_conditions, system.ticks, system.guesses],
+            event,
             [system.event_discretes, system.event_states, system.event_relations, system.event_conditions],
         ),
         ("f_parameters", [free], [dependent, _substitute_dependent(system.instants, v.dependent, dependent)]),
@@ -165,6 +177,11 @@ def _may_return(indicators: SX, time: SX) -> bool:
     program = ca.Function("program", [ca.vertcat(*ca.symvar(indicators))], [indicators])
     operations = {program.instruction_id(k) for k in range(program.n_instructions())}
     return ca.depends_on(indicators, time) or not operations.isdisjoint(_RETURNING)
+
+
+def _checks(assertions: Sequence[Assertion]) -> list[SX]:
+    texts = [piece for a in assertions for piece in a.message if isinstance(piece, SX)]
+    return [column([a.holds for a in assertions]), column(texts)]
 
 
 def _newton(loops: Loops) -> list[SX]:
@@ -254,6 +271,7 @@ def _sizes(system: System, layout: ValueLayout) -> dict[str, int]:
         "NG": len(system.loops.guesses),
         "NQ": len(system.start_loops.guesses),
         "NA": len(system.assertions),
+        **{f"NA_{when.upper()}": len(system.checks(when)) for when in WHEN},
         "NM": sum(isinstance(piece, SX) for a in system.assertions for piece in a.message),
     }
 
@@ -283,10 +301,10 @@ def _value_tables(system: System, layout: ValueLayout) -> list[str]:
 def _text_tables(system: System, layout: ValueLayout) -> list[str]:
     assertions = system.assertions
     return [
-        table("char", "assertion_fatal", [int(a.fatal) for a in assertions]),
+        table("char", "assertion_level", [LEVELS.index(a.level) for a in assertions]),
+        table("int", "first_assertion", [0, *accumulate(len(system.checks(when)) for when in WHEN)]),
         strings("x_name", [s.name for s in layout.states]),
         strings("d_name", [s.name for s in layout.discretes]),
-        strings("indicator_text", [system.relation_text[k] for k in system.indicator_relation]),
         strings("assertion_place", [a.where for a in assertions]),
         strings("message_piece", [None if isinstance(piece, SX) else piece for a in assertions for piece in a.message]),
         table("int", "message_begin", [0, *accumulate(len(a.message) for a in assertions)]),
@@ -301,6 +319,6 @@ def nominal(s: Scalar) -> float:
 
 def _model_functions(system: System, interfaces: Sequence[str]) -> str:
     # Rare functions are interpreted, which compiles faster. With clocks f_event is not rare: each tick calls it.
-    rare = RARE if system.clocks else RARE | {"f_event"}
+    rare = RARE if system.clocks else RARE | {"f_event", "f_event_checks"}
     texts = [tape(f) if f.name() in rare and fits(f) else straight(f) for f in functions(system, interfaces)]
     return "\n".join(["#include <math.h>", *interpreter(), *texts])

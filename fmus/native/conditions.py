@@ -28,7 +28,6 @@ class Relations:
         live: Expression of its present value.
         indicator: Expression that crosses zero where the relation changes, and is positive where it holds.
         inclusive: Whether it holds where the indicator is zero.
-        text: Its Modelica text and place.
         steps: Place of a relation that represents a function with steps, such as `floor` → the expression that is a
             whole number at these steps.
         slot: Relation id of the DAE → place in `memory`.
@@ -39,9 +38,9 @@ class Relations:
     live: list[SX] = field(default_factory=list)
     indicator: list[SX] = field(default_factory=list)
     inclusive: list[bool] = field(default_factory=list)
-    text: list[str] = field(default_factory=list)
     steps: dict[int, SX] = field(default_factory=dict)
     slot: dict[int, int] = field(default_factory=dict)
+    expression: dict[int, int] = field(default_factory=dict)
     alone: dict[int, int] = field(default_factory=dict)
 
 
@@ -78,8 +77,6 @@ def find_relations(dae: Dae, evaluate: ExpressionBuilder, with_numbers: Callable
             steps = _steps(dae, expression)
             if steps is not None:
                 (out.steps[number],) = with_numbers([evaluate(steps, binding).item()])
-            provenance = dae.expressions[expression]["provenance"]
-            out.text.append(f"{dae.text(provenance)} ({dae.where(provenance)})")
             out.inclusive.append(dae.expressions[expression]["operation"].get("operator", "").endswith("_equal"))
             out.live.append(live)
             out.indicator.append(indicator)
@@ -87,6 +84,7 @@ def find_relations(dae: Dae, evaluate: ExpressionBuilder, with_numbers: Callable
         place[site(expression, binding)] = out.memory[number]
         if not binding and "id" in root:
             out.slot[root["id"]] = number
+            out.expression[root["id"]] = expression
     evaluate.remember(place)
     return out
 
@@ -182,6 +180,7 @@ class EventConditions:
         if kind == "relation":
             relation = operation["relation"]
             if relation in self.relations.slot:
+                self.evaluate.live(self.relations.expression[relation], {})  # for its requirements
                 return self.relations.memory[self.relations.slot[relation]]
             return self.evaluate.live(self.relations.alone[relation], {}).item()
         if kind == "always":
@@ -194,7 +193,9 @@ class EventConditions:
             return ca.logic_not(self.level(operation["condition"]))
         if kind in ("and", "or"):
             join = ca.logic_and if kind == "and" else ca.logic_or
-            return join(self.level(operation["lhs"]), self.level(operation["rhs"]))
+            left = self.level(operation["lhs"])
+            with self.evaluate.under(left if kind == "and" else ca.logic_not(left)):
+                return join(left, self.level(operation["rhs"]))
         if kind == "discrete":
             return self.evaluate(operation["expression"]).item()
         raise self.dae.refuse(f"a condition of kind {kind} is not supported", node["provenance"])

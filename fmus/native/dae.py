@@ -4,7 +4,7 @@ import json
 import os
 import re
 import threading
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,12 +15,22 @@ from typing import Any
 import rumoca
 
 from railgrip.base.errors import InputError, TranslationError
-from railgrip.base.files import read_text
+from railgrip.base.files import read_text, scratch
 from railgrip.fmus.native.classes import Sources, read_tree
-from railgrip.fmus.native.error_places import explain, has_class_extends, nested_arrays, places, require_readable, short
+from railgrip.fmus.native.error_places import (
+    explain,
+    has_class_extends,
+    limits,
+    nested_arrays,
+    places,
+    require_readable,
+    short,
+)
 from railgrip.fmus.native.language import findings, refuse, require_strict, require_values
-from railgrip.fmus.native.library import LIBRARY, sources_digest
+from railgrip.fmus.native.library import LIBRARY, library_of, sources_digest
+from railgrip.fmus.native.namesakes import Call
 from railgrip.fmus.native.outer import connect_outer, outer_variables
+from railgrip.fmus.native.used_libraries import VARIABLE, name_of, used_libraries
 
 FRONT = Path(__file__).parent / "front"
 _CACHE_OF_RUMOCA = "XDG_CACHE_HOME"
@@ -71,6 +81,13 @@ class Dae:
         """Modelica functions in static single assignment form."""
         return self.content["functions"]
 
+    @property
+    def calls(self) -> list[Call]:
+        """All calls of functions, with the functions that the front end takes for them."""
+        calls = [node for node in self.expressions if node["operation"]["kind"] == "call"]
+        called = [self.functions[node["operation"]["function"]] for node in calls]
+        return [Call(f["name"], f["declaration"], n["provenance"]) for f, n in zip(called, calls, strict=True)]
+
     def shape(self, value_type: int) -> tuple[int, ...]:
         """Return the dimensions of a value type."""
         return tuple(self.content["value_types"][value_type]["value_type"]["dimensions"])
@@ -95,17 +112,63 @@ class Dae:
         line = text.count(b"\n", 0, span["start"]) + 1
         return f"{name}:{line}"
 
-    def text(self, provenance: Node | None) -> str:
-        """Return the Modelica text of a node, on one line."""
+    def text(self, provenance: Node | None, *, subscripts: bool = False) -> str:
+        """Return the Modelica text of a node, on one line, with the subscripts that follow it if requested."""
         span = (provenance or {}).get("span")
         if not span or span["source"] not in self.sources:
             return "?"
         _, text = self.sources[span["source"]]
-        return " ".join(text[span["start"] : span["end"]].decode(errors="replace").split())
+        begin, end = span["start"], span["end"]
+        # rumoca leaves out the outer parentheses of operands.
+        depth = lowest = 0
+        for octet in text[begin:end]:
+            depth += (octet in b"(") - (octet in b")")
+            lowest = min(lowest, depth)
+        while lowest < 0 and text[begin - 1 : begin] in (b"(", b" "):
+            begin -= 1
+            lowest += text[begin : begin + 1] == b"("
+            depth += text[begin : begin + 1] == b"("
+        while depth > 0 and text[end : end + 1] in (b")", b" "):
+            depth -= text[end : end + 1] == b")"
+            end += 1
+        if subscripts and text[end : end + 1] == b"[":
+            end = text.find(b"]", end) + 1
+        return " ".join(text[begin:end].decode(errors="replace").split())
+
+    def is_read(self, variable: int) -> bool:
+        """Return whether an expression refers to a variable."""
+        return any(node["operation"].get("coordinate", {}).get("id") == variable for node in self.expressions)
 
     def refuse(self, construct: str, provenance: Node | None) -> TranslationError:
         """Return the error for an unsupported construct, for the caller to raise."""
         return TranslationError(f"{self.where(provenance)}: {self.class_name}: {construct}")
+
+    def misread_slices(self) -> Iterator[Node]:
+        """Yield slices of arrays of components that rumoca 0.10 misreads.
+
+        `a.z[2]` becomes `a[2].z`, and `a.p` through two dimensions the value of p in the class of a.
+        """
+        names = {v["id"]: v["name"] for v in self.variables}
+        in_arrays = {re.sub(r"\[[^\]]*\]", "", name) for name in names.values() if "]." in name}
+        for node in self.expressions:
+            operation, span = node["operation"], node["provenance"].get("span")
+            if operation["kind"] not in ("coordinate", "literal") or not span or span["source"] not in self.sources:
+                continue
+            _, text = self.sources[span["source"]]
+            written = text[span["start"] : span["end"]].decode(errors="replace")
+            if operation["kind"] == "literal":
+                is_path = re.fullmatch(r"[A-Za-z_]\w*(\.\w+)+", written) is not None
+                if is_path and any(name == written or name.endswith(f".{written}") for name in in_arrays):
+                    yield node
+                continue
+            # The name may start in a component of an array, where the class of the component is written once for all.
+            name = names.get(operation["coordinate"].get("id"), "")
+            plain = re.sub(r"\[[^\]]*\]", "", written)
+            as_written = ".".join(name.split(".")[-len(plain.split(".")) :])
+            is_indexed = text[span["end"] :].lstrip().startswith(b"[")
+            is_same = re.sub(r"\[[^\]]*\]", "", as_written) == plain  # else it is the variable with this value
+            if is_same and "]." in as_written and is_indexed and written.count("[") < as_written.count("["):
+                yield node
 
     @cached_property
     def by_span(self) -> dict[tuple[int, int, int], list[Node]]:
@@ -117,13 +180,16 @@ class Dae:
         return nodes
 
 
-def read(class_name: str, modelica_path: Path | None = None, *, complete: bool = False) -> Dae:
+def read(
+    class_name: str, modelica_path: Path | None = None, *, others: Sequence[Path] = (), complete: bool = False
+) -> Dae:
     """Flatten and check a Modelica class.
 
     Args:
         class_name: Full name, such as `RailBraking.Plants.TwoPartTrain`.
         modelica_path: A `.mo` file, or a library's folder with its `package.mo`; RailBraking by default. It may use
             classes of RailBraking; a library declares that with `annotation(uses(RailBraking))` in its `package.mo`.
+        others: Further libraries that it may use, besides those that `used_libraries` finds.
         complete: Whether every parameter must have a value.
 
     Raises:
@@ -135,32 +201,53 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
         path = path / "package.mo"
     if not path.is_file():
         raise InputError(f"{class_name}: there is no Modelica file {path}.")
+    used = used_libraries(class_name, library_of(path), others)
+    with scratch("build") as folder:
+        used.write(folder)
+        for name in used.names:
+            require_readable(folder / name / "package.mo")
+        is_part = path.name == "package.mo" and name_of(path.parent) in used.names
+        own = folder / name_of(path.parent) / "package.mo" if is_part else path
+        return _read(class_name, own, folder if used.texts else None, complete=complete)
+
+
+def _read(class_name: str, path: Path, further: Path | None, *, complete: bool) -> Dae:
+    # `further` is the folder of all libraries besides RailBraking and that of the class.
     # rumoca reads all files in the folder of a file, so a single file has a name in a folder that does not exist.
     alias = f"single-file/{path.name}"
+    parts = [] if further is None else sorted(further.glob("*/package.mo"))
     if path.parent != LIBRARY:
         require_readable(path)
-        if has_class_extends(path):  # rumoca overflows its stack if the class uses it
-            _, sentences = _diagnosis(class_name, path, alias)
+        if any(map(has_class_extends, (path, *parts))):  # rumoca overflows its stack if the class uses it
+            _, sentences = _diagnosis(class_name, path, alias, further)
             refuse(f"{class_name} does not conform to the Modelica language", sentences)
     try:
-        with _without_cache_of_rumoca():
+        with _environment_of_rumoca():
             if path.name == "package.mo":
-                model = _session(path.parent).load(str(path), model=class_name)
+                model = _session(path.parent, further).load(str(path), model=class_name)
             else:
-                model = rumoca.Session(roots=[str(LIBRARY)]).loads(read_text(path), model=class_name, filename=alias)
+                model = _new_session(further).loads(read_text(path), model=class_name, filename=alias)
             template = model.codegen(str(FRONT)).files[0].content
             flat = _first_object(model.to_json("flat", pretty=False), "variables")
-            sources = _sources(model, "dae", path, alias)
+            sources = _sources(model, "dae", path, alias, further)
     except (rumoca.RumocaError, RuntimeError) as error:
         # `codegen` raises RuntimeError, and its message begins with the name of the template.
         message = str(error).replace(alias, str(path)).rpartition("_dae.json': ")[2]
+        message = message if further is None else message.replace(f"{further}{os.sep}", "")
         if nested := nested_arrays(message, path, class_name):
             raise TranslationError("\n".join(nested)) from error
-        cause, sentences = _diagnosis(class_name, path, alias)
+        cause, sentences = _diagnosis(class_name, path, alias, further)
         refuse(f"{class_name} does not conform to the Modelica language", sentences)
+        if sentences := limits(message, path, class_name):
+            raise TranslationError("\n".join(sentences)) from error
         message = explain(cause if message.endswith("because resolve/parse failed") and cause else message)
         hints = "".join(f"\n  {place}" for place in places(message, path, class_name))
-        raise InputError(f"{class_name} does not compile ({path}): {message}{hints}") from error
+        where = path if further is None else short(path, path, further)
+        raise InputError(f"{class_name} does not compile ({where}): {message}{hints}") from error
+    except BaseException as error:
+        if type(error).__name__ != "PanicException":  # of rumoca, no Exception, and nowhere to import from
+            raise
+        raise TranslationError(_describe_panic(str(error), path, class_name)) from error
     content = _parse_template(template)
     schema = (content["schema"]["name"], content["schema"]["version"])
     if schema != SCHEMA:
@@ -169,7 +256,9 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
             "install the version pinned in pyproject.toml."
         )
     tree = read_tree(model, class_name, sources)
-    require_strict(tree, class_name, flat)
+    protected = frozenset(name for name, variable in flat.items() if variable["is_protected"])
+    dae = Dae(class_name=class_name, content=content, protected=protected, sources=sources)
+    require_strict(tree, class_name, flat, dae.calls)
     outer = outer_variables(tree, flat)
     require_values(class_name, flat, sources, outer.keys(), complete=complete)
     impossible = connect_outer(content, outer)
@@ -178,28 +267,39 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
             f"{class_name}: the outer variable {impossible[0]} is not of the type, size or variability of the inner "
             f"{outer[impossible[0]]} (5.4)."
         )
-    protected = frozenset(name for name, variable in flat.items() if variable["is_protected"])
-    return Dae(class_name=class_name, content=content, protected=protected, sources=sources)
+    return dae
 
 
-def _sources(model: rumoca.Model, stage: str, path: Path, alias: str) -> Sources:
+def _describe_panic(message: str, path: Path, class_name: str) -> str:
+    where = short(path, path)
+    position = re.search(r"start: BytePos\((\d+)\)", message)
+    if position and path.name != "package.mo":  # a library has many files, of which the message has a number only
+        where += f":{len(path.read_bytes()[: int(position[1])].splitlines())}"
+    detail = re.search(r'detail: "([^"]*)"', message)
+    return f"{where}: {class_name}: rumoca, the front end, fails on this class: {detail[1] if detail else message}"
+
+
+def _sources(model: rumoca.Model, stage: str, path: Path, alias: str, further: Path | None) -> Sources:
     files = _first_object(model.to_json(stage, pretty=False), "source_map")["files"]
-    return {number: (short(path if name == alias else Path(name), path), text.encode()) for number, name, text in files}
+    return {
+        number: (short(path if name == alias else Path(name), path, further), text.encode())
+        for number, name, text in files
+    }
 
 
-def _diagnosis(class_name: str, path: Path, alias: str) -> tuple[str, list[str]]:
+def _diagnosis(class_name: str, path: Path, alias: str, further: Path | None) -> tuple[str, list[str]]:
     # rumoca has a syntax tree of a class that it cannot translate only if another class imports it, and names the cause
     # of some errors of syntax only then.
     name = "Class__with__an__import"
     importing = f"\nmodel {name} import {class_name}; Real x = 1; end {name};\n"
     try:
-        with _without_cache_of_rumoca():
+        with _environment_of_rumoca():
             if path.name == "package.mo":
-                session, text = rumoca.Session(roots=[str(LIBRARY), str(path.parent)]), importing
+                session, text = _new_session(further, path.parent), importing
             else:
-                session, text = rumoca.Session(roots=[str(LIBRARY)]), read_text(path) + importing
+                session, text = _new_session(further), read_text(path) + importing
             model = session.loads(text, model=name, filename=alias)
-            tree = read_tree(model, class_name, _sources(model, "dae", path, alias))
+            tree = read_tree(model, class_name, _sources(model, "dae", path, alias, further))
     except (rumoca.RumocaError, RuntimeError) as error:
         message = str(error).replace(alias, str(path)).replace(name, class_name)
         if "unresolved import" in message:
@@ -214,18 +314,21 @@ _environment = threading.Lock()
 
 
 @contextmanager
-def _without_cache_of_rumoca() -> Generator[None]:
+def _environment_of_rumoca() -> Generator[None]:
     # A damaged file in rumoca's cache aborts this process, and the cache saves less than a tenth of the time of a
-    # translation. With putenv only rumoca sees the change: Python and the processes that it starts use os.environ.
+    # translation. It would read all of the libraries of MODELICAPATH, and `used_libraries` has found the used part.
+    # With putenv only rumoca sees the change: Python and the processes that it starts use os.environ.
     with _environment:
         os.putenv(_CACHE_OF_RUMOCA, os.devnull)
+        os.unsetenv(VARIABLE)
         try:
             yield
         finally:
-            if _CACHE_OF_RUMOCA in os.environ:
-                os.putenv(_CACHE_OF_RUMOCA, os.environ[_CACHE_OF_RUMOCA])
-            else:
-                os.unsetenv(_CACHE_OF_RUMOCA)
+            for name in (_CACHE_OF_RUMOCA, VARIABLE):
+                if name in os.environ:
+                    os.putenv(name, os.environ[name])
+                else:
+                    os.unsetenv(name)
 
 
 def _parse_template(template: str) -> Node:
@@ -247,10 +350,18 @@ _last = threading.local()
 """The last session of each thread; sessions must not be shared between threads."""
 
 
-def _session(library: Path) -> rumoca.Session:
+def _session(library: Path, further: Path | None) -> rumoca.Session:
     # Reading a library takes longer than flattening most of its classes, so a session is reused while no file of the
     # library changes; it would not read a changed file again.
+    if further is not None:
+        return _new_session(further)
     key = (library, sources_digest(library))
     if getattr(_last, "key", None) != key:
-        _last.key, _last.session = key, rumoca.Session(roots=[str(LIBRARY)])
+        _last.key, _last.session = key, _new_session(None)
     return _last.session
+
+
+def _new_session(further: Path | None, *own: Path) -> rumoca.Session:
+    # One folder with all further libraries: as several roots, rumoca 0.10 does not find one from the other.
+    folders = {LIBRARY, *(() if further is None else (further,)), *(p for p in own if p.parent != further)}
+    return rumoca.Session(roots=[str(folder) for folder in sorted(folders)])

@@ -10,9 +10,9 @@ from railgrip.fmus.native.library import (
     digest,
     is_trusted,
     require_class_name,
-    sources_digest,
 )
 from railgrip.fmus.native.model import Model
+from railgrip.fmus.native.used_libraries import uses_digest
 
 
 def lower(class_name: str, modelica_path: Path | None = None) -> Model:
@@ -30,7 +30,7 @@ def lower(class_name: str, modelica_path: Path | None = None) -> Model:
     library = LIBRARY if modelica_path is None else Path(modelica_path)
     if not library.exists():
         lower_here(class_name, library)  # raises the error for a missing file, before anything reads it
-    key, name = digest([class_name, sources_digest(library), compiler_digest()]), f"{class_name}.json"
+    key, name = digest([class_name, uses_digest(library, (), class_name), compiler_digest()]), f"{class_name}.json"
     file = cache.find("models", key, name)
     if file is None:
         if is_trusted(library):

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import rumoca
@@ -9,6 +10,7 @@ import rumoca
 from railgrip.base.errors import InputError
 from railgrip.base.files import read_bytes
 from railgrip.fmus.native.classes import KINDS
+from railgrip.fmus.native.library import LIBRARY
 
 _MAXIMUM_PLACES = 3
 """Maximum number of places in a message."""
@@ -112,13 +114,15 @@ def _within(file: Path, path: Path, text: str) -> str | None:
     clause = "".join((found[1] or "").split()) if found else ""
     folder = file.parent.parent if file.name == "package.mo" else file.parent
     base = path.parent.parent
-    required = ".".join(folder.relative_to(base).parts) if path.name == "package.mo" else ""
+    # The folder of a library may have its version in its name.
+    names = [part.partition(" ")[0] for part in folder.relative_to(base).parts] if path.name == "package.mo" else []
+    required = ".".join(names)
     line = code.count("\n", 0, found.start(1)) + 1 if found and found[1] else 1
     if path.name == "package.mo" and clause != required:
         what = f"`within {clause};`" if clause else "no `within`"
         return f"{line}: the file has {what}, but its folder requires `within {required};` (13.4)"
     if path.name == "package.mo":
-        name = file.parent.name if file.name == "package.mo" else file.stem
+        name = file.parent.name.partition(" ")[0] if file.name == "package.mo" else file.stem
         declared = re.search(rf"\b(?:{KINDS})\s+(?:extends\s+)?(\w+)", code)
         if declared and declared[1] != name:
             line = code.count("\n", 0, declared.start()) + 1
@@ -170,6 +174,219 @@ def nested_arrays(message: str, path: Path, class_name: str) -> tuple[str, ...]:
                     not_in_comprehension.append(every[-1])
     # A comprehension fails only inside a for equation, so it is reported only if nothing else can be the cause.
     return tuple((not_in_comprehension or every)[:_MAXIMUM_PLACES])
+
+
+@dataclass(frozen=True, slots=True)
+class _Limit:
+    """A failure of the front end whose message has neither file nor line nor words of the Modelica language.
+
+    Attributes:
+        message: Pattern of its message; group `function` is the name of a function, `operator` that of an operator.
+        source: Pattern of what causes it; `{operator}` stands for that group. If empty, the statement is searched for.
+        sentence: What is not supported, and what to write instead.
+    """
+
+    message: str
+    source: str
+    sentence: str
+
+
+_FIXED_LOOP = "write a for loop with a fixed range and put its statements into an if statement"
+_LIMITS = (
+    _Limit(
+        r"`function statement`: `(?P<function>[\w.]+)`",
+        r"(?<!end )\bwhile\b",
+        f"a while loop whose number of repetitions is not known at build time is not supported; {_FIXED_LOOP}",
+    ),
+    _Limit(
+        r"`function loop reduction`: `(?P<function>[\w.]+)`",
+        r"\bbreak\b|(?<!end )\bwhile\b",
+        f"break, or a while loop that does not count, is not supported; {_FIXED_LOOP}",
+    ),
+    _Limit(
+        r"`function return`",
+        r"\breturn\b",
+        "return inside a loop is not supported; keep the result in a variable and put the later statements into an "
+        "if statement",
+    ),
+    _Limit(
+        r"`function loop domain`: `(?P<function>[\w.]+)`",
+        r"\bfor\b[^;]*?\bin\b",
+        "the range of this for loop must be Integer numbers that are known at build time; for the elements of an array "
+        "v write `for i in 1:size(v, 1)` and v[i]",
+    ),
+    _Limit(
+        r"for-equation range must be a constant range",
+        r"\bfor\b[^;]*?\bin\s*(?!\d+\s*:)\S",
+        "the range of this for must be Integer numbers that are known at build time; for the elements of an array v "
+        "write `for i in 1:size(v, 1)` and v[i]",
+    ),
+    _Limit(
+        r"multi-output algorithm|unsupported model algorithm",
+        r"\balgorithm\b",
+        "this algorithm section of a model is not supported; write equations, or a function with the algorithm",
+    ),
+    _Limit(
+        r"missing source scope for imports",
+        r"\(\s*,|,\s*[,)]\s*=",
+        "an output of a function that is left out in front of others is not supported; assign it to a variable",
+    ),
+    _Limit(
+        r"`function shape proof`",
+        "",
+        "the sizes of an argument differ from those that the function declares",
+    ),
+    _Limit(
+        r"missing function value definition",
+        r"\bprotected\b",
+        "a variable of a function is used before it has a value; assign it a value first",
+    ),
+    _Limit(
+        r"unsupported runtime operator `(?P<operator>\w+)`|unsupported operator `(?P<operator2>\w+)`",
+        r"\b{operator}\s*\(",
+        "{operator} is not supported here with these arguments; write its value or its formula",
+    ),
+    _Limit(
+        r"expression shape mismatch",
+        "",
+        "the sizes of the arrays do not fit (10.6), or this array constructor has several iterators, instead of which "
+        "nested constructors are supported",
+    ),
+    _Limit(
+        r"expression type mismatch: expected (?P<operator>\w+)",
+        "",
+        "the types do not fit, {operator} is expected; write real numbers with a decimal point",
+    ),
+    _Limit(
+        r"`empty array`",
+        "",
+        "an empty array in this place, or an iterator without a range, is not supported; write the range",
+    ),
+    _Limit(
+        r"equality comparison on Real values",
+        "",
+        "Real values are compared by == or <> outside functions, which the language does not allow (3.5)",
+    ),
+    _Limit(r"invalid array subscript", "", "subscripts are Integers or ranges of Integers"),
+    _Limit(r"array extent must be", "", "sizes are whole numbers that are known at build time"),
+    _Limit(
+        r"failed in (?:ToDae|Flatten): (?!unbalanced|.*:\d+:\d+)",
+        "",
+        "the built-in compiler does not support this form",
+    ),
+)
+
+
+def limits(message: str, path: Path, class_name: str) -> tuple[str, ...]:
+    """Return sentences with file and line for failures of the front end on valid or invalid forms that it cannot name.
+
+    Args:
+        message: Message of the front end.
+        path: See `places`.
+        class_name: Name of the class to translate.
+    """
+    if re.search(r":\d+:\d+\]", message):
+        return ()
+    for limit in _LIMITS:
+        match = re.search(limit.message, message)
+        if match is None:
+            continue
+        groups = match.groupdict()
+        operator = groups.get("operator") or groups.get("operator2") or ""
+        sentence = limit.sentence.format(operator=operator)
+        texts = _texts(path)
+        found = list(_statements(limit.source.replace("{operator}", operator), groups.get("function"), texts))
+        if not found and path.name != "package.mo":
+            (name, text), *_ = texts.items()
+            found = _culprits(name, text, class_name, message)
+        if not found:
+            declaration = rf"\b(?:model|block|class)\s+{class_name.rpartition('.')[2]}\b"
+            found = list(_statements(declaration, None, texts))[:1]
+            sentence += "; the place is in this class or one that it uses"
+        return tuple(f"{place}: {class_name}: {sentence}: {line}" for place, line in found[:_MAXIMUM_PLACES])
+    return ()
+
+
+def _statements(source: str, function: str | None, texts: dict[str, str]) -> Iterator[tuple[str, str]]:
+    if not source:
+        return
+    for name, text in texts.items():
+        begin, end = 0, len(text)
+        if function:
+            short_name = function.rpartition(".")[2]
+            declared = re.search(rf"\bfunction\s+{short_name}\b.*?\bend\s+{short_name}\s*;", text, re.DOTALL)
+            if declared is None:
+                continue
+            begin, end = declared.span()
+        for match in re.compile(source, re.MULTILINE).finditer(_without_comments(text), begin, end):
+            yield _line_at(name, text, match.start())
+
+
+def _line_at(name: str, text: str, position: int) -> tuple[str, str]:
+    number = text.count("\n", 0, position) + 1
+    line = text.splitlines()[number - 1].strip()
+    return f"{name}:{number}", line if len(line) <= _LONGEST else f"{line[:_LONGEST]} …"
+
+
+def _without_comments(text: str) -> str:
+    # Comments and strings become spaces, so that positions stay the same.
+    return re.sub(
+        r"""//[^\n]*|/\*.*?\*/|"(?:[^"\\]|\\.)*\"""", lambda m: re.sub(r"[^\n]", " ", m[0]), text, flags=re.DOTALL
+    )
+
+
+_LONGEST = 100
+"""Maximum number of characters of a line in a message."""
+
+_MOST_TRIALS = 300
+"""Maximum number of statements that are left out in turn; each trial takes milliseconds."""
+_BEFORE_STATEMENT = re.compile(
+    r"\s*(?:(?:initial\s+)?(?:equation|algorithm)\b|(?:public|protected|then|else|loop|end)\b"
+    r"|(?:model|block|class|package|function)\s+\w+)?\s*"
+)
+
+
+def _ends(plain: str) -> Iterator[int]:
+    # Places of the semicolons that end statements, not rows of matrices.
+    depth = 0
+    for k, c in enumerate(plain):
+        depth += (c == "[") - (c == "]")
+        if c == ";" and not depth:
+            yield k
+
+
+def _culprits(name: str, text: str, class_name: str, message: str) -> list[tuple[str, str]]:
+    """Return the statements of a single file without which the front end does not fail in this way."""
+    plain, start = _without_comments(text), 0
+    stage, cause = message.partition(": ")[0], message.rpartition(": ")[2]
+    roots = [str(LIBRARY)] if "RailBraking" in text else []
+    statements: list[tuple[int, int]] = []
+    for end in _ends(plain):
+        before = _BEFORE_STATEMENT.match(plain, start)
+        statements.append((before.end() if before else start, end))
+        start = end + 1
+
+    def is_needed(begin: int, end: int, instead: str) -> bool:
+        try:
+            without = text[:begin] + instead + text[end:]
+            rumoca.Session(roots=roots).loads(without, model=class_name, filename=name)
+        except (rumoca.RumocaError, RuntimeError) as error:
+            # An error of an earlier stage, or too few equations, shows that the rest of the text needs the statement.
+            outcome = str(error)
+            if "could not be compiled" in stage:
+                return False
+            return outcome.startswith(stage) and "unbalanced model" not in outcome and not outcome.endswith(cause)
+        return True
+
+    found: list[tuple[str, str]] = []
+    for begin, end in statements[:_MOST_TRIALS]:
+        # A right side is replaced by the left one, which has the same type and sizes.
+        equals = re.compile(r"(?<![<>=]):?=(?!=)").search(plain, begin, end)
+        sides = [] if equals is None else [text[begin : equals.start()]]
+        sides += re.findall(r"\b(\w+)\s*(?:\[[^\]]*\]\s*)?(?:\(.*\)\s*)?$", sides[0], re.DOTALL) if sides else []
+        if equals and any(is_needed(equals.end(), end, f" {side} ") for side in sides):
+            found.append(_line_at(name, text, begin))
+    return found
 
 
 def _undeclared_use(path: Path, texts: dict[str, str]) -> Iterator[str]:
@@ -232,10 +449,12 @@ def require_readable(path: Path) -> None:
                 raise InputError(f"{file}:{line}: more than {_DEEPEST} nested brackets; declare parts as variables.")
 
 
-def short(file: Path, path: Path) -> str:
+def short(file: Path, path: Path, further: Path | None = None) -> str:
     """Return a file's path relative to the folder of the library of `path`, so that it is the same on every machine.
 
-    The path of a file elsewhere is returned unchanged.
+    The path of a file in the folder `further` is relative to that, and any other path is returned unchanged.
     """
+    if further is not None and file.is_relative_to(further):
+        return file.relative_to(further).as_posix()
     base = path.parents[2] if path.name == "package.mo" and len(path.parents) > 2 else path.parent
     return file.relative_to(base).as_posix() if file.is_relative_to(base) else file.as_posix()

@@ -1,9 +1,12 @@
 """DAE expressions to arrays of CasADi expressions: operators, indexing, functions, comprehensions."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Generator, Hashable, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
 from railgrip.fmus.native.arrays import (
@@ -13,13 +16,17 @@ from railgrip.fmus.native.arrays import (
     SX,
     UNARY,
     Array,
+    ShapeError,
     array,
     as_array,
     choose,
+    each,
     integer,
     is_number,
+    require,
 )
 from railgrip.fmus.native.dae import Binding, Dae, Node
+from railgrip.fmus.native.domains import Evaluation, Requirement, both, conditional_requirements, extended, requirements
 
 # Kind of a reference → kind of the symbols, where they differ. During an event a state has its value before reinit.
 STORE = {
@@ -31,6 +38,9 @@ STORE = {
     "output": "algebraic",
 }
 
+Subscript = list[int] | int | SX
+"""Places from zero, one place, or an index from one that is known at run time only."""
+
 Site = tuple[int, tuple[tuple[tuple[int, int], int], ...]]
 """One scalar occurrence of an expression: its id and the values of loop variables."""
 
@@ -40,6 +50,12 @@ def site(expression: int, binding: Binding) -> Site:
     return expression, tuple(sorted(binding.items()))
 
 
+_BUILTIN_IN_LIBRARIES = frozenset(
+    ["sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "log10"]
+)
+"""Functions with language "builtin" in the Modelica Standard Library; none of them triggers events."""
+
+
 @dataclass
 class Frame:
     """Scope of an expression besides model variables.
@@ -47,18 +63,25 @@ class Frame:
     Attributes:
         binding: Values of loop variables.
         function: The function being evaluated, if any, with its arguments and definitions.
-        memo: Values already computed in this frame, by expression or call.
+        memo: Values already computed in this frame, by expression, and frames of calls.
     """
 
     binding: Binding = field(default_factory=dict)
     function: Node | None = None
     arguments: list[Array] = field(default_factory=list)
-    definitions: dict[int, Array] = field(default_factory=dict)
+    definitions: "dict[Any, tuple[Array, Evaluation]]" = field(default_factory=dict)
     memo: dict[Any, Any] = field(default_factory=dict)
 
     def at(self, point: Binding) -> "Frame":
         """Return this frame with further loop variables."""
         return Frame({**self.binding, **point}, self.function, self.arguments, dict(self.definitions))
+
+
+def _element(a: Array, axis: int, place: int) -> Array:
+    # Without that place, not a number: the requirement of the index is violated wherever it is used.
+    if 0 <= place < a.shape[axis]:
+        return as_array(np.take(a, place, axis))
+    return array([SX(np.nan)] * int(np.prod(a.shape) // max(a.shape[axis], 1)), a.shape[:axis] + a.shape[axis + 1 :])
 
 
 class ExpressionBuilder:
@@ -68,6 +91,8 @@ class ExpressionBuilder:
         symbols: (store, variable id) → symbols of the variable.
         relations: Occurrences of relations that are constant between events → their memory symbols.
         conditions: DAE condition id → its expression; set after the conditions are known.
+        required: When its requirements must hold (running, start, event, or watched: also between events if they have a
+            meaning there) → evaluation of all expressions built.
     """
 
     def __init__(self, dae: Dae, symbols: Mapping[tuple[str, int], Array], time: SX) -> None:
@@ -75,6 +100,64 @@ class ExpressionBuilder:
         self.dae, self.symbols, self.time = dae, symbols, time
         self.relations: dict[Site, SX] = {}
         self.conditions: Any = None
+        self.required = {when: Evaluation() for when in ("running", "watched", "start", "event")}
+        self._top = Frame()
+        self._user, self._only_if = self.required["running"], None
+        self._calls: list[str] = []
+        self._is_guarded = False  # by a relation that keeps its value until an event
+
+    @contextmanager
+    def during(self, when: str, only_if: SX | None = None) -> Generator[None]:
+        """Require what is built inside at a time (a key of `required`, or "never") and under a condition only."""
+        with self._used_by(self.required.get(when, Evaluation()), only_if):
+            yield
+
+    @contextmanager
+    def for_relations(self) -> Generator[None]:
+        """Require nothing of what is built inside: that depends on the use of the relations and on its guards."""
+        was_guarded, self._is_guarded = self._is_guarded, True
+        with self.during("never"):
+            yield
+        self._is_guarded = was_guarded
+
+    @contextmanager
+    def under(self, condition: SX | None) -> Generator[None]:
+        """Require what is built inside under a further condition."""
+        with self._used_by(self._user, both(self._only_if, condition)):
+            yield
+
+    @contextmanager
+    def _used_by(self, user: Evaluation, only_if: SX | None) -> Generator[None]:
+        before = self._user, self._only_if
+        self._user, self._only_if = user, only_if
+        try:
+            yield
+        finally:
+            self._user, self._only_if = before
+
+    def _once(self, memo: dict[Any, Any], key: Hashable, compute: Callable[[], Array]) -> Array:
+        # Each evaluation is kept with its requirements, because another user may need it under another condition.
+        if key not in memo:
+            evaluation = Evaluation()
+            with self._used_by(evaluation, None):
+                value = compute()
+            memo[key] = value, evaluation
+        value, evaluation = memo[key]
+        if evaluation:
+            self._user.uses.append((evaluation, self._only_if))
+        return value
+
+    def requirements(self) -> list[tuple[str, Requirement]]:
+        """Return all requirements with the time when they must hold, without repetitions."""
+        found: dict[tuple[Any, ...], tuple[str, Requirement]] = {}
+        for when, root in self.required.items():
+            for r in conditional_requirements(root):
+                found.setdefault((when, r.where, r.sentence, r.holds.element_hash()), (when, r))
+        return list(found.values())
+
+    def know(self, numbers: Mapping[tuple[str, int], Array]) -> None:
+        """Replace these symbols by their values from now on."""
+        self.symbols = {**self.symbols, **numbers}
         self._top = Frame()
 
     def remember(self, relations: dict[Site, SX]) -> None:
@@ -95,10 +178,12 @@ class ExpressionBuilder:
         # each point.
         if frame.function is None and not self.relations and self.dae.expressions[expression]["binder_domain"] is None:
             frame = self._top
-        if expression not in frame.memo:
-            memory = self.relations.get(site(expression, frame.binding)) if frame.function is None else None
-            frame.memo[expression] = array([memory]) if memory is not None else self._compute(expression, frame)
-        return frame.memo[expression]
+        return self._once(frame.memo, expression, lambda: self._new_value(expression, frame))
+
+    def _new_value(self, expression: int, frame: Frame) -> Array:
+        memory = self.relations.get(site(expression, frame.binding)) if frame.function is None else None
+        value = self._compute(expression, frame)  # for its requirements, even if its value is the memory
+        return value if memory is None else array([memory])
 
     def _compute(self, expression: int, frame: Frame) -> Array:
         # A node of kind K is evaluated by the method _K(operation, node, frame).
@@ -107,7 +192,16 @@ class ExpressionBuilder:
         method = getattr(self, f"_{operation['kind']}", None)
         if method is None:
             raise self._refusal(f"expression of kind {operation['kind']}", node)
-        return method(operation, node, frame)
+        try:
+            return method(operation, node, frame)
+        except ShapeError as error:
+            raise self.dae.refuse(f"{self.dae.text(node['provenance'])}: {error}", node["provenance"]) from error
+        except (TypeError, IndexError, NotImplementedError, RuntimeError, ZeroDivisionError) as error:
+            raise self._refusal("this form of an expression", node) from error
+
+    def _require(self, name: str, operands: tuple[Array, ...], node: Node) -> None:
+        place = node["provenance"]
+        self._user.requirements += requirements(name, operands, self.dae.text(place), self.dae.where(place))
 
     def _refusal(self, construct: str, node: Node) -> Exception:
         text = self.dae.text(node["provenance"])
@@ -142,18 +236,49 @@ class ExpressionBuilder:
         apply = BINARY.get(operation["operator"])
         if apply is None:
             raise self._refusal(f"operator {operation['operator']}", node)
-        return apply(self._value(operation["lhs"], frame), self._value(operation["rhs"], frame))
+        name, left = operation["operator"], self._value(operation["lhs"], frame)
+        # The second operand of `and` and `or` may be guarded by the first (3.3).
+        decided = left.item() if name in ("and", "or") and left.ndim == 0 else None
+        with self.under(ca.logic_not(decided) if name == "or" and decided is not None else decided):
+            right = self._value(operation["rhs"], frame)
+        value = apply(*(extended(name, (left, right)) if self._is_guarded else (left, right)))
+        if not (name == "power" and left.ndim):  # the power of a matrix consists of products
+            self._require(name, (left, right), node)
+        return value
 
     def _conditional(self, operation: Node, node: Node, frame: Frame) -> Array:
-        *pairs, last = (self._value(operand, frame) for operand in operation["operands"])
-        out = last
-        for condition, value in reversed(list(zip(pairs[::2], pairs[1::2], strict=True))):
-            test = condition.item()
+        *pairs, last = operation["operands"]
+        chosen: list[tuple[SX, Array]] = []
+        was_guarded = self._is_guarded
+        before: SX | None = None  # all earlier conditions are false
+        for condition, branch in zip(pairs[::2], pairs[1::2], strict=True):
+            with self.under(before):
+                test = self._value(condition, frame).item()
+            if is_number(test):
+                if float(test):
+                    last = branch
+                    break
+                continue
+            self._is_guarded |= self._keeps_value(test)
+            with self.under(both(before, test)):
+                chosen.append((test, self._value(branch, frame)))
+            before = both(before, ca.logic_not(test))
+        with self.under(before):
+            out = self._value(last, frame)
+        self._is_guarded = was_guarded
+        require(all(value.shape == out.shape for _, value in chosen), "the branches have different sizes (3.6.5)")
+        for test, value in reversed(chosen):
             out = as_array(np.frompyfunc(lambda yes, no, test=test: choose(test, yes, no), 2, 1)(value, out))
         return out
 
+    def _keeps_value(self, condition: SX) -> bool:
+        memory = {s.name() for s in self.relations.values()}
+        return bool(memory) and any(s.name() in memory for s in ca.symvar(condition))
+
     def _array(self, operation: Node, node: Node, frame: Frame) -> Array:
-        return np.stack([self._value(element, frame) for element in operation["elements"]]).astype(object)
+        elements = [self._value(element, frame) for element in operation["elements"]]
+        require(len({e.shape for e in elements}) == 1, "the elements of an array have equal sizes (10.4)")
+        return np.stack(elements).astype(object)
 
     def _range(self, operation: Node, node: Node, frame: Frame) -> Array:
         first, step, last = (
@@ -169,39 +294,73 @@ class ExpressionBuilder:
             return array([], self.dae.extents(operation["domain"]))
         return np.stack(values).astype(object).reshape(self.dae.extents(operation["domain"]) + values[0].shape)
 
-    def _subscripts(self, base: Array, operation: Node, node: Node, frame: Frame) -> tuple[Any, ...] | SX:
-        # Indices from zero if they are numbers, else Modelica's index of a vector, from one.
-        places: list[Any] = []
-        for subscript in operation["subscripts"]:
+    def _subscripts(self, base: Array, operation: Node, node: Node, frame: Frame) -> list["Subscript"]:
+        found: list[Subscript] = []
+        subscripts = operation["subscripts"]
+        require(len(subscripts) <= base.ndim, f"{len(subscripts)} subscripts for {base.ndim} dimensions (10.5)")
+        for axis, subscript in enumerate(subscripts):
+            size = base.shape[axis]
             if subscript["kind"] == "whole":
-                places.append(slice(None))
+                found.append(list(range(size)))
                 continue
             value = self._value(subscript["expression"], frame)
-            if not all(is_number(v) for v in value.flat):
-                if len(operation["subscripts"]) == 1 and value.ndim == 0 and base.ndim == 1:
-                    return value.item()
-                raise self._refusal("a matrix subscript that is only known at run time", node)
-            places.append([integer(v) - 1 for v in value.flat] if value.ndim else integer(value.item()) - 1)
-        return tuple(places)
+            for v in value.flat:
+                self._require_index(v, size, axis, node)
+            if all(is_number(v) for v in value.flat):
+                places = [integer(v) - 1 for v in value.flat]
+                found.append(places if value.ndim else places[0])
+            elif value.ndim == 0:
+                found.append(value.item())
+            else:
+                raise self._refusal("a vector of subscripts that is only known at run time", node)
+        return [*found, *(list(range(size)) for size in base.shape[len(found) :])]
+
+    def _require_index(self, index: SX, size: int, axis: int, node: Node) -> None:
+        inside = SX(ca.logic_and(index >= 1, index <= size))
+        if not (is_number(inside) and float(inside)):
+            text, where = self.dae.text(node["provenance"], subscripts=True), self.dae.where(node["provenance"])
+            sentence = f"{text}: subscript {axis + 1} must be from 1 to {size}, but it is "
+            self._user.requirements.append(Requirement(inside, sentence, SX(index), where))
 
     def _index(self, operation: Node, node: Node, frame: Frame) -> Array:
-        base = self._value(operation["base"], frame)
-        places = self._subscripts(base, operation, node, frame)
-        if isinstance(places, tuple):
-            return as_array(base[places])
-        # Beyond the bounds the nearest element is selected, because the C code cannot raise an error here.
-        out = base[0]
-        for j in range(1, len(base)):
-            out = choose(places >= j + 0.5, base[j], out)
-        return array([out])
+        out = self._value(operation["base"], frame)
+        subscripts = self._subscripts(out, operation, node, frame)
+        for axis, subscript in reversed(list(enumerate(subscripts))):
+            if isinstance(subscript, list):
+                parts = [_element(out, axis, place) for place in subscript]
+                out = np.stack(parts, axis) if parts else np.take(out, [], axis)
+            elif isinstance(subscript, int):
+                out = _element(out, axis, subscript)
+            else:
+                value = _element(out, axis, 0)
+                for place in range(1, out.shape[axis]):
+                    value = each(partial(choose, subscript >= place + 0.5), 2)(_element(out, axis, place), value)
+                inside = ca.logic_and(subscript >= 0.5, subscript <= out.shape[axis] + 0.5)
+                out = each(lambda v, inside=inside: choose(inside, v, SX(np.nan)))(value)
+        return out
 
     def _array_update(self, operation: Node, node: Node, frame: Frame) -> Array:
         base = self._value(operation["base"], frame).copy()
-        places = self._subscripts(base, operation, node, frame)
+        subscripts = self._subscripts(base, operation, node, frame)
         value = self._value(operation["value"], frame)
-        if not isinstance(places, tuple):
-            return array([choose(places == j + 1, value.item(), base[j]) for j in range(len(base))], base.shape)
-        base[places] = value.item() if value.ndim == 0 else value
+        slices = [axis for axis, subscript in enumerate(subscripts) if isinstance(subscript, list)]
+        shape = tuple(len(subscripts[axis]) for axis in slices)
+        require(
+            value.shape == shape, f"an array of sizes {value.shape} is assigned to elements of sizes {shape} (11.2)"
+        )
+        every = [
+            s if isinstance(s, list) else [s] if isinstance(s, int) else list(range(n))
+            for s, n in zip(subscripts, base.shape, strict=True)
+        ]
+        for number in np.ndindex(*map(len, every)):
+            place = tuple(places[k] for places, k in zip(every, number, strict=True))
+            if not all(0 <= k < n for k, n in zip(place, base.shape, strict=True)):
+                continue  # its requirement is violated
+            element = value[tuple(number[axis] for axis in slices)] if slices else value.item()
+            for subscript, k in zip(subscripts, place, strict=True):
+                if isinstance(subscript, SX):
+                    element = choose(subscript == k + 1, element, base[place])
+            base[place] = element
         return base
 
     def _builtin(self, operation: Node, node: Node, frame: Frame) -> Array:
@@ -209,23 +368,49 @@ class ExpressionBuilder:
         apply = ELEMENTWISE.get(name) or SHAPED.get(name)
         if apply is None:
             raise self._refusal(f"built-in operator {name}", node)
-        return apply(*(self._value(argument, frame) for argument in operation["arguments"]))
+        arguments = tuple(self._value(argument, frame) for argument in operation["arguments"])
+        self._require(name, arguments, node)
+        return apply(*(extended(name, arguments) if self._is_guarded else arguments))
 
     def _call(self, operation: Node, node: Node, frame: Frame) -> Array:
         function = self.dae.functions[operation["function"]]
         if function["external"]:
-            raise self._refusal(f"external function {function['name']}", node)
+            return self._external(function, operation, node, frame)
         for statement in function["statements"]:
             if statement["kind"] == "assertion":
+                if not self.dae.text(statement["provenance"]).startswith("assert"):
+                    raise self.dae.refuse(
+                        f"an output of function {function['name']} is not assigned in every case; assign it a value at "
+                        f"the beginning: {self.dae.text(statement['provenance'])}",
+                        statement["provenance"],
+                    )
                 raise self.dae.refuse(
                     f"an assert inside function {function['name']} is not supported; assert in the model that calls it",
                     statement["provenance"],
                 )
         key = ("call", operation["function"], tuple(operation["arguments"]))
         if key not in frame.memo:
-            arguments = [self._value(argument, frame) for argument in operation["arguments"]]
-            frame.memo[key] = Frame(function=function, arguments=arguments)
-        return self._definition(function["results"][operation["output"]], frame.memo[key])
+            if function["name"] in self._calls:
+                raise self._refusal(f"the recursive function {function['name']}", node)
+            frame.memo[key] = Frame(function=function, arguments=[])
+        inside = frame.memo[key]
+        inside.arguments = [self._value(argument, frame) for argument in operation["arguments"]]
+        self._calls.append(function["name"])
+        try:
+            return self._definition(function["results"][operation["output"]], inside)
+        finally:
+            self._calls.pop()
+
+    def _external(self, function: Node, operation: Node, node: Node, frame: Frame) -> Array:
+        # Section 12.9: language "builtin" calls the function of the Modelica language, as in Modelica.Math.sin.
+        external = function["external"]
+        expressions = [argument.get("input") for argument in external["arguments"]]
+        is_builtin = external["language"] == "builtin" and external["symbol"] in _BUILTIN_IN_LIBRARIES
+        if not is_builtin or None in expressions or external["result"] != 0:
+            raise self._refusal(f"external function {function['name']}", node)
+        values = [self._value(argument, frame) for argument in operation["arguments"]]
+        call = {"builtin": external["symbol"], "arguments": expressions}
+        return self._builtin(call, node, Frame(function=function, arguments=values))
 
     def _function_value(self, operation: Node, node: Node, frame: Frame) -> Array:
         return self._definition(operation["definition"], frame)
@@ -234,22 +419,36 @@ class ExpressionBuilder:
     _function_fold_output = _function_value
 
     def _definition(self, number: int, frame: Frame) -> Array:
-        if number in frame.definitions:
-            return frame.definitions[number]
+        self._define(number, frame)
+        return self._once(frame.definitions, number, lambda: array([]))  # it is defined now, and used here
+
+    def _define(self, number: int, frame: Frame) -> None:
         function = frame.function
         assert function is not None
+        if number in frame.definitions:
+            return
         # A fold is a for loop: from its initial definitions, each step computes the parameters of the next.
         for fold in function["folds"]:
             if number in fold["output_definitions"]:
-                current = [self._definition(k, frame) for k in fold["initial_definitions"]]
+                current = self._definitions(fold["initial_definitions"], frame)
                 for point in self.dae.iterate(fold["domain"]):
                     step = frame.at(point)
                     step.definitions.update(zip(fold["parameter_definitions"], current, strict=True))
-                    current = [self._definition(k, step) for k in fold["update_definitions"]]
+                    current = self._definitions(fold["update_definitions"], step)
                 frame.definitions.update(zip(fold["output_definitions"], current, strict=True))
-                return frame.definitions[number]
+                return
+        with self.during("never"):
+            self._once(frame.definitions, number, lambda: self._assigned(number, frame, function))
+
+    def _definitions(self, numbers: list[int], frame: Frame) -> "list[tuple[Array, Evaluation]]":
+        with self.during("never"):
+            for number in numbers:
+                self._define(number, frame)
+        return [frame.definitions[number] for number in numbers]
+
+    def _assigned(self, number: int, frame: Frame, function: Node) -> Array:
         definition = function["definitions"][number]
         value = self._value(definition["rhs"], frame)
         shape = self.dae.shape(function["values"][definition["target"]]["value_type"])
-        frame.definitions[number] = value if value.shape == shape else np.broadcast_to(value, shape)
-        return frame.definitions[number]
+        require(value.shape == shape or not value.ndim, f"sizes {value.shape} are assigned to sizes {shape} (11.2)")
+        return value if value.shape == shape else np.broadcast_to(value, shape)

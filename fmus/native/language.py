@@ -2,7 +2,7 @@
 
 Section numbers are those of the Modelica Language Specification, version 3.6. Rules that rumoca 0.10 enforces itself
 are not repeated here; tests/fmus/test_strict_modelica.py lists them. This module has the rules of declarations; `names`
-has those of expressions, and `connections` those of connect equations.
+has those of expressions, `connections` those of connect equations, and `namesakes` names that rumoca confuses.
 """
 
 import re
@@ -13,7 +13,7 @@ from itertools import chain
 from typing import Any
 
 from railgrip.base.errors import TranslationError
-from railgrip.fmus.native import connections, names
+from railgrip.fmus.native import connections, names, namesakes
 from railgrip.fmus.native.classes import (
     KINDS,
     SIMPLE,
@@ -45,6 +45,11 @@ _CLASS_EXTENDS = (
     "`{0} extends {1}` is not supported by the built-in compiler (7.3.1); write a class of another name that extends "
     "the inherited {1}, and redeclare {1} as that class in the extends clause"
 )
+_FUNCTIONS = re.compile(  # section 3.7
+    r"abs|sign|sqrt|div|mod|rem|ceil|floor|integer|sin|cos|tan|asin|acos|atan|atan2|sinh|cosh|tanh|exp|"
+    r"log|log10|delay|cardinality|homotopy|min|max|sum|product|size|ndims|scalar|vector|matrix|transpose|"
+    r"outerProduct|symmetric|cross|skew|identity|diagonal|zeros|ones|fill|linspace|cat|noEvent|smooth"
+)
 _MAXIMUM_FINDINGS = 3
 """Maximum number of findings in a message."""
 
@@ -57,17 +62,29 @@ def findings(tree: Tree, class_name: str, flat: Mapping[str, Node]) -> list[str]
         class_name: Full name of the class.
         flat: Variables of the flat class by name; empty if it could not be flattened.
     """
-    every = chain(_Checker(tree, class_name).findings(), names.findings(tree), connections.findings(tree, flat))
+    every = chain(
+        _Checker(tree, class_name).findings(),
+        names.findings(tree),
+        connections.findings(tree, flat),
+        namesakes.findings(tree),
+    )
     return list(dict.fromkeys(every))
 
 
-def require_strict(tree: Tree, class_name: str, flat: Mapping[str, Node]) -> None:
-    """Raise an error for constructs that Modelica compilers interpret differently; for the arguments see `findings`.
+def require_strict(tree: Tree, class_name: str, flat: Mapping[str, Node], calls: Iterable[namesakes.Call] = ()) -> None:
+    """Raise an error for constructs that Modelica compilers interpret differently, or rumoca confuses.
+
+    Args:
+        tree: See `findings`.
+        class_name: See `findings`.
+        flat: See `findings`.
+        calls: Calls of functions in the flat class.
 
     Raises:
         TranslationError: The class has such constructs; the message lists them with file and line.
     """
     refuse(f"{class_name} does not conform to the Modelica language", findings(tree, class_name, flat))
+    refuse(f"{class_name} would call the wrong function", namesakes.confused_calls(tree, calls))
 
 
 def require_values(
@@ -134,7 +151,9 @@ class _Checker:
         top = self.tree.by_name.get(self.class_name)
         if top is not None:
             yield from self._lost_modifiers(top.definition, top.short_name, top, ())
+        yield from self._renamed_functions()
         for class_ in self.tree.every:
+            yield from self._built_in_name(class_)
             yield from self._class_extends(class_)
             yield from self._imports(class_)
             yield from self._enumeration(class_)
@@ -143,6 +162,31 @@ class _Checker:
                 yield from self._component(class_, name, node)
             for inner in class_.classes.values():
                 yield from self._local_class(class_, inner)
+
+    def _built_in_name(self, class_: Class) -> Iterator[str]:
+        name = class_.short_name
+        if not _FUNCTIONS.fullmatch(name) or class_.kind != "function":
+            return
+        place = class_.definition["location"]
+        _, content = self.tree.sources.get(place["source"], ("", b""))
+        text = content[place["start"] : place["end"]].decode(errors="replace")
+        if not re.search(rf'\bexternal\s+"builtin"\s+\w+\s*=\s*{name}\s*\(', text):
+            yield self._locate(
+                class_.definition,
+                f"the function {class_.name} has the name of a built-in one, which the built-in compiler calls instead "
+                "(5.3.1); choose another name",
+            )
+
+    def _renamed_functions(self) -> Iterator[str]:
+        for file, content in self.tree.sources.values():
+            text = content.decode(errors="replace")
+            for match in re.finditer(r"\bimport\s+(\w+)\s*=\s*([\w.]+)", text):
+                if _FUNCTIONS.fullmatch(match[1]) and match[2] != f"Modelica.Math.{match[1]}":
+                    line = text.count("\n", 0, match.start()) + 1
+                    yield (
+                        f"{file}:{line}: the import {match[1]} has the name of a built-in function, which the built-in "
+                        "compiler calls instead (5.3.1); choose another name"
+                    )
 
     def _bases(self, class_: Class) -> Iterator[str]:
         inherited: dict[str, Element] = {}

@@ -15,6 +15,8 @@ from railgrip.base.files import LARGEST_TABLE, read_bytes
 # Resolved, because rumoca treats a library that it finds by two paths as two libraries.
 MODELICA = (Path(__file__).parents[2] / "modelica").resolve()
 LIBRARY = MODELICA / "RailBraking"
+LARGEST_WHOLE = 1 << 20
+"""Largest size of a library [bytes] that the front end reads as a whole; it takes about a second for this size."""
 
 
 def require_class_name(name: str) -> None:
@@ -39,17 +41,23 @@ def library_digest(library: Path) -> str:
     """Return a digest over the names and contents of a library's Modelica files, or of one file."""
     if not library.is_dir():
         return hashlib.sha256(read_bytes(library, LARGEST_TABLE)).hexdigest()
-    files = sorted(
+    out = hashlib.sha256()
+    for file in modelica_files(library):
+        out.update(file.relative_to(library.parent).as_posix().encode() + b"\0")
+        out.update(read_bytes(file) + b"\0")
+    return out.hexdigest()
+
+
+def modelica_files(library: Path) -> list[Path]:
+    """Return the Modelica files and files `package.order` of a library's folder, or its only file."""
+    if not library.is_dir():
+        return [library]
+    return sorted(
         Path(folder, name)
         for folder, _, names in os.walk(library)
         for name in names
         if name.endswith(".mo") or name == "package.order"
     )
-    out = hashlib.sha256()
-    for file in files:
-        out.update(file.relative_to(library.parent).as_posix().encode() + b"\0")
-        out.update(read_bytes(file) + b"\0")
-    return out.hexdigest()
 
 
 def library_of(file: Path) -> Path:

@@ -37,12 +37,14 @@ class Loops:
         updates: Name → next Newton iterate.
         residuals: Name → residual at `guesses` of the equation matched with it.
         blocks: Names of the unknowns of each loop.
+        divisors: Name of an unknown → its coefficient, where that is no number, and the place of its equation.
     """
 
     guesses: dict[str, SX] = field(default_factory=dict)
     updates: dict[str, SX] = field(default_factory=dict)
     residuals: dict[str, SX] = field(default_factory=dict)
     blocks: list[tuple[str, ...]] = field(default_factory=list)
+    divisors: dict[str, tuple[SX, str]] = field(default_factory=dict)
 
     def guess(self, unknown: SX) -> SX:
         """Return the symbol of the last value of `unknown`."""
@@ -73,16 +75,21 @@ def solve(
     row, column = (np.array(k, dtype=int) for k in ca.jacobian_sparsity(residuals, columns).get_triplet())
     # Block lower triangular form: a matching, then strongly connected components in the order of their dependence.
     match = _matching(row, column, equations, unknowns, owner)
-    target_columns = ca.jacobian_sparsity(ca.vertcat(*targets), columns).get_triplet()[1] if targets else []
+    target_columns = ca.jacobian_sparsity(SX(ca.vertcat(*targets)), columns).get_triplet()[1] if targets else []
     dependencies = _dependencies(row, column, match, target_columns)
     names: list[SX] = []
     values: list[SX] = []
     newton: list[tuple[SX, SX]] = []
+    divisors: list[tuple[str, SX, str]] = []
     for rows in _blocks(row, column, match):
         if rows[0] not in dependencies:
             continue
         block = [(equations[i], unknowns[int(match[i])]) for i in rows]
         assignments, core = _eliminate(block)
+        if len(block) == 1 and assignments:
+            slope = ca.jacobian(block[0][0].residual, block[0][1])
+            if not is_number(slope):
+                divisors.append((block[0][1].name(), slope, block[0][0].where))
         if core:
             core_values, pending = _solve_core(core, loops, owner)
             names.append(ca.vertcat(*[unknown for _, unknown in core]))
@@ -92,7 +99,8 @@ def solve(
             names.append(unknown)
             values.append(expression)
     residuals_of_loops = ca.vertcat(*[SX(residual) for _, residual in newton]) if newton else SX(0, 1)
-    expressions, out = ca.substitute_inplace(names, values, [*targets, residuals_of_loops])
+    coefficients = [slope for _, slope, _ in divisors]
+    expressions, out = ca.substitute_inplace(names, values, [*targets, *coefficients, residuals_of_loops])
     solution = dict(
         zip(
             (s.name() for v in names for s in ca.vertsplit(v)),
@@ -104,6 +112,8 @@ def solve(
         # The event system has the same loops with the same guesses; the update of the first system is kept.
         loops.updates.setdefault(unknown.name(), solution[unknown.name()])
         loops.residuals.setdefault(unknown.name(), residual)
+    for (name, _, where), coefficient in zip(divisors, out[len(targets) :], strict=False):
+        loops.divisors.setdefault(name, (SX(coefficient), where))
     return list(out[: len(targets)])
 
 

@@ -1,6 +1,6 @@
 """The checked DAE as explicit expressions: derivatives, algebraic variables, events, initial values."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import casadi as ca
@@ -26,13 +26,16 @@ class Assertion:
 
     Attributes:
         holds: Expression that is nonzero if the condition holds.
-        fatal: False for AssertionLevel.warning.
+        level: "warning" or "error" for an assertion of the model, "domain" for an operation that must be defined.
+        when: When it is checked: "running" at communication points, "parameters" after a parameter was set, "start"
+            after initialisation, "event" when discrete variables are computed.
     """
 
     holds: SX
     message: Message
-    fatal: bool
+    level: str
     where: str
+    when: str = "running"
 
 
 @dataclass(slots=True, kw_only=True)
@@ -50,7 +53,6 @@ class System:
         start_discretes: Place of a discrete variable → its value before the start, if it depends on these.
         relation: Values of relations since the last event.
         relation_inclusive: Whether they hold where their indicator is zero.
-        relation_text: Their Modelica texts and places.
         indicators: Expressions that are zero where a relation changes.
         indicator_relation: Place of the relation of each indicator.
         instants: Times of events, as expressions of parameters.
@@ -76,7 +78,6 @@ class System:
     start_discretes: dict[int, SX]
     relation: SX
     relation_inclusive: list[bool]
-    relation_text: list[str]
     indicators: SX
     indicator_relation: list[int]
     instants: SX
@@ -92,6 +93,10 @@ class System:
     loops: Loops
     start_loops: Loops
     assertions: list[Assertion] = field(default_factory=list)
+
+    def checks(self, when: str) -> list[Assertion]:
+        """Return the assertions that are checked at a time."""
+        return [a for a in self.assertions if a.when == when]
 
     @property
     def x(self) -> SX:
@@ -140,17 +145,25 @@ def explicit(dae: Dae) -> System:
     of_id, symbols = declare(dae)
     evaluate = ExpressionBuilder(dae, symbols, time)
     v = settle(dae, of_id, symbols, evaluate)
-    if not (v.states or v.algebraics or v.discretes):
-        raise TranslationError(f"{dae.class_name} has no variables that change, so it cannot be simulated.")
-    relations = find_relations(dae, evaluate, v.with_numbers)
+    evaluate.know(v.numbers())
+    with evaluate.for_relations():
+        relations = find_relations(dae, evaluate, v.with_numbers)
     clocks = _clocks(dae, v)
     ticks = [SX.sym(f"tick{k}") for k in range(len(clocks))] + [SX.sym("initial")]
     conditions = EventConditions(dae=dae, evaluate=evaluate, relations=relations, ticks=ticks)
     evaluate.conditions = conditions.level
 
+    equations = _with_numbers(v, _equations(dae, evaluate, "continuous"))
+    for equation in equations:
+        if ca.depends_on(equation.residual, column(ticks)):
+            raise TranslationError(
+                f"{equation.where}: {dae.class_name}: initial() and sample() are supported in when clauses only; "
+                "write an initial equation"
+            )
+
     # Demoting a state with a fixed start costs twice as much, because its initial condition would be lost.
     index_one = reduce_index(
-        _with_numbers(v, _equations(dae, evaluate, "continuous")), time, vector(v.inputs),
+        equations, time, vector(v.inputs),
         [s.symbol for s in v.states], v.derivatives, [s.symbol for s in v.algebraics],
         [RELUCTANCE[s.attributes["state_select"]] * (2 if s.fixed else 1) for s in v.states], dae.class_name,
     )  # fmt: skip
@@ -166,8 +179,10 @@ def explicit(dae: Dae) -> System:
     derivative, algebraic, indicators, steps = _between_events(v, [derivative, algebraic, indicators, steps])
     for table in (loops.updates, loops.residuals):
         table.update(zip(table, _between_events(v, [*table.values()]), strict=True))
+    coefficients = _between_events(v, [coefficient for coefficient, _ in loops.divisors.values()])
     _refuse_ticks(dae, ticks, [*states, *algebraics], ca.vertcat(derivative, algebraic))
     events, crossings = _time_events(v, time, relations, indicators, steps)
+    divisors = _coefficients(loops.divisors, coefficients, v)
     start = _solve_start(dae, evaluate, v, states, algebraics, index_one, start_loops)
     (discretes, reinitialised, live, levels), assertions = _at_events(
         dae, evaluate, v, conditions, states, index_one, loops
@@ -185,7 +200,6 @@ def explicit(dae: Dae) -> System:
         start_discretes=start.discretes,
         relation=column(relations.memory),
         relation_inclusive=relations.inclusive,
-        relation_text=relations.text,
         indicators=column([indicators[k] for k in crossings]),
         indicator_relation=crossings,
         instants=column(events.instants),
@@ -200,7 +214,7 @@ def explicit(dae: Dae) -> System:
         last_conditions=column(conditions.last),
         loops=loops,
         start_loops=start_loops,
-        assertions=assertions,
+        assertions=sorted([*assertions, *divisors], key=lambda a: WHEN.index(a.when)),
     )
 
 
@@ -238,6 +252,25 @@ def _time_events(
     ]
 
 
+def _coefficients(divisors: dict[str, tuple[SX, str]], coefficients: list[SX], v: ModelVariables) -> list[Assertion]:
+    # An equation that is solved for an unknown divides by the coefficient of the unknown.
+    parameters = {s.symbol.name() for s in [*v.free, *v.dependent]}
+    return [
+        Assertion(
+            holds=coefficient != 0,
+            message=(
+                f"the equation is solved for {name}, whose coefficient must not be zero, but it is ",
+                coefficient,
+                ".",
+            ),
+            level="domain",
+            where=where,
+            when="parameters" if {s.name() for s in ca.symvar(coefficient)} <= parameters else "running",
+        )
+        for (name, (_, where)), coefficient in zip(divisors.items(), coefficients, strict=True)
+    ]
+
+
 def _at_events(
     dae: Dae,
     evaluate: ExpressionBuilder,
@@ -251,22 +284,32 @@ def _at_events(
     blocks, running = list(loops.blocks), set(loops.guesses)
     event_equations, event_states = _event_equations(dae, evaluate, v, conditions, states)
     assertions = _assertions(dae, evaluate, conditions)
+    assertions += _requirements(dae, evaluate, v, conditions)
+    assertions.sort(key=lambda a: WHEN.index(a.when))  # in the order of their values below
     # `conditions.edge_conditions` is complete only now: the event equations add to it.
     targets = v.with_numbers([
         vector(v.discretes),
         column(event_states),
         column(conditions.relations.live),
         column([conditions.level(i) for i in conditions.edge_conditions]),
-        *(e for a in assertions for e in (a.holds, *(piece for piece in a.message if isinstance(piece, SX)))),
     ])  # fmt: skip
+    between, at_start, at_event = (
+        v.with_numbers([
+            e
+            for a in assertions if a.when in group
+            for e in (a.holds, *(piece for piece in a.message if isinstance(piece, SX)))
+        ])
+        for group in (("running", "parameters"), ("start",), ("event",))
+    )  # fmt: skip
     event_values = solve(
         [*index_one.equations, *_with_numbers(v, event_equations)],
-        [*index_one.unknowns, *(s.symbol for s in v.discretes)], targets[:4], loops, dae.class_name,
+        [*index_one.unknowns, *(s.symbol for s in v.discretes)], [*targets, *at_event], loops, dae.class_name,
     )  # fmt: skip
-    # Assertions are checked between events, with the present values of discrete variables.
-    values = iter(
-        _between_events(v, solve(index_one.equations, index_one.unknowns, targets[4:], loops, dae.class_name))
-    )
+    # Other assertions are checked between events, with the present values of discrete variables.
+    values = solve(index_one.equations, index_one.unknowns, [*between, *at_start], loops, dae.class_name)
+    values = iter([
+        *_between_events(v, values[: len(between)]), *values[len(between) :], *event_values[len(targets) :]
+    ])  # fmt: skip
     assertions = [
         replace(
             a,
@@ -282,7 +325,42 @@ def _at_events(
             f"{', '.join(through_events)}; break it with pre()."
         )
     loops.blocks = blocks
-    return event_values, assertions
+    return event_values[: len(targets)], assertions
+
+
+WHEN = ("running", "parameters", "start", "event")
+"""Times when assertions are checked, see `Assertion`."""
+
+
+def _requirements(
+    dae: Dae, evaluate: ExpressionBuilder, v: ModelVariables, conditions: EventConditions
+) -> list[Assertion]:
+    # Most divisors are parameters, which are checked once.
+    every = evaluate.requirements()
+    values = iter(v.with_numbers([e for _, r in every for e in (r.holds, r.found)]))
+    parameters = {s.symbol.name() for s in [*v.free, *v.dependent]}
+    before = {s.name() for s in v.previous}
+    of_events = {s.name() for s in [*conditions.last, *conditions.ticks]}
+    out: list[Assertion] = []
+    for when, r in every:
+        holds, found = SX(next(values)), SX(next(values))
+        if is_number(holds):
+            if not float(holds):
+                raise TranslationError(f"{r.where}: {dae.class_name}: {r.sentence}{float(found):g}.")
+            continue
+        used = {s.name() for s in ca.symvar(ca.vertcat(holds, found))}
+        times = [when]
+        if used <= parameters:
+            times = ["parameters"]
+        elif when == "watched":  # it is also required at events
+            times = [] if used & (before | of_events) else ["running"]
+        elif when == "running" and used & of_events:
+            times = ["event"]
+        elif when == "running" and used & before:
+            times = ["running", "event"]
+        message = (r.sentence, found, ".")
+        out += [Assertion(holds=holds, message=message, level="domain", where=r.where, when=time) for time in times]
+    return out
 
 
 def _require_state_select(dae: Dae, states: list[Scalar], algebraics: list[Scalar]) -> None:
@@ -295,6 +373,12 @@ def _require_state_select(dae: Dae, states: list[Scalar], algebraics: list[Scala
 
 
 def _refuse_unsupported(dae: Dae) -> None:
+    for node in dae.misread_slices():
+        raise dae.refuse(
+            f"the slice {dae.text(node['provenance'])} through arrays of components is not supported; write an array "
+            "comprehension, as in {a[i].z[2] for i in 1:3}",
+            node["provenance"],
+        )
     temporal = dae.systems["temporal"]
     for delay in temporal["delays"]:
         raise dae.refuse(f"delay is not supported: {dae.text(delay['provenance'])}", delay["provenance"])
@@ -396,7 +480,8 @@ def _solve_start(
     # Initial equations may determine any variable, so they are solved together with the equations of the model.
     starts = v.with_numbers([s.binding for s in states])
     calculated = [not is_number(SX(value)) for value in starts]
-    initial, targets = _initial_equations(dae, evaluate, v, algebraics)
+    with evaluate.during("start"):
+        initial, targets = _initial_equations(dae, evaluate, v, algebraics)
     before = v.with_numbers([d.binding for d in v.discretes])
     discretes = {i: SX(e) for i, e in enumerate(before) if not is_number(SX(e)) and i not in targets}
     if not initial:
@@ -413,8 +498,6 @@ def _solve_start(
             f"Set fixed = {'false' if spare > 0 else 'true'} for {abs(spare)} start values, or change the initial "
             "equations."
         )
-    fixed = [(s.symbol, value) for s, value in zip(states, starts, strict=True) if s.fixed]
-    fixed += [(v.previous[i], value) for i, value in discretes.items()]
     solution, determined = solve(
         [*index_one.equations, *initial],
         [*index_one.unknowns, *(s.symbol for s in free), *(v.previous[i] for i in targets)],
@@ -422,13 +505,7 @@ def _solve_start(
         loops,
         dae.class_name,
     )
-    if fixed:
-        symbols, values = ca.vertcat(*[s for s, _ in fixed]), ca.vertcat(*[value for _, value in fixed])
-        solution, determined = ca.substitute([solution, determined], [symbols], [values])
-        for table in (loops.updates, loops.residuals):
-            for name, expression in table.items():
-                table[name] = ca.substitute(expression, symbols, values)
-    _require_known(dae, v, [solution, determined, *loops.updates.values(), *loops.residuals.values()])
+    _require_known(dae, v, discretes, [solution, determined, *loops.updates.values(), *loops.residuals.values()])
     place = {s.name: i for i, s in enumerate(free)}
     start = [solution[place[s.name]] if s.name in place else starts[i] for i, s in enumerate(states)]
     return _Start(
@@ -493,8 +570,8 @@ def _held_at_start(dae: Dae, v: ModelVariables) -> set[str]:
     return {s.name for s in v.discretes} - changed
 
 
-def _require_known(dae: Dae, v: ModelVariables, expressions: list[SX]) -> None:
-    previous = {s.name() for s in v.previous}
+def _require_known(dae: Dae, v: ModelVariables, known: Mapping[int, SX], expressions: list[SX]) -> None:
+    previous = {v.previous[i].name() for i, s in enumerate(v.discretes) if not s.fixed and i not in known}
     unknown = sorted({s.name() for e in expressions for s in ca.symvar(SX(e))} & previous)
     if unknown:
         raise TranslationError(
@@ -510,13 +587,14 @@ def _event_equations(
     for residual in dae.systems["discrete_real"]["residuals"]:
         operation = dae.expressions[residual["residual"]]["operation"]
         active, where = conditions.active(residual["activation"]), dae.where(residual["provenance"])
-        for name, value in zip(evaluate(operation["lhs"]).flat, evaluate(operation["rhs"]).flat, strict=True):
+        values = _at_event(evaluate, operation["rhs"], active)
+        for name, value in zip(evaluate(operation["lhs"]).flat, values.flat, strict=True):
             branches.setdefault(slot[str(name)], []).append((active, SX(value), where))
     for owner in dae.systems["discrete_values"]["owners"]:
         for branch in owner["branches"]:
             active, where = conditions.active(branch["activation"]), dae.where(branch["provenance"])
             for target, value in zip(owner["targets"], branch["values"], strict=True):
-                elements = evaluate(value["expression"])
+                elements = _at_event(evaluate, value["expression"], active)
                 for scalar, element in zip(v.of_id[target], elements.flat, strict=True):
                     branches.setdefault(slot[scalar.name], []).append((active, SX(element), where))
     equations: list[Equation] = []
@@ -538,10 +616,19 @@ def _event_equations(
                 )
             i = _state_place(dae, v, operation, place, action)
             active = conditions.edge(action["guard"])
-            after[i] = choose(active, evaluate(operation["value"]).item(), after[i])
+            with evaluate.during("event", active):
+                after[i] = choose(active, evaluate(operation["value"]).item(), after[i])
         elif operation["kind"] not in ("assert", "warning"):
             raise dae.refuse(f"{operation['kind']} is not supported", action["provenance"])
     return equations, after
+
+
+def _at_event(evaluate: ExpressionBuilder, expression: int, active: SX) -> Array:
+    if is_number(active):  # it holds between events, too, where its relations are watched
+        with evaluate.during("watched"):
+            evaluate(expression)
+    with evaluate.during("event", active):
+        return evaluate(expression)
 
 
 def _state_place(dae: Dae, v: ModelVariables, operation: Node, place: dict[str, int], action: Node) -> int:
@@ -567,7 +654,7 @@ def _assertions(dae: Dae, evaluate: ExpressionBuilder, conditions: EventConditio
             Assertion(
                 holds=SX(holds),
                 message=_message(dae, evaluate, operation["message"]),
-                fatal=operation["kind"] == "assert",
+                level="error" if operation["kind"] == "assert" else "warning",
                 where=dae.where(action["provenance"]),
             )
         )
@@ -582,5 +669,6 @@ def _message(dae: Dae, evaluate: ExpressionBuilder, expression: int) -> Message:
     if operation["kind"] == "binary" and operation["operator"] == "add":
         return _message(dae, evaluate, operation["lhs"]) + _message(dae, evaluate, operation["rhs"])
     if operation["kind"] == "string_conversion":
-        return (SX(evaluate(operation["value"]).item()),)
+        with evaluate.during("never"):  # the message of an assertion that holds is never formed
+            return (SX(evaluate(operation["value"]).item()),)
     raise dae.refuse(f"this text of a message is not supported: {dae.text(node['provenance'])}", node["provenance"])

@@ -81,6 +81,19 @@ class ModelVariables:
     derivatives: list[SX]
     previous: list[SX]
 
+    def numbers(self) -> dict[tuple[str, int], Array]:
+        """Return the values of constants and structural parameters by store and variable id."""
+        known = (
+            {s.name(): value for s, value in zip(*map(ca.vertsplit, self.constants), strict=True)}
+            if (self.constants[0].numel())
+            else {}
+        )
+        return {
+            key: array([known.get(s.name(), s) for s in symbols.flat], symbols.shape)
+            for key, symbols in self.symbols.items()
+            if key[0] in ("parameter", "constant")
+        }
+
     def with_numbers(self, expressions: Sequence[SX]) -> list[SX]:
         """Return expressions with constants and structural parameters replaced by their numbers."""
         if not self.constants[0].numel():
@@ -97,12 +110,15 @@ def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Ar
     """Return scalars by variable id, and the symbols that expressions refer to.
 
     Raises:
-        TranslationError: A variable is a String, or has an unknown type or role.
+        TranslationError: An expression reads a String, or a variable has an unknown type or role.
     """
     of_id: dict[int, list[Scalar]] = {}
     symbols: dict[tuple[str, int], Array] = {}
     for v in dae.variables:
         kind, type_, names = KIND.get(v["role"], v["role"]), v["value_type"]["scalar"], v["scalar_names"]
+        if type_ == "string" and kind in ("parameter", "constant") and not dae.is_read(v["id"]):
+            of_id[v["id"]] = []
+            continue
         if type_ not in ("real", "integer", "boolean", "enumeration"):
             raise dae.refuse(f"variable {v['name']} of type {type_} is not supported", v["declaration"])
         if kind not in KINDS:
@@ -148,7 +164,8 @@ def settle(
         TranslationError: A structural parameter depends on a parameter that can be set.
     """
     for v in dae.variables:
-        _set_start(v, of_id[v["id"]], evaluate)
+        if v["value_type"]["scalar"] != "string":
+            _set_start(v, of_id[v["id"]], evaluate)
     every = [s for scalars in of_id.values() for s in scalars]
     by_kind = {kind: [s for s in every if s.kind == kind] for kind in KINDS}
 

@@ -25,9 +25,10 @@ def build_command(
     names: Annotated[list[str] | None, typer.Argument(help="Names of FMUs, see --list; all unless given.")] = None,
     compiler: Annotated[str, typer.Option(help="auto, openmodelica or native.")] = "auto",
     library: Annotated[
-        Path | None,
+        list[Path] | None,
         typer.Option(
-            help="Folder, package.mo or .mo file of a user-defined class, whose name replaces the names of FMUs."
+            help="Folder, package.mo or .mo file of a user-defined class, whose name replaces the names of FMUs; "
+            "again for each further library that it uses and that is not in MODELICAPATH."
         ),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="File for its FMU; CLASS.fmu unless given.")] = None,
@@ -48,7 +49,7 @@ def build_command(
         _list()
     elif check:
         _check(names or [], choice, update=update)
-    elif library is not None:
+    elif library:
         if names is None or len(names) != 1:
             raise InputError("--library is for one class; name it, as in `build --library MyLib MyLib.MyTrain`.")
         _build_class(names[0], library, choice, out)
@@ -60,7 +61,7 @@ def build_command(
                 say(f"{artifact.path}  {artifact.action} ({artifact.compiler})")
 
 
-def _build_class(name: str, library: Path, compiler: Compiler, out: Path | None) -> None:
+def _build_class(name: str, library: list[Path], compiler: Compiler, out: Path | None) -> None:
     artifact = build_class(name, library, compiler=compiler)
     file = Path(f"{artifact.name}.fmu") if out is None else out
     file.parent.mkdir(parents=True, exist_ok=True)

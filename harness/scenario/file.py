@@ -11,7 +11,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from railgrip.base.errors import ScenarioError
 from railgrip.base.registry import Shelf, not_one_of, shelf
 from railgrip.base.units import cut, place, short
-from railgrip.fmus.native.library import library_digest, library_of
+from railgrip.fmus.native.used_libraries import file_digest
 
 DIRECTORY = "directory"
 """Key of the validation context for the folder of the scenario file."""
@@ -110,8 +110,8 @@ class NamedFile:
         return f"NamedFile({self.entry!r}, {self.path!r})"
 
     def digest(self) -> str:
-        """Return the SHA-256 of the content; for a `package.mo`, that of all Modelica files of its library."""
-        return library_digest(library_of(self.path))
+        """Return the SHA-256 of the content; for a Modelica file, that of all files that its classes may use."""
+        return file_digest(self.path)
 
     @classmethod
     def find(cls, entry: object, info: ValidationInfo) -> "NamedFile":

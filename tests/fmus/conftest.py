@@ -53,10 +53,17 @@ def modelica(built: Callable[[Path, str], Fmu], tmp_path_factory: pytest.TempPat
 
 @pytest.fixture
 def run() -> Iterator[Callable[..., Running]]:
-    """Return a function that starts an FMU: run(fmu, interface="cs", start={name: value}, time=0.0)."""
+    """Return a function that starts an FMU: run(fmu, interface="cs", start={name: value}, time=0.0, messages=[])."""
     alive: list[Running] = []
 
-    def start(fmu: Fmu, interface: str = "cs", *, start: dict[str, float] | None = None, time: float = 0.0) -> Running:
+    def start(
+        fmu: Fmu,
+        interface: str = "cs",
+        *,
+        start: dict[str, float] | None = None,
+        time: float = 0.0,
+        messages: list[str] | None = None,
+    ) -> Running:
         kind, identifier = (
             (FMU2Slave, fmu.description.coSimulation.modelIdentifier)
             if interface == "cs"
@@ -68,7 +75,7 @@ def run() -> Iterator[Callable[..., Running]]:
             modelIdentifier=identifier,
             instanceName="under test",
         )
-        running = Running(fmu, instance)
+        running = Running(fmu, instance, [] if messages is None else messages)
         callbacks = fmi2CallbackFunctions()
         callbacks.logger = fmi2CallbackLoggerTYPE(lambda *a: running.messages.append(a[4].decode()))
         callbacks.allocateMemory = AllocateType()

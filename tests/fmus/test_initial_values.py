@@ -170,3 +170,16 @@ def test_initial_values_that_are_not_determined_are_refused_by_name(tmp_path, se
     file.write_text(f"model M {REFUSED[sentence]} end M;")
     with pytest.raises(TranslationError, match=sentence):
         explicit(read("M", file))
+
+
+@pytest.mark.parametrize("interface", INTERFACES)
+def test_initial_equations_depend_on_fixed_values_that_the_importer_sets(modelica, interface):
+    """x + d and z·z = x at the start, with the importer's values; y and z are constant afterwards."""
+    fmu = modelica(
+        "model M parameter Real p = 2; Real x(start=1,fixed=true), w(start=p,fixed=true), y, z(start=1); "
+        "discrete Real d(start=1,fixed=true); initial equation y = x + w + pre(d); z*z = x; "
+        "equation der(x) = 0; der(w) = 0; der(y) = 0; der(z) = 0; when time > 5 then d = 0; end when; end M;"
+    )
+    assert [v[-1] for v in trajectory(fmu, interface, "y", "z")] == pytest.approx([4, 1], abs=1e-12)
+    values = trajectory(fmu, interface, "y", "z", x=9, p=7)
+    assert [v[-1] for v in values] == pytest.approx([17, 3], abs=1e-12)

@@ -17,6 +17,7 @@ PLAIN = STATE + "equation\n der(x) = -x;\n"
 
 # The construct to be named → (the line to be named, the model).
 REFUSED = {
+    r"initial\(\)": ("initial()", STATE + "Real y = if initial() then 0 else x;\nequation\n der(x) = -y;\nend M;"),
     "delay": ("delay(x", STATE + "equation\n der(x) = -delay(x, 0.1);\nend M;"),
     "terminate": ("x < 0.2", PLAIN + ' when x < 0.2 then\n  terminate("done");\n end when;\nend M;'),
     "string": ("String", PLAIN + 'protected\n parameter String s = "a";\nend M;'),
@@ -48,6 +49,20 @@ REFUSED = {
         "wheels.contact[1].slip",
         f"{WHEELS}  y = wheels.contact[1].slip;\n end M; end P;",
     ),
+    "the slice a.z": (
+        "a.z[2]",
+        "package P model A Real z[2] = {1, 2}*time; end A; model M A a[2]; Real y[2];\n"
+        "Real x(start=1,fixed=true); equation der(x) = -x;\ny = a.z[2];\nend M; end P;",
+    ),
+    "the slice a.p": (
+        "sum(a.p)",
+        "package P model A parameter Real p = 1; end A; model M A a[2, 3](each p=6);\n"
+        "Real x(start=1,fixed=true); equation\nder(x) = sum(a.p);\nend M; end P;",
+    ),
+    "the front end, fails on this class": (
+        "der(k)",
+        f"{STATE} parameter Real k = 1;\nequation\n der(x) = der(k);\nend M;",
+    ),
     "must be differentiated": (
         "x = u",
         STATE + " input Real u;\n Real v;\nequation\n x = u;\n der(x) = v;\nend M;",
@@ -76,6 +91,24 @@ def test_the_recommended_form_of_two_component_arrays_is_translated(tmp_path):
         model = lower("P.M", file)
         outputs.append(model.output(3.0, [1.0], [], []).full().ravel().tolist())
     assert outputs == [[6.0, 6.0], [6.0, 6.0]]
+
+
+def test_the_recommended_form_of_a_slice_of_components_is_translated(tmp_path):
+    file = tmp_path / "Model.mo"
+    file.write_text(
+        "package P model A Real z[2] = {1, 2}*time; end A; model M A a[2];\n"
+        "output Real y[2] = {a[i].z[2] for i in 1:2}; output Real w[2, 2] = a.z; end M; end P;"
+    )
+    assert lower("P.M", file).output(3.0, [], [], []).full().ravel().tolist() == [6.0, 6.0, 3.0, 6.0, 3.0, 6.0]
+
+
+def test_an_element_in_the_class_of_an_array_of_components_is_no_slice(tmp_path):
+    file = tmp_path / "Model.mo"
+    file.write_text(
+        "package P model B Real F[2] = {1, 2}*time; end B; model A B b; Real y = b.F[2]; end A; model M A a[2];\n"
+        "output Real y[2] = a.y; end M; end P;"
+    )
+    assert lower("P.M", file).output(3.0, [], [], []).full().ravel().tolist() == [6.0, 6.0]
 
 
 def test_a_missing_file_or_class_is_reported(tmp_path):

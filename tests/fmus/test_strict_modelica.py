@@ -7,6 +7,7 @@ import pytest
 import rumoca
 
 from railgrip.base.errors import InputError, TranslationError
+from railgrip.fmus.native import lower
 from railgrip.fmus.native.dae import FRONT, read
 from railgrip.fmus.native.library import LIBRARY
 from railgrip.fmus.native.system import column, explicit
@@ -101,6 +102,16 @@ CONNECTORS = """  connector Flange
 """
 
 LENIENT = {
+    "a function with the name of a built-in one": (
+        "  function sin\n    input Real u;\n    output Real y;\n  algorithm\n    y := 2*u;\n  end sin;\n"
+        + model("Real y = sin(0.5);"),
+        r"P\.sin has the name of a built-in one",
+    ),
+    "an import with the name of a built-in function": (
+        "  function double\n    input Real u;\n    output Real y;\n  algorithm\n    y := 2*u;\n  end double;\n"
+        + model("import exp = P.double; Real y = exp(0.5);"),
+        "the import exp has the name of a built-in function",
+    ),
     "a modifier outside the constraining clause": (
         model("Lost n(redeclare B a);"), r"'r' is modified on the declaration"
     ),
@@ -158,6 +169,22 @@ LENIENT = {
     "a redeclaration by an element, of no subtype": (
         "  model X\n    extends N;\n    redeclare Other plain;\n  end X;\n",
         r"plain is of P\.Other, which lacks r of P\.Law"
+    ),
+    "a modifier with a dotted name": (
+        using("N n;", "(n.k=1)"), r"the modifier of 'n\.k' would be lost .*n\(k = \.\.\.\)"
+    ),
+    "an attribute with a dotted name": (model("A a(q.start=1);"), r"write nested brackets: q\(start = \.\.\.\)"),
+    "a dotted name inside modifiers": (
+        using("N n;", "(n(n.q=1))"), r"write nested brackets: n\(q = \.\.\.\)"
+    ),
+    "constants of a package and its heir": (
+        "  package K constant Real k = 4; end K;\n  package H extends K(k=5); end H;\n"
+        + model("Real z = H.k + K.k;"), r"P\.H modifies constants of P\.K, which is used itself"
+    ),
+    "computed constants of two packages of one name": (
+        "  package C\n    package K\n      constant Real p = 1;\n      constant Real q = -p;\n    end K;\n  end C;\n"
+        "  package D\n    package K\n      constant Real p = 2;\n      constant Real q = +p;\n    end K;\n  end D;\n"
+        + model("Real z = C.K.q + D.K.q;"), r"K\.q is a computed constant of 2 packages of the name K"
     ),
     "a second redeclaration": (
         using("extends N(redeclare A plain);", "(redeclare B plain)"),
@@ -425,6 +452,11 @@ RIGHT = {
     "modifiers without a clause": (model("N n(redeclare E a);"), {"n.a.r": 7}),
     "a redeclared class": (model("N n(redeclare model M = B);"), {"n.m.q": 5}),
     "a parameter of the class itself without a value": (model("parameter Real p(start=2);\n    Real z = p;"), {"p": 2}),
+    "constants of two heirs": (
+        "  package K constant Real k; end K;\n  package H extends K(k=5); end H;\n  package I = K(k=6);\n"
+        + model("parameter Real z = H.k + 10*I.k;\n    Real w = z;"),
+        {"z": 65},
+    ),
     "two redeclarations": (using("extends N(redeclare replaceable A plain);", "(redeclare B plain)"), {"y.plain.q": 5}),
 }
 
@@ -469,6 +501,23 @@ def parameters(system) -> dict[str, float]:
     return dict(zip(names, [*starts, *dependent.full().ravel()], strict=True))
 
 
+@pytest.mark.parametrize(
+    ("types", "start"),
+    [
+        ('type Length = Real(start=2, unit="m"); type Distance = Length(min=0);', 2),
+        ('type Length = Real(start=2, unit="m"); type Distance = Length(start=3);', 3),
+        ('type Length = Real(start=2); type Middle = Length(start=3); type Distance = Middle(unit="m");', 3),
+    ],
+)
+def test_a_type_may_modify_attributes_of_another_type(tmp_path, types, start):
+    """Section 4.6: the attributes are those of the built-in type, the last modification counts."""
+    text = f"{types} model X Distance x(fixed=true); equation der(x) = 1; end X;"
+    system = explicit(read("P.X", file_of(tmp_path, text)))
+    assert float(column([s.start for s in system.variables.states])) == start
+    with pytest.raises(TranslationError, match=r"'unt' is not an attribute of (Distance|Middle)"):
+        read("P.X", file_of(tmp_path, text.replace("Length(", "Length(unt=1, ").replace("Real(unt=1, ", "Real(")))
+
+
 def test_every_finding_names_its_line(tmp_path):
     file = file_of(
         tmp_path, "  model X\n    Lost n(redeclare B a);\n    A b(\n      q=1,\n      hidden=2);\n  end X;\n"
@@ -481,6 +530,42 @@ def test_every_finding_names_its_line(tmp_path):
         "hidden=2);",
         "replaceable A a(r=k) constrainedby Law;",
     ]
+
+
+TWO_FUNCTIONS = """package P
+  package A
+    function f input Real x; output Real y; algorithm y := abs(x); end f;
+    function g input Real x; output Real y; algorithm y := f(x); end g;
+    model M output Real y = CALL(time - 3); end M;
+  end A;
+  package B
+    function f input Real x; output Real y; algorithm y := 5*x; end f;
+    function h = f;
+    model M import P.A.g; output Real y = IMPORTED(time - 3); end M;
+  end B;
+  model X A.M a; B.M b; output Real y = a.y + b.y; end X;
+end P;
+"""
+
+
+def test_two_functions_of_one_name_are_not_confused(tmp_path):
+    """5.3: a name means the function that is found from the class outwards; rumoca 0.10 takes one for both."""
+    file = tmp_path / "P.mo"
+    file.write_text(TWO_FUNCTIONS.replace("CALL", "f").replace("IMPORTED", "f"))
+    with pytest.raises(TranslationError, match=r"P\.mo:\d+: f is P\..\.f, but the built-in compiler takes P\..\.f"):
+        read("P.X", file)
+
+
+@pytest.mark.parametrize(
+    ("call", "imported", "value"),
+    [("A.f", "B.f", -8), ("g", "g", 4), ("f", "P.B.f", -8), ("g", "f", -8), ("f", "h", -8)],
+)
+def test_two_functions_of_one_name_are_called_by_different_names(tmp_path, call, imported, value):
+    """At 1 s: |1 - 3| and 5*(1 - 3), or twice the first."""
+    file = tmp_path / "P.mo"
+    file.write_text(TWO_FUNCTIONS.replace("CALL", call).replace("IMPORTED", imported))
+    model = lower("P.X", file)
+    assert model.output(1.0, [], [], []).full().item() == value
 
 
 def test_no_replaceable_component_has_modifiers_outside_its_constraining_clause():

@@ -1,9 +1,9 @@
 /* Co-simulation: integration between communication points with adaptive internal steps. */
 
-/* Whether the sides of a relation are not numbers. */
-static int undefined(Instance *m, double t, const double *z) {
+/* Whether the sides of a relation that is used are not numbers. */
+static int undefined(Instance *m, double t, const double *x, const double *z) {
     for (int i = 0; i < NZ; i++)
-        if (isnan(z[i])) return failure(m, "the relation %s compares what is not a number at time = %.9g s", indicator_text[i], t);
+        if (isnan(z[i])) return !crossed(&m->s, z) && assertions_at(m, inside(&m->s, t), x, DOMAIN_ERROR);
     return 0;
 }
 
@@ -72,7 +72,7 @@ static int search(Instance *m, double *target) {
         double hi = k == parts ? end : start + (end - start) * (k / parts);
         if (NG && loops(m, inside(s, hi), s->v + X)) return -1;
         indicators(s, hi, s->v + X, z);
-        if (undefined(m, hi, z)) return -1;
+        if (undefined(m, hi, s->v + X, z)) return -1;
         if (!crossed(s, z)) {
             lo = hi;
             continue;
@@ -85,6 +85,18 @@ static int search(Instance *m, double *target) {
         }
         *target = hi;
         return 1;
+    }
+    return 0;
+}
+
+/* Whether an operation is not defined at the start of an internal step, or soon after: that ended the step. */
+static int undefined_nearby(Instance *m, double t, double h) {
+    Work *w = &m->w;
+    double x[NX + 1], ahead = 0;
+    for (int k = 0; k < 6; k++) {
+        EACH x[i] = w->x0[i] + ahead * w->f0[i];
+        if (assertions_at(m, inside(&m->s, t + ahead), x, DOMAIN_ERROR)) return 1;
+        ahead = ahead > 0 ? 10 * ahead : h;
     }
     return 0;
 }
@@ -180,7 +192,7 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
             h = rest;
         else if (h > 0.5 * rest)
             h = 0.5 * rest;
-        int failed = try_step(m, t, h);
+        int failed = try_step(m, t, h), whole, shown;
         double e = failed ? NAN : error_norm(m, &worst), scale;
 #if NG
         int jump = isfinite(e) ? loop_jumps(m, t, &h, g) : failed && h < 10 * EVENT_TIME ? leave_branch(m, t, &h, g) : 0;
@@ -198,6 +210,16 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
             return 0;
         }
 #endif
+        whole = h == rest;
+        /* The importer usually requests the outputs next. With nonlinear loops these must be solved first. */
+        shown = whole && !NG;
+        if (e <= 1) {
+            if (shown)
+                outputs_and_indicators(s, target, w->x1, s->v + O, w->z1);
+            else
+                indicators(s, t + h, w->x1, w->z1);
+            if (undefined(m, t + h, w->x1, w->z1)) e = NAN;
+        }
         if (e <= 1) {
             double grown;
             scale = e > 1e-8 ? 0.9 * pow(e, -order) : 6;
@@ -206,13 +228,6 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
             grown = h * scale;
             /* A step that was shortened to the communication point does not reduce the step size. */
             s->h = h < 0.999 * s->h && grown < s->h ? s->h : grown;
-            /* The importer usually requests the outputs next. With nonlinear loops these must be solved first. */
-            int whole = h == rest, shown = whole && !NG;
-            if (shown)
-                outputs_and_indicators(s, target, w->x1, s->v + O, w->z1);
-            else
-                indicators(s, t + h, w->x1, w->z1);
-            if (undefined(m, t + h, w->z1)) return 1;
             *event = crossed(s, w->z1);
             if (*event && locate(m, t, &h)) return 1;
             s->v[STEPS]++;
@@ -228,6 +243,7 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
         scale = isnan(e) || isinf(e) ? 0.1 : 0.9 * pow(e, -order);
         s->h = h * (scale < 0.1 ? 0.1 : scale > 0.9 ? 0.9 : scale);
         if (s->h < 16 * DBL_EPSILON * (1e-3 + fabs(t))) {
+            if (undefined_nearby(m, t, h)) return 1;
             if (failed) return 1; /* its message is already set */
             for (int i = 0; i < NX; i++)
                 if (!isfinite(w->f0[i])) return failure(m, "der(%s) is not a number at time = %.9g s", x_name[i], t);

@@ -95,12 +95,20 @@ static void stale(State *s) {
     s->stale_derivatives = s->stale_outputs = s->stale_locals = s->stale_state_jacobian = s->stale_output_jacobian = 1;
 }
 
+static void start_values(State *s, const double **a, double **r) {
+    if (NX || ND_CALCULATED) f_start(a, r);
+    for (int i = 0; i < ND_CALCULATED; i++) s->d0[d_calculated[i]] = r[1][i];
+    for (int i = 0; i < NX; i++)
+        if (x_calculated[i] && !s->x_set[i]) s->x0[i] = r[0][i];
+}
+
 /* Initial states from parameters and inputs, initial equations included. */
 static int start_states(Instance *m) {
     State *s = &m->s;
     double x[NX + 1], d[ND_CALCULATED + 1], next[NQ + 1], residual[NQ + 1], before[NQ + 1], norm = 0, last = INFINITY;
-    const double *a[] = { s->v, s->v + U, s->v + P, s->v + D, s->r, s->q };
+    const double *a[] = { s->v, s->x0, s->v + U, s->v + P, s->v + D, s->r, s->q, s->d0 };
     double *r[] = { x, d }, *l[] = { next, residual };
+    start_values(s, a, r); /* the solution depends on fixed ones */
     for (int k = 0; NQ; k++) {
         int converged = 1;
         if (k == 4 * LOOP_ITERATIONS)
@@ -120,19 +128,18 @@ static int start_states(Instance *m) {
         memcpy(before, s->q, NQ * sizeof *before);
         memcpy(s->q, next, NQ * sizeof *next);
     }
-    if (NX || ND_CALCULATED) f_start(a, r);
-    for (int i = 0; i < ND_CALCULATED; i++) s->d0[d_calculated[i]] = d[i];
-    for (int i = 0; i < NX; i++)
-        if (x_calculated[i] && !s->x_set[i]) s->x0[i] = x[i];
+    start_values(s, a, r);
     return 0;
 }
 
 static int events(Instance *m, int initial, int *jumped);
+static int parameter_checks(Instance *m);
 
 /* Bring parameters and, before the run, initial states and discretes up to date. */
 static int prepare(Instance *m) {
     State *s = &m->s;
     dependent_parameters(s);
+    if (s->unchecked_parameters && parameter_checks(m)) return 1;
     if (s->phase >= RUNNING || !s->stale_start) return 0;
     s->stale_start = 0;
     memcpy(s->v + D, s->d0, ND * sizeof(double));
@@ -214,41 +221,107 @@ static int fresh_output_jacobian(Instance *m) {
 }
 #endif
 
+/* Number of values in the message of an assertion. */
+static int message_values(int i) {
+    int n = 0;
+    for (int k = message_begin[i]; k < message_begin[i + 1]; k++) n += !message_piece[k];
+    return n;
+}
+
 /* Write the message of an assertion: its pieces, and the next of `values` where a piece is null. */
 static void assertion_text(int i, const double *values, char *text, size_t size) {
     text[0] = 0;
-    for (int k = 0; k < message_begin[i + 1]; k++) {
-        const double *value = message_piece[k] ? NULL : values++;
-        if (k < message_begin[i]) continue;
-        int n = value ? snprintf(text, size, "%g", *value) : snprintf(text, size, "%s", message_piece[k]);
+    for (int k = message_begin[i]; k < message_begin[i + 1]; k++) {
+        int n = message_piece[k] ? snprintf(text, size, "%s", message_piece[k]) : snprintf(text, size, "%g", *values++);
         if (n < 0 || (size_t)n >= size) return;
         text += n;
         size -= (size_t)n;
     }
 }
 
+/* Report the assertions of a group that are violated; 1 if one of them is fatal. Of several the first whose message has no
+ * NaN is reported, because a NaN is the consequence of another violation. */
+static int report(Instance *m, int group, double t, const double *holds, const double *values, int level) {
+    int fatal = -1, is_cause = 0;
+    const double *of_fatal = values;
+    holds -= first_assertion[group];
+    for (int i = first_assertion[group]; i < first_assertion[group + 1]; values += message_values(i++)) {
+        char text[512];
+        int has_nan = 0;
+        if (holds[i] != 0) {
+            if (level == WARNING) m->s.warned[i] = 0;
+            continue;
+        }
+        if (assertion_level[i] < level) continue;
+        for (int k = 0; k < message_values(i); k++) has_nan |= isnan(values[k]);
+        if (assertion_level[i] != WARNING && (fatal < 0 || (!is_cause && !has_nan))) {
+            fatal = i;
+            is_cause = !has_nan;
+            of_fatal = values;
+        }
+        if (assertion_level[i] != WARNING || m->s.warned[i]) continue;
+        char again[32] = "";
+        if (++m->s.warnings[i] > 1) snprintf(again, sizeof again, ", occurrence %d", m->s.warnings[i]);
+        m->s.warned[i] = 1; /* one warning until the condition holds again */
+        assertion_text(i, values, text, sizeof text);
+        message(m, fmi2Warning, "logStatusWarning", "warning (%s) at time = %.9g s%s: %s", assertion_place[i], t, again, text);
+    }
+    if (fatal >= 0) {
+        char text[512];
+        assertion_text(fatal, of_fatal, text, sizeof text);
+        return failure(m, "%s (%s) at time = %.9g s: %s", assertion_level[fatal] == ASSERTION ? "assertion" : "domain error",
+                       assertion_place[fatal], t, text);
+    }
+    return 0;
+}
+
+static int violated(const double *holds, int n) {
+    for (int i = 0; i < n; i++)
+        if (!(holds[i] != 0)) return 1;
+    return 0;
+}
+
+/* Check that all operations on parameters are defined. */
+static int parameter_checks(Instance *m) {
+    State *s = &m->s;
+    double holds[NA_PARAMETERS + 1], values[NM + 1];
+    const double *a[] = { s->v + P };
+    double *r[] = { holds, values };
+    if (!s->unchecked_parameters) return 0;
+    if (NA_PARAMETERS) f_parameter_checks(a, r);
+    if (violated(holds, NA_PARAMETERS)) return report(m, PARAMETER_CHECKS, s->v[TIME], holds, values, WARNING);
+    s->unchecked_parameters = 0;
+    return 0;
+}
+
+/* Check the assertions of at least a level at (t, x). */
+static int assertions_at(Instance *m, double t, const double *x, int level) {
+    State *s = &m->s;
+    double holds[NA_RUNNING + 1], values[NM + 1];
+    const double *a[] = ARGUMENTS(s, &t, x);
+    double *r[] = { holds }, *texts[] = { values };
+    if (!NA_RUNNING) return 0;
+    f_assertions(a, r);
+    if (!violated(holds, NA_RUNNING)) {
+        if (level == WARNING) memset(s->warned, 0, sizeof s->warned);
+        return 0;
+    }
+    f_assertion_values(a, texts);
+    return report(m, RUNNING_CHECKS, t, holds, values, level);
+}
+
 /* Check the model's assertions; 1 if one of level error is violated. */
 static int assertions(Instance *m) {
     State *s = &m->s;
-    double holds[NA + 1], values[NM + 1], t = inside(s, s->v[TIME]);
-    const double *a[] = ARGUMENTS(s, &t, s->v + X);
+    return parameter_checks(m) || assertions_at(m, inside(s, s->v[TIME]), s->v + X, WARNING);
+}
+
+/* Check the initial equations after they have been solved. */
+static int start_checks(Instance *m) {
+    State *s = &m->s;
+    double holds[NA_START + 1], values[NM + 1], t = s->v[TIME];
+    const double *a[] = { &t, s->v + X, s->v + U, s->v + P, s->v + D, s->r, s->g, s->d0 };
     double *r[] = { holds, values };
-    if (!NA) return 0;
-    f_assertions(a, r);
-    for (int i = 0; i < NA; i++) {
-        char text[512];
-        if (holds[i] != 0) {
-            s->warned[i] = 0;
-            continue;
-        }
-        if (s->warned[i]) continue;
-        char again[32] = "";
-        if (++s->warnings[i] > 1) snprintf(again, sizeof again, ", occurrence %d", s->warnings[i]);
-        assertion_text(i, values, text, sizeof text);
-        if (assertion_fatal[i]) return failure(m, "assertion (%s) at time = %.9g s: %s", assertion_place[i], s->v[TIME], text);
-        s->warned[i] = 1; /* one warning until the condition holds again */
-        message(m, fmi2Warning, "logStatusWarning", "warning (%s) at time = %.9g s%s: %s", assertion_place[i], s->v[TIME], again,
-                text);
-    }
-    return 0;
+    if (NA_START) f_start_checks(a, r);
+    return violated(holds, NA_START) ? report(m, START_CHECKS, t, holds, values, WARNING) : 0;
 }

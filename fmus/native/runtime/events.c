@@ -57,6 +57,16 @@ static int consistent(Instance *m, const double *tick, double *d, double *x, dou
     return failure(m, "the relations do not settle at the event at time = %.9g s", s->v[TIME]);
 }
 
+/* Check that the operations of the event equations are defined, after an event pass with the same arguments. */
+static int event_checks(Instance *m, const double *tick) {
+    State *s = &m->s;
+    double holds[NA_EVENT + 1], values[NM + 1], t = event_time(s);
+    const double *a[] = { &t, s->v + X, s->v + U, s->v + P, s->previous, s->r, s->last, tick, s->g };
+    double *out[] = { holds, values };
+    if (NA_EVENT) f_event_checks(a, out);
+    return violated(holds, NA_EVENT) ? report(m, EVENT_CHECKS, s->v[TIME], holds, values, WARNING) : 0;
+}
+
 /* Handle all events at the present time. `initial` suppresses edges of when clauses; `jumped` becomes whether a state was
  * reinitialised. A change of discretes that are not `repeating`, which only clocked equations read, requires no iteration. */
 static int events(Instance *m, int initial, int *jumped) {
@@ -83,12 +93,12 @@ static int events(Instance *m, int initial, int *jumped) {
     if (!initial) s->v[EVENTS]++;
     memcpy(s->previous, d, ND * sizeof *d);
     if (initial) {
-        if (consistent(m, tick, d, x, r, c)) return 1;
+        if (consistent(m, tick, d, x, r, c) || event_checks(m, tick)) return 1;
         memcpy(s->last, c, NC * sizeof *c);
     }
     for (int k = 0; k < EVENT_ITERATIONS; k++) {
         int changed;
-        if (consistent(m, tick, d, x, r, c)) return 1;
+        if (consistent(m, tick, d, x, r, c) || event_checks(m, tick)) return 1;
         changed = NX && memcmp(x, s->v + X, NX * sizeof *x);
         if (changed) {
             *jumped = 1;
@@ -113,9 +123,10 @@ static int events(Instance *m, int initial, int *jumped) {
     return failure(m, "the event iteration does not end at time = %.9g s", now);
 }
 
-/* Whether an indicator contradicts the stored value of its relation. */
+/* Whether an indicator contradicts the stored value of its relation. One that is not a number belongs to a relation in a
+ * branch that is not chosen. */
 static int contradicts(const State *s, int i, double z) {
-    return (s->r[indicator_relation[i]] > 0.5) != (indicator_inclusive[i] ? z >= 0 : z > 0);
+    return !isnan(z) && (s->r[indicator_relation[i]] > 0.5) != (indicator_inclusive[i] ? z >= 0 : z > 0);
 }
 
 static int crossed(const State *s, const double *z) {

@@ -11,7 +11,7 @@ static void reset(State *s) {
     memcpy(s->q, start_q, NQ * sizeof(double));
     s->v[TOLERANCE] = DEFAULT_TOLERANCE;
     s->v[SOLVER] = DEFAULT_SOLVER;
-    s->stale_parameters = s->stale_start = 1;
+    s->stale_parameters = s->stale_start = s->unchecked_parameters = 1;
     s->lo = s->settled = -INFINITY;
     s->hi = s->h = s->moving = INFINITY;
     stale(s);
@@ -49,7 +49,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     State *s = &M->s;
     int jumped;
     if (s->phase != INITIALIZING) return refuse(M, "fmi2ExitInitializationMode: not in initialisation mode");
-    if (prepare(M) || assertions(M)) {
+    if (prepare(M) || start_checks(M) || assertions(M)) {
         s->phase = FAILED;
         return failed(M, fmi2Error);
     }
@@ -69,8 +69,12 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
 /* ---- values ---- */
 static int fresh(Instance *m, fmi2ValueReference k) {
     if (k >= NV) return failure(m, "there is no variable with value reference %u", k);
-    if (k >= O && k < L) return m->s.stale_outputs && fresh_algebraics(m, 0);
-    if (k >= L && k < D) return m->s.stale_locals && fresh_algebraics(m, 1);
+    if (k >= O && k < D) {
+        if ((k < L ? m->s.stale_outputs : m->s.stale_locals) && fresh_algebraics(m, k >= L)) return 1;
+        if (isfinite(m->s.v[k])) return 0;
+        return assertions(m) || failure(m, "the variable with value reference %u is %g at time = %.9g s: a number is too large, "
+                                        "or an equation has no solution", k, m->s.v[k], m->s.v[TIME]);
+    }
     if (k >= DX && k < U) return m->s.stale_derivatives && fresh_derivatives(m);
     return prepare(m);
 }
@@ -84,8 +88,17 @@ static int fresh(Instance *m, fmi2ValueReference k) {
         return fmi2OK;                                                                         \
     }
 GETTER(fmi2GetReal, fmi2Real, )
-GETTER(fmi2GetInteger, fmi2Integer, (fmi2Integer)lround)
 GETTER(fmi2GetBoolean, fmi2Boolean, 0.0 != )
+fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Integer value[]) {
+    for (size_t i = 0; i < n; i++) {
+        if (fresh(M, vr[i])) return failed(M, fmi2Error);
+        double real = M->s.v[vr[i]];
+        if (!(fabs(real) <= 2147483647))
+            return refuse(M, "the Integer with value reference %u is %.9g at time = %.9g s, beyond 32 bits", vr[i], real, M->s.v[TIME]);
+        value[i] = (fmi2Integer)lround(real);
+    }
+    return fmi2OK;
+}
 
 static fmi2Status set(Instance *m, fmi2ValueReference k, double value) {
     State *s = &m->s;
@@ -93,7 +106,7 @@ static fmi2Status set(Instance *m, fmi2ValueReference k, double value) {
         if (s->v[k] == value) return fmi2OK;
         s->inputs_set = 1;
     } else if (k >= P && k < P + NF) {
-        s->stale_parameters = 1;
+        s->stale_parameters = s->unchecked_parameters = 1;
     } else if (k >= X && k < DX) {
         if (s->phase < RUNNING) {
             s->x0[k - X] = value;

@@ -2,10 +2,10 @@
  *
  * The generated file comes first: sizes (NX states, NU inputs, NP parameters of which NF may be set, NO algebraic
  * outputs, NL other algebraic variables, ND discretes, NR relations kept between events, NZ indicators, NC conditions, NT
- * clocks, NI instants, N_MOVING instants that change at events,
- * SEARCHED 1 if indicators may become zero several times in a step, NG and NQ unknowns of running and initial nonlinear loops, NA assertions, NM values in their
- * messages, NJ entries of the solver's Jacobian, N_REPEATING discretes whose change requires another event pass,
- * ND_CALCULATED discretes whose value before the start is calculated; for Model
+ * clocks, NI instants, N_MOVING instants that change at events, SEARCHED 1 if indicators may become zero several times in a
+ * step, NG and NQ unknowns of running and initial nonlinear loops, NA assertions (NA_RUNNING, NA_PARAMETERS, NA_START and
+ * NA_EVENT of them, in this order), NM values in their messages, NJ entries of the solver's Jacobian, N_REPEATING discretes
+ * whose change requires another event pass, ND_CALCULATED discretes whose value before the start is calculated; for Model
  * Exchange BY_STATE is 1 and NSJ and NOJ count the entries of the Jacobians of derivatives and outputs by the states),
  * tables, and the functions f_*. */
 #include <float.h>
@@ -36,6 +36,8 @@ enum {
     EVENTS,
     NV
 };
+enum { RUNNING_CHECKS, PARAMETER_CHECKS, START_CHECKS, EVENT_CHECKS }; /* when an assertion is checked */
+enum { WARNING, ASSERTION, DOMAIN_ERROR };                              /* its level */
 enum { INSTANTIATED, INITIALIZING, RUNNING, FAILED, TERMINATED };
 
 #define EVENT_TIME 1e-10 /* accuracy of the location of state events [s] */
@@ -76,6 +78,7 @@ typedef struct {
     double by_state[BY_STATE * (NX + NO) * NX + 1]; /* derivatives and outputs, by rows, differentiated by the states */
     int stale_parameters, stale_start, stale_derivatives, stale_outputs, stale_locals;
     int stale_state_jacobian, stale_output_jacobian;
+    int unchecked_parameters;
     char x_set[NX + 1];
     char warned[NA + 1];             /* whether a warning has been given since its condition held */
     int warnings[NA + 1];

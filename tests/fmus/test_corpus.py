@@ -1,0 +1,117 @@
+"""The built-in compiler gives every class of the corpus its right values, or refuses it with file and line.
+
+The corpus (tests/fmus/corpus) has the rules of the language by chapter and the combinations of features and contexts.
+Here are all rules and a sample of the combinations, in which each feature and each context occurs; with RAILGRIP_FUZZ
+it is all of them, and the classes that are known to be refused. Where OpenModelica is installed, it compiles the rules
+too, which checks the expected values themselves.
+"""
+
+import multiprocessing
+import os
+import shutil
+from collections.abc import Iterator, Sequence
+from fnmatch import fnmatchcase
+
+import pebble
+import pytest
+from corpus.case import Case
+from corpus.combine import combinations, sample
+from corpus.contexts import CONTEXTS
+from corpus.exceptions import DEFECTS, REFUSED, is_defect, is_refused
+from corpus.features import FEATURES
+from corpus.rules import RULES
+from corpus.verdict import Simulate, Values, judge, run, simulate
+
+from railgrip.base.errors import BuildFailed
+from railgrip.fmus.openmodelica import export
+from railgrip.fmus.recipe import Recipe
+
+ALL = "RAILGRIP_FUZZ" in os.environ
+EVERY = combinations()
+COMBINATIONS = EVERY if ALL else sample()
+CHAPTERS = ["2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13"]
+LONGEST = 120
+"""Time in which a batch must be compiled and simulated [s]; it takes a few seconds."""
+
+SIZE = 60
+"""Number of cases in one FMU, which saves most of the time of the C compiler."""
+
+
+def batches(cases: Sequence[Case]) -> list[list[Case]]:
+    right = [case for case in cases if not is_defect(case.name) and not is_refused(case.name)]
+    return [right[k : k + SIZE] for k in range(0, len(right), SIZE)]
+
+
+def first(pattern: str) -> Case:
+    return next(case for case in [*RULES, *EVERY] if fnmatchcase(case.name, pattern))
+
+
+def first_name(cases: Sequence[Case]) -> str:
+    return cases[0].name
+
+
+@pytest.fixture(scope="module")
+def apart() -> Iterator[Simulate]:
+    """Return `simulate` in a process that may hang or crash."""
+    with pebble.ProcessPool(1, context=multiprocessing.get_context("spawn")) as pool:
+        yield lambda text, names: pool.schedule(simulate, args=[text, names], timeout=LONGEST).result()
+        pool.stop()
+
+
+@pytest.mark.parametrize("cases", batches([*RULES, *COMBINATIONS]), ids=first_name)
+def test_the_values_are_right(apart, cases):
+    assert judge(cases, apart) == {}
+
+
+@pytest.mark.omc
+@pytest.mark.skipif(shutil.which("omc") is None, reason="OpenModelica's omc is not on the PATH")
+@pytest.mark.parametrize("cases", [[c for c in RULES if c.name.startswith(k)] for k in CHAPTERS], ids=CHAPTERS)
+def test_openmodelica_gives_no_other_values(tmp_path, cases):
+    """It may refuse a class."""
+
+    def simulate(text: str, names: Sequence[str]) -> dict[str, Values] | str:
+        file = tmp_path / "Corpus.mo"
+        file.write_text(text)
+        try:
+            fmu = export(Recipe.of_class("Corpus.All", "me"), file, tmp_path / "All.fmu")
+        except BuildFailed as refusal:
+            return f"refused: {refusal}"
+        return {"ModelExchange": run(fmu, names, "ModelExchange")}
+
+    assert {name: verdict for name, verdict in judge(cases, simulate).items() if verdict.startswith("wrong")} == {}
+
+
+@pytest.mark.parametrize(
+    "case",
+    [c for c in [*RULES, *COMBINATIONS] if is_refused(c.name) and not is_defect(c.name)],
+    ids=lambda case: case.name,
+)
+@pytest.mark.skipif(not ALL, reason="only with RAILGRIP_FUZZ")
+def test_what_need_not_be_supported_is_right_or_refused(apart, case):
+    verdict = judge([case], apart).get(case.name, "right")
+    assert verdict == "right" or verdict.startswith("refused: ")
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(first(pattern), marks=pytest.mark.xfail(strict=True, reason=reason), id=pattern)
+        for pattern, reason in DEFECTS.items()
+    ],
+)
+@pytest.mark.skipif(not ALL, reason="only with RAILGRIP_FUZZ")
+def test_a_known_defect(apart, case):
+    verdict = judge([case], apart).get(case.name, "right")
+    assert verdict == "right" or verdict.startswith("refused: ")
+
+
+def test_every_feature_and_context_is_in_the_sample():
+    pairs = [case.name.split(" | ") for case in sample()]
+    assert {feature for feature, _ in pairs} == FEATURES.keys()
+    assert {context for _, context in pairs} == CONTEXTS.keys()
+
+
+def test_names_are_unique_and_exceptions_exist():
+    names = [case.name for case in [*RULES, *EVERY]]
+    assert len(set(names)) == len(names)
+    assert [p for p in [*REFUSED, *DEFECTS] if not any(fnmatchcase(name, p) for name in names)] == []

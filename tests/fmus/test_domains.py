@@ -1,0 +1,209 @@
+"""An operation outside its domain, or an index out of bounds, is an error of the FMU that names its place.
+
+Sections are those of the Modelica Language Specification 3.6: 3.7.1.2 (domains of the functions), 10.5.1 (subscripts),
+3.3 (branches of if-expressions are evaluated only if their condition holds).
+"""
+
+import math
+import re
+
+import pytest
+from fmpy.fmi1 import FMICallException
+
+from railgrip.base.errors import TranslationError
+from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.system import explicit
+
+RISING = "model M\n Real x(start=0,fixed=true);\n"
+
+# Declarations, equations → the words of the message, its line, and the last time at which the model is defined [s].
+UNDEFINED = {
+    "acos": (" Real y;\n", " der(x) = 1;\n y = acos(2*x + 0.5);\n", r"acos\(2\*x \+ 0.5\): .* from -1 to 1",
+        "y = acos", 0.25),
+    "asin": (" Real y;\n", " der(x) = 1;\n y = asin(0.5 - 4*x);\n", r"asin.* from -1 to 1", "y = asin", 0.375),
+    "sqrt": (" Real y;\n", " der(x) = 1;\n y = max(sqrt(0.5 - x), 0);\n", r"sqrt\(0.5 - x\): .* not be negative",
+        "y =", 0.5),
+    "log": (" Real y;\n", " der(x) = 1;\n y = log(0.45 - x);\n", r"log.* must be positive", "y =", 0.45),
+    "log10": (" Real y;\n", " der(x) = 1;\n y = log10(0.45 - x);\n", r"log10.* must be positive", "y =", 0.45),
+    "power": (" Real y;\n", " der(x) = 1;\n y = (0.45 - x)^0.3;\n", r"\(0.45 - x\)\^0.3: a negative base", "y =", 0.45),
+    "division": (" Real y;\n", " der(x) = 0;\n y = 1/x;\n", r"1/x: the divisor must not be zero", "y =", 0.0),
+    "negative power": (" Real y;\n", " der(x) = 0;\n y = x^(-2);\n", r"x\^\(-2\): .* base of zero", "y =", 0.0),
+    "atan2": (" Real y;\n", " der(x) = 0;\n y = atan2(x, x);\n", r"atan2\(x, x\): .* must not be zero", "y =", 0.0),
+    "pole of tan": (" Real y;\n", " der(x) = 0;\n y = tan(x + 1.5707963267948966);\n", r"odd multiple of pi/2", "y =",
+        0.0),
+    "array": (" Real y[3];\n", " der(x) = 1;\n y = sqrt({1, 0.5 - x, 2});\n", r"not be negative", "y =", 0.5),
+    "comparison": (
+        " Boolean b;\n", " der(x) = 1;\n b = sqrt(0.5 - x) > 2;\n", r"sqrt\(0.5 - x\): .* not be negative", "b =", 0.5
+    ),
+    "derivative": ("", " der(x) = 1 + sqrt(0.5 - x);\n", r"not be negative", "der(x)", 1.2),
+    "index": (
+        " parameter Real t[3] = {1, 2, 3};\n Integer i = 1 + integer(5*time);\n", " der(x) = t[i];\n",
+        r"t\[i\]: subscript 1 must be from 1 to 3, but it is 4", "t[i];", 0.6,
+    ),
+    "index of a matrix": (
+        " parameter Real t[2, 3] = {{1, 2, 3}, {4, 5, 6}};\n Integer i = 3 - integer(5*time);\n",
+            " der(x) = t[1, i];\n",
+        r"t\[1, i\]: subscript 2 must be from 1 to 3, but it is 0", "t[1, i];", 0.6,
+    ),
+    "index in a comparison": (
+        " parameter Real t[2] = {1, 2};\n Real y;\n Integer i = 1 + integer(2*time);\n",
+        " der(x) = 1;\n y = noEvent(if t[i] > 0 then 1 else 2);\n", r"t\[i\]: subscript 1", "t[i] >", 1.0,
+    ),
+    "discrete variable": (
+        " discrete Real d(start=0,fixed=true);\n",
+        " der(x) = 1;\n when sample(0.1, 0.1) then\n  d = sqrt(0.45 - x);\n end when;\n", r"not be negative",
+            "d = sqrt", 0.5,
+    ),
+    "index at an event": (
+        " parameter Real t[3] = {1, 2, 3};\n Integer k(start=0,fixed=true);\n discrete Real d(start=0,fixed=true);\n",
+        " der(x) = 1;\n when sample(0.1, 0.1) then\n  k = pre(k) + 1;\n  d = if t[k] > 2 then 1 else 0;\n end when;\n",
+        r"t\[k\]: subscript 1 must be from 1 to 3, but it is 4", "t[k]", 0.4,
+    ),
+    "previous value": (
+        " Integer d(start=1,fixed=true);\n Real y;\n",
+        " der(x) = 1;\n when time > 0.3 then\n  d = -1;\n end when;\n y = max(0, sqrt(pre(d)));\n",
+        r"sqrt\(pre\(d\)\): .* not be negative, but it is -1", "y =", 0.3,
+    ),
+    "previous value of a clocked variable": (
+        " discrete Real d(start=1,fixed=true);\n Real y;\n",
+        " der(x) = 1;\n when sample(0.3, 1) then\n  d = -1;\n end when;\n y = max(0, sqrt(pre(d)));\n",
+        r"sqrt\(pre\(d\)\): .* not be negative, but it is -1", "y =", 0.3,
+    ),
+    "condition of when": (
+        " discrete Real d(start=0,fixed=true);\n",
+        " der(x) = 1;\n when log(0.45 - x) < -20 then\n  d = x;\n end when;\n", r"log", "when log", 0.45,
+    ),
+    "coefficient of a derivative": ("", " (x - 0)*der(x) = 1;\n", r"solved for der\(x\)", "der(x)", 0.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", UNDEFINED)
+def test_a_value_that_is_not_defined_ends_the_run_at_its_place(modelica, run, what):
+    declarations, equations, words, line, last = UNDEFINED[what]
+    text = f"{RISING}{declarations}equation\n{equations}end M;\n"
+    messages, time = end_of_run(modelica, run, text)
+    (message,) = [m for m in messages if "domain error" in m]
+    assert re.search(words, message)
+    number = int(re.search(r"\.mo:(\d+)\)", message)[1])
+    assert line in text.splitlines()[number - 1]
+    assert time <= last + 0.05  # not later than at the end of the communication step
+
+
+def end_of_run(modelica, run, text, start=None):
+    """Return the messages of a run that fails, and the last time at which it succeeded."""
+    fmu = modelica(text)
+    messages, time = [], 0.0
+    with pytest.raises(FMICallException):  # noqa: PT012
+        instance = run(fmu, start=start, messages=messages)
+        for k in range(40):
+            instance.steps(1, 0.05, first=k)
+            time = 0.05 * (k + 1)
+    return messages, time
+
+
+@pytest.mark.parametrize(
+    ("declarations", "equations", "start", "words"),
+    [
+        (" parameter Real p = 1;\n Real y;\n", " der(x) = 1;\n y = 2/p;\n", {"p": 0.0}, r"2/p: the divisor"),
+        (" parameter Real p = 1;\n parameter Real q = sqrt(p);\n", " der(x) = q;\n", {"p": -1.0},
+        r"sqrt\(p\): .* -1\."),
+        (" parameter Real p = 1;\n Real z(start=log(p),fixed=true);\n", " der(x) = 1;\n der(z) = 1;\n", {"p": 0.0},
+        r"log\(p\)"),
+        (" Real z(start=-1,fixed=true);\n Real w;\n",
+        " der(x) = 1;\n der(z) = 1;\n der(w) = 1;\ninitial equation\n w = sqrt(z);\n",
+         None, r"sqrt\(z\): .* -1\."),
+        (" discrete Real d(start=-1,fixed=true);\n Real w;\n",
+        " der(x) = 1;\n der(w) = 1;\n when time > 0 then\n  d = 4;\n end when;\ninitial equation\n w = sqrt(pre(d));",
+        None, r"sqrt\(pre\(d\)\): .* -1\."),
+        (" parameter Real m = 1;\n Real z;\n", " der(x) = 1;\n m*z = x + 1;\n", {"m": 0.0},
+        r"solved for z, whose coefficient"),
+    ],
+    ids=["parameter", "dependent parameter", "start value", "initial equation", "previous value", "coefficient"],
+)  # fmt: skip
+def test_parameters_and_initial_values_are_checked_at_initialisation(
+    modelica, run, declarations, equations, start, words
+):
+    messages, _ = end_of_run(modelica, run, f"{RISING}{declarations}equation\n{equations}end M;\n", start)
+    assert any("domain error" in m and re.search(words, m) for m in messages)
+
+
+FUNCTION = (
+    "package P function f input Real u; output Real y; algorithm if u > 0 then y := sqrt(u); else y := -1; end if;"
+    " end f;"
+)
+
+# Equations → value of y at 1 s, where x = time - 0.5: what is not evaluated need not be defined.
+GUARDED = {
+    "if": ("y = if x > 0 then sqrt(x) else 0;", math.sqrt(0.5)),
+    "else": ("y = if x < 0 then 1 else sqrt(x);", math.sqrt(0.5)),
+    "noEvent": ("y = noEvent(if x > 0 then log(x) else 7);", math.log(0.5)),
+    "noEvent outside": ("y = if noEvent(x > 0) then 1/x else 7;", 2.0),
+    "elseif": ("y = if x < -0.2 then 1 elseif x <= 0 then 2 else log10(x);", math.log10(0.5)),
+    "nested": ("y = if x > 0 then (if sqrt(x) > 0.1 then log(x) else 5) else 7;", math.log(0.5)),
+    "and": ("y = if x > 0 and log(x) > -9 then 3 else 4;", 3.0),
+    "or": ("y = if x <= 0 or log(x) > 0 then 3 else 4;", 4.0),
+    "maximum": ("y = sqrt(max(x, 0));", math.sqrt(0.5)),
+    "function": ("y = P.f(x);", math.sqrt(0.5)),
+    "when": ("when x > 0.25 then y = log(x); end when;", math.log(0.25)),
+    "shared by branches": ("y = noEvent(if x > 0.3 then sqrt(x) elseif x > 0.2 then 2*sqrt(x) else 0);",
+        math.sqrt(0.5)),
+    "nested relation left behind": ("y = if x < 0 then (if sqrt(-x) > 0.2 then 1 else 2) else 3;", 3.0),
+    "relation and logarithm left behind": ("y = if x < 0 and log(-x) < -1 then 3 else 4;", 4.0),
+    "index": ("y = noEvent(if time < 2 then t[1 + integer(time + 0.5)] else t[3]);", 2.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("form", GUARDED)
+def test_a_guarded_operation_need_not_be_defined(built, run, tmp_path, form):
+    """Closed forms; y at an event is that of the event's time, located within 1e-10 s."""
+    equation, expected = GUARDED[form]
+    y = "discrete Real y(start=0,fixed=true)" if "when" in equation else "Real y"
+    file = tmp_path / "P.mo"
+    file.write_text(
+        f"{FUNCTION}\nmodel M Real x(start=-0.5,fixed=true); {y}; parameter Real t[2] = {{1, 2}};"
+        f"\nequation\nder(x) = 1;\n"
+        f"{equation.replace('P.f', 'f')}\nend M;\nend P;\n"
+    )
+    if form == "index":
+        file.write_text(file.read_text().replace("t[3]", "t[2]"))
+    instance = run(built(file, "P.M"))
+    instance.steps(10, 0.1)
+    assert instance.get("y")[0] == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_guarded_root_in_a_derivative_passes_its_boundary(modelica, run):
+    """dx/dt = -1 - √(x + ½) until x = -½ at 2(s - ln(1 + s)), s = √½; then dx/dt = -1."""
+    text = f"{RISING} equation der(x) = -1 - (if x > -0.5 then sqrt(x + 0.5) else 0); end M;"
+    instance = run(modelica(text))
+    instance.steps(10, 0.1)
+    root = math.sqrt(0.5)
+    touch = 2 * (root - math.log(1 + root))
+    assert instance.get("x")[0] == pytest.approx(-0.5 - (1 - touch), abs=1e-5)  # ten times the relative tolerance
+
+
+@pytest.mark.parametrize(
+    ("equation", "words"),
+    [("y = 1/0;", "the divisor"), ("y = t[n + 1];", r"t\[n \+ 1\]: subscript 1 must be from 1 to 3, but it is 4")],
+)
+def test_a_constant_that_is_not_defined_is_an_error_at_build_time(tmp_path, equation, words):
+    file = tmp_path / "M.mo"
+    file.write_text(
+        "model M\n constant Integer n = 3;\n parameter Real t[3] = {1, 2, 3};\n Real x(start=0,fixed=true);\n Real y;\n"
+        f"equation\n der(x) = 1;\n {equation}\nend M;\n"
+    )
+    with pytest.raises(TranslationError, match=rf"M\.mo:8: M: .*{words}"):
+        explicit(read("M", file))
+
+
+def test_an_overflow_is_an_error_when_it_is_read(modelica, run):
+    instance = run(modelica(f"{RISING} Real y; equation der(x) = 1; y = exp(1000*(x + 0.5)); end M;"))
+    instance.steps(5, 0.1)
+    with pytest.raises(FMICallException):
+        instance.get("y")
+    assert any("is inf at time" in m for m in instance.messages)
+    large = run(modelica(f"{RISING} Integer k(start=2000000000,fixed=true);\nequation der(x) = 1;\n"
+                         " when sample(0.1, 0.1) then k = 2*pre(k); end when; end M;"))  # fmt: skip
+    large.steps(5, 0.1)
+    with pytest.raises(FMICallException):
+        large.count("k")
+    assert any("beyond 32 bits" in m for m in large.messages)

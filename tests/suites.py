@@ -1,0 +1,453 @@
+"""Other people's Modelica test suites, built and simulated with the built-in compiler; `make suites` runs this script.
+
+The suites are not part of this project; the user has a copy of them:
+
+    compliance  the Modelica compliance library: classes that a compiler must accept, with assertions, or refuse
+    omc         OpenModelica's testsuite/simulation/modelica: scripts with expected values
+    reference   a library with published reference results, such as ModelicaTest; the folder of results has
+                a file comparisonSignals.txt and a CSV file for each class
+
+Each class is translated, compiled and simulated in a separate process with a time limit. The CSV file has one line
+per class with its verdict:
+
+    right          the FMU fulfils all assertions, or has the expected values
+    refused        a sentence refuses it; for classes that must be refused, this is the right answer
+    accepted       a class that must be refused has an FMU that runs
+    fails          a class that must be refused has an FMU, but the simulation ends with an error
+    wrong          the FMU violates an assertion or has other values
+    no simulation  the FMU of a legal class ends with another error than an assertion, and says so
+    crash          the compiler ends with a signal, or its message is internal text
+    hang           a time limit ended it
+
+With --control, each assertion of a right class is inverted in turn. The inverted class must fail; otherwise the
+assertion checks nothing, and its line ends with their number.
+"""
+
+import argparse
+import contextlib
+import csv
+import itertools
+import math
+import multiprocessing
+import os
+import re
+import shutil
+import signal
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import fmpy
+import fmpy.fmi2
+import numpy as np
+
+from railgrip.base.errors import InputError, RailgripError
+from railgrip.fmus.build import translate
+from railgrip.fmus.native import package
+from railgrip.fmus.native.library import library_of
+from railgrip.fmus.native.used_libraries import name_of
+from railgrip.fmus.recipe import Recipe
+
+SECONDS = 60.0
+"""Time limit of one class [s]; the slowest right class takes a tenth of it."""
+TOLERANCE = 1e-7
+"""Relative error of a step of the solver: well below the accuracy of expected values, which is mostly 1e-5."""
+ACCURACY = 1e-3
+"""Permitted deviation, relative to the largest magnitude of a signal."""
+INTERNAL = re.compile(r"panicked|[Ii]nternal error|Traceback|\b\w+Error\b|unreachable|fails on this class|KeyError")
+"""Text that no user can act on."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SuiteCase:
+    """One class of a suite.
+
+    Attributes:
+        legal: Whether a compiler must accept it.
+        libraries: Folders with `package.mo`, or files; the first has the class.
+        stop: Start and end of the simulation [s].
+        times: Instants at which signals are known [s].
+        expected: Name of a signal → its values at `times`; NaN where none is known.
+    """
+
+    class_name: str
+    libraries: tuple[Path, ...]
+    legal: bool = True
+    start: float = 0.0
+    stop: float = 1.0
+    times: tuple[float, ...] = ()
+    expected: dict[str, tuple[float, ...]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The verdict on a case, with the message or deviation as `detail`."""
+
+    verdict: str
+    detail: str = ""
+
+
+def simulate(case: SuiteCase, fmu: Path) -> Verdict:
+    """Simulate an FMU and compare its signals with the expected ones."""
+    messages: list[str] = []
+
+    def log(_environment: object, _instance: bytes, status: int, _category: bytes, message: bytes) -> None:
+        if status > 1:
+            messages.append(message.decode(errors="replace"))
+
+    description = fmpy.read_model_description(str(fmu))
+    folder = fmpy.extract(str(fmu))
+    known = {variable.name: variable for variable in description.modelVariables}
+    missing = [name for name in case.expected if name not in known]
+    instance = fmpy.fmi2.FMU2Slave(
+        guid=description.guid,
+        unzipDirectory=folder,
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        instanceName="case",
+    )
+    callbacks = fmpy.fmi2.fmi2CallbackFunctions()
+    callbacks.logger = fmpy.fmi2.fmi2CallbackLoggerTYPE(log)
+    callbacks.allocateMemory = fmpy.fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+    callbacks.freeMemory = fmpy.fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
+    rows: dict[float, list[float]] = {}
+    names = [name for name in case.expected if name in known]
+
+    def read() -> list[float]:
+        out: list[float] = []
+        for name in names:
+            variable = known[name]
+            reader = {
+                "Integer": instance.getInteger,
+                "Enumeration": instance.getInteger,
+                "Boolean": instance.getBoolean,
+            }
+            out.append(float(reader.get(variable.type, instance.getReal)([variable.valueReference])[0]))
+        return out
+
+    # An expected value at an event may be the one before or after it, so each instant has a narrow neighbourhood.
+    width = 1e-5 * (case.stop - case.start)
+    grid = {case.start, case.stop, *np.linspace(case.start, case.stop, 51).tolist()}
+    grid |= {t + shift for t in case.times for shift in (-width, 0.0, width)}
+    grid = sorted(t for t in grid if case.start <= t <= case.stop)
+    try:
+        instance.instantiate(callbacks=callbacks)
+        instance.setupExperiment(startTime=case.start)
+        instance.enterInitializationMode()
+        instance.exitInitializationMode()
+        rows[case.start] = read()
+        for before, after in itertools.pairwise(grid):
+            instance.doStep(currentCommunicationPoint=before, communicationStepSize=after - before)
+            rows[after] = read()
+    except fmpy.fmi1.FMICallException as error:
+        text = messages[0] if messages else str(error)
+        return Verdict("wrong" if "assertion (" in text else "no simulation", text)
+    if missing:
+        return Verdict("right" if not case.expected else "no signal", f"the FMU has no {', '.join(missing[:5])}")
+    return compare(case, names, rows, width)
+
+
+def compare(case: SuiteCase, names: list[str], rows: dict[float, list[float]], width: float) -> Verdict:
+    """Compare the values of signals, time → values, with the expected ones."""
+    worst, where = 0.0, ""
+    for column, name in enumerate(names):
+        expected = np.array(case.expected[name])
+        scale = float(np.nanmax(np.abs(expected))) if np.isfinite(expected).any() else 0.0
+        for t, value in zip(case.times, expected, strict=True):
+            near = [rows[u][column] for u in (t - width, t, t + width) if u in rows]
+            if math.isnan(value) or not near:
+                continue
+            if any(math.isnan(v) for v in near):
+                return Verdict("wrong", f"{name} is NaN at {t:g} s")
+            deviation = max(min(near) - value, value - max(near), 0.0) / (scale + 1e-6)
+            if deviation > worst:
+                worst, where = deviation, f"{name} at {t:g} s: {near[len(near) // 2]:g} instead of {value:g}"
+    verdict = "right" if worst <= ACCURACY else "wrong"
+    return Verdict(verdict, f"{worst:.1e} {where}".strip() if case.expected else "")
+
+
+def build(case: SuiteCase, folder: Path) -> Path | Verdict:
+    """Return the FMU of a class, or the outcome of a failed build."""
+    table = {"class": case.class_name, "interfaces": ("cs",), "solver": "rodas4", "tolerance": TOLERANCE, "step": 1e-3}
+    try:
+        source, _ = translate(Recipe.model_validate(table), case.libraries[0], case.libraries[1:])
+        content = package.archive_bytes(source, flags=("-O0",))
+    except RecursionError as error:
+        return Verdict("crash", f"RecursionError: {error}")
+    except InputError as error:
+        return Verdict("crash" if INTERNAL.search(str(error)) else "refused", str(error))
+    except Exception as error:
+        return Verdict("crash", f"{type(error).__name__}: {error}")
+    fmu = folder / "case.fmu"
+    fmu.write_bytes(content)
+    return fmu
+
+
+def judge(case: SuiteCase, folder: Path) -> Verdict:
+    """Build and simulate a class in this process."""
+    fmu = build(case, folder)
+    if isinstance(fmu, Verdict):
+        return fmu
+    outcome = simulate(case, fmu)
+    if case.legal:
+        return outcome
+    return replace(outcome, verdict="accepted" if outcome.verdict in ("right", "no signal") else "fails")
+
+
+def judge_apart(case: SuiteCase, seconds: float) -> Verdict:
+    """Build and simulate a class in a copy of this process, which has all packages in memory, with a time limit."""
+    context = multiprocessing.get_context("fork")
+    receiver, sender = context.Pipe(duplex=False)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+
+        def child() -> None:
+            os.setsid()
+            output = os.open(folder / "output", os.O_CREAT | os.O_WRONLY)
+            os.dup2(output, 1)
+            os.dup2(output, 2)
+            tempfile.tempdir = name
+            sender.send(judge(case, folder))
+            sender.close()
+            os._exit(0)
+
+        process = context.Process(target=child)
+        process.start()
+        sender.close()
+        outcome = None
+        with contextlib.suppress(EOFError):
+            outcome = receiver.recv() if receiver.poll(seconds) else Verdict("hang", f"more than {seconds:g} s")
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.join()
+        if outcome is None:
+            output = (folder / "output").read_text(errors="replace").strip()
+            outcome = Verdict("crash", f"ended with {process.exitcode}: {output[-300:]}")
+    return outcome
+
+
+# The compliance library
+
+
+def compliance(root: Path, scratch: Path, only: str = "") -> Iterator[SuiteCase]:
+    """Yield the classes of the compliance library, each with a library of only the files that it names."""
+    root = root / "ModelicaCompliance" if (root / "ModelicaCompliance").is_dir() else root
+    for file in sorted(root.rglob("*.mo")):
+        marked = re.search(r"TestCase\s*\(\s*shouldPass\s*=\s*(true|false)", file.read_text(errors="replace"))
+        parts = file.relative_to(root).with_suffix("").parts
+        if marked is None or file.name == "Template.mo" or not re.search(only, ".".join([root.name, *parts])):
+            continue
+        stop = re.search(r"StopTime\s*=\s*([\d.eE+-]+)", file.read_text(errors="replace"))
+        yield SuiteCase(
+            class_name=".".join([root.name, *parts]),
+            libraries=(excerpt(root, file, scratch / "_".join(parts)),),
+            legal=marked[1] == "true",
+            stop=float(stop[1]) if stop else 0.01,
+        )
+
+
+def excerpt(root: Path, file: Path, folder: Path) -> Path:
+    """Copy a file of a library, the packages around it, and the files next to it that it names."""
+    files, left = set[Path](), [file, root / "Icons.mo", root / "Util.mo"]
+    while left:
+        one = left.pop()
+        if one in files or not one.is_file():
+            continue
+        files.add(one)
+        left += [parent / "package.mo" for parent in one.parents if parent.is_relative_to(root)]
+        words = set(re.findall(r"\w+", one.read_text(errors="replace")))
+        left += [near for near in one.parent.glob("*.mo") if near.stem in words and one.name != "package.mo"]
+    for one in files:
+        copy = folder / root.name / one.relative_to(root)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(one, copy)
+    return folder / root.name
+
+
+_SKIPPED = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:[^"\\]|\\.)*"', re.DOTALL)
+
+
+def inverted(text: str) -> Iterator[str]:
+    """Yield the text once for each of its assertions, with the condition of this one inverted."""
+    blank = _SKIPPED.sub(lambda match: " " * len(match[0]), text)
+    for match in re.finditer(r"\bassert\s*\(", blank):
+        depth, end = 0, match.end()
+        while end < len(blank) and (depth or blank[end] not in ",)"):
+            depth += (blank[end] in "([{") - (blank[end] in ")]}")
+            end += 1
+        yield f"{text[: match.end()]}not ({text[match.end() : end]}){text[end:]}"
+
+
+def unchecked(case: SuiteCase, seconds: float) -> int:
+    """Return the number of assertions of a right class that hold when inverted as well."""
+    library, count = case.libraries[0], 0
+    file = library.joinpath(*case.class_name.split(".")[1:]).with_suffix(".mo")
+    text = file.read_text()
+    for changed in inverted(text):
+        file.write_text(changed)
+        count += judge_apart(case, seconds).verdict == "right"
+    file.write_text(text)
+    return count
+
+
+# OpenModelica's scripts
+
+
+def omc(root: Path) -> Iterator[SuiteCase]:
+    """Yield the scripts that simulate one class of one file and print values of variables at given times."""
+    for script in sorted(root.rglob("*.mos")):
+        case = script_case(script)
+        if case is not None:
+            yield case
+
+
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+
+
+def script_case(script: Path) -> SuiteCase | None:
+    """Return the case of one script; None unless each printed value belongs to a `val(variable, time)`."""
+    text = script.read_text(encoding="utf-8", errors="replace")
+    status = re.search(r"^//\s*status:\s*(\w+)", text, re.MULTILINE)
+    commands, _, result = text.partition("// Result:")
+    commands = re.sub(r"//[^\n]*", "", commands)
+    runs = re.findall(r"\bsimulate\s*\(([^;]*)\)", commands)
+    files = [script.parent / name for name in re.findall(r'loadFile\s*\(\s*"([^"]+)"', commands)]
+    files = [file for file in files if file.is_file()]
+    if (status and status[1] != "correct") or len(runs) != 1 or not files or "loadModel" in commands:
+        return None
+    call = rf"^\s*val\s*\(\s*([^;\n]+?)\s*,\s*({_NUMBER}|\{{[^}}]*\}})\s*[^)]*\)\s*;"
+    asked = re.findall(call, commands, re.MULTILINE)
+    answers = result.rpartition("end SimulationResult;")[2]
+    values = re.findall(rf"^//\s*({_NUMBER}|\{{[^}}]*\}})\s*$", answers, re.MULTILINE)
+    if not asked or len(asked) != len(values):
+        return None
+    known: dict[tuple[str, float], float] = {}
+    for (name, when), value in zip(asked, values, strict=True):
+        instants, numbers = ([float(n) for n in re.findall(_NUMBER, words)] for words in (when, value))
+        if len(instants) != len(numbers):
+            return None
+        known |= {(name.replace(" ", ""), t): number for t, number in zip(instants, numbers, strict=True)}
+    times = sorted({t for _, t in known})
+    names = dict.fromkeys(name for name, _ in known)
+    options = dict(re.findall(rf"(\w+)\s*=\s*({_NUMBER})", runs[0]))
+    return SuiteCase(
+        class_name=runs[0].partition(",")[0].strip(),
+        libraries=tuple(files),
+        start=float(options.get("startTime", 0)),
+        stop=float(options.get("stopTime", 1)),
+        times=tuple(times),
+        expected={name: tuple(known.get((name, t), math.nan) for t in times) for name in names},
+    )
+
+
+# Reference results
+
+
+def reference(libraries: Sequence[Path], results: Path, only: str = "", most: int = 500) -> Iterator[SuiteCase]:
+    """Yield the classes of libraries with published results: a CSV file next to a `comparisonSignals.txt`."""
+    libraries = [library_of(library.absolute()) for library in libraries]
+    for signals in sorted(results.rglob("comparisonSignals.txt")):
+        tables = sorted(signals.parent.glob("*.csv"))
+        parts = signals.parent.relative_to(results).parts
+        own = [library for library in libraries if name_of(library) == parts[0]]
+        if len(tables) != 1 or not own or not re.search(only, ".".join(parts)):
+            continue
+        with tables[0].open(encoding="utf-8", newline="") as stream:
+            rows = [
+                [float(cell) for cell in row] for row in csv.reader(stream) if row and not row[0].startswith("time")
+            ]
+        with tables[0].open(encoding="utf-8", newline="") as stream:
+            header = next(csv.reader(stream))
+        wanted = [name.strip() for name in signals.read_text(encoding="utf-8").split("\n")]
+        columns = [n for n, name in enumerate(header) if name in wanted and n]
+        # Of instants with two rows, an event, and of more rows than necessary only some are compared.
+        count = Counter(row[0] for row in rows)
+        once = [row for row in rows if count[row[0]] == 1]
+        chosen = once[:: max(1, len(once) // most)]
+        yield SuiteCase(
+            class_name=".".join(parts),
+            libraries=(own[0], *(library for library in libraries if library != own[0])),
+            start=rows[0][0],
+            stop=rows[-1][0],
+            times=tuple(row[0] for row in chosen),
+            expected={header[n]: tuple(row[n] for row in chosen) for n in columns},
+        )
+
+
+# The table
+
+
+def reason(detail: str) -> str:
+    """Return the common part of messages about different classes."""
+    text = re.sub(r"^[\w.]+ does not compile \([^)]*\): ", "", detail).strip()
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    line = lines[1] if len(lines) > 1 and lines[0].endswith(":") else (lines or [""])[0]
+    line = re.sub(r"[\w/.]+\.mo:\d+: ", "", line)
+    line = re.sub(r"ModelicaCompliance[\w.]*|`[^`]*`|'[^']*'|\"[^\"]*\"", "…", line)
+    return re.sub(r"\d+", "N", line)[:110]
+
+
+def table(rows: Iterable[tuple[SuiteCase, Verdict]]) -> str:
+    """Return the counts of verdicts, and the reasons of refusals by their number."""
+    rows = list(rows)
+    lines: list[str] = []
+    for legal, what in ((True, "legal"), (False, "illegal")):
+        verdicts = Counter(outcome.verdict for case, outcome in rows if case.legal == legal)
+        if verdicts:
+            counts = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.most_common())
+            lines.append(f"{verdicts.total()} {what}: {counts}")
+    why = Counter(reason(o.detail) for c, o in rows if c.legal and o.verdict == "refused")
+    lines += ["reasons of refusals of legal classes:", *(f"{count:5d}  {text}" for text, count in why.most_common())]
+    for case, outcome in rows:
+        if outcome.verdict not in ("right", "refused", "accepted", "fails"):
+            lines.append(f"{outcome.verdict}: {case.class_name}: {' '.join(outcome.detail.split())[:200]}")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Run a suite; print its table and write a CSV file."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("kind", choices=("compliance", "omc", "reference"))
+    parser.add_argument("suite", type=Path, help="folder of the suite; for reference, of its results")
+    parser.add_argument("--library", type=Path, action="append", default=[], help="for reference: the libraries")
+    parser.add_argument("--only", default="", help="regular expression for the names of classes")
+    parser.add_argument("--seconds", type=float, default=SECONDS, help="time limit of a class")
+    parser.add_argument("--control", action="store_true", help="invert the assertions of right classes")
+    parser.add_argument("--out", type=Path, help="CSV file; build/suites/KIND.csv unless given")
+    given = parser.parse_args()
+    out = given.out or Path("build/suites", f"{given.kind}.csv")
+    out.parent.mkdir(parents=True, exist_ok=True)
+    rows: list[tuple[SuiteCase, Verdict]] = []
+    with tempfile.TemporaryDirectory() as scratch, out.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(["class", "legal", "verdict", "seconds", "detail"])
+        cases = {
+            "compliance": lambda: compliance(given.suite, Path(scratch), given.only),
+            "omc": lambda: omc(given.suite),
+            "reference": lambda: reference(given.library, given.suite, given.only),
+        }[given.kind]()
+        for case in cases:
+            if not re.search(given.only, case.class_name):
+                continue
+            began = time.perf_counter()
+            outcome = judge_apart(case, given.seconds)
+            if given.control and case.legal and outcome.verdict == "right" and given.kind == "compliance":
+                idle = unchecked(case, given.seconds)
+                outcome = replace(outcome, detail=f"{idle} assertions check nothing" if idle else "")
+            rows.append((case, outcome))
+            seconds = f"{time.perf_counter() - began:.1f}"
+            writer.writerow([case.class_name, case.legal, outcome.verdict, seconds, outcome.detail])
+            stream.flush()
+    if not rows:
+        raise SystemExit(f"{given.suite}: no class of the kind {given.kind} was found")
+    print(table(rows))
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except RailgripError as error:
+        sys.exit(str(error))

@@ -1,0 +1,99 @@
+"""The runner of other people's suites, tests/suites.py, gives small suites the verdicts that they deserve."""
+
+import csv
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import suites
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the runner forks a process for each class")
+
+HEAD = "within ModelicaCompliance;\nmodel {name}\n  extends Icons.TestCase;\n"
+TAIL = (
+    "  annotation(__ModelicaAssociation(TestCase(shouldPass = {legal})), experiment(StopTime = 0.02));\nend {name};\n"
+)
+STATE = "  Real x(start=1, fixed=true);\nequation\n  der(x) = 1;\n"
+CLASSES = {
+    "Right": ("true", STATE + '  assert(x >= 1, "x, at least");\n  assert(time < 2, "end");\n'),
+    "Idle": ("true", STATE + '  if false then\n    assert(x > 1, "never");\n  end if;\n'),
+    "Wrong": ("true", STATE + '  assert(x < 1.01, "x");\n'),
+    "Refused": ("true", STATE + "  Real y = unknownFunction(x);\n"),
+    "Illegal": ("false", "  Real x = true;\n"),
+    "Accepted": ("false", STATE),
+    "Constant": ("true", 'equation\n  assert(2 > 1, "no variable");\n'),
+}
+
+
+@pytest.fixture
+def library(tmp_path: Path) -> Path:
+    folder = tmp_path / "ModelicaCompliance"
+    folder.mkdir()
+    (folder / "package.mo").write_text("package ModelicaCompliance end ModelicaCompliance;")
+    (folder / "Icons.mo").write_text("within ModelicaCompliance; package Icons model TestCase end TestCase; end Icons;")
+    for name, (legal, text) in CLASSES.items():
+        (folder / f"{name}.mo").write_text((HEAD + text + TAIL).format(name=name, legal=legal))
+    return tmp_path
+
+
+def run(out: Path, *arguments: object) -> dict[str, dict[str, str]]:
+    # In a process of its own: the threads of the front end, which other tests start, do not survive a fork.
+    subprocess.run([sys.executable, suites.__file__, *map(str, arguments), "--out", str(out)], check=True)
+    with out.open(encoding="utf-8", newline="") as stream:
+        return {row["class"].rpartition(".")[2]: row for row in csv.DictReader(stream)}
+
+
+def test_verdicts_on_a_compliance_library(library: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    rows = run(tmp_path / "out.csv", "compliance", library, "--control")
+    verdicts = {name: row["verdict"] for name, row in rows.items()}
+    assert verdicts == {
+        "Right": "right", "Idle": "right", "Wrong": "wrong", "Refused": "refused", "Illegal": "refused",
+        "Accepted": "accepted", "Constant": "right",
+    }  # fmt: skip
+    assert {name for name, row in rows.items() if "check nothing" in row["detail"]} == {"Idle"}
+    assert "5 legal: 3 right, 1 refused, 1 wrong" in capfd.readouterr().out
+
+
+def test_each_assertion_is_inverted_alone() -> None:
+    text = 'assert(a(1, 2), "x, y"); // assert(b, "")\n assert({b,c}[1] > 0, "assert(d)");'
+    first, second = suites.inverted(text)
+    assert first == text.replace("a(1, 2)", "not (a(1, 2))")
+    assert second == text.replace("{b,c}[1] > 0", "not ( {b,c}[1] > 0)".replace("( ", "("))
+
+
+def test_values_of_a_script_of_openmodelica(tmp_path: Path) -> None:
+    (tmp_path / "Decay.mo").write_text(
+        "model Decay Real x[2](start={1, 2}, each fixed=true); equation der(x) = -x; end Decay;"
+    )
+    for name, value in (("good", math.exp(-1)), ("bad", 0.4)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "Decay.mo").write_text((tmp_path / "Decay.mo").read_text())
+        (tmp_path / name / f"{name}.mos").write_text(
+            '// status: correct\nloadFile("Decay.mo");\nsimulate(Decay, stopTime=1.0);\n'
+            "val(x[1], 1.0);\nval(x[2], {0.0, 1.0});\n"
+            f"// Result:\n// true\n// record SimulationResult\n// end SimulationResult;\n// {value}\n"
+            f"// {{2.0,{2 * math.exp(-1)}}}\n// endResult\n"
+        )
+    for name, verdict in (("good", "right"), ("bad", "wrong")):
+        rows = run(tmp_path / "out.csv", "omc", tmp_path / name)
+        assert rows["Decay"]["verdict"] == verdict
+    assert "x[1] at 1 s" in rows["Decay"]["detail"]
+
+
+def test_reference_results_of_a_library(tmp_path: Path) -> None:
+    library = tmp_path / "Lib"
+    library.mkdir()
+    (library / "package.mo").write_text(
+        "package Lib model Fall Real v(start=0, fixed=true); Real s(start=0, fixed=true); "
+        "equation der(v) = 9.81; der(s) = v; end Fall; end Lib;"
+    )
+    results = tmp_path / "results" / "Lib" / "Fall"
+    results.mkdir(parents=True)
+    (results / "comparisonSignals.txt").write_text("time\ns\n")
+    for factor, verdict in ((1.0, "right"), (1.002, "wrong")):
+        rows = [f"{t / 10},{t / 10 * 9.81},{factor * 9.81 / 2 * (t / 10) ** 2}" for t in range(11)]
+        (results / "Fall.csv").write_text("\n".join(['"time","v","s"', *rows]) + "\n")
+        rows = run(tmp_path / "out.csv", "reference", tmp_path / "results", "--library", library)
+        assert rows["Fall"]["verdict"] == verdict
