@@ -185,7 +185,11 @@ class Limits(Table):
     stop_speed: Annotated[
         float,
         UnitRange(
-            "m/s", at_least=0, at_most=1.5, because="a train that moves faster does not stand: 2 m or more are missing"
+            "m/s",
+            at_least=0,
+            at_most=1.5,
+            usual=(0.0, 1.0),
+            because="a train that moves faster does not stand: up to 2 m are missing",
         ),
     ] = Field(default=0.1, description="speed that counts as standstill")
     alpha_max: Friction = Field(
