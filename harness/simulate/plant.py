@@ -90,8 +90,7 @@ def binding_of(vehicle: VehicleData) -> Binding:
     inputs, outputs, start = plant_signals(
         vehicle.layout,
         pneumatic=scenario.actuation.kind == "pneumatic",
-        track_force=bool(np.any(vehicle.track_force.forces))
-        or (scenario.demand is not None and scenario.demand.has_traction),
+        track_force=_needs_force(vehicle),
     )
     return bind(
         vehicle.file,
@@ -101,6 +100,12 @@ def binding_of(vehicle: VehicleData) -> Binding:
         table=scenario.vehicle.map,
         where=f"{scenario.name}: [vehicle.map]",
     )
+
+
+def _needs_force(vehicle: VehicleData) -> bool:
+    """Return whether a force other than zero acts along the track in the stop."""
+    demand = vehicle.scenario.demand
+    return bool(np.any(vehicle.track_force.forces)) or (demand is not None and demand.has_traction)
 
 
 def values_of(vehicle: VehicleData, binding: Binding) -> dict[str, float]:
@@ -278,7 +283,13 @@ def _further_findings(
     brake = tuple(group.pressure_max if ideal else 1.0 for group in brakes)
     for run in run_orders(opening, layout, period=period, release=release, brake=brake):
         yield from order_findings(run, reacts=reacts(*trials))
-    if isinstance(scenario.vehicle.source, PythonClass) or "track_force" not in binding_of(vehicle).inputs.absent:
+    # A plant in Python may ignore a force that is always zero.
+    takes_force = (
+        _needs_force(vehicle)
+        if isinstance(scenario.vehicle.source, PythonClass)
+        else "track_force" not in binding_of(vehicle).inputs.absent
+    )
+    if takes_force:
         load = trials[0].output("wheelset_load")[trials[0].coasting - 1]
         known = vehicle.mass or (carried_mass(float(load.sum())) if np.isfinite(load).all() else 0.0)
         guess = carried_mass(sum(vehicle.nominal.formation.wheelset_load))
