@@ -14,13 +14,13 @@ from railgrip.cli.app import AsJson, Campaigns, Formats, Fresh, ImportFrom, Over
 from railgrip.cli.runs import runner
 from railgrip.report.baseline import baseline_deviations
 from railgrip.report.comparison import compare as compared
-from railgrip.report.console import complain, progress, say, show_all
+from railgrip.report.console import complain, progress, remark, say, show_all
 from railgrip.report.distances import documentation_tables, reader_tables, rows_of
 from railgrip.report.headline import headline
 from railgrip.report.index import reference_of, write_report
 from railgrip.report.marked import names_in, page_text, write_tables
 from railgrip.report.page import formats_of
-from railgrip.report.results import Results, by_compiler, read_results
+from railgrip.report.results import Results, by_compiler, read_results, remarks_on
 from railgrip.report.row import Row
 from railgrip.report.stop import require_no_result
 from railgrip.report.variants import ReferenceVariant, change_table, changes_against
@@ -95,6 +95,8 @@ def campaign(
         _show_result(results, rows, against)
         for sentence in by_compiler(results.stops):
             say(sentence)
+        for sentence in remarks_on(results.stops):
+            remark(sentence)
         for sentence in [] if baseline is None else baseline_deviations(results, baseline):
             complain(sentence)
         say(f"{run.directory}/index.html")

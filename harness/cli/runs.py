@@ -57,6 +57,7 @@ def run(
                 "metrics": metrics.to_plain(),
                 "doubts": list(metrics.doubts()),
                 "fmu_warnings": stop.fmu_warnings,
+                "remarks": list(stop.remarks),
             }
         )
         if stop.outcome is not Outcome.STANDSTILL:

@@ -15,7 +15,7 @@ from railgrip.report.distribution import distribution_table, distributions_of
 from railgrip.report.limits import SUBJECTS, limits_of
 from railgrip.report.page import write_page
 from railgrip.report.reference import controller_of, label, references, setting_of
-from railgrip.report.results import Results, fmu_tools, from_elsewhere
+from railgrip.report.results import Results, fmu_tools, from_elsewhere, remarks_on
 from railgrip.report.row import Row
 from railgrip.report.statistics import finite
 from railgrip.report.stop import Stop
@@ -66,7 +66,7 @@ def write_table(results: Results, directory: Path, notes: Sequence[str] = ()) ->
             for setting, here in sections.items()
         },
         missing=names(results.missing),
-        notes=[*from_elsewhere(results.stops), *notes],
+        notes=[*remarks_on(results.stops), *from_elsewhere(results.stops), *notes],
     )
     return as_json, as_markdown
 

@@ -19,7 +19,7 @@ from railgrip.report.headline import headline
 from railgrip.report.limits import describe_clauses, limits_of
 from railgrip.report.page import FORMATS, Page
 from railgrip.report.reference import is_published
-from railgrip.report.results import Results, from_elsewhere, provenance, read_results
+from railgrip.report.results import Results, from_elsewhere, provenance, read_results, remarks_on
 from railgrip.report.row import Row
 from railgrip.report.stop import CAMPAIGN_FILE, PAGE_FILES, STOP_FILE, Stop, others_like, read_stop
 from railgrip.report.stop_page import stop_page
@@ -172,7 +172,7 @@ def campaign_page(
             "quantiles": quantile_table(distributions, results.permitted_distance).parts(),
             "worst": worst_table(rows, pages).parts(),
             "tables": reader_tables(rows, pages),
-            "notes": [*from_elsewhere(results.stops), *notes],
+            "notes": [*remarks_on(results.stops), *from_elsewhere(results.stops), *notes],
             "missing": names(results.missing),
             "captions": {f"figures/{name}.png": caption for name, (caption, _) in list(drawings.items())[1:]},
             "scenarios": _scenarios(results.stops),

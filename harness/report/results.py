@@ -138,6 +138,8 @@ def require_campaign(directory: Path, name: str) -> None:
 
 
 OURS = "railgrip"
+_MOST_REMARKS = 20
+"""Number of remarks that a page of a campaign lists."""
 """Prefix of the built-in compiler's name in FMUs and results."""
 
 
@@ -162,6 +164,22 @@ def from_elsewhere(stops: Sequence[Stop]) -> list[str]:
         f"{name} was made by {tool or 'an unnamed tool'} in {count} of {len(stops)} stops."
         for (name, tool), count in sorted(counts.items())
         if not tool.startswith(OURS)
+    ]
+
+
+def remarks_on(stops: Sequence[Stop]) -> list[str]:
+    """Return each remark and each warning of an FMU once, with the number of stops that it belongs to."""
+    counts = Counter(
+        sentence for stop in stops for sentence in dict.fromkeys((*stop.remarks, *stop.warning_sentences()))
+    )
+    sentences = [
+        f"{sentence} (In {count} of {len(stops)} stops.)" if len(stops) > 1 else sentence
+        for sentence, count in counts.items()
+    ]
+    hidden = len(sentences) - _MOST_REMARKS
+    return [
+        *sentences[:_MOST_REMARKS],
+        *([f"There are {hidden} further remarks; each stop has its own."] * (hidden > 0)),
     ]
 
 

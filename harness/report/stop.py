@@ -68,6 +68,7 @@ class Stop:
             what cylinders take, and were limited.
         fmu_warnings: Name of each FMU that warned → kind of message → number. Messages that differ only in numbers
             are of one kind.
+        remarks: Sentences on valid but unusual values of the scenario and the files it names.
         directory: Folder of its files; None for a stop that was not read from files.
         trace_digest: SHA-256 of the file of the trace; None where the samples were not kept.
         variants: Axis of the campaign → variant.
@@ -88,6 +89,7 @@ class Stop:
     classes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict[str, Mapping[str, Any]])
     limited_demands: int = 0
     fmu_warnings: Mapping[str, Mapping[str, int]] = field(default_factory=dict[str, Mapping[str, int]])
+    remarks: tuple[str, ...] = ()
     directory: Path | None = None
     trace_digest: str | None = None
     variants: Mapping[str, str] = field(default_factory=dict[str, str])
@@ -229,6 +231,7 @@ class Stop:
             f"  {used}longest lock {max(metrics.longest_lock):.2f} s",
             f"  {', '.join(kinds)}, actuation {inputs['actuation']['kind']}; {', '.join(self.fmus) or 'no FMU'}",
             f"  {samples}; scenario {self.digest[:8]}",
+            *(f"  {sentence}" for sentence in (*self.remarks, *self.warning_sentences())),
         )
         return "\n".join(lines)
 
@@ -377,6 +380,7 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
         **({"classes": stop.classes} if stop.classes else {}),
         **({"limited_demands": stop.limited_demands} if stop.limited_demands else {}),
         **({"fmu_warnings": stop.fmu_warnings} if stop.fmu_warnings else {}),
+        **({"remarks": list(stop.remarks)} if stop.remarks else {}),
         _TRACE_DIGEST: None,
     }
     path = directory / TRACE_FILE
@@ -430,6 +434,7 @@ def read_stop(directory: Path) -> Stop:
             fmus=stored.fmus,
             classes=stored.classes,
             fmu_warnings=stored.fmu_warnings,
+            remarks=tuple(stored.remarks),
             trace_digest=stored.trace_sha256,
         )
     except FileNotFoundError as problem:

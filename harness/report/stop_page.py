@@ -33,7 +33,7 @@ def stop_page(stop: Stop, *, back: str = "") -> Page:
         template="report/stop.md.jinja",
         values={
             "back": back,
-            "doubts": stop.metrics.doubts(),
+            "doubts": [*stop.metrics.doubts(), *stop.remarks, *stop.warning_sentences()],
             "reason": stop.reason,
             "description": scenario.get("description", ""),
             "scenario": scenario_table(scenario),

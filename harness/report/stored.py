@@ -122,5 +122,6 @@ class StoredStop(Stored):
     fmus: dict[str, str]
     classes: dict[str, dict[str, Any]] = {}
     fmu_warnings: dict[str, dict[str, int]] = {}
+    remarks: list[str] = []
     trace_sha256: Digest | None
     sha256: Digest

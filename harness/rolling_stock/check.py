@@ -1,18 +1,16 @@
 """Checks of a train for contradictions and unusual values."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import Any, cast, get_args
 
 import numpy as np
-from pydantic import BaseModel
 
 from railgrip.base.errors import InputError
 from railgrip.rolling_stock.schema import BogieInTrain, Train, load_train
 from railgrip.rolling_stock.stopping import HandCalculation, by_hand
-from railgrip.scenario.quantity import UnitRange
+from railgrip.scenario.usual import unusual
 from railgrip.vehicle.brake import LOWEST_PAD_FRICTION, lowest_friction
 
 _SAME_MASS = 0.01  # relative difference between car mass and axle loads, from rounding in data sheets
@@ -63,7 +61,7 @@ def checked_train(path: Path) -> Train:
 def findings(train: Train) -> list[TrainRemark]:
     """Return all inconsistent or unusual values, errors first."""
     results = [
-        *_unusual(train, ""),
+        *(TrainRemark(key, words, wrong=False) for key, words in unusual(train)),
         *_masses(train),
         *_resistance(train),
         *_places(train),
@@ -108,40 +106,6 @@ def friction_findings(train: Train, speed: float) -> list[TrainRemark]:
 def stops_by_hand(train: Train) -> dict[float, HandCalculation]:
     """Return speed [m/s] → stop for the speeds of [[reference]], or for `USUAL_SPEED` without any."""
     return {speed: by_hand(train, speed) for speed in sorted({r.speed for r in train.reference} or {USUAL_SPEED})}
-
-
-def _unusual(table: BaseModel, key: str) -> Iterator[TrainRemark]:
-    for name, field in type(table).model_fields.items():
-        value, path = getattr(table, name), f"{key}.{name}" if key else name
-        for place, inner in _elements(path, value):
-            if isinstance(inner, BaseModel):
-                yield from _unusual(inner, place)
-                continue
-            span = _range_of(field.annotation, field.metadata)
-            if span is not None and isinstance(inner, float) and (words := span.doubt(inner)):
-                where, _, last = place.rpartition(".")
-                yield TrainRemark(f"[{where}] {last}", words, wrong=False)
-
-
-def _elements(path: str, value: Any) -> Iterator[tuple[str, Any]]:
-    if isinstance(value, Mapping):
-        for name, inner in cast("Mapping[str, Any]", value).items():
-            yield from _elements(f"{path}.{name}", inner)
-    elif isinstance(value, tuple):
-        values = cast("tuple[Any, ...]", value)
-        for number, inner in enumerate(values, start=1):
-            yield from _elements(
-                f"{path}[{number}]" if len(values) > 1 or isinstance(inner, BaseModel) else path, inner
-            )
-    else:
-        yield path, value
-
-
-def _range_of(annotation: Any, metadata: Any = ()) -> UnitRange | None:
-    for entry in (*metadata, *getattr(annotation, "__metadata__", ())):
-        if isinstance(entry, UnitRange):
-            return entry
-    return next((found for part in get_args(annotation) if (found := _range_of(part)) is not None), None)
 
 
 def _resistance(train: Train) -> Iterator[TrainRemark]:

@@ -211,6 +211,16 @@ Seconds = Annotated[
     float,
     UnitRange("s", at_least=1e-3, at_most=120, or_zero=True, usual=(0, 15), because="brakes act within seconds"),
 ]
+WireDelay = Annotated[
+    float,
+    UnitRange(
+        "s",
+        at_least=1e-3,
+        at_most=1,
+        or_zero=True,
+        because="commands by wire take tenths of a second, and RailBraking.Pneumatics.DelayLine holds 1 s",
+    ),
+]
 TravelSpeed = Annotated[
     float, UnitRange("m/s", at_least=0.1, at_most=FASTEST, because="no train on wheels has been faster than 159.7 m/s")
 ]
@@ -309,7 +319,7 @@ class TrackBrake(SourcedTable):
     friction_slow: Share = Field(description="friction coefficient at standstill")
     friction_fast: Share = Field(description="friction coefficient at high speed")
     friction_speed: TravelSpeed = Field(description="speed at which friction is halfway between the two")
-    delay: Seconds = Field(description="time from the demand until the magnets are on the rail")
+    delay: WireDelay = Field(description="time from the demand until the magnets are on the rail")
     time_constant: LagTime = Field(description="time constant of the magnetic field")
 
 
@@ -317,7 +327,7 @@ class Electropneumatic(SourcedTable):
     """An emergency brake commanded by wire: the same dead time and first-order build-up in the whole train."""
 
     kind: Literal["electropneumatic"]
-    delay: Seconds = Field(description="time from the demand to the first pressure")
+    delay: WireDelay = Field(description="time from the demand to the first pressure")
     time_constant: LagTime = Field(description="time constant of the build-up after the delay")
 
 

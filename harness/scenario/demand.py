@@ -17,7 +17,8 @@ _PRESSURE = UnitRange("Pa", at_least=0, at_most=1e8, because="pneumatics and hyd
 _Pressure = Annotated[float, _PRESSURE] | Literal["full"]
 
 Deceleration = Annotated[
-    float, UnitRange("m/s2", above=0, at_most=10, because="no wheel on a rail brakes by more than 1 g")
+    float,
+    UnitRange("m/s2", above=0, at_most=10, usual=(0.1, 3.0), because="no wheel on a rail brakes by more than 1 g"),
 ]
 
 
@@ -52,11 +53,22 @@ class PhaseEnd(Table):
 class Traction(Table):
     """A force that pushes the whole train, like the track force; it does not load the wheelsets."""
 
-    force: Annotated[float, UnitRange("N", at_least=0, at_most=LARGEST_FORCE)] = Field(description="most, forward")
-    power: Annotated[float, UnitRange("W", above=0, at_most=1e9)] | None = optional("its maximum, if it is limited")
-    rate: Annotated[float, UnitRange("N/s", above=0, at_most=1e9)] | None = optional(
-        "most that the force changes by, also after the end of the phase; at once where there is none"
-    )
+    force: Annotated[
+        float,
+        UnitRange(
+            "N", at_least=0, at_most=LARGEST_FORCE, or_zero=True, usual=(1e3, 1e6), because="trains are pulled with kN"
+        ),
+    ] = Field(description="most, forward")
+    power: (
+        Annotated[float, UnitRange("W", above=0, at_most=1e9, usual=(1e4, 3e7), because="trains have 100 kW to 20 MW")]
+        | None
+    ) = optional("its maximum, if it is limited")
+    rate: (
+        Annotated[
+            float, UnitRange("N/s", above=0, at_most=1e9, usual=(1e3, 1e7), because="force builds up over seconds")
+        ]
+        | None
+    ) = optional("most that the force changes by, also after the end of the phase; at once where there is none")
 
 
 class StopAt(Table):

@@ -11,7 +11,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.scenario.kinds import by_kind
 from railgrip.scenario.quantity import Magnitude, UnitRange, in_units
 from railgrip.scenario.table import ONE_OR_EACH, Delay, Table, ends_after_it_begins, optional
-from railgrip.scenario.track.table import STEEPEST
+from railgrip.scenario.track.table import Slope
 
 READ_BY: Final[Mapping[str, str]] = MappingProxyType(
     {
@@ -85,10 +85,22 @@ def amount_of(value: Magnitude, unit: str, where: str, kind: str = "") -> float:
     return amount
 
 
-_Factor = Annotated[float, UnitRange("1", above=0, at_most=10, because="no train is ten times what it is said to be")]
+_Factor = Annotated[
+    float,
+    UnitRange(
+        "1", above=0, at_most=10, usual=(0.3, 2.5), because="factors are about 1, and 0.9 is 10 % less than nominal"
+    ),
+]
 
 
 _Factors = Annotated[tuple[_Factor, ...], ONE_OR_EACH, Field(min_length=1)]
+
+_RadiusFactor = Annotated[
+    float,
+    UnitRange(
+        "1", above=0, at_most=10, usual=(0.85, 1.15), because="worn wheels have 90 % of their new radius or more"
+    ),
+]
 
 
 class Truth(Table):
@@ -98,7 +110,9 @@ class Truth(Table):
     """
 
     load: _Factors = Field(default=(1.0,), description="on the mass on each wheelset")
-    wheel_radius: _Factors = Field(default=(1.0,), description="on the rolling radius of each group")
+    wheel_radius: Annotated[tuple[_RadiusFactor, ...], ONE_OR_EACH, Field(min_length=1)] = Field(
+        default=(1.0,), description="on the rolling radius of each group"
+    )
     inertia: _Factors = Field(default=(1.0,), description="on the rotating inertia of each group")
     pad_friction: _Factors = Field(default=(1.0,), description="on the friction of the pads of each group")
     efficiency: _Factor = Field(default=1.0, description="on that of the brake rigging")
@@ -111,7 +125,7 @@ class Truth(Table):
         "contacts heat up, shafts that twist between wheels and brake discs, hysteresis of the brake rigging, and an "
         "uneven rail",
     )
-    gradient: Annotated[float, UnitRange("1", above=-STEEPEST, below=STEEPEST)] = Field(
+    gradient: Slope = Field(
         default=0.0, description="slope of the whole track in addition to that of [track], positive uphill"
     )
 

@@ -185,7 +185,11 @@ class Limits(Table):
     stop_speed: Annotated[
         float,
         UnitRange(
-            "m/s", at_least=0, at_most=2, because="a train that moves faster does not stand: 4 m or more are missing"
+            "m/s",
+            at_least=0,
+            at_most=2,
+            usual=(0.0, 1.0),
+            because="a train that moves faster does not stand: up to 4 m are missing",
         ),
     ] = Field(default=0.1, description="speed that counts as standstill")
     alpha_max: Friction = Field(

@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
@@ -59,11 +59,15 @@ class Polach(BaseModel):
         float, UnitRange("1", above=0, at_most=1), Field(description="slope reduction, area of slip")
     ]
     A: Annotated[
-        float, UnitRange("1", above=0, at_most=1), Field(description="friction at infinite slip velocity over mu0")
+        float,
+        UnitRange("1", above=0, at_most=1, usual=(0.05, 1.0), because="published curves have 0.1 to 0.5"),
+        Field(description="friction at infinite slip velocity over mu0"),
     ]
     B: Annotated[
         float,
-        UnitRange("s/m", at_least=0, at_most=100, because="friction falls over some m/s of slip velocity"),
+        UnitRange(
+            "s/m", at_least=0, at_most=100, usual=(0.0, 2.0), because="friction falls over some m/s of slip velocity"
+        ),
         Field(description="decay of friction with slip velocity"),
     ]
     temperature_loss: Annotated[
@@ -81,6 +85,16 @@ class Polach(BaseModel):
         """Return the schema of a name or of the numbers."""
         names = list(registry.files(registry.CREEP_CURVES))
         return {"description": "name of a creep curve, or its numbers", "anyOf": [{"enum": names}, handler(source)]}
+
+    @model_validator(mode="after")
+    def _stays_below_friction(self) -> Self:
+        # Otherwise 2/π (k_A ε/(1 + (k_A ε)²) + arctan(k_S ε)), the share of mu0 that the contact uses, exceeds 1.
+        if self.k_S > self.k_A:
+            raise table_error(
+                f"has k_S {self.k_S:g} above k_A {self.k_A:g}, with which the wheel would use more than mu0; "
+                "k_S <= k_A <= 1 (Polach, 2005)"
+            )
+        return self
 
     def plant_parameters(self) -> dict[str, float]:
         """Return Polach's numbers by parameter name of the plant FMUs."""

@@ -17,9 +17,17 @@ from railgrip.scenario.table import ONE_OR_EACH, Chainage, Friction, Length, Tab
 class Conditioning(Table):
     """Each wheelset or group cleans the rail for the next: closes `fraction` of the gap to `recovered`."""
 
-    fraction: Annotated[float, UnitRange("1", at_least=0, below=1)] = Field(
-        description="of the gap that each one closes"
-    )
+    fraction: Annotated[
+        float,
+        UnitRange(
+            "1",
+            at_least=0,
+            below=1,
+            or_zero=True,
+            usual=(0.01, 0.9),
+            because="a wheel neither leaves the rail as it is nor cleans it at once",
+        ),
+    ] = Field(description="of the gap that each one closes")
     recovered: Friction = Field(description="maximum friction of the clean rail; where friction is higher it stays")
     by: Literal["group", "wheelset"] = Field(description="who cleans for the next")
 
@@ -59,9 +67,10 @@ class _Profile(Table):
         "creep curve that each wheelset meets outside of patches, in place of polach: the first may clean the rail",
         default=(),
     )
-    level: Annotated[float, UnitRange("1", above=0, at_most=100, because="it scales a friction of at most 1")] = Field(
-        default=1.0, description="factor on the first wheelset's friction"
-    )
+    level: Annotated[
+        float,
+        UnitRange("1", above=0, at_most=100, usual=(0.2, 5.0), because="it scales a friction of at most 1"),
+    ] = Field(default=1.0, description="factor on the first wheelset's friction")
     calibrated: dict[str, Annotated[float, UnitRange("1", above=0, at_most=100)]] = Field(
         default={},
         description="a further factor for named Polach sets, written by the calibration; 1 for a set that is not named",

@@ -136,6 +136,14 @@ class Scenario(Table):
                 f"[limits] horizon {self.horizon:g} s over [periods] communication "
                 f"{self.periods.communication:g} s is {rows:.3g} samples; a stop holds {_MAX_ROWS:g} at most"
             )
+        factor_a, factor_s = (self.truth.creep.get(name, 1.0) for name in ("k_A", "k_S"))
+        for curve in self.adhesion.curves:
+            if factor_s * curve.k_S > factor_a * curve.k_A * (1.0 + 1e-9):
+                raise table_error(
+                    f"[truth] creep raises k_S to {factor_s * curve.k_S:g}, above k_A of {factor_a * curve.k_A:g} of "
+                    f"[adhesion] polach '{curve.name}', with which the wheel would use more than mu0; change both by "
+                    "the same factor"
+                )
         has_traction = self.demand is not None and self.demand.has_traction
         if self.limits.stop_speed >= self.start.speed and not has_traction:
             raise table_error(

@@ -24,7 +24,10 @@ class Recovery(Table):
     ] = Field(description="τ, of the recovery over the energy of the slip of a wheel on a metre of rail")
 
 
-_Density = Annotated[float, UnitRange("kg/m", above=0, at_most=1, because="a kilogram on a metre of rail is a heap")]
+_Density = Annotated[
+    float,
+    UnitRange("kg/m", above=0, at_most=1, usual=(1e-4, 0.1), because="a kilogram on a metre of rail is a heap"),
+]
 
 
 class Sand(Table):
@@ -44,13 +47,15 @@ class Sander(Table):
 
     wheelset: Annotated[StrictInt, Field(ge=1, le=256)] = Field(description="in the direction of travel, from 1 on")
     rate: Annotated[
-        float, UnitRange("kg/s", at_least=1e-6, at_most=1, because="sanders lay some kilograms a minute")
+        float,
+        UnitRange("kg/s", at_least=1e-6, at_most=1, usual=(1e-3, 0.2), because="sanders lay some kilograms a minute"),
     ] = Field(description="on one rail; of one whose rate varies, the most")
     density: _Density | None = optional("that it keeps on the rail while `rate` allows; without it, `rate`")
     begin: Delay = Field(default=0.0, description="when it is switched on, since the start of the stop")
     end: Delay | None = optional("without it, the end of the stop")
-    delay: Annotated[float, UnitRange("s", at_least=1e-3, at_most=600, or_zero=True, because="sand falls a metre")] = (
-        Field(description="that sand takes from the box to the rail, after both")
-    )
+    delay: Annotated[
+        float,
+        UnitRange("s", at_least=1e-3, at_most=600, or_zero=True, usual=(0.02, 10.0), because="sand falls a metre"),
+    ] = Field(description="that sand takes from the box to the rail, after both")
 
     _in_order = model_validator(mode="after")(ends_after_it_begins)

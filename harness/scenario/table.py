@@ -26,22 +26,45 @@ _WHY_THREE_HOURS = "no braking lasts three hours"
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=100)]
 """Name of a folder: a plain name that cannot leave the parent folder and is not too long."""
 Seed = Annotated[StrictInt, Field(ge=0, lt=2**63)]
-Friction = Annotated[float, UnitRange("1", above=0, at_most=1)]
+Friction = Annotated[
+    float,
+    UnitRange("1", above=0, at_most=1, usual=(0.01, 0.6), because="dry rail carries up to 0.5 (Polach, 2005)"),
+]
 Speed = Annotated[float, UnitRange("m/s", above=0, at_most=FASTEST, because=_FASTEST)]
-StartSpeed = Annotated[float, UnitRange("m/s", at_least=0, at_most=FASTEST, because=_FASTEST)]
+StartSpeed = Annotated[
+    float,
+    UnitRange(
+        "m/s",
+        at_least=0,
+        at_most=FASTEST,
+        or_zero=True,
+        usual=(2.0, 70.0),
+        because=f"few trains exceed 250 km/h, and a number without a unit is in m/s; {_FASTEST}",
+    ),
+]
 Duration = Annotated[float, UnitRange("s", above=0, at_most=10800, because=_WHY_THREE_HOURS)]
 Period = Annotated[
     float,
     UnitRange(
-        "s", at_least=1e-6, at_most=60, because="nothing in a train is sampled in less than 1 us, or once a minute"
+        "s",
+        at_least=1e-6,
+        at_most=60,
+        usual=(1e-5, 1.0),
+        because="nothing in a train is sampled in less than 1 us, or once a minute; a period is 1 over the frequency",
     ),
 ]
 Delay = Annotated[float, UnitRange("s", at_least=0, at_most=10800, because=_WHY_THREE_HOURS)]
-Lag = Annotated[float, UnitRange("s", at_least=0, at_most=10, because="what a sensor shows so late is of another stop")]
+Lag = Annotated[
+    float,
+    UnitRange("s", at_least=0, at_most=10, usual=(0.0, 1.0), because="what a sensor shows so late is of another stop"),
+]
 Length = Annotated[float, UnitRange("m", at_least=0, at_most=1e5, because="no braking is longer than 100 km")]
 Chainage = Annotated[float, UnitRange("m", at_least=-1e7, at_most=1e7, because="no line is longer than 10,000 km")]
 Mass = Annotated[float, UnitRange("kg", above=0, at_most=1e8, because="the heaviest train weighed 1e8 kg")]
-Deviation = Annotated[float, UnitRange("1", at_least=0, below=1)]
+Deviation = Annotated[
+    float,
+    UnitRange("1", at_least=0, below=1, usual=(0.0, 0.1), because="sensors of trains err by some per cent at most"),
+]
 ModelicaClass = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$", max_length=200)]
 """Full name of a class."""
 

@@ -1,12 +1,13 @@
 """Controllers of a scenario, from built-in laws to users' FMUs, and the valve logic behind them."""
 
 from collections.abc import Callable, Collection
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack, suppress
+from functools import partial
 
 import numpy as np
 
 from railgrip.base import registry
-from railgrip.base.errors import ScenarioError
+from railgrip.base.errors import ControllerFailed, PlantFailed, ScenarioError
 from railgrip.controllers.law import GroupLaw, Law
 from railgrip.controllers.parameters import SEARCHED
 from railgrip.controllers.sampled import Sampled
@@ -16,12 +17,13 @@ from railgrip.fmi import Description
 from railgrip.scenario.parts import BuiltInLaw as LawTable
 from railgrip.scenario.parts import ControllerFmu, KalmanFilter
 from railgrip.scenario.quantity import in_units
+from railgrip.simulate.controller_trial import is_deaf, order_mistake, responses
 from railgrip.simulate.files import description_of, units_of
-from railgrip.simulate.foreign_controller import foreign_controller
+from railgrip.simulate.foreign_controller import ForeignController, foreign_controller
 from railgrip.simulate.loop.parts import LawStates, LoopController
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.parameters import units_of_nominal_data
-from railgrip.vehicle.signals import of_law
+from railgrip.vehicle.signals import ONLY_ESTIMATED, of_law
 
 
 def open_controller(
@@ -47,14 +49,41 @@ def open_controller(
     fmus[f"controller: {name}" if name in fmus else name] = description
     values = in_units("[controller.parameters]", table.parameters, units_of(description))
     groups = vehicle.formation.groups
-    context = foreign_controller(scenario, table, description, values, groups, estimates, notify)
-    controller, commands_valves = stack.enter_context(context)
+    opening = partial(foreign_controller, scenario, table, description, values, groups, estimates)
+    _try_controller(vehicle, opening, description, estimates, notify)
+    controller, commands_valves = stack.enter_context(opening(notify))
     if commands_valves and table.redistribute:
         raise ScenarioError(
             f"{scenario.name}: [controller] redistribute shares out pressures, but {name} commands the valves; "
             "leave it out, or let the FMU give demand [Pa]"
         )
     return controller, commands_valves
+
+
+def _try_controller(
+    vehicle: VehicleData,
+    opening: Callable[[Callable[[str], None]], AbstractContextManager[tuple[ForeignController, bool]]],
+    description: Description,
+    estimates: Collection[str],
+    notify: Callable[[str], None],
+) -> None:
+    """Refuse a controller FMU whose groups are in another order, and report one that ignores slides.
+
+    Raises:
+        ScenarioError: It lowers the pressure of another group than the one that slides.
+    """
+    scenario = vehicle.scenario
+    with suppress(ControllerFailed, PlantFailed), opening(lambda sentence: None) as (law, _):  # the stop reports these
+        brakes, period = vehicle.nominal.formation.brakes, scenario.periods.controller
+        changes = responses(law.decide, brakes, period, estimates={*estimates} >= ONLY_ESTIMATED)
+        where = f"{scenario.name}: [controller.map]"
+        if words := order_mistake(changes):
+            raise ScenarioError(f"{where} does not fit {description.file.name}: in a short run it {words}.")
+        if is_deaf(changes):
+            notify(
+                f"{where}: in a short run {description.file.name} changed no pressure while wheels slid by 60 %; if it "
+                "protects from sliding, look at units and signs of its inputs."
+            )
 
 
 def controller_of(vehicle: VehicleData) -> LoopController:

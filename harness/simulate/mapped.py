@@ -19,7 +19,7 @@ from railgrip.simulate.files import parameters_of
 from railgrip.simulate.foreign_controller import controller_signals
 from railgrip.simulate.loop.plausible import slowing_of
 from railgrip.simulate.plant import plant_signals
-from railgrip.simulate.trial import GOOD_RAIL, SignalCheck, Trial, Trials, findings, on_both_rails
+from railgrip.simulate.trial import SignalCheck, Trial, Trials, findings, on_both_rails
 from railgrip.simulate.vehicle import catalogue_brakes, catalogue_counts
 from railgrip.vehicle.formation import Formation, carried_mass
 from railgrip.vehicle.parameters import (
@@ -45,8 +45,6 @@ _PRESSURES = (1e5, 1e3, 1e6, -1.0)
 _ROUNDS = 6
 _NAMED = 20
 """Number of unused variables that are listed: an FMU may have thousands of parameters."""
-_LOCKED = 0.3
-"""Share of the rolling speed below which a wheel on a good rail slides, which full brake never causes there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -325,18 +323,8 @@ def _judge_trials(trials: Trials, formation: Formation, speed: float) -> list[Si
         for radius_, group in zip(measured, groups, strict=True)
     ]
     slowing = slowing_of(carried_mass(sum(group.load for group in groups)), is_known=False)
-    found = list(
-        findings(
-            *trials, speed=speed, radius=tuple(radius), pressure=tuple(g.pressure_max for g in groups), slowing=slowing
-        )
-    )
-    layout = trials[0].layout
-    last = trials[0].rows[-1]
-    rolling = last[layout.output["speed"].start] / np.array(radius)
-    if np.all(last[layout.output["wheelset_speed"]] < _LOCKED * rolling):
-        sentence = f"locks all wheels on a rail with friction of {GOOD_RAIL:g}; full brakes of a train do not"
-        found.append(SignalCheck(signal="pressure_command", good=False, sentence=sentence))
-    return found
+    pressure = tuple(group.pressure_max for group in groups)
+    return list(findings(*trials, speed=speed, radius=tuple(radius), pressure=pressure, slowing=slowing))
 
 
 Factors = Mapping[str, float]

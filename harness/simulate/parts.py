@@ -26,14 +26,14 @@ from railgrip.simulate import custom
 from railgrip.simulate.controller import law_states, open_controller, train_level_of, valve_logic_of
 from railgrip.simulate.estimator import state_estimator
 from railgrip.simulate.faults.site import faults_of
-from railgrip.simulate.files import remarks_on_train
 from railgrip.simulate.foreign_controller import ForeignController
 from railgrip.simulate.importing import origin_of, part_of, table_of
 from railgrip.simulate.loop.loop import Ending, Loop
 from railgrip.simulate.loop.parts import Clock, Instruments, LoopController, LoopPlant, Parts, StateEstimator
 from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.simulate.plant import fmu_plant, python_plant
-from railgrip.simulate.rail import doubts, driver_of, rail_of
+from railgrip.simulate.rail import driver_of, rail_of
+from railgrip.simulate.remarks import remarks_after, remarks_before
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.bound import with_bound
 from railgrip.trace.measures import over_the_rail
@@ -90,6 +90,7 @@ class StopAssembly:
         fmus: FMUs of the stop, by name.
         classes: Origin of user-defined classes, by part; see `origin_of`.
         limits: Limits on the demands of a controller that is not built-in.
+        remarks: Sentences on unusual values; see `railgrip.simulate.remarks`.
     """
 
     vehicle: VehicleData
@@ -97,6 +98,7 @@ class StopAssembly:
     fmus: Mapping[str, Description]
     classes: Mapping[str, Mapping[str, Any]]
     limits: custom.DemandLimits
+    remarks: Sequence[str]
 
     @property
     def recorder(self) -> Recorder:
@@ -128,8 +130,16 @@ class StopAssembly:
             classes=self.classes,
             reason=stop.reason + self.limits.sentence(-(-ending.samples // self.parts.clock.controller)),
             limited_demands=self.limits.limited,
+            remarks=self.remarks_on(stop),
             fmu_warnings={fmu.file: fmu.warnings for fmu in self._steppers() if fmu.warnings},
         )
+
+    def remarks_on(self, stop: Stop) -> tuple[str, ...]:
+        """Return the remarks on the scenario, and those on parts of it that a complete stop did not reach."""
+        if stop.outcome is not Outcome.STANDSTILL:
+            return tuple(self.remarks)
+        metrics = stop.metrics
+        return *self.remarks, *remarks_after(self.vehicle.scenario, metrics.duration, metrics.distance_travelled)
 
     def _steppers(self) -> Iterator[SteppedPlant]:
         """Yield the FMUs that are stepped."""
@@ -164,7 +174,8 @@ def assemble(
     radius = tuple(group.wheel_radius for group in formation.brakes)
     clock, user_objects = _clock(scenario), _UserObjects(objects)
     vehicle.require_pad_friction()
-    for sentence in (*doubts(scenario), *remarks_on_train(scenario)):
+    remarks = remarks_before(scenario)
+    for sentence in remarks:
         notify(sentence)
     with shared_budget(), ExitStack() as stack:
         plant = _plant(vehicle, user_objects, stack, notify)
@@ -206,7 +217,9 @@ def assemble(
             stop_speed=scenario.limits.stop_speed,
             recorder=Recorder(signals, formation, min(capacity or clock.samples + 1, clock.samples + 1)),
         )
-        yield StopAssembly(vehicle=vehicle, parts=parts, fmus=fmus, classes=user_objects.classes, limits=limits)
+        yield StopAssembly(
+            vehicle=vehicle, parts=parts, fmus=fmus, classes=user_objects.classes, limits=limits, remarks=remarks
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """The plant of a scenario, bound to the vectors of the loop."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
 from functools import partial
 from math import inf, isnan
@@ -14,12 +14,31 @@ from railgrip.base.units import GRAVITY
 from railgrip.fmi import Binding, Description, Port, bind, open_plant
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track.table import STEEPEST
-from railgrip.scenario.vehicle import FmuFile, LibraryPlant, ModelicaPlant, Nudge, RecipePlant, TrainFile
+from railgrip.scenario.vehicle import (
+    FmuFile,
+    LibraryPlant,
+    ModelicaPlant,
+    Nudge,
+    PythonClass,
+    RecipePlant,
+    TrainFile,
+)
 from railgrip.simulate import custom
 from railgrip.simulate.files import is_trusted, parameters_of
 from railgrip.simulate.loop.parts import LoopPlant
-from railgrip.simulate.trial import V_SMALL, findings, on_both_rails, probe_outputs, require_curve, require_radius
+from railgrip.simulate.order import force_finding, order_findings, reacts, run_orders
+from railgrip.simulate.trial import (
+    V_SMALL,
+    SignalCheck,
+    Trials,
+    findings,
+    on_both_rails,
+    probe_outputs,
+    require_curve,
+    require_radius,
+)
 from railgrip.simulate.vehicle import VehicleData
+from railgrip.vehicle.formation import carried_mass
 from railgrip.vehicle.parameters import COUNTS, DESCRIPTIVE
 from railgrip.vehicle.signals import Layout, plant_inputs
 
@@ -71,8 +90,7 @@ def binding_of(vehicle: VehicleData) -> Binding:
     inputs, outputs, start = plant_signals(
         vehicle.layout,
         pneumatic=scenario.actuation.kind == "pneumatic",
-        track_force=bool(np.any(vehicle.track_force.forces))
-        or (scenario.demand is not None and scenario.demand.has_traction),
+        track_force=_needs_force(vehicle),
     )
     return bind(
         vehicle.file,
@@ -82,6 +100,12 @@ def binding_of(vehicle: VehicleData) -> Binding:
         table=scenario.vehicle.map,
         where=f"{scenario.name}: [vehicle.map]",
     )
+
+
+def _needs_force(vehicle: VehicleData) -> bool:
+    """Return whether a force other than zero acts along the track in the stop."""
+    demand = vehicle.scenario.demand
+    return bool(np.any(vehicle.track_force.forces)) or (demand is not None and demand.has_traction)
 
 
 def values_of(vehicle: VehicleData, binding: Binding) -> dict[str, float]:
@@ -242,5 +266,31 @@ def _refuse_unfit(who: str, vehicle: VehicleData, opening: Callable[[], Abstract
     speed, slowing = scenario.start.speed, vehicle.slowing
     results = findings(*trials, speed=speed, radius=radius, pressure=pressure, slowing=slowing)
     wrong = [f"'{finding.signal}' {finding.sentence}" for finding in results if not finding.good]
+    if not wrong:
+        # Differences between groups are only clear in a plant that brakes and slides as a whole.
+        wrong = [f"'{f.signal}' {f.sentence}" for f in _further_findings(vehicle, trials, opening) if not f.good]
     if wrong:
         raise ScenarioError(f"{who}: in a short run before the stop {'; '.join(wrong[:4])}.")
+
+
+def _further_findings(
+    vehicle: VehicleData, trials: Trials, opening: Callable[[], AbstractContextManager[LoopPlant]]
+) -> Iterator[SignalCheck]:
+    """Yield the findings of runs in which groups differ, and of one with a force on the train."""
+    scenario, layout = vehicle.scenario, vehicle.layout
+    brakes, ideal = vehicle.nominal.formation.brakes, scenario.actuation.kind == "ideal"
+    period, release = scenario.periods.communication, (0.0 if ideal else -1.0,) * len(brakes)
+    brake = tuple(group.pressure_max if ideal else 1.0 for group in brakes)
+    for run in run_orders(opening, layout, period=period, release=release, brake=brake):
+        yield from order_findings(run, reacts=reacts(*trials))
+    # A plant in Python may ignore a force that is always zero.
+    takes_force = (
+        _needs_force(vehicle)
+        if isinstance(scenario.vehicle.source, PythonClass)
+        else "track_force" not in binding_of(vehicle).inputs.absent
+    )
+    if takes_force:
+        load = trials[0].output("wheelset_load")[trials[0].coasting - 1]
+        known = vehicle.mass or (carried_mass(float(load.sum())) if np.isfinite(load).all() else 0.0)
+        guess = carried_mass(sum(vehicle.nominal.formation.wheelset_load))
+        yield force_finding(opening, layout, period=period, release=release, mass=known or guess, is_known=bool(known))

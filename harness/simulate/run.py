@@ -1,6 +1,7 @@
 """Run scenarios to their stops."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import xarray
@@ -12,6 +13,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.simulate.ideal import ANALYSES
 from railgrip.simulate.loop.loop import Ending
 from railgrip.simulate.parts import NO_CUSTOM_PARTS, CustomParts, assemble
+from railgrip.simulate.remarks import remarks_before
 from railgrip.trace.measures import distance_travelled, since_brake_demand
 
 
@@ -34,10 +36,16 @@ def run_stop(
     """
     analysis = ANALYSES.get(scenario.controller.kind)
     if analysis is not None and objects.controller is None and objects.plant is None:
-        return analysis(scenario, progress)
+        remarks = remarks_before(scenario)
+        for sentence in remarks:
+            notify(sentence)
+        return replace(analysis(scenario, progress), remarks=tuple(remarks))
     with assemble(scenario, notify, objects) as parts:
         ending = parts.run(progress)
-    return parts.stop(ending)
+    stop = parts.stop(ending)
+    for sentence in stop.remarks[len(parts.remarks) :]:
+        notify(sentence)
+    return stop
 
 
 def braking_distance(scenario: Scenario, import_from: Sequence[Path] = ()) -> float | None:

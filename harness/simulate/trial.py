@@ -37,6 +37,10 @@ _CURVE = {"curve_k_A": 1.0, "curve_k_S": 0.4, "curve_A": 0.4, "curve_B": 0.6}
 """Polach (2005), dry."""
 _WEAR = 0.08
 """Difference of radius between a new wheel and a worn one; a larger one looks like a wheel in slide."""
+_ATMOSPHERE = (0.85e5, 1.1e5)
+"""Pressure of the air at places of railways [Pa]."""
+_LOCKED = 0.3
+"""Share of the speed of rolling below which a wheel is locked, or about to be."""
 _MIN_DECELERATION = 0.1  # m/s2; the weakest full brakes of freight trains reach 0.3
 
 
@@ -109,9 +113,7 @@ def run_trial(
     command = layout.input["command"]
     inputs = np.zeros(layout.inputs)
     inputs[command], inputs[layout.input["mu0"]] = release, friction
-    for name, place in layout.input.items():
-        if name in _CURVE:
-            inputs[place] = _CURVE[name]
+    set_curve(layout, inputs)
     rows = [plant.start(inputs)]
     coasting = max(round(_COAST / period), 2)
     rows += [plant.step(inputs) for _ in range(coasting)]
@@ -122,6 +124,13 @@ def run_trial(
         if abs(rows[-1][speed]) < 0.5 * abs(rows[0][speed]):
             break
     return Trial(layout=layout, rows=np.array(rows), coasting=coasting + 1, period=period)
+
+
+def set_curve(layout: Layout, inputs: Matrix) -> None:
+    """Set the inputs for the creep curve, if the plant has them, to that of a dry rail."""
+    for name, place in layout.input.items():
+        if name in _CURVE:
+            inputs[place] = _CURVE[name]
 
 
 Trials = tuple[Trial, Trial]
@@ -165,6 +174,10 @@ def _of_train(trial: Trial, poor: Trial, speed: float, slowing: Slowing) -> Iter
     yield _ratio("distance", x[-1] - x[0], float(np.trapezoid(v, dx=trial.period)), 0.01, "m, its speed gives")
     sentence = f"full brakes slow the train by {braking:.3g} m/s2, {_MIN_DECELERATION:g} and more is expected"
     yield SignalCheck(signal="pressure_command", good=braking >= _MIN_DECELERATION, sentence=sentence)
+    wheels = trial.output("wheelset_speed")
+    if np.all(wheels[-1] < _LOCKED * wheels[last] * (v[-1] / v[last])):
+        sentence = f"locks all wheels on a rail with friction of {GOOD_RAIL:g}; full brakes of a train do not"
+        yield SignalCheck(signal="pressure_command", good=False, sentence=sentence)
     most = POOR_RAIL * GRAVITY + slowing.maximum(speed) + _CLOSE
     sentence = (
         f"does not bound the brakes: they slow the train by {braking:.3g} m/s2 with friction of {GOOD_RAIL:g} and by "
@@ -194,7 +207,14 @@ def _of_group(trial: Trial, g: int, radius: float, pressure: float) -> Iterator[
         good = abs(slip) <= 0.02 and braking > -0.005
         sentence = f"is {slip:.3g} coasting and {braking:.3g} in full braking; 0, and then above, is expected"
         yield SignalCheck(signal=f"slip[{g + 1}]", good=good, sentence=sentence)
-    yield _ratio(f"cylinder_pressure[{g + 1}]", trial.output("cylinder_pressure")[-1, g], pressure, 0.5, "Pa of")
+    released, full = trial.output("cylinder_pressure")[[last, -1], g]
+    if _ATMOSPHERE[0] < released < _ATMOSPHERE[1] and full > 1.2 * released:
+        sentence = (
+            f"is {released:.6g} Pa with the brake released, as an absolute pressure is; pressures here are those above "
+            "the air's: subtract it in the FMU"
+        )
+        yield SignalCheck(signal=f"cylinder_pressure[{g + 1}]", good=False, sentence=sentence)
+    yield _ratio(f"cylinder_pressure[{g + 1}]", full, pressure, 0.5, "Pa of")
 
 
 def _of_wheelsets(trial: Trial) -> Iterator[SignalCheck]:

@@ -175,3 +175,15 @@ def test_a_law_of_friction_that_does_not_hold_at_the_speed_of_a_stop_is_refused(
     else:
         with pytest.raises(ScenarioError, match=r"\[pads.organic\] speed_effect, force_effect: friction falls to 0.0"):
             remarks_on_train(scenario)
+
+
+@pytest.mark.parametrize(("table", "name"), [("command", "emu387"), ("track_brakes", "tram")])
+def test_a_delay_beyond_the_plants_is_refused_at_its_key(table: str, name: str) -> None:
+    """RailBraking.Pneumatics.DelayLine has 101 samples of 10 ms."""
+    tables = tables_of(name)
+    part = tables["command"] if table == "command" else next(iter(tables["track_brakes"].values()))
+    part["delay"] = "1 s"
+    train_of(tables, "mine.toml")
+    part["delay"] = ".4 min"
+    with pytest.raises(InputError, match=r"delay must be at most 1 s, got '.4 min'"):
+        train_of(tables, "mine.toml")

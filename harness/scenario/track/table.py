@@ -29,14 +29,23 @@ STEEPEST = 0.2
 
 CurveLaw = Literal["bogie", "roeckl", "protopapadakis"]
 
+Slope = Annotated[
+    float,
+    UnitRange(
+        "1",
+        above=-STEEPEST,
+        below=STEEPEST,
+        usual=(-0.04, 0.04),
+        because="main lines stay below 35 permille (INF TSI, 4.2.3.3)",
+    ),
+]
+
 
 class Gradient(Table):
     """From here on the track climbs by `slope` (falls where negative)."""
 
     begin: Length = Field(description="distance of the train at which it begins")
-    slope: Annotated[float, UnitRange("1", above=-STEEPEST, below=STEEPEST)] = Field(
-        description="tangent of the gradient, positive uphill"
-    )
+    slope: Slope = Field(description="tangent of the gradient, positive uphill")
 
 
 class Curve(Table):
@@ -53,7 +62,6 @@ class Curve(Table):
         return radius
 
 
-Slope = Annotated[float, UnitRange("1", above=-STEEPEST, below=STEEPEST)]
 Bend = Annotated[
     float, UnitRange("m", at_least=-1e5, at_most=1e5, because="no track is surveyed to less than 1e-5 1/m")
 ]
@@ -138,7 +146,17 @@ class Track(Table):
         "κ(0.158 b + 0.103 a)",
     )
     train_mass: (
-        Annotated[float, UnitRange("kg", above=0, at_most=1e8, because="the heaviest train weighed 1e8 kg")] | None
+        Annotated[
+            float,
+            UnitRange(
+                "kg",
+                above=0,
+                at_most=1e8,
+                usual=(2e3, 2e7),
+                because="the heaviest train weighed 1e8 kg, a wagon 1e4 kg",
+            ),
+        ]
+        | None
     ) = Field(
         default=None,
         description="mass that gradient and curves act on; required only for a plant that does not give its mass",

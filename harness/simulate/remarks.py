@@ -1,0 +1,168 @@
+"""Sentences on a scenario whose values are valid but unusual, or contradict each other in part.
+
+They are printed, stored with the stop, and listed on pages of stops and campaigns. What no check can notice is listed
+in docs/limits_of_checks.md.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+from railgrip.base import registry
+from railgrip.controllers.law import GroupLaw
+from railgrip.rolling_stock.schema import load_train
+from railgrip.scenario.demand import PhaseEnd
+from railgrip.scenario.faults import amount_of
+from railgrip.scenario.parts import BuiltInLaw
+from railgrip.scenario.quantity import in_units
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.usual import unusual
+from railgrip.scenario.vehicle import RecipePlant, TrainFile
+from railgrip.simulate.faults.sensor import DistortedReading
+from railgrip.simulate.files import remarks_on_train
+from railgrip.simulate.rail import doubts
+
+_FAR = 4.0
+"""Factor on the range of a search beyond which a parameter of a law is unusual."""
+_FASTER = 1.3
+"""Speed over the maximum speed of a train above which it is unusual."""
+_TOP_SPEED = 120 / 3.6
+"""Maximum speed of the VT 642, the train of the recipes TwoPartTrain [m/s] (Schwarz, Lüdicke and Heckmann)."""
+_LARGEST_FACTOR = 5.0
+"""Factor of a fault on a reading beyond which it is unusual."""
+_WEAKEST_FORCE = 100.0  # N; less accelerates a car of 40 t by 2.5 mm/s2
+
+
+def remarks_before(scenario: Scenario) -> list[str]:
+    """Return the remarks on a scenario.
+
+    Raises:
+        ScenarioError: The law of pad friction of its train file does not hold at the speeds of the stop.
+    """
+    sentences = [
+        *(f"{key} {words}" for key, words in unusual(scenario)),
+        *_speed(scenario),
+        *_rail(scenario),
+        *_controller(scenario),
+        *_driver(scenario),
+        *_faults(scenario),
+    ]
+    return [
+        *(f"{scenario.name}: {sentence}." for sentence in sentences),
+        *doubts(scenario),
+        *remarks_on_train(scenario),
+    ]
+
+
+def remarks_after(scenario: Scenario, duration: float, distance: float) -> list[str]:
+    """Return a remark for each part of a scenario that had no effect because it begins after the end of the stop.
+
+    Args:
+        scenario: Scenario of the stop.
+        duration: Duration of the stop [s].
+        distance: Distance that the train covered [m].
+    """
+    times = {
+        **{f"[faults[{number}]]": fault.begin for number, fault in enumerate(scenario.faults, start=1)},
+        **{f"[sanders[{number}]]": sander.begin for number, sander in enumerate(scenario.sanders, start=1)},
+    }
+    track = scenario.track
+    places = {
+        **{f"[adhesion.patch[{number}]]": patch.begin for number, patch in enumerate(scenario.adhesion.patch, start=1)},
+        **{f"[track.gradient[{number}]]": part.begin for number, part in enumerate(track.gradient, start=1)},
+        **{f"[track.curve[{number}]]": part.begin for number, part in enumerate(track.curve, start=1)},
+    }
+    late = [
+        *((key, begin, "s", duration) for key, begin in times.items()),
+        *((key, begin, "m", distance) for key, begin in places.items()),
+    ]
+    return [
+        f"{scenario.name}: {key} had no effect: it begins at {begin:g} {unit}, and the stop ended at {end:.3g} {unit}."
+        for key, begin, unit, end in late
+        if begin >= end
+    ]
+
+
+def _speed(scenario: Scenario) -> Iterator[str]:
+    source, highest = scenario.vehicle.source, 0.0
+    if isinstance(source, TrainFile):
+        highest = max((stop.speed for stop in load_train(source.file.path).reference), default=0.0)
+    elif isinstance(source, RecipePlant) and source.name.startswith("TwoPartTrain"):
+        highest = _TOP_SPEED
+    speed = scenario.start.speed
+    if highest and speed > _FASTER * highest:
+        yield (
+            f"[start] speed is {3.6 * speed:.4g} km/h ({speed:g} m/s), and the train is known up to "
+            f"{3.6 * highest:.4g} km/h; a number without a unit is in m/s"
+        )
+
+
+def _rail(scenario: Scenario) -> Iterator[str]:
+    adhesion = scenario.adhesion
+    for key, frictions in {
+        "[adhesion] mu0": getattr(adhesion, "mu0", ()),
+        **{f"[adhesion.patch[{number}]] mu0": patch.mu0 for number, patch in enumerate(adhesion.patch, start=1)},
+    }.items():
+        if len(frictions) > 1 and _falls(frictions):
+            yield f"{key} falls from the leading wheelset to the last; wheels clean the rail for those behind"
+    if (conditioning := adhesion.conditioning) is not None and conditioning.recovered < adhesion.lowest:
+        yield (
+            f"[adhesion.conditioning] recovered {conditioning.recovered:g} is below all friction of the rail, so no "
+            "wheelset cleans it"
+        )
+    for (number, patch), (_, behind) in pairwise(
+        sorted(enumerate(adhesion.patch, start=1), key=lambda at: at[1].begin)
+    ):
+        if patch.begin + patch.length > behind.begin:
+            yield (
+                f"[adhesion.patch[{number}]] from {patch.begin:g} m on {patch.length:g} m reaches into the one that "
+                f"begins at {behind.begin:g} m; length is not the place of the end"
+            )
+    if 0.0 < abs(scenario.track.force) < _WEAKEST_FORCE:
+        yield f"[track] force is {scenario.track.force:g} N, which moves no train; a number without a unit is in N"
+
+
+def _falls(values: Sequence[float]) -> bool:
+    return all(first >= second for first, second in pairwise(values)) and values[0] > values[-1]
+
+
+def _controller(scenario: Scenario) -> Iterator[str]:
+    """Yield a sentence for each parameter of a built-in law far outside the range of its search."""
+    table = scenario.controller
+    if not isinstance(table, BuiltInLaw) or table.kind not in registry.modules(registry.LAWS):
+        return
+    law = registry.part(registry.LAWS, table.kind, GroupLaw)
+    ranges = next(iter(law.ranges.values()), {})
+    units = law.tuning.units()
+    known = {name: value for name, value in table.parameters.items() if name in ranges and name in units}
+    for name, value in in_units("[controller.parameters]", known, units).items():
+        low, high = ranges[name]
+        if value and not low / _FAR <= value <= high * _FAR:
+            unit = "" if units[name] == "1" else f" {units[name]}"
+            yield (f"[controller.parameters] {name} is {value:g}{unit}; its search covers {low:g} to {high:g}{unit}")
+
+
+def _faults(scenario: Scenario) -> Iterator[str]:
+    """Yield a sentence for each reading that a fault multiplies by a large factor."""
+    for number, fault in enumerate(scenario.faults, start=1):
+        if isinstance(fault, DistortedReading) and fault.kind == "scaled":
+            factor = amount_of(fault.value, "1", f"[faults[{number}]]")
+            if abs(factor) > _LARGEST_FACTOR:
+                yield (
+                    f"[faults[{number}]] value is {factor:g}, by which the reading of a {fault.part} is multiplied; "
+                    "0.8 makes it 20 % too low"
+                )
+
+
+def _driver(scenario: Scenario) -> Iterator[str]:
+    """Yield a sentence for each condition that ends no phase, because the one of a phase before it is later."""
+    latest: dict[str, float] = {}
+    phases = () if scenario.demand is None else scenario.demand.phases
+    for number, phase in enumerate(phases, start=1):
+        end = phase.until
+        if isinstance(end, PhaseEnd) and end.kind in ("time", "distance"):
+            if end.limit <= latest.get(end.kind, -1.0):
+                yield (
+                    f"[demand.phases[{number}]] until {end.kind} {end.limit:g} is not after that of a phase before it; "
+                    "both are since the start of the stop"
+                )
+            latest[end.kind] = max(end.limit, latest.get(end.kind, -1.0))

@@ -1,0 +1,75 @@
+"""A remark on a scenario is printed by run and campaign, stored in stop.json, and on the pages of stop and campaign."""
+
+import json
+from html import unescape
+from pathlib import Path
+
+import pytest
+from command_line import done
+
+import railgrip as rg
+from railgrip.base.registry import shelf
+from railgrip.report.stop import read_stop
+from railgrip.report.stop_page import stop_page
+
+CHANGES = {
+    "estimator": {"kind": "none"},
+    "controller": {"kind": "full_brake"},
+    "adhesion.mu0": 0.3,
+    "start.speed": "30 km/h",
+    "sensors": {"kind": "ideal"},
+    "adhesion.level": 0.15,
+    "limits.alpha_max": 0.005,
+    "faults": [{"part": "radar", "kind": "dead", "begin": 110.0}],
+}
+EXPECTED = [
+    "plain: [adhesion] level is 0.15; usual are 0.2 to 5; it scales a friction of at most 1.",
+    "plain: [limits] alpha_max is 0.005; usual are 0.01 to 0.6; dry rail carries up to 0.5 (Polach, 2005).",
+]
+
+
+@pytest.fixture(scope="module")
+def stop():
+    return rg.run(rg.Scenario.load("plain", CHANGES))
+
+
+def test_the_python_interface_has_them(stop):
+    assert list(stop.remarks[:2]) == EXPECTED
+    assert stop.remarks[2].startswith("plain: [faults[1]] had no effect: it begins at 110 s, and the stop ended at ")
+    assert all(sentence in repr(stop) for sentence in stop.remarks)
+
+
+def test_they_are_stored_and_on_the_page(stop, tmp_path: Path):
+    stop.write(tmp_path)
+    assert read_stop(tmp_path).remarks == stop.remarks
+    page = unescape(stop_page(read_stop(tmp_path)).write(tmp_path).read_text(encoding="utf-8"))
+    assert all(sentence.replace("'", "’") in page.replace("'", "’") for sentence in stop.remarks)
+
+
+def test_run_and_campaign_print_them(stop, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    text = shelf("scenarios")["plain"].read_text(encoding="utf-8")
+    (tmp_path / "plain.toml").write_text(text, encoding="utf-8")
+    inline = "\n".join(
+        [
+            'estimator = { kind = "none" }',
+            'controller = { kind = "full_brake" }',
+            'faults = [{ part = "radar", kind = "dead", begin = 110.0 }]',
+            'start.speed = "30 km/h"',
+            "limits.alpha_max = 0.005",
+            "adhesion = { mu0 = 0.3, level = 0.15 }",
+        ]
+    )
+    (tmp_path / "mine.toml").write_text(f'extends = "plain.toml"\nname = "plain"\n{inline}\n', encoding="utf-8")
+    single = done(capsys, "run", tmp_path / "mine.toml", "--out", tmp_path / "run", "--json")
+    assert json.loads(single.out)["remarks"] == list(stop.remarks)
+    assert all(sentence in single.err for sentence in stop.remarks)
+    (tmp_path / "few.toml").write_text(
+        'name = "few"\nscenarios = ["mine.toml"]\npanels = "none"\n[axes.seed.a]\nseed = 1\n[axes.seed.b]\nseed = 2\n',
+        encoding="utf-8",
+    )
+    several = done(capsys, "campaign", tmp_path / "few.toml", "--out", tmp_path / "few", "--workers", 1)
+    page = unescape((tmp_path / "few" / "index.html").read_text(encoding="utf-8"))
+    for sentence in stop.remarks:
+        assert several.err.count(f"{sentence} (In 2 of 2 stops.)") == 1
+        assert sentence in page
+        assert sentence in (tmp_path / "few" / "few.md").read_text(encoding="utf-8").replace("\\", "")
