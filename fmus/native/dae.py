@@ -244,6 +244,8 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool) 
     except BaseException as error:
         if type(error).__name__ != "PanicException":  # of rumoca, no Exception, and nowhere to import from
             raise
+        if sentences := limits(str(error), path, class_name):
+            raise TranslationError("\n".join(sentences)) from error
         raise TranslationError(_describe_panic(str(error), path, class_name)) from error
     content = _parse_template(template)
     schema = (content["schema"]["name"], content["schema"]["version"])
