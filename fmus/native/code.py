@@ -170,13 +170,20 @@ def repeating_discretes(system: System) -> list[int]:
     return [i for i in every if i not in holds or i in readers]
 
 
-def _may_return(indicators: SX, time: SX) -> bool:
-    # Whether an indicator may become zero twice in a step that is accurate: the error of a step is that of the states.
-    if not indicators.numel():
-        return False
-    program = ca.Function("program", [ca.vertcat(*ca.symvar(indicators))], [indicators])
-    operations = {program.instruction_id(k) for k in range(program.n_instructions())}
-    return ca.depends_on(indicators, time) or not operations.isdisjoint(_RETURNING)
+def _may_return(indicators: SX, derivative: SX, time: SX) -> bool:
+    # Whether an indicator may become zero twice in a step that is accurate. The error of a step is that of the states:
+    # what their derivatives contain as well is resolved.
+    if ca.depends_on(indicators, time):
+        return True
+    return _count_returning(ca.vertcat(indicators, derivative)) > _count_returning(derivative)
+
+
+def _count_returning(expressions: SX) -> int:
+    if not expressions.numel():
+        return 0
+    symbols = ca.symvar(expressions)
+    program = ca.Function("program", [ca.vertcat(*symbols)] if symbols else [], [expressions], {"cse": True})
+    return sum(program.instruction_id(k) in _RETURNING for k in range(program.n_instructions()))
 
 
 def _checks(assertions: Sequence[Assertion]) -> list[SX]:
@@ -266,7 +273,7 @@ def _sizes(system: System, layout: ValueLayout) -> dict[str, int]:
         "NC": system.last_conditions.numel(),
         "NT": len(system.clocks),
         "NI": system.instants.numel(),
-        "SEARCHED": int(_may_return(system.indicators, system.time)),
+        "SEARCHED": int(_may_return(system.indicators, system.derivative, system.time)),
         "N_MOVING": system.moving_instants.numel(),
         "NG": len(system.loops.guesses),
         "NQ": len(system.start_loops.guesses),

@@ -148,26 +148,23 @@ class Dae:
 
         `a.z[2]` becomes `a[2].z`, and `a.p` through two dimensions the value of p in the class of a.
         """
-        names = {v["id"]: v["name"] for v in self.variables}
-        in_arrays = {re.sub(r"\[[^\]]*\]", "", name) for name in names.values() if "]." in name}
+        names = {v["id"]: v["name"].split(".") for v in self.variables}
+        # A name may start in a component of an array, where the class of the component is written once for all.
+        ends = {".".join(name[-k:]) for name in names.values() for k in range(2, len(name) + 1)}
+        in_arrays = {_without_subscripts(end) for end in ends if "]." in end}
         for node in self.expressions:
             operation, span = node["operation"], node["provenance"].get("span")
             if operation["kind"] not in ("coordinate", "literal") or not span or span["source"] not in self.sources:
                 continue
             _, text = self.sources[span["source"]]
             written = text[span["start"] : span["end"]].decode(errors="replace")
-            if operation["kind"] == "literal":
-                is_path = re.fullmatch(r"[A-Za-z_]\w*(\.\w+)+", written) is not None
-                if is_path and any(name == written or name.endswith(f".{written}") for name in in_arrays):
-                    yield node
+            if _without_subscripts(written) not in in_arrays:
                 continue
-            # The name may start in a component of an array, where the class of the component is written once for all.
-            name = names.get(operation["coordinate"].get("id"), "")
-            plain = re.sub(r"\[[^\]]*\]", "", written)
-            as_written = ".".join(name.split(".")[-len(plain.split(".")) :])
+            name = names.get(operation.get("coordinate", {}).get("id"), [])
+            end = ".".join(name[-len(_without_subscripts(written).split(".")) :])
+            is_same = _without_subscripts(end) == _without_subscripts(written)  # else it is what has this value
             is_indexed = text[span["end"] :].lstrip().startswith(b"[")
-            is_same = re.sub(r"\[[^\]]*\]", "", as_written) == plain  # else it is the variable with this value
-            if is_same and "]." in as_written and is_indexed and written.count("[") < as_written.count("["):
+            if operation["kind"] == "literal" or (is_same and is_indexed and written.count("[") < end.count("[")):
                 yield node
 
     @cached_property
@@ -247,6 +244,8 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool) 
     except BaseException as error:
         if type(error).__name__ != "PanicException":  # of rumoca, no Exception, and nowhere to import from
             raise
+        if sentences := limits(str(error), path, class_name):
+            raise TranslationError("\n".join(sentences)) from error
         raise TranslationError(_describe_panic(str(error), path, class_name)) from error
     content = _parse_template(template)
     schema = (content["schema"]["name"], content["schema"]["version"])
@@ -268,6 +267,10 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool) 
             f"{outer[impossible[0]]} (5.4)."
         )
     return dae
+
+
+def _without_subscripts(name: str) -> str:
+    return re.sub(r"\[[^\]]*\]", "", name)
 
 
 def _describe_panic(message: str, path: Path, class_name: str) -> str:

@@ -267,6 +267,12 @@ _LIMITS = (
         "",
         "Real values are compared by == or <> outside functions, which the language does not allow (3.5)",
     ),
+    _Limit(
+        r"exact comprehension occurrence",
+        r"\bfor\s+\w+\s+in\b",
+        "an array or reduction with an iterator inside a for equation or a when clause is not supported; declare a "
+        "variable that equals it, and use that",
+    ),
     _Limit(r"invalid array subscript", "", "subscripts are Integers or ranges of Integers"),
     _Limit(r"array extent must be", "", "sizes are whole numbers that are known at build time"),
     _Limit(

@@ -17,7 +17,7 @@ import pytest
 from corpus.case import Case
 from corpus.combine import combinations, sample
 from corpus.contexts import CONTEXTS
-from corpus.exceptions import DEFECTS, REFUSED, is_defect, is_refused
+from corpus.exceptions import REFUSED, is_refused
 from corpus.features import FEATURES
 from corpus.rules import RULES
 from corpus.verdict import Simulate, Values, judge, run, simulate
@@ -38,12 +38,8 @@ SIZE = 60
 
 
 def batches(cases: Sequence[Case]) -> list[list[Case]]:
-    right = [case for case in cases if not is_defect(case.name) and not is_refused(case.name)]
+    right = [case for case in cases if not is_refused(case.name)]
     return [right[k : k + SIZE] for k in range(0, len(right), SIZE)]
-
-
-def first(pattern: str) -> Case:
-    return next(case for case in [*RULES, *EVERY] if fnmatchcase(case.name, pattern))
 
 
 def first_name(cases: Sequence[Case]) -> str:
@@ -83,24 +79,11 @@ def test_openmodelica_gives_no_other_values(tmp_path, cases):
 
 @pytest.mark.parametrize(
     "case",
-    [c for c in [*RULES, *COMBINATIONS] if is_refused(c.name) and not is_defect(c.name)],
+    [c for c in [*RULES, *COMBINATIONS] if is_refused(c.name)],
     ids=lambda case: case.name,
 )
 @pytest.mark.skipif(not ALL, reason="only with RAILGRIP_FUZZ")
 def test_what_need_not_be_supported_is_right_or_refused(apart, case):
-    verdict = judge([case], apart).get(case.name, "right")
-    assert verdict == "right" or verdict.startswith("refused: ")
-
-
-@pytest.mark.parametrize(
-    "case",
-    [
-        pytest.param(first(pattern), marks=pytest.mark.xfail(strict=True, reason=reason), id=pattern)
-        for pattern, reason in DEFECTS.items()
-    ],
-)
-@pytest.mark.skipif(not ALL, reason="only with RAILGRIP_FUZZ")
-def test_a_known_defect(apart, case):
     verdict = judge([case], apart).get(case.name, "right")
     assert verdict == "right" or verdict.startswith("refused: ")
 
@@ -114,4 +97,4 @@ def test_every_feature_and_context_is_in_the_sample():
 def test_names_are_unique_and_exceptions_exist():
     names = [case.name for case in [*RULES, *EVERY]]
     assert len(set(names)) == len(names)
-    assert [p for p in [*REFUSED, *DEFECTS] if not any(fnmatchcase(name, p) for name in names)] == []
+    assert [p for p in REFUSED if not any(fnmatchcase(name, p) for name in names)] == []

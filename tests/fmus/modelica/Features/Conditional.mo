@@ -1,6 +1,7 @@
 within Features;
 model Conditional "Conditional components and connectors"
   connector In = input Real;
+  connector Out = output Real;
   model Fed
     parameter Boolean use_u = false;
     parameter Real u_constant = 2;
@@ -23,6 +24,8 @@ model Conditional "Conditional components and connectors"
   Fed driven(use_u=true);
   Decay gone if false;
   Decay here;
+  Out source;
 equation
-  driven.u = sin(time);
+  source = sin(time);
+  connect(source, driven.u);
 end Conditional;
