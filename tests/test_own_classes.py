@@ -99,6 +99,19 @@ class Rolling:
         return moving | {"wheelset_speed": wheels, "cylinder_pressure": p}
 
 
+class Absolute(Rolling):
+    """The same, whose cylinder pressures include that of the air."""
+
+    def shown(self, a, p):
+        return super().shown(a, p) | {"cylinder_pressure": p + 1.013e5}
+
+
+def test_absolute_pressures_of_a_plant_are_refused(scenario):
+    assert rg.run(scenario, controller="full_brake", plant=Rolling()).outcome == "horizon"
+    with pytest.raises(ScenarioError, match=r"is 101300 Pa with the brake released, as an absolute pressure is"):
+        rg.run(scenario, controller="full_brake", plant=Absolute())
+
+
 # Parameters of classes that are passed in
 
 

@@ -1,6 +1,7 @@
 """Units are converted according to the SI brochure, and only between equal dimensions."""
 
 import math
+import re
 
 import pytest
 from hypothesis import given
@@ -123,3 +124,19 @@ def test_converting_there_and_back_gives_the_same_value(value: float, pair: tupl
 def test_gravity_is_that_of_the_modelica_package():
     package = MODELICA / "RailBraking" / "package.mo"
     assert f"constant Types.Acceleration g = {GRAVITY} " in package.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("text", "remedy"),
+    [
+        ("2 barg", "air: write bar"),
+        ("2 bar(g)", "air: write bar"),
+        ("200 kPa_gauge", "air: write kPa"),
+        ("3 bara", "subtract that of the air and write bar"),
+        ("44 psia", "subtract that of the air and write psi"),
+        ("300 kPa (abs)", "subtract that of the air and write kPa"),
+    ],
+)
+def test_a_pressure_with_its_reference_is_refused_with_what_to_write(text: str, remedy: str) -> None:
+    with pytest.raises(UnitError, match=re.escape(remedy)):
+        to_si(text, "Pa")

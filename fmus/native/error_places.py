@@ -81,11 +81,11 @@ _EXPLANATIONS = (
         "OpenModelica (--compiler openmodelica)",
     ),
 )
-"""Pattern in a message of the front end → what it means for the user."""
+"""Pattern in a message of the front end → its meaning for the user."""
 
 
 def explain(message: str) -> str:
-    """Return a message of the front end without repetitions, after a sentence on what it means if it is internal."""
+    """Return a message of the front end without repetitions, after a sentence on its meaning if it is internal."""
     message, _, related = message.partition("\nRelated failures")
     others = [line for line in related.splitlines()[1:] if line.rpartition("]: ")[2] not in message]
     message = "\n".join([message, *others[:_MAXIMUM_PLACES]])

@@ -32,7 +32,7 @@ class TimeEvents:
         held: Symbols that are constant between events: parameters, discrete variables, memories of relations.
         instants: Instants as expressions of the parameters.
         moving: Next instants as expressions of `time` and `held`; they are valid until the next event, and infinite,
-            not a number or in the past if there is none.
+            not a number or in the past without one.
     """
 
     time: SX

@@ -1,4 +1,4 @@
-"""Outer variables: rumoca declares a variable of its own for each, without a value.
+"""Outer variables: rumoca declares a separate variable for each, without a value.
 
 In equations it uses the inner variable, but not in assertions, nor in what an FMU outputs of the outer one. Section 5.4
 of the Modelica Language Specification, version 3.6.

@@ -454,7 +454,7 @@ def _split_states(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Start:
+class _InitialValues:
     """Initial values.
 
     Attributes:
@@ -476,7 +476,7 @@ def _solve_start(
     algebraics: list[Scalar],
     index_one: IndexOne,
     loops: Loops,
-) -> _Start:
+) -> _InitialValues:
     # Initial equations may determine any variable, so they are solved together with the equations of the model.
     starts = v.with_numbers([s.binding for s in states])
     calculated = [not is_number(SX(value)) for value in starts]
@@ -485,7 +485,7 @@ def _solve_start(
     before = v.with_numbers([d.binding for d in v.discretes])
     discretes = {i: SX(e) for i, e in enumerate(before) if not is_number(SX(e)) and i not in targets}
     if not initial:
-        return _Start(states=column(starts), calculated=calculated, discretes=discretes)
+        return _InitialValues(states=column(starts), calculated=calculated, discretes=discretes)
     free = [s for s in states if not s.fixed]
     if len(free) + len(targets) != len(initial):
         places = ", ".join(dict.fromkeys(e.where for e in initial))
@@ -508,7 +508,7 @@ def _solve_start(
     _require_known(dae, v, discretes, [solution, determined, *loops.updates.values(), *loops.residuals.values()])
     place = {s.name: i for i, s in enumerate(free)}
     start = [solution[place[s.name]] if s.name in place else starts[i] for i, s in enumerate(states)]
-    return _Start(
+    return _InitialValues(
         states=column(start),
         calculated=[is_calculated or s.name in place for is_calculated, s in zip(calculated, states, strict=True)],
         discretes=discretes | {i: determined[k] for k, i in enumerate(targets)},

@@ -291,7 +291,17 @@ def _reading(symbol: str) -> tuple[str, str]:
     return (readings[0][0], readings[0][1]) if readings else ("", "")
 
 
+_REFERENCED = re.compile(r"(?P<unit>[kMh]?Pa|m?bar|psi)[ _]?\(?(?P<reference>a|abs|g|gauge|rel)\.?\)?")
+"""Unit of a pressure that states whether it includes the pressure of the air, as barg and kPa(a)."""
+
+
 def _unknown(text: str) -> UnitError:
+    if found := _REFERENCED.fullmatch(text):
+        unit_of_pressure, is_absolute = found["unit"], found["reference"].startswith("a")
+        remedy = (
+            f"subtract that of the air and write {unit_of_pressure}" if is_absolute else f"write {unit_of_pressure}"
+        )
+        return UnitError(f"{short(text)} is not a unit known here; pressures are above that of the air: {remedy}.")
     hint = did_you_mean(text, _COMMON) or "write it from SI symbols, as 'N.m', 'km/h', 'bar', 'J/(kg.K)'."
     return UnitError(f"{short(text)} is not a unit known here; {hint}")
 

@@ -194,7 +194,7 @@ _MAX_RATIO = 1.5
 """Above any adhesion, pad friction or slip: a larger estimate is in percent."""
 _SLIDES = 0.1  # slip; readings of the speed of a rolling train are less than 10 % off
 _ROUGHLY_ZERO = 0.02  # adhesion and friction; filters overshoot zero by less
-_SLOWED = 5.0  # m/s; a train that slows by so much without a change of slip is not on a rail
+_SLOWED = 5.0  # m/s; a train that slows by this without a change of slip is not on a rail
 _SIGNS = {
     "slip": "; the wheels read slower than the train: slip is 1 - r w/v, positive in braking",
     "adhesion": "; adhesion is positive in braking",

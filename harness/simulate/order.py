@@ -152,6 +152,13 @@ def order_findings(run: OrderRun, *, reacts: bool) -> Iterator[SignalCheck]:
                     sentence=f"is {_list(values)} {unit} while only group {selected} is braked; look at the order of "
                     "groups, from the leading one on",
                 )
+    torque = run.output(run.braked, "brake_torque")[run.selected]
+    if np.any(torque < 0.0):
+        yield SignalCheck(
+            signal="brake_torque",
+            good=False,
+            sentence=f"is {_list(torque)} N.m on the braked group {selected}; a torque that brakes is positive",
+        )
     slip = run.slip(run.alone)
     if reacts and _are_exchanged(slip, run.selected):
         yield SignalCheck(

@@ -54,7 +54,7 @@ def remarks_before(scenario: Scenario) -> list[str]:
 
 
 def remarks_after(scenario: Scenario, duration: float, distance: float) -> list[str]:
-    """Return a remark for each part of a scenario that had no effect because it begins after the end of the stop.
+    """Return a remark for each part of a scenario that the stop did not reach, and one if it left its track.
 
     Args:
         scenario: Scenario of the stop.
@@ -71,11 +71,19 @@ def remarks_after(scenario: Scenario, duration: float, distance: float) -> list[
         **{f"[track.gradient[{number}]]": part.begin for number, part in enumerate(track.gradient, start=1)},
         **{f"[track.curve[{number}]]": part.begin for number, part in enumerate(track.curve, start=1)},
     }
+    left: list[str] = []
+    if track.plan is not None:
+        at, end = float(track.plan.place(distance)), track.plan.alignment().length
+        if not 0.0 <= at <= end:
+            left.append(
+                f"{scenario.name}: [track.plan] is {end:g} m long, and the train stopped at {at:.4g} m; beyond its "
+                "ends gradient and curvature are assumed to go on."
+            )
     late = [
         *((key, begin, "s", duration) for key, begin in times.items()),
         *((key, begin, "m", distance) for key, begin in places.items()),
     ]
-    return [
+    return left + [
         f"{scenario.name}: {key} had no effect: it begins at {begin:g} {unit}, and the stop ended at {end:.3g} {unit}."
         for key, begin, unit, end in late
         if begin >= end
@@ -109,6 +117,8 @@ def _rail(scenario: Scenario) -> Iterator[str]:
             f"[adhesion.conditioning] recovered {conditioning.recovered:g} is below all friction of the rail, so no "
             "wheelset cleans it"
         )
+    if (sand := adhesion.sand) is not None and sand.mu0 <= adhesion.lowest:
+        yield f"[adhesion.sand] mu0 {sand.mu0:g} is not above any friction of the rail, so sand has no effect"
     for (number, patch), (_, behind) in pairwise(
         sorted(enumerate(adhesion.patch, start=1), key=lambda at: at[1].begin)
     ):

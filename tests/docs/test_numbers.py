@@ -79,7 +79,7 @@ def problem_of(number: re.Match[str], source: str) -> str:
     return f"'{source}' is neither a file nor a publication with its year nor a standard"
 
 
-_TOKENS = re.compile(r"(?<![\w.])\d[\d_]*(?:\.\d+)?(?:e[+-]?\d+)?")
+_TOKENS = re.compile(r"(?<![\w.])\d(?:_?\d)*(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))

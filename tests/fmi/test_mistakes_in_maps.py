@@ -1,6 +1,6 @@
 """Plausible mistakes in the map, the units and the formation of a foreign plant are refused.
 
-The FMU is the train of modelica/ForeignTrain, which outputs all signals in units of its own; a correct map runs, and
+The FMU is the train of modelica/ForeignTrain, which outputs all signals in other units; a correct map runs, and
 each mistake changes one entry of it as a person may. Initial speeds are drawn. What cannot be noticed is listed in
 docs/limits_of_checks.md.
 """
@@ -140,6 +140,7 @@ MISTAKES: dict[str, Change] = {
     "pressures of two groups exchanged": order("cylinder_pressure", SWAPPED),
     "the pressure of one cylinder for all": order("cylinder_pressure", [1, 1, 1, 1]),
     "brake torques of two groups exchanged": order("brake_torque", SWAPPED),
+    "brake torques with the other sign": entry("brake_torque", -1),
     "slips of groups from the rear": order("slip", REVERSED),
     "slips of two groups exchanged": order("slip", SWAPPED),
     "friction of wheelsets from the rear": order("mu0", WHEELS_REVERSED),
@@ -171,7 +172,7 @@ def scenario_with(change: Change | None, plant: Path, speed: float, force: float
 
 
 def verdict(change: Change | None, plant: Path, speed: float) -> str:
-    """Return what becomes of the scenario: refused, announced or accepted."""
+    """Return the fate of the scenario: refused, announced or accepted."""
     try:
         scenario = scenario_with(change, plant, speed)
         with assemble(scenario):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 STEP = 5e-6
-"""Grid of the reference; the states of the reference are wrong by at most a few steps for each event."""
+"""Grid of the reference; the states of the reference are wrong by a few steps or less for each event."""
 
 SCOPE = {
     "mod": np.mod, "rem": np.fmod, "floor": np.floor, "ceil": np.ceil, "integer": np.floor, "sign": np.sign,
@@ -71,7 +71,7 @@ end M;
 
 
 def reference(first, second, join, start, period):
-    """Return the final values of the model, or None if two events are too close to tell them apart on the grid."""
+    """Return the final values of the model, or None if two events are too close to be distinguished on the grid."""
     t = np.concatenate([[0.0], (np.arange(round(1 / STEP)) + 0.4321) * STEP])
     c0, c1 = (eval(e, SCOPE | {"time": t, "s": t}) for e in (first, second))
     c2 = eval(
@@ -125,5 +125,5 @@ def test_random_events_agree_with_a_grid_of_time(modelica, seed):
                 **settings,
             )  # fmt: skip
             end = {name: float(found[name][-1]) for name in wanted}
-            # 40 events, each late by at most a step of the grid, with rates of at most 1.5 and d of at most 5.
+            # 40 events, each late by a step of the grid or less, with rates of at most 1.5 and d of at most 5.
             assert end == pytest.approx(wanted, abs=40 * 5 * STEP), (seed, interface, interval, text)

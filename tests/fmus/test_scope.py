@@ -1,6 +1,6 @@
 """Names, modification, redeclaration and connections have the values that the Modelica specification 3.6 defines.
 
-Each class stands for a rule; the number is worked out by hand from the rule. All classes are simulated in one FMU.
+Each class represents a rule; the number is worked out by hand from the rule. All classes are simulated in one FMU.
 """
 
 import fmpy

@@ -121,7 +121,7 @@ def units_as_integers(tables: Tables) -> Tables:
 
 
 def verdict(tables: Tables, correct: float) -> str:
-    """Return what becomes of a file: refused, announced, unchanged, or unnoticed."""
+    """Return the fate of a file: refused, announced, unchanged, or unnoticed."""
     try:
         train = train_of(units_as_integers(tables), "mine.toml")
         remarks = findings(train)

@@ -365,7 +365,7 @@ def test_chainages_begin_at_the_origin_and_rise_or_fall(tmp_path, content, origi
     given = tabled(tmp_path, content, f"adhesion.origin={origin}")
     expected = np.interp([0, 100, 300, 600, 700], places, [0.15, 0.05, 0.05, 0.15])
     found = profile_of(given, TWO_PART_TRAIN)
-    # The grid of 5 mm moves a place by 2.5 mm at most, where friction changes by 1e-3 a metre.
+    # The grid of 5 mm moves a place by 2.5 mm or less, where friction changes by 1e-3 a metre.
     for distance, mu0 in zip([0, 100, 300, 600, 700], expected, strict=True):
         assert friction_at(found, 0.0, distance)[0] == pytest.approx(mu0, abs=3e-6)
     assert any("begins 50 m after the brake demand" in sentence for sentence in doubts(given))

@@ -48,7 +48,7 @@ class Mistake:
     Attributes:
         key: Path of the key, with zero-based indices of lists.
         correct: Strategy for correct values in SI units.
-        wrong: Function from the correct value to what is written by mistake.
+        wrong: Function from the correct value to the one written by mistake.
         base: Scenario of the library with that key, or extra tables of `EXTRA`.
     """
 
@@ -102,7 +102,7 @@ EXTRA: dict[str, Tables] = {
         "controller": {"kind": "slip_two_state", "tuning": "paper", "parameters": {"low": 0.1, "high": 0.15}}
     },
 }
-"""Name → tables that are laid over the scenario `plain`."""
+"""Name → tables that are overlaid on the scenario `plain`."""
 
 
 @cache
@@ -325,7 +325,7 @@ def _differs(a: Any, b: Any) -> bool:
 
 
 def verdict(tables: Tables, correct: Scenario) -> str:
-    """Return what becomes of a scenario: refused, announced, unchanged, or unnoticed."""
+    """Return the fate of a scenario: refused, announced, unchanged, or unnoticed."""
     try:
         wrong = scenario(tables)
         if not differ(wrong, correct):
