@@ -344,7 +344,7 @@ class ExpressionBuilder:
         subscripts = self._subscripts(base, operation, node, frame)
         value = self._value(operation["value"], frame)
         slices = [axis for axis, subscript in enumerate(subscripts) if isinstance(subscript, list)]
-        shape = tuple(len(subscripts[axis]) for axis in slices)
+        shape = tuple(len(subscript) for subscript in subscripts if isinstance(subscript, list))
         require(
             value.shape == shape, f"an array of sizes {value.shape} is assigned to elements of sizes {shape} (11.2)"
         )
@@ -359,7 +359,7 @@ class ExpressionBuilder:
             element = value[tuple(number[axis] for axis in slices)] if slices else value.item()
             for subscript, k in zip(subscripts, place, strict=True):
                 if isinstance(subscript, SX):
-                    element = choose(subscript == k + 1, element, base[place])
+                    element = choose(subscript == k + 1, SX(element), SX(base[place]))
             base[place] = element
         return base
 
