@@ -39,7 +39,7 @@ StartSpeed = Annotated[
         at_most=FASTEST,
         or_zero=True,
         usual=(2.0, 70.0),
-        because=f"few trains exceed 250 km/h, and a number without a unit is in m/s; {_FASTEST}",
+        because=_FASTEST,
     ),
 ]
 Duration = Annotated[float, UnitRange("s", above=0, at_most=10800, because=_WHY_THREE_HOURS)]

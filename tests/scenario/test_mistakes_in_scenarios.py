@@ -154,9 +154,9 @@ ERROR = numbers(2e-3, 0.02)
 PERIOD = st.sampled_from([0.001, 0.002, 0.005, 0.01, 0.02, 0.05])
 
 MISTAKES: dict[str, Mistake] = {
-    "the speed in km/h as a bare number": Mistake("start.speed", numbers(45 / 3.6, 160 / 3.6), lambda v: 3.6 * v),
+    "the speed in km/h as a bare number": Mistake("start.speed", numbers(45 / 3.6, 150 / 3.6), lambda v: 3.6 * v),
     "the speed in km/h with the unit m/s": Mistake(
-        "start.speed", numbers(45 / 3.6, 160 / 3.6), lambda v: f"{3.6 * v} m/s"
+        "start.speed", numbers(45 / 3.6, 150 / 3.6), lambda v: f"{3.6 * v} m/s"
     ),
     "friction in per cent": Mistake("adhesion.mu0", FRICTION, percent),
     "a share of friction with the sign of per cent": Mistake("adhesion.mu0", FRICTION, percent_sign),
