@@ -226,7 +226,7 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool) 
                 model = _new_session(further).loads(read_text(path), model=class_name, filename=alias)
             template = model.codegen(str(FRONT)).files[0].content
             flat = _first_object(model.to_json("flat", pretty=False), "variables")
-            sources = _sources(model, "dae", path, alias, further)
+            sources = _sources(model, path, alias, further)
     except (rumoca.RumocaError, RuntimeError) as error:
         # `codegen` raises RuntimeError, and its message begins with the name of the template.
         message = str(error).replace(alias, str(path)).rpartition("_dae.json': ")[2]
@@ -282,8 +282,8 @@ def _describe_panic(message: str, path: Path, class_name: str) -> str:
     return f"{where}: {class_name}: rumoca, the front end, fails on this class: {detail[1] if detail else message}"
 
 
-def _sources(model: rumoca.Model, stage: str, path: Path, alias: str, further: Path | None) -> Sources:
-    files = _first_object(model.to_json(stage, pretty=False), "source_map")["files"]
+def _sources(model: rumoca.Model, path: Path, alias: str, further: Path | None) -> Sources:
+    files = _first_object(model.to_json("dae", pretty=False), "source_map")["files"]
     return {
         number: (short(path if name == alias else Path(name), path, further), text.encode())
         for number, name, text in files
@@ -302,7 +302,7 @@ def _diagnosis(class_name: str, path: Path, alias: str, further: Path | None) ->
             else:
                 session, text = _new_session(further), read_text(path) + importing
             model = session.loads(text, model=name, filename=alias)
-            tree = read_tree(model, class_name, _sources(model, "dae", path, alias, further))
+            tree = read_tree(model, class_name, _sources(model, path, alias, further))
     except (rumoca.RumocaError, RuntimeError) as error:
         message = str(error).replace(alias, str(path)).replace(name, class_name)
         if "unresolved import" in message:

@@ -250,7 +250,7 @@ def force_finding(
         inputs[layout.input["track_force"]] = force
         speeds += [plant.step(inputs)[speed] for _ in range(steps)]
     gained = (speeds[-1] - 2.0 * speeds[steps] + speeds[0]) / (steps * period)
-    found = force / gained if gained else np.inf
+    found = float(force / gained) if gained else np.inf
     low, high = ((1.0 - _MASS_TOLERANCE) * mass, (1.0 + _MASS_TOLERANCE) * mass) if is_known else (_LIGHTEST, _HEAVIEST)
     return SignalCheck(
         signal="track_force",
