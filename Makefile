@@ -103,14 +103,14 @@ bench: fmus  ## speed, as medians and ratios in one run
 	$(PROGRAM) study bench
 
 # The tests fill two cores, but for their end; types and distances, in one process each, fill what is left of them.
-test: $(DEV) fmus  ## lint, types, tests, and distances and figures against the accepted ones
-	@$(MAKE) --no-print-directory --jobs 2 suite kept
+test: $(DEV)  ## lint, types, tests, and distances and figures against the accepted ones; prints its processor time
+	@$(RUN) tests/processor_time.py $(MAKE) --no-print-directory --jobs 2 suite kept
 
-kept: check
+kept: check fmus
 	$(PROGRAM) maintain regress --workers 1
 
 # A file stays in one process: its tests share what they have built and run. tests/conftest.py has the longest first.
-suite: $(DEV)
+suite: $(DEV) fmus
 	$(RUN) -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder
 
 PORTABLE := tests/test_portability.py tests/test_containers.py tests/test_units.py tests/scenario tests/docs/test_code_blocks.py \

@@ -109,10 +109,8 @@ def environment(wheel, tmp_path_factory):
     for name, text in TINY.items():
         (tiny / name).write_text(text)
     install = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-compile", "--no-index"]
-    for what in (wheel[0], tiny):
-        subprocess.run(
-            [*install, "--no-build-isolation", "--target", str(site), str(what)], check=True, capture_output=True
-        )
+    install += ["--no-build-isolation", "--target", str(site)]
+    subprocess.run([*install, str(wheel[0]), str(tiny)], check=True, capture_output=True)
     return site, tmp_path_factory.mktemp("cache")
 
 

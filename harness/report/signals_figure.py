@@ -52,7 +52,9 @@ def signals_figure(trace: xarray.Dataset, metrics: Metrics, title: str) -> Figur
         panels[0, group].set_title(f"group {group + 1}", fontsize=10)
         panels[-1, group].set_xlabel("time [s]")
         panels[0, group].set_xlim(0, time[-1])
-    drawing.suptitle(title, x=0.01, y=1 - 0.22 / drawing.get_figheight(), ha="left", fontsize=11)
+    # Smaller letters for a long title, such as that of a user's class: 150 of eleven points fill the width.
+    size = min(11.0, 1650.0 / max(len(title), 1))
+    drawing.suptitle(title, x=0.01, y=1 - 0.22 / drawing.get_figheight(), ha="left", fontsize=size)
     return drawing
 
 

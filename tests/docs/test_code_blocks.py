@@ -1,9 +1,11 @@
 """The Python code of the tutorials, of the README and of a how-to page runs as printed."""
 
+import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from command_line import done
 from sybil import Sybil
 from sybil.parsers.markdown import PythonCodeBlockParser
 
@@ -16,6 +18,29 @@ PAGES = [
 ]
 
 
+@pytest.fixture
+def commands_in_this_process(
+    in_process: None, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Run the commands of railgrip that a page starts in this process, as the pages do not depend on processes.
+
+    A command with its workers would import everything three times.
+    """
+    start = subprocess.run
+
+    def run(command, **options):
+        if list(command[:3]) != [sys.executable, "-m", "railgrip"]:
+            return start(command, **options)
+        result = done(capfd, *command[3:])
+        completed = subprocess.CompletedProcess(command, result.code, result.out, result.err)
+        if options.get("check"):
+            completed.check_returncode()
+        return completed
+
+    monkeypatch.setattr(subprocess, "run", run)
+
+
+@pytest.mark.usefixtures("commands_in_this_process")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_the_code_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)

@@ -67,7 +67,7 @@ def test_kinds_of_bogies_with_similar_names_keep_their_pads(tmp_path):
     brake = head[head.index("[brakes.disc]") : head.index("# [track_brakes")]
     head = head.replace(bogie, "").replace(pads, "").replace(brake, "")
     pads = pads.replace('"13 m/s"', '"9 m/s"')
-    for kind, effect in (("tr-a", 0.9), ("tr.a", 0.9), ("tr_a", 0.0)):
+    for kind, effect in (("tr-a", 0.8), ("tr.a", 0.8), ("tr_a", 0.0)):
         new = pads.replace("pads.organic", f'pads."{kind}"').replace("effect = 0.12 ", f"effect = {effect} ")
         new += brake.replace("brakes.disc", f'brakes."{kind}"').replace('"organic"', f'"{kind}"')
         head += new + bogie.replace("bogies.trailer", f'bogies."{kind}"').replace('"disc"', f'"{kind}"')
