@@ -257,7 +257,7 @@ def force_finding(
         good=bool(low <= found <= high),
         sentence=f"of {force:.4g} N forward accelerates the train by {gained:.4g} m/s2, as one of {found:.4g} kg; "
         f"{low:.3g} to {high:.3g} kg are expected: look at its unit and sign",
-        ratio=mass / found,
+        ratio=float(mass / found),
     )
 
 
