@@ -23,7 +23,7 @@ from railgrip.fmus.native.library import (
     require_class_name,
     sources_digest,
 )
-from railgrip.fmus.recipe import Cookbook, Recipe, read_recipes
+from railgrip.fmus.recipe import Cookbook, FmiType, Recipe, read_recipes
 
 if TYPE_CHECKING:
     from railgrip.fmus.native.package import Source
@@ -81,15 +81,13 @@ def build_one(
     )
 
 
-def build_class(
-    class_name: str, library: Path, interface: Literal["me", "cs"] = "cs", compiler: Compiler = "auto"
-) -> Artifact:
+def build_class(class_name: str, library: Path, interface: FmiType = "cs", compiler: Compiler = "auto") -> Artifact:
     """Bring the FMU of a user's class up to date; its name is the last part of the name of the class.
 
     Args:
         class_name: Full name, such as `MyLib.MyTrain`.
         library: A library's folder or its `package.mo`, or a single `.mo` file. It may use RailBraking.
-        interface: cs for a plant, me for a prediction.
+        interface: cs for a plant, me for a prediction, me_cs for one that a filter may step.
         compiler: See `choose`.
 
     Raises:
