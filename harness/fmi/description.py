@@ -55,6 +55,7 @@ class FmuVariable(Variable):
         defined_unit: Definition of its unit, or None if the FMU does not define it.
         relative: Whether it is a difference, to which a unit's offset does not apply.
         start_text: Start value as written in the FMU, or None.
+        nominal: Magnitude of a Real variable, positive; 1 unless the FMU declares one.
     """
 
     reference: int
@@ -67,6 +68,7 @@ class FmuVariable(Variable):
     defined_unit: Unit | None
     relative: bool
     start_text: str | None
+    nominal: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,6 +82,7 @@ class Interface:
         fixed_step: Internal step of a co-simulation of FMI 3.0 [s], of which a communication step is a whole multiple,
             or None.
         needs_tool: Whether it runs only if the tool that made it is installed.
+        saves_state: Whether its whole state can be saved and restored (FMI 2.0).
     """
 
     identifier: str
@@ -87,6 +90,7 @@ class Interface:
     completed_steps: bool
     fixed_step: float | None
     needs_tool: bool
+    saves_state: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -377,6 +381,13 @@ def _value_of(path: Path, element: Any, attribute: str, text: str | None) -> flo
     return value
 
 
+def _nominal_of(element: Any) -> float:
+    declaration = element.declaredType
+    text = element.nominal if element.nominal is not None or declaration is None else declaration.nominal
+    size = abs(float(text)) if text is not None and _REAL.fullmatch(text) else 1.0
+    return size if 0.0 < size < math.inf else 1.0
+
+
 def _start_of(path: Path, element: Any, text: str | None) -> float:
     value = _value_of(path, element, "start", text)
     return math.nan if value is None else value
@@ -448,6 +459,7 @@ def _variable(
         minimum=_value_of(path, element, "min", least),
         maximum=_value_of(path, element, "max", most),
         description=element.description or "",
+        nominal=_nominal_of(element),
     )
 
 
@@ -466,4 +478,5 @@ def _interface(path: Path, element: Any) -> Interface | None:
         completed_steps=bool(getattr(element, "needsCompletedIntegratorStep", False)),
         fixed_step=None if text is None else float(text),
         needs_tool=bool(element.needsExecutionTool),
+        saves_state=bool(element.canGetAndSetFMUstate),
     )
