@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Literal, Self, get_args
+from typing import Any, ClassVar, Literal, Protocol, Self, get_args, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -48,6 +48,16 @@ class Gate:
             )
         if len(set(self.states)) != len(self.states):
             raise EstimatorError(f"Gate: each state must be named once, got {', '.join(self.states)}.")
+
+
+@runtime_checkable
+class SteppedVariables(Protocol):
+    """Names of a model that integrates itself: its derivative is the mean rate over its period [s]."""
+
+    @property
+    def period(self) -> float:
+        """Period over which it integrates [s]."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,7 +113,8 @@ class FilterDesign:
             gate: States to freeze and the inputs that decide, or None.
             outlier_limit: Largest innovation of a reading that is used, in its standard deviations: one value for all,
                 shape (m,), or None to use every reading.
-            order: 1 for forward Euler, 4 for RK4; see `discretisation`.
+            order: 1 for forward Euler, 4 for RK4; see `discretisation`. A prediction that integrates itself has
+                order 1: forward Euler with its mean rate is its own step.
 
         Raises:
             EstimatorError: An argument is invalid; the message names it.
@@ -116,6 +127,13 @@ class FilterDesign:
             raise EstimatorError("Filter: a prediction needs at least one state and one output.")
         if not (math.isfinite(period) and period > 0.0):
             raise EstimatorError(f"Filter: period must be a positive number of seconds, got {period}.")
+        if isinstance(prediction, SteppedVariables):
+            if not math.isclose(prediction.period, period, rel_tol=1e-12):
+                raise EstimatorError(
+                    f"Filter: the prediction integrates over {prediction.period:g} s, and the filter's period is "
+                    f"{period:g} s; give both the same."
+                )
+            order = 1
         if order not in get_args(Order):
             raise EstimatorError(f"Filter: order must be 1 (forward Euler) or 4 (RK4), got {order}.")
         limits = np.full(len(outputs), math.inf)

@@ -10,10 +10,9 @@ from functools import lru_cache
 from importlib.resources import files
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railgrip.estimators.discretisation import Order
-from railgrip.estimators.model_in_c import ModelInC, Pattern
+from railgrip.estimators.model_in_c import ModelInC, transition_pattern
 
 LANES = 4
 """Rows of the covariance are padded to a multiple of this: the doubles of one AVX register."""
@@ -59,7 +58,7 @@ def generate(model: ModelInC, gated_states: tuple[int, ...], gating_inputs: tupl
         (file for file in (files("railgrip.estimators") / "kernel").iterdir() if file.name.endswith((".c", ".h"))),
         key=lambda file: file.name,
     )
-    transition = _transition_pattern(model.derivative_pattern, order)
+    transition = transition_pattern(model.derivative_pattern, order)
     numbers = {"N": n, "M": m, "INPUTS": model.inputs, "WIDTH": width, "ORDER": order, "GATES": len(gated_states)}
     numbers |= {part: place.start for part, place in layout.items()} | dict(model.sizes)
     tables = {"GATE_STATE": gated_states, "GATE_INPUT": gating_inputs}
@@ -91,15 +90,3 @@ def places(sizes: Mapping[str, int]) -> dict[str, slice]:
 def table(name: str, values: Iterable[int]) -> str:
     """Return a constant C array; without values it has one zero, because C has no empty arrays."""
     return f"static const int {name}[] = {{{', '.join(map(str, values)) or '0'}}};"
-
-
-def _transition_pattern(slopes: Pattern, order: int) -> Pattern:
-    n = len(slopes)
-    pattern: NDArray[np.bool_] = np.zeros((n, n), dtype=bool)
-    for row, columns in enumerate(slopes):
-        pattern[row, list(columns)] = True
-    reach = np.eye(n, dtype=bool)
-    # Entry (i, j) of Aᵏ differs from zero only if a path of k steps leads from i to j.
-    for _ in range(order):
-        reach |= pattern @ reach
-    return tuple(tuple(np.flatnonzero(row).tolist()) for row in reach)

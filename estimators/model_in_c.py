@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
 from railgrip.fmus.native.functions import in_c
 
@@ -39,6 +41,19 @@ class ModelInC:
     parameters: int
     sizes: tuple[tuple[str, int], ...]
     text: str
+
+
+def transition_pattern(slopes: Pattern, order: int) -> Pattern:
+    """Return the pattern of the sum of the powers 0 to `order` of a matrix with the pattern `slopes`."""
+    n = len(slopes)
+    pattern: NDArray[np.bool_] = np.zeros((n, n), dtype=bool)
+    for row, columns in enumerate(slopes):
+        pattern[row, list(columns)] = True
+    reach = np.eye(n, dtype=bool)
+    # Entry (i, j) of Aᵏ differs from zero only if a path of k steps leads from i to j.
+    for _ in range(order):
+        reach |= pattern @ reach
+    return tuple(tuple(np.flatnonzero(row).tolist()) for row in reach)
 
 
 def pattern_of(jacobian: ca.SX) -> Pattern:

@@ -24,7 +24,7 @@ from railgrip.fmus.native.library import (
     sources_digest,
 )
 from railgrip.fmus.native.used_libraries import name_of, used_paths, uses_digest
-from railgrip.fmus.recipe import Cookbook, Recipe, read_recipes
+from railgrip.fmus.recipe import Cookbook, FmiType, Recipe, read_recipes
 
 if TYPE_CHECKING:
     from railgrip.fmus.native.package import Source
@@ -83,7 +83,7 @@ def build_one(
 
 
 def build_class(
-    class_name: str, library: Path | Sequence[Path], interface: Literal["me", "cs"] = "cs", compiler: Compiler = "auto"
+    class_name: str, library: Path | Sequence[Path], interface: FmiType = "cs", compiler: Compiler = "auto"
 ) -> Artifact:
     """Bring the FMU of a user's class up to date; its name is the last part of the name of the class.
 
@@ -91,7 +91,7 @@ def build_class(
         class_name: Full name, such as `MyLib.MyTrain`.
         library: A library's folder or its `package.mo`, or a single `.mo` file; or several, of which one has the class.
             It may use RailBraking, and libraries in the folders of MODELICAPATH.
-        interface: cs for a plant, me for a prediction.
+        interface: cs for a plant, me for a prediction, me_cs for one that a filter may step.
         compiler: See `choose`.
 
     Raises:

@@ -56,6 +56,8 @@ def script(recipe: Recipe, library: Path, *, derivatives: bool, further: Sequenc
     if "cs" in recipe.interfaces:
         kind = "me_cs"
         options = ["--fmiFlags=s:cvode"]  # without it, explicit Euler
+        if recipe.restarts:
+            options.append("-d=fmuExperimental")  # fmi2GetFMUstate and fmi2SetFMUstate
         also = [f"addClassAnnotation({recipe.class_name}, annotate=experiment(Tolerance={TOLERANCE}));"]
     if derivatives:
         options = [*options, "-d=-disableDirectionalDerivatives"]  # omc disables them by default
@@ -78,7 +80,7 @@ def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None, f
 
     omc packs the FMU last, so an existing FMU is complete; messages of omc in addition to it become a warning. A
     parameter of a component without a value fails the build, because omc would use its start value, as if a modifier
-    were lost. Directional derivatives are requested if a filter may use them, that is for model exchange. omc (up to
+    were lost. Directional derivatives are requested if a filter may use them, that is not for plants. omc (up to
     1.28) fails on them for some functions with array arguments, so the build is repeated without them.
 
     Args:
@@ -95,7 +97,8 @@ def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None, f
     """
     log = log or path.with_suffix(".log")
     messages: list[str] = []
-    for derivatives in (False,) if "cs" in recipe.interfaces else (True, False):
+    is_plant = "cs" in recipe.interfaces and not recipe.restarts
+    for derivatives in (False,) if is_plant else (True, False):
         with scratch("build") as folder:
             fmu, message = _run(script(recipe, library, derivatives=derivatives, further=further), recipe, folder)
             messages += [message] if message else []
@@ -106,7 +109,7 @@ def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None, f
             shutil.copyfile(fmu, half)
             half.replace(path)
         if messages:
-            how = "" if derivatives or "cs" in recipe.interfaces else " without directional derivatives"
+            how = "" if derivatives or is_plant else " without directional derivatives"
             words = _excerpt(messages[0], log)
             warnings.warn(f"OpenModelica built {recipe.class_name}{how}, but reports:\n{words}", stacklevel=2)
         return path

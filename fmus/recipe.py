@@ -14,6 +14,9 @@ from railgrip.fmus.native.library import MODELICA
 
 RECIPES = Path(__file__).with_name("recipes.toml")
 
+FmiType = Literal["me", "cs", "me_cs"]
+"""Interfaces of the FMU of a user's class: a prediction by Model Exchange, a plant, or a prediction by both."""
+
 
 class Recipe(BaseModel):
     """Recipe of one FMU.
@@ -25,6 +28,8 @@ class Recipe(BaseModel):
         tolerance: Relative error of an internal step.
         step: Communication step that the FMU suggests [s].
         curve: Whether the class has the parameter `curve`, which becomes an input on a rail with several creep curves.
+        restarts: Whether its co-simulation is the prediction of a filter, whose steps begin in a saved state and are
+            differentiated.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -35,13 +40,14 @@ class Recipe(BaseModel):
     tolerance: float = Field(gt=0, lt=1)
     step: float = Field(gt=0)
     curve: bool = False
+    restarts: bool = False
 
     @classmethod
-    def of_class(cls, class_name: str, interface: Literal["me", "cs"]) -> "Recipe":
-        """Return the recipe of a user's class: a plant (cs) or a prediction (me), like those of railgrip."""
+    def of_class(cls, class_name: str, interface: FmiType) -> "Recipe":
+        """Return the recipe of a user's class: a plant (cs) or a prediction (me, me_cs), like those of railgrip."""
         solver, tolerance = ("rodas3", 1e-5) if interface == "cs" else ("rodas4", 1e-6)
-        table = {"class": class_name, "interfaces": (interface,), "solver": solver, "tolerance": tolerance}
-        return cls.model_validate(table | {"step": 1e-3})
+        table = {"class": class_name, "interfaces": interface.split("_"), "solver": solver, "tolerance": tolerance}
+        return cls.model_validate(table | {"step": 1e-3, "restarts": interface == "me_cs"})
 
     @property
     def library(self) -> Path:

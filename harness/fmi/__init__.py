@@ -2,7 +2,8 @@
 
 `describe` reads a file into a value, and `bind` ties signals of the harness to its variables. Then a plant is stepped
 (`open_plant`; `CoSimulation` for Co-Simulation by FMI 2.0 in this process) or a prediction is evaluated
-(`FmuPrediction`). A wrong request raises `FmuError`; an FMU that fails while it runs raises `PlantFailed`.
+(`FmuPrediction`, or `SteppedFmuPrediction` by Co-Simulation). A wrong request raises `FmuError`; an FMU that fails
+while it runs raises `PlantFailed`.
 """
 
 from railgrip.fmi.cosimulation import CoSimulation
@@ -10,6 +11,7 @@ from railgrip.fmi.description import Description, FmuVariable, describe
 from railgrip.fmi.exchange import FmuPrediction
 from railgrip.fmi.isolation import IsolatedCoSimulation, open_plant, shared_budget
 from railgrip.fmi.mapping import Binding, Port, SignalVector, bind
+from railgrip.fmi.stepped import SteppedFmuPrediction
 
 __all__ = [
     "Binding",
@@ -20,6 +22,7 @@ __all__ = [
     "IsolatedCoSimulation",
     "Port",
     "SignalVector",
+    "SteppedFmuPrediction",
     "bind",
     "describe",
     "open_plant",

@@ -55,6 +55,7 @@ class FmuVariable(Variable):
         defined_unit: Definition of its unit, or None if the FMU does not define it.
         relative: Whether it is a difference, to which a unit's offset does not apply.
         start_text: Start value as written in the FMU, or None.
+        nominal: Magnitude of a Real variable, positive; 1 unless the FMU declares one.
     """
 
     reference: int
@@ -67,6 +68,7 @@ class FmuVariable(Variable):
     defined_unit: Unit | None
     relative: bool
     start_text: str | None
+    nominal: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,6 +85,7 @@ class Interface:
             cannot handle a variable step and has no internal step; else None.
         once: Whether only one instance may exist in a process.
         needs_tool: Whether it runs only if the tool that made it is installed.
+        saves_state: Whether its whole state can be saved and restored (FMI 2.0).
     """
 
     identifier: str
@@ -92,6 +95,7 @@ class Interface:
     only_step: float | None = None
     once: bool = False
     needs_tool: bool
+    saves_state: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -401,6 +405,13 @@ def _value_of(path: Path, element: Any, attribute: str, text: str | None) -> flo
     return value
 
 
+def _nominal_of(element: Any) -> float:
+    declaration = element.declaredType
+    text = element.nominal if element.nominal is not None or declaration is None else declaration.nominal
+    size = abs(float(text)) if text is not None and _REAL.fullmatch(text) else 1.0
+    return size if 0.0 < size < math.inf else 1.0
+
+
 def _start_of(path: Path, element: Any, text: str | None) -> float:
     value = _value_of(path, element, "start", text)
     return math.nan if value is None else value
@@ -472,6 +483,7 @@ def _variable(
         minimum=_value_of(path, element, "min", least),
         maximum=_value_of(path, element, "max", most),
         description=element.description or "",
+        nominal=_nominal_of(element),
     )
 
 
@@ -500,4 +512,5 @@ def _interface(path: Path, element: Any, suggested: str = "") -> Interface | Non
         only_step=only_step,
         once=bool(element.canBeInstantiatedOnlyOncePerProcess),
         needs_tool=bool(element.needsExecutionTool),
+        saves_state=bool(element.canGetAndSetFMUstate),
     )

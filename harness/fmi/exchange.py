@@ -2,17 +2,17 @@
 
 The FMU is initialised once and then only evaluated, at time zero: a prediction model is autonomous, smooth and without
 events; one with events is refused. Its Jacobians come from fmi2GetDirectionalDerivative if the FMU provides it, else
-from central differences. `kernel/model_exchange.c` makes the calls.
+from central differences. `kernel/prediction.c` makes the calls; `stepped.py` has the same by Co-Simulation.
 """
 
 import ctypes
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from types import MappingProxyType, TracebackType
-from typing import Any, Final, Literal, Self
+from typing import Any, ClassVar, Final, Literal, Self
 from weakref import finalize
 
 import numpy as np
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.estimators.model_in_c import ModelInC, Pattern
-from railgrip.fmi.description import Description, FmuVariable
+from railgrip.fmi.description import Description, FmuVariable, Interface
 from railgrip.fmi.instance import Instance, unpack
 from railgrip.fmi.parameters import Values, assignments
 from railgrip.fmus.native.c_library import Struct, kernel_library
@@ -28,7 +28,7 @@ from railgrip.fmus.native.c_library import Struct, kernel_library
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
-_KERNEL: Final = ("railgrip.fmi", "model_exchange")
+KERNEL: Final = ("railgrip.fmi", "prediction")
 
 # Cube root of the rounding error: truncation (h²) and cancellation (ε/h) of a central difference balance.
 _RELATIVE_STEP: Final = float(np.finfo(float).eps) ** (1 / 3)
@@ -42,13 +42,13 @@ _CALLS: Final = MappingProxyType(
         "DIFFERENTIATING": "fmi2GetDirectionalDerivative",
     }
 )
-"""The FMI call behind a return value of `model_exchange.c`, by its name in the header."""
+"""The FMI call behind a return value of `prediction.c`, by its name in the header."""
 
 
 @cache
 def _functions() -> ctypes.CDLL:
     # Released, the interpreter's lock is there for threads of the FMU.
-    library = ctypes.CDLL(str(kernel_library(*_KERNEL).path))
+    library = ctypes.CDLL(str(kernel_library(*KERNEL).path))
     for function in (library.derivative, library.output):
         function.argtypes, function.restype = [ctypes.c_void_p] * 5, ctypes.c_int
     return library
@@ -84,6 +84,8 @@ class FmuPrediction:
     Attributes:
         parameters: For a filter in C: the addresses for evaluating the FMU; see estimators/kernel/addressed.h.
     """
+
+    _calls: ClassVar[Mapping[str, str]] = _CALLS
 
     def __init__(
         self,
@@ -126,9 +128,9 @@ class FmuPrediction:
         self._description = description
         self._assignments = assignments(description, parameters)
         self._references = (
-            _references(description.variables[name] for name in states),
-            _references(_real(description, name, "input") for name in inputs),
-            _references(_real(description, name, "output") for name in outputs),
+            references_of(description.variables[name] for name in states),
+            references_of(_real(description, name, "input") for name in inputs),
+            references_of(_real(description, name, "output") for name in outputs),
         )
         rest = sorted(set(description.names("input")) - set(inputs))
         if rest:
@@ -141,7 +143,7 @@ class FmuPrediction:
             )
         derivative_of = dict(zip(description.states, description.derivatives, strict=True))
         self._derivatives = [derivative_of[name] for name in states]
-        self._derivative_pattern = self._pattern(self._derivatives)
+        self._slope_pattern = self._derivative_pattern = self._pattern(self._derivatives)
         self._output_pattern = self._pattern(outputs)
         self.parameters = np.zeros(3)
         self._stack = ExitStack()
@@ -150,21 +152,25 @@ class FmuPrediction:
     def __enter__(self) -> Self:
         with ExitStack() as stack:
             folder = stack.enter_context(unpack(self._description))
-            instance = Instance(self._description, "model exchange", folder, name="prediction")
-            stack.callback(instance.close)
-            instance.assign(self._assignments, 0.0)
-            instance.enter_initialization()
-            instance.exit_initialization()
-            if (event := instance.settle(0.0)) is not None:
-                raise FmuError(
-                    f"{self.file}: a prediction must be smooth, this FMU announces an event at {event:g} s; remove the "
-                    "condition on time from its equations."
-                )
-            instance.call("fmi2SetTime", 0.0, time=0.0)
-            self._instance = instance
+            self._instance = instance = self._begin(folder, stack)
             self._prepare(instance)
             self._stack = stack.pop_all()
         return self
+
+    def _begin(self, folder: Path, stack: ExitStack) -> Instance:
+        """Return an initialised instance, which the stack closes."""
+        instance = Instance(self._description, "model exchange", folder, name="prediction")
+        stack.callback(instance.close)
+        instance.assign(self._assignments, 0.0)
+        instance.enter_initialization()
+        instance.exit_initialization()
+        if (event := instance.settle(0.0)) is not None:
+            raise FmuError(
+                f"{self.file}: a prediction must be smooth, this FMU announces an event at {event:g} s; remove the "
+                "condition on time from its equations."
+            )
+        instance.call("fmi2SetTime", 0.0, time=0.0)
+        return instance
 
     def open(self) -> Self:
         """Open the FMU without `with`; it is closed with the last reference to this object, or at exit."""
@@ -186,8 +192,12 @@ class FmuPrediction:
     @property
     def has_directional_derivatives(self) -> bool:
         """Whether the FMU provides its Jacobians; otherwise they are central differences."""
-        interface = self._description.model_exchange
+        interface = self._interface
         return interface is not None and interface.directional_derivatives
+
+    @property
+    def _interface(self) -> Interface | None:
+        return self._description.model_exchange
 
     def _pattern(self, unknowns: Sequence[str]) -> Pattern:
         # By FMI, an unknown without declared dependencies depends on all states.
@@ -199,31 +209,43 @@ class FmuPrediction:
 
     def _prepare(self, instance: Instance) -> None:
         n = len(self.states)
-        self._keep: list[Any] = [instance]
         _, inputs, outputs = self._references
-        theirs = {name: place for place, name in enumerate(self._description.states)}
-        places = np.array([theirs[name] for name in self.states], dtype=np.longlong)
-        # Without states OpenModelica's FMUs still write to the first element.
-        nominal = self._read(instance, "fmi2GetNominalsOfContinuousStates") if n else np.zeros(0)
-        nominal = np.where(np.isfinite(nominal) & (nominal > 0), nominal, 1.0)
-        unknowns = _references(self._description.variables[name] for name in self._derivatives)
-        self._struct = kernel_library(*_KERNEL).struct(
-            "ModelExchange", fmu=instance.component,
-            set_states=instance.address("fmi2SetContinuousStates"), set_real=instance.address("fmi2SetReal"),
-            get_derivatives=instance.address("fmi2GetDerivatives"), get_real=instance.address("fmi2GetReal"),
+        unknowns, pattern = self._differentiated
+        self._struct = kernel_library(*KERNEL).struct(
+            "Prediction", fmu=instance.component,
+            set_real=instance.address("fmi2SetReal"), get_real=instance.address("fmi2GetReal"),
             get_directional=(
                 instance.address("fmi2GetDirectionalDerivative") if self.has_directional_derivatives else None
             ),
-            input_references=inputs, output_references=outputs, place_of_state=places,
-            states=np.zeros(n), derivatives=np.zeros(n), moved=np.zeros(n), ones=np.ones(n), nominal=nominal,
-            by_state=self._jacobian(self._derivative_pattern, unknowns),
-            of_output=self._jacobian(self._output_pattern, outputs),
-            n_states=n, n_inputs=inputs.size, n_outputs=outputs.size, relative_step=_RELATIVE_STEP,
+            input_references=inputs, output_references=outputs, states=np.zeros(n), moved=np.zeros(n),
+            inputs=np.zeros(inputs.size), ones=np.ones(n), by_state=self._jacobian(pattern, unknowns),
+            of_output=self._jacobian(self._output_pattern, outputs), n_states=n, n_inputs=inputs.size,
+            n_outputs=outputs.size, **self._fields(instance),
         )  # fmt: skip
         self._plan, self._address = self._struct.pointer, self._struct.address
         functions = _functions()
         addresses = [ctypes.cast(call, ctypes.c_void_p).value for call in (functions.derivative, functions.output)]
         self.parameters[:] = np.array([*addresses, self._address], dtype=np.uint64).view(np.float64)
+
+    @property
+    def _differentiated(self) -> tuple[NDArray[np.uint32], Pattern]:
+        """References of the variables whose Jacobian by the states is requested, and its pattern."""
+        return references_of(self._description.variables[name] for name in self._derivatives), self._slope_pattern
+
+    def _fields(self, instance: Instance) -> dict[str, Any]:
+        """Return the fields of `Prediction` that depend on the interface."""
+        n = len(self.states)
+        theirs = {name: place for place, name in enumerate(self._description.states)}
+        # Without states OpenModelica's FMUs still write to the first element.
+        nominal = self._read(instance, "fmi2GetNominalsOfContinuousStates") if n else np.zeros(0)
+        return {
+            "set_states": instance.address("fmi2SetContinuousStates"),
+            "get_derivatives": instance.address("fmi2GetDerivatives"),
+            "place_of_state": np.array([theirs[name] for name in self.states], dtype=np.longlong),
+            "derivatives": np.zeros(n),
+            "nominal": np.where(np.isfinite(nominal) & (nominal > 0), nominal, 1.0),
+            "relative_step": _RELATIVE_STEP,
+        }
 
     def _jacobian(self, pattern: Pattern, unknowns: NDArray[np.uint32]) -> Struct:
         n, groups = len(self.states), column_groups(pattern, len(self.states))
@@ -240,7 +262,7 @@ class FmuPrediction:
         size = np.bincount(columns, minlength=n)
         counts = [int(size[members].sum()) for members in groups]
         buffer = max(len(pattern), *counts, 1) if counts else max(len(pattern), 1)
-        return kernel_library(*_KERNEL).struct(
+        return kernel_library(*KERNEL).struct(
             "Jacobian", first_column=np.cumsum([0, *map(len, groups)], dtype=np.longlong),
             known=np.ascontiguousarray(self._references[0][of]), state=of,
             first_entry=np.cumsum([0, *counts], dtype=np.longlong), unknown=np.ascontiguousarray(unknowns[rows]),
@@ -335,12 +357,12 @@ class FmuPrediction:
         if not code:
             return
         instance = self._open()
-        codes = kernel_library(*_KERNEL).functions
+        codes = kernel_library(*KERNEL).functions
         if code not in (codes.VALUE_NOT_FINITE, codes.ENTRY_NOT_FINITE):
-            call = next(call for name, call in _CALLS.items() if getattr(codes, name) == code)
+            call = next(call for name, call in self._calls.items() if getattr(codes, name) == code)
             instance.check(self._plan.status, call, 0.0, "evaluating the prediction")
         names = self.outputs if self._plan.is_output else self._derivatives
-        pattern = self._output_pattern if self._plan.is_output else self._derivative_pattern
+        pattern = self._output_pattern if self._plan.is_output else self._differentiated[1]
         if code == codes.VALUE_NOT_FINITE:
             variable = names[self._plan.at]
         else:
@@ -372,5 +394,6 @@ def _require_si(description: Description, variable: FmuVariable) -> None:
         )
 
 
-def _references(variables: Iterable[FmuVariable]) -> NDArray[np.uint32]:
+def references_of(variables: Iterable[FmuVariable]) -> NDArray[np.uint32]:
+    """Return the value references of variables."""
     return np.array([v.reference for v in variables], dtype=np.uint32)

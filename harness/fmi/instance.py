@@ -168,6 +168,7 @@ class Instance:
         self.fmpy = instance
         self._running = False
         self._defect: Reason | None = None
+        self._saved: list[ctypes.c_void_p] = []
         with _without_solver_lines(description):
             try:
                 if description.fmi == 2:
@@ -290,11 +291,16 @@ class Instance:
             for a in assignments:
                 getattr(fmu, f"set{a.carrier}")(a.references, a.values)
 
-    def enter_initialization(self, begin: float = 0.0) -> None:
-        """Set up the experiment and enter initialisation mode at time `begin` [s]."""
+    def enter_initialization(self, begin: float = 0.0, tolerance: float | None = None) -> None:
+        """Set up the experiment and enter initialisation mode at time `begin` [s].
+
+        Args:
+            begin: Time of the start.
+            tolerance: Relative error that a slave of FMI 2.0 allows its solver; None leaves it to the slave.
+        """
         with _without_solver_lines(self.description), self.calling(begin) as fmu:
             if self.description.fmi == 2:
-                fmu.setupExperiment(startTime=begin)
+                fmu.setupExperiment(tolerance=tolerance, startTime=begin)
                 fmu.enterInitializationMode()
             else:
                 fmu.enterInitializationMode(startTime=begin)
@@ -304,6 +310,17 @@ class Instance:
         with self.calling(0.0) as fmu:
             fmu.exitInitializationMode()
         self._running = True
+
+    def save_state(self, time: float) -> ctypes.c_void_p:
+        """Return the state of the whole FMU, valid until `close`, by fmi2GetFMUstate.
+
+        Raises:
+            PlantFailed: The FMU cannot save it.
+        """
+        state = ctypes.c_void_p()
+        self.call("fmi2GetFMUstate", ctypes.byref(state), time=time, doing="saving its state")
+        self._saved.append(state)
+        return state
 
     def settle(self, time: float) -> float | None:
         """Iterate an event of Model Exchange, enter continuous time and return the time of the next time event, or
@@ -343,6 +360,8 @@ class Instance:
             prefix = f"fmi{self.description.fmi}"
             if self._running and self._defect is None:
                 getattr(self._library, f"{prefix}Terminate")(component)
+            while self._saved:
+                self._library.fmi2FreeFMUstate(component, ctypes.byref(self._saved.pop()))
             getattr(self._library, f"{prefix}FreeInstance")(component)
         if self._library is not None:
             fmpy.freeLibrary(self._library._handle)

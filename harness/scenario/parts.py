@@ -45,8 +45,13 @@ class KalmanFilter(Table):
     )
     library: NamedFile | None = optional("for a user-defined model: the package.mo of its library, or its .mo file")
     file: NamedFile | None = optional(
-        "a user-defined prediction as a Model Exchange FMU 2.0, for kind fmu: states v, w, mu_b and alpha, inputs "
+        "a user-defined prediction as an FMU 2.0, for kind fmu: states v, w, mu_b and alpha, inputs "
         "cylinder_pressure and optionally track_force, outputs named as readings, all in SI"
+    )
+    interface: Literal["model_exchange", "co_simulation"] = optional(
+        "of the prediction FMU, for kind fmu: model_exchange, and the filter integrates; or co_simulation, and the FMU "
+        "integrates",
+        default="model_exchange",
     )
     trust: StrictBool = optional("load that FMU into this process, where its code runs", default=False)
     noise: str | None = optional(
@@ -77,6 +82,10 @@ class KalmanFilter(Table):
             )
         if self.file is not None and (self.kind != "fmu" or self.model is not None):
             raise table_error("has a file, which only kind 'fmu' without a model takes")
+        if self.interface == "co_simulation" and self.kind != "fmu":
+            raise table_error(
+                f"has interface 'co_simulation' with kind '{self.kind}'; set kind = 'fmu', or leave out interface"
+            )
         if self.file is not None and not self.trust:
             raise table_error(
                 f"file: the code of {self.file.entry} would run in this process; if you know where it comes from, "

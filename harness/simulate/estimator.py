@@ -17,7 +17,7 @@ from railgrip.estimators.consist import Consist
 from railgrip.estimators.design import FilterContext, FilterKind, Gate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
-from railgrip.fmi import Description, FmuPrediction
+from railgrip.fmi import Description, FmuPrediction, SteppedFmuPrediction
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.native.library import library_of
 from railgrip.scenario.file import NamedFile
@@ -140,7 +140,7 @@ def _of_nominal_data(
         readings = prediction.outputs
     else:
         train = central_of(formation, data)
-        prediction = _prepare_model(table, train.model, train.parameters, train.source, fmus, stack)
+        prediction = _prepare_model(vehicle, table, train.model, train.parameters, train.source, fmus, stack)
         readings = train.readings
     gate = pad_gate(max(release_pressure(data, g, RELEASED_PADS) for g in groups), formation.groups)
     mean = start_of(prediction.states, formation, data, vehicle.scenario.start.speed)
@@ -157,6 +157,11 @@ def _of_file(
         FmuError: It is not a prediction.
     """
     layout, description = vehicle.layout, description_of(file.path, vehicle.scenario.limits.fmu)
+    if table.interface == "model_exchange" and description.model_exchange is None:
+        raise ScenarioError(
+            f"[estimator] file {file.entry} offers only Co-Simulation; set interface = 'co_simulation', or export it "
+            "as Model Exchange"
+        )
     groups, where = range(1, layout.formation.groups + 1), f"[estimator] file {file.entry}"
     require_role(description, "prediction", f"{vehicle.scenario.name}: [estimator] file")
     pressures = [f"cylinder_pressure[{g}]" for g in groups]
@@ -172,6 +177,8 @@ def _of_file(
     if not outputs:
         raise ScenarioError(f"{where} has no output that sensors read; they read {', '.join(sorted(layout.reading))}")
     return _open_prediction(
+        vehicle,
+        table,
         description,
         fmus,
         stack,
@@ -183,10 +190,18 @@ def _of_file(
 
 
 def _open_prediction(
-    description: Description, fmus: dict[str, Description], stack: ExitStack, **names: Any
+    vehicle: VehicleData,
+    table: KalmanFilter,
+    description: Description,
+    fmus: dict[str, Description],
+    stack: ExitStack,
+    **names: Any,
 ) -> FmuPrediction:
     name = description.file.name
     fmus[f"prediction: {name}" if name in fmus else name] = description
+    if table.interface == "co_simulation":
+        period = vehicle.scenario.periods.estimator
+        return stack.enter_context(SteppedFmuPrediction(description, period=period, **names))
     return stack.enter_context(FmuPrediction(description, **names))
 
 
@@ -202,7 +217,7 @@ def _of_class(
     model, groups = _prediction_model(table, name, vehicle.layout), vehicle.layout.formation.groups
     values = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
     parameters = {v.name: v.start for v in model.parameters} | values
-    prediction = _prepare_model(table, model, parameters, None, fmus, stack)
+    prediction = _prepare_model(vehicle, table, model, parameters, None, fmus, stack)
     gate = pad_gate(release_pressure(parameters, 0, RELEASED_PADS), groups)
     radius, speed = parameters["r_wheel"], vehicle.scenario.start.speed
     start = {"v": speed} | {f"w[{g + 1}]": speed / radius for g in range(groups)}
@@ -214,6 +229,7 @@ def _of_class(
 
 
 def _prepare_model(
+    vehicle: VehicleData,
     table: KalmanFilter,
     model: Model,
     parameters: Mapping[str, float],
@@ -225,12 +241,13 @@ def _prepare_model(
     if _kind_of(table).prediction != "fmu":
         return CasadiPrediction(model, parameters)
     groups = {group: [v.name for v in getattr(model, group)] for group in ("states", "inputs", "outputs")}
+    interface = "me_cs" if table.interface == "co_simulation" else "me"
     if consist is not None:
-        description = consist_description(consist)
+        description = consist_description(consist, interface)
     else:
         assert table.model is not None  # otherwise the prediction is a ConsistPrediction
-        description = prediction_description(table.model, table.library)
-    return _open_prediction(description, fmus, stack, parameters=parameters, **groups)
+        description = prediction_description(table.model, table.library, interface)
+    return _open_prediction(vehicle, table, description, fmus, stack, parameters=parameters, **groups)
 
 
 def _prediction_model(table: KalmanFilter, name: str, layout: Layout) -> Model:

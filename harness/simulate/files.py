@@ -4,7 +4,7 @@ import math
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from railgrip.base.cache import keep
 from railgrip.base.errors import ScenarioError
@@ -14,7 +14,7 @@ from railgrip.base.units import Unit
 from railgrip.fmi import Description, describe
 from railgrip.fmus.build import build_class, fmu
 from railgrip.fmus.native import Model, lower
-from railgrip.fmus.recipe import read_recipes
+from railgrip.fmus.recipe import FmiType, read_recipes
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import BOOLEAN
 from railgrip.scenario.schema import Scenario
@@ -40,7 +40,7 @@ def recipe_file(name: str) -> Path:
 
 
 @cache
-def _class_file(class_name: str, library: Path, digest: str, interface: Literal["me", "cs"]) -> Path:  # pyright: ignore[reportUnusedParameter]
+def _class_file(class_name: str, library: Path, digest: str, interface: FmiType) -> Path:  # pyright: ignore[reportUnusedParameter]
     return build_class(class_name, library, interface).path
 
 
@@ -240,16 +240,19 @@ def has_contacts_of_library(scenario: Scenario) -> bool:
             return isinstance(source, TrainFile)
 
 
-def prediction_description(model: str, library: NamedFile | None = None) -> Description:
+def prediction_description(model: str, library: NamedFile | None = None, interface: FmiType = "me") -> Description:
     """Return the description of a prediction FMU: of a recipe, or of a class in a user's library."""
-    return description_of(
-        recipe_file(model) if library is None else _class_file(model, library.path, library.digest(), "me")
-    )
+    if library is not None:
+        return description_of(_class_file(model, library.path, library.digest(), interface))
+    if interface == "me":
+        return description_of(recipe_file(model))
+    recipe = read_recipes()[model]
+    return description_of(_class_file(recipe.class_name, recipe.library, "", interface))
 
 
-def consist_description(source: Path) -> Description:
+def consist_description(source: Path, interface: FmiType = "me") -> Description:
     """Return the description of the prediction FMU of a train, from `CentralPrediction.source`."""
-    return description_of(_class_file(source.stem, source, source.parent.name, "me"))
+    return description_of(_class_file(source.stem, source, source.parent.name, interface))
 
 
 def is_trusted(scenario: Scenario) -> bool:

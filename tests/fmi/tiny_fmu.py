@@ -11,7 +11,8 @@ from railgrip.fmus.native.toolchain import shared_library
 GUID = "{7d1c6f0e-tiny}"
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 SOURCES = {
-    name: (Path(__file__).parent / name).read_text() for name in ("tiny.c", "curved.c", "quiet.h", "reals_only.h")
+    name: (Path(__file__).parent / name).read_text()
+    for name in ("tiny.c", "curved.c", "stepped.c", "quiet.h", "reals_only.h")
 }
 
 UNITS = """
@@ -150,6 +151,45 @@ def curved(folder: Path, *, directional: bool = True, forgets: bool = False) -> 
         include=(HEADERS,),
         flags=(f'-DTINY_GUID="{GUID}"', *(["-DFORGETS"] if forgets else [])),
     )
+    attribute = ' providesDirectionalDerivative="true"' if directional else ""
+    sent = [_row(n, 11 + i, "local", "continuous", "calculated", "Real") for i, n in enumerate(("sent", "asked"))]
+    text = _curved_xml(f'<ModelExchange modelIdentifier="curved"{attribute}/>', sent)
+    file = folder / f"curved_{directional}_{forgets}.fmu"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("modelDescription.xml", text)
+        archive.write(library, f"binaries/{fmpy.platform}/curved{fmpy.sharedLibraryExtension}")
+    return file
+
+
+def stepped(
+    folder: Path, variant: int = 0, *, flags: str = 'canGetAndSetFMUstate="true"', directional: bool = True,
+    lists_states: bool = True,
+) -> Path:  # fmt: skip
+    """Build the co-simulation FMU of stepped.c in `folder` and return its file.
+
+    Args:
+        folder: Folder of the file.
+        variant: Sum of the variants in stepped.c.
+        flags: Further attributes of CoSimulation.
+        directional: It offers directional derivatives.
+        lists_states: ModelStructure has the derivatives of the states.
+    """
+    library = shared_library(
+        {name: SOURCES[name] for name in ("stepped.c", "quiet.h")},
+        f"stepped_{variant}",
+        include=(HEADERS,),
+        flags=(f'-DTINY_GUID="{GUID}"', f"-DVARIANT={variant}"),
+    )
+    attribute = ' providesDirectionalDerivative="true"' if directional else ""
+    text = _curved_xml(f'<CoSimulation modelIdentifier="curved"{attribute} {flags}/>', [], lists_states=lists_states)
+    file = folder / f"stepped_{variant}_{directional}_{lists_states}_{len(flags)}.fmu"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("modelDescription.xml", text)
+        archive.write(library, f"binaries/{fmpy.platform}/curved{fmpy.sharedLibraryExtension}")
+    return file
+
+
+def _curved_xml(interface: str, more: list[str], *, lists_states: bool = True) -> str:
     rows = [_row(n, i, "local", "continuous", "exact", 'Real start="0" nominal="1"') for i, n in enumerate("abc")]
     rows += [
         _row(f"der({n})", 3 + i, "local", "continuous", "calculated", f'Real derivative="{i + 1}"')
@@ -158,17 +198,17 @@ def curved(folder: Path, *, directional: bool = True, forgets: bool = False) -> 
     rows += [_row(f"u[{i + 1}]", 6 + i, "input", "continuous", "", 'Real start="0"') for i in range(2)]
     rows += [_row(f"y[{i + 1}]", 8 + i, "output", "continuous", "calculated", "Real") for i in range(2)]
     rows.append(_row("k", 10, "parameter", "fixed", "exact", 'Real start="1"'))
-    rows += [_row(n, 11 + i, "local", "continuous", "calculated", "Real") for i, n in enumerate(("sent", "asked"))]
-    attribute = ' providesDirectionalDerivative="true"' if directional else ""
+    rows += more
     unknown = {i: f'<Unknown index="{i}"/>' for i in range(14)}
+    derivatives = f"<Derivatives>{unknown[4]}{unknown[5]}{unknown[6]}</Derivatives>" if lists_states else ""
     structure = (
-        f"<Outputs>{unknown[9]}{unknown[10]}</Outputs><Derivatives>{unknown[4]}{unknown[5]}{unknown[6]}</Derivatives>"
+        f"<Outputs>{unknown[9]}{unknown[10]}</Outputs>{derivatives}"
         f"<InitialUnknowns>{''.join(unknown[i] for i in (4, 5, 6, 9, 10))}</InitialUnknowns>"
     )
-    text = "\n".join(
+    return "\n".join(
         [
             f'<fmiModelDescription fmiVersion="2.0" modelName="Curved" guid="{GUID}" numberOfEventIndicators="0">',
-            f'  <ModelExchange modelIdentifier="curved"{attribute}/>',
+            f"  {interface}",
             "  <ModelVariables>",
             *rows,
             "  </ModelVariables>",
@@ -176,8 +216,3 @@ def curved(folder: Path, *, directional: bool = True, forgets: bool = False) -> 
             "</fmiModelDescription>",
         ]
     )
-    file = folder / f"curved_{directional}_{forgets}.fmu"
-    with zipfile.ZipFile(file, "w") as archive:
-        archive.writestr("modelDescription.xml", text)
-        archive.write(library, f"binaries/{fmpy.platform}/curved{fmpy.sharedLibraryExtension}")
-    return file

@@ -69,6 +69,14 @@ def test_model_exchange_requests_derivatives_and_no_solver(tmp_path):
     assert "cvode" not in text
 
 
+def test_a_prediction_that_a_filter_steps_can_save_its_state_and_differentiate(tmp_path):
+    recipe = Recipe.of_class("Lib.Prediction", "me_cs")
+    text = openmodelica.script(recipe, tmp_path, derivatives=True)
+    assert 'fmuType="me_cs"' in text
+    for option in ("--fmiFlags=s:cvode", "-d=fmuExperimental", "-d=-disableDirectionalDerivatives"):
+        assert f'setCommandLineOptions("{option}");' in text
+
+
 def test_errors_are_distinguished_from_warnings():
     printed = '''true
 "Notification: Automatically loaded package Complex.

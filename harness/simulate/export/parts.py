@@ -137,7 +137,8 @@ def _with_filter_in_c(scenario: Scenario) -> Scenario:
     estimator = scenario.estimator
     if not isinstance(estimator, KalmanFilter) or estimator.kind not in ("fmu", "python") or estimator.file is not None:
         return scenario
-    return scenario.model_copy(update={"estimator": estimator.model_copy(update={"kind": "compiled"})})
+    compiled = estimator.model_copy(update={"kind": "compiled", "interface": "model_exchange"})
+    return scenario.model_copy(update={"estimator": compiled})
 
 
 def _system(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> SampledSystem:

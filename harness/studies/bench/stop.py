@@ -84,9 +84,12 @@ def of_scenario(what: str, *overrides: str) -> Iterator[Row]:
 
 
 def of_predictions() -> Iterator[Row]:
-    """Yield the time of a stop without a trace for each kind of filter, in turn."""
-    kinds = ("compiled", "fmu", "python")
-    scenarios = {kind: load(Path("trapezoid"), [f"estimator.kind={kind}"]) for kind in kinds}
+    """Yield the time of a stop without a trace for each kind of filter, and interface of its FMU, in turn."""
+    kinds = ("compiled", "fmu", "co_simulation", "python")
+    changes = {kind: [f"estimator.kind={kind}"] for kind in kinds} | {
+        "co_simulation": ["estimator.interface=co_simulation"]
+    }
+    scenarios = {kind: load(Path("trapezoid"), changes[kind]) for kind in kinds}
     seconds: dict[str, list[float]] = {kind: [] for kind in kinds}
     for scenario in scenarios.values():
         braking_distance(scenario)  # compiles everything
@@ -95,9 +98,10 @@ def of_predictions() -> Iterator[Row]:
             begin = process_time()
             braking_distance(scenario)
             seconds[kind].append(process_time() - begin)
-    compiled, fmu, python = (median(seconds[kind]) for kind in kinds)
+    compiled, fmu, co_simulation, python = (median(seconds[kind]) for kind in kinds)
     yield "a stop with the filter over compiled equations", f"{compiled:.2f} s", ""
     yield "  over the prediction FMU", f"{fmu:.2f} s", ""
+    yield "  over the prediction FMU that integrates itself, Co-Simulation", f"{co_simulation:.2f} s", ""
     yield "  in numpy over the equations", f"{python:.2f} s", ""
     yield "  prediction FMU over compiled", f"{fmu / compiled:.2f}", "2.5"
 

@@ -1,15 +1,19 @@
-/* A Model Exchange FMU with the buffers and addresses for its evaluation. */
-#ifndef MODEL_EXCHANGE_H
-#define MODEL_EXCHANGE_H
+/* A prediction FMU 2.0 with the buffers and addresses for its evaluation. */
+#ifndef PREDICTION_H
+#define PREDICTION_H
 
 #include <stddef.h>
 
-/* The call that ended an evaluation; exchange.py has their names in FMI. */
+/* The call that ended an evaluation; exchange.py and stepped.py have their names in FMI. */
 enum {
     FINE,
+    RESTORING,
     SETTING_STATES,
     SETTING_INPUTS,
+    INITIALISING,
+    STEPPING,
     GETTING_DERIVATIVES,
+    GETTING_STATES,
     GETTING_OUTPUTS,
     DIFFERENTIATING,
     VALUE_NOT_FINITE,
@@ -21,6 +25,9 @@ typedef int GetDerivatives(void *, double *, size_t);
 typedef int SetReal(void *, const unsigned *, size_t, const double *);
 typedef int GetReal(void *, const unsigned *, size_t, double *);
 typedef int GetDirectional(void *, const unsigned *, size_t, const unsigned *, size_t, const double *, double *);
+typedef int Restore(void *, void *);
+typedef int ExitInitialisation(void *);
+typedef int DoStep(void *, double, double, int);
 
 /* One sparse Jacobian with respect to the states; columns are grouped, and the entries of a group are adjacent. */
 typedef struct {
@@ -34,6 +41,24 @@ typedef struct {
     long long n_groups, n_entries;
 } Jacobian;
 
+/* The pattern of a matrix by rows: first entry of each row, and one beyond the last; column of each entry. */
+typedef struct {
+    const long long *first, *column;
+} Rows;
+
+/* Of Co-Simulation only. */
+typedef struct {
+    DoStep *do_step;
+    Restore *restore;
+    ExitInitialisation *exit_initialisation; /* null: the saved state is after initialisation */
+    void *saved;                             /* state of the whole FMU from which every step begins */
+    const unsigned *state_references;
+    const Rows *slope, *rate;   /* of df/dx and of the Jacobian of the rates */
+    double *slopes;             /* entries of df/dx */
+    double *power, *next_power; /* n x n; null: the rates are differentiated by differences */
+    double period;
+} Stepping;
+
 typedef struct {
     void *fmu;
     SetStates *set_states;
@@ -43,16 +68,17 @@ typedef struct {
     GetDirectional *get_directional; /* null: not provided */
     const unsigned *input_references, *output_references;
     const long long *place_of_state; /* position of each of the filter's states among the FMU's */
-    double *states, *derivatives;    /* in the FMU's order */
-    double *moved;
+    double *states, *derivatives;    /* in the FMU's order; in Co-Simulation in that of the filter */
+    double *moved, *inputs;
     const double *ones, *nominal;
     const Jacobian *by_state, *of_output;
+    const Stepping *stepping; /* null: Model Exchange */
     long long n_states, n_inputs, n_outputs;
     long long status, call, is_output, at; /* of the call that ended an evaluation */
     double relative_step;
-} ModelExchange;
+} Prediction;
 
-int derivative(ModelExchange *m, const double *x, const double *u, double *dx, double *entries);
-int output(ModelExchange *m, const double *x, const double *u, double *y, double *entries);
+int derivative(Prediction *p, const double *x, const double *u, double *dx, double *entries);
+int output(Prediction *p, const double *x, const double *u, double *y, double *entries);
 
 #endif

@@ -1,0 +1,214 @@
+"""A co-simulation FMU as the step of a filter: equal to an accurate solution of its equations, or refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+from tiny_fmu import CURVED_OUTPUTS, curved, stepped, tiny, xml
+
+from railgrip.base.errors import EstimatorError, FilterDiverged, FmuError, PlantFailed
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.fmi import FmuPrediction, SteppedFmuPrediction, describe
+
+K, PERIOD = 1.7, 1e-2
+POINT = np.array([0.3, -0.8, 0.5]), np.array([0.2, -0.1])
+NAMES = {"parameters": {"k": K}, "inputs": ("u[1]", "u[2]"), "outputs": CURVED_OUTPUTS}
+IN_STEP_MODE = 1
+
+
+def prediction(file: Path, states: str = "abc", period: float = PERIOD) -> SteppedFmuPrediction:
+    return SteppedFmuPrediction(describe(file), period=period, states=tuple(states), **NAMES)
+
+
+def slope(x: np.ndarray, u: np.ndarray) -> np.ndarray:
+    a, b, c = x
+    return np.array([-K * a + u[0], a * b + np.sin(c), b - c**3 + u[1]])
+
+
+def slope_jacobian(x: np.ndarray) -> np.ndarray:
+    a, b, c = x
+    return np.array([[-K, 0, 0], [b, a, np.cos(c)], [0, 1, -3 * c**2]])
+
+
+def step_and_jacobian(x: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the states after a period and their derivatives by x, from the variational equations."""
+
+    def slopes(_: float, y: np.ndarray) -> np.ndarray:
+        return np.concatenate([slope(y[:3], u), (slope_jacobian(y[:3]) @ y[3:].reshape(3, 3)).ravel()])
+
+    start = np.concatenate([x, np.eye(3).ravel()])
+    end = solve_ivp(slopes, (0, PERIOD), start, "DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
+    return end[:3], end[3:].reshape(3, 3)
+
+
+@pytest.mark.parametrize("variant", [0, IN_STEP_MODE])
+@pytest.mark.parametrize("order", ["abc", "cab"])
+def test_forward_euler_with_its_rate_is_the_accurate_step(foundry: Path, variant: int, order: str):
+    """Whether states are set in initialisation mode or in step mode, and in any order."""
+    x, u = POINT
+    places = ["abc".index(name) for name in order]
+    with prediction(stepped(foundry, variant), order) as model:
+        stop = x[places] + PERIOD * model.derivative(x[places], u)
+        # Ten steps of Runge-Kutta of 1 ms: (1e-3 s * 2/s)^5 = 3e-14 each.
+        np.testing.assert_allclose(stop, step_and_jacobian(x, u)[0][places], atol=1e-12)
+        np.testing.assert_allclose(model.output(x[places], u), [x[0] + x[1] * x[2], x[2] + u[0]], rtol=1e-14)
+        np.testing.assert_array_equal(model.start, np.zeros(3))
+
+
+@pytest.mark.parametrize("variant", [0, IN_STEP_MODE])
+def test_the_jacobian_is_that_of_the_linearised_step_or_of_the_step(foundry: Path, variant: int):
+    x, u = POINT
+    with (
+        prediction(stepped(foundry, variant)) as exact,
+        prediction(stepped(foundry, variant, directional=False)) as differences,
+    ):
+        linearised = np.eye(3) + PERIOD * exact.derivative_jacobian(x, u)
+        # The polynomial lacks (T A)^5/120 = (0.01 * 2)^5/120.
+        np.testing.assert_allclose(linearised, expm(PERIOD * slope_jacobian(x)), atol=1e-10)
+        of_step = np.eye(3) + PERIOD * differences.derivative_jacobian(x, u)
+        # Truncation: (1e-3)^2/6 times the third derivative of a step, which is PERIOD times 6 from c^3.
+        np.testing.assert_allclose(of_step, step_and_jacobian(x, u)[1], atol=1e-8)
+        np.testing.assert_allclose(differences.output_jacobian(x, u), [[1, x[2], x[1]], [0, 0, 1]], atol=1e-8)
+        assert exact.has_directional_derivatives
+        assert not differences.has_directional_derivatives
+
+
+def test_estimates_equal_those_by_model_exchange(foundry: Path):
+    """Two hundred steps of 1 ms with random readings; Runge-Kutta in the filter or in the FMU."""
+    rng, arguments = np.random.default_rng(4), (np.full(3, 1e-3), np.full(2, 1e-2), 1e-3)
+    with (
+        FmuPrediction(describe(curved(foundry)), states=tuple("abc"), **NAMES) as continuous,
+        prediction(stepped(foundry), period=1e-3) as discrete,
+    ):
+        filters = CompiledFilter(continuous, *arguments), CompiledFilter(discrete, *arguments)
+        beliefs = [filter_.start(POINT[0], np.full(3, 0.1)) for filter_ in filters]
+        for _ in range(200):
+            inputs, readings = rng.normal(size=2), rng.normal(size=2)
+            beliefs = [f.step(b, inputs, readings) for f, b in zip(filters, beliefs, strict=True)]
+            np.testing.assert_allclose(beliefs[1].mean, beliefs[0].mean, atol=1e-6)
+            np.testing.assert_allclose(beliefs[1].covariance, beliefs[0].covariance, atol=1e-6)
+
+
+def test_with_differences_estimates_are_those_of_the_exact_jacobian_of_a_step(foundry: Path):
+    """The filter written out in numpy, with steps and Jacobians from the variational equations."""
+    rng, process, noise = np.random.default_rng(4), np.diag(np.full(3, 1e-3 * PERIOD)), np.diag(np.full(2, 1e-2))
+    mean, covariance = POINT[0], np.diag(np.full(3, 0.1))
+    with prediction(stepped(foundry, directional=False)) as model:
+        step = CompiledFilter(model, np.full(3, 1e-3), np.full(2, 1e-2), PERIOD)
+        belief = step.start(mean, covariance)
+        for _ in range(30):
+            inputs, readings = rng.normal(size=2), rng.normal(size=2)
+            belief = step.step(belief, inputs, readings)
+            mean, phi = step_and_jacobian(mean, inputs)
+            covariance = phi @ covariance @ phi.T + process
+            a, b, c = mean
+            by_state = np.array([[1, c, b], [0, 0, 1]])
+            gain = covariance @ by_state.T @ np.linalg.inv(by_state @ covariance @ by_state.T + noise)
+            mean = mean + gain @ (readings - [a + b * c, c + inputs[0]])
+            covariance = (np.eye(3) - gain @ by_state) @ covariance
+            # The error of the differences, 1e-8 in a step, times a few steps of memory.
+            np.testing.assert_allclose(belief.mean, mean, atol=1e-6)
+            np.testing.assert_allclose(belief.covariance, covariance, atol=1e-6)
+
+
+def test_a_filter_in_c_equals_the_filter_in_numpy(foundry: Path):
+    rng = np.random.default_rng(4)
+    for directional in (True, False):
+        with prediction(stepped(foundry, directional=directional), "cab") as model:
+            arguments = model, np.full(3, 1e-3), np.full(2, 1e-2), PERIOD
+            fast, plain = CompiledFilter(*arguments), ExtendedKalmanFilter(*arguments)
+            belief = fast.start(np.array([0.1, 0.3, -0.2]), np.full(3, 0.1))
+            for _ in range(50):
+                inputs, readings = rng.normal(size=2), rng.normal(size=2)
+                expected = plain.step(belief, inputs, readings)
+                belief = fast.step(belief, inputs, readings)
+                # The same sums in another order, of numbers of size one.
+                np.testing.assert_allclose(belief.mean, expected.mean, atol=1e-13)
+                np.testing.assert_allclose(belief.covariance, expected.covariance, atol=1e-13)
+
+
+def test_an_fmu_may_integrate_by_forward_euler_itself(foundry: Path):
+    x, u = POINT
+    with prediction(stepped(foundry, 256)) as model:
+        np.testing.assert_allclose(model.derivative(x, u), slope(x, u), rtol=1e-12)
+
+
+def test_a_filter_has_the_period_of_its_prediction(foundry: Path):
+    sentence = r"over 0.01 s, and .* period is 0.02 s; give"
+    with prediction(stepped(foundry)) as model, pytest.raises(EstimatorError, match=sentence):
+        CompiledFilter(model, np.ones(3), np.ones(2), 0.02)
+
+
+def test_a_failed_step_names_its_call(foundry: Path):
+    x, u = np.array([200.0, 0.0, 0.0]), np.zeros(2)
+    with prediction(stepped(foundry, 1024)) as model:
+        with pytest.raises(PlantFailed, match="fmi2DoStep"):
+            model.derivative(x, u)
+        step = CompiledFilter(model, np.ones(3), np.ones(2), PERIOD)
+        belief = step.start(x, np.ones(3))
+        with pytest.raises(FilterDiverged, match="fmi2DoStep"):
+            step.step(belief, u, np.zeros(2))
+
+
+def test_no_files_and_no_saved_states_are_left_behind(foundry: Path, scratch: Path):
+    with prediction(stepped(foundry, IN_STEP_MODE)) as model:
+        assert len(list(scratch.iterdir())) == 1
+    assert list(scratch.iterdir()) == []
+    with pytest.raises(RuntimeError, match="inside 'with'"):
+        model.derivative(*POINT)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"flags": ""}, "begins every step in a saved state, and this FMU has no canGetAndSetFMUstate"),
+        ({"lists_states": False}, "does not say which variables are its states"),
+    ],
+)
+def test_an_fmu_without_states_to_set_is_refused_before_it_is_loaded(foundry: Path, changes, sentence: str):
+    with pytest.raises(FmuError, match=sentence):
+        prediction(stepped(foundry, **changes))
+
+
+def test_an_fmu_by_model_exchange_alone_is_refused(foundry: Path):
+    file = tiny(foundry, description=xml(ways=("ModelExchange",)))
+    with pytest.raises(FmuError, match="offers only Model Exchange; export it as Co-Simulation, or evaluate"):
+        SteppedFmuPrediction(describe(file), period=1e-3, parameters={}, states=("x",), inputs=("u",), outputs=("y",))
+
+
+@pytest.mark.parametrize(
+    ("variant", "sentence"),
+    [
+        (2, r"a parameter is 1.0 after it was set to 1.7 and its state restored"),
+        (2 + IN_STEP_MODE, r"in step mode: a parameter is 1.0 after it was set to 1.7"),
+        (4, "two steps from the same states differ"),
+        (4 + IN_STEP_MODE, "in step mode: two steps from the same states differ"),
+        (8, "two steps from the same states differ"),
+        (8 + IN_STEP_MODE, "in step mode: two steps from the same states differ"),
+        (16, r"its step of 0.01 s does not follow its derivatives: its own steps are longer"),
+        (32, r"does not follow its derivatives: .* or it depends on time"),
+        (64, r"'a' is 0 after it was set to 0.001"),
+        (64 + IN_STEP_MODE, r"in step mode: 'a' is 0 after it was set to 0.001"),
+        (128, r"no step can begin at an estimate. With states set in initialisation mode: .*fmi2GetFMUstate.*"
+              r"With states set in step mode: .*fmi2SetReal.* Export it as Model Exchange"),
+        (512, "does not follow its derivatives"),
+    ],
+)  # fmt: skip
+def test_an_fmu_whose_steps_are_not_a_function_of_its_states_is_refused(foundry: Path, variant: int, sentence: str):
+    with pytest.raises(FmuError, match=sentence):
+        prediction(stepped(foundry, variant)).__enter__()
+
+
+def test_a_slow_dependence_on_time_or_memory_shows_over_many_steps(foundry: Path):
+    """In a step of 0.1 ms the time that passes is too short to change the derivative visibly."""
+    with pytest.raises(FmuError, match="its steps depend on time, or on values besides its states"):
+        prediction(stepped(foundry, 32), period=1e-4).__enter__()
+
+
+def test_an_fmu_that_refuses_to_save_its_initialisation_may_allow_states_in_step_mode(foundry: Path):
+    x, u = POINT
+    with prediction(stepped(foundry, 128 + IN_STEP_MODE)) as model:
+        np.testing.assert_allclose(x + PERIOD * model.derivative(x, u), step_and_jacobian(x, u)[0], atol=1e-12)

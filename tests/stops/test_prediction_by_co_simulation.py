@@ -1,0 +1,140 @@
+"""A filter whose prediction FMU integrates itself estimates like one that integrates the prediction.
+
+Papers 000 and 001 cite the former, by Brembeck et al. (2014).
+"""
+
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from table_1 import table_1_scenario
+
+import railgrip.scenario
+from railgrip.base.errors import FmuError, ScenarioError
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.filters.moving_horizon import HorizonFilter
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.tuning import NOISE_SETS
+from railgrip.fmi import SteppedFmuPrediction, describe
+from railgrip.report.stop import Stop
+from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.schema import Scenario
+from railgrip.simulate.files import compile_class, prediction_description
+from railgrip.simulate.run import run_stop
+
+TRAPEZOID = (Path(railgrip.scenario.__file__).parent / "library" / "trapezoid.toml").read_text()
+OURS = 'kind = "fmu"\nmodel = "TrainPrediction"\n'
+STEPPED = "estimator.interface=co_simulation"
+ESTIMATES = ("estimate_speed", "estimate_adhesion", "estimate_slip", "estimate_pad_friction")
+
+
+def stepped(scenario: Scenario) -> Scenario:
+    return scenario.model_copy(
+        update={"estimator": scenario.estimator.model_copy(update={"interface": "co_simulation"})}
+    )
+
+
+def largest_difference(one: Stop, other: Stop) -> float:
+    return max(float(np.nanmax(np.abs(one.trace[name].values - other.trace[name].values))) for name in ESTIMATES)
+
+
+@pytest.mark.parametrize("stop", ["trapezoid-ideal", "sine_sweep-ideal", "random-ideal", "trapezoid-service"])
+def test_estimates_and_distances_of_table_1_are_those_by_model_exchange(stop: str):
+    """Over a whole stop. In a step of 1 ms RK4 and the solver of the FMU differ by rounding; 1e-6 is what papers need.
+
+    The distance follows from the estimates through a continuous law; 1 mm is a thousandth of what a figure shows.
+    """
+    by_model_exchange = table_1_scenario(f"{stop}-adhesion_based")
+    stops = [run_stop(scenario) for scenario in (by_model_exchange, stepped(by_model_exchange))]
+    assert largest_difference(*stops) < 1e-6
+    assert stops[1].metrics.distance == pytest.approx(stops[0].metrics.distance, abs=1e-3)
+
+
+def test_the_prediction_of_any_train_may_integrate_itself():
+    """Without a class, the prediction is made from the train's nominal data."""
+    table = load(Path("plain")).resolved() | {"vehicle": {"train": "vt642"}, "start": {"speed": "15 km/h"}}
+    table |= {"controller": {"kind": "slip_two_state"}, "adhesion": table["adhesion"] | {"mu0": 0.08}}
+    estimators = [{"kind": "fmu", "noise": "ideal"} | more for more in ({}, {"interface": "co_simulation"})]
+    stops = [run_stop(scenario_of(table | {"estimator": one}, directory=Path(), origin="any")) for one in estimators]
+    assert "ConsistPrediction.fmu" in stops[1].fmus
+    assert largest_difference(*stops) < 1e-6
+
+
+def own(folder: Path, *edits: tuple[str, str]) -> Path:
+    """Write the FMU of TrainPrediction for Co-Simulation alone, with an edited description."""
+    file = folder / "Mine.fmu"
+    with zipfile.ZipFile(prediction_description("TrainPrediction", None, "me_cs").file) as old:
+        contents = {member: old.read(member) for member in old.namelist()}
+    text = contents["modelDescription.xml"].decode()
+    lines = [line for line in text.splitlines() if not line.startswith("  <ModelExchange ")]
+    assert len(lines) == len(text.splitlines()) - 1
+    text = "\n".join(lines)
+    for before, after in edits:
+        assert before in text
+        text = text.replace(before, after)
+    with zipfile.ZipFile(file, "w") as new:
+        for member, content in (contents | {"modelDescription.xml": text.encode()}).items():
+            new.writestr(member, content)
+    assert describe(file).model_exchange is None
+    return file
+
+
+def scenario_with(file: Path, *changes: str) -> Scenario:
+    path = file.with_suffix(".toml")
+    path.write_text(TRAPEZOID.replace(OURS, f'kind = "fmu"\nfile = "{file.name}"\ntrust = true\n'))
+    return load(path, ["limits.horizon=2 s", *changes])
+
+
+@pytest.mark.parametrize(("edits", "tolerance"), [((), 1e-6), ((('providesDirectionalDerivative="true"', ""),), 1e-4)])
+def test_a_prediction_of_a_user_may_integrate_itself(tmp_path: Path, edits, tolerance: float):
+    """Differences give the Jacobian of the step, which the next test compares with its closed form.
+
+    Directional derivatives are those of its start: the load of a wheelset, by which adhesion acts on its speed, changes
+    by 2e-4 of itself in a millisecond, and so do gains at the beginning of a stop.
+    """
+    sentences: list[str] = []
+    mine = run_stop(scenario_with(own(tmp_path, *edits), STEPPED), notify=sentences.append)
+    ours = run_stop(load(Path("trapezoid"), ["limits.horizon=2 s"]))
+    assert largest_difference(mine, ours) < tolerance
+    missing = "[estimator]: Mine.fmu offers no directional derivatives; the filter takes central differences"
+    assert sentences == ([missing] if edits else [])
+
+
+def test_with_differences_a_filter_has_the_exact_jacobian_of_a_step(tmp_path: Path):
+    """Against the filter in numpy whose transition is the derivative of the RK4 step, from the equations in CasADi."""
+    description = describe(own(tmp_path, ('providesDirectionalDerivative="true"', "")))
+    model = compile_class("RailBraking.Predictions.TrainPrediction")
+    equations = CasadiPrediction(model, {v.name: v.start for v in model.parameters})
+    noise, period = NOISE_SETS["train_ideal"], 1e-3
+    names = {name: getattr(equations, name) for name in ("states", "inputs", "outputs")}
+    random, inputs = np.random.default_rng(1), np.array([2e5, 1e5, 1e5, 2e5, 0.0])
+    start = np.array([v.start for v in model.states]) + 0.02
+    with SteppedFmuPrediction(description, period=period, parameters={}, **names) as stepped_fmu:
+        noises = noise.process_noise(equations.states), noise.reading_noise(equations.outputs)
+        fast = CompiledFilter(stepped_fmu, *noises, period)
+        exact = HorizonFilter(ExtendedKalmanFilter(equations, *noises, period))
+        belief = expected = fast.start(start, noise.start_covariance(equations.states))
+        for _ in range(100):
+            readings = equations.output(belief.mean, inputs) + 1e-4 * random.standard_normal(len(equations.outputs))
+            belief, expected = fast.step(belief, inputs, readings), exact.step(expected, inputs, readings)
+            np.testing.assert_allclose(belief.mean, expected.mean, rtol=1e-7, atol=1e-6)
+
+
+def test_a_prediction_for_co_simulation_alone_needs_the_key(tmp_path: Path):
+    with pytest.raises(ScenarioError, match=r"Mine\.fmu offers only Co-Simulation; set interface = 'co_simulation'"):
+        run_stop(scenario_with(own(tmp_path)))
+
+
+def test_a_prediction_that_cannot_save_its_state_is_refused(tmp_path: Path):
+    file = own(tmp_path, ('canGetAndSetFMUstate="true"', ""))
+    with pytest.raises(FmuError, match="begins every step in a saved state, and this FMU has no canGetAndSetFMUstate"):
+        run_stop(scenario_with(file, STEPPED))
+
+
+def test_only_a_prediction_fmu_has_an_interface():
+    with pytest.raises(
+        ScenarioError, match="interface 'co_simulation' with kind 'compiled'; set kind = 'fmu', or leave"
+    ):
+        load(Path("trapezoid"), ["estimator.kind=compiled", STEPPED])
