@@ -238,6 +238,10 @@ TABLES: Mapping[str, tuple[str, Callable[[Campaign, Baseline], dict[str, ReportT
 """Baseline → page of docs/ that contains its tables, and the function that returns them by name."""
 
 
+_LOCK = 1.0
+"""Longest lock from which a distance states it [s]: shorter ones are touches, mostly near standstill."""
+
+
 def _published_rows(lines: Collection[Mapping[str, Cell]], columns: Sequence[str]) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     first: dict[str, float] = {}  # the paper's SBC
@@ -255,7 +259,10 @@ def _published_rows(lines: Collection[Mapping[str, Cell]], columns: Sequence[str
 
 
 def _text(cell: Cell, others: Sequence[Cell | None]) -> str:
-    """Return distance or median and range, with the changes against other stops."""
+    """Return distance or median and range, the longest lock, and the changes against other stops.
+
+    A lock is stated from `_LOCK` on: a distance with a locked wheelset says nothing about seeking adhesion.
+    """
     if cell.accepted is None or cell.distance is None:
         return ""
     accepted, range_ = cell.accepted, ""
@@ -264,7 +271,9 @@ def _text(cell: Cell, others: Sequence[Cell | None]) -> str:
     elif accepted.is_range:
         range_ = f", {accepted.lowest:.1f} – {accepted.highest:.1f} m"
     changes = [cell.change_against(other) if other else None for other in others]
-    return f"{cell.distance:.1f} m{range_}{_brackets(changes)}"
+    lock = accepted.longest_lock
+    locked = f", locked {lock:.1f} s" if lock is not None and lock >= _LOCK else ""
+    return f"{cell.distance:.1f} m{range_}{locked}{_brackets(changes)}"
 
 
 def _brackets(changes: Sequence[float | None]) -> str:

@@ -179,7 +179,8 @@ def test_changes_are_relative_to_the_published_and_the_best_tuned_control(campai
         "| ideal, 20 ms lag: SBC, two-state 10/15 % | 400.0 m (+33.3 %) | 0.123 | 0.0 s | 12 |",
         "| ideal, 20 ms lag: SBC, two-state 1/2 % | 300.0 m (−25.0 %) |  |  |  |",
         "| ideal, 20 ms lag: SBC, two-state 20/30 % | 500.0 m (+25.0 %, +66.7 %) |  |  |  |",
-        "| ideal, 20 ms lag: peak seeking (railgrip) | 310.0 m, 290.0 – 340.0 m (−22.5 %, +3.3 %) |  | 18.9 s |  |",
+        "| ideal, 20 ms lag: peak seeking (railgrip) | 310.0 m, 290.0 – 340.0 m, locked 18.9 s (−22.5 %, +3.3 %) "
+        "|  | 18.9 s |  |",
     ]
 
 
