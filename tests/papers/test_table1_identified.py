@@ -100,7 +100,7 @@ def test_the_identified_curve_resembles_published_ones(identified):
 
 
 def test_published_curves_are_plausible_by_the_rule_of_the_search():
-    """Polach's dry and wet sets (2005), which the paper cites, at the mean friction of the trapezoid, as in the search."""
+    """Polach's dry and wet sets (2005), which the paper cites, at the mean friction of the trapezoid."""
     friction = mean_friction(Scenario.load("trapezoid").adhesion.calibrated["dry"])
     assert 0.08 < friction < 0.11
     assert 0.6 > share_of(DEFAULT, friction) >= SHARE
