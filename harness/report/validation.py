@@ -10,7 +10,7 @@ import numpy as np
 
 from railgrip.base.errors import ScenarioError
 from railgrip.report.baseline import AcceptedValue, Baseline
-from railgrip.report.reference import label, references
+from railgrip.report.reference import label, locked_text, references
 from railgrip.report.statistics import median_interval
 from railgrip.report.table import ReportTable, names, percent, text
 from railgrip.scenario.campaign import Campaign, PlannedStop
@@ -238,10 +238,6 @@ TABLES: Mapping[str, tuple[str, Callable[[Campaign, Baseline], dict[str, ReportT
 """Baseline → page of docs/ that contains its tables, and the function that returns them by name."""
 
 
-_LOCK = 1.0
-"""Longest lock from which a distance states it [s]: shorter ones are touches, mostly near standstill."""
-
-
 def _published_rows(lines: Collection[Mapping[str, Cell]], columns: Sequence[str]) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     first: dict[str, float] = {}  # the paper's SBC
@@ -259,10 +255,7 @@ def _published_rows(lines: Collection[Mapping[str, Cell]], columns: Sequence[str
 
 
 def _text(cell: Cell, others: Sequence[Cell | None]) -> str:
-    """Return distance or median and range, the longest lock, and the changes against other stops.
-
-    A lock is stated from `_LOCK` on: a distance with a locked wheelset says nothing about seeking adhesion.
-    """
+    """Return distance or median and range, the longest lock, and the changes against other stops."""
     if cell.accepted is None or cell.distance is None:
         return ""
     accepted, range_ = cell.accepted, ""
@@ -271,9 +264,7 @@ def _text(cell: Cell, others: Sequence[Cell | None]) -> str:
     elif accepted.is_range:
         range_ = f", {accepted.lowest:.1f} – {accepted.highest:.1f} m"
     changes = [cell.change_against(other) if other else None for other in others]
-    lock = accepted.longest_lock
-    locked = f", locked {lock:.1f} s" if lock is not None and lock >= _LOCK else ""
-    return f"{cell.distance:.1f} m{range_}{locked}{_brackets(changes)}"
+    return f"{cell.distance:.1f} m{range_}{locked_text(accepted.longest_lock)}{_brackets(changes)}"
 
 
 def _brackets(changes: Sequence[float | None]) -> str:
