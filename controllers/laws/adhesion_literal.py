@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
-from railgrip.controllers.sampled import Expression, FormulaBuilder, LowPassDerivatives, choose, either
+from railgrip.controllers.sampled import Expression, FormulaBuilder, LowPassDerivatives, choose, either, every
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,6 +41,8 @@ class LiteralTuning(SwitchingTuning):
     """Parameters of the law as printed. It shares all but `hold` with peak seeking."""
 
     hold: Annotated[float, "1", "1: keep the last pressure while ṡ·α̇ = 0; 0: half pressure, as sgn(0) = 0 gives"] = 1.0
+    quotient: Annotated[float, "1", "1: switch by α̇/ṡ, the paper's alternative, with a dead zone; 0: by ṡ·α̇"] = 0.0
+    slip_rate_small: Annotated[float, "1/s", "half width of that dead zone, in which α̇/ṡ counts as zero"] = 1e-3
 
 
 class LiteralAdhesionBased(GroupLaw):
@@ -86,7 +88,10 @@ class LiteralAdhesionBased(GroupLaw):
             applied = draft.state(
                 group.label("applied"), "1", "1 when the brake was applied, 0 when released", start=1.0
             )
-            switch = slip_rate * adhesion_rate  # eq. (10)
+            # Eq. (10), or the alternative at the end of §3.2: α̇/ṡ has the same sign, but no value at ṡ = 0.
+            small = every(-tuning["slip_rate_small"] < slip_rate, slip_rate < tuning["slip_rate_small"])
+            quotient = choose(small, 0.0, adhesion_rate / choose(small, 1.0, slip_rate))
+            switch = choose(tuning["quotient"] > 0.0, quotient, slip_rate * adhesion_rate)
             rolling = is_rolling(tuning, group.speed, group.slip, group.adhesion)
             # Eq. (11), u = L·sgn(ṡ·α̇), mapped from −L … L to 0 … 1 of full pressure: sgn(0) = 0 is half pressure.
             kept = choose(tuning["hold"] > 0.0, applied, 0.5)

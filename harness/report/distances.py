@@ -14,7 +14,7 @@ from railgrip.base.outputs import claim
 from railgrip.report.distribution import distribution_table, distributions_of
 from railgrip.report.limits import SUBJECTS, limits_of
 from railgrip.report.page import write_page
-from railgrip.report.reference import controller_of, label, references, setting_of
+from railgrip.report.reference import controller_of, label, locked_text, references, setting_of
 from railgrip.report.results import Results, fmu_tools, from_elsewhere, remarks_on
 from railgrip.report.row import Row
 from railgrip.report.statistics import finite
@@ -103,6 +103,7 @@ def documentation_tables(rows: Sequence[Row]) -> dict[str, ReportTable]:
     for row in rows:
         if row.draw is None:
             distance = "no stop" if row.distance_m is None else f"{row.distance_m:.1f} m"
+            distance += locked_text(row.longest_lock_s)
             change = percent(None if row.reduction_vs_sbc is None else -row.reduction_vs_sbc)
             cells = cases.setdefault((row.label, row.polach), {"scenario": row.label, "creep curve": row.polach})
             cells[row.controller_label] = f"{distance} ({change})" if change else distance

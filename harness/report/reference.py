@@ -19,8 +19,8 @@ CONTROLLERS = {
     "slip_three_state_read": "SBC, three-state, searched, read slip",
     "slip_two_state_estimated": "SBC, two-state, searched, estimated slip",
     "slip_three_state_estimated": "SBC, three-state, searched, estimated slip",
-    "adhesion_based": "ABC",
-    "adhesion_literal": "ABC, the law as printed",
+    "adhesion_based": "peak seeking (railgrip)",
+    "adhesion_literal": "ABC (paper)",
     "slope_seeking": "slope-seeking control",
     "ideal_bound": "ideal bound",
     "fmu": "FMU",
@@ -29,6 +29,9 @@ CONTROLLERS = {
 
 PUBLISHED = (0.10, 0.15)
 """Slips at which SBC fills and vents; Schwarz, Posielek and Goetjes (2021), section 4."""
+
+_LOCK = 1.0
+"""Longest lock from which a distance states it [s]: shorter ones are touches, mostly near standstill."""
 
 _SLIP_BASED = {"slip_two_state", "slip_three_state"}
 
@@ -42,6 +45,14 @@ def label(scenario: Mapping[str, Any]) -> str:
     if kind not in _SLIP_BASED:
         return name
     return f"{name} {'/'.join(f'{100 * threshold:.3g}' for threshold in _thresholds(controller))} %"
+
+
+def locked_text(longest_lock: float | None) -> str:
+    """Return the longest lock [s] of a stop, to follow its distance, or nothing if it is short or unknown.
+
+    A distance with a locked wheelset does not show that a law finds the greatest adhesion.
+    """
+    return f", locked {longest_lock:.1f} s" if longest_lock is not None and longest_lock >= _LOCK else ""
 
 
 def is_published(controller: Mapping[str, Any]) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 
 from railgrip.base.errors import ScenarioError
 from railgrip.report.baseline import AcceptedValue, Baseline
-from railgrip.report.reference import label, references
+from railgrip.report.reference import label, locked_text, references
 from railgrip.report.statistics import median_interval
 from railgrip.report.table import ReportTable, names, percent, text
 from railgrip.scenario.campaign import Campaign, PlannedStop
@@ -281,7 +281,7 @@ def _published_rows(lines: Collection[Mapping[str, Cell]], columns: Sequence[str
             first = first or distances
             changes = {c: None if distances is first else distances[c] / first[c] - 1 for c in columns}
             rows.append(
-                {_FIRST: f"*paper: {label(next(iter(stops.values())).scenario)}*"}
+                {_FIRST: f"*published: {label(next(iter(stops.values())).scenario)}*"}
                 | {column: f"{distances[column]:.1f} m" + _brackets([changes[column]]) for column in columns}
                 | {"greatest adhesion": "", "longest lock": "", "valve strokes": ""}
             )
@@ -289,7 +289,7 @@ def _published_rows(lines: Collection[Mapping[str, Cell]], columns: Sequence[str
 
 
 def _text(cell: Cell, others: Sequence[Cell | None]) -> str:
-    """Return distance or median and range, with the changes against other stops."""
+    """Return distance or median and range, the longest lock, and the changes against other stops."""
     if cell.accepted is None or cell.distance is None:
         return ""
     accepted, range_ = cell.accepted, ""
@@ -298,7 +298,7 @@ def _text(cell: Cell, others: Sequence[Cell | None]) -> str:
     elif accepted.is_range:
         range_ = f", {accepted.lowest:.1f} – {accepted.highest:.1f} m"
     changes = [cell.change_against(other) if other else None for other in others]
-    return f"{cell.distance:.1f} m{range_}{_brackets(changes)}"
+    return f"{cell.distance:.1f} m{range_}{locked_text(accepted.longest_lock)}{_brackets(changes)}"
 
 
 def _brackets(changes: Sequence[float | None]) -> str:

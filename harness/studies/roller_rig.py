@@ -209,6 +209,69 @@ def fit_of(case: tuple[str, float]) -> Row:
     return row
 
 
+TRUSTS: tuple[tuple[float, float], ...] = ((1e-9, 1e1), (1e1, 1e1), (1e-9, 1e-9), (1e1, 1e-9), (1e-9, 1e-5))
+"""R11 and Q11 of equation (20), of the wheelset's speed: as printed, the other end of the paper's range for each alone
+and for both, and a value between."""
+
+
+def trust_of(case: tuple[float, float]) -> Row:
+    """Return errors of adhesion in the sanding test with R11 and Q11 of `TRUSTS` in equation (20), else as printed.
+
+    `slide`, `all`: rms error of adhesion in the range of figure 6, and after the start; `largest`: error in the slide.
+    """
+    reading, process = case
+    changes = (f"noise.readings.wheelset_speed={reading}", f"noise.process.w={process}")
+    specification = load_specification(LIBRARY / "rig_paper.toml", (*WRONG_START, *changes))
+    recording = recording_of_rig(load(Path("rig_sand")))
+    error = errors(recording, estimate_of(specification, recording), "alpha")
+    time = recording["time"].values
+    slide = (time >= published.DEEP_SLIDE[0]) & (time <= published.DEEP_SLIDE[1])
+    return {
+        "R11": reading,
+        "Q11": process,
+        "slide": float(np.sqrt(np.mean(error[slide] ** 2))),
+        "largest": float(np.max(np.abs(error[slide]))),
+        "all": float(np.sqrt(np.mean(error[time >= time[0] + SETTLED] ** 2))),
+    }
+
+
+def trust_table(rows: Sequence[Row]) -> ReportTable:
+    """Return the errors of `trust_of`."""
+    named = [
+        {"R11": row["R11"], "Q11": row["Q11"], "α rms, 4 to 11 s": row["slide"], "α largest, 4 to 11 s": row["largest"],
+         "α rms, whole test": row["all"]}
+        for row in rows
+    ]  # fmt: skip
+    forms: dict[str, Form] = dict.fromkeys(("α rms, 4 to 11 s", "α largest, 4 to 11 s", "α rms, whole test"), "{:.4f}")
+    return ReportTable(named, forms | dict.fromkeys(("R11", "Q11"), "{:.0e}"))
+
+
+WAGONS: Mapping[str, Mapping[str, float]] = {
+    "corrected": {},
+    "as printed": {"adhesion_share": 0.5, "resistance_transfer": 1.0, "adhesion_transfer": 0.0},
+}
+"""Parameters of `WagonPrediction` with equations (4), (5) and (12) corrected, and as printed."""
+
+
+def wagon_of(name: str) -> Row:
+    """Return the biases of adhesion and pad friction of the wagon's filter in its stop, for one of `WAGONS`."""
+    changes = tuple(f"model.parameters.{parameter}={value}" for parameter, value in WAGONS[name].items())
+    wagon = load_specification(LIBRARY / "wagon.toml", changes)
+    recording = recording_of_estimation(wagon)
+    estimates = estimate_of(wagon, recording)
+    states = {"α": "alpha", "μ_B front": "mu_b[1]", "μ_B rear": "mu_b[2]"}
+    judged = {word: judge(recording, estimates, state) for word, state in states.items()}
+    return {"equations (4), (5), (12)": name} | {
+        f"{word} {figure}": getattr(one, figure) for word, one in judged.items() for figure in ("bias", "rmse")
+    }
+
+
+def wagon_table(rows: Sequence[Row]) -> ReportTable:
+    """Return the errors of `wagon_of`."""
+    forms: dict[str, Form] = {name: "{:+.4f}" if name.endswith("bias") else "{:.4f}" for name in list(rows[0])[1:]}
+    return ReportTable(rows, forms, left=("equations (4), (5), (12)",))
+
+
 def encode(speed: NDArray[np.float64], encoder: str, draw: int) -> NDArray[np.float64]:
     """Return speeds as one of `ENCODERS` reads them [m/s]."""
     random = np.random.default_rng([20, draw])
@@ -273,6 +336,8 @@ class RollerRig(Study):
             "scores": scores,
             "sensitivity": table_of(sensitivity, period="period", **{"σ of v": "speed_noise"}),
             "fits": fits,
+            "trust": trust_table(work.map(trust_of, TRUSTS)),
+            "wagon": wagon_table(work.map(wagon_of, list(WAGONS))),
         }
         figures = published.figures(tests, slide)
         if self.write:

@@ -111,6 +111,25 @@ def test_each_guard_of_the_literal_law_can_be_switched_off():
     assert demands(replace(PRINTED, hold=0.0, speed_min=0.0), 0.05, speed=0.3) == [0.5 * full]
 
 
+def test_the_alternative_switching_function_has_the_same_sign_outside_its_dead_zone():
+    """sgn(α̇/ṡ) = sgn(ṡ α̇); while slip rests, the quotient has no value, and the last pressure is held."""
+
+    def demands(quotient, slips, adhesions):
+        law = LiteralAdhesionBased([GROUP], replace(PRINTED, quotient=quotient))
+        return [
+            law.decide(observed(0, SPEED, 0, (slip,), (adhesion,), (0.35,), (0.0,)))[0]
+            for slip, adhesion in zip(slips, adhesions, strict=True)
+        ]
+
+    full = GROUP.pressure_max
+    rising, falling = [0.05, 0.06, 0.07], [0.07, 0.06, 0.05]
+    for slips in (rising, falling):
+        for adhesions in ([0.05, 0.06, 0.07], [0.07, 0.06, 0.05]):
+            assert demands(1.0, slips, adhesions) == demands(0.0, slips, adhesions)
+    assert demands(1.0, rising, [0.07, 0.06, 0.05])[-1] == 0.0
+    assert demands(1.0, [0.05] * 3, [0.05, 0.06, 0.07]) == [full] * 3
+
+
 def test_two_level_control_keeps_the_slip_between_its_levels():
     """10 % and 15 %; torque through a lag of 20 ms overshoots by a few percent of slip."""
     slip, _ = simulate(SlipTwoState([GROUP], PAPER_LEVELS), 4.0)

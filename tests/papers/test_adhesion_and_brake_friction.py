@@ -71,6 +71,25 @@ def test_the_start_is_corrected_when_the_error_stays_within_the_limit():
         assert page.settling(recording, estimates) == pytest.approx(expected, abs=PERIOD / 10)
 
 
+def test_late_errors_are_those_of_adhesion_from_the_published_instant_on():
+    """An error of 0.01 from 110 s on with one sample of 0.04; w and v are wrong by constants."""
+    time = np.arange(24000) * PERIOD
+    late = time >= 110.0
+    error = np.where(late, 0.01, 0.3)
+    error[-1] = 0.04
+    truth = {"alpha": (np.full(time.size, 0.05), "1"), "w": (time, "rad/s"), "v": (time, "m/s")}
+    recording = recording_of({"speed": (time, "m/s")}, period=PERIOD, truth=truth)
+    mean = np.stack([time + 1e-3, time - 2e-3, 0.05 + error], axis=1)
+    estimates = xarray.Dataset(
+        {"mean": (("time", "state"), mean)}, coords={"time": recording["time"], "state": ["w", "v", "alpha"]}
+    )
+    found = page.late_errors(recording, estimates)
+    assert found["w"] == pytest.approx(1e-3, rel=1e-6)
+    assert found["v"] == pytest.approx(2e-3, rel=1e-6)
+    assert found["largest"] == pytest.approx(0.04)
+    assert found["alpha"] == pytest.approx(np.sqrt(1e-4 + (16e-4 - 1e-4) / late.sum()), rel=1e-6)
+
+
 def test_the_response_of_a_lag_is_its_time_constant():
     """Pad force with a lag of 0.2 s behind two interventions."""
     time = np.arange(4000) * PERIOD

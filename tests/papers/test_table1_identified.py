@@ -11,26 +11,32 @@ from railgrip.base.registry import shelf
 from railgrip.report.marked import with_tables
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.campaign import load_campaign
-from railgrip.scenario.polach import named_set
 from railgrip.simulate.vehicle import VehicleData
-from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED, cross_validation
+from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED, LAWS, cross_validation, median_seed, sentences
 from railgrip.studies.papers.pages import FOLDER, measures_of
 from railgrip.studies.papers.study import PAGE, VALIDATION, tables_of, validation_tables
 from railgrip.studies.papers.table1 import (
     ABC,
     BOUNDS,
-    COURSE,
     DEFAULT,
+    FINAL,
+    HOLDS,
     LOAD,
+    REQUIRED,
     SBC,
     SCENARIOS,
+    SHARE,
     SPEED,
+    Candidate,
     CandidateFit,
     candidate_at,
+    mean_friction,
     median_distance,
     point_of,
+    pressures_of,
     rail_of,
     read_fits,
+    share_of,
 )
 
 PROJECT = Path(__file__).parents[2]
@@ -58,15 +64,14 @@ def test_the_validation_page_has_guards_and_limit_of_the_law():
     assert with_tables(text, validation_tables(measures_of(PAGE, PROJECT))) == text
 
 
-def test_the_named_curve_is_the_identified_one(identified):
-    assert named_set("identified") == identified.candidate.polach
-
-
 def test_the_campaign_has_the_identified_levels_and_law(identified):
     campaign = load_campaign(shelf("campaigns")["identified"])
     levels = {stop.scenario.name: stop.scenario.adhesion.level for stop in campaign.stops}
     assert levels == {f"identified_{name}": level for name, level in identified.levels.items()}
-    assert {stop.scenario.adhesion.polach.name for stop in campaign.stops} == {"identified"}
+    curves = [stop.scenario.resolved()["adhesion"]["polach"] for stop in campaign.stops]
+    assert all(
+        {name: curve[name] for name in identified.candidate.polach} == identified.candidate.polach for curve in curves
+    )
     for stop in campaign.stops:
         name = stop.scenario.name.removeprefix("identified_")
         changes = rail_of(name, identified.candidate, identified.levels[name])
@@ -90,15 +95,57 @@ def test_the_identified_curve_resembles_published_ones(identified):
     mean = level * (scenario.adhesion.minimum + scenario.adhesion.maximum) / 2
     same = np.ones_like(slips)
     curve = VehicleData(scenario).contact(slips, SPEED * same, LOAD * same, mean * same)
-    assert np.interp(0.15, slips, curve) >= 0.6 * curve.max()
+    assert np.interp(0.15, slips, curve) >= SHARE * curve.max()
     assert identified.share == pytest.approx(np.interp(0.15, slips, curve) / curve.max(), abs=2e-3)
 
 
-def test_the_required_statements_hold(identified):
+def test_published_curves_are_plausible_by_the_rule_of_the_search():
+    """Polach's dry and wet sets (2005), which the paper cites, at the mean friction of the trapezoid."""
+    friction = mean_friction(Scenario.load("trapezoid").adhesion.calibrated["dry"])
+    assert 0.08 < friction < 0.11
+    assert 0.6 > share_of(DEFAULT, friction) >= SHARE
+    wet = Candidate(k_A=0.3, k_S=0.1, A=0.4, B=0.2, filter_time=0.0042, slip_small=0.003)
+    assert share_of(wet, 0.09) >= SHARE
+
+
+def test_the_required_statements_hold_in_the_repeats(identified):
     assert identified.is_admissible
-    assert all(
-        abc <= (1 - 0.0875) * sbc for abc, sbc in zip(identified.abc.values(), identified.sbc.values(), strict=True)
-    )
+    repeats = measures_of(PAGE, PROJECT)["repeats"]
+    assert len(repeats) == FINAL["abc"] >= 20
+    assert np.median([course["distance"] for course in repeats]) == pytest.approx(identified.abc["trapezoid"], abs=0.01)
+    for name, holds in REQUIRED.items():
+        count = sum(map(holds, repeats))
+        assert identified.holds[name] == pytest.approx(count / len(repeats), abs=1e-4)
+        assert count >= HOLDS * len(repeats)
+
+
+def test_the_figure_has_the_stop_with_the_median_distance():
+    repeats = [{"distance": distance} for distance in (340.0, 360.0, 330.0, 335.0, 350.0)]
+    assert median_seed(repeats) == 1
+    found = measures_of(PAGE, PROJECT)
+    repeats = found["repeats"]
+    drawn = repeats[median_seed(repeats) - 1]
+    assert found[LAWS[0]]["duration"] == pytest.approx(drawn["duration"])
+
+
+def test_sentences_count_the_repeats_in_which_they_hold(identified):
+    """In two of three stops adhesion is close, in one of them it is locked."""
+    found = measures_of(PAGE, PROJECT)
+    good = found["repeats"][0] | {"used_before": 0.95, "used_coupled": 0.88, "used_after": 0.92, "lock": 0.0}
+    found["repeats"] = [good, good | {"lock": 12.0}, good | {"used_after": 0.5, "lock": 22.0}]
+    holds = {row["sentence"]: row["holds in"] for row in sentences(identified, found).texts}
+    assert next(text for name, text in holds.items() if "very close" in name) == "2 of 3"
+    assert next(text for name, text in holds.items() if "locks" in name) == "1 of 3"
+
+
+def test_full_brakes_of_the_text_demand_the_same_adhesion_in_all_groups():
+    """From the torque balance at nominal pad friction of 0.35; pressures are rounded to 1 kPa, 0.3 % of them."""
+    pressures = pressures_of(0.17)
+    for brake, pressure in zip(
+        VehicleData(Scenario.load("trapezoid")).nominal.formation.brakes, pressures, strict=True
+    ):
+        torque = brake.units * brake.friction_radius * 0.35 * brake.pad_force(pressure)
+        assert torque / (brake.load * brake.wheel_radius) == pytest.approx(0.17, rel=3e-3)
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
@@ -121,30 +168,35 @@ def test_a_candidate_is_found_again_at_its_point():
 
 
 def test_a_fit_that_violates_a_statement_is_not_admissible():
-    course = dict.fromkeys(COURSE, 0.0) | {"used_before": 0.95, "used_coupled": 0.8, "used_after": 0.93}
-    course |= {"chatter_before": 0.001, "chatter_after": 0.002, "over": 0.05}
-    levels = dict.fromkeys(SCENARIOS, 1.0)
-    good = CandidateFit(candidate=DEFAULT, levels=levels, sbc=SBC, abc=ABC, share=0.61, course=course)
+    levels, holds = dict.fromkeys(SCENARIOS, 1.0), dict.fromkeys(REQUIRED, 1.0)
+    good = CandidateFit(candidate=DEFAULT, levels=levels, sbc=SBC, abc=ABC, share=0.61, holds=holds)
     assert good.is_admissible
     assert good.cost == good.largest == 0.0
     for worse in (
-        replace(good, share=0.59),
-        replace(good, abc=ABC | {"random": 310.0}),
-        *(replace(good, course=course | change) for change in (
-            {"used_before": 0.84}, {"used_coupled": 0.94}, {"chatter_after": 0.0014}, {"over": 0.11},
-            {"used_after": float("nan")},
-        )),
-    ):  # fmt: skip
+        replace(good, share=0.54),
+        *(replace(good, holds=holds | {name: 0.7}) for name in REQUIRED),
+        replace(good, holds=holds | {"unlocked": float("nan")}),
+    ):
         assert not worse.is_admissible
         assert worse.cost > good.cost
 
 
+def test_each_required_sentence_fails_in_a_stop_that_violates_it():
+    good = {"used_before": 0.95, "used_coupled": 0.8, "used_after": 0.93, "over": 0.05, "lock": 0.1}
+    assert all(holds(good) for holds in REQUIRED.values())
+    for name, change in {
+        "close": {"used_before": 0.84}, "suboptimal": {"used_coupled": 0.92}, "limited": {"over": 0.11},
+        "unlocked": {"lock": 12.0},
+    }.items():  # fmt: skip
+        assert not REQUIRED[name](good | change)
+
+
 def test_a_third_distance_is_predicted_by_the_fit_to_the_other_two():
     """Two fits each miss another distance, one by 10 %, one by 20 %."""
-    course, levels = dict.fromkeys(COURSE, float("nan")), dict.fromkeys(SCENARIOS, 1.0)
+    holds, levels = dict.fromkeys(REQUIRED, float("nan")), dict.fromkeys(SCENARIOS, 1.0)
     fits = [
         CandidateFit(
-            candidate=DEFAULT, levels=levels, sbc=SBC, abc=ABC | {name: share * ABC[name]}, share=0.7, course=course
+            candidate=DEFAULT, levels=levels, sbc=SBC, abc=ABC | {name: share * ABC[name]}, share=0.7, holds=holds
         )
         for name, share in (("trapezoid", 1.1), ("random", 0.8))
     ]
@@ -153,15 +205,15 @@ def test_a_third_distance_is_predicted_by_the_fit_to_the_other_two():
     assert errors == {"trapezoid": "+10.0 %", "sine sweep": "+0.0 %", "random": "−20.0 %"}
 
 
-def test_all_six_distances_are_within_three_per_cent(identified):
+def test_all_six_distances_are_within_two_per_cent(identified):
     """Under the constraints; single stops with the law as printed deviate more, see below."""
-    assert identified.largest < 0.03
+    assert identified.largest < 0.02
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
 @pytest.mark.parametrize("controller", ["sbc", "abc"])
 def test_stops_reproduce_the_file(identified, name, controller):
-    """Slip-based control once, the law as printed three times; its single stops vary by 8 %."""
+    """Slip-based control once, the law as printed three times; its single stops vary by 7 %."""
     repeats, rel = {"sbc": (1, 5e-3), "abc": (3, 2e-2)}[controller]
     (found,) = [fit for fit in read_fits(FITS) if fit.candidate == identified.candidate]
     distance = median_distance(name, identified.candidate, identified.levels[name], controller, repeats=repeats)

@@ -19,7 +19,15 @@ from railgrip.studies.papers.adhesion_based import (
     rail_figure,
 )
 from railgrip.studies.papers.creep_curves import causes, figure_1, rails
-from railgrip.studies.papers.lyapunov import GROUP, course_of, inequalities, slopes_of, violations, violations_table
+from railgrip.studies.papers.lyapunov import (
+    GROUP,
+    course_of,
+    inequalities,
+    offset_of,
+    slopes_of,
+    violations,
+    violations_table,
+)
 from railgrip.studies.papers.table1 import SCENARIOS, read_fits, stop_of
 
 
@@ -71,6 +79,17 @@ def test_a_brake_that_satisfies_equation_9_suffices_where_the_curve_is_concave(c
     assert concave.sum() > 1000
     assert np.mean(sufficient[concave]) > 0.99
     assert np.mean(sufficient[course.judged & ~concave]) < 0.01
+
+
+def test_the_equilibrium_lies_on_either_side_of_the_peak(stop):
+    """While slip rises and speed falls, both terms of equation 12 cancel on one side of the peak; while it falls, on
+    the other. The offset follows from the curvature: (∂α/∂v · v̇/ṡ) / |∂²α/∂s²|, here below a tenth of the slip."""
+    found = offset_of(stop)
+    low, high = sorted((found["rising"], found["falling"]))
+    assert low <= found["peak"] <= high
+    assert high - low < 0.1 * found["peak"]
+    assert 0.0 <= found["loss"] < 1e-3
+    assert 0.005 < found["peak"] < 0.05
 
 
 def test_pressure_raises_the_slip_rate_by_its_torque(stop, course):

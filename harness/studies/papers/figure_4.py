@@ -11,12 +11,16 @@ from railgrip.report import style
 from railgrip.report.figures import draw_adhesion
 from railgrip.report.stop import Stop
 from railgrip.report.table import ReportTable
+from railgrip.trace.measures import longest_lock
 
 LIMIT = 0.15
 """Limit of adhesion in the paper, from the TSI."""
 
 COUPLED, LAST_RISE = (9.0, 16.0), 25.0
 """Times of adhesion below the maximum possible, and of the last rise of friction, from the text of the paper [s]."""
+
+LOCK_SPEED = 2.0
+"""Speed above which no wheelset of the paper's figure locks [m/s]: its adhesion is close to the greatest possible."""
 
 _SMOOTHED = 0.2  # s; slower changes follow the friction of the rail, faster ones are chatter
 
@@ -33,8 +37,9 @@ def course_of_adhesion(stop: Stop) -> dict[str, Any]:
 
     `duration` [s]. Of wheelset 1: `used`, adhesion over the greatest possible up to the limit, means before, in and
     after `COUPLED`; `chatter`, rms deviation of adhesion from its mean over 0.2 s, before and after `LAST_RISE`. Of
-    all groups: `used_groups`, as `used` until `LAST_RISE`; `peak`, the greatest adhesion; `over`, the longest time that
-    one of them has more than `LIMIT` [s].
+    all groups until `LAST_RISE`: `used_groups`, as `used`, and `lowest_group`, the minimum of them. Of all groups:
+    `peak`, the greatest adhesion; `over`, the longest time that one of them has more than `LIMIT` [s]; `lock`, the
+    longest lock of one of them while the train is faster than `LOCK_SPEED` [s].
     """
     trace = stop.trace
     time, adhesion, greatest = trace["time"].values, trace["adhesion"].values[:, 0], trace["peak_adhesion"].values[:, 0]
@@ -44,14 +49,17 @@ def course_of_adhesion(stop: Stop) -> dict[str, Any]:
     parts = {"before": time < COUPLED[0], "coupled": (time >= COUPLED[0]) & (time < COUPLED[1])}
     parts["after"] = (time >= COUPLED[1]) & (time < LAST_RISE)
     of_groups = trace["group_adhesion"].values
-    shares = of_groups / np.minimum(trace["ideal_adhesion"].values, LIMIT)
+    shares = of_groups / np.minimum(trace["peak_adhesion"].values, LIMIT)
+    used_groups = shares[time < LAST_RISE].mean(axis=0).tolist()
     return {
         "duration": stop.metrics.duration,
         "used": {name: float(np.mean(used[there])) for name, there in parts.items()},
         "chatter": [float(np.sqrt(np.mean(deviation[there] ** 2))) for there in (time < LAST_RISE, time >= LAST_RISE)],
-        "used_groups": shares[time < LAST_RISE].mean(axis=0).tolist(),
+        "used_groups": used_groups,
+        "lowest_group": min(used_groups),
         "peak": float(of_groups.max()),
         "over": max(stop.metrics.time_over_alpha_max),
+        "lock": max(longest_lock(trace, above=LOCK_SPEED)),
     }
 
 

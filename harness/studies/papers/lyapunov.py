@@ -163,6 +163,46 @@ def inequalities(course: LyapunovCourse) -> dict[str, Mask | None]:
     }
 
 
+def offset_of(stop: Stop) -> dict[str, float]:
+    """Return where the law as printed has its equilibrium, and where adhesion is greatest, while friction is constant.
+
+    With slip that changes at the rate ṡ, σ-bar = ṡ (∂α/∂s ṡ + ∂α/∂v v̇) is zero where ∂α/∂s = −∂α/∂v v̇/ṡ and not where
+    ∂α/∂s = 0. Speed, load, friction, v̇ and |ṡ| are medians of the judged samples with constant friction.
+
+    `peak`: slip of the greatest adhesion; `rising`, `falling`: slip of the equilibrium while slip rises and falls;
+    `rate`: median |ṡ| [1/s]; `loss`: largest relative loss of adhesion at the two.
+    """
+    course, contact = course_of(stop), VehicleData(stop.scenario).contact
+    there = course.judged & course.resting
+    speed, _, load, mu0, _ = (float(np.median(each[1:][there])) for each in _states(stop.trace))
+    rate, acceleration = float(np.median(np.abs(course.slip_rate[there]))), float(np.median(course.acceleration[there]))
+    slip = np.linspace(STEPS["slip"] * 10, SLIPS[1], 20_000)
+    same = np.ones(slip.size)
+    slopes = slopes_of(contact, slip, speed * same, load * same, mu0 * same)
+    curve = contact(slip, speed * same, load * same, mu0 * same)
+    # Slopes fall through each of these values near the peak: the last slip with a larger slope, up to the inflection.
+    concave = slopes.curvature < 0
+
+    def slip_with(slope: float) -> float:
+        return float(slip[np.flatnonzero(concave & (slopes.by_slip > slope))[-1]])
+
+    needed = -float(slopes.by_speed[int(np.argmax(curve))]) * acceleration / rate
+    found = {"peak": slip_with(0.0), "rising": slip_with(needed), "falling": slip_with(-needed)}
+    adhesion = np.interp([found["rising"], found["falling"]], slip, curve)
+    return found | {"rate": rate, "loss": float(1 - adhesion.min() / curve.max())}
+
+
+def offset_table(found: Mapping[str, Mapping[str, float]]) -> ReportTable:
+    """Return a row for each law; `found` is law → `offset_of`."""
+    rows = [
+        (law, f"{one['rate']:.2f} 1/s", f"{100 * one['peak']:.3f} %", f"{100 * one['rising']:.3f} %",
+         f"{100 * one['falling']:.3f} %", f"{100 * one['loss']:.4f} %")
+        for law, one in found.items()
+    ]  # fmt: skip
+    columns = ("law", "median rate of slip", "peak at", "equilibrium, slip rises", "slip falls", "adhesion lost")
+    return ReportTable.of(columns, rows)
+
+
 def violations(courses: Mapping[str, LyapunovCourse]) -> dict[str, dict[str, float]]:
     """Return the number of samples and the share that violates each inequality, by law and state of the rail."""
     found: dict[str, dict[str, float]] = {}

@@ -11,6 +11,7 @@ from railgrip.campaign.work import Work
 from railgrip.controllers.laws.adhesion_based import AdhesionBased
 from railgrip.report.table import ReportTable
 from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import braking_distance, trace_of
 from railgrip.simulate.vehicle import VehicleData
@@ -19,9 +20,9 @@ from railgrip.studies.papers.table1 import PERTURBATION, SCENARIOS
 
 
 def _metres(distance: float | None, other: float | None) -> str:
-    if distance is None:
+    if distance is None or other is None:
         return "no stop"
-    return f"{distance:.1f} m" if other is None else f"{distance - other:+.1f} m".replace("-", "−")
+    return f"{distance - other:+.1f} m".replace("-", "−")
 
 
 GUARDS: Final[Mapping[str, Mapping[str, Any]]] = {
@@ -29,7 +30,8 @@ GUARDS: Final[Mapping[str, Mapping[str, Any]]] = {
     "without the rolling guard": {"slip_small": 0.0, "creep_small": 0.0, "adhesion_small": 0.0},
     "without the guard below 0.5 m/s": {"speed_min": 0.0},
     "without the hold (half pressure where ṡ·α̇ = 0)": {"hold": 0.0},
-    (_BORROWING := "with the parameters that were searched for ABC"): {},
+    "with the alternative switching function α̇/ṡ": {"quotient": 1.0},
+    (_BORROWING := "with the parameters that were searched for peak seeking (railgrip)"): {},
 }
 """Variant of the law as printed → its changed parameters; the last one has those of peak seeking."""
 _BORROWED: Final = ("filter_time", "slip_small", "creep_small", "adhesion_small")
@@ -77,14 +79,28 @@ def _with_parameters(scenario: Scenario, variant: str, seed: int) -> Scenario:
     return scenario.revised(changes)
 
 
+def accepted_ranges() -> dict[str, str]:
+    """Return median and range of the accepted repeats of the law as printed, by equipment and scenario, as text."""
+    campaign = load_campaign(shelf("campaigns")["table1"])
+    assert campaign.conditioning is not None, "the campaign of Table 1 names the file of its repeats"
+    repeats = read_conditioning(campaign.conditioning).stops
+    found: dict[str, str] = {}
+    for equipment in _EQUIPMENT:
+        for name in SCENARIOS:
+            one = repeats[f"{name}-{equipment}-adhesion_literal"]
+            metres = [distance for distance in (one.lots or one.distances) if distance is not None]
+            found[f"{equipment}-{name}"] = f"{np.median(metres):.1f} m, {min(metres):.1f} – {max(metres):.1f} m"
+    return found
+
+
 def guards_table(found: Mapping[str, Mapping[str, float | None]]) -> ReportTable:
-    """Return a table of `guards`, with variants as differences from the law with all guards [m]."""
-    whole = found[next(iter(GUARDS))]
-    rows = [
-        (variant, *(_metres(distance, None if distances is whole else whole[column])
-                    for column, distance in distances.items()))
-        for variant, distances in found.items()
-    ]  # fmt: skip
+    """Return a table of `guards`: the accepted distances, then changes by each variant in the same repeats [m]."""
+    first, *variants = GUARDS
+    rows = [(first, *accepted_ranges().values())]
+    rows += [
+        (variant, *(_metres(distance, found[first][column]) for column, distance in found[variant].items()))
+        for variant in variants
+    ]
     columns = [f"{equipment}: {name.replace('_', ' ')}" for equipment in _EQUIPMENT for name in SCENARIOS]
     return ReportTable.of(("law as printed", *columns), rows)
 

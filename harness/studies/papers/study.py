@@ -1,13 +1,15 @@
 """Figures and tables of published papers next to those of railgrip."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 from typer import Option
 
-from railgrip.campaign.work import Work
+from railgrip.api import Scenario
+from railgrip.campaign.work import Work, call
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable
@@ -16,9 +18,18 @@ from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED
 from railgrip.studies.papers.creep_curves import causes, figure_1, rails
 from railgrip.studies.papers.deflection import deflection_table, deflections
 from railgrip.studies.papers.figure_4 import used_by_wheelset, used_table, wheelset_figure
-from railgrip.studies.papers.lyapunov import violations_table
+from railgrip.studies.papers.lyapunov import offset_table, violations_table
 from railgrip.studies.papers.pages import comparison, write_results
-from railgrip.studies.papers.table1 import CandidateFit, read_fits, refine, search, write_fits
+from railgrip.studies.papers.table1 import (
+    FINAL,
+    CandidateFit,
+    read_fits,
+    refine,
+    repeat_trapezoid,
+    run_on_rail_of_text,
+    search,
+    write_fits,
+)
 from railgrip.studies.study import Study
 
 PAGE = "adhesion_based.md"
@@ -40,6 +51,8 @@ def tables_of(
         "profile": adhesion_based.profile(fits),
         "alternatives": adhesion_based.alternatives(fits),
         "lyapunov": violations_table(found["violations"]),
+        "offset": offset_table(found["offsets"]),
+        "rails_of_text": adhesion_based.rails_of_text(found["rails_of_text"]),
         "wheelsets": used_table(found["used_by_wheelset"]),
         "deflections": deflection_table(found["deflections"]),
     }
@@ -70,8 +83,11 @@ class Papers(Study):
         work.notify("guards of the law")
         guards, excesses = printed.guards(work), printed.excesses(work)
         work.notify("figures")
-        stops, of_causes, of_rails = adhesion_based.stops_of(identified), causes(), rails()
+        repeats, on_rails = repeat(work, identified)
+        of_causes, of_rails = causes(), rails()
+        stops = adhesion_based.stops_of(identified, adhesion_based.median_seed(repeats))
         found = adhesion_based.measures(stops, of_rails) | {"guards": guards, "excesses": excesses}
+        found |= {"repeats": repeats, "rails_of_text": on_rails}
         law_as_printed, limit = adhesion_based.LAWS[0], adhesion_based.LIMIT
         drawn = {"SBC": stops["trapezoid"], **{law: stops[law] for law in adhesion_based.LAWS}}
         found["used_by_wheelset"] = {law: used_by_wheelset(stop, limit) for law, stop in drawn.items()}
@@ -105,6 +121,22 @@ class Papers(Study):
             screen=(tables["published"], tables["sentences"], tables["lyapunov"], tables["alternatives"]),
         )
 
+
+def repeat(work: Work, identified: CandidateFit) -> tuple[list[dict[str, float]], list[dict[str, Any]]]:
+    """Return the numbers of the repeated trapezoid with the law as printed, and those on the rails of the text."""
+    curve, level, trapezoid = identified.candidate, identified.levels["trapezoid"], Scenario.load("trapezoid")
+    cases: list[Any] = [partial(repeat_trapezoid, curve, level, FINAL["abc"])]
+    cases += [partial(run_on_rail_of_text, curve, rail, _ON_RAILS) for rail in adhesion_based.TEXT_RAILS]
+    repeats, *others = work.map(call, cases)
+    lowest = trapezoid.resolved()["adhesion"]["minimum"]
+    return repeats, [
+        asdict(rail) | {"minimum": other["level"] * lowest if other["courses"] else None, "courses": other["courses"]}
+        for rail, other in zip(adhesion_based.TEXT_RAILS, others, strict=True)
+    ]
+
+
+_ON_RAILS = 5
+"""Repeats on each rail of the text."""
 
 KNOWN = 8
 """Best fits of the last search, from which a new one continues."""

@@ -34,7 +34,7 @@ wheel, and the rail head of the other vehicles of this library.
 <h4>Limitations</h4>
 <p>
 Straight track, constant conicity, no flange, no spin, equal loads. Kalker's c11 is used for the
-lateral direction, too, as in the paper.
+lateral direction, too: the text of the paper has one coefficient of contact shear stiffness for both directions.
 </p>
 </html>"));
 end PartialLateralWheelset;
