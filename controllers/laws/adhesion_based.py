@@ -1,9 +1,9 @@
-"""Adhesion-based control (ABC): seek the peak of adhesion by the sliding-mode law of Schwarz, Posielek, Goetjes (2021).
+"""Peak seeking (railgrip): seek the peak of adhesion, after the law of Schwarz, Posielek, Goetjes (2021).
 
-The law as printed is in `railgrip.controllers.laws.adhesion_literal`. Here it is sliding mode with equivalent control:
-the estimated adhesion gives the pressure that would keep the slip constant (the equivalent control, from the torque
-balance of the wheelset), and the sign of ṡ·α̇ decides only whether to demand slightly more or less. The paper allows
-this: L may be a function of the states to compensate their influence (end of §3.2).
+The law as printed is in `railgrip.controllers.laws.adhesion_literal`, "ABC (paper)" in tables. This one is sliding mode
+with equivalent control: the estimated adhesion gives the pressure that would keep the slip constant (the equivalent
+control, from the torque balance of the wheelset), and the sign of ṡ·α̇ decides only whether to demand slightly more or
+less. The paper allows this: L may be a function of the states to compensate their influence (end of §3.2).
 """
 
 from collections.abc import Mapping

@@ -36,6 +36,8 @@ _CONTROLLER_COLOURS = {
 
 _RAIL_COLOURS = (*palette.LINES, palette.GREY)
 
+_SEEKING = "peak seeking"
+
 _MAX_BARS = 9
 """Maximum number of scenarios side by side, so that a number fits on each bar."""
 
@@ -128,15 +130,15 @@ def _variants(here: Sequence[Stop], rails: Sequence[Sequence[Stop]]) -> str:
     return "; ".join(parts) or here[0].title
 
 
-def adhesion_figure(sbc: Stop, abc: Stop) -> Figure:
-    """Return a figure of the adhesion of the first wheelset: with SBC and ABC, estimated, and the maximum in both
-    stops.
+def adhesion_figure(sbc: Stop, seeking: Stop) -> Figure:
+    """Return a figure of the adhesion of the first wheelset: with SBC and peak seeking, estimated, and the maximum in
+    both stops.
 
     Source of the layout: Schwarz, Posielek and Goetjes, Fig. 4.
     """
-    slide, seek = sbc.trace, abc.trace
+    slide, seek = sbc.trace, seeking.trace
     drawing, panel = style.panels(10, 4.8)
-    draw_adhesion(panel, {"SBC, two-state": slide, "ABC": seek}, abc.inputs["limits"]["alpha_max"])
+    draw_adhesion(panel, {"SBC, two-state": slide, _SEEKING: seek}, seeking.inputs["limits"]["alpha_max"])
     if "estimate_adhesion" in seek:
         panel.plot(
             seek["time"].values,
@@ -144,15 +146,15 @@ def adhesion_figure(sbc: Stop, abc: Stop) -> Figure:
             color=palette.VERMILION,
             linewidth=1.2,
             linestyle=(0, (1, 1.6)),
-            label="ABC, estimated",
+            label=f"{_SEEKING}, estimated",
         )
     style.dress(
         panel,
         x="time since the brake demand [s]",
         y="adhesion of wheelset 1",
-        title=f"{abc.title}, actuation {abc.inputs['actuation']['kind']}, "
-        f"sensors {abc.inputs['sensors']['kind']}: "
-        f"{sbc.distance_text} with SBC, {abc.distance_text} with ABC",
+        title=f"{seeking.title}, actuation {seeking.inputs['actuation']['kind']}, "
+        f"sensors {seeking.inputs['sensors']['kind']}: "
+        f"{sbc.distance_text} with SBC, {seeking.distance_text} with {_SEEKING}",
     )
     panel.set_ylim(0, None)
     style.legend(panel, ncols=6, loc="upper center", bbox_to_anchor=(0.5, -0.12))
@@ -160,7 +162,7 @@ def adhesion_figure(sbc: Stop, abc: Stop) -> Figure:
 
 
 def draw_adhesion(panel: Axes, traces: Mapping[str, xarray.Dataset], limit: float, wheelset: int = 0) -> None:
-    """Draw adhesion of a wheelset and the greatest possible in a stop with SBC and one with ABC, and the limit.
+    """Draw adhesion of a wheelset and the greatest possible in a stop with SBC and one with another law, and the limit.
 
     The greatest possible is that of the rail at the speed of each stop, before the operator's limit.
 

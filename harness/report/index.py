@@ -58,7 +58,7 @@ def write_report(
     Args:
         directory: Folder of a campaign (campaign.json) or of a single stop (stop.json).
         panels: Stops of a campaign that get a page with panels: all that have samples, those with adhesion-based
-            control, or none. With none, the figure of ABC and SBC is omitted as well.
+            control, or none. With none, the figure of peak seeking and SBC is omitted as well.
         notify: Called with the name of the next figure.
         baseline: File with the accepted distances of the campaign; distances of other compilers' FMUs are compared.
         formats: Formats of the figure files.
@@ -136,7 +136,7 @@ def campaign_page(
         results: Results of its stops.
         notes: Sentences below the tables.
         pages: Name of a stop → address of its page.
-        pairs: Stops with SBC and with ABC whose adhesion is drawn.
+        pairs: Stops with SBC and with peak seeking whose adhesion is drawn.
         notify: Called with the name of the next figure.
         reference: Variant with which the others of its axis are compared.
     """
@@ -233,7 +233,7 @@ def _provenance(results: Results) -> dict[str, str]:
 
 
 def _pairs(stops: Sequence[Stop]) -> list[tuple[Stop, Stop]]:
-    """Return the stops with ABC, each with the SBC stop that differs only in the controller."""
+    """Return the stops with peak seeking, each with the SBC stop that differs only in the controller."""
     others = {_without_controller(stop): stop for stop in stops if is_published(stop.inputs["controller"])}
     return [
         (others[_without_controller(stop)], stop)

@@ -247,7 +247,7 @@ def _published_rows(lines: Collection[Mapping[str, Cell]], columns: Sequence[str
             first = first or distances
             changes = {c: None if distances is first else distances[c] / first[c] - 1 for c in columns}
             rows.append(
-                {_FIRST: f"*paper: {label(next(iter(stops.values())).scenario)}*"}
+                {_FIRST: f"*published: {label(next(iter(stops.values())).scenario)}*"}
                 | {column: f"{distances[column]:.1f} m" + _brackets([changes[column]]) for column in columns}
                 | {"greatest adhesion": "", "longest lock": "", "valve strokes": ""}
             )

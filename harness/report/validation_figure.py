@@ -125,7 +125,7 @@ def _draw_published(panel: Axes, cells: Sequence[Cell]) -> None:
             panel.axvline(cell.paper, color=palette.BLACK, linestyle=(0, (4, 3)), linewidth=1.0, zorder=1)
             panel.text(
                 *(cell.paper, 1.01),
-                f"paper,\n{_name(cell).partition(',')[0]}\n{cell.paper:.1f}",
+                f"published,\n{_name(cell).partition(',')[0]}\n{cell.paper:.1f}",
                 transform=panel.get_xaxis_transform(),
                 ha="center",
                 va="bottom",

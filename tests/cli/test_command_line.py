@@ -175,8 +175,13 @@ def test_two_campaigns_in_one_command_have_separate_reports(railgrip, project):
     pages = [project / "both" / name / "index.html" for name in ("pair", "other")]
     assert [len(plots_of(page)) for page in pages] == [2, 2]
     assert [len(list(page.parent.glob("*/index.html"))) for page in pages] == [2, 0]
-    assert len(re.findall(r"^ ABC .* −15\.8 %", result.out, re.MULTILINE)) == 2
-    assert result.out.count("ABC changes the distance by −15.8 % in one stop. 2 of 2 stops come to a standstill.") == 2
+    assert len(re.findall(r"^ peak seeking.* −15\.8 %", result.out, re.MULTILINE)) == 2
+    assert (
+        result.out.count(
+            "peak seeking (railgrip) changes the distance by −15.8 % in one stop. 2 of 2 stops come to a standstill."
+        )
+        == 2
+    )
 
 
 def test_results_of_another_scenario_or_program_version_are_run_again(project, monkeypatch):

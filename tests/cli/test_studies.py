@@ -56,11 +56,11 @@ def test_the_bench_prints_the_time_of_a_stop_and_which_targets_are_exceeded():
     ]
     first, second = answer(rows).split(". Of ")
     assert first == (
-        "With adhesion-based control and a compiled law, a cycle of the loop takes 8.1 µs, and a stop with assembly "
+        "With peak seeking (railgrip) and a compiled law, a cycle of the loop takes 8.1 µs, and a stop with assembly "
         "and figures runs 98 times faster than real time"
     )
     assert second == (
-        "5 durations and ratios with a target, 2 over target: adhesion-based control: a cycle, law compiled – with "
+        "5 durations and ratios with a target, 2 over target: peak seeking (railgrip): a cycle, law compiled – with "
         "assembly, without a trace: 11.0 µs, target 10 µs; train of 4 four-axle cars: 0.03 ms, target 25 µs for four "
         "cars."
     )

@@ -116,9 +116,9 @@ def test_controllers_are_compared_with_the_published_and_the_best_tuned_sbc(fold
     """The synthetic three-state control stops shorter than the two-state one, whatever its thresholds."""
     distributions = {one.controller_label: one for one in distributions_of(rows_of(read_results(folder)))}
     published, low, mid = "SBC, two-state 10/15 %", "SBC, two-state 1/2 %", "SBC, three-state 5/15 %"
-    assert set(distributions) == {published, low, mid, "ABC"}
+    assert set(distributions) == {published, low, mid, "peak seeking (railgrip)"}
     assert all(one.draws == one.stood == 4 for one in distributions.values())
-    abc = distributions["ABC"]
+    abc = distributions["peak seeking (railgrip)"]
     assert (abc.vs_sbc.label, abc.vs_tuned.label) == (published, mid)
     assert abc.vs_sbc.change == pytest.approx(0.8 / 0.95 - 1, abs=1e-3)
     assert abc.vs_tuned.change == pytest.approx(0.85 / 0.95 - 1, abs=1e-3)

@@ -72,17 +72,20 @@ def test_adhesion_includes_sbc_abc_estimate_maximum_and_limit(stops):
     sbc, abc = stops["trapezoid-ideal-slip_two_state"], stops["trapezoid-ideal-adhesion_based"]
     panel = adhesion_figure(sbc, abc).axes[0]
     lines = {line.get_label(): line for line in panel.lines}
-    stops_of = {"SBC": sbc.trace, "ABC": abc.trace}
+    stops_of = {"SBC": sbc.trace, "peak seeking": abc.trace}
     greatest = [f"greatest possible, {name}" for name in stops_of]
-    assert list(lines) == ["SBC, two-state", "ABC", *greatest, "limit 0.15", "ABC, estimated"]
-    assert lines["ABC"].get_ydata() == pytest.approx(stops_of["ABC"]["adhesion"].values[:, 0])
+    assert list(lines) == ["SBC, two-state", "peak seeking", *greatest, "limit 0.15", "peak seeking, estimated"]
+    assert lines["peak seeking"].get_ydata() == pytest.approx(stops_of["peak seeking"]["adhesion"].values[:, 0])
     for name, trace in stops_of.items():
         assert lines[f"greatest possible, {name}"].get_ydata() == pytest.approx(trace["peak_adhesion"].values[:, 0])
     assert panel.get_xlim()[1] == max(trace["time"].values[-1] for trace in stops_of.values())
 
 
-def test_distances_are_drawn_next_to_the_published_ones(folder):
-    rows = rows_of(read_results(folder))
+def test_distances_are_drawn_next_to_the_published_ones(tmp_path, write_campaign):
+    """Those of the two controllers of the paper; railgrip's peak seeking has no mark."""
+    kept = KEPT | {"adhesion_literal"}
+    write_campaign(tmp_path, lambda stop: stop.variants["equipment"] == "ideal" and stop.variants["controller"] in kept)
+    rows = rows_of(read_results(tmp_path))
     panel = distance_figure(rows).axes[0]
     heights = sorted(bar.get_height() for bar in panel.patches)
     assert heights == pytest.approx(sorted(row.distance_m for row in rows))
@@ -132,7 +135,10 @@ def test_distances_of_many_stops_are_drawn_as_a_distribution(folder):
     figure = distance_figure(many)
     assert len(figure.axes) == 3 * 2  # scenarios; distance, and change against the published control
     for panel in figure.axes[::2]:
-        assert [text.get_text() for text in panel.get_yticklabels()] == ["SBC, two-state 10/15 %", "ABC"]
+        assert [text.get_text() for text in panel.get_yticklabels()] == [
+            "SBC, two-state 10/15 %",
+            "peak seeking (railgrip)",
+        ]
         assert [len(line.get_xdata()) for line in panel.lines if line.get_marker() == "."] == [30, 30]
     assert "[m]" in figure.axes[-2].get_xlabel()
     assert figure.legends[0].get_texts()[0].get_text() == "a stop"

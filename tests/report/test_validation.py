@@ -174,12 +174,12 @@ def test_changes_are_relative_to_the_published_and_the_best_tuned_control(campai
     assert lines == [
         "| braking distance | random | greatest adhesion | longest lock | valve strokes |",
         "|---|--:|--:|--:|--:|",
-        "| *paper: SBC, two-state 10/15 %* | 410.0 m |  |  |  |",
-        "| *paper: ABC* | 369.0 m (−10.0 %) |  |  |  |",
+        "| *published: SBC, two-state 10/15 %* | 410.0 m |  |  |  |",
+        "| *published: peak seeking (railgrip)* | 369.0 m (−10.0 %) |  |  |  |",
         "| ideal, 20 ms lag: SBC, two-state 10/15 % | 400.0 m (+33.3 %) | 0.123 | 0.0 s | 12 |",
         "| ideal, 20 ms lag: SBC, two-state 1/2 % | 300.0 m (−25.0 %) |  |  |  |",
         "| ideal, 20 ms lag: SBC, two-state 20/30 % | 500.0 m (+25.0 %, +66.7 %) |  |  |  |",
-        "| ideal, 20 ms lag: ABC | 310.0 m, 290.0 – 340.0 m (−22.5 %, +3.3 %) |  | 18.9 s |  |",
+        "| ideal, 20 ms lag: peak seeking (railgrip) | 310.0 m, 290.0 – 340.0 m (−22.5 %, +3.3 %) |  | 18.9 s |  |",
     ]
 
 
@@ -237,11 +237,11 @@ def test_distances_with_erroneous_sensors_are_medians_over_lots_compared_in_pair
     distances, orders = str(named["distances"]), str(named["orders"])
     assert "| service: SBC, two-state 10/15 % | 400.0 m, 390.5 – 409.5 m |" in distances
     # The median of 20 changes (370 + d)/(400 + d) − 1 is that of d = ±0.5: −30/399.5 and −30/400.5.
-    assert "| service: ABC | 370.0 m, 360.5 – 379.5 m (−7.5 %) |" in distances
+    assert "| service: peak seeking (railgrip) | 370.0 m, 360.5 – 379.5 m (−7.5 %) |" in distances
     assert orders.splitlines()[2:] == [
         # 95 % order interval of a median of 20: 6th and 15th value (Conover): −0.1 ± 0.2 · 4.5 m.
-        "| slope-seeking control | ABC | −0.1 m [−1.0, +0.8] not separated |",
-        "| ABC | SBC, two-state 10/15 % | −30.0 m [−30.0, −30.0] shorter |",
+        "| slope-seeking control | peak seeking (railgrip) | −0.1 m [−1.0, +0.8] not separated |",
+        "| peak seeking (railgrip) | SBC, two-state 10/15 % | −30.0 m [−30.0, −30.0] shorter |",
     ]
 
 

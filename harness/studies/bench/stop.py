@@ -26,7 +26,7 @@ from railgrip.studies.bench import Row, microseconds
 from railgrip.studies.bench.fmi import plant_step
 from railgrip.vehicle.formation import Formation
 
-ABC = "adhesion-based control"
+ABC = "peak seeking (railgrip)"
 CYCLE = ": a cycle, law compiled"
 FASTER = "  with assembly and figures, times faster than real time"
 """Names of rows that the study's answer quotes."""

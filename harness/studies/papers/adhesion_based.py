@@ -282,7 +282,7 @@ def profile_figure(fits: Sequence[CandidateFit]) -> Figure:
     return drawing
 
 
-LAWS = ("ABC, as printed", "ABC, ours")
+LAWS = ("ABC (paper)", "peak seeking (railgrip)")
 """Both forms of adhesion-based control."""
 
 
@@ -310,7 +310,7 @@ def block_diagram() -> Figure:
         (0.4, 2.4),
         (2.3, 1.1),
         "controller",
-        "$u = L\\,\\mathrm{sgn}(\\dot s\\,\\dot\\alpha)$ or ours\nCasADi formula as C",
+        "$u = L\\,\\mathrm{sgn}(\\dot s\\,\\dot\\alpha)$ or own\nCasADi formula as C",
     )
     box(axes, (3.5, 2.4), (2.3, 1.1), "plant", "train, contact, brakes\nModelica, FMU", "--")
     box(axes, (6.6, 2.4), (1.9, 1.1), "sensors", "noise, faults, sampling\nC")
@@ -403,7 +403,7 @@ def compare_with_paper(identified: CandidateFit, found: Mapping[str, Any]) -> li
         for name in SCENARIOS
     ]
     rows += [
-        PaperRow("Table 1", f"ABC as printed, {_rail(name)}", ABC[name], identified.abc[name], "{:.1f} m",
+        PaperRow("Table 1", f"ABC (paper), {_rail(name)}", ABC[name], identified.abc[name], "{:.1f} m",
                  f"{_format_signed(100 * (identified.abc[name] / ABC[name] - 1))}, fitted")
         for name in SCENARIOS
     ]  # fmt: skip

@@ -15,7 +15,7 @@ from railgrip.report.table import ReportTable
 from railgrip.simulate.run import run_stop
 from railgrip.studies.papers.table1 import SCENARIOS
 
-LAWS: Final[Mapping[str, str]] = {"adhesion_based": "ABC", "slope_seeking": "slope-seeking control"}
+LAWS: Final[Mapping[str, str]] = {"adhesion_based": "peak seeking (railgrip)", "slope_seeking": "slope-seeking control"}
 """Kind of controller → its name in the table."""
 
 FILTERS: Final[Mapping[str, Mapping[str, Any]]] = {

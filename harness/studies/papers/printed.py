@@ -29,7 +29,7 @@ GUARDS: Final[Mapping[str, Mapping[str, Any]]] = {
     "without the rolling guard": {"slip_small": 0.0, "creep_small": 0.0, "adhesion_small": 0.0},
     "without the guard below 0.5 m/s": {"speed_min": 0.0},
     "without the hold (half pressure where ṡ·α̇ = 0)": {"hold": 0.0},
-    (_BORROWING := "with the parameters that were searched for ABC"): {},
+    (_BORROWING := "with the parameters that were searched for peak seeking (railgrip)"): {},
 }
 """Variant of the law as printed → its changed parameters; the last one has those of peak seeking."""
 _BORROWED: Final = ("filter_time", "slip_small", "creep_small", "adhesion_small")
