@@ -178,7 +178,7 @@ class _Plot:
         middle, panel = (box.y0 + box.y1) / 2, legend.axes.get_position() if legend.axes else Bbox.unit()
         low, high = (panel.y0, panel.y1) if panel.y0 < middle < panel.y1 else (0.0, 1.0)
         edge, y = ("bottom", box.y0) if middle < (low + high) / 2 else ("top", box.y1)
-        if legend.axes is None or place is flat:
+        if not legend.axes or place is flat:
             return place | {"y": y, "yanchor": edge}
         wide, tall = (entry + _KEY / narrow) / width, needed / height
         x = min(box.x0, max(panel.x1 - wide, panel.x0))
@@ -206,9 +206,10 @@ def _covers(box: Bbox, axes: Axes) -> bool:
     for one in at_the_place:
         for line in one.lines:
             path = line.get_transform().transform_path(line.get_path())
-            if len(path.vertices) and (path.intersects_bbox(box, filled=False) or path.contains_point(box.min)):
+            points = np.asarray(path.vertices, float)
+            if len(points) and (path.intersects_bbox(box, filled=False) or path.contains_point(box.min)):
                 return True
-            if any(box.contains(*point) for point in path.vertices):
+            if any(box.contains(*point) for point in points):
                 return True
         for patch in one.patches:
             if patch.get_transform().transform_path(patch.get_path()).intersects_bbox(box, filled=True):
