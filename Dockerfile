@@ -1,7 +1,7 @@
 # railgrip with both compilers of its models. From the folder of the project:
 #     docker build -t railgrip .
 #     docker run --rm -v "$PWD:/work" railgrip run trapezoid --out trapezoid
-# The same with OpenModelica left out is `pip install railgrip` in any image that has Python.
+# The same with OpenModelica left out is `pip install 'railgrip[compiler]'` in any image that has Python.
 FROM ubuntu:24.04
 
 ARG OPENMODELICA=1.27.0
@@ -26,7 +26,7 @@ COPY controllers /usr/src/railgrip/controllers
 COPY fmus /usr/src/railgrip/fmus
 COPY modelica /usr/src/railgrip/modelica
 RUN python3 -m venv /opt/railgrip \
-    && /opt/railgrip/bin/python -m pip install --no-cache-dir "/usr/src/railgrip[parquet,mf4]"
+    && /opt/railgrip/bin/python -m pip install --no-cache-dir "/usr/src/railgrip[compiler,parquet,mf4]"
 
 # The installation belongs to root; FMUs and results of the loop are kept where the user may write.
 RUN mkdir /work /cache && chmod 777 /work /cache

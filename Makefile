@@ -13,7 +13,10 @@ PROGRAM := $(BIN)/railgrip
 READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
-.PHONY: help install fmus simulate unseen adverse report conditioning discretisation headlines validation regress regress-long accept calibrate \
+# The compiler in the wheel ziglang, 0.4 GB, if neither the words of CC nor cc, gcc and clang are programs.
+EXTRA   = $(shell for name in $$CC cc gcc clang; do command -v "$$name" >/dev/null 2>&1 && exit; done; echo '[compiler]')
+
+.PHONY: help install fmus simulate searched shapes unseen adverse report conditioning discretisation headlines validation regress regress-long accept calibrate \
         tune-control type-test bench mutants test suite kept portable test-omc regress-omc suites fuzz check estimate tune lateral learn monitor k-factors trains docs clean
 .DEFAULT_GOAL := help
 
@@ -31,7 +34,7 @@ $(READY): pyproject.toml
 	@test $(VENV) != .venv-dev || echo "make leaves .venv, which it did not create, as it is and uses .venv-dev"
 	@mkdir -p $(VENV) && touch $(VENV)/$(MADE)
 	$(PYTHON) -m venv $(VENV)
-	$(RUN) -m pip install --quiet --no-compile --editable .
+	$(RUN) -m pip install --quiet --no-compile --editable '.$(EXTRA)'
 	@touch $@
 
 # What only developing needs takes as long to install again, so whoever just simulates does without.
@@ -46,10 +49,20 @@ install: $(DEV)  ## make .venv, or .venv-dev if .venv is yours, with everything 
 fmus: $(READY)  ## build the FMUs that are not up to date
 	$(PROGRAM) build
 
-# Of the FMUs only the plants and the prediction of its stops: the others take as long again, and would be built on the way.
-simulate: $(READY)  ## the table of braking distances with figures, build/table1, and other creep curves, build/shapes
-	$(PROGRAM) build TwoPartTrain TwoPartTrainPneumatic TrainPrediction
-	$(PROGRAM) campaign harness/scenario/campaigns/table1.toml harness/scenario/campaigns/shapes.toml
+# FMUs are built while stops that do not need them run: a stop waits for an FMU that another process builds.
+TABLE1    := $(PROGRAM) campaign harness/scenario/campaigns/table1.toml --panels none
+PUBLISHED := --only controller=full_brake,slip_two_state,slip_three_state,adhesion_literal,adhesion_based,slope_seeking,ideal_bound
+
+simulate: $(READY)  ## the published table of braking distances, build/table1/index.html
+	@$(PROGRAM) build --quiet TwoPartTrain TrainPrediction TwoPartTrainPneumatic & $(TABLE1) $(PUBLISHED); code=$$?; wait; exit $$code
+	@echo "More: \`make searched\` adds slip-based control with searched thresholds, \`make shapes\` has other"
+	@echo "creep curves, \`make report\` adds the signals of every stop."
+
+searched: $(READY)  ## the published table with slip-based control with searched thresholds, build/table1
+	$(TABLE1)
+
+shapes: $(READY)  ## the controllers of the published table on other creep curves, build/shapes
+	$(PROGRAM) campaign harness/scenario/campaigns/shapes.toml
 
 unseen: fmus  ## controllers on a hundred draws of a rail and others they were not tuned on, build/unseen (minutes)
 	$(PROGRAM) campaign harness/scenario/campaigns/unseen.toml
@@ -57,7 +70,7 @@ unseen: fmus  ## controllers on a hundred draws of a rail and others they were n
 adverse: fmus  ## controllers under creep curves, sensors and trains that do not suit them, build/adverse
 	$(PROGRAM) campaign harness/scenario/campaigns/adverse.toml
 
-report: simulate  ## the same with the panels of every stop
+report: searched shapes  ## both with a page of the signals of every stop (minutes)
 	$(PROGRAM) report build/table1
 	$(PROGRAM) report build/shapes
 

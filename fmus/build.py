@@ -4,6 +4,7 @@ import json
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -122,7 +123,11 @@ def build_class(
 def _up_to_date(order: "_BuildOrder") -> Artifact:
     sources = uses_digest(order.library, order.others, order.recipe.class_name)
     inputs = _inputs_digest(order.recipe, order.compiler, sources)
-    return _current(order, inputs) or _compile(order, inputs, _translation_of(order))
+    found = _current(order, inputs)
+    if found is not None:
+        return found
+    with cache.one_maker(KIND, inputs):  # the processes of a campaign need the same FMU at the same time
+        return _current(order, inputs) or _compile(order, inputs, _translation_of(order))
 
 
 def translate(
@@ -176,7 +181,16 @@ def build(
     with ThreadPoolExecutor(JOBS) as pool:
         try:
             for order, inputs in stale:
-                running.add(pool.submit(_compile, order, inputs, _translation_of(order)))
+                with ExitStack() as held:
+                    held.enter_context(cache.one_maker(KIND, inputs))
+                    made = _current(order, inputs)
+                    if made is None:
+                        job = pool.submit(_compile, order, inputs, _translation_of(order))
+                        running.add(job)
+                        lock = held.pop_all()
+                        job.add_done_callback(lambda _, lock=lock: lock.close())
+                if made is not None:
+                    yield made
                 for job in [future for future in running if future.done()]:
                     running.remove(job)
                     yield job.result()

@@ -14,6 +14,13 @@ def plots_of(page):
     return json.loads(gzip.decompress(base64.b64decode(packed)))
 
 
+def replace_plots(page, plots):
+    """Replace the figures of a page."""
+    packed = base64.b64encode(gzip.compress(json.dumps(plots).encode())).decode()
+    text = page.read_text(encoding="utf-8")
+    page.write_text(re.sub(r'(?<=id="plots">)[^<]*', packed, text), encoding="utf-8")
+
+
 def numbers(packed):
     """Return the numbers of an array of a figure."""
     return np.frombuffer(base64.b64decode(packed["bdata"]), dtype=packed["dtype"])

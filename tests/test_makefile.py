@@ -3,8 +3,10 @@
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -49,11 +51,11 @@ def clone(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def install(clone: Path, *settings: str) -> tuple[int, str, set[str]]:
+def install(clone: Path, *settings: str, **variables: str) -> tuple[int, str, set[str]]:
     """Run `make install`; return exit code, output and the environments that pip installed into."""
     (clone / "pip.log").unlink(missing_ok=True)
     command = ["make", "install", f"PYTHON={clone / 'python3'}", *settings]
-    environment = {"PATH": "/usr/bin:/bin"}
+    environment = {"PATH": "/usr/bin:/bin"} | variables
     done = subprocess.run(command, cwd=clone, env=environment, capture_output=True, text=True, check=False)
     log = (clone / "pip.log").read_text() if (clone / "pip.log").exists() else ""
     return done.returncode, done.stdout + done.stderr, {line.split("/bin/")[0] for line in log.splitlines()}
@@ -101,3 +103,67 @@ def test_make_refuses_a_named_environment_that_it_did_not_create(clone: Path) ->
     assert "mine: make did not create this environment" in output
     assert contents(clone / "mine") == before
     assert install(clone, "VENV=new")[::2] == (0, {"new"})
+
+
+@pytest.fixture
+def bare(tmp_path: Path) -> Path:
+    """A folder for PATH with the programs that the Makefile calls, and without a C compiler."""
+    folder = tmp_path / "programs"
+    folder.mkdir()
+    for name in ("sh", "make", "mkdir", "touch", "ls", "cp", "chmod", "test", "echo", "env"):
+        path = shutil.which(name, path="/usr/bin:/bin")
+        assert path is not None
+        (folder / name).symlink_to(path)
+    return folder
+
+
+def installed(clone: Path) -> str:
+    """Return the requirement with which pip installed the project."""
+    found = re.search(r"--editable (\S+)", (clone / "pip.log").read_text())
+    assert found is not None
+    return found[1]
+
+
+@pytest.mark.parametrize("name", ["cc", "gcc", "clang"])
+def test_make_installs_no_compiler_where_there_is_one(clone: Path, bare: Path, name: str) -> None:
+    (bare / name).write_text("#!/bin/sh\n")
+    (bare / name).chmod(0o755)
+    assert install(clone, PATH=str(bare))[0] == 0
+    assert installed(clone) == "."
+
+
+def test_make_installs_a_compiler_where_there_is_none(clone: Path, bare: Path) -> None:
+    assert install(clone, PATH=str(bare))[0] == 0
+    assert installed(clone) == ".[compiler]"
+
+
+def test_make_finds_the_compiler_that_the_user_names(clone: Path, bare: Path) -> None:
+    own = clone / "my-compiler"
+    own.write_text("#!/bin/sh\n")
+    own.chmod(0o755)
+    assert install(clone, PATH=str(bare), CC=f"{own} -m64")[0] == 0
+    assert installed(clone) == "."
+
+
+def test_the_extra_with_a_compiler_exists_and_only_windows_needs_it() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    (extra,) = project["optional-dependencies"]["compiler"]
+    assert extra.startswith("ziglang")
+    (required,) = (requirement for requirement in project["dependencies"] if requirement.startswith("ziglang"))
+    assert required == f"{extra}; sys_platform == 'win32'"
+
+
+def test_the_main_job_runs_every_controller_of_the_published_table() -> None:
+    """Those with a published distance, and the law of railgrip and the bound next to them."""
+    campaigns = ROOT / "harness" / "scenario" / "campaigns"
+    table1 = tomllib.loads((campaigns / "table1.toml").read_text(encoding="utf-8"))
+    done = subprocess.run(
+        ["make", "--dry-run", "--always-make", "simulate"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    choice = re.search(r"--only controller=(\S+?)[;\s]", done.stdout)
+    assert choice is not None
+    chosen = set(choice[1].split(","))
+    published = {reference["match"]["controller"] for reference in table1["reference"]}
+    assert published | {"adhesion_based", "adhesion_literal", "ideal_bound"} <= chosen
+    assert chosen <= set(table1["axes"]["controller"])
+    assert "shapes.toml" not in done.stdout

@@ -57,6 +57,7 @@ TARGETS = {
 
 # -P: without it, Python would first look for ziglang in the current folder.
 _ZIG = (sys.executable, "-P", "-m", "ziglang", "cc")
+_REMEDY = "install it with `pip install 'railgrip[compiler]'`, in a clone with `pip install '.[compiler]'`"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,7 +91,7 @@ def compiler() -> Compiler:
         return _probe(_ZIG)
     raise CompilerMissing(
         "no C compiler: neither CC, cc, gcc nor clang is on the PATH and the Python package ziglang "
-        "is not installed; install one of them (`pip install ziglang` needs no administrator)."
+        f"is not installed; {_REMEDY}."
     )
 
 
@@ -190,10 +191,7 @@ def _archiver_of(compiler: Sequence[str]) -> tuple[str, ...]:
 
 def _compiler_for(target: Platform) -> Compiler:
     if importlib.util.find_spec("ziglang") is None:
-        raise CompilerMissing(
-            f"for {target.zig} the compiler of the Python package ziglang is needed; `pip install ziglang` needs no "
-            "administrator."
-        )
+        raise CompilerMissing(f"for {target.zig} the compiler of the Python package ziglang is needed; {_REMEDY}.")
     # With a target, a query of its version would leave an object file in the current folder.
     zig = _probe(_ZIG)
     return replace(zig, command=(*zig.command, "-target", target.zig))

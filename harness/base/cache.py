@@ -10,14 +10,15 @@ import os
 import stat
 import tempfile
 import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Generator
+from contextlib import contextmanager, suppress
 from functools import cache as once
 from pathlib import Path
 
 from platformdirs import user_cache_path
 
 from railgrip.base.errors import InputError
+from railgrip.base.files import lock_folder
 
 VARIABLE = "RAILGRIP_CACHE"
 """Environment variable for another folder, an absolute path."""
@@ -89,11 +90,29 @@ def keep(kind: str, key: str, name: str, content: bytes) -> Path:
             Path(half).unlink(missing_ok=True)
             raise
     except OSError as error:
-        raise InputError(
-            f"{place}: the cache cannot be written ({error.strerror}); make room or name another folder in {VARIABLE}."
-        ) from error
+        raise _cannot_write(place, error) from error
     _prune_once(folder())
     return place / name
+
+
+@contextmanager
+def one_maker(kind: str, key: str) -> Generator[None]:
+    """Wait until no other process makes the files of a key, so that they are made once; look for them afterwards.
+
+    Without locks of folders, as on Windows, several processes may make the same files.
+
+    Raises:
+        InputError: The cache cannot be written.
+    """
+    place = folder() / kind / key
+    try:
+        folder().parent.mkdir(parents=True, exist_ok=True)
+        for above in (folder(), place.parent, place):
+            above.mkdir(mode=0o700, exist_ok=True)
+    except OSError as error:
+        raise _cannot_write(place, error) from error
+    with lock_folder(place, wait=True):
+        yield
 
 
 def prune(root: Path) -> None:
@@ -115,6 +134,12 @@ def _prune_once(root: Path) -> None:
     # Once per process, because pruning reads the status of every file.
     with suppress(OSError):  # another process may prune at the same time
         prune(root)
+
+
+def _cannot_write(place: Path, error: OSError) -> InputError:
+    return InputError(
+        f"{place}: the cache cannot be written ({error.strerror}); make room or name another folder in {VARIABLE}."
+    )
 
 
 def _down_to(place: Path) -> tuple[Path, ...]:

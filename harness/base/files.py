@@ -196,8 +196,12 @@ def scratch(purpose: Purpose) -> Generator[Path]:
 
 
 @contextmanager
-def lock_folder(folder: Path) -> Generator[bool]:
-    """Hold the lock of a folder, which the system releases when this process ends; yield whether it was free."""
+def lock_folder(folder: Path, *, wait: bool = False) -> Generator[bool]:
+    """Hold the lock of a folder, which the system releases when this process ends; yield whether it was free.
+
+    Args:
+        wait: Whether to wait until the lock is free.
+    """
     if os.name != "posix":
         yield False  # such locks exist on POSIX only; on other systems no folder is removed
         return
@@ -206,7 +210,7 @@ def lock_folder(folder: Path) -> Generator[bool]:
     number = os.open(folder, os.O_RDONLY | os.O_NOFOLLOW)
     try:
         try:
-            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(number, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
             free = True
         except OSError:
             free = False

@@ -67,7 +67,6 @@ def run_campaigns(
     scheduler: str | None = None,
     fresh: bool = False,
     notify: Callable[[Report], None],
-    on_complete: Callable[[int], None] = lambda number: None,
 ) -> list[list[Report]]:
     """Run the stops of campaigns into folders with their names; return the reports in the order of the campaigns.
 
@@ -83,7 +82,6 @@ def run_campaigns(
             required.
         fresh: Whether to run stops that have a result.
         notify: Called with the report of each stop at once.
-        on_complete: Called with the number of a campaign when all of its stops have ended, while others continue.
 
     Raises:
         RecordError: Results cannot be written to a folder, or it has other results; nothing was run.
@@ -106,18 +104,12 @@ def run_campaigns(
                 notify(report)
             else:
                 waiting.append(_StopOrder(number, stop, folder))
-    open_ = [number for number, planned in enumerate(campaigns) if len(reports[number]) < len(planned.campaign.stops)]
     with _running(waiting, runner, workers, scheduler) as running:
-        for number in range(len(campaigns)):
-            if number not in open_:
-                on_complete(number)
         for order, report in running:
             if report.state in ("refused", "failed"):
                 discard_stop(order.folder)  # an earlier result would be mistaken for the present one
             reports[order.campaign][order.stop.name] = report
             notify(report)
-            if len(reports[order.campaign]) == len(campaigns[order.campaign].campaign.stops):
-                on_complete(order.campaign)
     return [
         [reports_of[stop.name] for stop in planned.campaign.stops]
         for planned, reports_of in zip(campaigns, reports, strict=True)

@@ -120,7 +120,6 @@ class Work:
         runs: Sequence[CampaignRun],
         runner: Runner,
         *,
-        on_complete: Callable[[int], None] = lambda number: None,
         is_any_outcome: bool = False,
     ) -> int:
         """Run the stops of campaigns into their folders; print errors, and return the exit code.
@@ -128,7 +127,6 @@ class Work:
         Args:
             runs: As for `run_campaigns`.
             runner: As there.
-            on_complete: As there.
             is_any_outcome: Whether a stop may have another outcome than its campaign expects.
         """
         self.expect(sum(len(run.campaign.stops) for run in runs))
@@ -150,7 +148,6 @@ class Work:
             scheduler=self.scheduler,
             fresh=self.fresh,
             notify=notify,
-            on_complete=on_complete,
         )
         return code
 

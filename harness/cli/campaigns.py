@@ -1,6 +1,7 @@
 """Commands for many stops: campaigns, their reports, and comparisons."""
 
-from collections.abc import Callable, Sequence
+import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -19,12 +20,13 @@ from railgrip.report.distances import documentation_tables, reader_tables, rows_
 from railgrip.report.headline import headline
 from railgrip.report.index import reference_of, write_report
 from railgrip.report.marked import names_in, page_text, write_tables
+from railgrip.report.overview import OVERVIEW_MEANING, overview_of
 from railgrip.report.page import formats_of
 from railgrip.report.results import Results, by_compiler, read_results, remarks_on
 from railgrip.report.row import Row
 from railgrip.report.stop import require_no_result
 from railgrip.report.variants import ReferenceVariant, change_table, changes_against
-from railgrip.scenario.campaign import Panels, load_campaign
+from railgrip.scenario.campaign import Panels, load_campaign, selection_of
 
 BASELINES = Path("tests/baselines")
 
@@ -41,6 +43,10 @@ Against = Annotated[
 def campaign(
     files: Campaigns,
     overrides: Overrides = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(metavar="AXIS=VARIANT,...", help="Run only the stops of these variants of an axis; repeatable."),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(help="Folder for results, DIR/NAME for several campaigns; build/NAME unless given."),
@@ -60,7 +66,7 @@ def campaign(
     Stops that are complete are kept and not run again.
     """
     formats = formats_of(figure_formats)
-    campaigns = [load_campaign(file, overrides or []) for file in files]
+    campaigns = [selection_of(load_campaign(file, overrides or []), only or []) for file in files]
     if against is not None:
         for loaded in campaigns:
             ReferenceVariant.find(
@@ -73,33 +79,35 @@ def campaign(
     twice = next((run for run in runs if [a.directory for a in runs].count(run.directory) > 1), None)
     if twice is not None:
         raise ScenarioError(f"two campaigns are named '{twice.campaign.name}' and would share {twice.directory}")
-
-    def draw(number: int, drawing: Callable[[str], None]) -> None:
-        run = runs[number]
-        write_report(
-            run.directory,
-            panels=panels or run.campaign.panels,
-            notify=drawing,
-            baseline=baselines[number],
-            formats=formats,
-            against=against,
-        )
-
-    problem = run_campaigns(
-        runs, workers=workers, scheduler=scheduler, fresh=fresh, on_complete=draw, import_from=import_from or ()
-    )
+    problem = run_campaigns(runs, workers=workers, scheduler=scheduler, fresh=fresh, import_from=import_from or ())
     for run, baseline in zip(runs, baselines, strict=True):
         results = read_results(run.directory)
         rows = rows_of(results)
-        show_all(reader_tables(rows, hidden=_NOT_ON_SCREEN) or ["no results"])
+        overview = overview_of(rows)
+        if overview is None:
+            show_all(reader_tables(rows, hidden=_NOT_ON_SCREEN) or ["no results"])
+        else:
+            say(textwrap.fill(f"{run.campaign.name}: {OVERVIEW_MEANING}", _SCREEN))
+            show_all([overview.table()])
         _show_result(results, rows, against)
         for sentence in by_compiler(results.stops):
-            say(sentence)
+            say(textwrap.fill(sentence, _SCREEN))
         for sentence in remarks_on(results.stops):
             remark(sentence)
         for sentence in [] if baseline is None else baseline_deviations(results, baseline):
             complain(sentence)
-        say(f"{run.directory}/index.html")
+    # Drawing takes as long as many stops: the distances do not wait for it.
+    for run, baseline in zip(runs, baselines, strict=True):
+        with progress(run.campaign.name) as bar:
+            page = write_report(
+                run.directory,
+                panels=panels or run.campaign.panels,
+                notify=lambda what, bar=bar: bar.update(doing=f"drawing {what}"),
+                baseline=baseline,
+                formats=formats,
+                against=against,
+            )
+        say(str(page))
     if problem:
         raise typer.Exit(problem)
 
@@ -143,7 +151,7 @@ def _show_result(results: Results, rows: Sequence[Row], against: str | None) -> 
     changes = () if reference is None else changes_against(reference, results.stops, rows)
     if reference is not None:
         show_all([change_table(reference, changes)])
-    say(headline(rows, reference, changes))
+    say(textwrap.fill(headline(rows, reference, changes), _SCREEN))
 
 
 def table(
@@ -202,21 +210,15 @@ def run_campaigns(
     workers: int,
     fresh: bool,
     scheduler: str | None = None,
-    on_complete: Callable[[int, Callable[[str], None]], None] = lambda number, drawing: None,
     import_from: Sequence[Path] = (),
 ) -> int:
-    """Run campaigns with progress; return the exit code.
-
-    `on_complete` is called with the number of each complete campaign and a function that displays progress.
-    """
+    """Run campaigns with progress; return the exit code."""
     with work(", ".join(run.campaign.name for run in runs), workers=workers, scheduler=scheduler, fresh=fresh) as job:
+        return job.stops(runs, runner(import_from=import_from))
 
-        def complete(number: int) -> None:
-            on_complete(number, lambda what: job.notify(f"drawing {what}"))
-            job.notify("")
 
-        return job.stops(runs, runner(import_from=import_from), on_complete=complete)
-
+_SCREEN = 100
+"""Length of a line of text on a screen [characters]."""
 
 _NOT_ON_SCREEN = frozenset(
     {"estimator", "repeated", "duration", "longest lock", "valve strokes", "air", "NIS", "outside ±2σ"}

@@ -72,7 +72,8 @@ def _findings_of(name: str, check: Callable[[], Iterator[CheckResult]]) -> list[
 def _versions() -> Iterator[CheckResult]:
     yield CheckResult("railgrip", f"{railgrip.__version__} in {Path(railgrip.__file__).parent}")
     yield CheckResult("Python", f"{platform.python_version()} on {platform.platform()}, {sys.executable}")
-    required = [requirement for requirement in distribution("railgrip").requires or () if "extra ==" not in requirement]
+    # Without extras, and without the compiler of Windows, which has a check of its own.
+    required = [requirement for requirement in distribution("railgrip").requires or () if ";" not in requirement]
     found: list[str] = []
     for name in [re.split(r"[^A-Za-z0-9._-]", name, maxsplit=1)[0] for name in required]:
         try:

@@ -4,7 +4,8 @@ Stops that differ only in their draw are summarised as distributions, by `railgr
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
+from math import isfinite
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -19,7 +20,7 @@ from railgrip.report.results import Results, fmu_tools, from_elsewhere, remarks_
 from railgrip.report.row import Row
 from railgrip.report.statistics import finite
 from railgrip.report.stop import Stop
-from railgrip.report.table import Form, ReportTable, change, names, percent, share
+from railgrip.report.table import Form, Link, ReportTable, change, names, percent, share
 from railgrip.scenario.campaign import DRAW
 from railgrip.scenario.conditioning import RepeatedDistances
 from railgrip.scenario.outcome import Outcome
@@ -94,6 +95,30 @@ def reader_tables(
     return [*draws.parts(), *single.without(hidden).parts(addresses)]
 
 
+def setting_tables(rows: Sequence[Row], pages: Mapping[str, str]) -> dict[str, list[ReportTable | str]]:
+    """Return the tables of a campaign by setting, named by case, actuation, sensors and creep curve."""
+    settings: dict[str, list[Row]] = {}
+    for row in rows:
+        name = f"actuation {row.actuation}, sensors {row.sensors}, creep curve {row.polach}"
+        settings.setdefault(f"{row.case}: {name}" if row.case else name, []).append(row)
+    return {name: reader_tables([replace(row, case="") for row in here], pages) for name, here in settings.items()}
+
+
+def repeats_table(rows: Sequence[Row], pages: Mapping[str, str]) -> ReportTable | None:
+    """Return the repeats of each stop that was repeated; None without repeats."""
+    cells = [
+        {
+            "stop": Link(row.stop, pages[row.stop]) if row.stop in pages else row.stop,
+            "distance": row.distance_m,
+            "repeated": row.repeated,
+            "others": row.other_repeats,
+        }
+        for row in rows
+        if row.repeated
+    ]
+    return ReportTable(cells, {"distance": "{:.1f} m"}, left=("stop", "others")) if cells else None
+
+
 def documentation_tables(rows: Sequence[Row]) -> dict[str, ReportTable]:
     """Return the tables of a campaign for a page of the documentation, by name.
 
@@ -126,11 +151,11 @@ _COLUMNS: Mapping[str, Callable[[Row], Any]] = {
     "creep curve": lambda row: row.polach,
     "controller": lambda row: row.controller_label,
     "distance": lambda row: f"none: {row.outcome}" if row.distance_m is None else row.distance_m,
-    "repeated": lambda row: row.repeated,
     "paper": lambda row: row.paper_distance_m,
     "vs SBC 10/15 %": lambda row: row.reduction_vs_sbc,
-    "vs best tuned SBC": lambda row: row.reduction_vs_tuned,
     "paper vs SBC": lambda row: row.paper_reduction,
+    "vs best tuned SBC": lambda row: row.reduction_vs_tuned,
+    "repeated": lambda row: row.repeated,
     "duration": lambda row: row.duration_s,
     "adhesion used": lambda row: row.utilisation,
     "greatest adhesion": lambda row: row.adhesion_peak,
@@ -172,6 +197,8 @@ def _row(stop: Stop, sbc: Stop | None, tuned: Stop | None, constant: Sequence[st
         reference="published" if sbc is stop else "best tuned" if tuned is stop else None,
         distance_m=distance,
         repeated=range_text(stop.conditioning, stop.digest, distance),
+        repeats=_spread(stop, distance),
+        other_repeats=_other_repeats(stop, distance),
         duration_s=metrics.duration if stop.outcome is Outcome.STANDSTILL else None,
         reduction_vs_sbc=_reduction(distance, sbc, stop),
         reduction_vs_tuned=_reduction(distance, tuned, stop),
@@ -203,12 +230,32 @@ def range_text(conditioning: RepeatedDistances | None, digest: str, distance: fl
         return ""
     if not conditioning.belongs(digest, distance):
         return STALE
-    others = "".join(
-        f"; {compiler} {'no stop' if other is None else f'{other:.1f} m'}"
-        for compiler, other in conditioning.compilers.items()
-    )
-    lots = f"; {len(conditioning.lots)} lots of sensors {conditioning.lots_text}" if conditioning.lots else ""
-    return f"{conditioning.median:.2f} m ({conditioning.lowest:.2f} – {conditioning.highest:.2f} m){others}{lots}"
+    return f"{conditioning.median:.1f} m ({conditioning.lowest:.1f} – {conditioning.highest:.1f})"
+
+
+def _repeats_of(stop: Stop, distance: float | None) -> RepeatedDistances | None:
+    """Return the repeats of a stop; None without repeats, and if they are those of another stop."""
+    repeats = stop.conditioning
+    return repeats if repeats is not None and repeats.belongs(stop.digest, distance) else None
+
+
+def _spread(stop: Stop, distance: float | None) -> tuple[float, float, float] | None:
+    repeats = _repeats_of(stop, distance)
+    if repeats is None or not repeats.spreads or not isfinite(repeats.highest):
+        return None
+    return repeats.median, repeats.lowest, repeats.highest
+
+
+def _other_repeats(stop: Stop, distance: float | None) -> str:
+    repeats = _repeats_of(stop, distance)
+    if repeats is None:
+        return ""
+    texts = [
+        f"{compiler} {'no stop' if other is None else f'{other:.1f} m'}"
+        for compiler, other in repeats.compilers.items()
+    ]
+    texts += [f"{len(repeats.lots)} lots of sensors {repeats.lots_text}"] if repeats.lots else []
+    return "; ".join(texts)
 
 
 def _hidden_axes(stops: Sequence[Stop]) -> tuple[str, ...]:

@@ -39,7 +39,16 @@ _RAIL_COLOURS = (*palette.LINES, palette.GREY)
 _SEEKING = "peak seeking"
 
 _MAX_BARS = 9
-"""Maximum number of scenarios side by side, so that a number fits on each bar."""
+"""Maximum number of cases with a panel each."""
+
+_COLUMNS = 3
+"""Maximum number of panels in a line."""
+
+_WIDTHS = (8.0, 10.0, 12.0)
+"""Width of a figure by its number of columns [inches]."""
+
+_BAR, _LEAST = 0.22, 1.55
+"""Height of a bar with its gap, and of the lowest panel [inches]."""
 
 _MAX_CASES = 60
 """Maximum number of lines in a figure."""
@@ -47,6 +56,7 @@ _MAX_CASES = 60
 _MARKERS = "osD^v<>P*X"
 _EDGE: Mapping[str, Any] = {"markeredgecolor": palette.BLACK, "markeredgewidth": 0.5}
 _LINE, _HEADING = 0.27, 0.42  # inches
+_FEWEST = 6  # lines
 _DISTANCE_TICKS = (100, 150, 200, 300, 500, 700, 1000, 1500, 2000, 3000)  # m
 
 _MAX_TICKS = 20
@@ -186,54 +196,75 @@ def draw_adhesion(panel: Axes, traces: Mapping[str, xarray.Dataset], limit: floa
 def distance_figure(rows: Sequence[Row]) -> Figure:
     """Return a figure of the braking distances of each scenario and controller, with the published ones as marks.
 
-    A bar for each distance if its number fits on the bar, else a line for each case, else the distribution over the
-    cases of a scenario.
+    A panel of bars for each case if they are few, else a line for each case, else the distribution over the cases of a
+    scenario.
     """
     cases = len({row.label for row in rows})
     if _MAX_BARS < cases <= _MAX_CASES:
         return _cases_figure(rows, _bar_colours(rows))
     if cases > _MAX_CASES:
         return distribution_figure(distributions_of(over_cases(rows)), of="stop")
-    settings = list(dict.fromkeys((row.actuation, row.sensors, row.polach) for row in rows))
-    scenarios = list(dict.fromkeys(row.label for row in rows))
-    colours = _bar_colours(rows)
-    drawing = style.figure(max(10.0, 0.42 * len(scenarios) * len(colours)), 3.2 * len(settings))
-    panels = drawing.subplots(len(settings), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
-    width = 0.8 / len(colours)
-    for panel, setting in zip(panels, settings, strict=True):
-        here = {
-            (row.label, row.controller_label): row
-            for row in rows
-            if (row.actuation, row.sensors, row.polach) == setting and row.distance_m is not None
-        }
-        for number, (controller, colour) in enumerate(colours.items()):
-            bars = [(k, here[name, controller]) for k, name in enumerate(scenarios) if (name, controller) in here]
-            places = [k + (number - (len(colours) - 1) / 2) * width for k, _ in bars]
-            lengths = [row.distance_m or 0.0 for _, row in bars]
-            panel.bar(places, lengths, 0.92 * width, color=colour, label=controller)
-            for place, length, (_, row) in zip(places, lengths, bars, strict=True):
-                panel.annotate(
-                    f"{length:.0f}", (place, length), ha="center", va="top", fontsize=8, xytext=(0, -3),
-                    textcoords="offset points", color="white" if colour in palette.DARK else palette.BLACK,
-                )  # fmt: skip
-                if row.paper_distance_m is not None:
-                    half = 0.46 * width
-                    panel.plot(
-                        [place - half, place + half], [row.paper_distance_m] * 2, color=palette.VERMILION, linewidth=2.2
-                    )
-        actuation, sensors, polach = setting
-        style.dress(
-            panel,
-            y="braking distance [m]",
-            title=f"actuation {actuation}, sensors {sensors}, creep curve {polach}",
-        )
-        panel.grid(visible=False, axis="x")
-    axes, names = short_names(rows)
-    panels[-1].set_xticks(range(len(scenarios)), [names[label] for label in scenarios])
-    panels[-1].set_xlabel(axes if len(scenarios) > 1 else "")
-    panels[0].plot([], [], color=palette.VERMILION, linewidth=2.2, label="published")
-    style.legend(panels[0], ncols=4, loc="lower left", bbox_to_anchor=(0, 1.16))
+    return _bars_figure(rows, _bar_colours(rows))
+
+
+def _bars_figure(rows: Sequence[Row], colours: Mapping[str, str]) -> Figure:
+    """Return a figure with a panel for each case and setting, as high as its bars, each of which has its name.
+
+    Args:
+        rows: Stops; one without standstill has no bar.
+        colours: Name of a controller → colour.
+    """
+    settings: dict[tuple[str, str, str], dict[str, list[Row]]] = {}
+    for row in rows:
+        settings.setdefault(row.setting, {}).setdefault(row.label, []).append(row)
+    axis, names = short_names(rows)
+    # Lines of panels: cases of one setting and with the same controllers, whose names are at the left of the line.
+    lines: list[tuple[str, list[str], dict[str, list[Row]]]] = []
+    for (actuation, sensors, polach), cases in settings.items():
+        title = f"actuation {actuation}, sensors {sensors},\ncreep curve {polach}\n" if len(settings) > 1 else ""
+        alike: dict[frozenset[str], dict[str, list[Row]]] = {}
+        for label, stops in cases.items():
+            alike.setdefault(frozenset(row.controller_label for row in stops), {})[label] = stops
+        for controllers, of_line in alike.items():
+            order = [name for name in colours if name in controllers]
+            labels = list(of_line)
+            for first in range(0, len(labels), _COLUMNS):
+                lines.append((title, order, {label: of_line[label] for label in labels[first : first + _COLUMNS]}))
+    columns = max(len(cases) for _, _, cases in lines)
+    heights = [max(_LEAST, _BAR * len(order)) for _, order, _ in lines]
+    heading = 0.45 if len(settings) == 1 else 0.8
+    drawing = style.figure(_WIDTHS[columns - 1], sum(heights) + (0.3 + heading) * len(lines))
+    grid = drawing.subplots(len(lines), columns, squeeze=False, height_ratios=heights)
+    longest = max((row.distance_m or 0.0 for row in rows), default=1.0)
+    for panels, (title, order, cases) in zip(grid, lines, strict=True):
+        for panel in panels[len(cases) :]:
+            panel.remove()
+        for panel, (label, stops) in zip(panels, cases.items(), strict=False):
+            case = names[label].replace("\n", ", ")
+            style.dress(
+                panel, x="braking distance [m]", title=title + (f"{axis} {case}" if axis and ", " not in axis else case)
+            )
+            panel.grid(visible=False, axis="y")
+            panel.set_xlim(0, 1.02 * longest)
+            panel.set_ylim(len(order) - 0.5, -0.5)
+            panel.tick_params(axis="y", length=0)
+            panel.set_yticks(range(len(order)), order if panel is panels[0] else [""] * len(order), fontsize=8.5)
+            for row in stops:
+                _draw_bar(panel, row, order.index(row.controller_label), colours[row.controller_label])
     return drawing
+
+
+def _draw_bar(panel: Axes, row: Row, line: int, colour: str) -> None:
+    """Draw a distance with its number, and the published distance as a mark."""
+    if row.distance_m is not None:
+        panel.barh([line], [row.distance_m], 0.8, color=colour)
+        panel.annotate(
+            f"{row.distance_m:.0f}", (row.distance_m, line), ha="right", va="center", fontsize=8, xytext=(-3, 0),
+            textcoords="offset points", color="white" if colour in palette.DARK else palette.BLACK,
+        )  # fmt: skip
+    if row.paper_distance_m is not None:
+        metres = row.paper_distance_m
+        panel.plot([metres, metres], [line - 0.45, line + 0.45], color=palette.BLACK, linewidth=2.2)
 
 
 def _bar_colours(rows: Sequence[Row]) -> dict[str, str]:
@@ -259,7 +290,8 @@ def _cases_figure(rows: Sequence[Row], colours: Mapping[str, str]) -> Figure:
     for row in rows:
         name = _case_name(row.case if has_one_scenario and row.case else row.label, row.friction)
         families.setdefault(row.setting, {}).setdefault(name, []).append(row)
-    heights = [_HEADING / _LINE + len(cases) for cases in families.values()]
+    # No panel is so low that a page would stretch the figure.
+    heights = [_HEADING / _LINE + max(len(cases), _FEWEST) for cases in families.values()]
     drawing = style.figure(12, 1.4 + _LINE * sum(heights))
     grid = drawing.subplots(len(families), 2, sharex="col", squeeze=False, height_ratios=heights, width_ratios=(3, 2))
     looks: dict[str, dict[str, Any]] = {

@@ -11,12 +11,14 @@ from railgrip.base.errors import InputError, RecordError
 from railgrip.base.outputs import claim
 from railgrip.report import style
 from railgrip.report.baseline import baseline_deviations
-from railgrip.report.distances import reader_tables, rows_of, write_table
+from railgrip.report.distances import reader_tables, repeats_table, rows_of, setting_tables, write_table
 from railgrip.report.distribution import distributions_of, quantile_table, worst_table
 from railgrip.report.distribution_figure import distribution_figure, exceedance_figure
 from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure
 from railgrip.report.headline import headline
 from railgrip.report.limits import describe_clauses, limits_of
+from railgrip.report.overview import OVERVIEW_MEANING, overview_of
+from railgrip.report.overview_figure import FIGURE_MEANING, overview_figure
 from railgrip.report.page import FORMATS, Page
 from railgrip.report.reference import is_published
 from railgrip.report.results import Results, from_elsewhere, provenance, read_results, remarks_on
@@ -143,6 +145,9 @@ def campaign_page(
     rows = rows_of(results)
     changes = () if reference is None else changes_against(reference, results.stops, rows)
     drawings: dict[str, tuple[str, Callable[[], Figure]]] = {}
+    overview = overview_of(rows)
+    if overview is not None:
+        drawings["overview"] = "", lambda: overview_figure(overview)
     distributions = distributions_of(rows)
     if distributions:
         permitted = results.permitted_distance
@@ -165,13 +170,18 @@ def campaign_page(
         title=f"Campaign {results.name}",
         question="Which braking distance does each controller need in the same conditions? " + results.description,
         answer=headline(rows, reference, changes),
+        overview=None if overview is None else overview.table(),
+        note=f"{OVERVIEW_MEANING[0].upper()}{OVERVIEW_MEANING[1:]} {FIGURE_MEANING}",
+        narrow={} if overview is None else {"figures/overview.png": overview_figure(overview, is_narrow=True)},
         template="report/campaign.md.jinja",
         values={
             "references": " ".join(_legend(rows)),
             "changes": [] if reference is None else change_table(reference, changes).parts(),
             "quantiles": quantile_table(distributions, results.permitted_distance).parts(),
             "worst": worst_table(rows, pages).parts(),
-            "tables": reader_tables(rows, pages),
+            "tables": [] if overview else reader_tables(rows, pages),
+            "sections": setting_tables(rows, pages) if overview else {},
+            "repeats": repeats_table(rows, pages) if overview else None,
             "notes": [*remarks_on(results.stops), *from_elsewhere(results.stops), *notes],
             "missing": names(results.missing),
             "captions": {f"figures/{name}.png": caption for name, (caption, _) in list(drawings.items())[1:]},

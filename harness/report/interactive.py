@@ -20,7 +20,7 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.text import Annotation, Text
 from matplotlib.transforms import Bbox
 
-from railgrip.report.signals_plot import array
+from railgrip.report.signals_plot import TICKS, array
 
 Plot = dict[str, Any]
 """`data` and `layout` of plotly.js."""
@@ -30,6 +30,21 @@ _PIXELS = 105.0
 
 _BAR = 26
 """Height above the figure for the buttons of plotly.js."""
+
+_LOWEST = 155.0
+"""Height of the lowest panel of a figure [pixels]; a figure with lower ones is stretched."""
+
+_NARROWEST = 900.0
+"""Width down to which page.js draws a figure narrower, with its letters [pixels]."""
+
+_LETTERS = 11.0
+"""Size of the letters in a legend [pixels]."""
+
+_LEGEND_LINE, _LEGEND_EDGE = 20.0, 14.0
+"""Height of a line of a legend, and of its margins [pixels]."""
+
+_KEY = 50.0
+"""Width of the symbol of an entry and of the space around it [pixels]."""
 
 _DASHES = {"-": "solid", "--": "dash", ":": "dot", "-.": "dashdot"}
 _SHAPES = {"steps-post": "hv", "steps": "vh", "steps-pre": "vh", "steps-mid": "hvh"}
@@ -53,12 +68,15 @@ def interactive(drawing: Figure) -> Plot:
         plot.add_legend(legend, {})
     plot.annotations += [_note(text, text.get_position()) for text in drawing.texts if text.get_text()]
     width, height = drawing.get_size_inches()
+    lowest = min((panel.get_position().height for panel in drawing.axes), default=1.0)
+    top, bottom, right = (round(plot.spaces[side]) for side in "tbr")
+    inner = round(max(_PIXELS * height, _LOWEST / lowest))
     layout = {
         "annotations": plot.annotations,
         "barmode": "overlay",
-        "height": round(_PIXELS * height) + _BAR,
-        "meta": {"width": round(_PIXELS * width)},
-        "margin": {"l": 0, "r": 0, "t": _BAR, "b": 0},
+        "height": inner + _BAR + top + bottom,
+        "meta": {"width": round(_PIXELS * width) + right},
+        "margin": {"l": 0, "r": right, "t": _BAR + top, "b": bottom},
         "hovermode": "closest",
         "showlegend": True,
     }
@@ -73,6 +91,8 @@ class _Plot:
     layout: Plot = field(default_factory=dict[str, Any])
     annotations: list[Plot] = field(default_factory=list[Plot])
     panels: list[Axes] = field(default_factory=list[Axes])
+    spaces: dict[str, float] = field(default_factory=lambda: dict.fromkeys("tbr", 0.0))
+    """Further space above (t), below (b) and at the right (r) of the figure, for legends [pixels]."""
 
     def add(self, axes: Axes) -> None:
         self.panels.append(axes)
@@ -108,17 +128,9 @@ class _Plot:
     def add_legend(self, legend: Legend, names: dict[str, Plot]) -> None:
         number = 1 + sum(key.startswith("legend") for key in self.layout)
         key = f"legend{_index(number)}"
-        box = legend.get_window_extent().transformed(cast(Figure, legend.get_figure(root=True)).transFigure.inverted())
-        rows = len({round(text.get_window_extent().y0) for text in legend.get_texts()})
-        # Plotly breaks a horizontal legend by the width of the figure, not of its panel.
-        is_wide = rows == 1 < len(legend.get_texts()) or (rows < len(legend.get_texts()) and box.width > 0.5)
-        # It may be taller than in the figure, so it grows away from the nearest side of its panel, or of the figure.
-        middle, panel = (box.y0 + box.y1) / 2, legend.axes.get_position() if legend.axes else Bbox.unit()
-        low, high = (panel.y0, panel.y1) if panel.y0 < middle < panel.y1 else (0.0, 1.0)
-        edge, y = ("bottom", box.y0) if middle < (low + high) / 2 else ("top", box.y1)
-        self.layout[key] = {"x": min(box.x0, 0.98), "y": y, "xanchor": "left", "yanchor": edge,
-                            "orientation": "h" if is_wide else "v", "bgcolor": "rgba(255,255,255,0.7)",
-                            "font": {"size": 11}, "xref": "paper", "yref": "paper"}  # fmt: skip
+        self.layout[key] = self._place(legend) | {
+            "bgcolor": "rgba(255,255,255,0.7)", "font": {"size": _LETTERS}, "xref": "paper", "yref": "paper"
+        }  # fmt: skip
         for text, handle in zip(legend.get_texts(), legend.legend_handles, strict=True):
             name = text.get_text()
             if name in names:
@@ -130,6 +142,85 @@ class _Plot:
             elif isinstance(handle, Patch):
                 proxy |= {"mode": "markers", "marker": {"symbol": "square", "color": to_hex(handle.get_facecolor())}}
             self.data.append({**proxy, "name": _plain(name), "legend": key, "showlegend": True})
+
+    def _place(self, legend: Legend) -> Plot:
+        """Return position and direction of a legend for plotly.js, whose legends are larger than those of the figure.
+
+        One outside of the panels grows away from them. One that would cover lines or bars of its panel is moved to the
+        right of the figure, or above it if the panel has another one at its right.
+        """
+        figure = cast(Figure, legend.get_figure(root=True))
+        box = legend.get_window_extent().transformed(figure.transFigure.inverted())
+        width, height = (_PIXELS * size for size in figure.get_size_inches())
+        texts = legend.get_texts()
+        extents = [text.get_window_extent() for text in texts]
+        lines = len({round(extent.y0) for extent in extents})
+        letters = _LETTERS / (_PIXELS / 72 * float(texts[0].get_fontsize()))
+        entry = max(extent.width for extent in extents) / figure.dpi * _PIXELS * letters + 4
+        narrow = min(1.0, _NARROWEST / width)
+        columns = max(1, int(narrow * width / (narrow * entry + _KEY)))
+        flat: Plot = {"orientation": "h", "x": 0.0, "xanchor": "left", "entrywidth": round(entry)}
+        flat_height = _LEGEND_LINE * -(-len(texts) // columns) + _LEGEND_EDGE
+        place: Plot = {"x": min(box.x0, 0.98), "xanchor": "left", "orientation": "v"}
+        needed = _LEGEND_LINE * len(texts) + _LEGEND_EDGE
+        # Plotly breaks a horizontal legend by the width of the figure, not of its panel.
+        if lines < len(texts) and (lines == 1 or box.width > 0.5):
+            place, needed = flat, flat_height
+        panels = [panel.get_position() for panel in figure.axes]
+        top, right = (max(getattr(panel, edge) for panel in panels) for edge in ("y1", "x1"))
+        if box.y0 >= top - 0.001:
+            self.spaces["t"] = max(self.spaces["t"], needed - (1 - box.y0) * height)
+            return place | {"y": box.y0, "yanchor": "bottom"}
+        if box.y1 <= min(panel.y0 for panel in panels) + 0.001:
+            self.spaces["b"] = max(self.spaces["b"], needed - box.y1 * height)
+            return place | {"y": box.y1, "yanchor": "top"}
+        # It may be taller than in the figure, so it grows away from the nearest side of its panel, or of the figure.
+        middle, panel = (box.y0 + box.y1) / 2, legend.axes.get_position() if legend.axes else Bbox.unit()
+        low, high = (panel.y0, panel.y1) if panel.y0 < middle < panel.y1 else (0.0, 1.0)
+        edge, y = ("bottom", box.y0) if middle < (low + high) / 2 else ("top", box.y1)
+        if not legend.axes or place is flat:
+            return place | {"y": y, "yanchor": edge}
+        wide, tall = (entry + _KEY / narrow) / width, needed / height
+        x = min(box.x0, max(panel.x1 - wide, panel.x0))
+        bottom = y if edge == "bottom" else y - tall
+        covered = Bbox.from_bounds(x, bottom, wide, tall).transformed(figure.transFigure)
+        if box.x0 >= panel.x1 - 0.001:  # at its right already
+            self.spaces["r"] = max(self.spaces["r"], (box.x0 + wide - 1) * width)
+            return place | {"y": y, "yanchor": edge}
+        if bottom >= panel.y0 and bottom + tall <= panel.y1 and not _covers(covered, legend.axes):
+            return place | {"x": x, "y": y, "yanchor": edge}
+        if panel.x1 >= right - 0.001:
+            self.spaces["r"] = max(self.spaces["r"], (1.01 - 1 + wide) * width)
+            return place | {"x": 1.01, "y": panel.y1, "yanchor": "top"}
+        self.spaces["t"] += flat_height
+        return flat | {"y": 1 + (self.spaces["t"] - flat_height) / height, "yanchor": "bottom"}
+
+
+def _covers(box: Bbox, axes: Axes) -> bool:
+    """Return whether a box, in display units, lies over a line, area or bar of axes or of others at the same place."""
+    at_the_place = [
+        one
+        for one in cast(Figure, axes.get_figure(root=True)).axes
+        if one.get_position().bounds == axes.get_position().bounds
+    ]
+    for one in at_the_place:
+        for line in one.lines:
+            path = line.get_transform().transform_path(line.get_path())
+            points = np.asarray(path.vertices, float)
+            if len(points) and (path.intersects_bbox(box, filled=False) or path.contains_point(box.min)):
+                return True
+            if any(box.contains(*point) for point in points):
+                return True
+        for patch in one.patches:
+            if patch.get_transform().transform_path(patch.get_path()).intersects_bbox(box, filled=True):
+                return True
+        for collection in one.collections:
+            transform = collection.get_transform()
+            if any(transform.transform_path(path).intersects_bbox(box, filled=True) for path in collection.get_paths()):
+                return True
+        if one.images:
+            return True
+    return False
 
 
 def _index(number: int) -> str:
@@ -178,6 +269,7 @@ def _axis(axes: Axes, letter: str, domain: Sequence[float]) -> Plot:
         "showticklabels": bool(labelled and any(texts)),
         "showgrid": bool(ticks.get("gridOn", False)),
         "exponentformat": "power",
+        **TICKS,
         "zeroline": False,
         "visible": bool(axes.axison),
     }

@@ -38,7 +38,8 @@ function numbers({ bdata }) {
   return [...new Float32Array(Uint8Array.from(atob(bdata), (letter) => letter.charCodeAt(0)).buffer)];
 }
 
-// A figure is drawn as large as for a paper, or smaller with its letters, so that nothing overlaps that does not in print.
+// A figure is drawn as wide as for a paper, or narrower with its letters, so that nothing overlaps that does not in print.
+// Its height stays, so that no axis becomes low.
 const NARROWEST = 900;
 // Below this width, the legend of the signals is drawn below them.
 const NARROW = 700;
@@ -51,13 +52,16 @@ function fit(layout, available) {
     layout.height += 80;
     return;
   }
-  const width = Math.max(NARROWEST, available);
+  const width = Math.max(Math.min(NARROWEST, layout.meta.width), available);
   const share = Math.min(1, width / (layout.meta.width ?? width));
   layout.width = Math.min(width, layout.meta.width ?? width);
-  layout.height *= share;
+  layout.margin.r *= share;
   layout.font = { size: 12 * share };
   const texts = [...layout.annotations ?? [], ...Object.keys(layout).filter((key) => key.startsWith("legend")).map((key) => layout[key])];
-  for (const one of texts) if (one.font?.size) one.font.size *= share;
+  for (const one of texts) {
+    if (one.font?.size) one.font.size *= share;
+    if (one.entrywidth) one.entrywidth *= share;
+  }
 }
 
 async function draw() {
@@ -66,8 +70,10 @@ async function draw() {
   script.textContent = await unpacked("plotly");
   document.head.append(script);
   for (const place of document.querySelectorAll(".plot")) {
-    const { data, layout } = plots[place.dataset.plot];
+    const drawn = plots[place.dataset.plot];
+    const { data, layout } = place.clientWidth < NARROWEST && drawn.narrow ? drawn.narrow : drawn;
     if (layout.meta.train) for (const line of data) line.x = layout.meta.train.time;
+    if (layout === drawn.narrow?.layout) place.onPaper = structuredClone(drawn);
     fit(layout, place.clientWidth);
     await Plotly.newPlot(place, data, layout, { displaylogo: false });
     if (layout.meta.train) train(place, layout.meta.train);
@@ -82,6 +88,12 @@ addEventListener("beforeprint", () => {
   for (const one of document.querySelectorAll("details:not([open])")) { one.open = true; one.dataset.closed = "yes"; }
   for (const one of document.querySelectorAll(".plot")) {
     if (!one.layout) continue;
+    if (one.onPaper) {
+      one.onScreen = { data: one.data, layout: one.layout };
+      const { data, layout } = one.onPaper;
+      fit(layout, PAPER.width);
+      Plotly.react(one, data, layout);
+    }
     const { width, height, meta } = one.layout;
     document.body.style.width = `${PAPER.width}px`;  // text above it is as wide as paper, not as the screen
     const above = one.closest(".summary") ? one.offsetTop : 0;  // on the first page, below the answer
@@ -90,13 +102,18 @@ addEventListener("beforeprint", () => {
     if (meta.train) {
       one.dataset.size = JSON.stringify({ width, height });
       Plotly.relayout(one, { width: PAPER.width, height: Math.min(height, free) });
-    } else one.style.zoom = Math.min(PAPER.width / width, free / height);
+    } else {
+      // A figure that would become too small below the answer has the next page.
+      const here = Math.min(PAPER.width / width, free / height), next = Math.min(PAPER.width / width, (PAPER.height - 40) / height);
+      one.style.zoom = here > 0.6 * next ? here : next;
+    }
   }
 });
 addEventListener("afterprint", () => {
   for (const one of document.querySelectorAll("details[data-closed]")) one.open = false;
   for (const one of document.querySelectorAll(".plot")) {
     one.style.zoom = "";
+    if (one.onScreen) Plotly.react(one, one.onScreen.data, one.onScreen.layout);
     if (one.dataset.size) Plotly.relayout(one, JSON.parse(one.dataset.size));
   }
 });

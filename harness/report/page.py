@@ -44,7 +44,10 @@ class Page:
         template: Path in this package of the Markdown text that follows, `*.md.jinja`. It includes each figure except
             the first as `![caption]({{ figures["name.png"] }})`, and tables as variables.
         values: Variables of the template.
+        overview: Table of the answer, between the answer and the first figure.
+        note: Sentences next to this table.
         figures: File name → figure; the first one answers the question and is placed below the answer.
+        narrow: File name → the same figure for a narrow screen.
         plots: Name → `data` and `layout` of plotly.js, for figures that only the page has; they come before `figures`.
         provenance: Basis of the results: versions, seeds, digests.
         tables: File name → table, as CSV.
@@ -59,7 +62,10 @@ class Page:
     answer: str
     template: str
     values: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    overview: ReportTable | None = None
+    note: str = ""
     figures: "Mapping[str, Figure]" = field(default_factory=dict[str, Any])
+    narrow: "Mapping[str, Figure]" = field(default_factory=dict[str, Any])
     plots: Mapping[str, Mapping[str, Any]] = field(default_factory=dict[str, Any])
     provenance: Mapping[str, str] = field(default_factory=dict[str, str])
     tables: Mapping[str, ReportTable] = field(default_factory=dict[str, ReportTable])
@@ -88,6 +94,8 @@ class Page:
             for name, figure in self.figures.items():
                 save_as(figure, folder / name, formats)
                 plots[name] = interactive(figure)
+                if name in self.narrow:
+                    plots[name] |= {"narrow": interactive(self.narrow[name])}
         for name, table in self.tables.items():
             table.write_csv(folder / name)
         for name, content in self.data.items():

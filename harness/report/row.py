@@ -51,7 +51,10 @@ class Row(Conditions):
         reference: Whether the stop is that of the published or of the best tuned SBC, with which others are compared.
         distance_m: Braking distance; None without standstill.
         repeated: Text with median and range of the distance under perturbations of the plant's parameters in the
-            seventh digit, and with other lots of sensors.
+            seventh digit.
+        repeats: This median, and the shortest and the longest distance [m], where they differ by more than
+            `railgrip.scenario.conditioning.SPREAD`; else None.
+        other_repeats: Text with the distances with FMUs of other compilers, and with other lots of sensors.
         reduction_vs_sbc: 1 − distance over that of the published SBC in the same conditions; None if one is missing.
         reduction_vs_tuned: The same against the best tuned SBC.
         utilisation: Share of the ideal bound's adhesion that the stop uses; None without the bound.
@@ -74,6 +77,8 @@ class Row(Conditions):
     reference: Literal["published", "best tuned"] | None
     distance_m: float | None
     repeated: str
+    repeats: tuple[float, float, float] | None = None
+    other_repeats: str = ""
     duration_s: float | None
     reduction_vs_sbc: float | None
     reduction_vs_tuned: float | None

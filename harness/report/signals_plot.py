@@ -16,8 +16,10 @@ from railgrip.trace.recorder import formation_in
 _POINTS = 250_000
 """Maximum number of points in all lines; with more a browser becomes too slow."""
 
-_ROW = 175  # pixels, a panel and the gap below it
+_ROW = 195  # pixels, a panel and the gap below it; no panel is lower than 150 on any screen
 _GAP = 0.2  # of a row
+TICKS = {"ticks": "outside", "ticklen": 5, "tickcolor": "rgba(0,0,0,0)"}
+"""Invisible ticks, which keep the labels of both axes apart in the corner."""
 
 _DASHES = {"optimum": "dash", "demand": "dash", "estimate": "dot"}
 _HIDDEN = {"maximum adhesion", "demanded", "±2σ"}
@@ -99,7 +101,7 @@ def _layout(panels: Sequence[SignalPanel]) -> dict[str, Any]:
         "hovermode": "x unified",
         "hoversubplots": "axis",
         "legend": {"groupclick": "togglegroup", "tracegroupgap": 0},
-        "xaxis": {"title": {"text": "time since the brake demand [s]"}, "anchor": axes[-1]},
+        "xaxis": {"title": {"text": "time since the brake demand [s]"}, "anchor": axes[-1], **TICKS},
         "shapes": [
             {"type": "line", "xref": "x", "yref": "paper", "x0": 0, "x1": 0, "y0": 0, "y1": 1, "line": {"width": 1}}
         ],
@@ -108,7 +110,7 @@ def _layout(panels: Sequence[SignalPanel]) -> dict[str, Any]:
         scale: dict[str, Any] = {"rangemode": "tozero"} if panel.limits is None else {"range": panel.limits}
         if panel.log_ticks:
             scale = {"type": "log", "range": np.log10(scale["range"]).tolist(), "tickvals": panel.log_ticks}
-        layout[axis.replace("y", "yaxis")] = {"title": {"text": panel.label}, **scale}
+        layout[axis.replace("y", "yaxis")] = {"title": {"text": panel.label}, **scale, **TICKS}
     return layout
 
 

@@ -169,6 +169,42 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
     return campaign_of(read_toml(path), path, overrides)
 
 
+def selection_of(campaign: Campaign, choices: Sequence[str]) -> Campaign:
+    """Return a campaign with the stops of some variants.
+
+    Args:
+        campaign: The whole campaign.
+        choices: Texts AXIS=VARIANT,VARIANT…, all of which a stop must satisfy; `scenario` is an axis, too.
+
+    Raises:
+        ScenarioError: A text has another form, the campaign has no such axis or variant, or no stop is left.
+    """
+    selected = campaign
+    for choice in choices:
+        axis, is_choice, names = choice.partition("=")
+        if not (is_choice and names):
+            raise ScenarioError(f"--only {cut(choice)}: expects AXIS=VARIANT or AXIS=VARIANT,VARIANT")
+        axes = dict.fromkeys(axis for stop in campaign.stops for axis in stop.variants)
+        if axis not in axes:
+            raise ScenarioError(
+                f"--only {cut(choice)}: the campaign {campaign.name} has no axis '{cut(axis)}'; it has "
+                + ", ".join(axes)
+                + did_you_mean(axis, axes, before="; ")
+            )
+        variants = dict.fromkeys(stop.variants[axis] for stop in campaign.stops if axis in stop.variants)
+        wanted = names.split(",")
+        for name in wanted:
+            if name not in variants:
+                raise ScenarioError(
+                    f"--only {cut(choice)}: the campaign {campaign.name} has no {axis} '{cut(name)}'; it has "
+                    + ", ".join(list(variants)[:20]) + did_you_mean(name, variants, before="; ")
+                )  # fmt: skip
+        selected = selected.only(lambda stop, axis=axis, wanted=wanted: stop.variants.get(axis) in wanted)
+    if not selected.stops:
+        raise ScenarioError(f"--only: no stop of the campaign {campaign.name} has all of {', '.join(choices)}")
+    return selected
+
+
 def campaign_of(table: Mapping[str, Any], path: Path, overrides: Sequence[str] = ()) -> Campaign:
     """Return the campaign of tables that have been read; see `load_campaign`.
 

@@ -6,7 +6,7 @@ import time
 import pytest
 
 from railgrip.base.errors import ScenarioError
-from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.campaign import load_campaign, selection_of
 
 
 def campaign(project, text):
@@ -176,3 +176,46 @@ def test_draws_beyond_the_largest_seed_are_refused_with_their_key(project, last)
 def test_thousands_of_entries_are_refused(project):
     with pytest.raises(ScenarioError, match="exclude"):
         campaign(project, "[axes.e.a]\n" + '[[exclude]]\ne = "a"\n' * 2000)
+
+
+TWO_AXES = """
+sweep = { seed = [1, 2, 3] }
+[axes.controller.brake]
+controller.kind = "full_brake"
+[axes.controller.slip]
+controller.kind = "slip_two_state"
+[[exclude]]
+controller = "brake"
+seed = "3"
+"""
+
+
+@pytest.mark.parametrize(
+    ("choices", "names"),
+    [
+        ([], ["brake-1", "brake-2", "slip-1", "slip-2", "slip-3"]),
+        (["controller=slip"], ["slip-1", "slip-2", "slip-3"]),
+        (["seed=1,3"], ["brake-1", "slip-1", "slip-3"]),
+        (["controller=brake", "seed=2,3"], ["brake-2"]),
+    ],
+)
+def test_some_variants_of_a_campaign_are_selected(project, choices, names):
+    selected = selection_of(campaign(project, TWO_AXES), choices)
+    assert sorted("-".join(stop.variants[axis] for axis in ("controller", "seed")) for stop in selected.stops) == names
+
+
+@pytest.mark.parametrize(
+    ("choices", "sentence"),
+    [
+        (["slip"], "--only slip: expects AXIS=VARIANT"),
+        (["controller="], "--only controller=: expects AXIS=VARIANT"),
+        (["controler=slip"], "has no axis 'controler'; it has scenario, controller, seed; did you mean 'controller'?"),
+        (["controller=slipp"], "has no controller 'slipp'; it has brake, slip; did you mean 'slip'?"),
+        (["controller=slip,"], "has no controller ''; it has brake, slip"),
+        (["controller=brake", "seed=3"], "no stop of the campaign c has all of controller=brake, seed=3"),
+    ],
+)
+def test_a_wrong_selection_is_refused_with_the_names_that_exist(project, choices, sentence):
+    with pytest.raises(ScenarioError) as refusal:
+        selection_of(campaign(project, TWO_AXES), choices)
+    assert sentence in str(refusal.value)

@@ -5,7 +5,9 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 import tomllib
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -47,6 +49,25 @@ def test_the_same_sources_give_the_same_bytes(kitchen):
     first = hashlib.sha256(make().path.read_bytes()).hexdigest()
     shutil.rmtree(folder / "cache")
     assert hashlib.sha256(make().path.read_bytes()).hexdigest() == first
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="has no locks of folders")
+def test_builders_at_the_same_time_build_once(kitchen, monkeypatch):
+    """As the processes of a campaign that need the same FMU: the others wait, and find what the first has made."""
+    make, _, _ = kitchen
+    translations = []
+    translation_of = building._translation_of
+
+    def slowly(order):
+        translations.append(order.name)
+        time.sleep(0.3)  # long enough for the others to arrive
+        return translation_of(order)
+
+    monkeypatch.setattr(building, "_translation_of", slowly)
+    with ThreadPoolExecutor(3) as pool:
+        actions = [job.result().action for job in [pool.submit(make) for _ in range(3)]]
+    assert translations == ["Ball"]
+    assert sorted(actions) == ["built", "current", "current"]
 
 
 def test_only_changed_sources_are_built_again(kitchen):

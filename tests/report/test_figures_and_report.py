@@ -86,10 +86,10 @@ def test_distances_are_drawn_next_to_the_published_ones(tmp_path, write_campaign
     kept = KEPT | {"adhesion_literal"}
     write_campaign(tmp_path, lambda stop: stop.variants["equipment"] == "ideal" and stop.variants["controller"] in kept)
     rows = rows_of(read_results(tmp_path))
-    panel = distance_figure(rows).axes[0]
-    heights = sorted(bar.get_height() for bar in panel.patches)
-    assert heights == pytest.approx(sorted(row.distance_m for row in rows))
-    marks = sorted(float(line.get_ydata()[0]) for line in panel.lines if len(line.get_ydata()) == 2)
+    panels_of_rails = distance_figure(rows).axes
+    lengths = sorted(bar.get_width() for panel in panels_of_rails for bar in panel.patches)
+    assert lengths == pytest.approx(sorted(row.distance_m for row in rows))
+    marks = sorted(float(line.get_xdata()[0]) for panel in panels_of_rails for line in panel.lines)
     assert marks == sorted([382.9, 333.4, 316.2, 286.6, 339.6, 309.6])
 
 
@@ -170,12 +170,12 @@ def test_controllers_of_one_kind_have_separate_bars(folder):
         replace(row, controller_label="SBC, two-state 1/2 %", distance_m=0.9 * row.distance_m, paper_distance_m=None)
         for row in rows
     ]
-    panel = distance_figure([*rows, *others]).axes[0]
-    assert sorted(bar.get_height() for bar in panel.patches) == pytest.approx(
-        sorted(row.distance_m for row in (*rows, *others))
-    )
-    assert len({bar.get_facecolor() for bar in panel.patches}) == 2
-    assert len({round(bar.get_x(), 6) for bar in panel.patches}) == len(panel.patches)
+    panels_of_rails = distance_figure([*rows, *others]).axes
+    bars = [bar for panel in panels_of_rails for bar in panel.patches]
+    assert sorted(bar.get_width() for bar in bars) == pytest.approx(sorted(row.distance_m for row in (*rows, *others)))
+    for panel in panels_of_rails:
+        assert len({bar.get_facecolor() for bar in panel.patches}) == 2
+        assert len({round(bar.get_y(), 6) for bar in panel.patches}) == 2
 
 
 def test_the_same_figure_gives_the_same_bytes(stops, tmp_path):
@@ -187,8 +187,8 @@ def test_the_same_figure_gives_the_same_bytes(stops, tmp_path):
 def test_a_campaign_yields_one_self_contained_page(folder):
     page = write_report(folder, panels="abc", formats=("png", "svg", "pdf"))
     assert needs_nothing_else(page)
-    # Distances, friction, and the adhesion of every stop with ABC.
-    assert len(plots_of(page)) == 2 + 3
+    # The overview, distances, friction, and the adhesion of every stop with peak seeking.
+    assert len(plots_of(page)) == 3 + 3
     assert (folder / "table1.json").exists()
     heads = {suffix: (folder / "figures" / f"friction.{suffix}").read_bytes()[:5] for suffix in ("png", "svg", "pdf")}
     assert heads == {"png": b"\x89PNG\r", "svg": b"<?xml", "pdf": b"%PDF-"}

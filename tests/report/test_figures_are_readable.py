@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from legible import LOWEST, WIDTHS, defects_on_screen, drawn, needs_browser
+from pages import plots_of, replace_plots
 from readable import defects_of
 
 from railgrip.report.comparison import compare
@@ -9,7 +11,9 @@ from railgrip.report.distances import rows_of
 from railgrip.report.distribution import distributions_of, over_cases
 from railgrip.report.distribution_figure import distribution_figure
 from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, sweep_figure
+from railgrip.report.index import write_report
 from railgrip.report.interactive import interactive
+from railgrip.report.page import Page
 from railgrip.report.results import read_results
 from railgrip.report.style import panels, save
 
@@ -60,6 +64,98 @@ def test_a_figure_is_readable(name, stops, folder):
     plot = interactive(drawing)
     axes = {trace["xaxis"] for trace in plot["data"] if "xaxis" in trace}
     assert len(axes) == len(drawing.axes)
+
+
+def page_of(figures, folder):
+    """Return a page with figures alone."""
+    page = Page(
+        title="figures",
+        question="",
+        answer="",
+        template="report/campaign.md.jinja",
+        values=dict.fromkeys(("references", "missing", "scenarios"), "")
+        | dict.fromkeys(("changes", "quantiles", "worst", "tables", "notes"), ())
+        | {"sections": {}, "repeats": None, "captions": dict.fromkeys(list(figures)[1:], "")},
+        figures=figures,
+    )
+    return page.write(folder)
+
+
+@pytest.fixture(scope="module")
+def pages(folder, stops, tmp_path_factory):
+    """A page of all kinds of figures, that of a campaign, and that of a stop."""
+    write_report(folder, panels="abc")
+    of_kinds = tmp_path_factory.mktemp("kinds")
+    kinds = {f"figures/{name.replace(' ', '-')}.png": draw(stops, folder) for name, draw in FIGURES.items()}
+    return {
+        "figures": page_of(kinds, of_kinds),
+        "campaign": folder / "index.html",
+        "stop": folder / "trapezoid-ideal-adhesion_based" / "index.html",
+    }
+
+
+@needs_browser
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("name", ["figures", "campaign", "stop"])
+def test_no_text_of_a_page_overlaps_and_no_axis_is_low(name, width, pages, tmp_path):
+    assert defects_on_screen(pages[name], tmp_path, width) == []
+
+
+@needs_browser
+def test_the_answer_of_a_campaign_is_on_the_first_screen(pages, tmp_path):
+    """On a screen of 1280 by 800 pixels: the overview with all of its columns, and the figure."""
+    found = drawn(pages["campaign"], tmp_path, 1280, 800)
+    first = found["plots"][0]
+    assert first["name"] == "figures/overview.png"
+    assert first["frame"]["bottom"] <= 800
+    assert found["page"] <= 1280
+
+
+def test_every_panel_of_a_figure_is_high_enough_without_a_browser(pages):
+    for plot in plots_of(pages["figures"]).values():
+        layout = plot["layout"]
+        inner = layout["height"] - layout["margin"]["t"] - layout["margin"]["b"]
+        domains = [axis["domain"] for key, axis in layout.items() if key.startswith("yaxis")]
+        assert min(high - low for low, high in domains) * inner >= LOWEST
+
+
+def low(axes):
+    axes.set_position([0.1, 0.1, 0.8, 0.1])
+
+
+def legend_over_lines(axes):
+    axes.legend(loc="center", bbox_to_anchor=(0.5, 0.5))
+
+
+def many_names_above(axes):
+    for number in range(8):
+        axes.plot([0, 1], [number, 1], label=f"line {number}")
+    axes.figure.legend(loc="outside upper left", ncols=3)
+
+
+@needs_browser
+@pytest.mark.parametrize("spoil", [low, legend_over_lines, many_names_above])
+def test_a_page_mends_what_it_draws_larger_than_a_figure(spoil, tmp_path):
+    """Legends of plotly.js are larger than those of matplotlib, and panels must not be low."""
+    drawing, axes = panels(6, 3)
+    axes.plot([0, 1], [0, 1], label="a line")
+    spoil(axes)
+    page = page_of({"figures/one.png": drawing}, tmp_path)
+    assert defects_on_screen(page, tmp_path / "screen", 800) == []
+
+
+@needs_browser
+def test_a_browser_finds_texts_that_overlap(tmp_path):
+    drawing, axes = panels(6, 3)
+    axes.plot([0, 1], [0, 1])
+    axes.text(0.5, 0.5, "one text")
+    page = page_of({"figures/one.png": drawing}, tmp_path)
+    packed = plots_of(page)
+    note = next(note for note in packed["figures/one.png"]["layout"]["annotations"] if note["text"] == "one text")
+    moved = {**note, "text": "another one"}
+    packed["figures/one.png"]["layout"]["annotations"].append(moved)
+    replace_plots(page, packed)
+    assert "figures/one.png: 'one text' overlaps 'another one'" in defects_on_screen(page, tmp_path / "screen", 800)
 
 
 def crowd_ticks(axes):

@@ -100,17 +100,16 @@ def test_figures_are_as_wide_as_paper(folder, tmp_path):
 
 
 @needs_browser
-def test_labels_of_bars_are_complete(folder, tmp_path):
+def test_titles_of_panels_of_bars_are_complete(folder, tmp_path):
     """Each is in the drawing, and none overlaps its neighbour."""
-    found = boxes(folder / "index.html", tmp_path, ticks=".xtick", plot=".plot:first-of-type .svg-container")
+    found = boxes(folder / "index.html", tmp_path, titles=".annotation", plot=".plot:first-of-type .svg-container")
     plot = found["plot"][0]
-    ticks = [box for box in found["ticks"] if "km/h" in box["text"]]
-    assert [box["text"] for box in ticks] == ["80 km/h", "120 km/h"]
-    assert all(box["bottom"] <= plot["bottom"] for box in ticks)
-    assert ticks[0]["right"] < ticks[1]["left"]
+    titles = [box for box in found["titles"] if "km/h" in box["text"]]
+    assert [box["text"] for box in titles] == ["start.speed 80 km/h", "start.speed 120 km/h"]
+    assert all(plot["top"] <= box["top"] and box["right"] <= plot["right"] for box in titles)
+    assert titles[0]["right"] < titles[1]["left"]
 
 
-def test_the_axis_of_bars_reveals_their_differences(folder):
-    panel = distance_figure(rows_of(read_results(folder))).axes[-1]
-    assert [text.get_text() for text in panel.get_xticklabels()] == ["80 km/h", "120 km/h"]
-    assert panel.get_xlabel() == "start.speed"
+def test_panels_of_bars_are_named_by_their_differences(folder):
+    panels = distance_figure(rows_of(read_results(folder))).axes
+    assert [panel.get_title(loc="left") for panel in panels] == ["start.speed 80 km/h", "start.speed 120 km/h"]

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import railgrip.studies
-from railgrip.report.distances import reader_tables, rows_of
+from railgrip.report.distances import rows_of, setting_tables
 from railgrip.report.index import write_report
+from railgrip.report.overview import overview_of
 from railgrip.report.page import Page
 from railgrip.report.results import read_results
 from railgrip.report.style import panels
@@ -54,13 +55,29 @@ def test_all_columns_of_a_campaign_are_on_paper(folder, tmp_path):
     assert sizes <= {
         (w + dx, h + dy) for w, h in A4 for dx in (-1, 0, 1) for dy in (-1, 0, 1)
     }  # rounded by the browser
-    sentence, table = reader_tables(rows_of(read_results(folder)))
-    (first,) = [text for text in texts if bare("adhesion used") in text][:1]
-    assert bare(sentence) in first
-    assert len(table.columns) >= 15
-    assert [column for column in table.columns if bare(column) not in first] == []
     everything = "".join(texts)
-    assert [cell for row in table.texts for cell in row.values() if bare(cell) not in everything] == []
+    rows = rows_of(read_results(folder))
+    overview = overview_of(rows)
+    settings = setting_tables(rows, {})
+    assert len(settings) == 3
+    for name, (sentence, table) in settings.items():
+        (first,) = [text for text in texts if bare(f"All stops with {name}") in text]
+        assert bare(sentence) in first
+        assert [column for column in table.columns if bare(column) not in first] == []
+    tables = [overview.table(), *(table for _, table in settings.values())]
+    assert max(len(table.columns) for table in tables) >= 14
+    assert [
+        cell for table in tables for row in table.texts for cell in row.values() if bare(cell) not in everything
+    ] == []
+
+
+def test_the_figure_of_the_answer_is_printed_as_on_a_wide_screen(folder, tmp_path):
+    """Its panels are next to each other on paper although the window is narrow, and large enough to be read."""
+    texts, _ = printed(folder / "index.html", tmp_path)
+    everything = "".join(texts[:2])
+    (rail,) = overview_of(rows_of(read_results(folder))).cases
+    assert bare(rail) in everything
+    assert bare("braking distance [m]") in everything
 
 
 def test_sections_folded_on_the_screen_are_printed(folder, tmp_path):

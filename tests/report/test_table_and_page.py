@@ -99,6 +99,8 @@ def test_a_page_of_markdown_escapes_markup(tmp_path):
 VALUES = {
     "references": "",
     "changes": [],
+    "sections": {},
+    "repeats": None,
     "tables": [TABLE.drop_empty_columns()],
     "quantiles": None,
     "worst": None,

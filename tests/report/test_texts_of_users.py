@@ -63,7 +63,9 @@ def page_of(text, folder):
         values={
             "references": text, "tables": [table, text], "quantiles": [table], "worst": [text], "notes": [text],
             "missing": text, "captions": {}, "scenarios": text, "changes": [text],
+            "sections": {text: [table, text]}, "repeats": table,
         },
+        overview=table, note=text,
         provenance={"scenario": text},
     )  # fmt: skip
     return page.write(folder).read_text(encoding="utf-8")

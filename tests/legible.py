@@ -1,0 +1,98 @@
+"""What a browser draws of a page: texts that overlap, low axes, and legends over lines and bars."""
+
+import json
+import re
+import shutil
+import subprocess
+
+import pytest
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+needs_browser = pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
+WIDTHS = (1280, 800, 390)
+"""Widths of a screen, a half one and a telephone [pixels]."""
+
+LOWEST = 150  # pixels
+_TOUCH = 2.0
+"""Overlap of the boxes of two texts that is not one of their letters: boxes are higher than letters [pixels]."""
+
+_SCRIPT = """<script>
+addEventListener("load", async () => {
+  while (document.querySelector(".plot") && document.body.dataset.drawn !== "yes")
+    await new Promise((done) => setTimeout(done, 50));
+  const box = (one) => {
+    const { left, right, top, bottom } = one.getBoundingClientRect();
+    return { left, right, top, bottom };
+  };
+  const plots = [...document.querySelectorAll(".plot")].filter((one) => one._fullLayout).map((plot) => {
+    const axes = Object.values(plot._fullLayout).filter((one) => one && one._id && one._length && !one.overlaying);
+    const lines = [...plot.querySelectorAll(".scatterlayer path.js-line, .barlayer path")].flatMap((path) => {
+      const shift = path.getScreenCTM(), length = path.getTotalLength();
+      return Array.from({ length: 300 }, (_, k) => {
+        const { x, y } = path.getPointAtLength((k / 299) * length).matrixTransform(shift);
+        return [x, y];
+      });
+    });
+    const texts = [...plot.querySelectorAll("svg.main-svg text")].filter(
+      (one) => one.textContent.trim() && one.getBBox().width);
+    return {
+      name: plot.dataset.plot, frame: box(plot.querySelector(".svg-container")),
+      heights: axes.filter((one) => one._id[0] === "y").map((one) => one._length),
+      texts: texts.map((one) => ({ ...box(one), text: one.textContent })),
+      legends: [...plot.querySelectorAll(".legend .bg")].map(box), lines,
+    };
+  });
+  parent.document.title = JSON.stringify({ width: innerWidth, page: document.documentElement.scrollWidth, plots });
+});
+</script>"""
+
+
+def drawn(page, folder, width, height=900):
+    """Return what a browser draws of a page in a frame of this width; a window is never narrower than 500 pixels."""
+    folder.mkdir(exist_ok=True)
+    text = page.read_text(encoding="utf-8").replace("</body>", f"{_SCRIPT}</body>")
+    (folder / "measured.html").write_text(text, encoding="utf-8")
+    outer = folder / "outer.html"
+    outer.write_text(f'<iframe src="measured.html" style="width:{width}px;height:{height}px;border:0"></iframe>')
+    options = ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking",
+               "--hide-scrollbars", "--window-size=1400,1000")  # fmt: skip
+    command = [BROWSER, *options, "--allow-file-access-from-files", f"--user-data-dir={folder / 'profile'}",
+               "--virtual-time-budget=20000", "--dump-dom", outer.resolve().as_uri()]  # fmt: skip
+    done = subprocess.run(command, check=True, capture_output=True, timeout=300, encoding="utf-8")
+    found = json.loads(re.search(r"<title>(.*)</title>", done.stdout, re.DOTALL).group(1))
+    assert found["width"] == width
+    return found
+
+
+def defects_on_screen(page, folder, width):
+    """Return a sentence for each defect of the figures of a page on a screen of this width."""
+    found = drawn(page, folder, width)
+    defects = []
+    for plot in found["plots"]:
+        name, texts, frame = plot["name"], plot["texts"], plot["frame"]
+        defects += [f"{name}: an axis is {round(size)} pixels high" for size in plot["heights"] if size < LOWEST]
+        for number, text in enumerate(texts):
+            if text["left"] < frame["left"] - 1 or text["right"] > frame["right"] + 1:
+                defects.append(f"{name}: '{text['text']}' is cut off")
+            if text["top"] < frame["top"] - 1 or text["bottom"] > frame["bottom"] + 1:
+                defects.append(f"{name}: '{text['text']}' is cut off")
+            defects += [
+                f"{name}: '{text['text']}' overlaps '{other['text']}'"
+                for other in texts[number + 1 :]
+                if _overlap(text, other) > _TOUCH
+            ]
+        for legend in plot["legends"]:
+            inside = [(x, y) for x, y in plot["lines"] if _has(legend, x, y)]
+            if inside:
+                defects.append(f"{name}: a legend covers {len(inside)} points of lines or bars")
+    return defects
+
+
+def _overlap(first, second):
+    width = min(first["right"], second["right"]) - max(first["left"], second["left"])
+    height = min(first["bottom"], second["bottom"]) - max(first["top"], second["top"])
+    return min(width, height)
+
+
+def _has(box, x, y):
+    return box["left"] + 1 < x < box["right"] - 1 and box["top"] + 1 < y < box["bottom"] - 1

@@ -1,0 +1,97 @@
+"""The overview of a campaign: published and simulated distances on one screen."""
+
+from dataclasses import replace
+
+import pytest
+
+from railgrip.report.distances import rows_of
+from railgrip.report.overview import overview_of
+from railgrip.report.overview_figure import overview_figure
+from railgrip.report.results import read_results
+
+# Schwarz, Posielek and Goetjes (2021), Table 1.
+PUBLISHED = {
+    "slip_two_state": {"trapezoid": 382.9, "sine sweep": 316.2, "random": 339.6},
+    "adhesion_literal": {"trapezoid": 333.4, "sine sweep": 286.6, "random": 309.6},
+}
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory, write_campaign):
+    kept = {"slip_two_state", "slip_three_state", "adhesion_literal", "adhesion_based", "ideal_bound"}
+    folder = tmp_path_factory.mktemp("overview")
+    write_campaign(folder, lambda stop: stop.variants["controller"] in kept)
+    return rows_of(read_results(folder))
+
+
+def at(rows, controller, case):
+    return next(
+        row
+        for row in rows
+        if (row.controller, row.scenario.replace("_", " ")) == (controller, case) and row.case == "equipment ideal"
+    )
+
+
+def test_published_distances_precede_those_of_the_same_law(rows):
+    overview = overview_of(rows)
+    assert overview.cases == ("trapezoid", "sine sweep", "random")
+    lines = [(line.kind, line.is_published) for line in overview.lines]
+    assert lines == [
+        ("slip_two_state", True),
+        ("slip_two_state", False),
+        ("adhesion_literal", True),
+        ("adhesion_literal", False),
+        ("adhesion_based", False),
+        ("ideal_bound", False),
+    ]
+    for line in overview.lines:
+        for case in overview.cases:
+            if line.is_published:
+                metres = PUBLISHED[line.kind][case]
+                change = metres / PUBLISHED["slip_two_state"][case] - 1
+            else:
+                metres = at(rows, line.kind, case).distance_m
+                change = metres / at(rows, "slip_two_state", case).distance_m - 1
+            assert line.distances[case] == metres
+            assert line.changes[case] == (None if line.kind == "slip_two_state" else pytest.approx(change))
+
+
+def test_a_law_that_depends_on_rounding_has_its_median_range_and_lock(rows):
+    changed = [
+        replace(row, repeats=(300.0, 280.0, 324.0), longest_lock_s=17.25)
+        if row is at(rows, "adhesion_literal", "trapezoid")
+        else row
+        for row in rows
+    ]
+    texts = [list(row.values()) for row in overview_of(changed).table().texts]
+    place = next(number for number, row in enumerate(texts) if row[0].endswith("simulated") and "ABC" in row[0])
+    assert texts[place][1].startswith("300.0 m")
+    assert texts[place + 1] == ["– range of repeated stops", "280.0 – 324.0 m", "", ""]
+    assert texts[place + 2][:2] == ["– longest lock of a wheelset", "17.2 s"]
+
+
+def test_a_stop_without_standstill_has_no_distance_and_no_change(rows):
+    stuck = at(rows, "adhesion_based", "random")
+    changed = [replace(row, distance_m=None) if row is stuck else row for row in rows]
+    row = next(row for row in overview_of(changed).table().texts if row["braking distance"].startswith("peak seeking"))
+    assert row["random"] == "no stop"
+    overview_figure(overview_of(changed))
+
+
+def test_a_screen_has_the_table(rows):
+    """25 lines of 100 characters: with sentences, a path and other targets below, the table has at most 15."""
+    table = overview_of(rows).table()
+    widths = [max(len(column), *(len(row[column]) for row in table.texts)) for column in table.columns]
+    assert sum(width + 2 for width in widths) <= 100
+    assert len(table.rows) <= 15
+
+
+@pytest.mark.parametrize("change", [{"paper_distance_m": None}, {"draw": 1}])
+def test_a_campaign_without_published_distances_has_no_overview(rows, change):
+    assert overview_of([replace(row, **change) for row in rows]) is None
+    assert overview_of([]) is None
+
+
+def test_a_campaign_on_several_creep_curves_has_no_overview(rows):
+    """Its columns would have equal names."""
+    assert overview_of([*rows, *(replace(row, polach="wet") for row in rows)]) is None
