@@ -97,15 +97,18 @@ def reader_tables(
 def documentation_tables(rows: Sequence[Row]) -> dict[str, ReportTable]:
     """Return the tables of a campaign for a page of the documentation, by name.
 
-    `draws` has the distributions over draws, `distances` a row for each other case and a column for each controller.
+    `draws` has the distributions over draws, `distances` a row for each other case and a column for each controller; a
+    distance that depends on rounding has its range.
     """
     cases: dict[tuple[str, str], dict[str, str]] = {}
     for row in rows:
         if row.draw is None:
             distance = "no stop" if row.distance_m is None else f"{row.distance_m:.1f} m"
             change = percent(None if row.reduction_vs_sbc is None else -row.reduction_vs_sbc)
+            ends = "" if row.range_m is None else "{:.1f} – {:.1f} m".format(*row.range_m)
+            brackets = "; ".join(filter(None, (ends, change)))
             cells = cases.setdefault((row.label, row.polach), {"scenario": row.label, "creep curve": row.polach})
-            cells[row.controller_label] = f"{distance} ({change})" if change else distance
+            cells[row.controller_label] = f"{distance} ({brackets})" if brackets else distance
     columns = dict.fromkeys(column for cells in cases.values() for column in cells)
     table = ReportTable(
         [dict.fromkeys(columns, "") | cells for cells in cases.values()], left=("scenario", "creep curve")
@@ -157,6 +160,7 @@ _FORMS: Mapping[str, Form] = {
 def _row(stop: Stop, sbc: Stop | None, tuned: Stop | None, constant: Sequence[str], breaks: tuple[str, ...]) -> Row:
     scenario, metrics, distance = stop.inputs, stop.figures, stop.braking_distance
     actuation, sensors, polach = setting_of(scenario)
+    repeats = stop.own_repeats
     return Row(
         scenario=scenario["name"],
         case=", ".join(f"{axis} {stop.variants[axis]}" for axis in constant),
@@ -171,6 +175,7 @@ def _row(stop: Stop, sbc: Stop | None, tuned: Stop | None, constant: Sequence[st
         reference="published" if sbc is stop else "best tuned" if tuned is stop else None,
         distance_m=distance,
         repeated=range_text(stop.conditioning, stop.digest, distance),
+        range_m=(repeats.lowest, repeats.highest) if repeats is not None and repeats.spreads else None,
         duration_s=metrics.duration if stop.outcome is Outcome.STANDSTILL else None,
         reduction_vs_sbc=_reduction(distance, sbc, stop),
         reduction_vs_tuned=_reduction(distance, tuned, stop),

@@ -52,6 +52,7 @@ class Row(Conditions):
         distance_m: Braking distance; None without standstill.
         repeated: Text with median and range of the distance under perturbations of the plant's parameters in the
             seventh digit, and with other lots of sensors.
+        range_m: Shortest and longest of the perturbed distances; None if they hardly differ, or without such repeats.
         reduction_vs_sbc: 1 − distance over that of the published SBC in the same conditions; None if one is missing.
         reduction_vs_tuned: The same against the best tuned SBC.
         utilisation: Share of the ideal bound's adhesion that the stop uses; None without the bound.
@@ -89,6 +90,7 @@ class Row(Conditions):
     nis: float | None
     outside: float | None
     stop: str
+    range_m: tuple[float, float] | None = None
 
 
 def short_names(rows: Iterable[Row]) -> tuple[str, dict[str, str]]:
