@@ -129,7 +129,7 @@ def check(result, static, *, mechanics, case, has_energy):
     moved = 0.33 * 2 * 0.15 / GRAVITY / time[-1] if mechanics == "detailed" else 0.0
     total = np.trapezoid(load.sum(axis=1), time) / time[-1]
     assert total == pytest.approx(static.sum(), rel=1e-6 + moved)
-    if case == "release":
+    if case == "release" and time[-1] > 6.0:  # a slow tram stands before its brakes are released
         # The running resistance still loads the front, and the impulse of the uneven rail over 3 s adds 0.4 %.
         released = load[time > time[-1] - 3.0].mean(axis=0)
         assert released == pytest.approx(static, rel=0.01)
