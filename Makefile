@@ -13,7 +13,7 @@ PROGRAM := $(BIN)/railgrip
 READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
-.PHONY: help install fmus simulate unseen adverse report conditioning discretisation headlines validation regress regress-long accept calibrate \
+.PHONY: help install fmus simulate unseen adverse report conditioning discretisation convergence headlines validation regress regress-long accept calibrate \
         tune-control type-test bench mutants test suite kept portable test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors trains docs clean
 .DEFAULT_GOAL := help
 
@@ -64,8 +64,17 @@ report: simulate  ## the same with the panels of every stop
 conditioning: fmus  ## repeat the stops of the table with the plant's parameters moved by 1e-7, shown beside distances (minutes)
 	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml
 
-discretisation: fmus  ## repeat the stops of the table with smaller communication steps and other tolerances (hours)
-	$(PROGRAM) maintain discretisation harness/scenario/campaigns/table1.toml
+discretisation: fmus  ## repeat the stops of the table with smaller communication steps (hours)
+	$(PROGRAM) maintain discretisation harness/scenario/campaigns/table1.toml --only steps
+
+CONVERGENCE := $(addprefix harness/scenario/campaigns/convergence,.toml _trains.toml)
+
+# Parameters move by as much as the tolerance of the recipe, so that ranges include what errors of that size do to a stop.
+convergence: $(READY)  ## stops with both mechanics at four tolerances of the solver, for docs/validation.md (hours)
+	for campaign in $(CONVERGENCE); do \
+	  $(PROGRAM) maintain conditioning $$campaign --repeats 10 --relative 1e-5 --lots 0 && \
+	  $(PROGRAM) maintain discretisation $$campaign --repeats 8 --only tolerances || exit; done
+	$(PROGRAM) maintain validation
 
 headlines: conditioning discretisation  ## all numbers of the table anew, into baselines and docs: make headlines REASON='…'
 	-$(PROGRAM) maintain regress
