@@ -67,13 +67,15 @@ conditioning: fmus  ## repeat the stops of the table with the plant's parameters
 discretisation: fmus  ## repeat the stops of the table with smaller communication steps (hours)
 	$(PROGRAM) maintain discretisation harness/scenario/campaigns/table1.toml --only steps
 
-CONVERGENCE := $(addprefix harness/scenario/campaigns/convergence,.toml _trains.toml)
+CONVERGENCE := harness/scenario/campaigns/convergence
+NUDGED      := --repeats 10 --relative 1e-5 --lots 0
 
 # Parameters move by as much as the tolerance of the recipe, so that ranges include what errors of that size do to a stop.
 convergence: $(READY)  ## stops with both mechanics at four tolerances of the solver, for docs/validation.md (hours)
-	for campaign in $(CONVERGENCE); do \
-	  $(PROGRAM) maintain conditioning $$campaign --repeats 10 --relative 1e-5 --lots 0 && \
-	  $(PROGRAM) maintain discretisation $$campaign --repeats 8 --only tolerances || exit; done
+	$(PROGRAM) maintain conditioning $(CONVERGENCE).toml $(NUDGED)
+	$(PROGRAM) maintain conditioning $(CONVERGENCE)_trains.toml $(NUDGED)
+	$(PROGRAM) maintain discretisation $(CONVERGENCE).toml --repeats 8 --only tolerances
+	$(PROGRAM) maintain discretisation $(CONVERGENCE)_trains.toml --repeats 8 --only tolerances
 	$(PROGRAM) maintain validation
 
 headlines: conditioning discretisation  ## all numbers of the table anew, into baselines and docs: make headlines REASON='…'
