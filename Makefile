@@ -16,7 +16,7 @@ DEV    := $(VENV)/.ready-dev
 # The compiler in the wheel ziglang, 0.4 GB, if neither the words of CC nor cc, gcc and clang are programs.
 EXTRA   = $(shell for name in $$CC cc gcc clang; do command -v "$$name" >/dev/null 2>&1 && exit; done; echo '[compiler]')
 
-.PHONY: help install fmus simulate searched shapes unseen adverse report conditioning discretisation headlines validation regress regress-long accept calibrate \
+.PHONY: help install fmus simulate searched shapes unseen adverse report conditioning discretisation convergence headlines validation regress regress-long accept calibrate \
         tune-control type-test bench mutants test suite kept portable test-omc regress-omc suites fuzz check estimate tune lateral learn monitor k-factors trains docs clean
 .DEFAULT_GOAL := help
 
@@ -77,8 +77,19 @@ report: searched shapes  ## both with a page of the signals of every stop (minut
 conditioning: fmus  ## repeat the stops of the table with the plant's parameters moved by 1e-7, shown beside distances (minutes)
 	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml
 
-discretisation: fmus  ## repeat the stops of the table with smaller communication steps and other tolerances (hours)
-	$(PROGRAM) maintain discretisation harness/scenario/campaigns/table1.toml
+discretisation: fmus  ## repeat the stops of the table with smaller communication steps (hours)
+	$(PROGRAM) maintain discretisation harness/scenario/campaigns/table1.toml --only steps
+
+CONVERGENCE := harness/scenario/campaigns/convergence
+NUDGED      := --repeats 10 --relative 1e-5 --lots 0
+
+# Parameters move by as much as the tolerance of the recipe, so that ranges include what errors of that size do to a stop.
+convergence: $(READY)  ## stops with both mechanics at four tolerances of the solver, for docs/validation.md (hours)
+	$(PROGRAM) maintain conditioning $(CONVERGENCE).toml $(NUDGED)
+	$(PROGRAM) maintain conditioning $(CONVERGENCE)_trains.toml $(NUDGED)
+	$(PROGRAM) maintain discretisation $(CONVERGENCE).toml --repeats 8 --only tolerances
+	$(PROGRAM) maintain discretisation $(CONVERGENCE)_trains.toml --repeats 8 --only tolerances
+	$(PROGRAM) maintain validation
 
 headlines: conditioning discretisation  ## all numbers of the table anew, into baselines and docs: make headlines REASON='…'
 	-$(PROGRAM) maintain regress

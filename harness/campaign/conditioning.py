@@ -130,7 +130,7 @@ The changes with half and a quarter of it show the error of time discretisation.
 """
 
 
-TOLERANCES = (1e-4, 1e-6, 1e-7, 1e-8)
+TOLERANCES = (1e-4, 1e-6, 1e-7)
 """Tolerances of the plant's solver besides its own, from loose to tight: the changes show the error of integration."""
 
 Refinement = Literal["steps", "tolerances"]

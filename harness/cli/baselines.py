@@ -39,7 +39,13 @@ from railgrip.report.console import complain, say, show_table
 from railgrip.report.marked import write_tables
 from railgrip.report.results import read_results
 from railgrip.report.table import ReportTable, yes_no
-from railgrip.report.validation import CONVERGENCE, TABLES, steps_table, tolerances_table
+from railgrip.report.validation import (
+    CONVERGENCE,
+    CONVERGENCE_CAMPAIGNS,
+    TABLES,
+    steps_table,
+    tolerances_table,
+)
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import RepeatedDistances, read_conditioning, text_of
 from railgrip.studies.study import headlines
@@ -126,7 +132,8 @@ def validation(
         write_tables(docs / page, tables_of(load_campaign(path.parent / str(accepted.campaign)), accepted))
         say(str(docs / page))
     page = docs / CONVERGENCE
-    write_tables(page, {"tolerances": tolerances_table(load_campaign(shelf("campaigns")["convergence"]))})
+    campaigns = [load_campaign(shelf("campaigns")[name]) for name in CONVERGENCE_CAMPAIGNS]
+    write_tables(page, {"tolerances": tolerances_table(*campaigns)})
 
 
 def _baseline_of_campaign(path: Path) -> Baseline:
@@ -158,8 +165,8 @@ def conditioning(
     selection = loaded.only(lambda stop: fnmatch(stop.name, stops))
     if not selection.stops:
         raise ScenarioError(f"--stops {stops}: {file.name} has no such stop; it has {loaded.stops[0].name} and others")
-    before = {} if stops == "*" and not loaded.conditioning.exists() else read_conditioning(loaded.conditioning).stops
-    others = {} if stops == "*" else _previous_repeats(loaded.conditioning, relative)
+    before = read_conditioning(loaded.conditioning).stops if loaded.conditioning.exists() else {}
+    others = {} if stops == "*" or not before else _previous_repeats(loaded.conditioning, relative)
     repetitions = {stop.name: repeats_of(stop, count=repeats, lots=lots, relative=relative) for stop in selection.stops}
     directory = out / loaded.name
     problem = run_campaigns(
@@ -199,7 +206,7 @@ def discretisation(
 ) -> None:
     """Repeat stops with smaller steps and other tolerances.
 
-    Communication steps are half and a quarter of that of the scenario, tolerances of the plant's solver 1e-4 to 1e-8.
+    Communication steps are half and a quarter of that of the scenario, tolerances of the plant's solver 1e-4 to 1e-7.
     The distances are added to the file of conditioning, whose repeats have the whole step and the tolerance of the
     plant. `railgrip maintain validation` writes the tables of the documentation from it.
     """

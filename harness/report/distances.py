@@ -122,7 +122,8 @@ def repeats_table(rows: Sequence[Row], pages: Mapping[str, str]) -> ReportTable 
 def documentation_tables(rows: Sequence[Row]) -> dict[str, ReportTable]:
     """Return the tables of a campaign for a page of the documentation, by name.
 
-    `draws` has the distributions over draws, `distances` a row for each other case and a column for each controller.
+    `draws` has the distributions over draws, `distances` a row for each other case and a column for each controller; a
+    distance that depends on rounding has its range.
     """
     cases: dict[tuple[str, str], dict[str, str]] = {}
     for row in rows:
@@ -130,8 +131,10 @@ def documentation_tables(rows: Sequence[Row]) -> dict[str, ReportTable]:
             distance = "no stop" if row.distance_m is None else f"{row.distance_m:.1f} m"
             distance += locked_text(row.longest_lock_s)
             change = percent(None if row.reduction_vs_sbc is None else -row.reduction_vs_sbc)
+            ends = "" if row.repeats is None else f"{row.repeats[1]:.1f} – {row.repeats[2]:.1f} m"
+            brackets = "; ".join(filter(None, (ends, change)))
             cells = cases.setdefault((row.label, row.polach), {"scenario": row.label, "creep curve": row.polach})
-            cells[row.controller_label] = f"{distance} ({change})" if change else distance
+            cells[row.controller_label] = f"{distance} ({brackets})" if brackets else distance
     columns = dict.fromkeys(column for cells in cases.values() for column in cells)
     table = ReportTable(
         [dict.fromkeys(columns, "") | cells for cells in cases.values()], left=("scenario", "creep curve")

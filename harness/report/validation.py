@@ -218,35 +218,43 @@ def _moved_by_steps(repeated: RepeatedDistances) -> str:
 
 
 CONVERGENCE = "validation.md"
-"""Page of docs/ with the table of tolerances of the campaign `convergence`."""
+"""Page of docs/ with the table of tolerances of `CONVERGENCE_CAMPAIGNS`."""
+
+CONVERGENCE_CAMPAIGNS = ("convergence", "convergence_trains")
 
 
-def tolerances_table(campaign: Campaign) -> ReportTable:
+def tolerances_table(*campaigns: Campaign) -> ReportTable:
     """Return the error of each distance over the tolerance of the plant's solver, against the tightest tolerance.
 
     Errors within the 95 % interval of an error without any cause are not significant; others are bold. The first column
-    of errors is that of the plant's own tolerance. Stops without repeats at other tolerances are left out.
+    of errors is that of the plant's own tolerance; the last column is the range of all these stops. Stops without
+    repeats at other tolerances are left out.
     """
-    repeats = read_conditioning(campaign.conditioning).stops if campaign.conditioning else {}
-    rows: list[dict[str, Any]] = []
-    for stop in campaign.stops:
-        repeated = repeats.get(stop.name)
-        if repeated is None or not repeated.tolerances:
-            continue
-        tolerances = sorted(repeated.tolerances, reverse=True)
-        errors = {"as in the recipe": repeated.error_at(None)}
-        errors |= {f"{tolerance:.0e}": repeated.error_at(tolerance) for tolerance in tolerances[:-1]}
-        rows.append(
-            {"stop": ", ".join(names.replace("_", " ") for names in stop.variants.values())}
-            | {f"{tolerances[-1]:.0e}": float(np.median([d or math.inf for d in repeated.tolerances[tolerances[-1]]]))}
-            | {
-                column: f"**{shown}**" if abs(error) > max(noise, _VISIBLE) else shown
-                for column, (error, noise) in errors.items()
-                for shown in (f"{text(100 * error, '{:+.2f}')} ± {100 * noise:.2f} %",)
-            }
-            | {"range": 100 * (repeated.highest / repeated.lowest - 1.0)}
-        )
-    return ReportTable(rows, {"1e-08": "{:.2f} m", "range": "{:.2f} %"}, left=("stop",))
+    rows = [
+        _errors_over_tolerance(stop, repeated)
+        for campaign in campaigns
+        for repeats in (read_conditioning(campaign.conditioning).stops if campaign.conditioning else {},)
+        for stop in campaign.stops
+        if (repeated := repeats.get(stop.name)) is not None and repeated.tolerances
+    ]
+    return ReportTable(rows, {"tightest": "{:.2f} m"}, left=("stop",))
+
+
+def _errors_over_tolerance(stop: PlannedStop, repeated: RepeatedDistances) -> dict[str, Any]:
+    loose_to_tight = sorted(repeated.tolerances, reverse=True)
+    every = [d or math.inf for each in (repeated.distances, *repeated.tolerances.values()) for d in each]
+    errors = {"as in the recipe": repeated.error_at(None)}
+    errors |= {f"{tolerance:.0e}": repeated.error_at(tolerance) for tolerance in loose_to_tight[:-1]}
+    return (
+        {"stop": ", ".join(name.replace("_", " ") for name in stop.variants.values())}
+        | {"tightest": float(np.median([d or math.inf for d in repeated.tolerances[loose_to_tight[-1]]]))}
+        | {
+            column: f"**{shown}**" if abs(error) > max(noise, _VISIBLE) else shown
+            for column, (error, noise) in errors.items()
+            for shown in (f"{text(100 * error, '{:+.2f}')} ± {100 * noise:.2f} %",)
+        }
+        | {"range": f"{min(every):.1f} – {max(every):.1f} m"}
+    )
 
 
 _VISIBLE = 5e-5

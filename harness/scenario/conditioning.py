@@ -120,8 +120,7 @@ class RepeatedDistances(Table):
         Both medians are of normal draws with the deviation of the undivided repeats; the median's standard error is
         √(π/2) σ/√n (Kendall and Stuart, The Advanced Theory of Statistics 1, 1969, §14.12).
         """
-        deviation = float(np.std(self._all(), ddof=1)) if len(self.distances) > 1 else 0.0
-        return _noise(len(self.distances), len(self.steps[divisor]), deviation) / self.median
+        return _noise(len(self.distances), len(self.steps[divisor]), _deviation(self._all())) / self.median
 
     def error_at(self, tolerance: float | None) -> tuple[float, float]:
         """Return the relative error of the median distance at a tolerance, against the tightest one of `tolerances`.
@@ -134,8 +133,8 @@ class RepeatedDistances(Table):
         """
         tightest = _endless(self.tolerances[min(self.tolerances)])
         repeats = self._all() if tolerance is None else _endless(self.tolerances[tolerance])
-        spread = [float(np.std(each, ddof=1)) if len(each) > 1 else 0.0 for each in (tightest, repeats)]
-        noise = _noise(len(tightest), len(repeats), math.hypot(*spread) / math.sqrt(2.0))
+        spread = math.hypot(_deviation(tightest), _deviation(repeats)) / math.sqrt(2.0)
+        noise = _noise(len(tightest), len(repeats), spread)
         return _moved(tightest, repeats), noise / float(np.median(tightest))
 
     @property
@@ -176,6 +175,12 @@ def _moved(before: Sequence[float], after: Sequence[float]) -> float:
 
 def _noise(first: int, second: int, deviation: float) -> float:
     return 1.96 * math.sqrt(0.5 * math.pi * (1.0 / first + 1.0 / second)) * deviation
+
+
+def _deviation(distances: Sequence[float]) -> float:
+    if not np.isfinite(distances).all():
+        return math.inf
+    return float(np.std(distances, ddof=1)) if len(distances) > 1 else 0.0
 
 
 def _endless(distances: Sequence[float | None]) -> list[float]:

@@ -69,8 +69,11 @@ _MAX_ROWS = 1_000_000
 _LONGEST_STEP, _LONGEST_STEP_OF_FULL_BRAKE = 10e-3, 50e-3
 """Maximum communication step of a built-in plant [s], with a controller and without.
 
-With 10 ms distances of slip control change by less than 1 %, with 20 ms the sampled acceleration of a wheel that locks
-no longer adds up to the change of speed. With full brake wheels lock once; with 50 ms distances change by 0.3 %.
+With 20 ms the sampled acceleration of a wheel that locks no longer adds up to the change of speed. The step is also the
+shortest period of estimator and controller, so that a longer one is another loop: on the trapezoid, periods of 10 ms in
+place of 1 ms change distances of two- and three-state control by 1 % or less, those of adhesion-based control by +2 %
+with simple and by -6 % with detailed mechanics, whether or not the step is 1 ms. With full brake wheels lock once; with
+50 ms distances change by 0.3 %.
 """
 
 _MIN_HORIZON, _MAX_HORIZON = 120.0, 600.0

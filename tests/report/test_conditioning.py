@@ -30,6 +30,7 @@ from railgrip.report.baseline import (
 from railgrip.report.distances import STALE, range_text, rows_of
 from railgrip.report.results import read_results
 from railgrip.report.stop import write_stop
+from railgrip.report.validation import tolerances_table
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import ConditioningFile, RepeatedDistances, read_conditioning, text_of
 
@@ -214,6 +215,17 @@ def test_the_error_over_the_tolerance_is_against_the_tightest_one():
     assert repeated.error_at(None)[1] == pytest.approx(1.96 * np.sqrt(0.5 * np.pi * (4 / 3)) * np.sqrt(0.5) / 300.0)
 
 
+def test_the_table_of_tolerances_has_the_tightest_median_and_the_range_of_all_stops(tmp_path, write_campaign):
+    campaign = write_campaign(tmp_path, lambda stop: stop.name.startswith("trapezoid-ideal-"))
+    tolerances = {1e-4: (312.0, None), 1e-6: (299.0, 300.0, 301.0)}
+    stop = RepeatedDistances(digest="d", distances=(303.0, 303.0), tolerances=tolerances)
+    (tmp_path / "c.json").write_text(text_of(ConditioningFile(relative=1e-5, stops={campaign.stops[0].name: stop})))
+    (row,) = tolerances_table(replace(campaign, conditioning=tmp_path / "c.json")).rows
+    assert row["tightest"] == 300.0
+    assert row["range"] == "299.0 – inf m"
+    assert row["as in the recipe"].strip("*").startswith("+1.00 ± ")
+
+
 def test_a_stop_is_repeated_at_other_tolerances(tmp_path, write_campaign):
     campaign = write_campaign(tmp_path, lambda stop: stop.name.startswith("trapezoid-ideal-"))
     stop = campaign.stops[0]
@@ -227,8 +239,8 @@ def test_a_stop_is_repeated_at_other_tolerances(tmp_path, write_campaign):
             return [-np.log10(case.vehicle.parameters["_tolerance"].entry) for case in cases]
 
     refined, _ = with_refinement(campaign, before, Work(), of="tolerances", count=2)
-    assert refined[stop.name].tolerances == {10.0**-k: (float(k), float(k)) for k in (4, 6, 7, 8)}
-    assert len(digests) == 8
+    assert refined[stop.name].tolerances == {10.0**-k: (float(k), float(k)) for k in (4, 6, 7)}
+    assert len(digests) == 6
     assert read_back(tmp_path, refined) == refined
 
 

@@ -71,6 +71,13 @@ def test_a_table_for_the_documentation_names_the_settings_that_differ(actuations
     assert not {"sensors", "creep curve"} & set(table.columns)
 
 
+def test_a_distance_that_depends_on_rounding_has_its_range_in_the_documentation():
+    sbc, law = row(None, 400.0, "slip_two_state", "published"), row(None, 380.0)
+    law = replace(law, reduction_vs_sbc=0.05, repeats=(380.0, 377.96, 391.0))
+    (cells,) = documentation_tables([sbc, law])["distances"].rows
+    assert (cells["slip_two_state"], cells["adhesion_based"]) == ("400.0 m", "380.0 m (378.0 – 391.0 m; −5.0 %)")
+
+
 def test_the_interval_of_the_median_has_its_nominal_coverage():
     """In 400 samples of 20 draws from a skewed distribution, the interval misses the true median in up to 5 %."""
     rng = np.random.default_rng(1)
