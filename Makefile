@@ -76,6 +76,7 @@ report: searched shapes  ## both with a page of the signals of every stop (minut
 
 conditioning: fmus  ## repeat the stops of the table with the plant's parameters moved by 1e-7, shown beside distances (minutes)
 	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml
+	$(PROGRAM) maintain conditioning harness/scenario/campaigns/shapes.toml --repeats 8 --stops '*-adhesion_literal'
 
 discretisation: fmus  ## repeat the stops of the table with smaller communication steps (hours)
 	$(PROGRAM) maintain discretisation harness/scenario/campaigns/table1.toml --only steps

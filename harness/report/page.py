@@ -95,7 +95,7 @@ class Page:
                 save_as(figure, folder / name, formats)
                 plots[name] = interactive(figure)
                 if name in self.narrow:
-                    plots[name] |= {"narrow": interactive(self.narrow[name])}
+                    plots[name] = {**plots[name], "narrow": interactive(self.narrow[name])}
         for name, table in self.tables.items():
             table.write_csv(folder / name)
         for name, content in self.data.items():
