@@ -104,13 +104,15 @@ class DecentralisedFilter(StepInC):
         )
         self.load(dict(sources))
 
-    def start(self, mean: ArrayLike, variances: ArrayLike) -> None:
-        """Set the estimate before the first step: mean (n,) and variances (n,) of independent states.
+    def start(self, mean: ArrayLike, covariance: ArrayLike) -> None:
+        """Set the estimate before the first step: mean (n,), and variances (n,) or covariance (n, n) of the states.
 
         Raises:
-            EstimatorError: Wrong shapes, or no variances.
+            EstimatorError: Wrong shapes, no covariance, or states that are not independent.
         """
-        first = self.design.start(mean, np.asarray(variances).reshape(-1))
+        first = self.design.start(mean, covariance)
+        if np.count_nonzero(first.covariance) > len(first.mean):
+            raise EstimatorError("start: the states of a decentralised filter are independent before the first step.")
         self.mean[:], self.covariance[:] = first.mean, first.covariance
         self._block_diagonal[:], self._directions[:], self._common[:] = 0.0, 0.0, 0.0
         for part, members in enumerate(self._members):
