@@ -45,7 +45,7 @@ def test_an_inconsistent_train_prints_its_contradictions_and_exits_2(railgrip, p
     assert railgrip("new", "train", "own.toml").code == 0
     text = (project / "own.toml").read_text(encoding="utf-8")
     assert "spring_force" in text
-    lines = ['spring_force = "50 kN"' if line.startswith("spring_force") else line for line in text.splitlines()]
+    lines = ['spring_force = "12 kN"' if line.startswith("spring_force") else line for line in text.splitlines()]
     (project / "own.toml").write_text("\n".join(lines), encoding="utf-8")
     ended = railgrip("train", "check", "own.toml", "--json")
     result = json.loads(ended.out)
