@@ -157,13 +157,13 @@ def _of_file(
         FmuError: It is not a prediction.
     """
     layout, description = vehicle.layout, description_of(file.path, vehicle.scenario.limits.fmu)
+    require_role(description, "prediction", f"{vehicle.scenario.name}: [estimator] file")
     if table.interface == "model_exchange" and description.model_exchange is None:
         raise ScenarioError(
             f"[estimator] file {file.entry} offers only Co-Simulation; set interface = 'co_simulation', or export it "
             "as Model Exchange"
         )
     groups, where = range(1, layout.formation.groups + 1), f"[estimator] file {file.entry}"
-    require_role(description, "prediction", f"{vehicle.scenario.name}: [estimator] file")
     pressures = [f"cylinder_pressure[{g}]" for g in groups]
     inputs, others = description.names("input"), {"track_force"}
     needs = {

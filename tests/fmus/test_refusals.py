@@ -20,7 +20,7 @@ REFUSED = {
     r"initial\(\)": ("initial()", STATE + "Real y = if initial() then 0 else x;\nequation\n der(x) = -y;\nend M;"),
     "delay": ("delay(x", STATE + "equation\n der(x) = -delay(x, 0.1);\nend M;"),
     "terminate": ("x < 0.2", PLAIN + ' when x < 0.2 then\n  terminate("done");\n end when;\nend M;'),
-    "string": ("String", PLAIN + 'protected\n parameter String s = "a";\nend M;'),
+    "s of type string": ("String s", PLAIN + 'protected\n parameter String s = "a";\n Boolean b = s == "a";\nend M;'),
     "fixed=false": (
         "fixed=false",
         STATE + " Real y;\n parameter Real k(fixed=false, start=1);\nequation\n"
