@@ -4,6 +4,7 @@ import ctypes
 import math
 
 import fmpy
+import numpy as np
 import pytest
 
 from railgrip.fmus.native.code import repeating_discretes
@@ -142,6 +143,33 @@ def test_a_solution_of_a_loop_that_ceases_to_exist_is_left_at_that_instant(model
     side = 1 if count % 2 == 0 else -1
     assert instance.get("c")[0] == pytest.approx(side * (15 - (15 + limit) * math.exp(-rest / tau)), abs=1e-3)
     assert instance.get("v")[0] == pytest.approx(side * 15, abs=1e-6)
+
+
+@pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
+def test_a_loop_through_a_limiter_is_solved_from_its_limits(modelica, interface):
+    """A voltage follower of gain 15000; Newton's method alone changes between the limits of the amplifier, ±15 V.
+
+    Its residual is below 1e-10 of the limits, times the gain.
+    """
+    fmu = modelica(
+        "model M Real u(start=-8,fixed=true), v(start=14); equation der(u) = 16;"
+        " v = noEvent(if 15000*(u - v) > 15 then 15 elseif 15000*(u - v) < -15 then -15 else 15000*(u - v)); end M;"
+    )
+    found = fmpy.simulate_fmu(
+        str(fmu.folder), stop_time=1.0, output=["u", "v"], fmi_type=interface, output_interval=0.1
+    )
+    assert np.ptp(found["u"]) == pytest.approx(16, rel=1e-6)
+    assert found["v"] == pytest.approx(found["u"] * 15000 / 15001, abs=1e-6)
+
+
+@pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
+def test_initial_equations_through_a_limiter_are_solved_from_its_limits(modelica, interface):
+    fmu = modelica(
+        "model M Real v(start=14), d = 15000*(2 - v); equation der(v) = 0;"
+        " initial equation v = noEvent(if d > 15 then 15 elseif d < -15 then -15 else d); end M;"
+    )
+    found = fmpy.simulate_fmu(str(fmu.folder), stop_time=0.1, output=["v"], fmi_type=interface)
+    assert found["v"] == pytest.approx(2 * 15000 / 15001, abs=1e-6)
 
 
 def test_model_exchange_locates_or_refuses_the_end_of_a_loops_solution(modelica, run):

@@ -18,7 +18,7 @@ static int newton(Instance *m, double t, const double *x) {
     const double *a[] = ARGUMENTS(s, &t, x);
     double *r[] = { next, residual };
     if (!NG) return 0;
-    for (int k = 0; k < LOOP_ITERATIONS; k++) {
+    for (int k = 0; k < 4 * LOOP_ITERATIONS; k++) {
         int converged = 1;
         f_loop(a, r);
         norm = 0;
@@ -38,7 +38,8 @@ static int newton(Instance *m, double t, const double *x) {
             if (converged) return 0;
             continue;
         }
-        if (k && !(norm <= 2 * last)) { /* larger residual or NaN: halve the step */
+        /* Halve the step after a larger residual or NaN; if the iteration does not end, after each that is not smaller. */
+        if (k && !(k < LOOP_ITERATIONS ? norm <= 2 * last : norm < last)) {
             for (int i = 0; i < NG; i++) s->g[i] = 0.5 * (s->g[i] + before[i]);
             continue;
         }
@@ -127,7 +128,7 @@ static int start_states(Instance *m) {
             if (!(fabs(next[i] - s->q[i]) <= LOOP_TOLERANCE * (fabs(next[i]) + nominal_q[i]))) converged = 0;
         }
         if (converged) break;
-        if (k && !(norm <= 2 * last)) {
+        if (k && !(k < LOOP_ITERATIONS ? norm <= 2 * last : norm < last)) {
             for (int i = 0; i < NQ; i++) s->q[i] = 0.5 * (s->q[i] + before[i]);
             continue;
         }
