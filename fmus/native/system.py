@@ -169,7 +169,8 @@ def explicit(dae: Dae) -> System:
     )  # fmt: skip
     states, algebraics = _split_states(v, index_one.states, index_one.former_states)
     _require_state_select(dae, states, algebraics)
-    loops, start_loops = Loops(), Loops()
+    started = frozenset(s.symbol.name() for s in algebraics if s.start != 0)
+    loops, start_loops = Loops(started), Loops(started)
     derivative, algebraic, indicators, steps = solve(
         index_one.equations, index_one.unknowns,
         [column([derivative for _, derivative in index_one.states]), vector(algebraics),

@@ -162,6 +162,20 @@ def test_a_loop_through_a_limiter_is_solved_from_its_limits(modelica, interface)
     assert found["v"] == pytest.approx(found["u"] * 15000 / 15001, abs=1e-6)
 
 
+@pytest.mark.parametrize("start", [-5, 5])
+@pytest.mark.parametrize("unknown", ["i", "p", "q"])
+def test_a_declared_start_selects_the_solution_of_a_loop(modelica, start, unknown):
+    """p² = 4 has the roots ±2; i = 2p and q = 3p have the sign of p."""
+    declared = ", ".join(f"{name}(start={start})" if name == unknown else name for name in ("i", "p", "q"))
+    fmu = modelica(
+        f"model M Real {declared}; Real x(start=0,fixed=true); equation"
+        " i = 2*p; q = 3*p + (i - 2*p); p*q + 5*(q - 3*p) = 12; der(x) = p; end M;"
+    )
+    found = fmpy.simulate_fmu(str(fmu.folder), stop_time=1.0, output=["x", "i"], fmi_type="CoSimulation")
+    sign = math.copysign(1, start)
+    assert [float(found[name][-1]) for name in ("x", "i")] == pytest.approx([2 * sign, 4 * sign], abs=1e-6)
+
+
 @pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
 def test_initial_equations_through_a_limiter_are_solved_from_its_limits(modelica, interface):
     fmu = modelica(
