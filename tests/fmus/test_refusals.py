@@ -24,6 +24,11 @@ REFUSED = {
         "String s",
         STATE + ' parameter String s = "a";\nequation\n der(x) = if s == "a" then -x else x;\nend M;',
     ),
+    r"a clock \(chapter 16": (
+        "Clock c",
+        STATE + " Clock c = Clock(1, 10);\n Real y;\nequation\n when c then y = sample(x); end when;\n"
+        " der(x) = -x;\nend M;",
+    ),
     "fixed=false": (
         "fixed=false",
         STATE + " Real y;\n parameter Real k(fixed=false, start=1);\nequation\n"
