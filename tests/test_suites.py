@@ -97,3 +97,20 @@ def test_reference_results_of_a_library(tmp_path: Path) -> None:
         (results / "Fall.csv").write_text("\n".join(['"time","v","s"', *rows]) + "\n")
         rows = run(tmp_path / "out.csv", "reference", tmp_path / "results", "--library", library)
         assert rows["Fall"]["verdict"] == verdict
+
+
+@pytest.mark.parametrize(("total", "verdict"), [(11, "other solution"), (11.1, "wrong")])
+def test_another_solution_of_the_equations_is_not_wrong(tmp_path: Path, total: float, verdict: str) -> None:
+    """Brown's almost linear function has the roots 1 and, from the same start, (0.97943, ..., 1.2057)."""
+    (tmp_path / "n.mo").write_text(
+        "package nonlinear_system model problem7 Real x[10](each start=1.5); equation for i in 1:9 loop"
+        f" 0 = x[i] + sum(x) - {total}; end for; product(x) = 1; end problem7; end nonlinear_system;"
+    )
+    (tmp_path / "n.mos").write_text(
+        'loadFile("n.mo");\nsimulate(nonlinear_system.problem7, stopTime=0);\n'
+        + "".join(f"val(x[{i}], {{0.0}});\n" for i in range(1, 11))
+        + "// Result:\n// end SimulationResult;\n"
+        + "// {1.0}\n" * 10
+        + "// endResult\n"
+    )
+    assert run(tmp_path / "out.csv", "omc", tmp_path)["problem7"]["verdict"] == verdict

@@ -13,6 +13,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.base.errors import ShapeError
+
 SX = ca.SX
 Array = NDArray[Any]
 
@@ -88,10 +90,6 @@ def require(condition: bool, rule: str) -> None:
     """Raise a ShapeError with a rule of the language unless it is fulfilled."""
     if not condition:
         raise ShapeError(rule)
-
-
-class ShapeError(ValueError):
-    """Arrays of these shapes cannot be combined; the caller knows the expression and its place."""
 
 
 def _shape(a: Array) -> str:

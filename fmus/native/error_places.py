@@ -123,7 +123,7 @@ def _within(file: Path, path: Path, text: str) -> str | None:
         return f"{line}: the file has {what}, but its folder requires `within {required};` (13.4)"
     if path.name == "package.mo":
         name = file.parent.name.partition(" ")[0] if file.name == "package.mo" else file.stem
-        declared = re.search(rf"\b(?:{KINDS})\s+(?:extends\s+)?(\w+)", code)
+        declared = re.search(rf"\b(?:{KINDS})\s+(?:(?:extends|record|function)\s+)?(\w+)", code)
         if declared and declared[1] != name:
             line = code.count("\n", 0, declared.start()) + 1
             return f"{line}: the file declares {declared[1]}, but its name requires {name} (13.4)"

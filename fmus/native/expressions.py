@@ -9,6 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from railgrip.base.errors import ShapeError
 from railgrip.fmus.native.arrays import (
     BINARY,
     ELEMENTWISE,
@@ -16,7 +17,6 @@ from railgrip.fmus.native.arrays import (
     SX,
     UNARY,
     Array,
-    ShapeError,
     array,
     as_array,
     choose,

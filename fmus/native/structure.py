@@ -1,6 +1,7 @@
 """Assignments from equations: block triangular ordering, elimination within blocks, Newton's method for loops."""
 
 from collections.abc import Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from graphlib import TopologicalSorter
 
@@ -33,6 +34,7 @@ class Loops:
     that Jacobians need no special treatment.
 
     Attributes:
+        started: Names of unknowns with a start value; loops are solved for these and begin there.
         guesses: Name of an unknown → symbol of its last value.
         updates: Name → next Newton iterate.
         residuals: Name → residual at `guesses` of the equation matched with it.
@@ -40,6 +42,7 @@ class Loops:
         divisors: Name of an unknown → its coefficient, where that is no number, and the place of its equation.
     """
 
+    started: AbstractSet[str] = frozenset()
     guesses: dict[str, SX] = field(default_factory=dict)
     updates: dict[str, SX] = field(default_factory=dict)
     residuals: dict[str, SX] = field(default_factory=dict)
@@ -86,6 +89,8 @@ def solve(
             continue
         block = [(equations[i], unknowns[int(match[i])]) for i in rows]
         assignments, core = _eliminate(block)
+        if core and not _is_linear(core) and any(u.name() in loops.started for _, u in block):
+            assignments, core = _eliminate(block, loops.started)
         if len(block) == 1 and assignments:
             slope = ca.jacobian(block[0][0].residual, block[0][1])
             if not is_number(slope):
@@ -168,11 +173,12 @@ def _blocks(row: np.ndarray, column: np.ndarray, match: np.ndarray) -> list[list
 
 
 def _eliminate(
-    block: list[tuple[Equation, SX]],
+    block: list[tuple[Equation, SX]], last: AbstractSet[str] = frozenset()
 ) -> tuple[list[tuple[SX, SX]], list[tuple[Equation, SX]]]:
     """Solve equations of a block that are linear in an unknown with a constant number as its coefficient.
 
-    Only numbers are pivots: a pivot that is an expression may become zero at run time.
+    Only numbers are pivots: a pivot that is an expression may become zero at run time. Unknowns with names in `last`
+    are eliminated after the others.
 
     Returns:
         (unknown, expression) in the order of elimination, each in terms of later ones; and the remaining equations.
@@ -194,21 +200,21 @@ def _eliminate(
         rows, cols = jacobian.sparsity().get_triplet()
         in_row, in_col = (np.bincount(places, minlength=len(unknowns)) for places in (rows, cols))
         pivots = [
-            (int((in_row[i] - 1) * (in_col[j] - 1)), i, j)
+            (unknowns[j].name() in last, int((in_row[i] - 1) * (in_col[j] - 1)), i, j)
             for k, (i, j) in enumerate(zip(rows, cols, strict=True))
             if is_number(jacobian.nz[k]) and float(jacobian.nz[k]) != 0.0
         ]
         if not pivots:
             break
-        _, i, j = min(pivots)  # minimum fill-in (Markowitz)
+        *_, i, j = min(pivots)  # minimum fill-in (Markowitz)
         unknown, equation = unknowns.pop(j), equations.pop(i)
         expression = -ca.substitute(equation.residual, unknown, SX(0)) / jacobian[i, j]
         assignments.append((unknown, expression))
         residuals = ca.substitute([e.residual for e in equations], [unknown], [expression])
         equations = [Equation(r, e.where) for r, e in zip(residuals, equations, strict=True)]
     if len(equations) == 1:
-        last, core = _eliminate([(equations[0], unknowns[0])])
-        return assignments + last, core
+        rest, core = _eliminate([(equations[0], unknowns[0])])
+        return assignments + rest, core
     return assignments, list(zip(equations, unknowns, strict=True))
 
 
@@ -222,11 +228,16 @@ def _side_equal_to(residual: SX, unknown: SX) -> SX | None:
     return None
 
 
+def _is_linear(core: list[tuple[Equation, SX]]) -> bool:
+    unknowns = ca.vertcat(*[u for _, u in core])
+    return not ca.depends_on(ca.jacobian(ca.vertcat(*[e.residual for e, _ in core]), unknowns), unknowns)
+
+
 def _solve_core(core: list[tuple[Equation, SX]], loops: Loops, owner: str) -> tuple[SX, list[tuple[SX, SX]]]:
     unknowns = ca.vertcat(*[u for _, u in core])
     residuals = ca.vertcat(*[e.residual for e, _ in core])
     matrix = ca.jacobian(residuals, unknowns)
-    if not ca.depends_on(matrix, unknowns):
+    if _is_linear(core):
         return ca.densify(ca.solve(matrix, -ca.substitute(residuals, unknowns, SX.zeros(len(core))))), []
     if len(core) > LARGEST_LOOP:
         raise TranslationError(

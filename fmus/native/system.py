@@ -1,5 +1,6 @@
 """The checked DAE as explicit expressions: derivatives, algebraic variables, events, initial values."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -169,7 +170,8 @@ def explicit(dae: Dae) -> System:
     )  # fmt: skip
     states, algebraics = _split_states(v, index_one.states, index_one.former_states)
     _require_state_select(dae, states, algebraics)
-    loops, start_loops = Loops(), Loops()
+    started = frozenset(s.symbol.name() for s in algebraics if s.start != 0)
+    loops, start_loops = Loops(started), Loops(started)
     derivative, algebraic, indicators, steps = solve(
         index_one.equations, index_one.unknowns,
         [column([derivative for _, derivative in index_one.states]), vector(algebraics),
@@ -416,8 +418,11 @@ def _clocks(dae: Dae, v: ModelVariables) -> list[tuple[float, float]]:
     for clock in dae.systems["clocks"]["clocks"]:
         operation = clock["operation"]
         text = dae.text(clock["provenance"])
-        if operation["kind"] != "periodic":
-            raise dae.refuse(f"a clock of kind {operation['kind']} is not supported: {text}", clock["provenance"])
+        if operation["kind"] != "periodic" or not re.match(r"sample\s*\((?!.*\bClock\b)", text):
+            raise dae.refuse(
+                f"a clock (chapter 16 of the specification) is not supported: {text}; write when sample(start, period)",
+                clock["provenance"],
+            )
         words = "".join(c if c.isalnum() or c == "_" else " " for c in text).split()
         dependences = sorted(settable.intersection(words))
         if dependences:  # rumoca has already computed the period with the parameter's default

@@ -60,6 +60,10 @@ class TranslationError(InputError):
     """The built-in compiler does not support a Modelica construct; the message names construct, file and line."""
 
 
+class ShapeError(TranslationError):
+    """Arrays of these shapes cannot be combined in Modelica; the caller adds the expression and its place."""
+
+
 class CompilerMissing(RailgripError):
     """No C compiler (or no OpenModelica) was found on this machine."""
 

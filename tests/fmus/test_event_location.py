@@ -4,6 +4,7 @@ import ctypes
 import math
 
 import fmpy
+import numpy as np
 import pytest
 
 from railgrip.fmus.native.code import repeating_discretes
@@ -118,14 +119,23 @@ end M;
 """
 
 
+# The same with the current through two resistors of 1 kΩ, on which the amplified voltage depends with 1.5e7 V/A.
+WITH_A_CURRENT = (
+    MULTIVIBRATOR.replace("0.5*v", "1000*i")
+    .replace("v = noEvent", "2000*i = noEvent")
+    .replace("Real v(start=-15);", "Real v = 2000*i, i(start=-0.0075);")
+)
+
+
+@pytest.mark.parametrize("text", [MULTIVIBRATOR, WITH_A_CURRENT], ids=["voltage", "current"])
 @pytest.mark.parametrize("step", [1e-3, 0.00625, 0.25])
-def test_a_solution_of_a_loop_that_ceases_to_exist_is_left_at_that_instant(modelica, run, step):
+def test_a_solution_of_a_loop_that_ceases_to_exist_is_left_at_that_instant(modelica, run, text, step):
     """A saturated branch ends where the input reaches ±(7.5 − 0.001) V; between these the capacitor relaxes to ±15 V.
 
     The tolerance is that of ten half periods integrated with a relative error of 1e-5; a switch that is late by a step
     of 1 ms would be an error of 0.3 V.
     """
-    instance = run(modelica(MULTIVIBRATOR))
+    instance = run(modelica(text))
     tau, end, limit = 0.05 / math.log(3), 0.5, 7.5 - 0.001
     instance.steps(round(end / step), step)
     first, half = tau * math.log(16 / (15 - limit)), tau * math.log((15 + limit) / (15 - limit))
@@ -133,6 +143,47 @@ def test_a_solution_of_a_loop_that_ceases_to_exist_is_left_at_that_instant(model
     side = 1 if count % 2 == 0 else -1
     assert instance.get("c")[0] == pytest.approx(side * (15 - (15 + limit) * math.exp(-rest / tau)), abs=1e-3)
     assert instance.get("v")[0] == pytest.approx(side * 15, abs=1e-6)
+
+
+@pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
+def test_a_loop_through_a_limiter_is_solved_from_its_limits(modelica, interface):
+    """A voltage follower of gain 15000; Newton's method alone changes between the limits of the amplifier, ±15 V.
+
+    Its residual is below 1e-10 of the limits, times the gain.
+    """
+    fmu = modelica(
+        "model M Real u(start=-8,fixed=true), v(start=14); equation der(u) = 16;"
+        " v = noEvent(if 15000*(u - v) > 15 then 15 elseif 15000*(u - v) < -15 then -15 else 15000*(u - v)); end M;"
+    )
+    found = fmpy.simulate_fmu(
+        str(fmu.folder), stop_time=1.0, output=["u", "v"], fmi_type=interface, output_interval=0.1
+    )
+    assert np.ptp(found["u"]) == pytest.approx(16, rel=1e-6)
+    assert found["v"] == pytest.approx(found["u"] * 15000 / 15001, abs=1e-6)
+
+
+@pytest.mark.parametrize("start", [-5, 5])
+@pytest.mark.parametrize("unknown", ["i", "p", "q"])
+def test_a_declared_start_selects_the_solution_of_a_loop(modelica, start, unknown):
+    """p² = 4 has the roots ±2; i = 2p and q = 3p have the sign of p."""
+    declared = ", ".join(f"{name}(start={start})" if name == unknown else name for name in ("i", "p", "q"))
+    fmu = modelica(
+        f"model M Real {declared}; Real x(start=0,fixed=true); equation"
+        " i = 2*p; q = 3*p + (i - 2*p); p*q + 5*(q - 3*p) = 12; der(x) = p; end M;"
+    )
+    found = fmpy.simulate_fmu(str(fmu.folder), stop_time=1.0, output=["x", "i"], fmi_type="CoSimulation")
+    sign = math.copysign(1, start)
+    assert [float(found[name][-1]) for name in ("x", "i")] == pytest.approx([2 * sign, 4 * sign], abs=1e-6)
+
+
+@pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
+def test_initial_equations_through_a_limiter_are_solved_from_its_limits(modelica, interface):
+    fmu = modelica(
+        "model M Real v(start=14), d = 15000*(2 - v); equation der(v) = 0;"
+        " initial equation v = noEvent(if d > 15 then 15 elseif d < -15 then -15 else d); end M;"
+    )
+    found = fmpy.simulate_fmu(str(fmu.folder), stop_time=0.1, output=["v"], fmi_type=interface)
+    assert found["v"] == pytest.approx(2 * 15000 / 15001, abs=1e-6)
 
 
 def test_model_exchange_locates_or_refuses_the_end_of_a_loops_solution(modelica, run):

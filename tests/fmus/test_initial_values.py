@@ -158,7 +158,7 @@ REFUSED = {
     r"Model.mo:2.*initial equation of b itself.*write pre\(b\)": (
         "Boolean b; Real x(start=1, fixed=true);\ninitial equation b = true; equation b = x > 0.5; der(x) = -1;"
     ),
-    r"Model.mo:1: M: y depends on sample\(\) or initial\(\) outside of a when clause": (
+    r"Model.mo:2: M: initial\(\) and sample\(\) are supported in when clauses only": (
         "Real x(start=1, fixed=true); Real y;\nequation der(x) = -x; y = if initial() then 5 else x;"
     ),
 }

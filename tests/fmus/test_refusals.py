@@ -20,7 +20,15 @@ REFUSED = {
     r"initial\(\)": ("initial()", STATE + "Real y = if initial() then 0 else x;\nequation\n der(x) = -y;\nend M;"),
     "delay": ("delay(x", STATE + "equation\n der(x) = -delay(x, 0.1);\nend M;"),
     "terminate": ("x < 0.2", PLAIN + ' when x < 0.2 then\n  terminate("done");\n end when;\nend M;'),
-    "s of type string": ("String s", PLAIN + 'protected\n parameter String s = "a";\n Boolean b = s == "a";\nend M;'),
+    "string": (
+        "String s",
+        STATE + ' parameter String s = "a";\nequation\n der(x) = if s == "a" then -x else x;\nend M;',
+    ),
+    r"a clock \(chapter 16": (
+        "Clock c",
+        STATE + " Clock c = Clock(1, 10);\n Real y;\nequation\n when c then y = sample(x); end when;\n"
+        " der(x) = -x;\nend M;",
+    ),
     "fixed=false": (
         "fixed=false",
         STATE + " Real y;\n parameter Real k(fixed=false, start=1);\nequation\n"
@@ -180,6 +188,10 @@ ACCEPTED_FILES = {
     "carriage returns": {name: text.replace("\n", "\r\n") for name, text in LIBRARY.items()},
     "comments before within": {"B.mo": f"// within X;\n/* within Y; */\n{LIBRARY['B.mo']}"},
     "an empty within": {"package.mo": f"within ;\n{LIBRARY['package.mo']}"},
+    "an operator record": {
+        "N.mo": "within Lib;\noperator record N\n  Real re;\n  encapsulated operator function '0'\n"
+        "    import Lib.N;\n    output N z(re=0);\n  algorithm\n  end '0';\nend N;\n"
+    },
 }
 REFUSED_FILES = {
     "a byte order mark": ({"B.mo": b"\xef\xbb\xbf" + LIBRARY["B.mo"].encode()}, r"B\.mo:1: .* byte order mark"),

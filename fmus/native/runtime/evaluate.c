@@ -14,11 +14,11 @@ static double inside(const State *s, double t) {
 /* Solve the nonlinear loops at (t, x) by damped Newton iteration from their last solution. */
 static int newton(Instance *m, double t, const double *x) {
     State *s = &m->s;
-    double next[NG + 1], residual[NG + 1], before[NG + 1], norm = 0, last = INFINITY;
+    double next[NG + 1], further[NG + 1], residual[NG + 1], before[NG + 1], norm = 0, last = INFINITY;
     const double *a[] = ARGUMENTS(s, &t, x);
     double *r[] = { next, residual };
     if (!NG) return 0;
-    for (int k = 0; k < LOOP_ITERATIONS; k++) {
+    for (int k = 0; k < 4 * LOOP_ITERATIONS; k++) {
         int converged = 1;
         f_loop(a, r);
         norm = 0;
@@ -29,9 +29,17 @@ static int newton(Instance *m, double t, const double *x) {
         }
         if (converged) {
             memcpy(s->g, next, NG * sizeof *next);
-            return 0;
+            /* Where the slope changes, a short step may end at a residual that is not zero; then the next one is long. */
+            r[0] = further;
+            f_loop(a, r);
+            r[0] = next;
+            for (int i = 0; i < NG; i++)
+                if (!(fabs(further[i] - s->g[i]) <= 10 * LOOP_TOLERANCE * (fabs(further[i]) + nominal_g[i]))) converged = 0;
+            if (converged) return 0;
+            continue;
         }
-        if (k && !(norm <= 2 * last)) { /* larger residual or NaN: halve the step */
+        /* Halve the step after a larger residual or NaN; if the iteration does not end, after each that is not smaller. */
+        if (k && !(k < LOOP_ITERATIONS ? norm <= 2 * last : norm < last)) {
             for (int i = 0; i < NG; i++) s->g[i] = 0.5 * (s->g[i] + before[i]);
             continue;
         }
@@ -120,7 +128,7 @@ static int start_states(Instance *m) {
             if (!(fabs(next[i] - s->q[i]) <= LOOP_TOLERANCE * (fabs(next[i]) + nominal_q[i]))) converged = 0;
         }
         if (converged) break;
-        if (k && !(norm <= 2 * last)) {
+        if (k && !(k < LOOP_ITERATIONS ? norm <= 2 * last : norm < last)) {
             for (int i = 0; i < NQ; i++) s->q[i] = 0.5 * (s->q[i] + before[i]);
             continue;
         }
