@@ -18,7 +18,7 @@ track_force = { value = "0 N" }             # not measured, this value throughou
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, StrictBool, model_validator
+from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from railgrip.base import units
 from railgrip.base.errors import UnitError
@@ -74,10 +74,10 @@ class Column(Table):
     range: tuple[Magnitude, Magnitude] | None = Field(default=None, description="samples outside are left out")
     holds: StrictBool = Field(default=False, description="repeats its last value until a new one comes")
     may_rest: StrictBool = Field(default=False, description="standing still exactly is normal for this signal")
-    group: Annotated[int, Field(ge=0)] | None = Field(
+    group: Annotated[StrictInt, Field(ge=0)] | None = Field(
         default=None, description="channel group of a name that occurs several times in an mf4 or mdf file"
     )
-    index: Annotated[int, Field(ge=0)] | None = Field(
+    index: Annotated[StrictInt, Field(ge=0)] | None = Field(
         default=None, description="index in that group of a name that occurs several times in it"
     )
     value: Magnitude | None = Field(default=None, description="instead of a column: this value throughout")

@@ -152,6 +152,7 @@ FRICTION = numbers(0.02, 0.3)
 SHARE = numbers(0.02, 0.5)
 ERROR = numbers(2e-3, 0.02)
 PERIOD = st.sampled_from([0.001, 0.002, 0.005, 0.01, 0.02, 0.05])
+STEP = PERIOD.filter(lambda period: period <= 0.01)  # slip control takes no longer ones
 
 MISTAKES: dict[str, Mistake] = {
     "the speed in km/h as a bare number": Mistake("start.speed", numbers(45 / 3.6, 150 / 3.6), lambda v: 3.6 * v),
@@ -170,10 +171,10 @@ MISTAKES: dict[str, Mistake] = {
     "the friction of the clean rail in per cent": Mistake(
         "adhesion.conditioning.recovered", numbers(0.1, 0.4), percent, "conditioned"
     ),
-    "the period of the plant as a frequency": Mistake("periods.communication", PERIOD, frequency),
+    "the period of the plant as a frequency": Mistake("periods.communication", STEP, frequency),
     "the period of the controller as a frequency": Mistake("periods.controller", PERIOD, frequency),
     "the period of the estimator as a frequency": Mistake("periods.estimator", PERIOD, frequency),
-    "the period of the plant in ms": Mistake("periods.communication", PERIOD.filter(lambda v: v > 0.001), milli),
+    "the period of the plant in ms": Mistake("periods.communication", STEP.filter(lambda v: v > 0.001), milli),
     "the period of the controller in ms": Mistake("periods.controller", PERIOD.filter(lambda v: v > 0.001), milli),
     "the gradient in per mille as a bare number": Mistake(
         "track.gradient.0.slope", numbers(0.001, 0.035), milli, "hill"
