@@ -129,7 +129,7 @@ def test_a_digest_depends_on_source_and_parameters_but_not_on_comments(tmp_path)
     assert controller_digest(entrant, [tmp_path]) != first
     ours = entrants(2)
     assert len({controller_digest(ours[name]) for name in ours}) == len(ours)
-    with pytest.raises(ScenarioError, match="the source of nowhere was not found"):
+    with pytest.raises(ScenarioError, match="there is no module nowhere"):
         controller_digest(Entrant.model_validate({**entrant.model_dump(), "controller": {"kind": "nowhere:Own"}}))
 
 
