@@ -110,8 +110,8 @@ def test_published_curves_are_plausible_by_the_rule_of_the_search():
 
 SEARCH_AGAIN = pytest.mark.xfail(
     strict=True,
-    reason="the fit was found before all states had nominal values; the law as printed amplifies the last digits of the "
-    "solver, and the candidate stops more than 3 % farther on two rails: it has to be searched again",
+    reason="the fit was found before all states had nominal values; the law as printed amplifies the last digits of "
+    "the solver, and the candidate stops more than 3 % farther on two rails: it has to be searched again",
 )
 
 
