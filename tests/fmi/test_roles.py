@@ -63,13 +63,13 @@ FILES = (*sorted(PLANTS), *sorted(CONTROLLERS), "TrainPrediction", "onboard", "s
 
 
 @pytest.fixture(scope="module")
-def files(folder: Path, foundry: Path) -> dict[str, Path]:
+def files(folder: Path) -> dict[str, Path]:
     """Return one FMU of each role, plants and controllers with names of several tools."""
     trapezoid = load(Path("trapezoid"))
     numbered = law(wheel="wheelset_speed_{i}", demand="demand_{i}", groups=4)
     renamed = law(wheel="omega{i}", demand="p_set{i}", groups=4)
     found = {name: fmu(name) for name in ("TwoPartTrain", "ForeignTrain", "TrainPrediction")}
-    found["unnumbered"] = faulty_fmu(foundry, names={"speed": "v_train", "acceleration": "retardation"})
+    found["unnumbered"] = faulty_fmu(folder, names={"speed": "v_train", "acceleration": "retardation"})
     found["law"] = pack(controller_fmu(trapezoid), folder / "law.fmu")
     found["numbered"] = pack(sources(numbered), folder / "numbered.fmu")
     found["renamed"] = pack(sources(renamed), folder / "renamed.fmu")
