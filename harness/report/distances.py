@@ -200,8 +200,8 @@ def _row(stop: Stop, sbc: Stop | None, tuned: Stop | None, constant: Sequence[st
         reference="published" if sbc is stop else "best tuned" if tuned is stop else None,
         distance_m=distance,
         repeated=range_text(stop.conditioning, stop.digest, distance),
-        repeats=_spread(stop, distance),
-        other_repeats=_other_repeats(stop, distance),
+        repeats=_spread(stop),
+        other_repeats=_other_repeats(stop),
         duration_s=metrics.duration if stop.outcome is Outcome.STANDSTILL else None,
         reduction_vs_sbc=_reduction(distance, sbc, stop),
         reduction_vs_tuned=_reduction(distance, tuned, stop),
@@ -236,21 +236,15 @@ def range_text(conditioning: RepeatedDistances | None, digest: str, distance: fl
     return f"{conditioning.median:.1f} m ({conditioning.lowest:.1f} – {conditioning.highest:.1f})"
 
 
-def _repeats_of(stop: Stop, distance: float | None) -> RepeatedDistances | None:
-    """Return the repeats of a stop; None without repeats, and if they are those of another stop."""
-    repeats = stop.conditioning
-    return repeats if repeats is not None and repeats.belongs(stop.digest, distance) else None
-
-
-def _spread(stop: Stop, distance: float | None) -> tuple[float, float, float] | None:
-    repeats = _repeats_of(stop, distance)
+def _spread(stop: Stop) -> tuple[float, float, float] | None:
+    repeats = stop.own_repeats
     if repeats is None or not repeats.spreads or not isfinite(repeats.highest):
         return None
     return repeats.median, repeats.lowest, repeats.highest
 
 
-def _other_repeats(stop: Stop, distance: float | None) -> str:
-    repeats = _repeats_of(stop, distance)
+def _other_repeats(stop: Stop) -> str:
+    repeats = stop.own_repeats
     if repeats is None:
         return ""
     texts = [
