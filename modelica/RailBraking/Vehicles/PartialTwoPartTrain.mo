@@ -98,8 +98,8 @@ equation
 <p>
 The plant of Schwarz, Posielek and Goetjes (see References), equations (1) to (6): speed, angular velocity of four
 groups, pad friction of four groups and, for the deflections of six primary suspensions, bounce and pitch of three
-frames with their rates. Further states are disc temperatures, cylinder pressures, distance, air and four energies. It is three <a
-href=\"modelica://RailBraking.Components.Bogie\">Bogies</a> under one <a
+frames with their rates. Further states are disc temperatures, cylinder pressures, distance, air and four energies. It
+is three <a href=\"modelica://RailBraking.Components.Bogie\">Bogies</a> under one <a
 href=\"modelica://RailBraking.Components.CarBody\">CarBody</a>: the pattern for trains whose bogies differ.
 </p>
 <h4>Limitations</h4>
