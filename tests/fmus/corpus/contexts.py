@@ -124,4 +124,4 @@ def _context(parts: list[str], text: str) -> Context:
 
 
 CONTEXTS = {name: _context(parts, text) for name, parts, text in paragraphs("contexts.mo")}
-"""Name → context. The comment above a context has its name, its function in this file, and other than default values."""
+"""Name → context. The comment above a context has its name, its function in this file, and what is not default."""
