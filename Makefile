@@ -159,9 +159,8 @@ regress-omc: $(DEV)  ## compare braking distances with OpenModelica's FMUs with 
 monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely the monitor alarms (10 min)
 	$(PROGRAM) study pad_monitor
 
-fuzz: $(DEV)  ## wrong questions by the thousand, and all Modelica classes of the corpus of the compiler (half an hour)
-	RAILGRIP_FUZZ=1000 $(RUN) -m pytest tests/fuzz tests/test_api_arguments.py tests/fmi/test_malformed_description.py \
-	  tests/stops/test_ideal_bound.py tests/fmus/test_corpus.py
+fuzz: $(DEV)  ## wrong questions by the thousand, and all cases of which the tests run a sample (an hour)
+	RAILGRIP_FUZZ=1000 $(RUN) -m pytest $$(grep -lrE 'RAILGRIP_FUZZ|^from sampling' --include='test_*.py' tests)
 
 suites: $(DEV)  ## run a copy of a Modelica test suite: make suites SUITE=/path KIND=compliance|omc|reference [OPTIONS=…]
 	@test -n "$(SUITE)" || { echo "suites needs SUITE=/path of a copy of the suite, and KIND=compliance, omc or reference"; exit 2; }

@@ -1,6 +1,7 @@
 """Fixtures and settings of all tests."""
 
 import gc
+import json
 import os
 import sys
 import tempfile
@@ -77,6 +78,26 @@ def _saved_figures_are_readable() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Figure, "savefig", save_and_check)
+        yield
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _classes_of_users_are_translated_in_this_process() -> Iterator[None]:
+    """Translate small classes without a new process, whose imports take longer than most of them.
+
+    tests/fmus/test_separate_process.py tests the process.
+    """
+    from railgrip.base.errors import InputError, TranslationError
+    from railgrip.fmus.native import separate_process
+
+    def here(task: str, class_name: str, library: Path, **arguments: Any) -> Any:
+        answer = json.loads(json.dumps(separate_process._answer(task, class_name, library, arguments)))
+        if "refusal" in answer:
+            raise (TranslationError if answer["kind"] == "TranslationError" else InputError)(answer["refusal"])
+        return answer["result"]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(separate_process, "call", here)
         yield
 
 

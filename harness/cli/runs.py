@@ -3,18 +3,17 @@
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from railgrip.campaign.one_stop import Runner, run_folder
-from railgrip.campaign.one_stop import run as run_scenario
 from railgrip.cli.app import RUN_FAILED, AsJson, File, ImportFrom, Overrides, With, fail, print_json
 from railgrip.report.console import progress, remark, say
-from railgrip.report.results import by_compiler, from_elsewhere
-from railgrip.report.stop import require_no_campaign
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
+
+if TYPE_CHECKING:
+    from railgrip.campaign.one_stop import Runner
 
 
 def run(
@@ -32,6 +31,12 @@ def run(
     The exit code is 0 for a standstill, 2 for a scenario that cannot be run and 3 for a stop that ended otherwise.
     """
     scenario = load(file, overrides or [], equipment or [])
+    # Imported here: xarray and pandas take half a second, which a wrong scenario need not wait for.
+    from railgrip.campaign.one_stop import run as run_scenario
+    from railgrip.campaign.one_stop import run_folder
+    from railgrip.report.results import by_compiler, from_elsewhere
+    from railgrip.report.stop import require_no_campaign
+
     directory = out or run_folder(scenario)
     require_no_campaign(directory)
     with progress(scenario.name, scenario.start.speed or None) as bar:
@@ -82,7 +87,7 @@ def run(
         fail(f"{scenario.name}: no braking distance, the stop ended with {stop.outcome.value}: {stop.reason}")
 
 
-def runner(import_from: Sequence[Path] = ()) -> Runner:
+def runner(import_from: Sequence[Path] = ()) -> "Runner":
     """Return the function that runs a scenario; it can be pickled."""
     # Imported here: CasADi and the FMU loader take a second, which a wrong scenario need not wait for.
     from railgrip.simulate.run import run_stop

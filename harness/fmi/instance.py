@@ -169,23 +169,27 @@ class Instance:
         self._running = False
         self._defect: Reason | None = None
         self._saved: list[ctypes.c_void_p] = []
-        with _without_solver_lines(description):
-            try:
-                if description.fmi == 2:
-                    instance.instantiate(callbacks=_callbacks(self._log.address), loggingOn=True)
-                else:
-                    instance.instantiate(logMessage=self._hear, loggingOn=True)
-            except Exception:  # FMPy raises bare Exception if instantiation fails
-                self.component = 0
+        self.component = 0
+        try:
+            self._instantiate(way)
+        except BaseException:  # an open log would be written to after its memory is freed
+            self.close()
+            raise
+
+    def _instantiate(self, way: Way) -> None:
+        description, instance = self.description, self.fmpy
+        with _without_solver_lines(description), suppress(Exception):  # FMPy raises bare Exception if it fails
+            if description.fmi == 2:
+                instance.instantiate(callbacks=_callbacks(self._log.address), loggingOn=True)
             else:
-                self.component = cast(int, instance.component)
+                instance.instantiate(logMessage=self._hear, loggingOn=True)
+            self.component = cast(int, instance.component)
         if not self.component:
+            interface = _interface(description, way)
             kind = "CoSimulation" if way == "co-simulation" else "ModelExchange"
             call = "fmi2Instantiate" if description.fmi == 2 else f"fmi3Instantiate{kind}"
             needs = f"it needs {description.generator or 'its tool'} on this machine" if interface.needs_tool else ""
-            failure = self.failure("refused", call, 0.0, doing=needs)
-            self.close()
-            raise PlantFailed(failure)
+            raise PlantFailed(self.failure("refused", call, 0.0, doing=needs))
         with suppress(FMICallException):  # an FMU without such logging still works
             categories = [c for c in description.log_categories if c in _PROBLEMS]
             instance.setDebugLogging(bool(categories), categories)

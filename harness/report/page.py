@@ -129,8 +129,9 @@ class Page:
             first=next(iter(plots), None),
             body=Markup(_html_of(body)),
             origin=ReportTable([{"": key, "value": value} for key, value in origin.items()], left=("", "value")),
-            plots=_pack(json.dumps(plots, ensure_ascii=False, allow_nan=False).encode(), 1),
-            plotly=_plotly(),
+            # Of letters and digits: a search for characters to escape would take as long as the rest of the page.
+            plots=Markup(_pack(json.dumps(plots, ensure_ascii=False, allow_nan=False).encode(), 1)),
+            plotly=Markup(_plotly()),
             script=Markup((_ROOT / "report/page.js").read_text(encoding="utf-8")),
         )
 

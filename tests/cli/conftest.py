@@ -10,6 +10,7 @@ import pytest
 import synthetic_runner
 
 import railgrip.scenario
+from railgrip.simulate import run
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 ROOT = Path(__file__).parents[2]
@@ -50,8 +51,13 @@ def project(tmp_path):
 def railgrip(project, monkeypatch, command):
     """Run a command in the project, in this process; campaigns still start worker processes."""
     monkeypatch.chdir(project)
+    own = run.run_stop
     monkeypatch.setattr("railgrip.simulate.run.run_stop", synthetic_runner.run_stop)
-    return command
+    yield command
+    # A module that a command has imported just now would keep the replacement.
+    for name, module in list(sys.modules.items()):
+        if name.startswith("railgrip.") and vars(module).get("run_stop") is synthetic_runner.run_stop:
+            module.run_stop = own
 
 
 @pytest.fixture

@@ -9,18 +9,14 @@ import matplotlib
 import matplotlib.pyplot as plt
 import pytest
 from matplotlib.figure import Figure
+from sampling import FUZZ
 
 SCRIPTS = sorted((Path(__file__).parents[2] / "docs/gallery").glob("*.py"))
 LONG = {
-    "brake_pipe": "compiles a train of 46 axles",
-    "friction_level": "18 stops",
-    "k_dry": "31 stops",
-    "lateral_wheelset": "a study",
-    "own_controller": "15 stops with a controller in Python",
-    "random_draws": "40 stops",
-    "thresholds": "20 stops",
+    *("brake_pipe", "k_dry", "own_controller", "friction_level", "random_draws", "thresholds", "lateral_wheelset"),
+    *("field_test", "wheel_diameter", "sampling_period", "sanding", "ideal_bound", "slip_cleans", "k_wet", "gradient"),
 }
-"""Scripts that only `make docs` runs, with the reason for their duration."""
+"""Scripts that take seconds or minutes, for a train to compile or for many stops: for `make fuzz` and `make docs`."""
 LINES = 30
 
 
@@ -50,7 +46,7 @@ def figures(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Callabl
 
 
 @pytest.mark.filterwarnings("ignore:FigureCanvasAgg is non-interactive")
-@pytest.mark.parametrize("script", [s for s in SCRIPTS if s.stem not in LONG], ids=lambda script: script.stem)
+@pytest.mark.parametrize("script", [s for s in SCRIPTS if FUZZ or s.stem not in LONG], ids=lambda script: script.stem)
 def test_axes_of_a_script_have_units(script: Path, figures: Callable[[Path], list[Figure]]):
     """Exceptions: panels share labels, bars have names instead of a label, and wheelset numbers have no unit."""
     drawn = figures(script)

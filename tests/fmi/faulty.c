@@ -72,17 +72,22 @@ static void *speak(void *c) {
 }
 /* A process that belongs to nobody; its number goes to a file that the test reads. */
 static void leave_one_behind(void) {
+    int written[2];
+    char end;
+    if (pipe(written)) return;
     if (fork() == 0) {
         setsid();
         if (fork() == 0) {
             FILE *f = fopen(getenv("MULE_LEFT_BEHIND"), "a");
             fprintf(f, "%d\n", (int)getpid());
             fclose(f);
+            close(written[1]);
             for (;;) pause();
         }
         _exit(0);
     }
-    usleep(200000);
+    close(written[1]);
+    while (read(written[0], &end, 1) > 0) continue; /* until the process has closed it */
 }
 
 static void talk(void) {

@@ -4,6 +4,7 @@ import pickle
 import zipfile
 from contextlib import closing
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -301,3 +302,14 @@ def test_only_solver_lines_of_openmodelica_are_removed_from_an_fmus_output(
     assert ("equidistant" in printed) is (tool == "another tool")
     if tool != "another tool":
         assert printed.split() == ["before", "first", "word", "last", "word", "after"]
+
+
+def test_an_instance_that_cannot_be_created_is_closed(foundry: Path, monkeypatch: pytest.MonkeyPatch):
+    """Its log would otherwise be written to after its memory is freed; Ctrl-C may come at any moment."""
+    description, closed = describe(tiny(foundry)), []
+    close = Instance.close
+    monkeypatch.setattr(Instance, "close", lambda self: (closed.append(self), close(self)))
+    monkeypatch.setattr("fmpy.fmi2.FMU2Slave.setDebugLogging", Mock(side_effect=KeyboardInterrupt))
+    with unpack(description) as folder, pytest.raises(KeyboardInterrupt):
+        Instance(description, "co-simulation", folder, name="m")
+    assert [one.component for one in closed] == [0]

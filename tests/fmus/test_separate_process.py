@@ -11,6 +11,9 @@ from railgrip.fmus.build import build_class
 from railgrip.fmus.native import lower, separate_process, toolchain
 from railgrip.fmus.native.library import LIBRARY
 
+CALL = separate_process.call
+"""The function that tests/conftest.py replaces."""
+
 DECAY = "model M Real x(start=1, fixed=true); equation der(x) = {}; end M;"
 DOUBLED = (
     "package P model A0 Real x(start=1, fixed=true); equation der(x) = -x; end A0; "
@@ -41,6 +44,11 @@ REFUSED = {
     "2²² states": (DOUBLED, "P.M takes more than (2 s|2048 MiB)"),
     "too many states": ("model M Real a[20000](each start=1); equation der(a) = -a; end M;", "M takes more than 2 s"),
 }
+
+
+@pytest.fixture(autouse=True)
+def _a_separate_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(separate_process, "call", CALL)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux")

@@ -79,10 +79,6 @@ def distance(scenario):
             ],
             id="service brake",
         ),
-        pytest.param(
-            ["adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='1.9e-4 m/J'}"],
-            id="rail that slip cleans",
-        ),
     ],
 )  # fmt: skip
 def test_a_stop_in_fmpy_equals_that_of_the_harness(changes, tmp_path):
@@ -90,8 +86,8 @@ def test_a_stop_in_fmpy_equals_that_of_the_harness(changes, tmp_path):
     assert braking_distance(exported(scenario, tmp_path)) == pytest.approx(distance(scenario), abs=SAME)
 
 
-def test_a_stop_by_fmi_3_equals_that_of_the_harness(tmp_path):
-    scenario = scenario_with()
+def test_a_stop_by_fmi_3_on_a_rail_that_slip_cleans_equals_that_of_the_harness(tmp_path):
+    scenario = scenario_with("adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='1.9e-4 m/J'}")
     folder = exported(scenario, tmp_path, as_fmi_3)
     assert read_model_description(str(folder / "onboard.fmu")).fmiVersion == "3.0"
     assert braking_distance(folder) == pytest.approx(distance(scenario), abs=SAME)

@@ -1,11 +1,12 @@
 """A small Modelica class with the values that its variables must have, and the library that holds many of them."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-SHARED = (Path(__file__).parent / "Shared.mo").read_text()
+FOLDER = Path(__file__).parent
+SHARED = (FOLDER / "Shared.mo").read_text()
 """Functions, records, enumerations and constants that cases use."""
 
 Function = Callable[[float], float]
@@ -21,32 +22,26 @@ class Case:
         text: Body of a package, with the class `M`; it may use `Shared`.
         expected: Variable of M → value over time, computed without the compiler.
         tolerance: Largest error, relative to the largest expected value (or to one, if that is larger).
+        may_be_refused: Whether the compiler may refuse it, with file and line; all others must be right.
     """
 
     name: str
     text: str
     expected: Mapping[str, Function]
     tolerance: float = 1e-5
+    may_be_refused: bool = False
 
 
-def rule(name: str, text: str, *, tolerance: float = 1e-5, **expected: Function) -> Case:
-    """Return the case of a rule of the language; its name begins with the section."""
-    return Case(name=name, text=text, expected=expected, tolerance=tolerance)
+def paragraphs(file: str) -> Iterator[tuple[str, list[str], str]]:
+    """Yield the classes of a file of this folder, each with the parts of the comment above it.
 
-
-def constant(value: float) -> Function:
-    """Return a constant."""
-    return lambda t: value
-
-
-def ramp(slope: float) -> Function:
-    """Return a line through zero."""
-    return lambda t: slope * t
-
-
-def step(time: float, before: float, after: float) -> Function:
-    """Return a function with one jump [s]."""
-    return lambda t: before if t < time else after
+    The comment has a name and further parts, separated by semicolons; an empty line ends the text.
+    """
+    for paragraph in (FOLDER / file).read_text(encoding="utf-8").split("\n\n"):
+        comment, _, text = paragraph.strip().partition("\n")
+        if text:
+            name, *parts = comment.removeprefix("// ").split("; ")
+            yield name, parts, text
 
 
 def library(cases: Sequence[Case]) -> str:

@@ -4,6 +4,7 @@ import re
 
 from corpus.case import Case
 from corpus.contexts import CONTEXTS, SIGNALS, THRESHOLD, VALUE
+from corpus.exceptions import may_be_refused
 from corpus.features import FEATURES
 
 
@@ -26,6 +27,7 @@ def combine(feature: str, context: str) -> Case | None:
         text=body,
         expected={"y": place.expected(expression.formula, signal, value)},
         tolerance=place.tolerance,
+        may_be_refused=may_be_refused(feature, context),
     )
 
 
