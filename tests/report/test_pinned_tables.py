@@ -18,8 +18,9 @@ from test_variants import SAND, SEEDS
 
 import railgrip as rg
 from railgrip.campaign.load import csv_of
-from railgrip.report.distances import rows_of, write_table
+from railgrip.report.distances import write_table
 from railgrip.report.distribution import distributions_of, quantile_table, worst_table
+from railgrip.report.frame import frame_of
 from railgrip.report.headline import headline
 from railgrip.report.index import reference_of
 from railgrip.report.overview import overview_of
@@ -61,13 +62,13 @@ def results(tmp_path_factory, write_campaign):
 def test_the_table_of_a_campaign(results):
     folder, found = results("table1", keep=lambda stop: stop.variants["scenario"] == "trapezoid")
     check("table1.md", write_table(found, folder)[1].read_text(encoding="utf-8"))
-    rows = rows_of(found)
+    rows = frame_of(found)
     check("table1_overview.md", f"{headline(rows)}\n\n{overview_of(rows).table()}\n")
 
 
 def test_the_tables_of_draws(results):
     folder, found = results("drawn", DRAWS.format(library=LIBRARY.as_posix()))
-    rows = rows_of(found)
+    rows = frame_of(found)
     tables = (quantile_table(distributions_of(rows), 300.0), worst_table(rows, {}, 3))
     text = write_table(found, folder)[1].read_text(encoding="utf-8")
     check("drawn.md", "\n\n".join([text, *map(str, tables), headline(rows)]) + "\n")
@@ -77,7 +78,7 @@ def test_the_tables_of_draws(results):
 def test_variants_in_pairs(results, name, draws):
     text = SAND.format(library=LIBRARY.as_posix(), draws=draws)
     _, found = results("sand", text)
-    rows, reference = rows_of(found), reference_of(found, "sand=none")
+    rows, reference = frame_of(found), reference_of(found, "sand=none")
     changes = changes_against(reference, found.stops, rows)
     check(f"{name}.md", f"{change_table(reference, changes)}\n\n{headline(rows, reference, changes)}\n")
 
