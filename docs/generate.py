@@ -32,7 +32,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import ONE_OR_EACH
 from railgrip.simulate.contact import compiled_contact
 from railgrip.simulate.files import compile_class
-from railgrip.trace.metrics import meanings
+from railgrip.trace.metrics import FIGURES
 from railgrip.vehicle import signals
 
 BY_NAME = "by name"
@@ -322,13 +322,15 @@ def signals_page() -> None:
 
 
 def metrics_page() -> None:
-    rows = ([f"`{name}`", unit, meaning] for name, (unit, meaning) in meanings().items())
+    rows = (
+        [f"`{name}`", figure.extent, figure.unit, figure.better, figure.meaning] for name, figure in FIGURES.items()
+    )
     write(
         "metrics",
         "Metrics",
         "Figures of a stop: `stop.metrics` in Python, `stop.json` on disk. Values of wheelsets or groups are listed "
         "from the leading one to the trailing one. A figure that does not exist is NaN or `None`, in JSON `null`.",
-        markdown_table(("metric", "unit", "definition"), rows),
+        markdown_table(("metric", "one value per", "unit", "better", "definition"), rows),
     )
 
 

@@ -91,7 +91,7 @@ def conditioning_of(
         repeated = repeats[stop.name]
         perturbed = [read_stop(directory / one.name) for one in repeated.perturbed]
         distances = [_distance(one) for one in perturbed]
-        figures = [one.metrics.other_figures() for one in perturbed]
+        figures = [one.metrics.compared() for one in perturbed]
         stops[stop.name] = RepeatedDistances(
             digest=stop.scenario.digest(),
             distances=tuple(sorted(distances, key=lambda distance: (distance is None, distance))),

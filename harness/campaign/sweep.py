@@ -23,7 +23,7 @@ from railgrip.report.console import progress
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import run_stop
-from railgrip.trace.metrics import Metrics, meanings
+from railgrip.trace.metrics import FIGURES, Metrics
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -119,8 +119,7 @@ class Sweep:
         Metrics are in SI units, which `attrs["units"]` has by column; `longest_lock[2]` is that of the second group.
         """
         rows = [
-            {"outcome": result.outcome, "reason": result.reason}
-            | (_flat(result.metrics.to_plain()) if result.metrics else {})
+            {"outcome": result.outcome, "reason": result.reason} | (result.metrics.flat() if result.metrics else {})
             for result in self.results
         ]
         combinations = [tuple(map(_hashable, values)) for values in self.combinations]
@@ -128,9 +127,10 @@ class Sweep:
         if index is not None and len(self.axes) == 1:
             index = index.get_level_values(0)
         frame = pandas.DataFrame(rows, index=index)
-        units = {name: unit for name, (unit, _) in meanings().items()}
         frame.attrs["units"] = {
-            column: unit for column in frame.columns if (unit := units.get(column.partition("[")[0])) is not None
+            column: figure.unit
+            for column in frame.columns
+            if (figure := FIGURES.get(column.partition("[")[0])) is not None
         }
         return frame
 
@@ -144,7 +144,7 @@ class Sweep:
             for name in ("outcome", "reason")
         }
         metrics = [result.metrics.to_plain() for result in self.results if result.metrics]
-        for name, (unit, meaning) in meanings().items():
+        for name, figure in FIGURES.items():
             sample = next((plain[name] for plain in metrics if plain[name] is not None), None)
             if sample is None:
                 continue
@@ -155,12 +155,11 @@ class Sweep:
                 else np.asarray(value, dtype=np.float64)
                 for result in self.results
             ]
-            each = "wheelset" if "wheelset" in meaning else "group" if "group" in meaning else ""
-            if not each:  # a figure of the train, in a list of one
+            if figure.extent == "train":  # speed_rmse is a list of one
                 first, values = first.reshape(()), [value.reshape(()) for value in values]
-            further = (each, "slip_class")[: first.ndim]
+            further = (figure.extent, "slip_class")[: first.ndim]
             stacked = self._on_axes(np.stack(values), np.nan)
-            variables[name] = ((*self.axes, *further), stacked, {"units": unit, "long_name": meaning})
+            variables[name] = ((*self.axes, *further), stacked, {"units": figure.unit, "long_name": figure.meaning})
         return xarray.Dataset(variables, coords={axis: list(values) for axis, values in self.axes.items()})
 
 
@@ -233,14 +232,3 @@ def _failure_result(problem: RailgripError) -> Result:
 
 def _hashable(value: Any) -> Any:
     return json.dumps(value, ensure_ascii=False, default=str) if isinstance(value, list | tuple | Mapping) else value
-
-
-def _flat(plain: Mapping[str, Any]) -> dict[str, Any]:
-    """Return figures as one dict, with an entry for each group or wheelset, counted from 1."""
-    flat: dict[str, Any] = {}
-    for name, value in plain.items():
-        if isinstance(value, list):
-            flat |= _flat({f"{name}[{i}]": element for i, element in enumerate(value, start=1)})
-        else:
-            flat[name] = math.nan if value is None else value
-    return flat

@@ -16,14 +16,14 @@ from railgrip.cli.runs import runner
 from railgrip.report.baseline import baseline_deviations
 from railgrip.report.comparison import compare as compared
 from railgrip.report.console import complain, progress, remark, say, show_all
-from railgrip.report.distances import documentation_tables, reader_tables, rows_of
+from railgrip.report.distances import documentation_tables, reader_tables
+from railgrip.report.frame import Frame, frame_of
 from railgrip.report.headline import headline
 from railgrip.report.index import reference_of, write_report
 from railgrip.report.marked import names_in, page_text, write_tables
 from railgrip.report.overview import OVERVIEW_MEANING, overview_of
 from railgrip.report.page import formats_of
 from railgrip.report.results import Results, by_compiler, read_results, remarks_on
-from railgrip.report.row import Row
 from railgrip.report.stop import require_no_result
 from railgrip.report.variants import ReferenceVariant, change_table, changes_against
 from railgrip.scenario.campaign import Panels, load_campaign, selection_of
@@ -82,14 +82,14 @@ def campaign(
     problem = run_campaigns(runs, workers=workers, scheduler=scheduler, fresh=fresh, import_from=import_from or ())
     for run, baseline in zip(runs, baselines, strict=True):
         results = read_results(run.directory)
-        rows = rows_of(results)
-        overview = overview_of(rows)
+        frame = frame_of(results)
+        overview = overview_of(frame)
         if overview is None:
-            show_all(reader_tables(rows, hidden=_NOT_ON_SCREEN) or ["no results"])
+            show_all(reader_tables(frame, hidden=_NOT_ON_SCREEN) or ["no results"])
         else:
             say(textwrap.fill(f"{run.campaign.name}: {OVERVIEW_MEANING}", _SCREEN))
             show_all([overview.table()])
-        _show_result(results, rows, against)
+        _show_result(results, frame, against)
         for sentence in by_compiler(results.stops):
             say(textwrap.fill(sentence, _SCREEN))
         for sentence in remarks_on(results.stops):
@@ -127,8 +127,8 @@ def report(
     """
     formats = formats_of(figure_formats)
     if write is not None:
-        rows = rows_of(read_results(directory))
-        tables = {f"{directory.name}, {name}": table for name, table in documentation_tables(rows).items()}
+        frame = frame_of(read_results(directory))
+        tables = {f"{directory.name}, {name}": table for name, table in documentation_tables(frame).items()}
         wanted = names_in(page_text(write))
         chosen = {name: table for name, table in tables.items() if name in wanted} or tables
         write_tables(write, chosen)
@@ -142,16 +142,16 @@ def report(
         page = write_report(directory, panels=panels, notify=draw, formats=formats, against=against)
     if against is not None:
         results = read_results(directory)
-        _show_result(results, rows_of(results), against)
+        _show_result(results, frame_of(results), against)
     say(str(page))
 
 
-def _show_result(results: Results, rows: Sequence[Row], against: str | None) -> None:
+def _show_result(results: Results, frame: Frame, against: str | None) -> None:
     reference = reference_of(results, against)
-    changes = () if reference is None else changes_against(reference, results.stops, rows)
+    changes = () if reference is None else changes_against(reference, results.stops, frame)
     if reference is not None:
         show_all([change_table(reference, changes)])
-    say(textwrap.fill(headline(rows, reference, changes), _SCREEN))
+    say(textwrap.fill(headline(frame, reference, changes), _SCREEN))
 
 
 def table(

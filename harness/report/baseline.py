@@ -23,7 +23,7 @@ Further figures of a stop reveal changes that its distance does not, such as ano
 
     figures.adhesion_rmse = { value = 0.00074, tolerance = 7.4e-8 }
 
-These are the figures of `Metrics.other_figures` that vary by less than `railgrip.scenario.conditioning.LOOSEST` over
+These are the figures of `Metrics.compared` that vary by less than `railgrip.scenario.conditioning.LOOSEST` over
 the repeats, or by less than `LOOSEST_OF_SCATTER` for a stop without such figures. The greatest adhesion and
 the longest lock of any group [s] and the strokes of all valves at the last `make accept` are for information; they are
 compared only if they are among the figures.
@@ -44,7 +44,7 @@ from railgrip.base.files import write_json, write_text
 from railgrip.base.outputs import claim
 from railgrip.base.records import read_json_value, words_of
 from railgrip.report import table
-from railgrip.report.distances import rows_of
+from railgrip.report.frame import frame_of, plain_rows
 from railgrip.report.results import Results, from_elsewhere
 from railgrip.scenario.campaign import Campaign
 from railgrip.scenario.conditioning import CERTAINTY, LOOSEST, SMOOTH, RepeatedDistances
@@ -255,15 +255,15 @@ def findings_of(results: Results) -> Findings:
         values=tuple(
             Finding(
                 name=result.name,
-                value=row.distance_m,
+                value=row["distance_m"],
                 unit="m",
                 repeated=result.own_repeats,
-                adhesion_peak=row.adhesion_peak,
-                longest_lock=row.longest_lock_s,
-                valve_strokes=row.valve_strokes,
-                figures=result.metrics.other_figures(),
+                adhesion_peak=row["adhesion_peak"],
+                longest_lock=row["longest_lock_s"],
+                valve_strokes=row["valve_strokes"],
+                figures=result.metrics.compared(),
             )
-            for result, row in zip(results.stops, rows_of(results), strict=True)
+            for result, row in zip(results.stops, plain_rows(frame_of(results)), strict=True)
         ),
         missing=results.missing,
     )

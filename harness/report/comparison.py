@@ -26,7 +26,7 @@ from railgrip.report.table import Form, ReportTable, percent, text
 from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace.loss import Loss, SectionLoss, course_of, loss
-from railgrip.trace.metrics import Metrics, meanings
+from railgrip.trace.metrics import FIGURES, Metrics
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -267,7 +267,7 @@ def _of_stops(sides: Sequence[ComparisonSide]) -> Comparison:
         names=[side.name for side in sides],
         headlines=[side.headline for side in sides],
         question=_question([side.question for side in sides]),
-        answer=_answer(sides, flat_figures, "Figures of each group and wheelset"),
+        answer=_answer(sides, Metrics.flat, "Figures of each group and wheelset"),
         overview=_answer(sides, _means, "Differences of the results"),
         along=along,
         sentences=sentences,
@@ -372,18 +372,17 @@ def _value(value: Any) -> str:
     return f"{text_[:8]}…" if len(text_) == 64 and text_.isalnum() else cut(text_, 80)
 
 
-_Figures = Mapping[str, tuple[float, str]]
-"""Name of a figure → value, NaN if it does not exist, and unit."""
-
-
-def _answer(sides: Sequence[ComparisonSide], figures_of: Callable[[Metrics], _Figures], title: str) -> ReportTable:
+def _answer(
+    sides: Sequence[ComparisonSide], figures_of: Callable[[Metrics], Mapping[str, float]], title: str
+) -> ReportTable:
     letters = ascii_uppercase[: len(sides)]
     figures = [figures_of(side.stop.figures) for side in sides]
     rows: list[dict[str, Any]] = []
     if len({side.stop.outcome for side in sides}) > 1:
         rows.append(_row("outcome", [side.stop.outcome.value for side in sides], "", letters))
-    for name, unit in dict.fromkeys((name, unit) for figure in figures for name, (_, unit) in figure.items()):
-        values = [figure.get(name, (math.nan, unit))[0] for figure in figures]
+    for name in dict.fromkeys(name for figure in figures for name in figure):
+        unit = FIGURES[re.split(r"\[|, ", name)[0]].unit_text
+        values = [float(figure.get(name, math.nan)) for figure in figures]
         if any(value != values[0] and not (math.isnan(value) and math.isnan(values[0])) for value in values):
             rows.append(_row(name, values, unit, letters))
     numbers = [column for column in (rows[0] if rows else ()) if column not in ("figure", "unit")]
@@ -399,36 +398,20 @@ def _row(name: str, values: Sequence[Any], unit: str, letters: str) -> dict[str,
         is_number = not isinstance(value, str)
         row[f"{letter} − A"] = value - values[0] if is_number else math.nan
         row[f"{letter} − A [%]"] = 100 * (value / values[0] - 1) if is_number and values[0] > 0 else math.nan
-    return row | {"unit": "" if unit == "1" else unit}
+    return row | {"unit": unit}
 
 
-def flat_figures(metrics: Metrics) -> dict[str, tuple[float, str]]:
-    """Return figure, as `longest_lock[2]` for the second group, → value and unit; NaN for a missing value."""
-    figures: dict[str, tuple[float, str]] = {}
-
-    def add(name: str, value: Any, unit: str) -> None:
-        if isinstance(value, list | tuple):
-            for number, item in enumerate(value, start=1):
-                add(f"{name}[{number}]", item, unit)
-        else:
-            figures[name] = (math.nan if value is None else float(value), unit)
-
-    for name, (unit, _) in meanings().items():
-        add(name, getattr(metrics, name), unit)
-    return figures
-
-
-def _means(metrics: Metrics) -> dict[str, tuple[float, str]]:
-    """Return figure → value and unit, for arrays the mean; histograms are omitted, as their mean has no meaning."""
-    elements: dict[str, list[tuple[float, str]]] = {}
-    for name, value in flat_figures(metrics).items():
+def _means(metrics: Metrics) -> dict[str, float]:
+    """Return figure → value, for arrays the mean; histograms are omitted, as their mean has no meaning."""
+    elements: dict[str, list[float]] = {}
+    for name, value in metrics.flat().items():
         if name.count("[") < 2:
             elements.setdefault(name.partition("[")[0], []).append(value)
-    figures: dict[str, tuple[float, str]] = {}
+    figures: dict[str, float] = {}
     for name, values in elements.items():
-        known = [value for value, _ in values if not math.isnan(value)]
+        known = [value for value in values if not math.isnan(value)]
         called = name if len(values) == 1 else f"{name}, mean of {len(values)}"
-        figures[called] = (sum(known) / len(known) if known else math.nan, values[0][1])
+        figures[called] = sum(known) / len(known) if known else math.nan
     return figures
 
 

@@ -4,22 +4,22 @@
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Final
 
 import numpy as np
+import pandas
 
-from railgrip.report.row import Conditions, Row
+from railgrip.report.frame import CONDITIONS, IN_TABLES, PLACE, Frame, groups_of
 from railgrip.report.statistics import (
-    endless,
     median_interval,
     order_interval,
     quantile,
     relative_change,
     share_interval,
 )
-from railgrip.report.table import Link, ReportTable, percent, share, text
+from railgrip.report.table import Link, ReportTable, percent, text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,103 +45,85 @@ class PairedComparison:
     changes: tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Distribution(Conditions):
-    """One controller over the draws of one set of conditions.
+def distributions_of(frame: Frame) -> Frame:
+    """Return a row for each controller and conditions with draws, in the order of the stops.
 
-    Attributes:
-        draws: Number of draws.
-        stood: Number of draws that ended in a standstill.
-        distances_m: Distance by draw; infinite without standstill.
-        median_m: Median distance; infinite if half of the draws or more have no standstill.
-        low_m: 5 % quantile of the distance.
-        high_m: 95 % quantile of the distance.
-        worst_m: Longest distance.
-        worst_draw: Seed of the draw with the longest distance.
-        longest_lock_s: Median over the draws of the longest lock of any group.
-        vs_sbc: Comparison with the published slip-based control; None without it.
-        vs_tuned: Comparison with the best tuned slip-based control; None without it.
+    Columns: `CONDITIONS`, `label`; the numbers of `draws` and of those that `stood`; `distances`, a series by draw,
+    infinite without standstill; `median`, 5 % quantile `low` and 95 % quantile `high` of the distance [m], infinite if
+    too many draws have no standstill; the longest distance `worst` [m] and its seed `worst_draw`; `vs_sbc` and
+    `vs_tuned`, the comparison with the published and with the best tuned slip-based control or None; and the median of
+    each figure that has one over draws.
     """
-
-    draws: int
-    stood: int
-    distances_m: Mapping[int, float]
-    median_m: float
-    low_m: float
-    high_m: float
-    worst_m: float
-    worst_draw: int
-    longest_lock_s: float | None
-    vs_sbc: PairedComparison | None
-    vs_tuned: PairedComparison | None
+    drawn = frame[frame["draw"].notna()]
+    groups = [of for _, of in groups_of(drawn, (*PLACE, "controller_label", "estimator"))]
+    references = {(*(of[name].iloc[0] for name in PLACE), of["reference"].iloc[0]): of for of in groups}
+    return pandas.DataFrame([_distribution(of, references) for of in groups])
 
 
-def distributions_of(rows: Sequence[Row]) -> tuple[Distribution, ...]:
-    """Return the distributions over the draws among the rows, in the order of the rows."""
-    groups: dict[tuple[str, ...], list[Row]] = {}
-    for row in rows:
-        if row.draw is not None:
-            groups.setdefault((*row.place, row.controller_label, row.estimator), []).append(row)
-    references = {(here[0].place, here[0].reference): here for here in groups.values() if here[0].reference is not None}
-    return tuple(
-        _distribution(
-            here,
-            references.get((here[0].place, "published")),
-            references.get((here[0].place, "best tuned")),
-        )
-        for here in groups.values()
+def plain_distributions(distributions: Frame) -> list[dict[str, Any]]:
+    """Return the rows as JSON values."""
+    shown = distributions.drop(columns="label", errors="ignore").rename(
+        columns={name: f"{name}_m" for name in ("distances", "median", "low", "high", "worst")}
+        | {"longest_lock": "longest_lock_s"}
     )
+    return [
+        row
+        | {name: row[name] and asdict(row[name]) for name in ("vs_sbc", "vs_tuned")}
+        | {"distances_m": row["distances_m"].to_dict()}
+        for row in shown.to_dict("records")
+    ]
 
 
-def over_cases(rows: Sequence[Row]) -> list[Row]:
-    """Return the rows of a scenario with many cases as if each case were a draw."""
-    cases = {case: number for number, case in enumerate(dict.fromkeys(row.case for row in rows), start=1)}
-    return [replace(row, case="", draw=cases[row.case]) for row in rows]
+def over_cases(frame: Frame) -> Frame:
+    """Return the stops of a scenario with many cases as if each case were a draw."""
+    cases = pandas.factorize(frame["case"])[0] + 1
+    return frame.assign(case="", label=frame["scenario"], draw=cases.astype(object))
 
 
-def distribution_table(distributions: Sequence[Distribution]) -> ReportTable:
+def distribution_table(distributions: Frame) -> ReportTable:
     """Return a row for each distribution."""
     rows = [
         {
-            **_question(distribution),
-            "draws": str(distribution.draws)
-            if distribution.stood == distribution.draws
-            else f"{distribution.draws}, {distribution.draws - distribution.stood} without stop",
-            "median": _metres(distribution.median_m),
-            "5–95 %": f"{_metres(distribution.low_m, '')} – {_metres(distribution.high_m)}",
-            "worst (draw)": f"{_metres(distribution.worst_m)} ({distribution.worst_draw})",
-            "longest lock, median": distribution.longest_lock_s,
-            **paired_texts("SBC 10/15 %", distribution.vs_sbc),
-            **paired_texts("best tuned SBC", distribution.vs_tuned),
+            **_question(one),
+            "draws": str(one.draws) if one.stood == one.draws else f"{one.draws}, {one.draws - one.stood} without stop",
+            "median": _metres(one.median),
+            "5–95 %": f"{_metres(one.low, '')} – {_metres(one.high)}",
+            "worst (draw)": f"{_metres(one.worst)} ({one.worst_draw})",
+            **{f"{figure.column}, median": getattr(one, name) for name, figure in _OVER_DRAWS.items()},
+            **paired_texts("SBC 10/15 %", one.vs_sbc),
+            **paired_texts("best tuned SBC", one.vs_tuned),
         }
-        for distribution in distributions
+        for one in distributions.itertuples()
     ]
-    return ReportTable(rows, {"longest lock, median": "{:.2f} s"})
+    return ReportTable(rows, {f"{figure.column}, median": figure.text for figure in _OVER_DRAWS.values()})
 
 
-def _question(distribution: Distribution) -> dict[str, str]:
+def _question(one: Any) -> dict[str, str]:
     return {
-        "scenario": distribution.label,
-        "actuation": distribution.actuation,
-        "sensors": distribution.sensors,
-        "creep curve": distribution.polach,
-        "controller": distribution.controller_label,
+        "scenario": one.label,
+        "actuation": one.actuation,
+        "sensors": one.sensors,
+        "creep curve": one.polach,
+        "controller": one.controller_label,
     }
 
+
+_OVER_DRAWS: Final = {name: figure for name, figure in IN_TABLES.items() if figure.over_draws}
+"""Figures with a median over draws."""
 
 QUANTILES = (0.5, 0.95, 0.99)
 """Quantiles of the distance in tables: the median, and distances that are rarely and hardly ever exceeded."""
 
 
-def quantile_table(distributions: Sequence[Distribution], permitted: float | None) -> ReportTable:
+def quantile_table(distributions: Frame, permitted: float | None) -> ReportTable:
     """Return P50, P95 and P99 of each distribution with their intervals, and how often a distance [m] is exceeded.
 
     Draws without standstill exceed every distance. An interval requires enough draws, that of P99 nearly 400.
     """
     rows: list[dict[str, Any]] = []
-    for distribution in distributions:
-        values = list(distribution.distances_m.values())
-        row: dict[str, Any] = {**_question(distribution), "draws": len(values)}
+    for one in distributions.itertuples():
+        values = one.distances.tolist()
+        row: dict[str, Any] = {**_question(one), "draws": len(values)}
         for level in QUANTILES:
             interval = order_interval(values, level)
             ends = "" if interval is None else f" [{_metres(interval[0], '')}, {_metres(interval[1], '')}]"
@@ -154,21 +136,23 @@ def quantile_table(distributions: Sequence[Distribution], permitted: float | Non
     return ReportTable(rows, title="Quantiles of the braking distance, with intervals of 95 %")
 
 
-def worst_table(rows: Sequence[Row], pages: Mapping[str, str], count: int = 10) -> ReportTable:
+def worst_table(frame: Frame, pages: Mapping[str, str], count: int = 10) -> ReportTable:
     """Return the longest stops of all draws, starting with those without standstill, linked to their pages."""
-    drawn = [row for row in rows if row.draw is not None and row.controller != "ideal_bound"]
-    cells: list[dict[str, Any]] = [
+    drawn = frame[frame["draw"].notna() & (frame["controller"] != "ideal_bound")]
+    cells = [
         {
             "stop": Link(row.stop, pages[row.stop]) if row.stop in pages else row.stop,
             "controller": row.controller_label,
             "seed": row.draw,
-            "distance": f"none: {row.outcome}" if row.distance_m is None else row.distance_m,
+            "distance": f"none: {row.outcome}" if math.isnan(row.distance) else row.distance,
             "adhesion used": row.utilisation,
-            "longest lock": row.longest_lock_s,
+            "longest lock": row.longest_lock,
         }
-        for row in sorted(drawn, key=lambda row: -endless(row.distance_m))[:count]
+        for row in drawn.sort_values("distance", ascending=False, na_position="first", kind="stable")
+        .head(count)
+        .itertuples()
     ]
-    return ReportTable(cells, {"distance": "{:.1f} m", "adhesion used": share, "longest lock": "{:.2f} s"})
+    return ReportTable(cells, {figure.column: figure.text for figure in IN_TABLES.values()})
 
 
 def change_text(paired: PairedComparison) -> str:
@@ -193,37 +177,41 @@ def _metres(distance: float, unit: str = " m") -> str:
     return f"{distance:.1f}{unit}" if math.isfinite(distance) else "no stop"
 
 
-def _distribution(rows: Sequence[Row], published: Sequence[Row] | None, tuned: Sequence[Row] | None) -> Distribution:
-    distances = by_draw(rows)
-    values = list(distances.values())
-    worst = max(distances, key=lambda draw: distances[draw])
-    locks = [row.longest_lock_s for row in rows if row.longest_lock_s is not None]
-    return Distribution(
-        **{field.name: getattr(rows[0], field.name) for field in fields(Conditions)},
-        draws=len(values),
-        stood=sum(map(math.isfinite, values)),
-        distances_m=distances,
-        median_m=float(np.median(values)),
-        low_m=quantile(values, 0.05),
-        high_m=quantile(values, 0.95),
-        worst_m=distances[worst],
-        worst_draw=worst,
-        longest_lock_s=float(np.median(locks)) if locks else None,
-        vs_sbc=None if published is None or published is rows else compare_pairs(distances, published),
-        vs_tuned=None if tuned is None or tuned is rows else compare_pairs(distances, tuned),
-    )
+def _distribution(of: Frame, references: Mapping[tuple[Any, ...], Frame]) -> dict[str, Any]:
+    first, distances = of.iloc[0], by_draw(of)
+    others = (references.get((*(first[name] for name in PLACE), kind)) for kind in ("published", "best tuned"))
+    vs_sbc, vs_tuned = (None if other is None or other is of else compare_pairs(distances, other) for other in others)
+    return {
+        "label": first["label"],
+        **{name: first[name] for name in CONDITIONS},
+        "draws": len(distances),
+        "stood": int(np.isfinite(distances).sum()),
+        "distances": distances,
+        "median": float(np.median(distances)),
+        "low": quantile(distances, 0.05),
+        "high": quantile(distances, 0.95),
+        "worst": float(distances.max()),
+        "worst_draw": distances.idxmax(),
+        **{name: of[name].median() for name in _OVER_DRAWS},
+        "vs_sbc": vs_sbc,
+        "vs_tuned": vs_tuned,
+    }
 
 
-def compare_pairs(distances: Mapping[int, float], other: Sequence[Row]) -> PairedComparison | None:
-    """Return the comparison of distances [m] by draw with those of another controller; None without a common draw."""
-    others = by_draw(other)
-    pairs = [(distances[draw], others[draw]) for draw in distances if draw in others]
-    if not pairs:
+def compare_pairs(own: Frame, other: Frame) -> PairedComparison | None:
+    """Return the comparison of distances [m] by draw with the stops of another controller; None without a common draw.
+
+    Args:
+        own: Distances by draw, infinite without standstill.
+        other: Stops of the other controller.
+    """
+    pairs = pandas.concat([own, by_draw(other)], axis=1, join="inner").to_numpy()
+    if not len(pairs):
         return None
     changes = tuple(relative_change(distance, reference) for distance, reference in pairs)
-    count = sum(distance < reference for distance, reference in pairs)
+    count = int(np.sum(pairs[:, 0] < pairs[:, 1]))
     return PairedComparison(
-        label=other[0].controller_label,
+        label=other["controller_label"].iloc[0],
         draws=len(pairs),
         shorter=count / len(pairs),
         shorter_interval=share_interval(count, len(pairs)),
@@ -233,6 +221,6 @@ def compare_pairs(distances: Mapping[int, float], other: Sequence[Row]) -> Paire
     )
 
 
-def by_draw(rows: Sequence[Row]) -> dict[int, float]:
+def by_draw(frame: Frame) -> Frame:
     """Return the distance [m] of each draw, infinite without standstill."""
-    return {row.draw: endless(row.distance_m) for row in rows if row.draw is not None}
+    return frame.drop_duplicates("draw", keep="last").set_index("draw")["distance"].fillna(math.inf)

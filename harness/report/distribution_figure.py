@@ -1,7 +1,8 @@
 """Figure of the distances of many draws: a point per draw for each controller, and its change against SBC."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -9,52 +10,49 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
 from railgrip.report import palette, style
-from railgrip.report.distribution import Distribution, PairedComparison
+from railgrip.report.frame import PLACE, Frame, groups_of
+from railgrip.trace.metrics import FIGURES
 
 _MAX_BINS = 60
 
 _JITTER = 0.26  # of the height of a row, to either side
 
-_Against = Callable[[Distribution], PairedComparison | None]
 
-
-def distribution_figure(distributions: Sequence[Distribution], *, of: str = "draw") -> Figure:
+def distribution_figure(distributions: Frame, *, of: str = "draw") -> Figure:
     """Return a row of panels for each set of conditions, a line for each controller.
 
     On the left the distances, with median and the range from 5 to 95 %; to their right the change draw by draw against
     the published slip-based control and against the best tuned one, if they exist, with the median and its interval.
     Draws without standstill are counted in the name of the line; they have no point. `of` is the noun for a draw.
     """
-    settings = list(dict.fromkeys(distribution.place for distribution in distributions))
-    sides: list[tuple[str, _Against]] = []
-    for title, against in (("published", _vs_sbc), ("best tuned", _vs_tuned)):
-        label = next((reference.label for distribution in distributions if (reference := against(distribution))), None)
-        if label is not None:
-            sides.append((f"change against the {title} SBC [%]", against))
-    most = max(sum(distribution.place == setting for distribution in distributions) for setting in settings)
+    settings = [list(here.itertuples()) for _, here in groups_of(distributions, PLACE)]
+    sides = [
+        (f"change against the {title} SBC [%]", against)
+        for title, against in (("published", "vs_sbc"), ("best tuned", "vs_tuned"))
+        if distributions[against].notna().any()
+    ]
+    most = max(map(len, settings))
     drawing = style.figure(6.5 + 4 * len(sides), (0.42 * most + 1.2) * len(settings))
     grid = drawing.subplots(len(settings), 1 + len(sides), sharex="col", squeeze=False)
-    for panels, setting in zip(grid, settings, strict=True):
-        here = [distribution for distribution in distributions if distribution.place == setting]
+    for panels, here in zip(grid, settings, strict=True):
         for panel, _ in zip(panels, range(1 + len(sides)), strict=True):
             panel.set_ylim(len(here) - 0.5, -0.5)
             panel.set_yticks([])
-        actuation, sensors, polach = here[0].setting
         style.dress(
             panels[0],
-            x="braking distance [m]",
-            title=f"{here[0].label.replace('_', ' ')}, actuation {actuation}, sensors {sensors}, creep curve {polach}",
+            x=FIGURES["distance"].axis,
+            title=f"{here[0].label.replace('_', ' ')}, actuation {here[0].actuation}, sensors {here[0].sensors}, "
+            f"creep curve {here[0].polach}",
         )
-        panels[0].set_yticks(range(len(here)), [_name(distribution, of) for distribution in here])
+        panels[0].set_yticks(range(len(here)), [_name(one, of) for one in here])
         for line, one in enumerate(here):
-            distances = [distance for distance in one.distances_m.values() if math.isfinite(distance)]
-            _points(panels[0], line, distances)
-            _range(panels[0], line, one.low_m, one.median_m, one.high_m)
+            _points(panels[0], line, one.distances[np.isfinite(one.distances)].tolist())
+            _range(panels[0], line, one.low, one.median, one.high)
         for panel, (title, against) in zip(panels[1:], sides, strict=True):
             style.dress(panel, x=title)
             panel.axvline(0.0, color=palette.BLACK, linewidth=0.9)
             for line, one in enumerate(here):
-                paired = against(one)
+                paired = getattr(one, against)
                 if paired is not None:
                     _points(panel, line, [100 * change for change in paired.changes if math.isfinite(change)])
                     low, high = paired.change_interval or (math.nan, math.nan)
@@ -74,41 +72,38 @@ def distribution_figure(distributions: Sequence[Distribution], *, of: str = "dra
     return drawing
 
 
-def exceedance_figure(distributions: Sequence[Distribution], permitted: float | None) -> Figure:
+def exceedance_figure(distributions: Frame, permitted: float | None) -> Figure:
     """Return a figure of histogram and exceedance share, in a row of panels for each set of conditions.
 
     Args:
         distributions: A line for each; draws without standstill remain in the share up to the right end.
         permitted: Maximum permitted distance of a stop [m], drawn as a line.
     """
-    settings = list(dict.fromkeys(distribution.place for distribution in distributions))
+    settings = [list(here.itertuples()) for _, here in groups_of(distributions, PLACE)]
     drawing = style.figure(11, 3.6 * len(settings))
     grid = drawing.subplots(len(settings), 2, squeeze=False, sharex="row")
-    for (counts, shares), setting in zip(grid, settings, strict=True):
-        here = [distribution for distribution in distributions if distribution.place == setting]
-        ends = np.array([d for distribution in here for d in distribution.distances_m.values() if math.isfinite(d)])
+    for (counts, shares), here in zip(grid, settings, strict=True):
+        ends = np.concatenate([one.distances[np.isfinite(one.distances)] for one in here])
         # The same bins for all, so that the bars of two controllers can be compared (Freedman and Diaconis, 1981).
         edges = np.histogram_bin_edges(ends, "fd" if ends.size > 1 else 1) if ends.size else np.array([0.0, 1.0])
         edges = np.linspace(edges[0], edges[-1], min(edges.size, _MAX_BINS))
-        for number, distribution in enumerate(here):
-            values = np.sort(list(distribution.distances_m.values()))
+        for number, one in enumerate(here):
+            values = np.sort(one.distances.to_numpy())
             colour = palette.LINES[number % len(palette.LINES)]
             height = np.histogram(values[np.isfinite(values)], edges)[0] / values.size
-            counts.plot(
-                edges, [*(100 * height), 0.0], drawstyle="steps-post", color=colour, label=distribution.controller_label
-            )
+            look: dict[str, Any] = {"drawstyle": "steps-post", "color": colour, "label": one.controller_label}
+            counts.plot(edges, [*(100 * height), 0.0], **look)
             stood = np.isfinite(values)
             above = 100 * (1 - np.arange(1, values.size + 1) / values.size)
-            shares.plot(
-                values[stood], above[stood], drawstyle="steps-post", color=colour, label=distribution.controller_label
-            )
+            shares.plot(values[stood], above[stood], **look)
         for panel in (counts, shares):
             if permitted is not None:
                 panel.axvline(permitted, color=palette.GREY, linestyle="--", label=f"permitted, {permitted:g} m")
-        style.dress(counts, x="braking distance [m]", y="share of the draws [%]", title=here[0].label.replace("_", " "))
-        style.dress(shares, x="braking distance [m]", y="draws that go further [%]", title=", ".join(here[0].setting))
+        axis, setting = FIGURES["distance"].axis, f"{here[0].actuation}, {here[0].sensors}, {here[0].polach}"
+        style.dress(counts, x=axis, y="share of the draws [%]", title=here[0].label.replace("_", " "))
+        style.dress(shares, x=axis, y="draws that go further [%]", title=setting)
         shares.set_yscale("log")
-        shares.set_ylim(max(50 / max(distribution.draws for distribution in here), 0.01), 100)
+        shares.set_ylim(max(50 / max(one.draws for one in here), 0.01), 100)
         shares.set_yticks(
             [percentage for percentage in (0.1, 1, 5, 50, 100) if percentage >= shares.get_ylim()[0]], minor=False
         )
@@ -131,16 +126,8 @@ def _range(panel: style.Axes, line: int, low: float, middle: float, high: float)
         panel.plot([middle, middle], [line - 0.32, line + 0.32], color=palette.VERMILION, linewidth=2.2, zorder=3)
 
 
-def _name(distribution: Distribution, of: str) -> str:
-    missing = distribution.draws - distribution.stood
-    return distribution.controller_label + (
+def _name(one: Any, of: str) -> str:
+    missing = one.draws - one.stood
+    return one.controller_label + (
         f"\n{missing} {of}{'s' if missing > 1 else ''} without standstill" if missing else ""
     )
-
-
-def _vs_sbc(distribution: Distribution) -> PairedComparison | None:
-    return distribution.vs_sbc
-
-
-def _vs_tuned(distribution: Distribution) -> PairedComparison | None:
-    return distribution.vs_tuned

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping, Sequence
 from itertools import cycle
+from math import isfinite, isnan
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,9 @@ from numpy.typing import NDArray
 from railgrip.report import palette, style
 from railgrip.report.distribution import distributions_of, over_cases
 from railgrip.report.distribution_figure import distribution_figure
-from railgrip.report.row import Row, short_names
+from railgrip.report.frame import SETTING, Frame, groups_of, short_names
 from railgrip.report.stop import Stop
+from railgrip.trace.metrics import FIGURES
 
 _CONTROLLER_COLOURS = {
     "full_brake": palette.GREY,
@@ -193,38 +195,34 @@ def draw_adhesion(panel: Axes, traces: Mapping[str, xarray.Dataset], limit: floa
     panel.set_xlim(0, max(float(trace["time"].values[-1]) for trace in traces.values()))
 
 
-def distance_figure(rows: Sequence[Row]) -> Figure:
+def distance_figure(frame: Frame) -> Figure:
     """Return a figure of the braking distances of each scenario and controller, with the published ones as marks.
 
     A panel of bars for each case if they are few, else a line for each case, else the distribution over the cases of a
     scenario.
     """
-    cases = len({row.label for row in rows})
-    if _MAX_BARS < cases <= _MAX_CASES:
-        return _cases_figure(rows, _bar_colours(rows))
+    cases = frame["label"].nunique()
     if cases > _MAX_CASES:
-        return distribution_figure(distributions_of(over_cases(rows)), of="stop")
-    return _bars_figure(rows, _bar_colours(rows))
+        return distribution_figure(distributions_of(over_cases(frame)), of="stop")
+    return (_bars_figure if cases <= _MAX_BARS else _cases_figure)(frame, _bar_colours(frame))
 
 
-def _bars_figure(rows: Sequence[Row], colours: Mapping[str, str]) -> Figure:
+def _bars_figure(frame: Frame, colours: Mapping[str, str]) -> Figure:
     """Return a figure with a panel for each case and setting, as high as its bars, each of which has its name.
 
     Args:
-        rows: Stops; one without standstill has no bar.
+        frame: Stops; one without standstill has no bar.
         colours: Name of a controller → colour.
     """
-    settings: dict[tuple[str, str, str], dict[str, list[Row]]] = {}
-    for row in rows:
-        settings.setdefault(row.setting, {}).setdefault(row.label, []).append(row)
-    axis, names = short_names(rows)
+    settings = list(groups_of(frame, SETTING))
+    axis, names = short_names(frame)
     # Lines of panels: cases of one setting and with the same controllers, whose names are at the left of the line.
-    lines: list[tuple[str, list[str], dict[str, list[Row]]]] = []
-    for (actuation, sensors, polach), cases in settings.items():
+    lines: list[tuple[str, list[str], dict[str, Frame]]] = []
+    for (actuation, sensors, polach), of_setting in settings:
         title = f"actuation {actuation}, sensors {sensors},\ncreep curve {polach}\n" if len(settings) > 1 else ""
-        alike: dict[frozenset[str], dict[str, list[Row]]] = {}
-        for label, stops in cases.items():
-            alike.setdefault(frozenset(row.controller_label for row in stops), {})[label] = stops
+        alike: dict[frozenset[str], dict[str, Frame]] = {}
+        for (label,), stops in groups_of(of_setting, ("label",)):
+            alike.setdefault(frozenset(stops["controller_label"]), {})[label] = stops
         for controllers, of_line in alike.items():
             order = [name for name in colours if name in controllers]
             labels = list(of_line)
@@ -235,41 +233,39 @@ def _bars_figure(rows: Sequence[Row], colours: Mapping[str, str]) -> Figure:
     heading = 0.45 if len(settings) == 1 else 0.8
     drawing = style.figure(_WIDTHS[columns - 1], sum(heights) + (0.3 + heading) * len(lines))
     grid = drawing.subplots(len(lines), columns, squeeze=False, height_ratios=heights)
-    longest = max((row.distance_m or 0.0 for row in rows), default=1.0)
+    longest = frame["distance"].max()
     for panels, (title, order, cases) in zip(grid, lines, strict=True):
         for panel in panels[len(cases) :]:
             panel.remove()
         for panel, (label, stops) in zip(panels, cases.items(), strict=False):
             case = names[label].replace("\n", ", ")
-            style.dress(
-                panel, x="braking distance [m]", title=title + (f"{axis} {case}" if axis and ", " not in axis else case)
-            )
+            case = f"{axis} {case}" if axis and ", " not in axis else case
+            style.dress(panel, x=FIGURES["distance"].axis, title=title + case)
             panel.grid(visible=False, axis="y")
             panel.set_xlim(0, 1.02 * longest)
             panel.set_ylim(len(order) - 0.5, -0.5)
             panel.tick_params(axis="y", length=0)
             panel.set_yticks(range(len(order)), order if panel is panels[0] else [""] * len(order), fontsize=8.5)
-            for row in stops:
+            for row in stops.itertuples():
                 _draw_bar(panel, row, order.index(row.controller_label), colours[row.controller_label])
     return drawing
 
 
-def _draw_bar(panel: Axes, row: Row, line: int, colour: str) -> None:
+def _draw_bar(panel: Axes, row: Any, line: int, colour: str) -> None:
     """Draw a distance with its number, and the published distance as a mark."""
-    if row.distance_m is not None:
-        panel.barh([line], [row.distance_m], 0.8, color=colour)
+    if isfinite(row.distance):
+        panel.barh([line], [row.distance], 0.8, color=colour)
         panel.annotate(
-            f"{row.distance_m:.0f}", (row.distance_m, line), ha="right", va="center", fontsize=8, xytext=(-3, 0),
+            f"{row.distance:.0f}", (row.distance, line), ha="right", va="center", fontsize=8, xytext=(-3, 0),
             textcoords="offset points", color="white" if colour in palette.DARK else palette.BLACK,
         )  # fmt: skip
-    if row.paper_distance_m is not None:
-        metres = row.paper_distance_m
-        panel.plot([metres, metres], [line - 0.45, line + 0.45], color=palette.BLACK, linewidth=2.2)
+    if isfinite(row.paper_distance):
+        panel.plot([row.paper_distance] * 2, [line - 0.45, line + 0.45], color=palette.BLACK, linewidth=2.2)
 
 
-def _bar_colours(rows: Sequence[Row]) -> dict[str, str]:
+def _bar_colours(frame: Frame) -> dict[str, str]:
     """Return name of each controller → colour: that of its kind, lighter for each further one of the same kind."""
-    kinds = {row.controller_label: row.controller for row in rows}
+    kinds = dict(zip(frame["controller_label"], frame["controller"], strict=True))
     order = [*_CONTROLLER_COLOURS, *dict.fromkeys(kinds.values())]
     colours: dict[str, str] = {}
     for name in sorted(kinds, key=lambda name: order.index(kinds[name])):
@@ -278,18 +274,19 @@ def _bar_colours(rows: Sequence[Row]) -> dict[str, str]:
     return colours
 
 
-def _cases_figure(rows: Sequence[Row], colours: Mapping[str, str]) -> Figure:
+def _cases_figure(frame: Frame, colours: Mapping[str, str]) -> Figure:
     """Return a figure of the distances of each case with its friction, and their change against published SBC.
 
     Args:
-        rows: Stops; one without standstill is a cross at the right edge of both panels.
+        frame: Stops; one without standstill is a cross at the right edge of both panels.
         colours: Name of a controller → colour.
     """
-    has_one_scenario = len({row.scenario for row in rows}) == 1
-    families: dict[tuple[str, str, str], dict[str, list[Row]]] = {}
-    for row in rows:
-        name = _case_name(row.case if has_one_scenario and row.case else row.label, row.friction)
-        families.setdefault(row.setting, {}).setdefault(name, []).append(row)
+    has_one_scenario = frame["scenario"].nunique() == 1
+    families: dict[tuple[str, str, str], dict[str, list[Any]]] = {}
+    for setting, stops in groups_of(frame, SETTING):
+        for row in stops.itertuples():
+            name = _case_name(row.case if has_one_scenario and row.case else row.label, row.friction)
+            families.setdefault(setting, {}).setdefault(name, []).append(row)
     # No panel is so low that a page would stretch the figure.
     heights = [_HEADING / _LINE + max(len(cases), _FEWEST) for cases in families.values()]
     drawing = style.figure(12, 1.4 + _LINE * sum(heights))
@@ -314,9 +311,8 @@ def _cases_figure(rows: Sequence[Row], colours: Mapping[str, str]) -> Figure:
     metres.set_xscale("log")
     metres.set_xticks(_DISTANCE_TICKS, [f"{tick}" for tick in _DISTANCE_TICKS])
     metres.xaxis.set_minor_locator(NullLocator())
-    distances = [row.distance_m for row in rows if row.distance_m is not None]
-    metres.set_xlim(0.95 * min(distances), 1.05 * max(distances))
-    metres.set_xlabel("braking distance [m]")
+    metres.set_xlim(0.95 * frame["distance"].min(), 1.05 * frame["distance"].max())
+    metres.set_xlabel(FIGURES["distance"].axis)
     changes.set_xlabel("change against the published SBC [%]")
     marks = [Line2D([], [], **look, **_EDGE) for look in looks.values()]
     marks.append(Line2D([], [], color=palette.BLACK, marker="x", linestyle=""))
@@ -324,14 +320,14 @@ def _cases_figure(rows: Sequence[Row], colours: Mapping[str, str]) -> Figure:
     return drawing
 
 
-def _draw_case(row: Row, line: int, metres: Axes, changes: Axes, look: Mapping[str, Any]) -> None:
-    if row.distance_m is None:
+def _draw_case(row: Any, line: int, metres: Axes, changes: Axes, look: Mapping[str, Any]) -> None:
+    if isnan(row.distance):
         for panel in (metres, changes):
             cross: dict[str, Any] = {**look, "transform": panel.get_yaxis_transform(), "marker": "x"}
             panel.plot(1.0, line, clip_on=False, **cross)
         return
-    metres.plot(row.distance_m, line, **look, **_EDGE)
-    if row.reduction_vs_sbc is not None:
+    metres.plot(row.distance, line, **look, **_EDGE)
+    if isfinite(row.reduction_vs_sbc):
         changes.plot(-100 * row.reduction_vs_sbc, line, **look, **_EDGE)
 
 
@@ -367,7 +363,7 @@ def sweep_figure(axes: Mapping[str, Sequence[Any]], distances: NDArray[np.float6
     shown = places[:: 1 + (len(places) - 1) // _MAX_TICKS]
     texts = [_value_text(axes[longest][place]) for place in shown]
     panel.set_xticks(shown, texts, rotation=30 if max(map(len, texts)) > 8 else 0)
-    style.dress(panel, x=longest, y="braking distance [m]")
+    style.dress(panel, x=longest, y=FIGURES["distance"].axis)
     if others:
         style.legend(panel)
     return drawing

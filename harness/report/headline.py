@@ -1,12 +1,11 @@
 """Summarise a campaign in a few sentences; a controller or variant that breaks a clause is not recommended."""
 
-import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from railgrip.report.distribution import change_text
+from railgrip.report.frame import Frame
 from railgrip.report.limits import SUBJECTS
-from railgrip.report.row import Row
 from railgrip.report.statistics import endless
 from railgrip.report.table import change, percent
 from railgrip.report.variants import Change, ReferenceVariant
@@ -26,26 +25,25 @@ class _Contender:
     name: str
     change: float
     text: str
-    stops: Sequence[Row]
+    stops: Frame
 
     @property
     def violations(self) -> dict[str, int]:
-        clauses = [clause for row in self.stops for clause in row.breaks]
-        return {clause: clauses.count(clause) for clause in dict.fromkeys(clauses)}
+        clauses = self.stops["breaks"].explode().dropna()
+        return {clause: int((clauses == clause).sum()) for clause in clauses.unique()}
 
 
-def headline(rows: Sequence[Row], reference: ReferenceVariant | None = None, changes: Sequence[Change] = ()) -> str:
+def headline(frame: Frame, reference: ReferenceVariant | None = None, changes: Sequence[Change] = ()) -> str:
     """Return a summary with the controller, or variant, that shortens the distance most without breaking a clause.
 
     Args:
-        rows: Rows of a campaign.
+        frame: Stops of a campaign.
         reference: The variant that others are compared with; without it, controllers are compared with the published
             slip-based control.
         changes: Changes of the other variants.
     """
-    stood = sum(row.distance_m is not None for row in rows)
-    count = f"{stood} of {len(rows)} stops come to a standstill."
-    candidates = _controllers(rows) if reference is None else _variants(changes)
+    count = f"{frame['distance'].count()} of {len(frame)} stops come to a standstill."
+    candidates = _controllers(frame) if reference is None else _variants(changes)
     if not candidates:
         return count
     against = "slip-based control with 10 and 15 %" if reference is None else f"{reference.axis} {reference.variant}"
@@ -71,19 +69,16 @@ def headline(rows: Sequence[Row], reference: ReferenceVariant | None = None, cha
     return f"Against {against}, {best.name} changes the distance by {best.text}{others}.{more} {count}"
 
 
-def _controllers(rows: Sequence[Row]) -> list[_Contender]:
-    stops: dict[str, list[Row]] = {}
-    for row in rows:
-        if row.controller != "ideal_bound":
-            stops.setdefault(row.controller_label, []).append(row)
+def _controllers(frame: Frame) -> list[_Contender]:
+    compared = frame[frame["controller"] != "ideal_bound"]
     candidates: list[_Contender] = []
-    for name, own in stops.items():
-        shares = [row.reduction_vs_sbc for row in own if row.reduction_vs_sbc is not None]
-        if shares:
-            median, smallest, largest = (change(of(shares)) for of in (statistics.median, max, min))
+    for name, own in compared.groupby("controller_label", sort=False):
+        shares = own["reduction_vs_sbc"].dropna()
+        if len(shares):
+            median, smallest, largest = map(change, (shares.median(), shares.max(), shares.min()))
             text = f"{median} in the median of {len(shares)} stops, from {smallest} to {largest}"
             text = text if len(shares) > 1 else f"{median} in one stop"
-            candidates.append(_Contender(name=name, change=-statistics.median(shares), text=text, stops=own))
+            candidates.append(_Contender(name=str(name), change=-shares.median(), text=text, stops=own))
     return candidates
 
 
@@ -104,7 +99,7 @@ def _variants(changes: Sequence[Change]) -> list[_Contender]:
             stops=change.stops,
         )
         for change in changes
-        if change.stops[0].controller != "ideal_bound"
+        if change.stops["controller"].iloc[0] != "ideal_bound"
     ]
 
 

@@ -11,10 +11,11 @@ from railgrip.base.errors import InputError, RecordError
 from railgrip.base.outputs import claim
 from railgrip.report import style
 from railgrip.report.baseline import baseline_deviations
-from railgrip.report.distances import reader_tables, repeats_table, rows_of, setting_tables, write_table
+from railgrip.report.distances import reader_tables, repeats_table, setting_tables, write_table
 from railgrip.report.distribution import distributions_of, quantile_table, worst_table
 from railgrip.report.distribution_figure import distribution_figure, exceedance_figure
 from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure
+from railgrip.report.frame import Frame, frame_of, single_stops
 from railgrip.report.headline import headline
 from railgrip.report.limits import describe_clauses, limits_of
 from railgrip.report.overview import OVERVIEW_MEANING, overview_of
@@ -22,26 +23,23 @@ from railgrip.report.overview_figure import FIGURE_MEANING, overview_figure
 from railgrip.report.page import FORMATS, Page
 from railgrip.report.reference import is_published
 from railgrip.report.results import Results, from_elsewhere, provenance, read_results, remarks_on
-from railgrip.report.row import Row
 from railgrip.report.stop import CAMPAIGN_FILE, PAGE_FILES, STOP_FILE, Stop, others_like, read_stop
 from railgrip.report.stop_page import stop_page
 from railgrip.report.table import ReportTable, names
 from railgrip.report.variants import ReferenceVariant, change_table, changes_against
 from railgrip.scenario.campaign import DRAW, Panels
 
-_LEGEND: Mapping[str, Callable[[Row], object]] = {
-    "Changes are against slip-based control (SBC) on the same rail: with the published thresholds, 10 and 15 % of "
-    "slip, and with other ones, the best law over all stops of the same actuation and sensors.": (
-        lambda row: row.reduction_vs_sbc
-    ),
-    "Where stops were repeated with the plant's parameters moved in the seventh digit, median and range are given next "
-    "to the distance.": lambda row: row.repeated,
-    "In brackets: intervals that hold 95 %.": lambda row: row.draw is not None,
-    "A filter that states its errors correctly has a NIS, the median squared innovation over the expected one, near 1, "
-    "and a true adhesion or pad friction outside of ±2σ of its estimate for 5 % of the time; of all groups the largest "
-    "share is shown. With more, estimates are less certain than the filter says.": lambda row: row.outside,
+_LEGEND: Mapping[str, str] = {
+    "reduction_vs_sbc": "Changes are against slip-based control (SBC) on the same rail: with the published thresholds, "
+    "10 and 15 % of slip, and with other ones, the best law over all stops of the same actuation and sensors.",
+    "repeated": "Where stops were repeated with the plant's parameters moved in the seventh digit, median and range "
+    "are given next to the distance.",
+    "draw": "In brackets: intervals that hold 95 %.",
+    "outside": "A filter that states its errors correctly has a NIS, the median squared innovation over the expected "
+    "one, near 1, and a true adhesion or pad friction outside of ±2σ of its estimate for 5 % of the time; of all "
+    "groups the largest share is shown. With more, estimates are less certain than the filter says.",
 }
-"""Sentences on the columns of a campaign → function of a row that returns whether it needs the sentence."""
+"""Column of a campaign → sentence for a page on which a stop has a value in it."""
 
 Notify = Callable[[str], None]
 
@@ -111,7 +109,7 @@ def _with_stops(
     write_table(results, directory, notes)
     single = [stop for stop in results.stops if DRAW not in stop.variants]
     pairs = _pairs(single) if panels != "none" else []
-    longest = {row["stop"] for row in worst_table(rows_of(results), {}).rows}
+    longest = {row["stop"] for row in worst_table(frame_of(results), {}).rows}
     with_panels = {"all": results.stops, "abc": [abc for _, abc in pairs], "none": ()}[panels]
     chosen = [stop for stop in with_panels if stop.has_trace and stop.name not in longest]
     # The longest of all draws have a page even if their samples were not kept.
@@ -142,19 +140,19 @@ def campaign_page(
         notify: Called with the name of the next figure.
         reference: Variant with which the others of its axis are compared.
     """
-    rows = rows_of(results)
-    changes = () if reference is None else changes_against(reference, results.stops, rows)
+    frame = frame_of(results)
+    changes = () if reference is None else changes_against(reference, results.stops, frame)
     drawings: dict[str, tuple[str, Callable[[], Figure]]] = {}
-    overview = overview_of(rows)
+    overview = overview_of(frame)
     if overview is not None:
         drawings["overview"] = "", lambda: overview_figure(overview)
-    distributions = distributions_of(rows)
-    if distributions:
+    distributions = distributions_of(frame)
+    if len(distributions):
         permitted = results.permitted_distance
         drawings["exceedance"] = "", lambda: exceedance_figure(distributions, permitted)
         drawings["distributions"] = "Braking distances over the draws", lambda: distribution_figure(distributions)
-    single = [row for row in rows if row.draw is None]
-    if any(row.distance_m is not None for row in single):
+    single = single_stops(frame)
+    if single["distance"].count():
         drawings["distances"] = "Braking distances", lambda: distance_figure(single)
     protected = [stop for stop in results.stops if stop.has_trace and stop.inputs["controller"]["kind"] != "full_brake"]
     if protected:
@@ -169,19 +167,19 @@ def campaign_page(
     return Page(
         title=f"Campaign {results.name}",
         question="Which braking distance does each controller need in the same conditions? " + results.description,
-        answer=headline(rows, reference, changes),
+        answer=headline(frame, reference, changes),
         overview=None if overview is None else overview.table(),
         note=f"{OVERVIEW_MEANING[0].upper()}{OVERVIEW_MEANING[1:]} {FIGURE_MEANING}",
         narrow={} if overview is None else {"figures/overview.png": overview_figure(overview, is_narrow=True)},
         template="report/campaign.md.jinja",
         values={
-            "references": " ".join(_legend(rows)),
+            "references": " ".join(_legend(frame)),
             "changes": [] if reference is None else change_table(reference, changes).parts(),
             "quantiles": quantile_table(distributions, results.permitted_distance).parts(),
-            "worst": worst_table(rows, pages).parts(),
-            "tables": [] if overview else reader_tables(rows, pages),
-            "sections": setting_tables(rows, pages) if overview else {},
-            "repeats": repeats_table(rows, pages) if overview else None,
+            "worst": worst_table(frame, pages).parts(),
+            "tables": [] if overview else reader_tables(frame, pages),
+            "sections": setting_tables(frame, pages) if overview else {},
+            "repeats": repeats_table(frame, pages) if overview else None,
             "notes": [*remarks_on(results.stops), *from_elsewhere(results.stops), *notes],
             "missing": names(results.missing),
             "captions": {f"figures/{name}.png": caption for name, (caption, _) in list(drawings.items())[1:]},
@@ -192,9 +190,9 @@ def campaign_page(
     )
 
 
-def _legend(rows: Sequence[Row]) -> list[str]:
-    sentences = [text for text, needs in _LEGEND.items() if any(map(needs, rows))]
-    if any(row.breaks for row in rows):
+def _legend(frame: Frame) -> list[str]:
+    sentences = [text for column, text in _LEGEND.items() if frame[column].dropna().astype(bool).any()]
+    if any(frame["breaks"]):
         sentences.append(
             "Column “breaks” lists the limits of the type test that a stop does not keep. A controller or variant that "
             f"breaks one in any stop is not recommended. Judged are: {describe_clauses(limits_of())}."

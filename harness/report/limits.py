@@ -12,6 +12,7 @@ from railgrip.report.stop import Stop
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.quantity import Number, UnitRange
 from railgrip.scenario.table import Table
+from railgrip.trace.metrics import FIGURES
 
 _FILE: Final = Path(__file__).parent / "library" / "limits.toml"
 _AMBIENT: Final = 101325.0  # Pa
@@ -82,16 +83,11 @@ class AssessmentLimits(Table):
     def find_violations(self, stop: Stop) -> tuple[str, ...]:
         """Return the clauses that a stop breaks by itself, without another stop to compare with."""
         figures = stop.figures
-        air = finite(figures.air_used)
-        verdicts: dict[str, bool | None] = {"stops": stop.braking_distance is not None} | self.verdicts(
-            {
-                "lock": finite(max(figures.longest_lock_fast)),
-                "locked_distance": finite(max(figures.locked_distance)),
-                "reservoir": None if air is None else self.supply.remaining(air, figures.duration),
-                "utilisation": finite(figures.utilisation),
-            }
-        )
-        return tuple(name for name, verdict in verdicts.items() if verdict is False)
+        values = {figure.clause: finite(figures.of_train(name)) for name, figure in FIGURES.items() if figure.clause}
+        if (air := values["reservoir"]) is not None:
+            values["reservoir"] = self.supply.remaining(air, figures.duration)
+        verdicts = {"stops": stop.braking_distance is not None} | self.verdicts(values)
+        return tuple(name for name in SUBJECTS if verdicts.get(name) is False)
 
 
 SUBJECTS: Final = {
@@ -104,7 +100,10 @@ SUBJECTS: Final = {
 }
 """Clause → name of the limited quantity for readers."""
 
-_MINIMA: Final = ("reservoir", "utilisation")
+_UNITS: Final = {figure.clause: figure.unit_text for figure in FIGURES.values() if figure.clause} | {"reservoir": "Pa"}
+"""Clause of a figure → unit of its limit; the air used limits the pressure that remains in the reservoir."""
+
+_MINIMA: Final = {figure.clause for figure in FIGURES.values() if figure.better == "more"} | {"reservoir"}
 """Clauses whose limit is a minimum; the limits of the others are maxima."""
 
 
@@ -120,10 +119,9 @@ def limits_of(path: Path | None = None) -> AssessmentLimits:
 
 def describe_clauses(limits: AssessmentLimits) -> str:
     """Return the clauses that a stop can break by itself with their limits, in SI units."""
-    judged = {"lock": "s", "locked_distance": "m", "reservoir": "Pa", "utilisation": ""}
     texts = [
-        f"{SUBJECTS[name]}, {'minimum' if name in _MINIMA else 'maximum'} {f'{clause.limit:g} {unit}'.strip()}"
-        for name, unit in judged.items()
-        if (clause := getattr(limits, name)).limit is not None
+        f"{subject}, {'minimum' if name in _MINIMA else 'maximum'} {f'{clause.limit:g} {_UNITS[name]}'.strip()}"
+        for name, subject in SUBJECTS.items()
+        if name in _UNITS and (clause := getattr(limits, name)).limit is not None
     ]
     return "; ".join(["standstill", *texts])

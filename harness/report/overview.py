@@ -1,10 +1,11 @@
 """The answer of a campaign that repeats published stops: published distances next to its own, on one screen."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import isnan
 from typing import Final
 
-from railgrip.report.row import Row, short_names
+from railgrip.report.frame import PLACE, Frame, short_names, single_stops
 from railgrip.report.table import ReportTable, percent, text
 
 _OWN: Final = ("adhesion_literal", "adhesion_based", "ideal_bound")
@@ -26,25 +27,25 @@ OVERVIEW_MEANING: Final = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class OverviewLine:
     """The distances of a controller, published or of this campaign.
 
     Attributes:
         name: Name of the controller, with its origin.
         kind: Kind of its law.
-        distances: Case → distance [m]; None without standstill.
-        changes: Case → change against slip-based control of the same origin.
+        distances: Case → distance [m]; NaN without standstill.
+        changes: Case → change against slip-based control of the same origin; NaN for that itself.
         ranges: Case → lowest and highest distance of repeats [m]; empty if all repeats agree or are published.
         locks: Case → longest lock of a wheelset [s]; empty if none is long.
     """
 
     name: str
     kind: str
-    distances: Mapping[str, float | None]
-    changes: Mapping[str, float | None]
-    ranges: Mapping[str, tuple[float, float]]
-    locks: Mapping[str, float]
+    distances: Mapping[str, float]
+    changes: Mapping[str, float]
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
+    locks: Mapping[str, float] = field(default_factory=dict[str, float])
 
     @property
     def is_published(self) -> bool:
@@ -82,72 +83,50 @@ class Overview:
         return ReportTable(rows, left=(FIRST,))
 
 
-def overview_of(rows: Sequence[Row]) -> Overview | None:
+def overview_of(frame: Frame) -> Overview | None:
     """Return the overview of a campaign; None if it has no published distances, or too many cases for a screen."""
-    places = {row.place for row in rows if row.paper_distance_m is not None}
-    here = [row for row in rows if row.place in places and row.draw is None]
-    if not here:
+    published = frame[frame["paper_distance"].notna()]
+    here = single_stops(frame).merge(published[list(PLACE)].drop_duplicates())
+    if here.empty:
         return None
     _, names = short_names(here)
-    names = {label: name.replace("\n", ", ") for label, name in names.items()}
-    cases = tuple(dict.fromkeys(names[row.label] for row in here))
-    if len(cases) < len(places) or len(cases) > _CASES:
+    here["name"] = [names[label].replace("\n", ", ") for label in here["label"]]
+    cases = tuple(here["name"].unique())
+    if len(cases) < len(here[list(PLACE)].drop_duplicates()) or len(cases) > _CASES:
         return None
-    stops: dict[str, dict[str, Row]] = {}
-    for row in here:
-        stops.setdefault(row.controller_label, {})[names[row.label]] = row
-    sbc = {names[row.label]: row for row in here if row.reference == "published"}
+    # The median over repeats of a distance that depends on rounding, else the distance.
+    here["middle"] = [row.distance if row.repeats is None else row.repeats[0] for row in here.itertuples()]
+    sbc = here[here["reference"] == "published"].drop_duplicates("name", keep="last").set_index("name")["middle"]
+    here["change"] = (here["middle"] / here["name"].map(sbc) - 1).where(here["reference"] != "published")
     lines: list[OverviewLine] = []
-    for label, by_case in stops.items():
-        published = {case: row.paper_distance_m for case, row in by_case.items() if row.paper_distance_m is not None}
-        if published:
-            changes = {case: by_case[case].paper_reduction for case in published}
-            changes = {case: None if reduction is None else -reduction for case, reduction in changes.items()}
-            lines.append(_line(f"{label}{_PUBLISHED}", by_case, published, changes))
-        if published or next(iter(by_case.values())).controller in _OWN:
-            distances = {case: _median(row) for case, row in by_case.items()}
-            changes = {case: _change(row, sbc.get(case)) for case, row in by_case.items()}
-            name = f"{label}{_SIMULATED}" if published else label
-            lines.append(_line(name, by_case, distances, changes, is_own=True))
+    for label, stops in here.groupby("controller_label", sort=False):
+        kind, by_case = stops["controller"].iloc[0], stops.drop_duplicates("name", keep="last").set_index("name")
+        known = by_case[by_case["paper_distance"].notna()]
+        if len(known):
+            changes = (-known["paper_reduction"]).to_dict()
+            line = OverviewLine(f"{label}{_PUBLISHED}", kind, known["paper_distance"].to_dict(), changes)
+            lines.append(line)
+        if len(known) or kind in _OWN:
+            locks = by_case["longest_lock"].dropna().to_dict()
+            lines.append(
+                OverviewLine(
+                    f"{label}{_SIMULATED}" if len(known) else str(label),
+                    kind,
+                    by_case["middle"].to_dict(),
+                    by_case["change"].to_dict(),
+                    ranges={case: ends[1:] for case, ends in by_case["repeats"].dropna().items()},
+                    locks=locks if max(locks.values(), default=0.0) > _LOCKED else {},
+                )
+            )
     return Overview(cases=cases, lines=tuple(lines))
-
-
-def _line(
-    name: str,
-    rows: Mapping[str, Row],
-    distances: Mapping[str, float | None],
-    changes: Mapping[str, float | None],
-    *,
-    is_own: bool = False,
-) -> OverviewLine:
-    ranges = {case: row.repeats[1:] for case, row in rows.items() if row.repeats is not None} if is_own else {}
-    locks = {case: row.longest_lock_s for case, row in rows.items() if row.longest_lock_s is not None}
-    return OverviewLine(
-        name=name,
-        kind=next(iter(rows.values())).controller,
-        distances=distances,
-        changes=changes,
-        ranges=ranges,
-        locks=locks if is_own and max(locks.values(), default=0.0) > _LOCKED else {},
-    )
-
-
-def _median(row: Row) -> float | None:
-    """Return the median over repeats of a distance that depends on rounding, else the distance."""
-    return row.distance_m if row.repeats is None else row.repeats[0]
-
-
-def _change(row: Row, sbc: Row | None) -> float | None:
-    before, after = None if sbc is None or sbc is row else _median(sbc), _median(row)
-    return None if before is None or after is None else after / before - 1
 
 
 def _distance(line: OverviewLine, case: str) -> str:
     if case not in line.distances:
         return ""
-    distance, difference = line.distances[case], line.changes.get(case)
-    metres = "no stop" if distance is None else f"{distance:.1f} m"
-    return metres if difference is None else f"{metres} {percent(difference)}"
+    distance = line.distances[case]
+    metres = "no stop" if isnan(distance) else f"{distance:.1f} m"
+    return f"{metres} {percent(line.changes[case])}".rstrip()
 
 
 def _range(ends: tuple[float, float] | None) -> str:

@@ -1,13 +1,14 @@
 """The figure of the overview: metres of each law on each rail, with ranges and the published distances."""
 
 import textwrap
-from math import isfinite
+from math import isfinite, nan
 from typing import Final
 
 from matplotlib.figure import Figure
 
 from railgrip.report import palette, style
 from railgrip.report.overview import Overview, OverviewLine
+from railgrip.trace.metrics import FIGURES
 
 _TICK: Final = 50
 """Distance of ticks [m]."""
@@ -40,7 +41,9 @@ def overview_figure(overview: Overview, *, is_narrow: bool = False) -> Figure:
         drawing, grid = style.panels(10.9, height + 0.85, 1, count, sharey=True, squeeze=False)
     low, high = _limits(overview)
     for panel, case in zip(grid.flat, overview.cases, strict=True):
-        style.dress(panel, title=case, x="braking distance [m]" if not is_narrow or case == overview.cases[-1] else "")
+        style.dress(
+            panel, title=case, x=FIGURES["distance"].axis if not is_narrow or case == overview.cases[-1] else ""
+        )
         panel.grid(visible=False, axis="y")
         panel.set_xlim(low, high)
         # Round numbers that are not cut off at the right edge.
@@ -49,12 +52,12 @@ def overview_figure(overview: Overview, *, is_narrow: bool = False) -> Figure:
         panel.set_ylim(len(own) - 0.5, -0.5)
         panel.tick_params(axis="y", length=0)
         for row, line in enumerate(own):
-            distance = line.distances.get(case)
+            distance = line.distances.get(case, nan)
             reference = published.get(line.kind)
-            metres = None if reference is None else reference.distances.get(case)
-            if metres is not None:
+            metres = nan if reference is None else reference.distances.get(case, nan)
+            if isfinite(metres):
                 panel.plot([metres, metres], [row - 0.42, row + 0.42], "--", color=palette.BLACK, linewidth=1.4)
-            if distance is None or not isfinite(distance):
+            if not isfinite(distance):
                 continue
             ends = line.ranges.get(case)
             if ends is not None:
@@ -74,7 +77,7 @@ def _name(line: OverviewLine) -> str:
 
 
 def _limits(overview: Overview) -> tuple[float, float]:
-    distances = [metres for line in overview.lines for metres in line.distances.values() if metres is not None]
+    distances = [metres for line in overview.lines for metres in line.distances.values()]
     ends = [end for line in overview.lines for pair in line.ranges.values() for end in pair]
     values = [value for value in (*distances, *ends) if isfinite(value)]
     margin = 0.08 * (max(values) - min(values)) or 1.0

@@ -5,10 +5,13 @@ cancels. A stop without standstill counts as an infinite distance; it is never o
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Final, cast
 
 import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
 
 CONFIDENCE: Final = 0.95
 
@@ -65,15 +68,33 @@ def order_interval(values: Sequence[float], share: float) -> tuple[float, float]
     return None if math.isnan(low) or math.isnan(high) else (low, high)
 
 
-def quantile_interval(values: Sequence[float], share: float) -> tuple[float, float] | None:
-    """Return the percentile bootstrap interval of a quantile; None with fewer than two values.
+def bootstrap_interval(
+    cases: Sequence[Any] | Array, statistic: Callable[[Array], Array], *, interpolate: bool = True
+) -> tuple[float, float] | None:
+    """Return the percentile bootstrap interval of a statistic over cases; None with fewer than two cases.
+
+    `scipy.stats.bootstrap` draws other cases from the same seed, which would move all published intervals.
+
+    Args:
+        cases: Values of each case, shape (n, …).
+        statistic: Function of resampled cases, shape (m, n, …), that returns m values.
+        interpolate: Whether ends are interpolated between resamples; the mean of two infinite distances is undefined.
 
     Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapter 13.
     """
+    values = np.asarray(cases)
     if len(values) < 2:
         return None
-    draws = np.random.default_rng(_SEED).choice(values, (_RESAMPLES, len(values)))
-    of_draws = np.quantile(draws, share, axis=1, method="inverted_cdf")
-    # Not interpolated either: the mean of two infinite distances is undefined.
-    low, high = np.quantile(of_draws, (0.025, 0.975), method="inverted_cdf")
+    draws = np.random.default_rng(_SEED).integers(len(values), size=(_RESAMPLES, len(values)))
+    ends, method = ((1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2), "linear" if interpolate else "inverted_cdf"
+    low, high = np.quantile(statistic(values[draws]), ends, method=method)
     return float(low), float(high)
+
+
+def quantile_interval(values: Sequence[float], share: float) -> tuple[float, float] | None:
+    """Return the percentile bootstrap interval of a quantile, which may end in infinite distances."""
+
+    def quantiles(draws: Array) -> Array:
+        return np.quantile(draws, share, axis=1, method="inverted_cdf")
+
+    return bootstrap_interval(values, quantiles, interpolate=False)

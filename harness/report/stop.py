@@ -26,7 +26,7 @@ from railgrip.scenario.conditioning import RepeatedDistances
 from railgrip.scenario.load import Tables
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
-from railgrip.trace.metrics import Metrics, meanings
+from railgrip.trace.metrics import FIGURES, Metrics
 from railgrip.trace.netcdf import FILE_NAME as TRACE_FILE
 from railgrip.trace.netcdf import read_trace, write_trace
 from railgrip.trace.recorder import require_stop, thin
@@ -454,15 +454,10 @@ def read_stop(directory: Path) -> Stop:
 def metrics_table(metrics: Metrics) -> ReportTable:
     """Return the figures of a stop with units and definitions."""
     rows = [
-        {
-            "figure": name.replace("_", " "),
-            "value": value_text(getattr(metrics, name)),
-            "unit": unit,
-            "meaning": meaning,
-        }
-        for name, (unit, meaning) in meanings().items()
+        (name.replace("_", " "), value_text(getattr(metrics, name)), figure.unit, figure.meaning)
+        for name, figure in FIGURES.items()
     ]
-    return ReportTable(rows, left=("figure", "value", "unit", "meaning"))
+    return ReportTable.of(("figure", "value", "unit", "meaning"), rows, left=4)
 
 
 def value_text(value: object) -> str:

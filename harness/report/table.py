@@ -6,11 +6,15 @@ import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final, Self
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final, Self
 
 from markupsafe import Markup
 
 from railgrip.base.files import replacing
+
+if TYPE_CHECKING:
+    import pandas
 
 TEXT_COLUMNS = frozenset(
     {"scenario", "actuation", "sensors", "creep curve", "controller", "estimator", "draws", "stop", "figure", "state",
@@ -76,6 +80,21 @@ class ReportTable:
         """Return a table of rows as sequences, one form for all numbers; the `left` first columns are texts."""
         records = [dict(zip(columns, row, strict=True)) for row in rows]
         return cls(records, dict.fromkeys(columns, form), list(columns)[:left], title)
+
+    @classmethod
+    def of_frame(
+        cls,
+        frame: "pandas.DataFrame",
+        forms: Mapping[str, Form] = MappingProxyType({}),
+        left: Collection[str] = TEXT_COLUMNS,
+        title: str = "",
+    ) -> Self:
+        """Return a view of a frame, without its index; NaN is an empty cell."""
+        rows = [
+            {str(name): None if _is_nan(value) else value for name, value in row.items()}
+            for row in frame.to_dict("records")
+        ]
+        return cls(rows, forms, left, title)
 
     @property
     def columns(self) -> list[str]:
@@ -175,9 +194,13 @@ def text(value: Any, form: Form = "{}") -> str:
     """Return a formatted value, '' for None and NaN."""
     if isinstance(value, str):
         return value
-    if value is None or (isinstance(value, float) and math.isnan(value)):
+    if value is None or _is_nan(value):
         return ""
     return form.format(value).replace("-", "−") if isinstance(form, str) else form(value)
+
+
+def _is_nan(value: Any) -> bool:
+    return isinstance(value, float) and math.isnan(value)
 
 
 def percent(value: float | None, *, negate: bool = False, sign: bool = True) -> str:

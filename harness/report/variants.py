@@ -4,10 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
+import numpy as np
+
 from railgrip.base.errors import InputError
 from railgrip.report.distribution import PairedComparison, by_draw, compare_pairs, paired_texts
+from railgrip.report.frame import Frame
 from railgrip.report.limits import SUBJECTS
-from railgrip.report.row import Row
 from railgrip.report.stop import Stop
 from railgrip.report.table import ReportTable
 from railgrip.scenario.campaign import DRAW
@@ -68,10 +70,10 @@ class Change:
     conditions: Mapping[str, str]
     variant: str
     paired: PairedComparison
-    stops: Sequence[Row]
+    stops: Frame
 
 
-def changes_against(reference: ReferenceVariant, stops: Sequence[Stop], rows: Sequence[Row]) -> tuple[Change, ...]:
+def changes_against(reference: ReferenceVariant, stops: Sequence[Stop], frame: Frame) -> tuple[Change, ...]:
     """Compare all other variants of an axis with the reference, in the order of the campaign.
 
     Two stops are a pair if they differ only along this axis. Pairs are pooled over the draws or, without draws, over
@@ -80,33 +82,29 @@ def changes_against(reference: ReferenceVariant, stops: Sequence[Stop], rows: Se
     Args:
         reference: Variant to compare with.
         stops: Stops of a campaign.
-        rows: Rows of the same stops.
+        frame: Rows of the same stops.
     """
     cases: dict[tuple[tuple[str, str], ...], int] = {}
-    groups: dict[tuple[tuple[str, str], ...], dict[str, list[Row]]] = {}
-    for stop, row in zip(stops, rows, strict=True):
+    groups: dict[tuple[tuple[str, str], ...], dict[str, list[int]]] = {}
+    # The number of a case serves as draw: stops of the same case are a pair.
+    draws: list[int | None] = [None] * len(stops)
+    for number, stop in enumerate(stops):
         if reference.axis not in stop.variants:
             continue
         others = {axis: variant for axis, variant in stop.variants.items() if axis != reference.axis}
-        case = cases.setdefault(tuple(others.items()), len(cases))
+        draws[number] = cases.setdefault(tuple(others.items()), len(cases))
         pooled = (DRAW,) if DRAW in others else _POOLED
         conditions = tuple((axis, variant) for axis, variant in others.items() if axis not in pooled)
-        variants = groups.setdefault(conditions, {})
-        # The number of a case serves as draw: stops of the same case are a pair.
-        variants.setdefault(stop.variants[reference.axis], []).append(replace(row, draw=case))
+        groups.setdefault(conditions, {}).setdefault(stop.variants[reference.axis], []).append(number)
+    paired = frame.assign(draw=np.array(draws, dtype=object))
     changes: list[Change] = []
     for conditions, variants in groups.items():
-        base = variants.pop(reference.variant, [])
-        for variant, own in variants.items():
+        base = paired.iloc[variants.pop(reference.variant, [])]
+        for variant, numbers in variants.items():
+            own = paired.iloc[numbers]
             if (pairs := compare_pairs(by_draw(own), base)) is not None:
-                changes.append(
-                    Change(
-                        conditions=dict(conditions),
-                        variant=variant,
-                        paired=replace(pairs, label=reference.variant),
-                        stops=own,
-                    )
-                )
+                compared = replace(pairs, label=reference.variant)
+                changes.append(Change(conditions=dict(conditions), variant=variant, paired=compared, stops=own))
     return tuple(changes)
 
 
@@ -118,7 +116,7 @@ def change_table(reference: ReferenceVariant, changes: Sequence[Change]) -> Repo
             reference.axis: change.variant,
             "pairs": change.paired.draws,
             **paired_texts(reference.variant, change.paired),
-            "breaks": ", ".join(dict.fromkeys(SUBJECTS[clause] for row in change.stops for clause in row.breaks)),
+            "breaks": ", ".join(SUBJECTS[clause] for clause in change.stops["breaks"].explode().dropna().unique()),
         }
         for change in changes
     ]

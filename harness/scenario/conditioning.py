@@ -51,7 +51,7 @@ class RepeatedDistances(Table):
         default={}, description="compiler → distance [m] with its plant, parameters as they are"
     )
     figures: dict[str, tuple[Number, ...]] = Field(
-        default={}, description="figure of `Metrics.other_figures` → its value in each of the first repeats"
+        default={}, description="figure of `Metrics.compared` → its value in each of the first repeats"
     )
     lots: tuple[NotNegative | None, ...] = Field(
         default=(), description="[m], with lots 1, 2, … of the sensors; empty if sensors have no errors"

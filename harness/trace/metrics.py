@@ -1,10 +1,14 @@
-"""All figures of a stop as one value, each with its unit and definition."""
+"""All figures of a stop as one value; each is declared once, here: unit, definition, formula and use.
+
+A new figure is one field of `Metrics`. Result files, tables, the Python interface, comparisons and the reference page
+follow from its declaration.
+"""
 
 import math
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from functools import cache
-from typing import Annotated, Any, Self, cast, get_type_hints
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import cache, cached_property
+from typing import Annotated, Any, Final, Literal, Self, cast, get_args, get_type_hints
 
 import numpy as np
 import xarray
@@ -24,94 +28,241 @@ MOSTLY = 0.5
 share of 20 % is within the luck of one stop; a consistent filter has most of one stop in twenty outside."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Metrics:
-    """The figures of a stop, each with its unit and definition; tuples are lead to trail, of wheelsets or groups.
+@dataclass(frozen=True, kw_only=True)
+class MeasuredStop:
+    """A stop to measure, with the values that several figures are taken from.
 
-    A figure that does not exist (no estimator, no motion) is NaN or None; `meanings` says what each is.
+    Attributes:
+        trace: Samples from the first brake demand on, one or more, as `with_bound` returns them.
+        outcome: How the stop ended.
+        alpha_max: Greatest adhesion that may be used.
+        actuation: "ideal" or "pneumatic": what the commands in the trace mean.
     """
 
-    distance: Annotated[float, "m", "braking distance, from the brake demand to standstill; none without standstill"]
-    distance_travelled: Annotated[float, "m", "distance from the brake demand to the end, however the stop ended"]
-    duration: Annotated[float, "s", "time from the brake demand to the end of the stop"]
-    mean_deceleration: Annotated[float, "m/s2", "mean over the distance travelled, (v0^2 - v1^2)/(2 s)"]
-    jerk_mean: Annotated[float, "m/s3", "mean magnitude of the change of acceleration over 0.1 s"]
-    jerk_rms: Annotated[float, "m/s3", "root mean square of the change of acceleration over 0.1 s"]
-    energy_residual: Annotated[float, "1", "energy the plant left unexplained over kinetic energy at the start"]
-    utilisation: Annotated[
-        float,
-        "1",
-        "contact impulse of the train over that of the ideal bound, weighted by time: the mean deceleration over time "
-        "as a share of the bound's, whose differences are not those of distances",
-    ]
-    adhesion_allowed: Annotated[
-        float,
-        "1",
+    trace: xarray.Dataset
+    outcome: Outcome
+    alpha_max: float
+    actuation: str
+
+    @cached_property
+    def jerk(self) -> tuple[float, float]:
+        """Mean magnitude and root mean square of the jerk [m/s3]."""
+        return measures.jerk(self.trace)
+
+    @cached_property
+    def utilisation(self) -> tuple[float, Each]:
+        """Utilisation of the train, and of each wheelset."""
+        return measures.utilisation(self.trace)
+
+    @cached_property
+    def adhesion_errors(self) -> Mapping[str, Each | None]:
+        """Errors of the estimated adhesion by name."""
+        return estimation.adhesion_errors(self.trace)
+
+    @cached_property
+    def innovations(self) -> tuple[float | None, float | None]:
+        """Median NIS over its expected value, and the time of divergence [s]."""
+        return estimation.innovations(self.trace)
+
+    @cached_property
+    def reading_errors(self) -> Mapping[str, float]:
+        """Relative errors of the readings by name."""
+        return estimation.reading_errors(self.trace)
+
+    def maximum(self, signal: str) -> Each:
+        """Return the maximum of a signal for each group or wheelset."""
+        return tuple(map(float, self.trace[signal].values.max(axis=0)))
+
+
+Value = float | Each | tuple[Each, ...] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """Declaration of a figure of a stop.
+
+    Attributes:
+        unit: SI unit; "1" for a number.
+        meaning: Definition.
+        formula: Function that returns the figure of a stop.
+        extent: What has a value: the train, or each group or wheelset, from lead to trail.
+        combined: How the values of groups or wheelsets become one of the train; empty if that has no meaning.
+        title: Name for readers, as in labels of axes; that of the field without one.
+        column: Heading of the column in tables of many stops; empty if they have none.
+        factor: Factor to the unit of this column.
+        form: Format of this column.
+        over_draws: Statistic over draws in the table of distributions; empty if that has none.
+        better: The better one of two values; empty if neither is.
+        clause: Clause of `railgrip.report.limits` that limits it; empty without one.
+        is_compared: Whether a regression compares it in addition to the distance.
+    """
+
+    unit: str
+    meaning: str
+    formula: Callable[[MeasuredStop], Value]
+    extent: Literal["train", "group", "wheelset"] = "train"
+    combined: Literal["maximum", "sum", "mean", ""] = ""
+    title: str = ""
+    column: str = ""
+    factor: float = 1.0
+    form: str = "{:.4g}"
+    over_draws: Literal["median", ""] = ""
+    better: Literal["less", "more", ""] = ""
+    clause: str = ""
+    is_compared: bool = False
+
+    def text(self, value: float) -> str:
+        """Return a value of the train for its column in tables."""
+        return self.form.format(self.factor * value).replace("-", "−")
+
+    def combine(self, value: Value) -> float:
+        """Return one value for the train; NaN without a value."""
+        if not isinstance(value, tuple):
+            return math.nan if value is None else float(value)
+        values = np.array(value, dtype=np.float64)
+        match self.combined:
+            case "maximum":
+                return math.nan if np.isnan(values).all() else float(np.nanmax(values))
+            case "sum":
+                return float(values.sum())
+            case "mean":
+                return float(values.mean())
+            case _:
+                return math.nan
+
+    @property
+    def unit_text(self) -> str:
+        """The unit for readers; empty for a number."""
+        return "" if self.unit == "1" else self.unit
+
+    @property
+    def axis(self) -> str:
+        """Label of an axis."""
+        return f"{self.title} [{self.unit_text}]" if self.unit_text else self.title
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Metrics:
+    """The figures of a stop; tuples are lead to trail, of wheelsets or groups.
+
+    A figure that does not exist, as without an estimator or motion, is NaN or None; `FIGURES` has the declarations.
+    """
+
+    # fmt: off
+    distance: Annotated[float, Figure("m",
+        "braking distance, from the brake demand to standstill; none without standstill",
+        lambda stop: measures.distance_travelled(stop.trace) if stop.outcome is Outcome.STANDSTILL else math.nan,
+        title="braking distance", column="distance", form="{:.1f} m", better="less")]
+    distance_travelled: Annotated[float, Figure("m",
+        "distance from the brake demand to the end, however the stop ended",
+        lambda stop: measures.distance_travelled(stop.trace))]
+    duration: Annotated[float, Figure("s", "time from the brake demand to the end of the stop",
+        lambda stop: measures.duration(stop.trace), column="duration", form="{:.1f} s", better="less")]
+    mean_deceleration: Annotated[float, Figure("m/s2", "mean over the distance travelled, (v0^2 - v1^2)/(2 s)",
+        lambda stop: measures.mean_deceleration(stop.trace), better="more")]
+    jerk_mean: Annotated[float, Figure("m/s3", "mean magnitude of the change of acceleration over 0.1 s",
+        lambda stop: stop.jerk[0], better="less")]
+    jerk_rms: Annotated[float, Figure("m/s3", "root mean square of the change of acceleration over 0.1 s",
+        lambda stop: stop.jerk[1], better="less")]
+    energy_residual: Annotated[float, Figure("1", "energy the plant left unexplained over kinetic energy at the start",
+        lambda stop: measures.energy_residual(stop.trace), is_compared=True)]
+    utilisation: Annotated[float, Figure("1",
+        "contact impulse of the train over that of the ideal bound, weighted by time: the mean deceleration over "
+        "time as a share of the bound's, whose differences are not those of distances",
+        lambda stop: stop.utilisation[0], column="adhesion used", factor=100, form="{:.1f} %", better="more",
+        clause="utilisation")]
+    adhesion_allowed: Annotated[float, Figure("1",
         "highest adhesion that the creep curve allows, a mean over the speeds of the stop: v^2/(2 g adhesion_allowed) "
         "is the distance with this adhesion alone, without limits of brakes and without running resistance",
-    ] = float("nan")  # results of the first release do not have it
-    adhesion_at_slide: Annotated[
-        float,
-        "1",
+        lambda stop: measures.adhesion_allowed(stop.trace))]
+    adhesion_at_slide: Annotated[float, Figure("1",
         f"adhesion of the first group that slides, when its slip first exceeds {100 * measures.SLIDE:g} % above "
-        "15 km/h; none without a slide",
-    ] = float("nan")  # results of the first release do not have it
-    utilisation_wheelset: Annotated[
-        Each,
-        "1",
+        "15 km/h; none without a slide", lambda stop: measures.adhesion_at_slide(stop.trace))]
+    utilisation_wheelset: Annotated[Each, Figure("1",
         "contact impulse of each wheelset over its share in the ideal bound; NaN for isolated brakes; may exceed 1 "
         "where the brakes set the bound, which leaves out the inertia of a wheelset that regains speed, where more "
         "than alpha_max was used, and where a group is not at its best slip, at which the shares are taken",
-    ]
-    adhesion_peak: Annotated[Each, "1", "greatest adhesion of each group"]
-    time_over_alpha_max: Annotated[Each, "s", "time of each group above the adhesion limit"]
-    slip_histogram: Annotated[
-        tuple[Each, ...], "s", f"time of each group in the slip classes with inner edges {measures.SLIP_EDGES}"
-    ]
-    time_in_deep_slide: Annotated[Each, "s", "time of each group above 30 % slip"]
-    longest_lock: Annotated[Each, "s", "longest uninterrupted lock of each group"]
-    longest_lock_fast: Annotated[Each, "s", "longest uninterrupted lock of each group above 15 km/h"]
-    locked_distance: Annotated[Each, "m", "distance each group was dragged without turning"]
-    tread_energy: Annotated[Each, "J", "energy each wheelset dissipated in its contacts"]
-    tread_power_peak: Annotated[Each, "W", "greatest power of each wheelset in its contacts"]
-    disc_temperature_peak: Annotated[Each, "K", "greatest disc temperature of each group"]
-    air_used: Annotated[float, "m3", "free air taken from the reservoir"]
-    actuations: Annotated[Each, "1", "valve strokes of each group; turns of the pressure command with ideal actuation"]
-    adhesion_rmse: Annotated[Each | None, "1", "RMS error of the estimated adhesion above 10 km/h, each group"]
-    adhesion_bias: Annotated[Each | None, "1", "mean error of the estimated adhesion above 10 km/h, each group"]
-    adhesion_error_95: Annotated[Each | None, "1", "bound of 95 % of the adhesion errors above 10 km/h, each group"]
-    adhesion_sd: Annotated[
-        Each | None, "1", "mean claimed standard deviation of the adhesion above 10 km/h, each group"
-    ]
-    adhesion_nees: Annotated[Each | None, "1", "mean squared error over variance, above 10 km/h, each group"]
-    adhesion_delay: Annotated[Each | None, "s", "shift of the estimated adhesion that fits best, each group"]
-    pad_friction_rmse: Annotated[Each | None, "1", "RMS error of the estimated pad friction above 10 km/h, each group"]
-    adhesion_outside: Annotated[
-        Each | None, "1", "share of time above 10 km/h with the true adhesion outside ±2σ, each group"
-    ]
-    pad_friction_outside: Annotated[
-        Each | None, "1", "share of time above 10 km/h with the true pad friction outside ±2σ, each group"
-    ]
-    nis_ratio: Annotated[
-        float | None, "1", "median squared innovation of the estimator over its expected median; 1 if consistent"
-    ]
-    estimator_lost: Annotated[float | None, "s", "from when on, by its innovations, the estimate has no meaning"]
-    speed_rmse: Annotated[Each | None, "m/s", "RMS error of the estimated speed above 10 km/h"]
-    speed_error: Annotated[float, "1", "RMS error of the reading of the speed over the RMS of its true value"] = (
-        math.nan
-    )
-    wheelset_speed_error: Annotated[
-        float, "1", "RMS error of the reading of the rotational speed over the RMS of its true value"
-    ] = math.nan
-    deflection_error: Annotated[
-        float, "1", "RMS error of the reading of the deflection over the RMS of its true value"
-    ] = math.nan
-    acceleration_error: Annotated[
-        float, "1", "RMS error of the reading of the acceleration over the RMS of its true value"
-    ] = math.nan
-    cylinder_pressure_error: Annotated[
-        float, "1", "RMS error of the reading of the cylinder pressure over the RMS of its true value"
-    ] = math.nan
+        lambda stop: stop.utilisation[1], better="more", extent="wheelset")]
+    adhesion_peak: Annotated[Each, Figure("1", "greatest adhesion of each group",
+        lambda stop: stop.maximum("group_adhesion"), extent="group", combined="maximum", column="greatest adhesion",
+        form="{:.3f}")]
+    time_over_alpha_max: Annotated[Each, Figure("s", "time of each group above the adhesion limit",
+        lambda stop: measures.time_over_limit(stop.trace, stop.alpha_max), better="less", extent="group")]
+    slip_histogram: Annotated[tuple[Each, ...], Figure("s",
+        f"time of each group in the slip classes with inner edges {measures.SLIP_EDGES}",
+        lambda stop: measures.slip_histogram(stop.trace), extent="group")]
+    time_in_deep_slide: Annotated[Each, Figure("s", "time of each group above 30 % slip",
+        lambda stop: measures.time_in_deep_slide(stop.trace), better="less", extent="group")]
+    longest_lock: Annotated[Each, Figure("s", "longest uninterrupted lock of each group",
+        lambda stop: measures.longest_lock(stop.trace), extent="group", combined="maximum", column="longest lock",
+        form="{:.2f} s", over_draws="median", better="less", is_compared=True)]
+    longest_lock_fast: Annotated[Each, Figure("s", "longest uninterrupted lock of each group above 15 km/h",
+        lambda stop: measures.longest_lock(stop.trace, above=measures.FAST), extent="group", combined="maximum",
+        better="less", clause="lock")]
+    locked_distance: Annotated[Each, Figure("m", "distance each group was dragged without turning",
+        lambda stop: measures.locked_distance(stop.trace), extent="group", combined="maximum", better="less",
+        clause="locked_distance")]
+    tread_energy: Annotated[Each, Figure("J", "energy each wheelset dissipated in its contacts",
+        lambda stop: measures.tread_energy(stop.trace), extent="wheelset", combined="maximum", better="less")]
+    tread_power_peak: Annotated[Each, Figure("W", "greatest power of each wheelset in its contacts",
+        lambda stop: tuple(map(float, measures.tread_power(stop.trace).max(axis=0))), better="less", extent="wheelset",
+        combined="maximum")]
+    disc_temperature_peak: Annotated[Each, Figure("K", "greatest disc temperature of each group",
+        lambda stop: stop.maximum("disc_temperature"), extent="group", combined="maximum", better="less")]
+    air_used: Annotated[float, Figure("m3", "free air taken from the reservoir", lambda stop: air_used(stop.trace),
+        column="air", factor=1000, form="{:.0f} l", better="less", clause="reservoir", is_compared=True)]
+    actuations: Annotated[Each, Figure("1",
+        "valve strokes of each group; turns of the pressure command with ideal actuation",
+        lambda stop: actuations(stop.trace, stop.actuation), extent="group", combined="sum", column="valve strokes",
+        form="{:.0f}", better="less", is_compared=True)]
+    adhesion_rmse: Annotated[Each | None, Figure("1", "RMS error of the estimated adhesion above 10 km/h, each group",
+        lambda stop: stop.adhesion_errors["adhesion_rmse"], extent="group", combined="mean", better="less",
+        is_compared=True)]
+    adhesion_bias: Annotated[Each | None, Figure("1", "mean error of the estimated adhesion above 10 km/h, each group",
+        lambda stop: stop.adhesion_errors["adhesion_bias"], extent="group", combined="mean")]
+    adhesion_error_95: Annotated[Each | None, Figure("1",
+        "bound of 95 % of the adhesion errors above 10 km/h, each group",
+        lambda stop: stop.adhesion_errors["adhesion_error_95"], extent="group", combined="mean", better="less")]
+    adhesion_sd: Annotated[Each | None, Figure("1",
+        "mean claimed standard deviation of the adhesion above 10 km/h, each group",
+        lambda stop: stop.adhesion_errors["adhesion_sd"], extent="group", combined="mean", is_compared=True)]
+    adhesion_nees: Annotated[Each | None, Figure("1", "mean squared error over variance, above 10 km/h, each group",
+        lambda stop: stop.adhesion_errors["adhesion_nees"], extent="group", combined="mean", is_compared=True)]
+    adhesion_delay: Annotated[Each | None, Figure("s", "shift of the estimated adhesion that fits best, each group",
+        lambda stop: stop.adhesion_errors["adhesion_delay"], extent="group", combined="mean", better="less")]
+    pad_friction_rmse: Annotated[Each | None, Figure("1",
+        "RMS error of the estimated pad friction above 10 km/h, each group",
+        lambda stop: estimation.rmse(stop.trace, "estimate_pad_friction", "pad_friction"), better="less",
+        extent="group", combined="mean")]
+    adhesion_outside: Annotated[Each | None, Figure("1",
+        "share of time above 10 km/h with the true adhesion outside ±2σ, each group",
+        lambda stop: stop.adhesion_errors["adhesion_outside"], extent="group", combined="maximum")]
+    pad_friction_outside: Annotated[Each | None, Figure("1",
+        "share of time above 10 km/h with the true pad friction outside ±2σ, each group",
+        lambda stop: estimation.outside(stop.trace, "estimate_pad_friction", "pad_friction"), extent="group",
+        combined="maximum")]
+    nis_ratio: Annotated[float | None, Figure("1",
+        "median squared innovation of the estimator over its expected median; 1 if consistent",
+        lambda stop: stop.innovations[0], column="NIS", form="{:.2g}", is_compared=True)]
+    estimator_lost: Annotated[float | None, Figure("s", "from when on, by its innovations, the estimate has no meaning",
+        lambda stop: stop.innovations[1])]
+    speed_rmse: Annotated[Each | None, Figure("m/s", "RMS error of the estimated speed above 10 km/h",
+        lambda stop: estimation.rmse(stop.trace, "estimate_speed", "speed"), combined="mean", better="less")]
+    speed_error: Annotated[float, Figure("1", "RMS error of the reading of the speed over the RMS of its true value",
+        lambda stop: stop.reading_errors["speed_error"], is_compared=True)]
+    wheelset_speed_error: Annotated[float, Figure("1",
+        "RMS error of the reading of the rotational speed over the RMS of its true value",
+        lambda stop: stop.reading_errors["wheelset_speed_error"], is_compared=True)]
+    deflection_error: Annotated[float, Figure("1",
+        "RMS error of the reading of the deflection over the RMS of its true value",
+        lambda stop: stop.reading_errors["deflection_error"], is_compared=True)]
+    acceleration_error: Annotated[float, Figure("1",
+        "RMS error of the reading of the acceleration over the RMS of its true value",
+        lambda stop: stop.reading_errors["acceleration_error"], is_compared=True)]
+    cylinder_pressure_error: Annotated[float, Figure("1",
+        "RMS error of the reading of the cylinder pressure over the RMS of its true value",
+        lambda stop: stop.reading_errors["cylinder_pressure_error"], is_compared=True)]
+    # fmt: on
 
     def doubts(self) -> tuple[str, ...]:
         """Return one sentence for each reason to doubt the estimator's claimed accuracy; empty without reasons.
@@ -150,24 +301,32 @@ class Metrics:
         allowed = f" (creep curve: at most {self.adhesion_allowed:.4f})" if np.isfinite(self.adhesion_allowed) else ""
         return f"{100 * self.utilisation:.1f} % of the possible adhesion used{allowed}"
 
-    def other_figures(self) -> dict[str, float]:
-        """Return the figures that a regression compares in addition to the distance.
+    def of_train(self, name: str) -> float:
+        """Return a figure as one number of the train; NaN if it does not exist."""
+        return FIGURES[name].combine(getattr(self, name))
 
-        Errors of the estimator are means over the groups; the lock is the longest of any group, strokes are the sum.
+    def flat(self) -> dict[str, float]:
+        """Return figure → value, as `longest_lock[2]` for the second group; NaN if it does not exist."""
+        values: dict[str, float] = {}
+
+        def add(name: str, value: Any) -> None:
+            if isinstance(value, tuple):
+                for number, each in enumerate(cast("tuple[Any, ...]", value), start=1):
+                    add(f"{name}[{number}]", each)
+            else:
+                values[name] = math.nan if value is None else value
+
+        for name in FIGURES:
+            add(name, getattr(self, name))
+        return values
+
+    def compared(self) -> dict[str, float]:
+        """Return the figures that a regression compares in addition to the distance, each as one number of the train.
+
         Figures that do not exist are left out.
         """
-        values = {
-            "energy_residual": self.energy_residual,
-            "longest_lock": max(self.longest_lock),
-            "actuations": float(sum(self.actuations)),
-            "air_used": self.air_used,
-            "adhesion_rmse": _mean(self.adhesion_rmse),
-            "adhesion_sd": _mean(self.adhesion_sd),
-            "adhesion_nees": _mean(self.adhesion_nees),
-            "nis_ratio": self.nis_ratio,
-            **{name: getattr(self, name) for name in estimation.READING_ERRORS},
-        }
-        return {name: value for name, value in values.items() if value is not None and np.isfinite(value)}
+        values = {name: self.of_train(name) for name, figure in FIGURES.items() if figure.is_compared}
+        return {name: value for name, value in values.items() if math.isfinite(value)}
 
     def to_plain(self) -> dict[str, Any]:
         """Return the figures as JSON values."""
@@ -175,16 +334,26 @@ class Metrics:
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> Self:
-        """Return the figures that `to_plain` gave, null being NaN for a single figure.
+        """Return the figures that `to_plain` gave; null, and a figure that an earlier version did not have, is missing.
+
+        A missing figure is NaN, for each group or wheelset if the figure has values of these, or None where `Metrics`
+        has None without an estimator.
 
         Raises:
-            ValueError: A figure is missing, unknown or has another type or number of values.
+            ValueError: A figure is unknown, or has another type or number of values.
         """
-        hints = get_type_hints(cls)
-        values: dict[str, Any] = {
-            name: None if value is None and hints.get(name) is not float else _to_tuples(value)
-            for name, value in plain.items()
+        lengths = {
+            figure.extent: len(cast("list[Any]", each))
+            for name, figure in FIGURES.items()
+            if figure.extent != "train" and isinstance(each := plain.get(name), list)
         }
+        values = dict(plain)
+        for name, hint in get_type_hints(cls).items():
+            value = plain.get(name)
+            if value is not None or type(None) in get_args(hint):
+                values[name] = None if value is None else _to_tuples(value)
+            else:
+                values[name] = math.nan if hint is float else (math.nan,) * lengths.get(FIGURES[name].extent, 0)
         metrics = cls(**dict(_table().model_validate(values)))
         each = metrics.longest_lock
         counts = {len(of) for of in (metrics.adhesion_outside, metrics.pad_friction_outside, each) if of is not None}
@@ -193,15 +362,18 @@ class Metrics:
         return metrics
 
 
+FIGURES: Final[Mapping[str, Figure]] = {
+    name: replace(figure, title=figure.title or name.replace("_", " "))
+    for name, hint in get_type_hints(Metrics, include_extras=True).items()
+    for figure in hint.__metadata__
+}
+"""Declarations of all figures by name."""
+
+
 @cache
 def _table() -> type[BaseModel]:
     fields: dict[str, Any] = {name: (hint, ...) for name, hint in get_type_hints(Metrics).items()}
     return create_model("StoredMetrics", __config__=ConfigDict(strict=True, extra="forbid"), **fields)
-
-
-def meanings() -> dict[str, tuple[str, str]]:
-    """Return figure name → unit and definition."""
-    return {name: hint.__metadata__ for name, hint in get_type_hints(Metrics, include_extras=True).items()}
 
 
 def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuation: str) -> Metrics:
@@ -214,52 +386,10 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
         alpha_max: Greatest adhesion that may be used.
         actuation: "ideal" or "pneumatic": what the commands in the trace mean.
     """
-    trace = measures.since_brake_demand(trace)
-    travelled = measures.distance_travelled(trace)
-    jerk_mean, jerk_rms = measures.jerk(trace)
-    share, share_each = measures.utilisation(trace)
-    nis_ratio, divergence = estimation.innovations(trace)
-    errors = estimation.reading_errors(trace)
-    return Metrics(
-        distance=travelled if outcome is Outcome.STANDSTILL else float("nan"),
-        distance_travelled=travelled,
-        duration=measures.duration(trace),
-        mean_deceleration=measures.mean_deceleration(trace),
-        jerk_mean=jerk_mean,
-        jerk_rms=jerk_rms,
-        energy_residual=measures.energy_residual(trace),
-        utilisation=share,
-        utilisation_wheelset=share_each,
-        adhesion_allowed=measures.adhesion_allowed(trace),
-        adhesion_peak=tuple(map(float, trace["group_adhesion"].values.max(axis=0))),
-        adhesion_at_slide=measures.adhesion_at_slide(trace),
-        time_over_alpha_max=measures.time_over_limit(trace, alpha_max),
-        slip_histogram=measures.slip_histogram(trace),
-        time_in_deep_slide=measures.time_in_deep_slide(trace),
-        longest_lock=measures.longest_lock(trace),
-        longest_lock_fast=measures.longest_lock(trace, above=measures.FAST),
-        locked_distance=measures.locked_distance(trace),
-        tread_energy=measures.tread_energy(trace),
-        tread_power_peak=tuple(map(float, measures.tread_power(trace).max(axis=0))),
-        disc_temperature_peak=tuple(map(float, trace["disc_temperature"].values.max(axis=0))),
-        air_used=air_used(trace),
-        actuations=actuations(trace, actuation),
-        pad_friction_rmse=estimation.rmse(trace, "estimate_pad_friction", "pad_friction"),
-        pad_friction_outside=estimation.outside(trace, "estimate_pad_friction", "pad_friction"),
-        nis_ratio=nis_ratio,
-        estimator_lost=divergence,
-        speed_rmse=estimation.rmse(trace, "estimate_speed", "speed"),
-        speed_error=errors["speed_error"],
-        wheelset_speed_error=errors["wheelset_speed_error"],
-        deflection_error=errors["deflection_error"],
-        acceleration_error=errors["acceleration_error"],
-        cylinder_pressure_error=errors["cylinder_pressure_error"],
-        **estimation.adhesion_errors(trace),
-    )
-
-
-def _mean(values: Each | None) -> float | None:
-    return None if values is None else float(np.mean(values))
+    braking = measures.since_brake_demand(trace)
+    stop = MeasuredStop(trace=braking, outcome=outcome, alpha_max=alpha_max, actuation=actuation)
+    values: dict[str, Any] = {name: figure.formula(stop) for name, figure in FIGURES.items()}
+    return Metrics(**values)
 
 
 def _to_lists(value: Any) -> Any:

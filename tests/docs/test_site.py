@@ -19,7 +19,7 @@ from PIL import Image
 import railgrip
 from railgrip.base import registry
 from railgrip.cli.main import app
-from railgrip.trace.metrics import meanings
+from railgrip.trace.metrics import FIGURES
 from railgrip.vehicle.signals import ESTIMATES, EXTRA, OBSERVED, PLANT, READINGS, SENT
 
 ROOT = Path(__file__).parents[2]
@@ -176,7 +176,7 @@ def test_every_key_of_the_estimations_of_the_library_is_described(site: Path):
 def test_every_signal_metric_curve_and_command_is_described(site: Path):
     signals = {signal.name for signal in (*PLANT, *EXTRA, *SENT, *READINGS, *ESTIMATES, *OBSERVED)}
     assert signals <= _Page(site / "reference/signals.html").code
-    assert meanings().keys() <= _Page(site / "reference/metrics.html").code
+    assert FIGURES.keys() <= _Page(site / "reference/metrics.html").code
     assert registry.files(registry.CREEP_CURVES).keys() <= _Page(site / "reference/creep_curves.html").code
     commands = (site / "reference/commands.html").read_text(encoding="utf-8")
     program = typer.main.get_command(app)

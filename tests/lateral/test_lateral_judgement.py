@@ -13,7 +13,15 @@ from railgrip.estimators.condition import UNDECIDED, ConditionDetector, confusio
 from railgrip.studies.lateral.judge import QUANTITIES
 from railgrip.studies.lateral.run import NAMES, LateralCase
 from railgrip.studies.lateral.study import LateralPlan, page_of
-from railgrip.studies.lateral.tables import LateralResult, friction_errors, levels, median_interval, skill, typical
+from railgrip.studies.lateral.tables import (
+    LateralResult,
+    confidence_of,
+    friction_errors,
+    levels,
+    median_interval,
+    skill,
+    typical,
+)
 from railgrip.studies.lateral.wheelset import DRY, PLANTS, WET, WORST, SurfaceTest
 
 LEVELS = {"dry": 0.46, "wet": 0.30, "poor": 0.20, "worst": 0.10}
@@ -65,7 +73,7 @@ def test_the_interval_of_ten_seeds_is_second_to_ninth():
     """Binomial: the median of ten is between the second and the ninth value with 1 − 22/1024."""
     result = median_interval([float(k) for k in range(1, 11)])
     assert (result.median, result.low, result.high) == (5.5, 2.0, 9.0)
-    assert result.confidence == pytest.approx(1 - 22 / 1024)
+    assert confidence_of(10) == pytest.approx(1 - 22 / 1024)
 
 
 def test_runs_without_a_value_count_as_infinite():

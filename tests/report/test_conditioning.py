@@ -27,7 +27,7 @@ from railgrip.report.baseline import (
     load_baseline,
     write_baseline,
 )
-from railgrip.report.distances import STALE, range_text, rows_of
+from railgrip.report.frame import STALE, frame_of, range_text
 from railgrip.report.results import read_results
 from railgrip.report.stop import write_stop
 from railgrip.report.validation import tolerances_table
@@ -82,8 +82,8 @@ def test_the_stops_of_a_campaign_are_repeated_and_printed_next_to_their_distance
     path.write_text(text_of(conditioning), encoding="utf-8")
     assert read_conditioning(path) == conditioning
     write_description(replace(campaign, conditioning=path), tmp_path)
-    (row,) = rows_of(read_results(tmp_path))
-    assert row.repeated.startswith(f"{conditioning.stops[stop.name].median:.1f} m (")
+    (repeated,) = frame_of(read_results(tmp_path))["repeated"]
+    assert repeated.startswith(f"{conditioning.stops[stop.name].median:.1f} m (")
 
 
 def test_a_stop_with_erroneous_sensors_is_repeated_with_other_lots_on_the_same_rail(tmp_path, write_campaign):

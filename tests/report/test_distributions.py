@@ -5,17 +5,18 @@ import re
 from dataclasses import replace
 
 import numpy as np
+import pandas
 import pytest
 from pages import plots_of
 from scipy import stats
 from scipy.stats import norm
 
-from railgrip.report.distances import documentation_tables, rows_of, write_table
+from railgrip.report.distances import documentation_tables, write_table
 from railgrip.report.distribution import compare_pairs, distribution_table, distributions_of, quantile_table
 from railgrip.report.distribution_figure import distribution_figure, exceedance_figure
+from railgrip.report.frame import frame_of
 from railgrip.report.index import write_report
 from railgrip.report.results import read_results
-from railgrip.report.row import Row
 from railgrip.report.statistics import quantile_interval
 
 DRAWS = """
@@ -32,30 +33,39 @@ abc = {{ controller.kind = "adhesion_based" }}
 """
 
 
-def row(draw, distance, controller="adhesion_based", reference=None):
-    return Row(
-        scenario="random", case="", polach="dry", actuation="ideal", sensors="ideal", controller=controller,
-        controller_label=controller, estimator="none", friction="", draw=draw, reference=reference, distance_m=distance,
-        repeated="", duration_s=None, reduction_vs_sbc=None, reduction_vs_tuned=None, utilisation=None,
-        paper_distance_m=None, paper_reduction=None, outcome="standstill", breaks=(), adhesion_peak=None,
-        longest_lock_s=0.0, valve_strokes=None, air_l=None, nis=None, outside=None, stop="s",
-    )  # fmt: skip
+def row(draw, distance, controller="adhesion_based", reference=None, **changes):
+    values = {
+        "label": "random", "scenario": "random", "case": "", "polach": "dry", "actuation": "ideal", "sensors": "ideal",
+        "controller": controller, "controller_label": controller, "estimator": "none", "draw": draw,
+        "reference": reference, "distance": math.nan if distance is None else distance, "longest_lock": 0.0,
+        "reduction_vs_sbc": math.nan, "repeats": None,
+    }  # fmt: skip
+    return values | changes
 
 
-def rows(distances, others):
-    return [
+def frame(*rows):
+    return pandas.DataFrame(rows).astype({"draw": object})
+
+
+def stops(distances, others):
+    return frame(
         *(row(draw, distance) for draw, distance in enumerate(distances)),
         *(row(draw, distance, "slip_two_state", "published") for draw, distance in enumerate(others)),
-    ]
+    )
+
+
+def each(frame):
+    """Return the rows of a frame."""
+    return list(frame.itertuples())
 
 
 def test_draws_are_compared_one_by_one():
     """Rails differ by far more than controllers: a change of 3 % on each of them is reported exactly."""
     rails = np.linspace(200, 500, 101)
-    abc, sbc = distributions_of(rows(0.97 * rails, rails))
+    abc, sbc = each(distributions_of(stops(0.97 * rails, rails)))
     assert sbc.vs_sbc is None
-    assert (sbc.median_m, sbc.worst_m, sbc.worst_draw) == (350, 500, 100)
-    assert (sbc.low_m, sbc.high_m) == (pytest.approx(215), pytest.approx(485))  # the 6th and the 96th of 101
+    assert (sbc.median, sbc.worst, sbc.worst_draw) == (350, 500, 100)
+    assert (sbc.low, sbc.high) == (pytest.approx(215), pytest.approx(485))  # the 6th and the 96th of 101
     assert abc.vs_sbc.change == pytest.approx(-0.03)
     assert abc.vs_sbc.change_interval == pytest.approx((-0.03, -0.03))
     assert abc.vs_sbc.shorter == 1
@@ -65,7 +75,7 @@ def test_draws_are_compared_one_by_one():
 
 @pytest.mark.parametrize("actuations", [("ideal",), ("ideal", "pneumatic")])
 def test_a_table_for_the_documentation_names_the_settings_that_differ(actuations):
-    drawn = [replace(each, actuation=name) for name in actuations for each in rows(np.ones(3), np.ones(3))]
+    drawn = pandas.concat([stops(np.ones(3), np.ones(3)).assign(actuation=name) for name in actuations])
     table = documentation_tables(drawn)["draws"]
     assert ("actuation" in table.columns) == (len(actuations) > 1)
     assert not {"sensors", "creep curve"} & set(table.columns)
@@ -73,8 +83,8 @@ def test_a_table_for_the_documentation_names_the_settings_that_differ(actuations
 
 def test_a_distance_that_depends_on_rounding_has_its_range_in_the_documentation():
     sbc, law = row(None, 400.0, "slip_two_state", "published"), row(None, 380.0)
-    law = replace(law, reduction_vs_sbc=0.05, repeats=(380.0, 377.96, 391.0))
-    (cells,) = documentation_tables([sbc, law])["distances"].rows
+    law |= {"reduction_vs_sbc": 0.05, "repeats": (380.0, 377.96, 391.0)}
+    (cells,) = documentation_tables(frame(sbc, law))["distances"].rows
     assert (cells["slip_two_state"], cells["adhesion_based"]) == ("400.0 m", "380.0 m (378.0 – 391.0 m; −5.0 %)")
 
 
@@ -84,7 +94,7 @@ def test_the_interval_of_the_median_has_its_nominal_coverage():
     misses = 0
     for _ in range(400):
         changes = rng.exponential(size=20)
-        one_draw = compare_pairs({n: 1 + change for n, change in enumerate(changes)}, [row(n, 1.0) for n in range(20)])
+        one_draw = compare_pairs(pandas.Series(1 + changes), frame(*(row(n, 1.0) for n in range(20))))
         low, high = one_draw.change_interval
         misses += not low <= math.log(2) <= high
     assert misses <= stats.binom.ppf(0.999, 400, 0.05)
@@ -98,12 +108,13 @@ def test_an_interval_of_a_quantile_may_end_in_infinite_distances():
 
 
 def test_a_draw_without_a_standstill_is_longer_than_any_other():
-    abc, sbc = distributions_of(rows([90, None, None, 90, 90], [100, 100, None, None, 100]))
-    assert (abc.stood, abc.draws, abc.worst_m, abc.worst_draw) == (3, 5, math.inf, 1)
+    distributions = distributions_of(stops([90, None, None, 90, 90], [100, 100, None, None, 100]))
+    abc, _ = each(distributions)
+    assert (abc.stood, abc.draws, abc.worst, abc.worst_draw) == (3, 5, math.inf, 1)
     assert abc.vs_sbc.changes == pytest.approx((-0.1, math.inf, 0.0, -1.0, -0.1))
     assert abc.vs_sbc.shorter == 0.6
     assert abc.vs_sbc.change_interval is None  # five draws have no interval of 95 %
-    texts = distribution_table([abc, sbc]).texts
+    texts = distribution_table(distributions).texts
     assert texts[0]["worst (draw)"] == "no stop (1)"
     assert texts[0]["draws"] == "5, 2 without stop"
 
@@ -121,7 +132,7 @@ def folder(tmp_path_factory, write_campaign):
 
 def test_controllers_are_compared_with_the_published_and_the_best_tuned_sbc(folder):
     """The synthetic three-state control stops shorter than the two-state one, whatever its thresholds."""
-    distributions = {one.controller_label: one for one in distributions_of(rows_of(read_results(folder)))}
+    distributions = {one.controller_label: one for one in each(distributions_of(frame_of(read_results(folder))))}
     published, low, mid = "SBC, two-state 10/15 %", "SBC, two-state 1/2 %", "SBC, three-state 5/15 %"
     assert set(distributions) == {published, low, mid, "peak seeking (railgrip)"}
     assert all(one.draws == one.stood == 4 for one in distributions.values())
@@ -149,17 +160,17 @@ def test_a_page_of_draws_lists_controllers_instead_of_stops(folder):
 
 
 def test_the_figure_has_a_point_for_each_draw_and_a_panel_for_each_reference(folder):
-    distributions = distributions_of(rows_of(read_results(folder)))
+    distributions = distributions_of(frame_of(read_results(folder)))
     panels = distribution_figure(distributions).axes
     assert [panel.get_xlabel() for panel in panels] == [
         "braking distance [m]", "change against the published SBC [%]", "change against the best tuned SBC [%]"
     ]  # fmt: skip
     points = [line for line in panels[0].lines if line.get_marker() == "."]
     assert [sorted(line.get_xdata()) for line in points] == [
-        pytest.approx(sorted(one.distances_m.values())) for one in distributions
+        pytest.approx(sorted(one.distances)) for one in each(distributions)
     ]
     assert [label.get_text() for label in panels[0].get_yticklabels()] == [
-        one.controller_label for one in distributions
+        one.controller_label for one in each(distributions)
     ]
 
 
@@ -179,18 +190,17 @@ def test_a_table_of_many_missing_stops_names_a_few(folder):
 
 
 def test_quantiles_of_a_controller_under_two_actuations_are_distinguished(folder):
-    (one, *_) = distributions_of(rows_of(read_results(folder)))
-    table = quantile_table([one, replace(one, actuation="pneumatic")], None)
-    assert [row["actuation"] for row in table.rows] == [one.actuation, "pneumatic"]
-    assert one.actuation != "pneumatic"
+    one = distributions_of(frame_of(read_results(folder))).head(1)
+    table = quantile_table(pandas.concat([one, one.assign(actuation="pneumatic")]), None)
+    assert [row["actuation"] for row in table.rows] == ["ideal", "pneumatic"]
 
 
 def test_quantiles_and_exceedance_of_many_draws_agree_with_their_distribution(folder):
     """Ten thousand draws of a known distribution: quantiles are within their intervals, and few points are drawn."""
-    (one, *_) = distributions_of(rows_of(read_results(folder)))
+    one = distributions_of(frame_of(read_results(folder))).head(1)
     draws = 300.0 + 20.0 * norm.ppf((np.arange(10_000) + 0.5) / 10_000)
-    many = replace(one, draws=draws.size, stood=draws.size, distances_m=dict(enumerate(draws)))
-    (row,) = quantile_table([many], 340.0).rows
+    many = one.assign(draws=draws.size, stood=draws.size, distances=[pandas.Series(draws)])
+    (row,) = quantile_table(many, 340.0).rows
     for share in (0.5, 0.95, 0.99):
         value, low, high = map(float, re.findall(r"\d+\.\d", row[f"P{100 * share:.0f}"]))
         exact = 300.0 + 20.0 * norm.ppf(share)
@@ -199,15 +209,15 @@ def test_quantiles_and_exceedance_of_many_draws_agree_with_their_distribution(fo
         reach = 1.96 * np.sqrt(share * (1 - share) / draws.size) / norm.pdf(norm.ppf(share)) * 20.0
         assert (exact - low, high - exact) == pytest.approx((reach, reach), abs=0.2 * reach + 0.1)
     assert float(row["over 340 m"].split(" ")[0]) == pytest.approx(100 * norm.sf(2.0), abs=0.01)
-    counts, shares = exceedance_figure([many], 340.0).axes
+    counts, shares = exceedance_figure(many, 340.0).axes
     assert len(counts.lines[0].get_xdata()) <= 60
     assert np.interp(340.0, *shares.lines[0].get_data()) == pytest.approx(100 * norm.sf(2.0), rel=0.02)
 
 
 def test_the_longest_of_all_draws_have_pages(folder):
     write_report(folder, panels="none")
-    rows = [row for row in rows_of(read_results(folder)) if row.controller != "ideal_bound"]
-    longest = sorted(rows, key=lambda row: -row.distance_m)[:10]
+    rows = [row for row in each(frame_of(read_results(folder))) if row.controller != "ideal_bound"]
+    longest = sorted(rows, key=lambda row: -row.distance)[:10]
     text = (folder / "index.html").read_text(encoding="utf-8")
     assert [row.stop for row in longest if f'href="{row.stop}/index.html"' not in text] == []
     assert all((folder / row.stop / "index.html").exists() for row in longest)

@@ -5,14 +5,15 @@ import re
 from dataclasses import replace
 
 import numpy as np
+import pandas
 import pytest
 from matplotlib.colors import to_hex
 from pages import needs_nothing_else, numbers, plots_of
 
 from railgrip.base.errors import RecordError
 from railgrip.report import palette, style
-from railgrip.report.distances import rows_of
 from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure
+from railgrip.report.frame import frame_of
 from railgrip.report.index import write_report
 from railgrip.report.interactive import interactive
 from railgrip.report.results import read_results
@@ -85,10 +86,10 @@ def test_distances_are_drawn_next_to_the_published_ones(tmp_path, write_campaign
     """Those of the two controllers of the paper; railgrip's peak seeking has no mark."""
     kept = KEPT | {"adhesion_literal"}
     write_campaign(tmp_path, lambda stop: stop.variants["equipment"] == "ideal" and stop.variants["controller"] in kept)
-    rows = rows_of(read_results(tmp_path))
-    panels_of_rails = distance_figure(rows).axes
+    frame = frame_of(read_results(tmp_path))
+    panels_of_rails = distance_figure(frame).axes
     lengths = sorted(bar.get_width() for panel in panels_of_rails for bar in panel.patches)
-    assert lengths == pytest.approx(sorted(row.distance_m for row in rows))
+    assert lengths == pytest.approx(sorted(frame["distance"]))
     marks = sorted(float(line.get_xdata()[0]) for panel in panels_of_rails for line in panel.lines)
     assert marks == sorted([382.9, 333.4, 316.2, 286.6, 339.6, 309.6])
 
@@ -123,16 +124,17 @@ def test_signals_missing_in_a_plant_have_no_row_and_no_number(tmp_path, write_ca
     assert figure.get_suptitle().startswith(f"random, seed {campaign.stops[0].scenario.seed}: ")
 
 
+def of_case(frame, name):
+    """Return the stops as those of a case."""
+    return frame.assign(case=name, label=frame["scenario"] + ", " + name)
+
+
 def test_distances_of_many_stops_are_drawn_as_a_distribution(folder):
     """The figure of draws: a line for each controller, with a dot for each stop, and constant height."""
-    rows = rows_of(read_results(folder))
-    many = [
-        replace(row, case=f"seed {seed}", distance_m=row.distance_m + seed)
-        for seed in range(30)
-        for row in rows
-        if row.distance_m is not None
-    ]
-    figure = distance_figure(many)
+    frame = frame_of(read_results(folder))
+    seeds = [(f"seed {seed}", seed) for seed in range(30)]
+    cases = [of_case(frame, name).assign(distance=frame["distance"] + seed) for name, seed in seeds]
+    figure = distance_figure(many := pandas.concat(cases))
     assert len(figure.axes) == 3 * 2  # scenarios; distance, and change against the published control
     for panel in figure.axes[::2]:
         assert [text.get_text() for text in panel.get_yticklabels()] == [
@@ -142,37 +144,34 @@ def test_distances_of_many_stops_are_drawn_as_a_distribution(folder):
         assert [len(line.get_xdata()) for line in panel.lines if line.get_marker() == "."] == [30, 30]
     assert "[m]" in figure.axes[-2].get_xlabel()
     assert figure.legends[0].get_texts()[0].get_text() == "a stop"
-    assert figure.get_figheight() == distance_figure([*many, *many]).get_figheight()
+    assert figure.get_figheight() == distance_figure(pandas.concat([many, many])).get_figheight()
 
 
 def test_each_of_a_few_cases_has_a_line_with_its_friction(folder):
     """Ten cases with a friction each, in two families: a panel of distances and one of changes for each family."""
-    rows = [row for row in rows_of(read_results(folder)) if row.scenario == "trapezoid"]
+    frame = frame_of(read_results(folder)).query("scenario == 'trapezoid'")
     cases = [
-        replace(row, case=f"case {number}", friction=f"0.{number:02}", polach="dry" if number < 8 else "leaf",
-                distance_m=None if number == 9 else row.distance_m)
+        of_case(frame, f"case {number}").assign(friction=f"0.{number:02}", polach="dry" if number < 8 else "leaf",
+                     distance=np.nan if number == 9 else frame["distance"])
         for number in range(10)
-        for row in rows
     ]  # fmt: skip
-    figure = distance_figure(cases)
+    figure = distance_figure(pandas.concat(cases))
     names = [[text.get_text() for text in panel.get_yticklabels()] for panel in figure.axes[::2]]
     assert [len(lines) for lines in names] == [8, 2]
     assert names[1][1] == "case 9, $\\mu_0$ 0.09"
     of_first = [line.get_xdata()[0] for line in figure.axes[0].lines]
-    assert sorted(of_first) == pytest.approx(sorted(8 * [row.distance_m for row in rows]))
-    assert [line.get_marker() for line in figure.axes[2].lines].count("x") == len(rows)
+    assert sorted(of_first) == pytest.approx(sorted(8 * frame["distance"].tolist()))
+    assert [line.get_marker() for line in figure.axes[2].lines].count("x") == len(frame)
 
 
 def test_controllers_of_one_kind_have_separate_bars(folder):
     """Two-state control with published and with other thresholds; the second is not drawn over the first."""
-    rows = [row for row in rows_of(read_results(folder)) if row.controller == "slip_two_state"]
-    others = [
-        replace(row, controller_label="SBC, two-state 1/2 %", distance_m=0.9 * row.distance_m, paper_distance_m=None)
-        for row in rows
-    ]
-    panels_of_rails = distance_figure([*rows, *others]).axes
+    frame = frame_of(read_results(folder)).query("controller == 'slip_two_state'")
+    shorter = {"distance": 0.9 * frame["distance"], "paper_distance": np.nan}
+    both = pandas.concat([frame, frame.assign(controller_label="SBC, two-state 1/2 %", **shorter)])
+    panels_of_rails = distance_figure(both).axes
     bars = [bar for panel in panels_of_rails for bar in panel.patches]
-    assert sorted(bar.get_width() for bar in bars) == pytest.approx(sorted(row.distance_m for row in (*rows, *others)))
+    assert sorted(bar.get_width() for bar in bars) == pytest.approx(sorted(both["distance"]))
     for panel in panels_of_rails:
         assert len({bar.get_facecolor() for bar in panel.patches}) == 2
         assert len({round(bar.get_y(), 6) for bar in panel.patches}) == 2

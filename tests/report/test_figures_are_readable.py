@@ -7,10 +7,10 @@ from pages import plots_of, replace_plots
 from readable import defects_of
 
 from railgrip.report.comparison import compare
-from railgrip.report.distances import rows_of
 from railgrip.report.distribution import distributions_of, over_cases
 from railgrip.report.distribution_figure import distribution_figure
 from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, sweep_figure
+from railgrip.report.frame import frame_of
 from railgrip.report.index import write_report
 from railgrip.report.interactive import interactive
 from railgrip.report.page import Page
@@ -44,9 +44,9 @@ FIGURES = {
     "adhesion": lambda stops, folder: adhesion_figure(
         stops["random-ideal-slip_two_state"], stops["random-ideal-adhesion_based"]
     ),
-    "distances": lambda stops, folder: distance_figure(rows_of(read_results(folder))),
+    "distances": lambda stops, folder: distance_figure(frame_of(read_results(folder))),
     "distributions": lambda stops, folder: distribution_figure(
-        distributions_of(over_cases(rows_of(read_results(folder))))
+        distributions_of(over_cases(frame_of(read_results(folder))))
     ),
     "comparison": comparison,
     "comparison of campaigns": lambda stops, folder: compare(folder, folder).plot(),

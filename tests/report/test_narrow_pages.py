@@ -8,8 +8,8 @@ import subprocess
 import pytest
 from synthetic import LIBRARY
 
-from railgrip.report.distances import rows_of
 from railgrip.report.figures import distance_figure
+from railgrip.report.frame import frame_of
 from railgrip.report.index import write_report
 from railgrip.report.results import read_results
 
@@ -87,7 +87,7 @@ def test_distances_of_a_campaign_fit_a_narrow_screen(folder, tmp_path):
     (distance,) = (box for box in found["head"] if box["text"] == "distance")
     assert distance["right"] <= WIDTH
     cells = [box for box in found["cells"] if abs(box["right"] - distance["right"]) < 1 and box["text"].endswith(" m")]
-    assert len(cells) == len(rows_of(read_results(folder)))
+    assert len(cells) == len(frame_of(read_results(folder)))
 
 
 @needs_browser
@@ -111,5 +111,5 @@ def test_titles_of_panels_of_bars_are_complete(folder, tmp_path):
 
 
 def test_panels_of_bars_are_named_by_their_differences(folder):
-    panels = distance_figure(rows_of(read_results(folder))).axes
+    panels = distance_figure(frame_of(read_results(folder))).axes
     assert [panel.get_title(loc="left") for panel in panels] == ["start.speed 80 km/h", "start.speed 120 km/h"]

@@ -1,10 +1,11 @@
 """The overview of a campaign: published and simulated distances on one screen."""
 
-from dataclasses import replace
+import math
 
+import pandas
 import pytest
 
-from railgrip.report.distances import rows_of
+from railgrip.report.frame import frame_of
 from railgrip.report.overview import overview_of
 from railgrip.report.overview_figure import overview_figure
 from railgrip.report.results import read_results
@@ -17,23 +18,23 @@ PUBLISHED = {
 
 
 @pytest.fixture(scope="module")
-def rows(tmp_path_factory, write_campaign):
+def frame(tmp_path_factory, write_campaign):
     kept = {"slip_two_state", "slip_three_state", "adhesion_literal", "adhesion_based", "ideal_bound"}
     folder = tmp_path_factory.mktemp("overview")
     write_campaign(folder, lambda stop: stop.variants["controller"] in kept)
-    return rows_of(read_results(folder))
+    return frame_of(read_results(folder))
 
 
-def at(rows, controller, case):
+def at(frame, controller, case):
     return next(
         row
-        for row in rows
+        for row in frame.itertuples()
         if (row.controller, row.scenario.replace("_", " ")) == (controller, case) and row.case == "equipment ideal"
     )
 
 
-def test_published_distances_precede_those_of_the_same_law(rows):
-    overview = overview_of(rows)
+def test_published_distances_precede_those_of_the_same_law(frame):
+    overview = overview_of(frame)
     assert overview.cases == ("trapezoid", "sine sweep", "random")
     lines = [(line.kind, line.is_published) for line in overview.lines]
     assert lines == [
@@ -50,19 +51,16 @@ def test_published_distances_precede_those_of_the_same_law(rows):
                 metres = PUBLISHED[line.kind][case]
                 change = metres / PUBLISHED["slip_two_state"][case] - 1
             else:
-                metres = at(rows, line.kind, case).distance_m
-                change = metres / at(rows, "slip_two_state", case).distance_m - 1
+                metres = at(frame, line.kind, case).distance
+                change = metres / at(frame, "slip_two_state", case).distance - 1
             assert line.distances[case] == metres
-            assert line.changes[case] == (None if line.kind == "slip_two_state" else pytest.approx(change))
+            expected = math.nan if line.kind == "slip_two_state" else change
+            assert line.changes[case] == pytest.approx(expected, nan_ok=True)
 
 
-def test_a_law_that_depends_on_rounding_has_its_median_range_and_lock(rows):
-    changed = [
-        replace(row, repeats=(300.0, 280.0, 324.0), longest_lock_s=17.25)
-        if row is at(rows, "adhesion_literal", "trapezoid")
-        else row
-        for row in rows
-    ]
+def test_a_law_that_depends_on_rounding_has_its_median_range_and_lock(frame):
+    changed, place = frame.copy(), at(frame, "adhesion_literal", "trapezoid").Index
+    changed.at[place, "repeats"], changed.at[place, "longest_lock"] = (300.0, 280.0, 324.0), 17.25
     texts = [list(row.values()) for row in overview_of(changed).table().texts]
     place = next(number for number, row in enumerate(texts) if row[0].endswith("simulated") and "ABC" in row[0])
     assert texts[place][1].startswith("300.0 m")
@@ -70,28 +68,28 @@ def test_a_law_that_depends_on_rounding_has_its_median_range_and_lock(rows):
     assert texts[place + 2][:2] == ["– longest lock of a wheelset", "17.2 s"]
 
 
-def test_a_stop_without_standstill_has_no_distance_and_no_change(rows):
-    stuck = at(rows, "adhesion_based", "random")
-    changed = [replace(row, distance_m=None) if row is stuck else row for row in rows]
+def test_a_stop_without_standstill_has_no_distance_and_no_change(frame):
+    changed = frame.copy()
+    changed.at[at(frame, "adhesion_based", "random").Index, "distance"] = math.nan
     row = next(row for row in overview_of(changed).table().texts if row["braking distance"].startswith("peak seeking"))
     assert row["random"] == "no stop"
     overview_figure(overview_of(changed))
 
 
-def test_a_screen_has_the_table(rows):
+def test_a_screen_has_the_table(frame):
     """25 lines of 100 characters: with sentences, a path and other targets below, the table has at most 15."""
-    table = overview_of(rows).table()
+    table = overview_of(frame).table()
     widths = [max(len(column), *(len(row[column]) for row in table.texts)) for column in table.columns]
     assert sum(width + 2 for width in widths) <= 100
     assert len(table.rows) <= 15
 
 
-@pytest.mark.parametrize("change", [{"paper_distance_m": None}, {"draw": 1}])
-def test_a_campaign_without_published_distances_has_no_overview(rows, change):
-    assert overview_of([replace(row, **change) for row in rows]) is None
-    assert overview_of([]) is None
+@pytest.mark.parametrize("change", [{"paper_distance": math.nan}, {"draw": 1}])
+def test_a_campaign_without_published_distances_has_no_overview(frame, change):
+    assert overview_of(frame.assign(**change)) is None
+    assert overview_of(frame.head(0)) is None
 
 
-def test_a_campaign_on_several_creep_curves_has_no_overview(rows):
+def test_a_campaign_on_several_creep_curves_has_no_overview(frame):
     """Its columns would have equal names."""
-    assert overview_of([*rows, *(replace(row, polach="wet") for row in rows)]) is None
+    assert overview_of(pandas.concat([frame, frame.assign(polach="wet")])) is None

@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 
 import railgrip.studies
-from railgrip.report.distances import rows_of, setting_tables
+from railgrip.report.distances import setting_tables
+from railgrip.report.frame import frame_of
 from railgrip.report.index import write_report
 from railgrip.report.overview import overview_of
 from railgrip.report.page import Page
 from railgrip.report.results import read_results
 from railgrip.report.style import panels
-from railgrip.trace.metrics import meanings
+from railgrip.trace.metrics import FIGURES
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
@@ -56,9 +57,9 @@ def test_all_columns_of_a_campaign_are_on_paper(folder, tmp_path):
         (w + dx, h + dy) for w, h in A4 for dx in (-1, 0, 1) for dy in (-1, 0, 1)
     }  # rounded by the browser
     everything = "".join(texts)
-    rows = rows_of(read_results(folder))
-    overview = overview_of(rows)
-    settings = setting_tables(rows, {})
+    frame = frame_of(read_results(folder))
+    overview = overview_of(frame)
+    settings = setting_tables(frame, {})
     assert len(settings) == 3
     for name, (sentence, table) in settings.items():
         (first,) = [text for text in texts if bare(f"All stops with {name}") in text]
@@ -75,7 +76,7 @@ def test_the_figure_of_the_answer_is_printed_as_on_a_wide_screen(folder, tmp_pat
     """Its panels are next to each other on paper although the window is narrow, and large enough to be read."""
     texts, _ = printed(folder / "index.html", tmp_path)
     everything = "".join(texts[:2])
-    (rail,) = overview_of(rows_of(read_results(folder))).cases
+    (rail,) = overview_of(frame_of(read_results(folder))).cases
     assert bare(rail) in everything
     assert bare("braking distance [m]") in everything
 
@@ -85,7 +86,7 @@ def test_sections_folded_on_the_screen_are_printed(folder, tmp_path):
     texts, _ = printed(folder / stop.name / "index.html", tmp_path)
     everything = "".join(texts)
     assert [text for text in ("periods.communication", "limits.alpha_max", stop.digest) if text not in everything] == []
-    assert [meaning for _, meaning in meanings().values() if bare(meaning) not in everything] == []
+    assert [each.meaning for each in FIGURES.values() if bare(each.meaning) not in everything] == []
     labels = "speed[km/h] slip[%] adhesion padfriction cylinderpressure[bar] timesincethebrakedemand[s]"
     assert [label for label in labels.split() if label not in everything] == []
     assert "wheelset6" in everything

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from math import isnan
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,8 @@ from synthetic_runner import DECELERATION, run_stop
 
 import railgrip.scenario
 from railgrip.base.errors import RecordError
-from railgrip.report.distances import rows_of, write_table
+from railgrip.report.distances import write_table
+from railgrip.report.frame import frame_of
 from railgrip.report.reference import CONTROLLERS
 from railgrip.report.results import read_results
 from railgrip.report.stop import metrics_table, write_stop
@@ -23,28 +25,40 @@ def folder(tmp_path_factory, write_campaign):
     return directory
 
 
+def rows_of(folder):
+    return list(frame_of(read_results(folder)).itertuples())
+
+
 def test_reductions_are_relative_to_sbc_in_the_same_conditions(folder):
-    rows = {(row.actuation, row.controller): row for row in rows_of(read_results(folder)) if "instant" not in row.case}
+    rows = {
+        (row.actuation, row.controller): row
+        for row in frame_of(read_results(folder)).itertuples()
+        if "instant" not in row.case
+    }
     expected = 1 - DECELERATION["slip_two_state"] / DECELERATION["adhesion_based"]
     for actuation in ("ideal", "pneumatic"):
         # 1e-3: stops end on a sample of 10 ms
         assert rows[actuation, "adhesion_based"].reduction_vs_sbc == pytest.approx(expected, abs=1e-3)
-        assert rows[actuation, "slip_two_state"].reduction_vs_sbc is None
-    assert rows["ideal", "adhesion_literal"].paper_distance_m == 333.4
+        assert isnan(rows[actuation, "slip_two_state"].reduction_vs_sbc)
+    assert rows["ideal", "adhesion_literal"].paper_distance == 333.4
     assert rows["ideal", "adhesion_literal"].paper_reduction == pytest.approx(0.129, abs=5e-4)
-    assert rows["pneumatic", "adhesion_literal"].paper_distance_m is None
-    assert rows["ideal", "adhesion_based"].paper_distance_m is None  # the paper does not have this law
+    assert isnan(rows["pneumatic", "adhesion_literal"].paper_distance)
+    assert isnan(rows["ideal", "adhesion_based"].paper_distance)  # the paper does not have this law
 
 
 def test_searched_levels_have_separate_rows_relative_to_the_papers(folder):
     """Two forms, each with slip as read and as estimated; the reference remains the paper's SBC."""
-    rows = [row for row in rows_of(read_results(folder)) if row.actuation == "ideal" and "instant" not in row.case]
+    rows = [
+        row
+        for row in frame_of(read_results(folder)).itertuples()
+        if row.actuation == "ideal" and "instant" not in row.case
+    ]
     controllers = [row.controller for row in rows]
     names = [f"slip_{form}_state_{slip}" for slip in ("read", "estimated") for form in ("two", "three")]
     assert [name for name in controllers if name.endswith(("_read", "_estimated"))] == names
     assert len(set(controllers)) == len(controllers)
     assert set(controllers) <= set(CONTROLLERS)
-    assert [row.controller for row in rows if row.reduction_vs_sbc is None] == ["slip_two_state"]
+    assert [row.controller for row in rows if isnan(row.reduction_vs_sbc)] == ["slip_two_state"]
 
 
 def test_similar_stops_are_distinguished_and_compared_in_their_own_conditions(tmp_path, write_campaign):
@@ -60,7 +74,7 @@ sbc = {{ controller.kind = "slip_two_state", estimator.kind = "none" }}
 abc = {{ controller.kind = "adhesion_based" }}
 ''')
     write_campaign(tmp_path, lambda _: True, file=file)
-    rows = rows_of(read_results(tmp_path))
+    rows = rows_of(tmp_path)
     assert len(rows) == 4
     assert {row.label for row in rows} == {"trapezoid, start.speed 80 km/h", "trapezoid, start.speed 40 km/h"}
     by_speed = {row.case: row for row in rows if row.controller == "adhesion_based"}
@@ -81,7 +95,7 @@ adhesion.patch = [{{ begin = "20 m", length = "8 m", mu0 = 0.03, polach = "leaf"
 adhesion.polach_of_wheelset = ["dry", "dry", "dry", "soap", "dry", "dry"]
 ''')
     write_campaign(tmp_path, lambda _: True, file=file)
-    assert [row.polach for row in rows_of(read_results(tmp_path))] == ["dry, soap, leaf"]
+    assert [row.polach for row in rows_of(tmp_path)] == ["dry, soap, leaf"]
 
 
 def test_json_has_the_requested_rows(folder):
@@ -114,8 +128,8 @@ def test_a_missing_figure_is_null_and_an_empty_cell(folder):
 
 
 def test_air_is_omitted_with_ideal_actuation_which_has_no_valves(folder):
-    rows = rows_of(read_results(folder))
-    assert {row.actuation for row in rows if row.air_l is not None} == {"pneumatic"}
+    rows = rows_of(folder)
+    assert {row.actuation for row in rows if not isnan(row.air_used)} == {"pneumatic"}
     stop = next(stop for stop in read_results(folder).stops if stop.inputs["actuation"]["kind"] == "ideal")
     assert np.isfinite(stop.metrics.air_used)
     figures = {row["figure"]: row["value"] for row in metrics_table(stop.figures).rows}
@@ -127,9 +141,9 @@ def test_a_stop_without_standstill_has_no_distance_and_no_reduction(tmp_path, wr
         tmp_path, lambda stop: stop.name in {"trapezoid-ideal-slip_two_state", "trapezoid-ideal-adhesion_based"},
         overrides=["description=slide"],
     )  # fmt: skip
-    rows = rows_of(read_results(tmp_path))
-    assert [row.distance_m for row in rows] == [None, None]
-    assert [row.reduction_vs_sbc for row in rows] == [None, None]
+    rows = rows_of(tmp_path)
+    assert [isnan(row.distance) for row in rows] == [True, True]
+    assert [isnan(row.reduction_vs_sbc) for row in rows] == [True, True]
     assert {row.outcome for row in rows} == {"horizon"}
     assert "none: horizon" in write_table(read_results(tmp_path), tmp_path)[1].read_text(encoding="utf-8")
 

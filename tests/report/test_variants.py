@@ -9,7 +9,7 @@ from synthetic import LIBRARY
 
 from railgrip.base.errors import InputError
 from railgrip.cli.main import main
-from railgrip.report.distances import rows_of
+from railgrip.report.frame import frame_of
 from railgrip.report.headline import headline
 from railgrip.report.index import write_report
 from railgrip.report.limits import limits_of
@@ -57,7 +57,7 @@ def with_distances(results, shorter):
 
 def changes_of(results, text="none"):
     reference = ReferenceVariant.find(text, [stop.variants for stop in results.stops])
-    return reference, changes_against(reference, results.stops, rows_of(results))
+    return reference, changes_against(reference, results.stops, frame_of(results))
 
 
 def test_a_pair_differs_only_in_the_variant(campaign):
@@ -158,9 +158,9 @@ def harmless(results):
 def test_a_law_that_locks_wheels_is_not_recommended(campaign):
     """9.3 s of lock where the clause allows 0.4 s."""
     results = harmless(read_results(campaign()))
-    assert "peak seeking (railgrip) changes the distance by" in headline(rows_of(results))
-    assert "not recommended" not in headline(rows_of(results))
-    text = headline(rows_of(locked(results, "abc", 9.3)))
+    assert "peak seeking (railgrip) changes the distance by" in headline(frame_of(results))
+    assert "not recommended" not in headline(frame_of(results))
+    text = headline(frame_of(locked(results, "abc", 9.3)))
     assert "peak seeking (railgrip) breaks the limit on locked wheels in 16 of 16 stops" in text
     assert "is not recommended" in text
     assert "largest reduction" not in text
@@ -169,7 +169,7 @@ def test_a_law_that_locks_wheels_is_not_recommended(campaign):
 def test_a_law_that_satisfies_all_clauses_precedes_one_that_locks(campaign):
     results = locked(harmless(read_results(campaign())), "abc", 9.3)
     reference, changes = changes_of(results)
-    text = headline(rows_of(results), reference, changes)
+    text = headline(frame_of(results), reference, changes)
     assert text.startswith("Against sand none, some (with controller sbc) changes the distance by")
     assert "of 2 variants it is the only one that keeps all clauses" in text
 

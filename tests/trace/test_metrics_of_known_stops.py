@@ -10,7 +10,7 @@ from synthetic import BRAKES, LOAD, parabola, uniform_stop
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace import estimation, measures
 from railgrip.trace.bound import brake_limit, regained_adhesion, with_bound
-from railgrip.trace.metrics import Metrics, actuations, air_used, meanings, measure
+from railgrip.trace.metrics import FIGURES, Metrics, actuations, air_used, measure
 
 
 def test_uniform_braking_has_the_textbook_figures():
@@ -255,8 +255,8 @@ def test_a_stop_that_failed_at_once_still_has_its_figures():
 
 
 def test_every_figure_has_a_unit_and_a_meaning():
-    assert set(meanings()) == set(Metrics.__dataclass_fields__)
-    assert all(unit and len(meaning) > 10 for unit, meaning in meanings().values())
+    assert set(FIGURES) == set(Metrics.__dataclass_fields__)
+    assert all(figure.unit and len(figure.meaning) > 10 for figure in FIGURES.values())
 
 
 def test_a_consistent_estimator_is_not_reported():

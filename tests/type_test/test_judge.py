@@ -16,7 +16,7 @@ from railgrip.studies.type_test.entrants import Entrant
 from railgrip.studies.type_test.judge import judgements, measure_stop, summaries
 from railgrip.trace.bound import with_bound
 from railgrip.trace.measures import utilisation as utilisation_of
-from railgrip.trace.metrics import Metrics, meanings
+from railgrip.trace.metrics import FIGURES, Metrics
 
 EACH = {"longest_lock_fast", "locked_distance", "tread_energy", "actuations"}
 LIMITS = limits_of()
@@ -31,7 +31,7 @@ TAKING_PART = {
 
 def result(case, controller, distance, *, stands=True, speed=20.0, **figures):
     """A stop with standstill after `distance` that first slid at an adhesion of 0.06; other figures 0 unless given."""
-    plain = {name: (0.0, 0.0) if name in EACH else 0.0 for name in meanings()}
+    plain = {name: (0.0, 0.0) if name in EACH else 0.0 for name in FIGURES}
     metrics = Metrics(**(plain | {"distance": distance, "adhesion_at_slide": 0.06} | figures))
     variants = {"case": case, "controller": controller, "friction": "0.3", "curve": "dry"}
     stop = Stop(

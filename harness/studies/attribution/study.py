@@ -1,6 +1,6 @@
 """Loss of slope seeking over the ideal bound by its causes, and what knowledge of the rail would gain."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,7 +13,7 @@ from railgrip.api import Estimate, Observation
 from railgrip.campaign.work import Work
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.statistics import CONFIDENCE
+from railgrip.report.statistics import bootstrap_interval
 from railgrip.report.table import ReportTable
 from railgrip.scenario.faults import READ_BY
 from railgrip.scenario.merge import merge
@@ -37,7 +37,6 @@ LAWS = (LAW, "two_maxima")
 GIVEN = ((False, False), (False, True), (True, False), (True, True))
 """Whether the law is given the truth, and an actuation without valves."""
 _READINGS = ("speed", "wheelset_speed", "deflection", "acceleration", "cylinder_pressure")
-_RESAMPLES, _SEED = 2000, 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,21 +122,16 @@ def losses(distances: Array) -> dict[str, Array]:
 def table_of(distances: Array) -> ReportTable:
     """Return mean losses over the bound and their shares of the whole, with bootstrap intervals over the cases."""
     parts = losses(distances)
-    draws = np.random.default_rng(_SEED).integers(0, len(distances), (_RESAMPLES, len(distances)))
-    tail = 50.0 * (1.0 - CONFIDENCE)
-
-    def with_interval(value: float, of_draws: Array) -> str:
-        low, high = np.percentile(of_draws, (tail, 100.0 - tail))
-        return f"{100 * value:.1f} % [{100 * low:.1f}, {100 * high:.1f}]"
-
     rows: list[dict[str, Any]] = []
     for name, values in parts.items():
-        means, whole = values[draws].mean(axis=1), parts["all"][draws].mean(axis=1)
+        both = np.column_stack([values, parts["all"]])
         rows.append(
             {
                 "loss through": name,
-                "mean over the bound": with_interval(values.mean(), means),
-                "share of the loss": with_interval(values.mean() / parts["all"].mean(), means / whole),
+                "mean over the bound": _with_interval(values, lambda draws: draws.mean(axis=-1), "{:.1f}"),
+                "share of the loss": _with_interval(
+                    both, lambda draws: np.divide(*np.moveaxis(draws.mean(axis=-2), -1, 0)), "{:.1f}"
+                ),
                 "largest": f"{100 * values.max():.1f} %",
             }
         )
@@ -173,10 +167,14 @@ def _mean_with_interval(changes: Array) -> str:
     changes = changes[np.isfinite(changes)]
     if not len(changes):
         return ""
-    draws = np.random.default_rng(_SEED).integers(0, len(changes), (_RESAMPLES, len(changes)))
-    tail = 50.0 * (1.0 - CONFIDENCE)
-    low, high = np.percentile(changes[draws].mean(axis=1), (tail, 100.0 - tail))
-    return f"{100 * changes.mean():+.1f} % [{100 * low:+.1f}, {100 * high:+.1f}]"
+    return _with_interval(changes, lambda draws: draws.mean(axis=-1), "{:+.1f}")
+
+
+def _with_interval(cases: Array, statistic: Callable[[Array], Array], form: str) -> str:
+    """Return a statistic of the cases in percent, with its bootstrap interval if there are two or more cases."""
+    text, interval = f"{form.format(100 * float(statistic(cases)))} %", bootstrap_interval(cases, statistic)
+    ends = () if interval is None else (form.format(100 * end) for end in interval)
+    return f"{text} [{', '.join(ends)}]" if interval else text
 
 
 AS_IS = "nothing"

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from railgrip.api import Scenario
 from railgrip.campaign.work import Work
 from railgrip.estimators.compiled import CompiledFilter
-from railgrip.report.statistics import endless, quantile, quantile_interval, relative_change
+from railgrip.report.statistics import bootstrap_interval, endless, quantile, quantile_interval, relative_change
 from railgrip.report.stop import Stop
 from railgrip.report.table import ReportTable
 from railgrip.scenario import schema
@@ -24,7 +24,6 @@ from railgrip.simulate.loop.parts import Parts, StateEstimator
 from railgrip.simulate.parts import assemble
 from railgrip.studies.estimators.noises import OUTLIER_LIMITS, noise_of
 from railgrip.studies.estimators.replay import MODEL, OTHER_MODELS
-from railgrip.studies.estimators.tables import RESAMPLES, RESAMPLING_SEED
 from railgrip.studies.type_test.case_set import VERSIONS
 from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of
 from railgrip.studies.type_test.judge import EQUAL
@@ -234,11 +233,10 @@ def _distances(stops: Sequence[LoopStop]) -> list[float]:
 
 def _interval_of_mean(ratios: Sequence[float]) -> tuple[float, float] | None:
     """Return the percentile bootstrap interval of the geometric mean; None with fewer than two or infinite ratios."""
-    if len(ratios) < 2 or math.isinf(max(ratios)):
+    if math.isinf(max(ratios)):
         return None
-    draws = np.random.default_rng(RESAMPLING_SEED).choice(np.log(ratios), (RESAMPLES, len(ratios)))
-    low, high = np.exp(np.quantile(draws.mean(axis=1), (0.025, 0.975)))
-    return float(low), float(high)
+    interval = bootstrap_interval(np.log(ratios), lambda draws: draws.mean(axis=1))
+    return None if interval is None else (math.exp(interval[0]), math.exp(interval[1]))
 
 
 def _with_interval(value: float, interval: tuple[float, float] | None) -> str:

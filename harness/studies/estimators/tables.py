@@ -7,7 +7,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from railgrip.estimators.belief import Matrix
-from railgrip.report.statistics import median_interval
+from railgrip.report.statistics import bootstrap_interval, median_interval
 from railgrip.report.table import ReportTable, share
 from railgrip.studies.estimators.judge import CONSTANT, FORCE_BALANCE, CaseBound, CaseErrors
 from railgrip.studies.estimators.recordings import FAMILIES, RecordingCase, family_of
@@ -16,9 +16,6 @@ from railgrip.studies.estimators.replay import LAGS
 Measure = Literal["rmse", "coverage"]
 
 REFERENCES: Final = (CONSTANT, FORCE_BALANCE)
-
-RESAMPLES: Final = 2000
-RESAMPLING_SEED: Final = 8
 
 Results = Mapping[str, Sequence[CaseErrors]]
 """Estimator → errors by case, in the same order of cases."""
@@ -211,12 +208,8 @@ def _skill(squares: Matrix) -> float:
 
 
 def _interval(squares: Matrix) -> str:
-    if len(squares) < 2:
-        return ""
-    draws = np.random.default_rng(RESAMPLING_SEED).integers(len(squares), size=(RESAMPLES, len(squares)))
-    sums = squares[draws].sum(axis=1)
-    low, high = np.quantile(1.0 - sums[:, 0] / sums[:, 1], (0.025, 0.975))
-    return f"{low:.2f} to {high:.2f}".replace("-", "−")
+    interval = bootstrap_interval(squares, lambda draws: 1.0 - np.divide(*draws.sum(axis=1).T))
+    return "" if interval is None else "{:.2f} to {:.2f}".format(*interval).replace("-", "−")
 
 
 def _squares(cases: Sequence[CaseErrors], reference: Sequence[CaseErrors] | None, target: str) -> Matrix:

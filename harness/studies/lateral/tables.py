@@ -3,13 +3,13 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
 from scipy.stats import binom
 
+from railgrip.report import statistics
 from railgrip.report.table import ReportTable, share
 from railgrip.studies.lateral.judge import QUANTITIES, SPIKE, adhesion, beliefs_about
 from railgrip.studies.lateral.run import NAMES, LateralCase, Trace
@@ -40,7 +40,7 @@ class LateralResult:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MedianInterval:
-    """Median of a figure over the seeds, with an interval that contains the true median with at least 95 %.
+    """Median of a figure over the seeds, with an interval that contains the true median with 95 %, if seeds suffice.
 
     The interval is between order statistics, so it is valid for any distribution, including diverged runs (infinity).
     """
@@ -48,37 +48,25 @@ class MedianInterval:
     median: float
     low: float
     high: float
-    confidence: float
 
     def __str__(self) -> str:
         return f"{_digits(self.median)} [{_digits(self.low)}, {_digits(self.high)}]"
 
 
 def median_interval(values: Iterable[float | None]) -> MedianInterval:
-    """Return median and interval of values, one for each seed; None (not finite, never settled) counts as infinity."""
-    order = np.sort([math.inf if value is None else value for value in values])
-    low, confidence = _rank(len(order))
-    with np.errstate(invalid="ignore"):
-        median = float(np.median(order))
-    # The mean of a number and infinity is infinity, of two infinities NaN in numpy's arithmetic.
-    return MedianInterval(
-        median=math.inf if math.isnan(median) else median,
-        low=float(order[low]),
-        high=float(order[len(order) - 1 - low]),
-        confidence=confidence,
-    )
+    """Return median and interval of values, one for each seed; None (not finite, never settled) counts as infinity.
+
+    With fewer than six seeds the interval is their range.
+    """
+    found = sorted(math.inf if value is None else value for value in values)
+    low, high = statistics.median_interval(found) or (found[0], found[-1])
+    return MedianInterval(median=(found[(len(found) - 1) // 2] + found[len(found) // 2]) / 2, low=low, high=high)
 
 
-@cache
-def _rank(n: int) -> tuple[int, float]:
-    """Return the largest k such that order statistics k and n−1−k contain the median with 95 %, and its coverage."""
-    best = (0, float(1 - 2 * binom.cdf(0, n, 0.5)))
-    for k in range(1, n // 2):
-        coverage = float(1 - 2 * binom.cdf(k, n, 0.5))
-        if coverage < 0.95:
-            break
-        best = (k, coverage)
-    return best
+def confidence_of(seeds: int) -> float:
+    """Return the probability with which the interval of that number of seeds contains the median."""
+    rank = max(int(binom.ppf(0.025, seeds, 0.5)) - 1, 0)
+    return float(1 - 2 * binom.cdf(rank, seeds, 0.5))
 
 
 def _digits(value: float) -> str:

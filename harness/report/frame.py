@@ -1,0 +1,229 @@
+"""The stops of a campaign as one table, from which tables, distributions and paired changes are selected."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from math import isfinite, nan
+from typing import Any, Final
+
+import pandas
+
+from railgrip.report.limits import limits_of
+from railgrip.report.reference import controller_of, label, references, setting_of
+from railgrip.report.results import Results
+from railgrip.report.stop import Stop
+from railgrip.scenario.campaign import DRAW
+from railgrip.scenario.conditioning import RepeatedDistances
+from railgrip.scenario.outcome import Outcome
+from railgrip.trace.metrics import FIGURES
+
+Frame = Any
+"""A `pandas.DataFrame` or series: pandas has no types that follow a selection or group, so that none are checked."""
+
+SETTING: Final = ("actuation", "sensors", "polach")
+PLACE: Final = ("scenario", "case", *SETTING)
+"""Columns that are equal for stops whose controllers are compared."""
+CONDITIONS: Final = (
+    "scenario",
+    "case",
+    "polach",
+    "actuation",
+    "sensors",
+    "controller",
+    "controller_label",
+    "estimator",
+)
+
+STALE: Final = "stale: other repeats"
+
+VALVES: Final = "pneumatic"
+"""Kind of actuation with valves; with the ideal one, reversals of the pressure command are counted."""
+
+IN_TABLES: Final = {name: figure for name, figure in FIGURES.items() if figure.column}
+"""Figures that tables of many stops have."""
+
+_COLUMNS: Final = (
+    "label", *CONDITIONS, "friction", "draw", "reference", "distance", "repeated", "repeats", "other_repeats",
+    "duration", "reduction_vs_sbc", "reduction_vs_tuned", "utilisation", "paper_distance", "paper_reduction", "outcome",
+    "breaks", "adhesion_peak", "longest_lock", "actuations", "air_used", "nis_ratio", "outside", "stop",
+)  # fmt: skip
+
+_PLAIN: Final = {
+    "distance": "distance_m", "duration": "duration_s", "paper_distance": "paper_distance_m",
+    "longest_lock": "longest_lock_s", "actuations": "valve_strokes", "air_used": "air_l", "nis_ratio": "nis",
+}  # fmt: skip
+"""Column → its key in JSON, where that differs."""
+
+
+def frame_of(results: Results) -> Frame:
+    """Return a row for each stop of a campaign, in its order; numbers that do not exist are NaN.
+
+    Columns:
+
+    - `CONDITIONS`: scenario; variants of the axes that have no column, usually empty; names of the creep curves; kinds
+      of actuation and sensors; kind of the law; name of the controller for readers, with thresholds; estimator.
+      `label` is scenario and case.
+    - `friction`: maximum friction of a constant rail and of its patches, as text; empty for other rails.
+    - `draw`: seed of a stop that is one draw of a distribution, else None.
+    - `reference`: "published" or "best tuned" for the stop with this SBC, with which others are compared, else None.
+    - `repeated`, `repeats`, `other_repeats`: text with median and range of the distance under perturbations of the
+      plant's parameters in the seventh digit; this median, the shortest and the longest distance [m], or None if they
+      agree; text with the distances with FMUs of other compilers, and with other lots of sensors.
+    - `reduction_vs_sbc`, `reduction_vs_tuned`: 1 − distance over that of the published, or the best tuned, SBC in the
+      same conditions.
+    - `paper_distance`, `paper_reduction`: published distance [m], and its reduction against the published SBC.
+    - `outcome`, `breaks`, `stop`: outcome, clauses that the stop breaks, and name in the campaign.
+    - `outside`: maximum share of time in which a true adhesion or pad friction was outside ±2σ of the estimate.
+    - `IN_TABLES`: each of these figures as one number of the train, in SI units. The distance exists for a standstill
+      alone, as does the duration; strokes of valves exist with valves, and air used except with ideal actuation.
+    """
+    axes = _hidden_axes(results.stops)
+    compared_with = references(results.stops, lambda stop: stop.inputs, lambda stop: stop.braking_distance)
+    limits = limits_of()
+    records = [
+        _record(stop, published, tuned, axes) | {"breaks": limits.find_violations(stop)}
+        for stop, (published, tuned) in zip(results.stops, compared_with, strict=True)
+    ]
+    return pandas.DataFrame(records, columns=list(dict.fromkeys((*_COLUMNS, *IN_TABLES)))).astype({"draw": object})
+
+
+def groups_of(frame: Frame, columns: Sequence[str]) -> Iterator[tuple[Any, Frame]]:
+    """Yield the values of columns, and the rows that have them, in the order of the rows."""
+    if len(frame):
+        yield from frame.groupby(list(columns), sort=False, dropna=False)
+
+
+def single_stops(frame: Frame) -> Frame:
+    """Return the stops that are not one draw of a distribution."""
+    return frame[frame["draw"].isna()]
+
+
+def plain_rows(frame: Frame) -> list[dict[str, Any]]:
+    """Return the rows as JSON values; None for numbers that do not exist."""
+    shown = frame.drop(columns="label", errors="ignore").rename(columns=_PLAIN)
+    rows = [{name: _plain(value) for name, value in row.items()} for row in shown.to_dict("records")]
+    for row in rows:
+        row["air_l"] = None if row["air_l"] is None else 1000 * row["air_l"]
+        row["valve_strokes"] = None if row["valve_strokes"] is None else round(row["valve_strokes"])
+    return rows
+
+
+def _plain(value: Any) -> Any:
+    return None if isinstance(value, float) and not isfinite(value) else value
+
+
+def short_names(frame: Frame) -> tuple[str, dict[str, str]]:
+    """Return the names of the axes that distinguish cases, and label of a row → its variants on these axes, one per
+    line.
+
+    Scenario and axes that are equal in all rows are omitted, unless there is only one case.
+    """
+    cases = frame[["label", "scenario", "case"]].drop_duplicates().itertuples(index=False)
+    parts = {row.label: [f"scenario {row.scenario}", *filter(None, row.case.split(", "))] for row in cases}
+    columns = list(zip(*parts.values(), strict=False))
+    if len({len(each) for each in parts.values()}) > 1 or any(len(_axes(column)) > 1 for column in columns):
+        return "", {label: label.replace("_", " ").replace(", ", "\n") for label in parts}
+    kept = [number for number, column in enumerate(columns) if len(set(column)) > 1] or [0]
+    title = ", ".join(axis for number in kept for axis in _axes(columns[number]))
+    return title.replace("_", " "), {
+        label: "\n".join(each[number].partition(" ")[2].replace("_", " ") for number in kept)
+        for label, each in parts.items()
+    }
+
+
+def _axes(column: Iterable[str]) -> set[str]:
+    return {part.partition(" ")[0] for part in column}
+
+
+def _record(stop: Stop, sbc: Stop | None, tuned: Stop | None, axes: Sequence[str]) -> dict[str, Any]:
+    scenario, metrics, distance = stop.inputs, stop.figures, stop.braking_distance
+    actuation, sensors, polach = setting_of(scenario)
+    case = ", ".join(f"{axis} {stop.variants[axis]}" for axis in axes)
+    repeats, is_standstill = stop.own_repeats, stop.outcome is Outcome.STANDSTILL
+    figures = {name: metrics.of_train(name) for name in IN_TABLES}
+    if actuation != VALVES:
+        figures["actuations"] = nan
+    figures |= {} if is_standstill else {"distance": nan, "duration": nan}
+    published = sbc.paper_distance if sbc is not None and sbc is not stop else None
+    return {
+        "label": f"{scenario['name']}, {case}" if case else scenario["name"],
+        "scenario": scenario["name"],
+        "case": case,
+        "polach": polach,
+        "actuation": actuation,
+        "sensors": sensors,
+        "controller": controller_of(scenario),
+        "controller_label": label(scenario),
+        "estimator": _estimator(scenario),
+        "friction": _friction(scenario["adhesion"]),
+        "draw": int(stop.variants[DRAW]) if DRAW in stop.variants else None,
+        "reference": "published" if sbc is stop else "best tuned" if tuned is stop else None,
+        "repeated": range_text(stop.conditioning, stop.digest, distance),
+        "repeats": (repeats.median, repeats.lowest, repeats.highest)
+        if repeats and repeats.spreads and isfinite(repeats.highest)
+        else None,
+        "other_repeats": _other_repeats(repeats),
+        "reduction_vs_sbc": _reduction(distance, sbc, stop),
+        "reduction_vs_tuned": _reduction(distance, tuned, stop),
+        "paper_distance": nan if stop.paper_distance is None else stop.paper_distance,
+        "paper_reduction": 1 - stop.paper_distance / published if published and stop.paper_distance else nan,
+        "outcome": stop.outcome.value,
+        "outside": max((*(metrics.adhesion_outside or ()), *(metrics.pad_friction_outside or ())), default=nan),
+        "stop": stop.name,
+        **figures,
+    }
+
+
+def range_text(conditioning: RepeatedDistances | None, digest: str, distance: float | None) -> str:
+    """Return median and range of the repeats of a stop, or `STALE` if they are the repeats of another stop.
+
+    Args:
+        digest: Digest of the scenario of the stop.
+        distance: Distance of the stop [m], None without standstill.
+    """
+    if conditioning is None:
+        return ""
+    if not conditioning.belongs(digest, distance):
+        return STALE
+    return f"{conditioning.median:.1f} m ({conditioning.lowest:.1f} – {conditioning.highest:.1f})"
+
+
+def _other_repeats(repeats: RepeatedDistances | None) -> str:
+    if repeats is None:
+        return ""
+    texts = [
+        f"{compiler} {'no stop' if other is None else f'{other:.1f} m'}"
+        for compiler, other in repeats.compilers.items()
+    ]
+    texts += [f"{len(repeats.lots)} lots of sensors {repeats.lots_text}"] if repeats.lots else []
+    return "; ".join(texts)
+
+
+def _hidden_axes(stops: Sequence[Stop]) -> tuple[str, ...]:
+    """Return the axes along which stops differ although all columns are equal; draws have a separate column."""
+    alike: dict[tuple[str, ...], list[Stop]] = {}
+    for stop in stops:
+        scenario = stop.inputs
+        columns = (scenario["name"], *setting_of(scenario), label(scenario), _estimator(scenario))
+        alike.setdefault(columns, []).append(stop)
+    axes = dict.fromkeys(axis for stop in stops for axis in stop.variants if axis != DRAW)
+    return tuple(
+        axis for axis in axes if any(len({stop.variants.get(axis) for stop in same}) > 1 for same in alike.values())
+    )
+
+
+def _friction(adhesion: Mapping[str, Any]) -> str:
+    if adhesion["kind"] != "constant":
+        return ""
+    patches = sorted({value for patch in adhesion.get("patch", ()) for value in patch["mu0"]})
+    rail, places = (", ".join(f"{value:g}" for value in values) for values in (adhesion["mu0"], patches))
+    return f"{rail}, in patches {places}" if places else rail
+
+
+def _estimator(scenario: Mapping[str, Any]) -> str:
+    estimator = scenario["estimator"]
+    return estimator["kind"] if estimator["kind"] == "none" else f"{estimator['model']} ({estimator['kind']})"
+
+
+def _reduction(distance: float | None, reference: Stop | None, own: Stop) -> float:
+    """Return 1 − distance over that of the reference; NaN if one is missing, and for the reference itself."""
+    before = reference.braking_distance if reference is not None and reference is not own else None
+    return nan if distance is None or before is None else 1 - distance / before
