@@ -1,7 +1,7 @@
 """The faults of a stop in the vectors of the loop, and the location of each."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, TypeVar
@@ -93,6 +93,15 @@ class Faults:
             free_pressure=FREE, refill=refill,
         )  # fmt: skip
 
+    @property
+    def count(self) -> dict[str, int]:
+        """Number of faults of readings and of commands."""
+        return {name: len(rows) for name, rows in self._rows.items()}
+
+    def intervals(self, before: Mapping[str, int]) -> set[tuple[int, int]]:
+        """Return the first sample with each fault that was added after `before`, and the first one after it."""
+        return {(int(r["begin"]), int(r["end"])) for name, rows in self._rows.items() for r in rows[before[name] :]}
+
     def _add(self, changed: str, kind: str, ring: Vector | None, **numbers: float) -> None:
         row = self._kernel.records("Fault", 1)
         row["kind"], row["last"] = getattr(self._kernel.functions, kind.upper()), math.nan
@@ -165,10 +174,16 @@ def faults_of(
     every = Fraction(1, 1000) / Fraction(scenario.periods.communication).limit_denominator(10**9)
     faults = Faults(layout, valves=valves, noise_rate=every)
     for number, fault in enumerate(scenario.faults):
+        before = faults.count
         fault.act_on(
             Site(
                 scenario=scenario, layout=layout, faults=faults, brakes=brakes, outputs=outputs, valves=valves,
                 number=number, where=f"{scenario.name}: [faults[{number + 1}]]",
             )
         )  # fmt: skip
+        if not fault.lasts and faults.intervals(before) - {(*fault.samples(scenario).values(),)}:
+            raise ScenarioError(
+                f"{scenario.name}: [faults[{number + 1}]] has begin or end, but part '{fault.part}' of kind "
+                f"'{fault.kind}' ignores them and lasts for the whole stop; leave them out"
+            )
     return faults or None
