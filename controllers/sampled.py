@@ -24,11 +24,12 @@ Expression = Any
 class FormulaBuilder:
     """A formula under construction: it creates symbols of inputs, parameters and states, and collects the results.
 
-    draft = FormulaBuilder()
-    slip = draft.input("slip[1]", "1", "slip")
-    full = draft.parameter("full", "Pa", "full pressure")
-    draft.output("demand[1]", "Pa", "demanded pressure", choose(slip > 0.15, 0.0, full))
-    return draft.formula("Release", "Releases the brake above 15 % slip")
+    Example:
+        >>> draft = FormulaBuilder()
+        >>> slip = draft.input("slip[1]", "1", "slip")
+        >>> full = draft.parameter("full", "Pa", "full pressure")
+        >>> draft.output("demand[1]", "Pa", "demanded pressure", choose(slip > 0.15, 0.0, full))
+        >>> formula = draft.formula("Release", "Releases the brake above 15 % slip")
     """
 
     def __init__(self) -> None:

@@ -25,6 +25,7 @@ PURPOSE = {
     "recording": "signals from files of users",
     "scenario": "scenario file, track",
     "estimators": "filters",
+    "kernel": "the loop in C",
     "controllers": "control laws",
     "fmus": "compiles FMUs",
     "vehicle": "formation, brakes, signals",

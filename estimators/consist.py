@@ -35,7 +35,8 @@ class Part:
 class Consist:
     """Parts and the body that they brake.
 
-    States are v, then those of each part. Readings are the speed, then those of each part, then the acceleration.
+    States are the speed, then those of each part. Readings are the speed, then those of each part, then the
+    acceleration.
 
     Attributes:
         body: Model with one state v, inputs force and track_force, and the output acceleration.
@@ -50,7 +51,7 @@ class Consist:
     @property
     def states(self) -> tuple[str, ...]:
         """Names of the states."""
-        return ("v", *(name for part in self.parts for name in part.states))
+        return ("speed", *(name for part in self.parts for name in part.states))
 
     @property
     def inputs(self) -> tuple[str, ...]:
@@ -60,7 +61,7 @@ class Consist:
     @property
     def readings(self) -> tuple[tuple[str, str | None], ...]:
         """Name of each reading and of the state that it measures, None for the acceleration."""
-        return (("speed", "v"), *(pair for part in self.parts for pair in part.readings), ("acceleration", None))
+        return (("speed", "speed"), *(pair for part in self.parts for pair in part.readings), ("acceleration", None))
 
     @property
     def outputs(self) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 """The model of a filter: its interface, and an implementation with CasADi functions."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from typing import Protocol, runtime_checkable
 
@@ -8,9 +9,16 @@ import casadi as ca
 import numpy as np
 
 from railgrip.base.errors import EstimatorError
+from railgrip.base.names import state_name
 from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.model_in_c import ModelInC, model_in_c
 from railgrip.fmus.native import Model
+
+
+@lru_cache(maxsize=64)
+def with_state_names(model: Model) -> Model:
+    """Return the model of a prediction whose states have names in place of symbols; see `base.names.state_name`."""
+    return replace(model, states=tuple(replace(state, name=state_name(state.name)) for state in model.states))
 
 
 class FilterVariables(Protocol):

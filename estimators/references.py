@@ -25,8 +25,8 @@ class TorqueBalanceEstimator(ABC):
     and the delay, if adhesion is a random walk.
 
     Args:
-        context: Prediction, with states v, w[i], alpha[i] and mu_b[i], noises and first belief; gate and outlier limit
-            are not used.
+        context: Prediction, with states speed, wheelset_speed[i], group_adhesion[i] and pad_friction[i], noises and
+            first belief; gate and outlier limit are not used.
 
     Attributes:
         mean, covariance, inputs, readings, selection: As of `railgrip.estimators.ekf.NumpyFilter`; the covariance is
@@ -43,13 +43,16 @@ class TorqueBalanceEstimator(ABC):
     def __init__(self, context: FilterContext) -> None:
         self._prediction, self._period = context.prediction, context.period
         states, outputs = context.prediction.states, context.prediction.outputs
-        groups = sum(name.startswith("alpha[") for name in states)
+        groups = sum(name.startswith("group_adhesion[") for name in states)
 
         def places(kind: str, name: str, names: tuple[str, ...]) -> list[int]:
             return [index(type(self).__name__, kind, f"{name}[{g + 1}]", names) for g in range(groups)]
 
-        self._speed, self._speed_reading = states.index("v"), outputs.index("speed")
-        self._wheels, self._adhesions = places("state", "w", states), places("state", "alpha", states)
+        self._speed, self._speed_reading = states.index("speed"), outputs.index("speed")
+        self._wheels, self._adhesions = (
+            places("state", "wheelset_speed", states),
+            places("state", "group_adhesion", states),
+        )
         self._wheel_readings = places("output", "wheelset_speed", outputs)
         self.mean, self.covariance = context.mean.copy(), context.covariance.copy()
         self.inputs = np.zeros(len(context.prediction.inputs))
@@ -60,7 +63,7 @@ class TorqueBalanceEstimator(ABC):
         self._wheel_variance = context.reading_noise[self._wheel_readings]
         self._walk = context.process_noise[self._adhesions]
         self.corner = (self._effect**2 * self._walk / (self._wheel_variance * self._period)) ** 0.25
-        self._pads = places("state", "mu_b", states)
+        self._pads = places("state", "pad_friction", states)
         self._pad_variance = np.diag(context.covariance)[self._pads]
 
     @classmethod

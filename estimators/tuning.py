@@ -74,7 +74,7 @@ def pad_gate(threshold: float, groups: int) -> Gate:
         groups: Number of brake groups.
     """
     return Gate(
-        states=tuple(f"mu_b[{i}]" for i in range(1, groups + 1)),
+        states=tuple(f"pad_friction[{i}]" for i in range(1, groups + 1)),
         inputs=tuple(f"cylinder_pressure[{i}]" for i in range(1, groups + 1)),
         threshold=threshold,
     )

@@ -1,13 +1,44 @@
 """The C functions of the loop, called one at a time for a vehicle of `synthetic.LAYOUT`."""
 
 import numpy as np
-from synthetic import LAYOUT
+from synthetic import LAYOUT, LIBRARY
 
-from railgrip.simulate.loop.driver import released
-from railgrip.simulate.loop.library import kernel
-from railgrip.simulate.loop.sensors import BLOCK, IdealSensors, ServiceSensors, _encoder
+from railgrip.kernel import kernel
+from railgrip.scenario.demand import released
+from railgrip.scenario.load import load
+from railgrip.simulate.loop.parts import BLOCK
+from railgrip.simulate.sensors.ideal import IdealSensors
+from railgrip.simulate.sensors.service import ServiceSensors, encoder
 
 KERNEL = kernel(LAYOUT)
+
+SERVICE = {
+    "kind": "service",
+    "wheel": {"pulses": 100, "pitch_error": 0.003, "clock": 1e-6, "cut_off": 0.3},
+    "speed": {"noise": 0.1, "scale_error": 0.0, "scale_offset": 0.002, "period": 0.05, "latency": 0.05},
+    "acceleration": {"noise": 0.03, "bias": 0.0},
+    "deflection": {"noise": 2e-4},
+    "pressure": {"full_scale": 1e6, "error": 0.0, "bits": 12, "lag": 0.01},
+}
+"""Table of the sensors of a train in service, without the errors that are drawn once a stop."""
+
+
+def service_table(**changes):
+    """Return the table of service sensors with changes, key by key: `wheel={"clock": 1e-9}`."""
+    return load(LIBRARY / "plain.toml").revised({"sensors": SERVICE}).revised({"sensors": changes})
+
+
+def service_sensors(fields=None, **changes):
+    """Return the sensors of `service_table`; `fields` replace those of `Service` in sensors.h."""
+    scenario = service_table(**changes)
+    sensors = scenario.sensors.open(scenario, LAYOUT, 0.38)
+    sensors.struct.set(**(fields or {}))
+    return sensors
+
+
+def along_track(begin, step, values):
+    """Return a `TrackQuantity` of sensors.h."""
+    return KERNEL.struct("TrackQuantity", begin=begin, step=step, values=np.asarray(values), count=len(values))
 
 
 def phase_of(until="end", **fields):
@@ -62,8 +93,9 @@ def holds(plausibility, sample, truth, inputs):
 class Encoder:
     """One pole wheel of service sensors."""
 
-    def __init__(self, *arguments):
-        self.struct = _encoder(LAYOUT, *arguments)
+    def __init__(self, wheel=None, **gap):
+        table = service_table(wheel=wheel or {}).sensors.wheel
+        self.struct = encoder(LAYOUT, table, 0.38, 1e-3, np.random.default_rng(1), **gap)
 
     def read(self, sample, speed):
         return KERNEL.functions.read_encoder(self.struct.pointer, sample, speed)

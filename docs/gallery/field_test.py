@@ -17,7 +17,7 @@ with TemporaryDirectory() as folder:
 
 figure, axes = plt.subplots(layout="constrained", figsize=(7, 4))
 for group in (1, 4):
-    mean, deviation = (estimates[name].sel(state=f"alpha[{group}]") for name in ("mean", "sd"))
+    mean, deviation = (estimates[name].sel(state=f"group_adhesion[{group}]") for name in ("mean", "sd"))
     axes.plot(estimates["time"], mean, label=f"group {group}, estimated")
     axes.fill_between(estimates["time"], mean - 2 * deviation, mean + 2 * deviation, alpha=0.3)
     axes.plot(stop.trace["time"], stop.trace["group_adhesion"].sel(group=group), "k--", lw=1)

@@ -17,7 +17,7 @@ with TemporaryDirectory() as folder:
 
 figure, axes = plt.subplots(layout="constrained", figsize=(7, 4))
 for group in (1, 2):
-    mean, deviation = (estimates[name].sel(state=f"mu_b[{group}]") for name in ("mean", "sd"))
+    mean, deviation = (estimates[name].sel(state=f"pad_friction[{group}]") for name in ("mean", "sd"))
     axes.plot(estimates["time"], mean, label=f"group {group}, estimated")
     axes.fill_between(estimates["time"], mean - 2 * deviation, mean + 2 * deviation, alpha=0.3)
     axes.plot(stop.trace["time"], stop.trace["pad_friction"].sel(group=group), "k--", lw=1)

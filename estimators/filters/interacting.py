@@ -74,7 +74,7 @@ class InteractingFilters:
 
         The predictions have no creep curve, adhesion is a random walk in them; its noise is what can differ.
         """
-        is_adhesion = np.array([name.startswith("alpha") for name in context.prediction.states])
+        is_adhesion = np.array([name.startswith("group_adhesion") for name in context.prediction.states])
         filters = [
             ExtendedKalmanFilter(
                 context.prediction,

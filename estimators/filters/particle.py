@@ -80,7 +80,7 @@ class ParticleFilter:
     def of_context(cls, context: FilterContext) -> Self:
         """Return the filter of a scenario: pad friction is sampled, which multiplies the pad force."""
         filter_ = ExtendedKalmanFilter.without_estimate(context)
-        sampled = [k for k, name in enumerate(context.prediction.states) if name.startswith("mu_b")]
+        sampled = [k for k, name in enumerate(context.prediction.states) if name.startswith("pad_friction")]
         return cls(filter_, sampled, filter_.start(context.mean, context.covariance), PARTICLES, SEED)
 
     def advance(self) -> None:

@@ -1,7 +1,24 @@
-"""Suggest names that are similar to a mistyped one."""
+"""Names of states, and suggestions for mistyped names."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
+from types import MappingProxyType
+from typing import Final
+
+STATE_NAMES: Final[Mapping[str, str]] = MappingProxyType(
+    {"v": "speed", "w": "wheelset_speed", "mu_b": "pad_friction", "alpha": "group_adhesion"}
+)
+"""Symbol of a state in the equations of `RailBraking.Predictions` → its name, that of the signal that it estimates.
+
+Adhesion is a state of each group, as the signal `group_adhesion`; the signal `adhesion` belongs to wheelsets.
+"""
+
+
+def state_name(name: str) -> str:
+    """Return the name of a state, `wheelset_speed[1]` for the symbol `w[1]`; others are returned as they are."""
+    base, bracket, index = name.partition("[")
+    return f"{STATE_NAMES.get(base, base)}{bracket}{index}"
+
 
 _MAX_LENGTH = 200
 """Maximum length of a compared text [characters]: difflib takes seconds for a million, and such texts match no name."""

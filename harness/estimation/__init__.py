@@ -12,20 +12,21 @@ only.
     recorded = recording_of(
         {"pad_force": (force, "N"), "speed": (v, "m/s"), "wheelset_speed": (w, "rad/s")},
         period=0.01,
-        truth={"mu_b": (mu, "1"), "alpha": (alpha, "1")},
+        truth={"pad_friction": (mu, "1"), "group_adhesion": (alpha, "1")},
     )
     prediction = prediction_of("RollerRigPrediction", {"load": 98.1e3})       # any class of RailBraking.Predictions
     settings = Settings(
-        process={"w": 1e-4, "v": 1e-6, "mu_b": 2.5e-5, "alpha": 1e-2},        # densities, (unit of state)²/s
+        # Densities, (unit of state)²/s.
+        process={"speed": 1e-6, "wheelset_speed": 1e-4, "pad_friction": 2.5e-5, "group_adhesion": 1e-2},
         readings={"speed": 1e-8, "wheelset_speed": 1e-6},                     # variances
-        start={"mu_b": 0.35, "alpha": 0.0},                                   # v and w: from the first readings
-        start_deviation={"v": 0.1, "w": 0.3, "mu_b": 0.04, "alpha": 0.02},
+        start={"pad_friction": 0.35, "group_adhesion": 0.0},                  # speeds: from the first readings
+        start_deviation={"speed": 0.1, "wheelset_speed": 0.3, "pad_friction": 0.04, "group_adhesion": 0.02},
     )
     estimates = estimate(recorded, prediction, settings)                      # xarray: mean, sd, innovation, nis
-    estimates["mean"].sel(state="alpha")
-    judge(recorded, estimates, "mu_b").rmse
+    estimates["mean"].sel(state="group_adhesion")
+    judge(recorded, estimates, "pad_friction").rmse
 
-Names without index in `Settings` apply to every element (`w` for `w[1]` … `w[4]`). `spec` reads the same from a TOML
+Names without index in `Settings` apply to every element. `spec` reads the same from a TOML
 file; `railgrip estimate FILE.toml` runs one, `railgrip observability FILE.toml` shows which states such a recording
 determines. A new kind of source is one more table in `spec` with a function that returns a recording, registered in
 `sources`.

@@ -553,10 +553,10 @@ class _RecordingComparison:
 
     def _friction(self) -> Vector:
         prediction = equations_for(self._specification)
-        pads = [state for state in prediction.states if _base(state) == "mu_b"]
+        pads = [state for state in prediction.states if _base(state) == "pad_friction"]
         mean = self._settings.start
-        given = {name: value for name, value in mean.items() if _base(name) == "mu_b"}
-        return by_name("[start] mean", {"mu_b": USUAL_FRICTION} | given, pads)
+        given = {name: value for name, value in mean.items() if _base(name) == "pad_friction"}
+        return by_name("[start] mean", {"pad_friction": USUAL_FRICTION} | given, pads)
 
     def _model_forces(self, mass: float, weights: Vector, at: NDArray[np.intp]) -> tuple[Vector, Vector]:
         """Return brake force and the other forces on the train, without adhesion [N], at the samples `at`."""
@@ -568,20 +568,18 @@ class _RecordingComparison:
         for column, state in enumerate(prediction.states):
             base, _, index = state.partition("[")
             wheelset = f"wheelset_speed[{index}" if index else "wheelset_speed"
-            if base == "mu_b":
+            if base == "pad_friction":
                 states[:, column] = next(friction)
-            elif base == "v" and self._speed is not None:
+            elif base == "speed" and self._speed is not None:
                 states[:, column] = self._speed[at]
-            elif base == "w" and wheelset in self._wheels:
+            elif base == "wheelset_speed" and wheelset in self._wheels:
                 states[:, column] = self._wheels[wheelset][at]
-            elif base != "alpha":
+            elif base != "group_adhesion":
                 states[:, column] = mean.get(state, mean.get(base, 0.0))
         inputs = samples(self._recording, prediction.inputs, [self._units[name] for name in prediction.inputs])[at]
         without = inputs.copy()
         without[:, [prediction.inputs.index(name) for name in self._brakes]] = 0.0
-        places = [prediction.states.index("v")] + [
-            prediction.states.index(name.replace("wheelset_speed", "w")) for name in self._wheels
-        ]
+        places = [prediction.states.index(name) for name in ("speed", *self._wheels)]
         factors = np.concatenate([[mass], weights])
 
         def force(applied: Vector) -> Vector:

@@ -38,7 +38,9 @@ def start_in_braking(
         period: Time between samples [s].
     """
     states, covariance = prediction.states, np.diag(deviation**2)
-    rotating, adhesion, pads, moving = (_places(states, base) for base in ("w", "alpha", "mu_b", "ddz"))
+    rotating, adhesion, pads, moving = (
+        _places(states, base) for base in ("wheelset_speed", "group_adhesion", "pad_friction", "ddz")
+    )
     unknown = [*adhesion, *_places(states, "dz")]
     rates = [*rotating, *moving]
     if not adhesion or not rotating or not pads:
@@ -46,8 +48,7 @@ def start_in_braking(
     count = max(2, round(WINDOW / period) + 1)
     slopes = np.zeros(len(rates))
     for place, state in enumerate(states[k] for k in rotating):
-        name = state.replace("w", "wheelset_speed", 1)
-        values = readings[:count, prediction.outputs.index(name)] if name in prediction.outputs else np.zeros(0)
+        values = readings[:count, prediction.outputs.index(state)] if state in prediction.outputs else np.zeros(0)
         slopes[place] = _slope(values, period)
     steady = mean.copy()
     for _ in range(ITERATIONS):

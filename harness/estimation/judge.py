@@ -8,6 +8,7 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.base.errors import EstimationError
+from railgrip.base.names import state_name
 from railgrip.estimators.belief import Array, Vector
 from railgrip.recording.samples import truth_of
 
@@ -45,13 +46,19 @@ def rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
+def _of_state(estimates: xarray.Dataset, what: str, state: str) -> Vector:
+    """Return a result of a state by its name or its symbol; older estimates have the symbols."""
+    known = set(estimates["state"].values.tolist())
+    return estimates[what].sel(state=state if state in known else state_name(state)).values
+
+
 def errors(recording: xarray.Dataset, estimates: xarray.Dataset, state: str) -> Vector:
     """Return estimate minus truth at every sample, shape (k,).
 
     Raises:
         EstimationError: The recording lacks the true state.
     """
-    return estimates["mean"].sel(state=state).values - truth_of(recording, state)
+    return _of_state(estimates, "mean", state) - truth_of(recording, state)
 
 
 def judge(
@@ -67,7 +74,7 @@ def judge(
         EstimationError: The recording lacks the true state, or no sample is left to judge.
     """
     error = errors(recording, estimates, state)
-    sd = estimates["sd"].sel(state=state).values
+    sd = _of_state(estimates, "sd", state)
     mask = (np.arange(error.size) > 0) if where is None else where
     mask = mask & np.isfinite(error)
     if not mask.any():

@@ -12,7 +12,7 @@ from railgrip.base.errors import EstimationError
 from railgrip.base.names import did_you_mean
 from railgrip.base.system import Variable
 from railgrip.estimation.run import READ_STATES, Kind, file_of, model_of, select_outputs
-from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
+from railgrip.estimators.prediction import CasadiPrediction, PredictionInC, with_state_names
 from railgrip.fmi import Description, FmuPrediction, describe
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.native.library import library_of
@@ -127,7 +127,7 @@ class PredictionModel:
 
         It is NaN if the model has no data of the rigging.
         """
-        groups = sum(variable.name.startswith("w[") for variable in self.model.states)
+        groups = sum(variable.name.startswith("wheelset_speed[") for variable in self.model.states)
         values = self.values(given)
         return max(release_pressure(values, group, pad_force) for group in range(groups)) if groups else np.nan
 
@@ -147,7 +147,7 @@ def of_class(name: str, library: NamedFile | None = None) -> PredictionModel:
 
 @cache
 def _lower(name: str, library: Path, digest: str) -> Model:  # pyright: ignore[reportUnusedParameter]
-    return lower(name, library_of(library))
+    return with_state_names(lower(name, library_of(library)))
 
 
 def _of_model(name: str, model: Model, describe_fmu: Callable[[], Description]) -> PredictionModel:

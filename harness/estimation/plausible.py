@@ -43,7 +43,9 @@ SIGNALS: Final[Mapping[str, Bounds]] = {
 }
 """Inputs and readings of the prediction models."""
 
-STATES: Final[Mapping[str, Bounds]] = {"v": _SPEED, "w": _ROTATION, "mu_b": _FRICTION, "alpha": _ADHESION}
+STATES: Final[Mapping[str, Bounds]] = {
+    "speed": _SPEED, "wheelset_speed": _ROTATION, "pad_friction": _FRICTION, "group_adhesion": _ADHESION,
+}  # fmt: skip
 """States of the prediction models."""
 
 TOLERATED: Final = 0.01

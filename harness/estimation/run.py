@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_closing
 
 from railgrip.base.errors import EstimationError, FilterDiverged
-from railgrip.base.names import did_you_mean
+from railgrip.base.names import did_you_mean, state_name
 from railgrip.estimation.beginning import start_in_braking
 from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter, FilterRecord
 from railgrip.estimators.consistency import FAR, loss_step, nis_ratio
 from railgrip.estimators.design import Gate
-from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
+from railgrip.estimators.prediction import CasadiPrediction, PredictionInC, with_state_names
 from railgrip.fmi import FmuPrediction, describe
 from railgrip.fmus.build import build_class, fmu
 from railgrip.fmus.native import Model, lower
@@ -32,7 +32,7 @@ from railgrip.recording.samples import period_of, samples
 Kind = Literal["fmu", "compiled"]
 """Form of the prediction in a filter: its FMU through FMI 2.0, or the equations of its class as C in the filter."""
 
-READ_STATES = {"v": "speed", "w": "wheelset_speed"}
+READ_STATES = frozenset({"speed", "wheelset_speed"})
 """States that are measured directly; if `start` omits them they are initialised with the first reading."""
 
 STANDSTILL = 1.0
@@ -172,20 +172,17 @@ def model_of(model: str, outputs: tuple[str, ...] | None = None) -> Model:
     if outputs is not None:
         return select_outputs(model_of(model), model, outputs)
     if "." in model:
-        return lower(model)
+        return with_state_names(lower(model))
     classes = (LIBRARY / "Predictions" / "package.order").read_text(encoding="utf-8").split()
     if model not in classes:
         hint = did_you_mean(model, classes) or f"there is {', '.join(classes)}."
         raise EstimationError(f"there is no prediction '{model}'; {hint}")
-    return lower(f"RailBraking.Predictions.{model}")
+    return with_state_names(lower(f"RailBraking.Predictions.{model}"))
 
 
 def start_by_reading(states: Sequence[str], outputs: Sequence[str]) -> dict[str, str]:
     """Return state → reading for the states that may be initialised with their first reading."""
-    readings = {
-        state: READ_STATES.get(state.partition("[")[0], "") + state[len(state.partition("[")[0]) :] for state in states
-    }
-    return {state: reading for state, reading in readings.items() if reading in outputs}
+    return {state: state for state in states if state.partition("[")[0] in READ_STATES and state in outputs}
 
 
 def units_of(model: str | Model) -> dict[str, str]:
@@ -305,8 +302,8 @@ def estimate(
 
     times = recording["time"].values[1 : 1 + done]
     unused = np.isfinite(data.readings[:done]) & (beliefs.used == 0.0)
-    if "v" in prediction.states:  # at standstill the models do not hold: brakes would turn the train back
-        unused &= (beliefs.mean[:, prediction.states.index("v")] > STANDSTILL)[:, None]
+    if "speed" in prediction.states:  # at standstill the models do not hold: brakes would turn the train back
+        unused &= (beliefs.mean[:, prediction.states.index("speed")] > STANDSTILL)[:, None]
     rejected = _rejected(prediction.outputs, times, unused, data)
     ratio = nis_ratio(beliefs.squared_innovation, beliefs.degrees)
     return xarray.Dataset(
@@ -396,14 +393,15 @@ def _by_step(inputs: Matrix, steps: int, between: str) -> Matrix:
 
 
 def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Matrix:
-    """Return the value of each name, given under that name or under the name without its index.
+    """Return the value of each name, given under that name, the name without its index, or the symbol of a state.
 
     Raises:
         EstimationError: A name has no value, or a value has no name.
     """
+    choice = {*names, *(name.partition("[")[0] for name in names)}
+    values = {name if name in choice else state_name(name): value for name, value in values.items()}
     missing = [name for name in names if name not in values and name.partition("[")[0] not in values]
     problems = [f"{what} lacks {', '.join(missing)}; it has {', '.join(values) or 'nothing'}."] if missing else []
-    choice = {*names, *(name.partition("[")[0] for name in names)}
     strange = [name for name in values if name not in choice]
     if strange:
         problems.append(f"{what} has {', '.join(strange)}, the model has {', '.join(names)}.")

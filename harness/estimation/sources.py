@@ -168,9 +168,9 @@ def recording_of_stop(
         torques = _elements(trace, "resistance_torque", "wheel_torque")
         columns |= {key: (-values, unit) for key, (values, unit) in torques.items()}
     loads, forces = trace["wheelset_load"].values, (trace["adhesion"] * trace["wheelset_load"]).values
-    truth = {"alpha": (forces.sum(axis=1) / loads.sum(axis=1), "1")}
-    for name, state in (("speed", "v"), ("wheelset_speed", "w"), ("pad_friction", "mu_b")):
-        truth |= _elements(trace, name, state)
+    truth = {"group_adhesion": (forces.sum(axis=1) / loads.sum(axis=1), "1")}
+    for name in ("speed", "wheelset_speed", "pad_friction"):
+        truth |= _elements(trace, name, name)
     return recording_of(columns, period=stop_scenario.periods.trace, truth=truth, name=stop_scenario.name)
 
 

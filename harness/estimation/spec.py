@@ -11,15 +11,15 @@ outputs = ["wheelset_speed", "speed"]       # compared with readings; all unless
 
 [noise]                                     # or { file = "tuned.toml" }, whose [noise] is taken
 kind = "density"                            # or "per_step": covariance added in one step of a discrete filter
-process = { w = 1e-4, v = 1e-6, mu_b = 2.5e-5, alpha = 1e-2 }
+process = { speed = 1e-6, wheelset_speed = 1e-4, pad_friction = 2.5e-5, group_adhesion = 1e-2 }
 readings = { wheelset_speed = 1e-6, speed = 1e-8 }     # variances
 
 [start]
-mean = { mu_b = 0.35, alpha = 0.0 }         # states that are read directly may be left out
-deviation = { w = 0.3, v = 0.1, mu_b = 0.04, alpha = 0.02 }
+mean = { pad_friction = 0.35, group_adhesion = 0.0 }   # states that are read directly may be left out
+deviation = { speed = 0.1, wheelset_speed = 0.3, pad_friction = 0.04, group_adhesion = 0.02 }
 
 [gate]                                      # optional: hold states constant while inputs are small
-states = ["mu_b"]
+states = ["pad_friction"]
 inputs = ["pad_force"]
 threshold = "1.5 kN"
 
@@ -35,7 +35,7 @@ scenario = "rig_slide"
 """
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, cast
@@ -44,7 +44,7 @@ import xarray
 from pydantic import Field, PrivateAttr, StrictBool, ValidationInfo, field_serializer, field_validator, model_validator
 
 from railgrip.base.errors import EstimationError
-from railgrip.base.names import did_you_mean
+from railgrip.base.names import STATE_NAMES, did_you_mean, state_name
 from railgrip.estimation.models import DEFAULT, PredictionModel, of_class, of_train
 from railgrip.estimation.plausible import check_estimates, check_signals
 from railgrip.estimation.run import READ_STATES, Kind, Settings, estimate, units_of
@@ -426,9 +426,11 @@ def model_parameters(specification: Specification) -> list[ModelParameter]:
 
 
 def _origin(specification: Specification, table: str, name: str) -> str:
-    """Return the origin of an entry under its name or that without index; empty if no file or option has it."""
-    origins = specification.origins
-    return origins.get(f"{table}.{name}") or origins.get(f"{table}.{name.partition('[')[0]}", "")
+    """Return the origin of an entry under its name, that without index, or the symbol of a state; else ''."""
+    base, bracket, index = name.partition("[")
+    bases = base, *(symbol for symbol, state in STATE_NAMES.items() if state == base)
+    keys = [f"{table}.{each}{end}" for each in bases for end in (bracket + index, "")]
+    return next((origin for key in keys if (origin := specification.origins.get(key))), "")
 
 
 def settings_with_origins(specification: Specification, estimates: xarray.Dataset) -> list[ModelParameter]:
@@ -459,7 +461,9 @@ def settings_with_origins(specification: Specification, estimates: xarray.Datase
     first = first.isel(filter=0) if "filter" in first.dims else first
     for state, value in zip(map(str, first["state"].values), first.values.tolist(), strict=True):
         given = _origin(specification, "start.mean", state)
-        of_train = of_parameters.get(state.replace("mu_b[", "mu_b_nominal["), DEFAULT) if model.start({}) else ""
+        of_train = (
+            of_parameters.get(state.replace("pad_friction[", "mu_b_nominal["), DEFAULT) if model.start({}) else ""
+        )
         is_read = state.partition("[")[0] in READ_STATES
         add("start.mean", state, value, unit(state), given or ("recording" if is_read else of_train))
     for name, constant in specification.inputs.items():
@@ -482,7 +486,8 @@ def settings_for(specification: Specification, period: float) -> Settings:
     absent = model.optional - bases
 
     def present(values: Mapping[str, float]) -> dict[str, float]:
-        return {name: value for name, value in values.items() if name.partition("[")[0] not in absent}
+        by_state = {state_name(name): value for name, value in values.items()}
+        return {name: value for name, value in by_state.items() if name.partition("[")[0] not in absent}
 
     # Published noises per step depend on the period: half the period means twice the noise per second.
     step = period if noise.kind == "per_step" else 1.0
@@ -526,6 +531,7 @@ def estimate_of(specification: Specification, recording: xarray.Dataset, filters
         for key, rows in lists.items()
     }
     warnings = [*str(estimates.attrs.get("warnings", "")).splitlines(), *specification.model.prediction.limits]
+    warnings += _symbols_in(specification)
     problems = check_signals(recording, (*prediction.inputs, *prediction.outputs))
     for kind in filters or ("",):
         of_one = estimates.sel(filter=kind) if kind else estimates
@@ -537,6 +543,24 @@ def estimate_of(specification: Specification, recording: xarray.Dataset, filters
     )
 
 
+def _symbols_in(specification: Specification) -> list[str]:
+    """Return a sentence for each key that has symbols of equations, as older files do, in place of names of states."""
+    gate, observability = specification.gate, specification.observability
+    names: dict[str, Collection[str]] = {
+        "[noise] process": specification.noise.process,
+        "[start] mean": specification.start.mean,
+        "[start] deviation": specification.start.deviation,
+        "[gate] states": () if gate is None else gate.states,
+        "[observability] scale": {} if observability is None else observability.scale,
+    }
+    return [
+        f"{key} has symbols of equations, which are accepted; the states are now called "
+        + ", ".join(f"{state_name(name)} (was {name})" for name in old)
+        for key, each in names.items()
+        if (old := [name for name in each if state_name(name) != name])
+    ]
+
+
 def _gate(specification: Specification, gate: GateTable) -> Gate:
     """Return the gate of a filter; a name without index selects all elements, a force means the pressure that causes
     it in the cylinders.
@@ -545,7 +569,7 @@ def _gate(specification: Specification, gate: GateTable) -> Gate:
     units = {variable.name: variable.unit for variable in model.model.inputs}
     states, inputs = (
         tuple(each for name in names for each in elements_of(name, [variable.name for variable in known]))
-        for names, known in ((gate.states, model.model.states), (gate.inputs, model.model.inputs))
+        for names, known in ((map(state_name, gate.states), model.model.states), (gate.inputs, model.model.inputs))
     )
     first = inputs[0] if inputs else ""
     if first not in units:

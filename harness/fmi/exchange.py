@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.errors import FmuError, PlantFailed
+from railgrip.base.names import state_name
 from railgrip.estimators.model_in_c import ModelInC, Pattern
 from railgrip.fmi.description import Description, FmuVariable, Interface
 from railgrip.fmi.instance import Instance, unpack
@@ -102,7 +103,8 @@ class FmuPrediction:
         Args:
             description: Description of the FMU; variables in SI.
             parameters: Values by FMU variable.
-            states: All states of the FMU, in the requested order.
+            states: All states of the FMU, in the requested order, by their names or by those of
+                `railgrip.estimators.prediction.STATE_NAMES`.
             inputs: All inputs of the FMU, in the requested order.
             outputs: Outputs that the filter reads, in the requested order.
             readings: Names of these outputs as readings, if they differ from those in the FMU.
@@ -115,20 +117,23 @@ class FmuPrediction:
             raise FmuError(
                 f"{description.file}: a prediction is evaluated by FMI 2.0, this is FMI 3.0; export it again."
             )
-        if sorted(states) != sorted(description.states):
-            lacks = [s for s in states if s not in description.states]
-            extra = [s for s in description.states if s not in states]
+        # The FMU may have the symbols of the equations for its states.
+        symbols = {state_name(symbol): symbol for symbol in description.states}
+        theirs = [name if name in description.states else symbols.get(name, name) for name in states]
+        if sorted(theirs) != sorted(description.states):
+            lacks = [name for name, symbol in zip(states, theirs, strict=True) if symbol not in description.states]
+            extra = [symbol for symbol in description.states if symbol not in theirs]
             raise FmuError(
                 f"{description.file}: the prediction's states are not those expected; "
                 f"missing: {', '.join(lacks) or 'none'}; unexpected: {', '.join(extra) or 'none'}."
             )
-        for name in (*states, *inputs, *outputs):
+        for name in (*theirs, *inputs, *outputs):
             _require_si(description, description.variable(name, "prediction"))
         self.states, self.inputs, self.outputs = tuple(states), tuple(inputs), tuple(readings or outputs)
-        self._description = description
+        self._description, self._symbols = description, theirs
         self._assignments = assignments(description, parameters)
         self._references = (
-            references_of(description.variables[name] for name in states),
+            references_of(description.variables[name] for name in theirs),
             references_of(_real(description, name, "input") for name in inputs),
             references_of(_real(description, name, "output") for name in outputs),
         )
@@ -142,7 +147,7 @@ class FmuPrediction:
                 "abs, sign, min or max."
             )
         derivative_of = dict(zip(description.states, description.derivatives, strict=True))
-        self._derivatives = [derivative_of[name] for name in states]
+        self._derivatives = [derivative_of[name] for name in theirs]
         self._slope_pattern = self._derivative_pattern = self._pattern(self._derivatives)
         self._output_pattern = self._pattern(outputs)
         self.parameters = np.zeros(3)
@@ -203,7 +208,7 @@ class FmuPrediction:
         # By FMI, an unknown without declared dependencies depends on all states.
         known = self._description.dependencies
         return tuple(
-            tuple(i for i, state in enumerate(self.states) if name not in known or state in known[name])
+            tuple(i for i, state in enumerate(self._symbols) if name not in known or state in known[name])
             for name in unknowns
         )
 
@@ -241,7 +246,7 @@ class FmuPrediction:
         return {
             "set_states": instance.address("fmi2SetContinuousStates"),
             "get_derivatives": instance.address("fmi2GetDerivatives"),
-            "place_of_state": np.array([theirs[name] for name in self.states], dtype=np.longlong),
+            "place_of_state": np.array([theirs[name] for name in self._symbols], dtype=np.longlong),
             "derivatives": np.zeros(n),
             "nominal": np.where(np.isfinite(nominal) & (nominal > 0), nominal, 1.0),
             "relative_step": _RELATIVE_STEP,
@@ -273,7 +278,7 @@ class FmuPrediction:
     def _read(self, instance: Instance, call: str) -> Vector:
         values = np.zeros(len(self.states))
         instance.call(call, values.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), values.size, time=0.0)
-        return values[[self._description.states.index(name) for name in self.states]]
+        return values[[self._description.states.index(name) for name in self._symbols]]
 
     @property
     def start(self) -> Vector:

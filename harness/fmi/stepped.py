@@ -161,10 +161,10 @@ class SteppedFmuPrediction(FmuPrediction):
         return _Restarts(
             instance,
             self._assignments,
-            states=dict(zip(self.states, self._references[0].tolist(), strict=True)),
+            states=dict(zip(self._symbols, self._references[0].tolist(), strict=True)),
             derivatives=references_of(variables[name] for name in self._derivatives).tolist(),
             inputs=dict(zip(self._references[1].tolist(), held, strict=True)),
-            nominal=np.array([variables[name].nominal for name in self.states]),
+            nominal=np.array([variables[name].nominal for name in self._symbols]),
             period=self.period,
             initialises=initialises,
         )

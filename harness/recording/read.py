@@ -20,7 +20,7 @@ from railgrip.recording.flag import Flag, flags_of, summary
 from railgrip.recording.grid import gaps_of, input_on_grid, on_grid
 from railgrip.recording.instants import cause_of_step_back
 from railgrip.recording.samples import recording_of
-from railgrip.recording.table import Column, DataTable, factor_for
+from railgrip.recording.table import TRUTH, Column, DataTable, factor_for
 from railgrip.scenario.quantity import Magnitude
 
 Vector = NDArray[np.float64]
@@ -29,8 +29,6 @@ _MAX_SAMPLES = 5_000_000
 """Of a recording on its grid: a day at 50 Hz."""
 _LARGEST = 1e30
 """Limit of readings in any SI unit; sums of larger numbers overflow."""
-TRUTH = "true_"
-"""Prefix of columns with a true state."""
 _LATEST = 1e11  # s; seconds since 1970 are 2e9, and a double still resolves microseconds there
 
 
@@ -187,7 +185,7 @@ def require_signals(
     Raises:
         EstimationError: The map has names that the model lacks, or lacks inputs; each problem in one line.
     """
-    signals = [*inputs, *outputs, *(TRUTH + name for name in units if name not in (*inputs, *outputs))]
+    signals = [*inputs, *outputs, *(TRUTH + name for name in units if name not in inputs)]
     problems: list[str] = []
     for name in table.columns:
         if name not in signals:

@@ -9,6 +9,7 @@ import xarray
 from numpy.typing import ArrayLike, NDArray
 
 from railgrip.base.errors import EstimationError, UnitError
+from railgrip.base.names import state_name
 from railgrip.base.units import conversion, unit
 from railgrip.vehicle import signals as tables
 
@@ -18,9 +19,6 @@ Signals = Mapping[str, tuple[ArrayLike, str]]
 
 READING = "reading_"
 """Prefix of what a filter may see."""
-
-STATES = {"v": "speed", "w": "wheelset_speed", "mu_b": "pad_friction", "alpha": "group_adhesion"}
-"""State of a prediction → variable of a trace that is its truth; other states have their own names."""
 
 _OFF_GRID = 1e-3
 """Share of a period by which samples may be off the grid: a microsecond a millisecond of clock error is normal, more
@@ -64,7 +62,7 @@ def with_signals(
     for prefix, group in ((READING, readings or {}), ("", truth or {})):
         for key, (values, unit_text) in group.items():
             base, index = _element(key)
-            variable = prefix + (base if prefix else STATES.get(base, base))
+            variable = prefix + (base if prefix else state_name(base))
             columns[variable][index] = np.asarray(values, dtype=np.float64)
             units[variable] = unit_text
     dimensions = {variable: dimension_of(variable) for variable, parts in columns.items() if None not in parts}
@@ -201,7 +199,7 @@ def knows(trace: xarray.Dataset, state: str) -> bool:
 
 def _truth(trace: xarray.Dataset, state: str) -> Vector | None:
     base, bracket, index = state.partition("[")
-    values = _column(trace, "", STATES.get(base, base) + bracket + index)
+    values = _column(trace, "", state_name(base) + bracket + index)
     return None if values is None or np.isnan(values).all() else values
 
 

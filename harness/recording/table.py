@@ -18,13 +18,17 @@ track_force = { value = "0 N" }             # not measured, this value throughou
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, StrictBool, StrictInt, model_validator
+from pydantic import Field, StrictBool, StrictInt, field_validator, model_validator
 
 from railgrip.base import units
 from railgrip.base.errors import UnitError
+from railgrip.base.names import state_name
 from railgrip.base.units import conversion, quantity, turning_of, unit
 from railgrip.scenario.quantity import Magnitude, Number, UnitRange
 from railgrip.scenario.table import Period, Table, table_error
+
+TRUTH = "true_"
+"""Prefix of columns with a true state."""
 
 Time = Annotated[float, UnitRange("s", above=0, at_most=1e5, because="no recording of a braking lasts a day")]
 
@@ -161,3 +165,12 @@ class DataTable(Table):
         default="refuse", description="signals that contradict each other as on no vehicle are refused or only reported"
     )
     columns: dict[str, Column] = Field(description="by the name of the signal of the model")
+
+    @field_validator("columns")
+    @classmethod
+    def _by_name(cls, columns: dict[str, Column]) -> dict[str, Column]:
+        # Older files have symbols of states, as in true_mu_b.
+        return {
+            f"{TRUTH}{state_name(name.removeprefix(TRUTH))}" if name.startswith(TRUTH) else name: column
+            for name, column in columns.items()
+        }

@@ -26,10 +26,10 @@ _STATE_COLOURS = (
 )
 _DASHES = ("-", "--", ":", "-.")
 _WORDS = {
-    "v": "speed [m/s]",
-    "w": "wheelset speed [rad/s]",
-    "mu_b": "pad friction",
-    "alpha": "adhesion",
+    "speed": "speed [m/s]",
+    "wheelset_speed": "wheelset speed [rad/s]",
+    "pad_friction": "pad friction",
+    "group_adhesion": "adhesion",
     "dz": "deflection [m]",
     "ddz": "rate of deflection [m/s]",
     "d": "disturbance [m/s²]",

@@ -23,9 +23,9 @@ def names_in(text: str) -> list[str]:
 def with_tables(text: str, tables: Mapping[str, ReportTable | str]) -> str:
     """Return the text of a page with these tables between their marks.
 
-    text: Text of the page.
+    Args:
+        text: Text of the page.
         tables: Tables by name.
-        tables: By name.
 
     Raises:
         RecordError: The page lacks one of the marks; the message begins with a verb.

@@ -1,4 +1,4 @@
-"""The friction under each wheelset: the profile of a scenario as a fast function of time and place."""
+"""The rail under the train: the friction of a scenario's profile at each wheelset, and the force of its track."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.errors import ScenarioError
+from railgrip.kernel import kernel
 from railgrip.scenario.curve import FrictionCurve
 from railgrip.scenario.profile import (
     LONGEST_RAIL,
@@ -23,8 +24,11 @@ from railgrip.scenario.profile import (
 )
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator, markov
+from railgrip.scenario.surface import SandedRail, Sander, SlipEnergy
 from railgrip.scenario.table import FASTEST
+from railgrip.scenario.track.table import TrackForce
 from railgrip.vehicle.formation import Formation
+from railgrip.vehicle.signals import Layout
 
 Array = NDArray[np.float64]
 
@@ -372,3 +376,105 @@ def _condition_rail(mu0: Array, conditioning: Conditioning | None, formation: Fo
     ahead = formation.group_of_wheelset if conditioning.by == "group" else np.arange(formation.wheelsets)
     recovery = 1 - (1 - conditioning.fraction) ** ahead
     return mu0 + np.clip(conditioning.recovered - mu0, 0, None) * recovery
+
+
+class TabulatedRail:
+    """Friction and force along the track; the look-up is in `kernel/rail.c`.
+
+    Attributes:
+        slip_energy: Slip energy on the rail; None if slip does not change friction.
+        sand: Sand on the rail; None without sanders.
+        mu0: Maximum friction at each wheelset, shape (wheelsets,), at the last position of the train.
+        struct: `Rail` of rail.h.
+    """
+
+    def __init__(
+        self,
+        layout: Layout,
+        friction: FrictionTable,
+        force: TrackForce,
+        slip_energy: SlipEnergy | None = None,
+        sand: SandedRail | None = None,
+        curves: Array | None = None,
+    ) -> None:
+        """Create the rail for a vehicle whose leading wheelset is at distance 0.
+
+        Args:
+            layout: Layout of the vehicle.
+            friction: Untreated friction, and the creep curve, along the track.
+            force: Track force by gradient and curve.
+            slip_energy: Slip energy on the rail.
+            sand: Sand on the rail.
+            curves: Polach's k_A, k_S, A and B [s/m] of each creep curve, shape (curves, 4), if there are several.
+        """
+        self.slip_energy, self.sand, self._kernel = slip_energy, sand, kernel(layout)
+        self._energy_places = [layout.output[name] for name in ("adhesion", "wheelset_load")]
+        tables = {"friction": friction.mu0_at, "begins": force.begins, "forces": force.forces, "rates": force.rates}
+        self.struct = kernel(layout).struct(
+            "Rail", grid=friction.step, points=len(friction.mu0_at), over_time=friction.over_time,
+            sections=len(force.begins),
+            **{name: np.ascontiguousarray(table, dtype=np.float64) for name, table in tables.items()},
+        )  # fmt: skip
+        self.mu0 = self.struct.view("mu0")
+        if curves is not None and friction.curve_at is not None:
+            self.struct.set(curves=np.ascontiguousarray(curves), curve_at=np.ascontiguousarray(friction.curve_at))
+        # Where the train starts, before slip or sand have changed anything.
+        self.advance(0.0, np.zeros(layout.outputs))
+        self.struct.set(recovery=slip_energy and slip_energy.struct, sand=sand and sand.struct)
+
+    def advance(self, time: float, truth: Array) -> None:
+        """Compute friction and force at a time, given the plant's outputs, a contiguous array; times come in order."""
+        self._kernel.functions.advance_rail(self.struct.pointer, time, self._kernel.doubles(truth))
+
+    def write_inputs(self, inputs: Array) -> None:
+        """Write the plant's rail inputs to a contiguous array, for the last position of the train.
+
+        Before the first `advance` this is the start.
+        """
+        self._kernel.functions.write_rail_inputs(self.struct.pointer, self._kernel.doubles(inputs))
+
+    def check_plant(self, truth: Array) -> None:
+        """Raise an error for a plant without the outputs that the rail depends on.
+
+        Raises:
+            ScenarioError: Slip changes the rail, and the plant lacks adhesion or load of its wheelsets.
+        """
+        if self.slip_energy is not None and any(np.isnan(truth[place]).any() for place in self._energy_places):
+            raise ScenarioError(
+                "[adhesion.recovery] needs the energy of the slip, but the plant does not output adhesion and "
+                "wheelset_load of each wheelset: leave it out, or add these outputs by [vehicle.map]"
+            )
+
+
+def rail_of(
+    scenario: Scenario, layout: Layout, force: TrackForce, curves: Array, sanders: Sequence[Sander]
+) -> TabulatedRail:
+    """Return the rail of a scenario, before any wheel has passed.
+
+    Args:
+        scenario: Scenario with the friction.
+        layout: Layout of the vehicle.
+        force: Track force by gradient and curve.
+        curves: Polach's k_A, k_S, A and B [s/m] of each creep curve, shape (curves, 4).
+        sanders: Sanders of the scenario, else of its train.
+
+    Raises:
+        ScenarioError: The positions of the wheelsets are not given, or a sander is at a wheelset that does not exist.
+    """
+    adhesion, formation = scenario.adhesion, layout.formation
+    slip_energy = None
+    if adhesion.cleaning is not None:
+        position_of(scenario, formation)
+        *_, share, decay = curves[0].tolist()
+        slip_energy = SlipEnergy(layout, adhesion.cleaning, (share, decay), reach_of(scenario))
+    sand = None
+    if adhesion.sand is not None and sanders:
+        for number, sander in enumerate(sanders, start=1):
+            if sander.wheelset > formation.wheelsets:
+                raise ScenarioError(
+                    f"{scenario.name}: [sanders[{number}]] is at wheelset {sander.wheelset}, the vehicle has "
+                    f"{formation.wheelsets}"
+                )
+        position_of(scenario, formation)
+        sand = SandedRail(layout, sanders, reach_of(scenario), adhesion.sand)
+    return TabulatedRail(layout, profile_of(scenario, formation), force, slip_energy, sand, curves)

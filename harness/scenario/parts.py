@@ -45,7 +45,8 @@ class KalmanFilter(Table):
     )
     library: NamedFile | None = optional("for a user-defined model: the package.mo of its library, or its .mo file")
     file: NamedFile | None = optional(
-        "a user-defined prediction as an FMU 2.0, for kind fmu: states v, w, mu_b and alpha, inputs "
+        "a user-defined prediction as an FMU 2.0, for kind fmu: states v, w, mu_b and alpha, or speed, "
+        "wheelset_speed, pad_friction and group_adhesion; inputs "
         "cylinder_pressure and optionally track_force, outputs named as readings, all in SI"
     )
     interface: Literal["model_exchange", "co_simulation"] = optional(

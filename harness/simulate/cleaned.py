@@ -33,7 +33,7 @@ class CleanedContact:
 
     It takes `curve` as the contact of the plant does, and `energy`, the slip energy that wheelsets ahead have left on
     the rail, per wheel [J/m]. The wheelset adds its own, with steady slip; of two steady states it has that of the
-    higher friction. The law is that of `railgrip.simulate.loop.rail.SlipEnergy`.
+    higher friction. The law is that of `railgrip.scenario.surface.SlipEnergy`.
     """
 
     def __init__(self, contact: Contact, clean: Recovery, curve: Array) -> None:

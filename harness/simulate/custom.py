@@ -253,7 +253,7 @@ class DemandLimits:
     """Limits the demands of other than built-in laws to what cylinders take, and counts the decisions it changed.
 
     Attributes:
-        most: Maximum pressure of each group [Pa].
+        maximum: Maximum pressure of each group [Pa].
         is_pascal: Whether the demands have been large enough to be in Pa.
         limited: Number of decisions that were limited.
     """

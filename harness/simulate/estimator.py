@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
-from railgrip.base.names import did_you_mean
+from railgrip.base.names import did_you_mean, state_name
 from railgrip.controllers.free_wheel import FreeWheel
 from railgrip.estimators.consist import Consist
 from railgrip.estimators.design import FilterContext, FilterKind, Gate
-from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.prediction import CasadiPrediction, with_state_names
 from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
 from railgrip.fmi import Description, FmuPrediction, SteppedFmuPrediction
 from railgrip.fmus.native import Model, lower
@@ -107,10 +107,10 @@ def state_estimator(
     return StateEstimator(
         filter=filter_,
         reading_places=np.array(reading_places, dtype=np.intp),
-        speed=states.index("v"),
-        wheelset_speed=places("w"),
-        adhesion=places("alpha"),
-        pad_friction=places("mu_b"),
+        speed=states.index("speed"),
+        wheelset_speed=places("wheelset_speed"),
+        adhesion=places("group_adhesion"),
+        pad_friction=places("pad_friction"),
         wheel_radius=radius,
         free_wheel=FreeWheel(layout.formation.brakes, period) if table.free_wheels else None,
         load_deviation=table.load_deviation,
@@ -166,8 +166,9 @@ def _of_file(
     groups, where = range(1, layout.formation.groups + 1), f"[estimator] file {file.entry}"
     pressures = [f"cylinder_pressure[{g}]" for g in groups]
     inputs, others = description.names("input"), {"track_force"}
+    states = tuple(map(state_name, description.states))
     needs = {
-        "state": (["v", *(f"{name}[{g}]" for name in ("w", "mu_b", "alpha") for g in groups)], description.states),
+        "state": (_required_states(layout), states),
         "input": (pressures, inputs),
     }
     _require_names(where, needs)
@@ -183,7 +184,7 @@ def _of_file(
         fmus,
         stack,
         parameters=in_units("[estimator.parameters]", table.parameters, units_of(description)),
-        states=description.states,
+        states=states,
         inputs=[*pressures, *(name for name in inputs if name in others)],
         outputs=outputs,
     )
@@ -205,6 +206,11 @@ def _open_prediction(
     return stack.enter_context(FmuPrediction(description, **names))
 
 
+def _required_states(layout: Layout) -> list[str]:
+    groups = range(1, layout.formation.groups + 1)
+    return ["speed", *(f"{n}[{g}]" for n in ("wheelset_speed", "pad_friction", "group_adhesion") for g in groups)]
+
+
 def _require_names(where: str, needs: Mapping[str, tuple[Sequence[str], Sequence[str]]]) -> None:
     for kind, (names, available) in needs.items():
         if missing := [name for name in names if name not in available]:
@@ -220,9 +226,11 @@ def _of_class(
     prediction = _prepare_model(vehicle, table, model, parameters, None, fmus, stack)
     gate = pad_gate(release_pressure(parameters, 0, RELEASED_PADS), groups)
     radius, speed = parameters["r_wheel"], vehicle.scenario.start.speed
-    start = {"v": speed} | {f"w[{g + 1}]": speed / radius for g in range(groups)}
+    start = {"speed": speed} | {f"wheelset_speed[{g + 1}]": speed / radius for g in range(groups)}
     start |= {
-        f"{state}[{g + 1}]": parameters[f"{state}_start[{g + 1}]"] for state in ("mu_b", "alpha") for g in range(groups)
+        state_name(f"{symbol}[{g + 1}]"): parameters[f"{symbol}_start[{g + 1}]"]
+        for symbol in ("mu_b", "alpha")
+        for g in range(groups)
     }
     mean = np.array([start.get(state, 0.0) for state in prediction.states])
     return prediction, gate, mean, (radius,) * groups
@@ -257,17 +265,16 @@ def _prediction_model(table: KalmanFilter, name: str, layout: Layout) -> Model:
         ScenarioError: The model is for another vehicle, or lacks variables that the loop requires of every prediction.
     """
     library = table.library
-    model = (
+    model = with_state_names(
         compile_class(f"RailBraking.Predictions.{name}") if library is None else lower(name, library_of(library.path))
     )
     where = f"[estimator] model '{name}'"
     states, groups = [variable.name for variable in model.states], layout.formation.groups
-    prediction_groups = sum(name.startswith("w[") for name in states)
+    prediction_groups = sum(name.startswith("wheelset_speed[") for name in states)
     if prediction_groups != groups:
         raise ScenarioError(f"{where} is for {prediction_groups} groups, the vehicle has {groups}")
-    each = [f"{name}[{g + 1}]" for name in ("w", "mu_b", "alpha") for g in range(groups)]
     needs = {
-        "state": (["v", *each], states),
+        "state": (_required_states(layout), states),
         "parameter": (
             [*_PREDICTION_DATA, *(f"{name}_start[{g + 1}]" for name in ("mu_b", "alpha") for g in range(groups))],
             [variable.name for variable in model.parameters],

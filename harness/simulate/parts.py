@@ -15,6 +15,7 @@ from railgrip.controllers.sampled import Sampled
 from railgrip.fmi import Description, shared_budget
 from railgrip.fmi.plant import SteppedPlant
 from railgrip.report.stop import Stop
+from railgrip.scenario.demand import Driver, phases_of
 from railgrip.scenario.kinds import Custom
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.parts import CustomLaw, KalmanFilter
@@ -29,10 +30,17 @@ from railgrip.simulate.faults.site import faults_of
 from railgrip.simulate.foreign_controller import ForeignController
 from railgrip.simulate.importing import origin_of, part_of, table_of
 from railgrip.simulate.loop.loop import Ending, Loop
-from railgrip.simulate.loop.parts import Clock, Instruments, LoopController, LoopPlant, Parts, StateEstimator
+from railgrip.simulate.loop.parts import (
+    Clock,
+    LoopController,
+    LoopPlant,
+    LoopSensors,
+    Parts,
+    SensorsInC,
+    StateEstimator,
+)
 from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.simulate.plant import fmu_plant, python_plant
-from railgrip.simulate.rail import driver_of, rail_of
 from railgrip.simulate.remarks import remarks_after, remarks_before
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.bound import with_bound
@@ -195,14 +203,14 @@ def assemble(
         parts = Parts(
             layout=layout,
             plant=plant,
-            rail=rail_of(vehicle),
+            rail=vehicle.rail(),
             sensors=_sensors(vehicle, user_objects, radius[0]),
             estimator=filter_,
             controller=controller,
             limits=limits if is_limited else None,
             train_level=train_level_of(vehicle) if is_limited else None,
             valves=None if commands_valves else valve_logic_of(vehicle),
-            driver=driver_of(vehicle),
+            driver=_driver(vehicle),
             faults=faults_of(
                 scenario,
                 layout,
@@ -281,7 +289,7 @@ def _estimator(
     return None, frozenset()
 
 
-def _sensors(vehicle: VehicleData, user_objects: _UserObjects, radius: float) -> Instruments:
+def _sensors(vehicle: VehicleData, user_objects: _UserObjects, radius: float) -> LoopSensors | SensorsInC:
     """Return the sensors of a stop; `radius` is that of the leading wheels [m]."""
     scenario = vehicle.scenario
     if (instruments := user_objects.part("sensors", scenario.sensors, user_objects.objects.sensors)) is None:
@@ -289,6 +297,19 @@ def _sensors(vehicle: VehicleData, user_objects: _UserObjects, radius: float) ->
     noise = generator(scenario.seed, "sensors.custom")
     period = scenario.periods.communication
     return custom.CustomSensors(instruments, vehicle.layout, vehicle.nominal.formation, period, noise)
+
+
+def _driver(vehicle: VehicleData) -> Driver:
+    """Return the driver of a scenario, who uses the nominal data of the brakes; errors are those of `phases_of`."""
+    scenario, layout = vehicle.scenario, vehicle.layout
+    brakes, demand = layout.formation.brakes, scenario.demand
+    full = np.array([brake.pressure_max for brake in brakes])
+    return Driver(
+        layout, scenario.periods.communication, full=full,
+        release_pressure=np.array([brake.pressure_of(0.0) for brake in brakes]),
+        phases=None if demand is None else phases_of(layout, demand, full.tolist(), scenario.name),
+        binding=not getattr(scenario.controller, "redistribute", False),
+    )  # fmt: skip
 
 
 def _signals(

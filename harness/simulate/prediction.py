@@ -14,6 +14,7 @@ from railgrip.base.cache import keep
 from railgrip.base.errors import ScenarioError
 from railgrip.base.system import Variable
 from railgrip.estimators.consist import Consist, Part
+from railgrip.estimators.prediction import with_state_names
 from railgrip.fmus.native import Model, lower
 from railgrip.vehicle.brake import pressure_of
 from railgrip.vehicle.formation import Formation, carried_mass
@@ -30,7 +31,7 @@ _PAD_FRICTION = "mu_b_nominal"
 
 @cache
 def _body() -> Model:
-    return lower(f"{_PACKAGE}.BodyPrediction")
+    return with_state_names(lower(f"{_PACKAGE}.BodyPrediction"))
 
 
 @cache
@@ -48,7 +49,7 @@ def _source(name: str, groups: int, group_of_wheelset: tuple[int, ...]) -> Path:
 
 @cache
 def _model(name: str, groups: int, group_of_wheelset: tuple[int, ...]) -> Model:
-    return lower(name, _source(name, groups, group_of_wheelset))
+    return with_state_names(lower(name, _source(name, groups, group_of_wheelset)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,10 +172,10 @@ def start_of(
     states: Sequence[str], formation: Formation, data: Mapping[str, float], speed: float
 ) -> NDArray[np.float64]:
     """Return the initial mean: rolling at a speed [m/s], nominal pad friction, all other states zero; shape (n,)."""
-    start = {"v": speed}
+    start = {"speed": speed}
     for g in range(formation.groups):
-        start[f"w[{g + 1}]"] = speed / radius_of(data, g)
-        start[f"mu_b[{g + 1}]"] = _value(data, _PAD_FRICTION, g, 0.35)
+        start[f"wheelset_speed[{g + 1}]"] = speed / radius_of(data, g)
+        start[f"pad_friction[{g + 1}]"] = _value(data, _PAD_FRICTION, g, 0.35)
     return np.array([start.get(state, 0.0) for state in states])
 
 
@@ -234,14 +235,14 @@ def _number(name: str) -> int:
 def _part(members: _Members, formation: Formation, data: Mapping[str, float]) -> Part:
     model = _model("PartPrediction", *members.sizes(formation))
     states = tuple(members.name_in_train(variable.name) for variable in model.states)
-    reading_of = {"w": "wheelset_speed", "dz": "deflection"}
-    pairs = ((state.partition("["), state) for state in states)
     return Part(
         model=model,
         parameters=np.array(list(members.parameters(model, formation, data).values())),
         states=states,
         inputs=tuple(members.name_in_train(variable.name) for variable in model.inputs[:-1]),
         readings=tuple(
-            (f"{reading_of[name]}[{index}", state) for (name, _, index), state in pairs if name in reading_of
+            (name.replace("dz", "deflection"), name)
+            for name in states
+            if name.partition("[")[0] in ("wheelset_speed", "dz")
         ),
     )

@@ -8,18 +8,20 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from railgrip.base import registry
+from railgrip.base.units import GRAVITY
 from railgrip.controllers.law import GroupLaw
 from railgrip.rolling_stock.schema import load_train
+from railgrip.scenario.adhesion import reach_of
 from railgrip.scenario.demand import PhaseEnd
 from railgrip.scenario.faults import amount_of
 from railgrip.scenario.parts import BuiltInLaw
+from railgrip.scenario.profile import FromTable, Points
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.usual import unusual
 from railgrip.scenario.vehicle import RecipePlant, TrainFile
 from railgrip.simulate.faults.sensor import DistortedReading
 from railgrip.simulate.files import remarks_on_train
-from railgrip.simulate.rail import doubts
 
 _FAR = 4.0
 """Factor on the range of a search beyond which a parameter of a law is unusual."""
@@ -51,6 +53,35 @@ def remarks_before(scenario: Scenario) -> list[str]:
         *doubts(scenario),
         *remarks_on_train(scenario),
     ]
+
+
+def doubts(scenario: Scenario) -> list[str]:
+    """Return a sentence for each file of a scenario whose axis appears to have another unit than declared."""
+    adhesion, demand, speed = scenario.adhesion, scenario.demand, scenario.start.speed
+    has_traction = demand is not None and demand.has_traction
+    sentences: list[str] = []
+    if isinstance(adhesion, FromTable):
+        columns = adhesion.curve.columns
+        strongest = GRAVITY * adhesion.factor * float(columns.values.max())
+        if adhesion.over == "distance":
+            sentences += _late_begin(f"[adhesion] file {adhesion.file.entry}", float(columns.points[0]))
+            doubt = columns.doubt(speed**2 / (2.0 * strongest), reach_of(scenario))
+        else:
+            doubt = columns.doubt(speed / strongest, scenario.horizon)
+        sentences += [f"[adhesion] file {adhesion.file.entry} {doubt}"] if doubt else []
+    if isinstance(adhesion, Points) and adhesion.over == "distance":
+        sentences += _late_begin("[adhesion] points", adhesion.places[0])
+    if demand is not None and demand.file is not None:
+        doubt = demand.profile().doubt(0.0 if has_traction else speed / GRAVITY, scenario.horizon)
+        sentences += [f"[demand] file {demand.file.entry} {doubt}"] if doubt else []
+    return [f"{scenario.name}: {sentence}." for sentence in sentences]
+
+
+def _late_begin(what: str, begin: float) -> list[str]:
+    """Return a sentence if a profile over distance begins after the brake demand [m]."""
+    if begin <= 0.0:
+        return []
+    return [f"{what} begins {begin:g} m after the brake demand; until there, the friction of its first point applies"]
 
 
 def remarks_after(scenario: Scenario, duration: float, distance: float) -> list[str]:

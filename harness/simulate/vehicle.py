@@ -18,12 +18,14 @@ from railgrip.base.errors import ScenarioError
 from railgrip.base.units import unit
 from railgrip.controllers.law import FULL_PRESSURE, GroupLaw
 from railgrip.rolling_stock.schema import load_train
+from railgrip.scenario.adhesion import TabulatedRail, rail_of
 from railgrip.scenario.faults import TRUTH_KEYS
 from railgrip.scenario.kinds import Custom
 from railgrip.scenario.parts import BuiltInLaw as LawTable
 from railgrip.scenario.parts import ControllerFmu, KalmanFilter
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
+from railgrip.scenario.surface import Sander
 from railgrip.scenario.track.table import TrackForce, force_along, track_force_of
 from railgrip.scenario.vehicle import FormationTable, LibraryPlant, ModelicaPlant, PythonClass, RecipePlant, TrainFile
 from railgrip.simulate.contact import compiled_contact
@@ -371,6 +373,16 @@ class VehicleData:
         force, slope = track_force_of(self.scenario.track, self.mass), self.scenario.truth.gradient
         more = float(force_along(slope, 0.0, self.mass))
         return replace(force, forces=tuple(of_track + more for of_track in force.forces))
+
+    @property
+    def sanders(self) -> tuple[Sander, ...]:
+        """Sanders of the scenario, else those of its train file."""
+        sanders, source = self.scenario.sanders, self.scenario.vehicle.source
+        return sanders or (load_train(source.file.path).sanders if isinstance(source, TrainFile) else ())
+
+    def rail(self) -> TabulatedRail:
+        """Return the rail, before any wheel has passed; errors are those of `rail_of`."""
+        return rail_of(self.scenario, self.layout, self.track_force, self.curves, self.sanders)
 
     @cached_property
     def outputs(self) -> frozenset[str]:

@@ -205,7 +205,7 @@ def fit_of(case: tuple[str, float]) -> Row:
     _, _, deviation = along(
         equations, states, inputs, period, noise, np.ones(len(equations.states)), window, 10 * window
     )
-    row["known"] = float(np.median(deviation[:, equations.states.index("alpha")]))
+    row["known"] = float(np.median(deviation[:, equations.states.index("group_adhesion")]))
     return row
 
 
@@ -430,7 +430,7 @@ def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset]) 
     drawing, axes = style.panels(10, 6, 2, len(estimates), sharex=True, squeeze=False)
     time = recording["time"].values
     for column, (name, estimated) in enumerate(estimates.items()):
-        for row, (state, word) in enumerate((("alpha", "adhesion"), ("mu_b", "pad friction"))):
+        for row, (state, word) in enumerate((("group_adhesion", "adhesion"), ("pad_friction", "pad friction"))):
             at = axes[row, column]
             error = estimated["mean"].sel(state=state).values - truth_of(recording, state)
             half_width = 2.0 * estimated["sd"].sel(state=state).values

@@ -51,7 +51,7 @@ def _moving(trace: xarray.Dataset, name: str) -> Array | None:
 
 
 def _delay(truth: Array, estimate: Array, period: float) -> Array:
-    """Return the shift that minimises the mean square of estimate(t + shift) − truth(t), shape (4,) [s].
+    """Return the shift that minimises the mean square of estimate(t + shift) − truth(t), shape (groups,) [s].
 
     All shifts are judged on the same samples of the truth, so that a hard passage cannot drop out with a
     shift.
@@ -85,7 +85,7 @@ def _error(trace: xarray.Dataset, estimated: str, true: str) -> Array | None:
 
 
 def _outside(error: Array, deviation: Array) -> Array:
-    """Return the share of samples beyond two deviations, shape (4,); NaN where the plant does not show the truth."""
+    """Return the share of samples beyond two deviations, shape (groups,); NaN without a truth."""
     return np.where(np.isnan(error).any(axis=0), np.nan, np.mean(np.abs(error) > 2.0 * deviation, axis=0))
 
 

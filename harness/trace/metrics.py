@@ -28,6 +28,10 @@ MOSTLY = 0.5
 share of 20 % is within the luck of one stop; a consistent filter has most of one stop in twenty outside."""
 
 
+_FULL = 1.002
+"""Utilisation of adhesion above which a stop states what exceeds the ideal bound."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class MeasuredStop:
     """A stop to measure, with the values that several figures are taken from.
@@ -299,7 +303,14 @@ class Metrics:
         if not np.isfinite(self.utilisation):
             return ""
         allowed = f" (creep curve: at most {self.adhesion_allowed:.4f})" if np.isfinite(self.adhesion_allowed) else ""
-        return f"{100 * self.utilisation:.1f} % of the possible adhesion used{allowed}"
+        share = f"{100 * self.utilisation:.1f} % of the possible adhesion used{allowed}"
+        if self.utilisation <= _FULL:
+            return share
+        return (
+            f"{share}; more than 100 %, because the bound has the friction brakes and the resistance of each group: "
+            "wheelsets that regain speed after a slide exceed it, and so does any other brake on the wheelsets, such "
+            "as an electrodynamic or a rotating eddy-current brake"
+        )
 
     def of_train(self, name: str) -> float:
         """Return a figure as one number of the train; NaN if it does not exist."""

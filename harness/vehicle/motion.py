@@ -15,7 +15,7 @@ SMALL_SPEED: Final = 0.05
 def slip_of(speed: ArrayLike, rim_speed: ArrayLike) -> NDArray[np.float64]:
     """Return the slip 1 − rω/v; 0 if the train is slower than `SMALL_SPEED`, NaN if its speed is unknown.
 
-    The loop in C has the same function in `slip_of` of harness/simulate/loop/kernel/onboard.c.
+    The loop in C has the same function in `slip_of` of harness/kernel/onboard.c.
 
     Args:
         speed: v of the train [m/s].

@@ -194,7 +194,7 @@ def test_every_name_of_the_python_interface_is_described(site: Path):
 def test_every_file_named_on_the_architecture_page_exists():
     """By its path from the root, from `harness/`, or from the folder with the C code of the loop."""
     named = re.findall(r"`([\w/]+\.(?:py|c|h|toml))`", (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8"))
-    folders = (ROOT, ROOT / "harness", ROOT / "harness/simulate/loop/kernel")
+    folders = (ROOT, ROOT / "harness", ROOT / "harness/kernel")
     of_any_kind = {"KIND.py", "NAME.toml", "KIND.toml"}
     paths = [path for path in named if path.rpartition("/")[2] not in of_any_kind]
     assert len(paths) > 20

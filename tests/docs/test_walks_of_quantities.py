@@ -5,8 +5,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "architecture.md"
-FOLDERS = (ROOT, ROOT / "harness", ROOT / "harness/simulate/loop/kernel")
-KERNELS = (ROOT / "harness/simulate/loop/kernel", ROOT / "harness/fmi/kernel")
+FOLDERS = (ROOT, ROOT / "harness", ROOT / "harness/kernel")
+KERNELS = (ROOT / "harness/kernel", ROOT / "harness/fmi/kernel")
 MOST_FILES = 10
 MOST_COPIES = 4
 

@@ -77,7 +77,12 @@ def test_the_estimates_of_a_train_file_equal_those_of_the_loop(trace):
     changes = squares(IDEAL) | {"model.train": "tram", "model.class": "ConsistPrediction", "between": "held"}
     changes |= {"outlier_limit": 1e6}  # the filter in the loop uses every reading
     found = rg.estimate(trace, "train", changes)["mean"]
-    for state, name in {"v": "speed", "w": "wheelset_speed", "alpha": "adhesion", "mu_b": "pad_friction"}.items():
+    for state, name in {
+        "speed": "speed",
+        "wheelset_speed": "wheelset_speed",
+        "group_adhesion": "adhesion",
+        "pad_friction": "pad_friction",
+    }.items():
         loop = trace[f"estimate_{name}"].values.reshape(len(trace["time"]), -1)
         names = [each for each in found["state"].values if str(each).partition("[")[0] == state]
         np.testing.assert_array_equal(found.sel(state=names).values, loop)
@@ -119,13 +124,17 @@ def test_intervals_of_another_train_hold_where_its_prediction_is_true():
     """
     specification = load_specification(Path("train"), {"model.train": "tram", "between": "held"})
     states = specification.model.prediction.equations({}).states
-    typical = {"v": 20.0, "w": 20.0 / specification.model.prediction.values({})["r_wheel[1]"], "mu_b": 0.35}
+    typical = {
+        "speed": 20.0,
+        "wheelset_speed": 20.0 / specification.model.prediction.values({})["r_wheel[1]"],
+        "pad_friction": 0.35,
+    }
     mean = np.array([typical.get(name.partition("[")[0], 0.0) for name in states])
     changes = {f"start.mean.{name}": value for name, value in typical.items()}
     specification = load_specification(
         Path("train"), changes | {"start.mean.alpha": 0.1, "model.train": "tram", "between": "held"}
     )
-    mean[[name.startswith("alpha") for name in states]] = 0.1
+    mean[[name.startswith("group_adhesion") for name in states]] = 0.1
     scores = np.empty((RUNS, len(states)))
     for run in range(RUNS):
         recording, truth = drawn(specification, mean, 1.5e5, run)
@@ -134,7 +143,7 @@ def test_intervals_of_another_train_hold_where_its_prediction_is_true():
         scores[run] = (last["mean"].values - truth) / last["sd"].values
     low, high = binom.interval(CONFIDENCE, RUNS, 0.95)
     smallest, largest = chi2.interval(CONFIDENCE, RUNS)
-    for name in ("alpha[1]", "alpha[4]", "mu_b[2]", "v", "d"):
+    for name in ("group_adhesion[1]", "group_adhesion[4]", "pad_friction[2]", "speed", "d"):
         score = scores[:, states.index(name)]
         assert low <= np.sum(np.abs(score) < 1.96) <= high, name
         assert smallest <= np.sum(score**2) <= largest, name
@@ -163,7 +172,7 @@ def test_adhesion_of_a_simulated_train_is_within_its_claimed_intervals(tmp_path)
     trace = trace_of_tram("none", changes, tmp_path, **tables)
     found = rg.estimate(trace, "train", {"model.train": str(tmp_path / "mine.toml")})
     moving = trace["speed"].values > SLOWEST
-    for state, name in (("alpha", "group_adhesion"), ("mu_b", "pad_friction")):
+    for state, name in (("group_adhesion", "group_adhesion"), ("pad_friction", "pad_friction")):
         states = [f"{state}[{group}]" for group in range(1, 9)]
         mean, deviation = (found[key].sel(state=states).values[moving] for key in ("mean", "sd"))
         error = mean - trace[name].values[moving]
@@ -214,7 +223,7 @@ def test_a_linear_class_of_a_user_has_the_estimates_of_the_kalman_filter(tmp_pat
         gain = covariance @ row / (row @ covariance @ row + noise)
         mean = mean + gain * (reading[k] - mean[0])
         covariance = covariance - np.outer(gain, row @ covariance)
-        state = found.isel(time=k).sel(state=["v", "d"])
+        state = found.isel(time=k).sel(state=["speed", "d"])
         np.testing.assert_allclose(state["mean"].values, mean, rtol=1e-10, atol=1e-12)
         np.testing.assert_allclose(state["sd"].values, np.sqrt(np.diagonal(covariance)), rtol=1e-10)
     rows = {each["name"]: each["origin"] for each in json.loads(found.attrs["parameters"])}

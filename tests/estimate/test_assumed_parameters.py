@@ -52,7 +52,7 @@ def test_estimate_prints_only_json_on_standard_output(command):
     assert result.exit_code == 0, result.output
     value = json.loads(result.stdout)
     assert [each["name"] for each in value["parameters"] if not each["is_default"]] == ["m", "c_drag"]
-    (pad,) = [each for each in value["states"] if each["state"] == "mu_b[1]"]
+    (pad,) = [each for each in value["states"] if each["state"] == "pad_friction[1]"]
     assert pad["mean"] == pytest.approx(0.35, abs=0.03)  # the friction of the recording
     assert pad["unit"] == "1"
     assert (value["warnings"], value["problems"]) == ([], [])

@@ -67,7 +67,7 @@ def test_the_command_reports_repairs_and_errors(case, tmp_path):
     result = CliRunner().invoke(app, ["estimate", str(toml), "--data", str(file), "--out", str(tmp_path / "out")])
     assert result.exit_code == 0, result.output
     assert "wheelset_speed, 6.990–7.210 s: no samples" in result.output
-    assert "mu_b" in result.output
+    assert "pad_friction" in result.output
     estimates = (tmp_path / "out" / "estimates.nc").read_bytes()
     refused = ["--data", str(tmp_path / "not_there.csv"), "--out", str(tmp_path / "out")]
     assert CliRunner().invoke(app, ["estimate", str(toml), *refused]).exit_code != 0

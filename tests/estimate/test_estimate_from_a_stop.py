@@ -35,11 +35,16 @@ def recorded_in_the_loop(stop, state):
 
 
 def from_the_trace(estimated, state, count):
-    names = [state] if count == 1 and state == "v" else [f"{state}[{i + 1}]" for i in range(count)]
+    names = [state] if count == 1 and state == "speed" else [f"{state}[{i + 1}]" for i in range(count)]
     return estimated["mean"].sel(state=names).values
 
 
-RECORDED = {"v": "speed", "w": "wheelset_speed", "alpha": "adhesion", "mu_b": "pad_friction"}
+RECORDED = {
+    "speed": "speed",
+    "wheelset_speed": "wheelset_speed",
+    "group_adhesion": "adhesion",
+    "pad_friction": "pad_friction",
+}
 
 
 def test_estimates_from_a_trace_equal_those_in_the_loop(stop):
@@ -65,7 +70,7 @@ def test_a_trace_on_disk_gives_the_same_estimates(stop, tmp_path):
     )
     assert result.exit_code == 0, result.output
     assert "mine: median NIS" in " ".join(result.output.split())
-    assert "alpha[4]" in result.output
+    assert "group_adhesion[4]" in result.output
     assert (tmp_path / "out" / "estimates.nc").exists()
 
 

@@ -93,7 +93,7 @@ def test_a_wrong_initial_adhesion_is_corrected_within_tenths_of_a_second(sand, n
     assert published.settling(sand, right) == 0.0
     assert 0.0 < published.settling(sand, wrong) < 0.3
     later = sand["time"].values > 1.0
-    apart = (wrong["mean"] - right["mean"]).sel(state=["alpha", "mu_b"]).values[later]
+    apart = (wrong["mean"] - right["mean"]).sel(state=["group_adhesion", "pad_friction"]).values[later]
     # A thousandth of the initial error.
     assert np.abs(apart).max() < 1e-4
 
@@ -108,7 +108,7 @@ def test_the_error_of_adhesion_is_within_002_on_the_sanded_roller(sand, name):
     judgement = judge(sand, estimates, "alpha", steady)
     assert judgement.rmse < 0.3 * judgement.constant
     constant = estimates.copy(deep=True)
-    constant["mean"].loc[{"state": "alpha"}] = truth_of(sand, "alpha")[steady].mean()
+    constant["mean"].loc[{"state": "group_adhesion"}] = truth_of(sand, "group_adhesion")[steady].mean()
     assert not excursions(sand, constant, settled=0.5)["kept"]
 
 
@@ -133,8 +133,8 @@ def test_the_gate_holds_pad_friction_while_the_pads_are_released():
     """Readings then do not depend on it: with the gate mean and deviation stay constant, in the paper they grow."""
     coasting = recording_of_rig(shortened("slide", 10.0))
     own, paper = (estimate_of(load_specification(LIBRARY / f"{n}.toml"), coasting) for n in ("rig_own", "rig_paper"))
-    assert np.ptp(own["sd"].sel(state="mu_b").values) < 1e-12
-    deviations = paper["sd"].sel(state="mu_b").values
+    assert np.ptp(own["sd"].sel(state="pad_friction").values) < 1e-12
+    deviations = paper["sd"].sel(state="pad_friction").values
     # Q33 = 1e-3 is added 2000 times; load cells with 100 N of noise contribute almost no information.
     assert deviations[-1] == pytest.approx(np.sqrt(0.04**2 + 2000 * 1e-3), rel=0.05)
 

@@ -162,11 +162,13 @@ def test_a_lost_filter_is_reported_with_the_instant(undragged, limit):
 
 
 def test_missing_and_unknown_names_are_refused(undragged):
-    with pytest.raises(EstimationError, match=r"\[noise\] process lacks alpha; it has w, v, mu_b"):
+    with pytest.raises(
+        EstimationError, match=r"\[noise\] process lacks group_adhesion; it has wheelset_speed, speed, pad_friction"
+    ):
         estimate(braked(), undragged, replace(SETTINGS, process={"w": 1.0, "v": 1.0, "mu_b": 1.0}))
     with pytest.raises(EstimationError, match=r"\[noise\] readings has acceleration, the model has wheelset_speed"):
         estimate(braked(), undragged, replace(SETTINGS, readings=READINGS_20 | {"acceleration": 1.0}))
-    with pytest.raises(EstimationError, match=r"\[start\] mean lacks mu_b"):
+    with pytest.raises(EstimationError, match=r"\[start\] mean lacks pad_friction"):
         estimate(braked(), undragged, replace(SETTINGS, start={"alpha": 0.0}))
     unread = braked()
     unread["reading_speed"][:] = np.nan

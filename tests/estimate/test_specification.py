@@ -1,12 +1,22 @@
 """Estimations as TOML files: the library, units, noises and messages about invalid files."""
 
+import re
+
 import numpy as np
 import pytest
 
 from railgrip.base.errors import EstimationError, ScenarioError
+from railgrip.base.names import STATE_NAMES
 from railgrip.estimation.run import by_name
 from railgrip.estimation.sources import recording_of_estimation
-from railgrip.estimation.spec import LIBRARY, equations_for, load_specification, prediction_for, settings_for
+from railgrip.estimation.spec import (
+    LIBRARY,
+    _symbols_in,
+    equations_for,
+    load_specification,
+    prediction_for,
+    settings_for,
+)
 
 TEXT = (LIBRARY / "rig_own.toml").read_text()
 
@@ -33,14 +43,14 @@ def test_every_file_of_the_library_creates_a_filter(path):
 def test_equation_20_is_exactly_as_printed():
     noise = load_specification(LIBRARY / "rig_paper.toml").noise
     assert noise.kind == "per_step"
-    assert noise.process == {"w": 1e1, "v": 1e-5, "mu_b": 1e-3, "alpha": 1e-1}
+    assert noise.process == {"wheelset_speed": 1e1, "speed": 1e-5, "pad_friction": 1e-3, "group_adhesion": 1e-1}
     assert noise.readings == {"wheelset_speed": 1e-9, "speed": 1e-7}
 
 
 def test_noise_per_step_does_not_depend_on_the_period():
     paper = load_specification(LIBRARY / "rig_paper.toml")
     for period in (1e-3, 2e-2):
-        assert settings_for(paper, period).process["w"] * period == pytest.approx(10.0, rel=1e-15)
+        assert settings_for(paper, period).process["wheelset_speed"] * period == pytest.approx(10.0, rel=1e-15)
 
 
 def test_units_are_converted_and_checked(tmp_path):
@@ -93,9 +103,9 @@ def test_noises_may_come_from_a_file(tmp_path):
 
 def test_the_laws_of_the_paper_are_selected_by_parameters():
     """From one file, by `--set`: the wagon as printed in (5), (4) and (12), and pads that relax as in (9)."""
-    overrides = ("model.parameters.adhesion_share=0.5", "model.parameters.mu_b_relaxes=1", "noise.process.v=1e-3")
+    overrides = ("model.parameters.adhesion_share=0.5", "model.parameters.mu_b_relaxes=1", "noise.process.speed=1e-3")
     specification = load_specification(LIBRARY / "wagon.toml", overrides)
-    assert specification.noise.process["v"] == 1e-3
+    assert specification.noise.process["speed"] == 1e-3
     literal, consistent = prediction_for(specification), prediction_for(load_specification(LIBRARY / "wagon.toml"))
     x, u = np.array([60.0, 60.0, 28.0, 0.30, 0.35, 0.06]), np.array([2e4, 2e4, 0.0, 0.0, 0.0])
     drag = -1.2 / 2 * 0.9 * 10.0 * 28.0**2 / 40e3
@@ -132,9 +142,9 @@ def test_all_errors_of_an_estimation_are_reported_before_compilation(tmp_path, m
     ]
     path = written(
         tmp_path,
-        process=("mu_b = 5e-5, ", ""),
-        mean=("mu_b = 0.35, alpha = 0.0 }", "mu_b = 0.35 }"),
-        scale=("mu_b = 0.35, alpha = 0.05 }", "alpha = 0.05 }"),
+        process=("pad_friction = 5e-5, ", ""),
+        mean=("pad_friction = 0.35, group_adhesion = 0.0 }", "pad_friction = 0.35 }"),
+        scale=("pad_friction = 0.35, group_adhesion = 0.05 }", "group_adhesion = 0.05 }"),
     )
     with pytest.raises(ScenarioError) as refusal:
         recording_of_estimation(load_specification(path, changes))
@@ -142,13 +152,13 @@ def test_all_errors_of_an_estimation_are_reported_before_compilation(tmp_path, m
     expected = [
         ("[model.parameters]", "'lod'"),
         ("[model.parameters] J", "'3 m'"),
-        ("[noise] process", "mu_b"),
+        ("[noise] process", "pad_friction"),
         ("[noise] readings", "yaw"),
-        ("[start] mean", "alpha"),
+        ("[start] mean", "group_adhesion"),
         ("[gate] states", "mu_c"),
         ("[gate] threshold", "'1.5 bar'"),
         ("[inputs]", "'pad_froce'"),
-        ("[observability] scale", "mu_b"),
+        ("[observability] scale", "pad_friction"),
     ]
     for where, what in expected:
         assert sum(line.startswith(f"rig-own: {where}") and what in line for line in lines) == 1, (where, lines)
@@ -180,3 +190,25 @@ def test_a_model_of_another_train_is_refused_before_its_stop_is_simulated(tmp_pa
 def test_a_misspelled_prediction_is_refused_with_the_nearest_name():
     with pytest.raises(EstimationError, match="'WagonPredction'; did you mean 'WagonPrediction'"):
         recording_of_estimation(load_specification(LIBRARY / "wagon.toml", ["model.class=WagonPredction"]))
+
+
+def test_symbols_of_states_in_older_files_are_accepted_and_named(tmp_path):
+    """The same estimation with `v`, `w`, `mu_b` and `alpha` for its states has the same settings, and says so."""
+    text = (LIBRARY / "rig_own.toml").read_text(encoding="utf-8")
+    for symbol, name in STATE_NAMES.items():
+        text = re.sub(rf"(?<=[{{,] ){name}(?= = )", symbol, text).replace(
+            f'states = ["{name}"]', f'states = ["{symbol}"]'
+        )
+    path = tmp_path / "older.toml"
+    # Readings have the names of signals, as before.
+    path.write_text(re.sub(r"(?m)^readings = .*$", readings_line(LIBRARY / "rig_own.toml"), text), encoding="utf-8")
+    older, now = load_specification(path), load_specification(LIBRARY / "rig_own.toml")
+    assert "mu_b" in older.noise.process
+    assert settings_for(older, 0.01) == settings_for(now, 0.01)
+    assert _symbols_in(now) == []
+    (sentence,) = [each for each in _symbols_in(older) if each.startswith("[noise] process")]
+    assert "pad_friction (was mu_b)" in sentence
+
+
+def readings_line(path):
+    return re.search(r"(?m)^readings = .*$", path.read_text(encoding="utf-8"))[0]

@@ -59,9 +59,9 @@ def test_the_printed_factor_is_half_the_force_balance():
     ("forces", "lost"),
     [
         ((2e4, 1.5e4), ()),
-        ((0.0, 1.5e4), ("mu_b[1]",)),
-        ((2e4, 0.0), ("mu_b[2]",)),
-        ((0.0, 0.0), ("mu_b[1]", "mu_b[2]")),
+        ((0.0, 1.5e4), ("pad_friction[1]",)),
+        ((2e4, 0.0), ("pad_friction[2]",)),
+        ((0.0, 0.0), ("pad_friction[1]", "pad_friction[2]")),
     ],
 )
 def test_only_pads_without_force_are_undetermined(variant, forces, lost):
@@ -75,7 +75,7 @@ def test_a_relaxing_pad_without_force_is_also_undetermined():
     """Equation (9) gives friction separate dynamics on which no reading depends."""
     wagon = equations_of("WagonPrediction", CORRECTED | {"mu_b_relaxes": 1.0})
     information = observability(wagon, X, np.array([0.0, 1.5e4, 0.0, 0.0, 0.0]), SCALE)
-    assert information.undetermined == ("mu_b[1]",)
+    assert information.undetermined == ("pad_friction[1]",)
 
 
 def test_windows_without_pad_force_do_not_determine_pad_friction():
@@ -95,8 +95,8 @@ def test_windows_without_pad_force_do_not_determine_pad_friction():
     windows = windows.set_index(time="time")
     coasting = windows.where(windows["time"] < 0.9, drop=True)
     braking = windows.where(windows["time"] >= 1.5, drop=True)
-    assert np.all(coasting["singular"].sel(state="mu_b") == 0.0)
-    assert np.all(np.isinf(coasting["deviation"].sel(state="mu_b")))
-    assert np.all(braking["deviation"].sel(state="mu_b") < 0.01)
-    assert np.all(np.isfinite(windows["deviation"].sel(state="alpha")))
+    assert np.all(coasting["singular"].sel(state="pad_friction") == 0.0)
+    assert np.all(np.isinf(coasting["deviation"].sel(state="pad_friction")))
+    assert np.all(braking["deviation"].sel(state="pad_friction") < 0.01)
+    assert np.all(np.isfinite(windows["deviation"].sel(state="group_adhesion")))
     assert [information.rank for _, _, information in points] == [4, 3]

@@ -60,7 +60,7 @@ def test_readings_are_the_truth_with_independent_white_noise(stop):
     assert other["speed"].equals(stop["speed"])
 
 
-READ = {"speed": "v", "wheelset_speed[1]": "w[1]", "wheelset_speed[2]": "w[2]"}
+READ = {"speed": "speed", "wheelset_speed[1]": "wheelset_speed[1]", "wheelset_speed[2]": "wheelset_speed[2]"}
 
 
 def test_bearing_and_rolling_resistance_decelerate_every_wheelset(stop):
@@ -78,7 +78,7 @@ def test_the_corrected_factor_finds_the_adhesion_and_the_printed_one_twice_it(st
     braking = (stop["time"].values > 6.0) & (stop["time"].values < 9.5)
     truth = truth_of(stop, "alpha")[braking].mean()
     consistent, printed = (
-        estimates_for(stop, **p)["mean"].sel(state="alpha").values[braking].mean() for p in ({}, PRINTED)
+        estimates_for(stop, **p)["mean"].sel(state="group_adhesion").values[braking].mean() for p in ({}, PRINTED)
     )
     assert consistent == pytest.approx(truth, rel=0.01)
     assert printed == pytest.approx(2 * truth, rel=0.01)

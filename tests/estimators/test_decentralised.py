@@ -19,7 +19,7 @@ from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.consist import Consist, Part, part_equations
 from railgrip.estimators.design import Gate
 from railgrip.estimators.filters.decentralised import DecentralisedFilter
-from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.prediction import CasadiPrediction, with_state_names
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.fmus.native import lower
 from railgrip.simulate.prediction import CentralPrediction, central_of, consist_of, start_of
@@ -104,8 +104,8 @@ def case(train: str, sensors: str, released: bool = False) -> Case:
     process, reading = tuning.process_noise(states), tuning.reading_noise(outputs)
     variances = tuning.start_covariance(states)
     mean = start_of(consist.states, formation, data, speed=22.0)
-    pads = [states.index(f"mu_b[{g + 1}]") for g in range(formation.groups)]
-    mean[[states.index(f"alpha[{g + 1}]") for g in range(formation.groups)]] = 0.1
+    pads = [states.index(f"pad_friction[{g + 1}]") for g in range(formation.groups)]
+    mean[[states.index(f"group_adhesion[{g + 1}]") for g in range(formation.groups)]] = 0.1
 
     whole = central_of(formation, data)
     prediction = CasadiPrediction(whole.model, whole.parameters)
@@ -119,7 +119,7 @@ def case(train: str, sensors: str, released: bool = False) -> Case:
         )
     )
     # Pressures at which the wheels neither accelerate nor decelerate relative to the train, with static loads.
-    wheels = [states.index(f"w[{g + 1}]") for g in range(formation.groups)]
+    wheels = [states.index(f"wheelset_speed[{g + 1}]") for g in range(formation.groups)]
     still = ca.vertcat(*(slope(mean, of.u)[w] for w in wheels))
     gain = ca.Function("gain", [of.u], [ca.jacobian(still, of.u), still])
     inputs = np.append(np.full(formation.groups, 1e5), 0.0)
@@ -157,14 +157,21 @@ def case(train: str, sensors: str, released: bool = False) -> Case:
 @pytest.mark.parametrize("suspension", [True, False])
 def test_the_two_part_train_of_its_data_is_the_prediction_of_the_library(suspension: bool):
     """The same derivative and readings as Predictions.TrainPrediction, or -Reduced, at random states."""
-    model = lower(f"RailBraking.Predictions.TrainPrediction{'' if suspension else 'Reduced'}")
+    model = with_state_names(lower(f"RailBraking.Predictions.TrainPrediction{'' if suspension else 'Reduced'}"))
     library = CasadiPrediction(model, {v.name: v.start for v in model.parameters})
     frames = ("m_frame", "I_frame", "wheelbase")
     data = {k: v for k, v in TWO_PART_DATA.items() if suspension or k.partition("[")[0] not in frames}
     whole = central_of(TWO_PART, data)
     own = CasadiPrediction(whole.model, whole.parameters)
     assert (own.states, own.inputs, own.outputs) == (library.states, library.inputs, library.outputs)
-    typical = {"v": 20.0, "w": 50.0, "mu_b": 0.35, "alpha": 0.1, "dz": 1e-3, "ddz": 1e-2}
+    typical = {
+        "speed": 20.0,
+        "wheelset_speed": 50.0,
+        "pad_friction": 0.35,
+        "group_adhesion": 0.1,
+        "dz": 1e-3,
+        "ddz": 1e-2,
+    }
     random = np.random.default_rng(0)
     for _ in range(20):
         x = np.array([typical[name.partition("[")[0]] for name in own.states])
@@ -190,7 +197,9 @@ def test_the_parts_of_a_train_add_up_to_the_prediction_of_the_whole(train: str):
     for _ in range(5):
         state = dict(zip(consist.states, random.uniform(0.5, 1.5, len(consist.states)), strict=True))
         for name in state:
-            state[name] *= {"v": 20.0, "w": 50.0, "mu_b": 0.35, "alpha": 0.1}.get(name.partition("[")[0], 1e-3)
+            state[name] *= {"speed": 20.0, "wheelset_speed": 50.0, "pad_friction": 0.35, "group_adhesion": 0.1}.get(
+                name.partition("[")[0], 1e-3
+            )
         u = np.append(random.uniform(0.5e5, 3e5, formation.groups), 1e3)
         each = [np.array([state[name] for name in part.states]) for part in consist.parts]
         own = [np.array([u[consist.inputs.index(name)] for name in part.inputs]) for part in consist.parts]
@@ -198,8 +207,8 @@ def test_the_parts_of_a_train_add_up_to_the_prediction_of_the_whole(train: str):
             float(part.model.output(0, x, [*p, 0.0], part.parameters))
             for part, x, p in zip(consist.parts, each, own, strict=True)
         )
-        a = float(consist.body.derivative(0, state["v"], [force, u[-1]], consist.body_parameters))
-        rates = {"v": a}
+        a = float(consist.body.derivative(0, state["speed"], [force, u[-1]], consist.body_parameters))
+        rates = {"speed": a}
         for part, x, p in zip(consist.parts, each, own, strict=True):
             rate = np.asarray(part.model.derivative(0, x, [*p, a], part.parameters)).ravel()
             rates |= dict(zip(part.states, rate, strict=True))
@@ -263,7 +272,7 @@ def test_it_errs_like_the_central_filter_and_never_underestimates_its_error(trai
                 errors[filter_].append(np.empty(len(each)))
                 errors[filter_][-1][each] = filter_.mean - true.state[k, run][each]
             shares.append(np.sqrt(ours.covariance.diagonal()[states] / theirs.covariance.diagonal()))
-    for name in ("alpha", "mu_b", "w"):
+    for name in ("group_adhesion", "pad_friction", "wheelset_speed"):
         places = [i for i, state in enumerate(true.consist.states) if state.partition("[")[0] == name]
         rms = {filter_: np.sqrt(np.mean(np.array(each)[:, places] ** 2)) for filter_, each in errors.items()}
         assert rms[ours] == pytest.approx(rms[theirs], rel=0.02), name
@@ -299,7 +308,7 @@ def test_an_unusable_reading_leaves_the_estimate_unchanged():
 
 
 def test_parts_that_share_more_than_the_acceleration_are_refused():
-    model = lower("RailBraking.Predictions.TrainPredictionReduced")
+    model = with_state_names(lower("RailBraking.Predictions.TrainPredictionReduced"))
     with pytest.raises(EstimatorError, match="linear in its acceleration"):
         part_equations(model, 0)
 

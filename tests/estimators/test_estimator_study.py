@@ -337,7 +337,7 @@ def test_the_interval_score_is_smallest_for_the_true_deviation():
 def test_uncertainty_of_load_and_inertia_is_claimed_where_no_state_has_it(short):
     """With ideal sensors adhesion has both; draws of the load and a held rate are the references."""
     found = replay(short, "fmu")
-    alpha, wheel = states().index("alpha[1]"), states().index("w[1]")
+    alpha, wheel = states().index("group_adhesion[1]"), states().index("wheelset_speed[1]")
     extra = (found.variance - modelled(short, found))[:, alpha]
     load = np.random.default_rng(1).uniform(1 - 3**0.5 * LOAD_DEVIATION, 1 + 3**0.5 * LOAD_DEVIATION, 1_000_000)
     of_load = np.mean((1 / load - 1) ** 2) * found.mean[:, alpha] ** 2
@@ -346,7 +346,7 @@ def test_uncertainty_of_load_and_inertia_is_claimed_where_no_state_has_it(short)
     # A million draws determine a variance to 0.2 %.
     np.testing.assert_allclose(extra, of_load + of_inertia, rtol=0.01, atol=1e-12)
     assert force_over_load_deviation() > LOAD_DEVIATION
-    assert np.all((found.variance - modelled(short, found))[:, states().index("v")] == 0.0)
+    assert np.all((found.variance - modelled(short, found))[:, states().index("speed")] == 0.0)
 
 
 def test_factors_are_read_as_they_were_written(tmp_path):
@@ -400,7 +400,7 @@ def test_the_common_factor_multiplies_every_deviation_and_no_other_factor_does()
     for field in ("process", "readings", "start"):
         before, after = getattr(plain, field), getattr(common, field)
         assert after == {name: pytest.approx(3.0 * value) for name, value in before.items()}
-    assert one.process == {**plain.process, "alpha": pytest.approx(3.0 * plain.process["alpha"])}
+    assert one.process == {**plain.process, "group_adhesion": pytest.approx(3.0 * plain.process["group_adhesion"])}
     assert (one.readings, one.start) == (plain.readings, plain.start)
 
 
@@ -419,7 +419,16 @@ def test_the_train_file_of_the_two_part_train_has_its_predictions(estimator):
     assert sorted(of_file.states) == sorted(ours.states)
     assert of_file.outputs == ours.outputs
     places = [ours.states.index(name) for name in of_file.states]
-    typical = {"v": 20.0, "w": 50.0, "mu_b": 0.35, "alpha": 0.1, "dz": 1e-3, "ddz": 1e-2, "d": 0.1, "bias": 0.05}
+    typical = {
+        "speed": 20.0,
+        "wheelset_speed": 50.0,
+        "pad_friction": 0.35,
+        "group_adhesion": 0.1,
+        "dz": 1e-3,
+        "ddz": 1e-2,
+        "d": 0.1,
+        "bias": 0.05,
+    }
     random = np.random.default_rng(0)
     for _ in range(5):
         x = np.array([typical[name.partition("[")[0]] for name in ours.states]) * random.uniform(0.5, 1.5, len(places))
@@ -468,7 +477,7 @@ def test_a_filter_of_another_vehicle_has_the_errors_of_its_estimation():
     judged = recording["time"].values >= SETTLED
     rows = {(row["estimator"], row["quantity"]): row for row in rows_of_estimation("wagon")}
     own = judge(recording, estimates, "alpha", judged)
-    assert rows["fmu", "alpha"]["RMSE"] == pytest.approx(own.rmse, rel=1e-9)
-    assert rows["fmu", "alpha"]["NEES"] == pytest.approx(own.nees, rel=1e-9)
+    assert rows["fmu", "group_adhesion"]["RMSE"] == pytest.approx(own.rmse, rel=1e-9)
+    assert rows["fmu", "group_adhesion"]["NEES"] == pytest.approx(own.nees, rel=1e-9)
     assert all(row["bound"] > 0.0 for row in rows.values())
     assert len(vehicles(list(rows.values())).rows) == len(rows)

@@ -43,7 +43,7 @@ from small_models import runge_kutta
 
 from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter
-from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.prediction import CasadiPrediction, with_state_names
 from railgrip.estimators.tuning import NOISE_SETS, pad_gate
 from railgrip.fmus.native import lower
 from railgrip.vehicle.brake import pressure_of
@@ -99,7 +99,7 @@ class Tuned:
 
 @cache
 def tuned(model: str, sensors: str) -> Tuned:
-    lowered = lower(f"RailBraking.Predictions.{model}")
+    lowered = with_state_names(lower(f"RailBraking.Predictions.{model}"))
     prediction = CasadiPrediction(lowered, {parameter.name: parameter.start for parameter in lowered.parameters})
     noises = NOISE_SETS[f"{MODELS[model]}_{sensors}"]
     mean, pressures = settled(prediction)
@@ -119,9 +119,16 @@ def places(prediction: CasadiPrediction, name: str) -> list[int]:
 
 def settled(prediction: CasadiPrediction) -> tuple[Vector, Vector]:
     """State and inputs in which wheelsets roll with the train and the suspension is settled."""
-    sizes = {"v": SPEED, "w": SPEED / RADIUS, "mu_b": 0.36, "alpha": ADHESION, "dz": 0.0, "ddz": 0.0}
+    sizes = {
+        "speed": SPEED,
+        "wheelset_speed": SPEED / RADIUS,
+        "pad_friction": 0.36,
+        "group_adhesion": ADHESION,
+        "dz": 0.0,
+        "ddz": 0.0,
+    }
     state = np.array([sizes.get(name.partition("[")[0], 0.0) for name in prediction.states])
-    w, dz, ddz = (places(prediction, name) for name in ("w", "dz", "ddz"))
+    w, dz, ddz = (places(prediction, name) for name in ("wheelset_speed", "dz", "ddz"))
 
     def parts(unknown):
         state[dz] = 1e-3 * unknown[4:]
@@ -150,7 +157,7 @@ def truth(model: str, sensors: str, braking: str) -> Truth:
     held = np.tile(tuning.pressures, (STEPS, 1))
     if braking == "one group released":
         held[RELEASED, 1] = 0.0
-    (frozen,) = (i for i, name in enumerate(prediction.states) if name == "mu_b[2]")
+    (frozen,) = (i for i, name in enumerate(prediction.states) if name == "pad_friction[2]")
     n, m = len(prediction.states), len(prediction.outputs)
     random = np.random.default_rng([TUNINGS.index((model, sensors)), BRAKING.index(braking)])
     now = tuning.mean[:, np.newaxis] + np.sqrt(tuning.start)[:, np.newaxis] * random.standard_normal((n, RUNS))

@@ -10,7 +10,7 @@ from railgrip.estimators.consistency import delay
 from railgrip.estimators.discretisation import advance
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.observability import observability
-from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.prediction import CasadiPrediction, with_state_names
 from railgrip.estimators.tuning import NOISE_SETS, pad_gate
 from railgrip.fmus.native import lower
 from railgrip.vehicle.brake import pressure_of
@@ -18,12 +18,12 @@ from railgrip.vehicle.brake import pressure_of
 PERIOD = 1e-3
 FULL_BRAKE = np.array([3.4e5, 2.0e5, 2.0e5, 3.4e5, 0.0])
 GATE = pad_gate(pressure_of(1500.0, piston_area=0.0324, rigging=6.0 * 0.95, spring_force=1200.0), groups=4)
-SIZES = {"v": 20.0, "w": 50.0, "mu_b": 0.35, "alpha": 0.1, "dz": 3e-3, "ddz": 0.1}
+SIZES = {"speed": 20.0, "wheelset_speed": 50.0, "pad_friction": 0.35, "group_adhesion": 0.1, "dz": 3e-3, "ddz": 0.1}
 
 
 @pytest.fixture(scope="module", params=["TrainPrediction", "TrainPredictionReduced"])
 def prediction(request):
-    model = lower(f"RailBraking.Predictions.{request.param}")
+    model = with_state_names(lower(f"RailBraking.Predictions.{request.param}"))
     return CasadiPrediction(model, {parameter.name: parameter.start for parameter in model.parameters})
 
 
@@ -39,7 +39,7 @@ def parts(prediction, sensors):
 
 def rolling(prediction, speed=22.0, adhesion=0.05):
     """Start with rolling wheels, not in equilibrium."""
-    start = {"v": speed, "w": speed / 0.38, "mu_b": 0.36, "alpha": adhesion}
+    start = {"speed": speed, "wheelset_speed": speed / 0.38, "pad_friction": 0.36, "group_adhesion": adhesion}
     return np.array([start.get(name.partition("[")[0], 0.0) for name in prediction.states])
 
 
@@ -58,15 +58,15 @@ def test_there_is_a_noise_for_every_state_and_reading(prediction):
 
 def test_missing_names_of_a_noise_set_for_another_model_are_listed():
     with pytest.raises(EstimatorError, match="'reduced train, ideal sensors': no process noise for ddz, dz"):
-        NOISE_SETS["reduced_ideal"].process_noise(["v", "dz[1]", "ddz[1]"])
-    assert NOISE_SETS["train_ideal"].process_noise(["alpha[2]"]) == pytest.approx([0.1**2])
+        NOISE_SETS["reduced_ideal"].process_noise(["speed", "dz[1]", "ddz[1]"])
+    assert NOISE_SETS["train_ideal"].process_noise(["group_adhesion[2]"]) == pytest.approx([0.1**2])
 
 
 def test_the_pad_gate_is_the_pressure_of_the_minimum_pad_force():
     """F = η i (p A − F_spring) = 1500 N."""
     assert 0.95 * 6.0 * (GATE.threshold * 0.0324 - 1200.0) == pytest.approx(1500.0, rel=1e-12)
     assert GATE.inputs[2] == "cylinder_pressure[3]"
-    assert GATE.states[2] == "mu_b[3]"
+    assert GATE.states[2] == "pad_friction[3]"
 
 
 @pytest.mark.parametrize("sensors", ["ideal", "service"])
@@ -107,7 +107,7 @@ def test_a_step_of_adhesion_is_followed_within_a_tenth_of_a_second(prediction, s
     ours = CompiledFilter(*arguments)
     truth = rolling(prediction, adhesion=0.12)
     ours.start(rolling(prediction, adhesion=0.11), start)
-    groups = [prediction.states.index(f"alpha[{i}]") for i in range(1, 5)]
+    groups = [prediction.states.index(f"group_adhesion[{i}]") for i in range(1, 5)]
     random = np.random.default_rng(12)
     noise = np.sqrt(arguments[2])
     held = FULL_BRAKE * np.array([0.8, 0.8, 0.8, 0.8, 0.0])
@@ -135,7 +135,7 @@ def test_the_suspension_makes_adhesion_and_pad_friction_distinguishable(predicti
     else:
         # Five accelerations (four wheelsets, the train) and eight coefficients: three directions are undetermined.
         assert found.rank == 10
-        assert {name.partition("[")[0] for name in found.undetermined} == {"mu_b", "alpha"}
+        assert {name.partition("[")[0] for name in found.undetermined} == {"pad_friction", "group_adhesion"}
 
 
 def test_released_pads_hide_their_friction(prediction):
@@ -144,4 +144,4 @@ def test_released_pads_hide_their_friction(prediction):
         pytest.skip("without the suspension pad friction is not determined at a point in any case")
     pressures = FULL_BRAKE * np.array([0.7, 0.0, 0.7, 0.7, 0.0])
     found = observability(prediction, rolling(prediction), pressures, sizes(prediction), tolerance=1e-3)
-    assert found.undetermined == ("mu_b[2]",)
+    assert found.undetermined == ("pad_friction[2]",)

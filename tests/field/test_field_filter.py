@@ -153,7 +153,7 @@ def test_a_file_of_the_train_gives_the_estimates_of_the_run(run, tmp_path):
     record = recording_for(spec, tmp_path / "run.csv")
     through = braking_of(record.recording, spec.course).recording
     pads = [
-        estimate_of(spec, one)["mean"].sel(state="mu_b[1]").values[-500:]
+        estimate_of(spec, one)["mean"].sel(state="pad_friction[1]").values[-500:]
         for one in (through, braking_of(run, spec.course).recording)
     ]
     # One reading in ten thousand counts as a spike; the filter averages over about a hundred.

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from railgrip.base.names import state_name
 from railgrip.fmi import Description, FmuPrediction, describe
 from railgrip.fmus.native import package
 from railgrip.fmus.native.dae import read
@@ -39,7 +40,7 @@ def opened(description: Description, differentiation: str) -> FmuPrediction:
     return FmuPrediction(
         replace(description, model_exchange=own),
         parameters={},
-        states=description.states,
+        states=[state_name(symbol) for symbol in description.states],
         inputs=description.names("input"),
         outputs=[name for name in description.names("output") if name not in description.states],
     )
@@ -51,13 +52,13 @@ def points(start: np.ndarray, states: tuple[str, ...]) -> Iterator[tuple[np.ndar
     for speed in (60.0, 22.0, 5.0, 1.0):
         x = start.copy()
         for i, name in enumerate(states):
-            if name == "v":
+            if name == "speed":
                 x[i] = speed
-            elif name.startswith("w["):
-                x[i] *= speed / start[states.index("v")] * rng.uniform(0.8, 1.0)
+            elif name.startswith("wheelset_speed["):
+                x[i] *= speed / start[states.index("speed")] * rng.uniform(0.8, 1.0)
             elif name.startswith(("dz", "ddz")):
                 x[i] = rng.normal(scale=2e-3)
-            elif name.startswith("alpha["):
+            elif name.startswith("group_adhesion["):
                 x[i] = rng.uniform(0.02, 0.2)
             elif name in ("d", "bias"):
                 x[i] = rng.normal(scale=0.1)
@@ -119,7 +120,10 @@ def test_the_fmu_is_the_equations_written_out(
 ):
     """Derivatives, outputs and Jacobians, at random states of a stop."""
     with opened(catalogue, differentiation) as fmu:
-        names = ["v", *(f"{name}[{i}]" for name in ("w", "mu_b", "alpha") for i in range(1, 5))]
+        names = [
+            "speed",
+            *(f"{name}[{i}]" for name in ("wheelset_speed", "pad_friction", "group_adhesion") for i in range(1, 5)),
+        ]
         names += [f"{name}[{i}]" for name in ("dz", "ddz") for i in range(1, 7)] if len(fmu.states) > 15 else []
         names += ["d", "bias"] if len(fmu.states) in (15, 27) else []
         assert sorted(fmu.states) == sorted(names)

@@ -102,7 +102,7 @@ def coverage(trace, estimates, begin: float) -> dict[str, float]:
     at = np.clip(np.searchsorted(trace["time"].values, time - 1e-6), 0, trace.sizes["time"] - 1)
     moving = (trace["speed"].values[at] > SLOWEST) & (time >= begin)
     shares = {}
-    for base, name in {"alpha": "group_adhesion", "mu_b": "pad_friction", "v": "speed"}.items():
+    for base, name in {"group_adhesion": "group_adhesion", "pad_friction": "pad_friction", "speed": "speed"}.items():
         states = [str(state) for state in estimates["state"].values if str(state).partition("[")[0] == base]
         mean, deviation = (estimates[key].sel(state=states).values[moving] for key in ("mean", "sd"))
         truth = trace[name].values[at][moving].reshape(mean.shape)
@@ -182,8 +182,8 @@ def test_a_pressure_that_fails_for_a_moment_does_not_mislead(stops, values, leng
         return
     estimates = rg.estimate(folder / "fault.csv", folder / "map.toml")
     assert any("cylinder_pressure[2]" in line and f"{start:.2f}" in line for line in sentences(estimates))
-    difference = (estimates["mean"] - clean["mean"]).sel(state="mu_b[2]").values[-1]
-    assert abs(difference) < clean["sd"].sel(state="mu_b[2]").values[-1]
+    difference = (estimates["mean"] - clean["mean"]).sel(state="pad_friction[2]").values[-1]
+    assert abs(difference) < clean["sd"].sel(state="pad_friction[2]").values[-1]
 
 
 @pytest.mark.parametrize("start", [8.0, 16.0])
@@ -195,7 +195,7 @@ def test_a_recording_that_begins_inside_a_braking_covers_the_truth(stops, start)
     table[table["t"] >= start].to_csv(folder / "late.csv", index=False)
     estimates = rg.estimate(folder / "late.csv", folder / "map.toml")
     shares = coverage(trace, estimates, start + 1.0)
-    for base in ("alpha", "mu_b"):
+    for base in ("group_adhesion", "pad_friction"):
         assert np.mean([share for state, share in shares.items() if state.startswith(base)]) >= 0.85
 
 

@@ -3,9 +3,8 @@
 import numpy as np
 from synthetic import LAYOUT
 
-from railgrip.scenario.adhesion import FrictionTable
+from railgrip.scenario.adhesion import FrictionTable, TabulatedRail
 from railgrip.scenario.track.table import TrackForce
-from railgrip.simulate.loop.rail import TabulatedRail
 
 STRAIGHT = TrackForce(begins=(-np.inf,), forces=(0.0,), rates=(0.0,))
 

@@ -5,7 +5,7 @@ import pytest
 from kernel_calls import drive, phase_of
 from synthetic import FULL, LAYOUT
 
-from railgrip.simulate.loop.driver import Driver
+from railgrip.scenario.demand import Driver
 
 PERIOD = 0.01
 RELEASE = 3e4

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from kernel_calls import Encoder, show, transmit
 from synthetic import LAYOUT
-from test_sensors import PERIOD, encoder_readings, instruments
+from test_sensors import encoder_readings
 
-from railgrip.simulate.loop.faults import FREE, Faults
-from railgrip.simulate.loop.sensors import MissingTeeth
+from railgrip.simulate.faults.site import FREE, Faults
 
 SPEED = LAYOUT.reading["speed"].start
 
@@ -123,8 +122,7 @@ def test_a_gap_in_a_pole_wheel_reads_slow_once_a_revolution(missing):
     A pitch lasts 1.3 samples, so that each pulse gives a new reading.
     """
     speed = 2 * np.pi / 100 / 1.3e-3
-    encoder = Encoder(instruments(pitch_error=0.0, clock=1e-9), PERIOD, np.random.default_rng(1),
-                      MissingTeeth(missing, 0, 10**9))  # fmt: skip
+    encoder = Encoder({"pitch_error": 0.0, "clock": 1e-9}, missing=missing, end=10**9)
     read = np.array([encoder.read(k, speed) for k in range(2600)])  # twenty revolutions
     read = read[~np.isnan(read)][5:]
     slow = np.isclose(read, speed / (missing + 1), rtol=1e-5)
@@ -133,6 +131,6 @@ def test_a_gap_in_a_pole_wheel_reads_slow_once_a_revolution(missing):
 
 
 def test_a_pole_wheel_without_a_gap_reads_the_same():
-    encoder = Encoder(instruments(), PERIOD, np.random.default_rng(1), MissingTeeth(3, 10**6, 10**9))
+    encoder = Encoder(missing=3, begin=10**6, end=10**9)
     _, true, plain = encoder_readings(lambda t: 50 - 2 * t, 2.0)
     assert np.array_equal([encoder.read(k, w) for k, w in enumerate(true)], plain, equal_nan=True)

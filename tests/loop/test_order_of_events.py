@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from kernel_calls import holds, phase_of
+from kernel_calls import along_track, holds, phase_of, service_sensors
 from reference import brake
 from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
 
@@ -22,51 +22,44 @@ from railgrip.controllers.laws.slip_two_state import SlipTwoState
 from railgrip.controllers.sampled import choose
 from railgrip.controllers.train_level import pass_through, with_redistribution
 from railgrip.controllers.valves import ValveLogic, ValveModel
-from railgrip.scenario.adhesion import FrictionTable
+from railgrip.scenario.adhesion import FrictionTable, TabulatedRail
+from railgrip.scenario.demand import Driver
 from railgrip.scenario.outcome import Outcome
-from railgrip.scenario.polach import Polach
-from railgrip.scenario.surface import Recovery
+from railgrip.scenario.surface import Recovery, SlipEnergy
 from railgrip.scenario.track.table import TrackForce
 from railgrip.simulate.custom import DemandLimits
-from railgrip.simulate.loop.driver import Driver
-from railgrip.simulate.loop.faults import Faults
+from railgrip.simulate.faults.site import Faults
 from railgrip.simulate.loop.loop import Loop
-from railgrip.simulate.loop.parts import Clock, Parts, StateEstimator
+from railgrip.simulate.loop.parts import BLOCK, Clock, Parts, StateEstimator
 from railgrip.simulate.loop.plausible import Plausibility, Slowing, slowing_of
-from railgrip.simulate.loop.rail import SlipEnergy, TabulatedRail
-from railgrip.simulate.loop.sensors import (
-    BLOCK,
-    IdealSensors,
-    RoughRail,
-    ServiceInstruments,
-    ServiceSensors,
-    TrackQuantity,
-    WhiteSensors,
-)
+from railgrip.simulate.sensors.ideal import IdealSensors
+from railgrip.simulate.sensors.white import WhiteSensors
 from railgrip.trace.recorder import Recorder
 from railgrip.vehicle import signals
 from railgrip.vehicle.brake import Brake
 
 RADIUS = (0.38,) * 4
-LAID = Polach(k_A=0.3, k_S=0.1, A=0.5, B=0.1)
+LAID = 0.5, 0.1
 GROUPS = (
     Brake(
         load=14500 * 9.81, inertia=209.0, wheel_radius=0.38, units=2, friction_radius=0.22, piston_area=0.0324,
         rigging=5.7, spring_force=1200.0, pressure_max=3.4e5,
     ),
 ) * 4  # fmt: skip
-INSTRUMENTS = ServiceInstruments(
-    pulses=100, pitch_error=3e-3, clock=1e-6, cut_off=0.3, wheel_radius=0.38, speed_noise=0.1,
-    speed_factor=np.array([1.003, 1.002, np.nan, 1.001]),
-    gravity=TrackQuantity(begin=-1.0, step=0.5, values=np.linspace(-0.2, 0.2, 9)),
-    rail=RoughRail(
-        height=TrackQuantity(begin=-40.0, step=0.02, values=np.random.default_rng(7).normal(0.0, 1e-3, 2200)),
-        position=np.array(TWO_PART_TRAIN.wheelset_position), forward=np.array([0.9, -1.8, 0.9]),
-        back=np.array([-1.8, 0.85]), state=np.zeros((6, 2)),
-    ),
-    speed_rate=50, speed_latency=50, acceleration_noise=0.03, acceleration_bias=0.05, deflection_noise=2e-4,
-    pressure_offset=np.array([1e3, -2e3, 30.0, 4e3]), pressure_step=244.0, pressure_lag=0.01,
-)  # fmt: skip
+
+
+def in_service():
+    """Return service sensors of all errors, on a slope and an uneven rail."""
+    factor, heights = np.array([1.003, 1.002, np.nan, 1.001]), np.random.default_rng(7).normal(0.0, 1e-3, 2200)
+    return service_sensors(
+        {
+            "speed_factor": factor, "speed_factors": 4, "acceleration_bias": 0.05,
+            "gravity": along_track(-1.0, 0.5, np.linspace(-0.2, 0.2, 9)), "rail": along_track(-40.0, 0.02, heights),
+            "position": np.array(TWO_PART_TRAIN.wheelset_position), "forward": np.array([0.9, -1.8, 0.9]),
+            "back": np.array([-1.8, 0.85]), "filter_state": np.zeros((6, 2)),
+            "offset_steps": np.array([1e3, -2e3, 30.0, 4e3]) / 244.0,
+        }
+    )  # fmt: skip
 
 
 ANY_TRAIN = Slowing(lightest=1e9, heaviest=np.inf, constant=12.0, quadratic=0.0)
@@ -187,7 +180,7 @@ SENSORS = {
         np.full(LAYOUT.readings, 1e-2),
         np.random.default_rng(5),
     ),
-    "service": lambda: ServiceSensors(LAYOUT, INSTRUMENTS, 1e-3, np.random.default_rng(5)),
+    "service": in_service,
 }
 
 

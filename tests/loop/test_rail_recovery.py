@@ -18,8 +18,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.scenario.adhesion import position_of
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
-from railgrip.scenario.surface import Recovery
-from railgrip.simulate.loop.rail import SlipEnergy
+from railgrip.scenario.surface import Recovery, SlipEnergy
 from railgrip.simulate.parts import assemble
 from railgrip.simulate.run import run_stop
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from synthetic import LAYOUT
 
-from railgrip.scenario.adhesion import FrictionTable
-from railgrip.simulate.loop.rail import TabulatedRail
+from railgrip.scenario.adhesion import FrictionTable, TabulatedRail
 
 Sections = namedtuple("Sections", "begins forces rates")
 VALUES = np.array([0.10, 0.11, 0.12, 0.13])

@@ -8,8 +8,7 @@ from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
-from railgrip.scenario.surface import Sand, Sander
-from railgrip.simulate.loop.rail import SandedRail
+from railgrip.scenario.surface import Sand, SandedRail, Sander
 from railgrip.simulate.parts import assemble
 from railgrip.simulate.run import run_stop
 

@@ -2,40 +2,21 @@
 
 import numpy as np
 import pytest
-from kernel_calls import Encoder, read
+from kernel_calls import Encoder, along_track, read, service_sensors
 from synthetic import LAYOUT
 
-from railgrip.simulate.loop.sensors import (
-    IdealSensors,
-    MissingTeeth,
-    ServiceInstruments,
-    ServiceSensors,
-    TrackQuantity,
-    WhiteSensors,
-)
+from railgrip.simulate.sensors.ideal import IdealSensors
+from railgrip.simulate.sensors.white import WhiteSensors
 
 PERIOD = 1e-3
+STEP = 1e6 / 4096
+OFFSET = np.array([1e3, -1e3, 2e3, 0.0])
+PERFECT = {"acceleration": {"noise": 0.0}}
 
 
-def instruments(**changes):
-    values = dict(
-        pulses=100,
-        pitch_error=0.003,
-        clock=1e-6,
-        cut_off=0.3,
-        wheel_radius=0.38,
-        speed_noise=0.1,
-        speed_factor=np.array([1.002]),
-        speed_rate=50,
-        speed_latency=50,
-        acceleration_noise=0.03,
-        acceleration_bias=0.04,
-        deflection_noise=2e-4,
-        pressure_offset=np.array([1e3, -1e3, 2e3, 0.0]),
-        pressure_step=1e6 / 4096,
-        pressure_lag=0.01,
-    )
-    return ServiceInstruments(**(values | changes))
+def biased_sensors():
+    """Return service sensors with a bias of the accelerometer and offsets of the transducers."""
+    return service_sensors({"acceleration_bias": 0.04, "offset_steps": OFFSET / STEP})
 
 
 def truth(speed=20.0, wheel=52.0, acceleration=-0.8, pressure=2e5):
@@ -47,8 +28,8 @@ def truth(speed=20.0, wheel=52.0, acceleration=-0.8, pressure=2e5):
     return values
 
 
-def encoder_readings(speed_of, seconds, **changes):
-    encoder = Encoder(instruments(**changes), PERIOD, np.random.default_rng(1), MissingTeeth())
+def encoder_readings(speed_of, seconds, **wheel):
+    encoder = Encoder(wheel)
     samples = np.arange(round(seconds / PERIOD))
     true = np.array([speed_of(k * PERIOD) for k in samples])
     return samples * PERIOD, true, np.array([encoder.read(int(k), w) for k, w in zip(samples, true, strict=True)])
@@ -113,7 +94,7 @@ def test_a_wheel_that_turns_again_is_read_again():
 
 def test_noises_and_biases_are_those_of_the_data_sheet():
     """20 s of constant truth: means within four standard errors, deviations within 10 %."""
-    sensors = ServiceSensors(LAYOUT, instruments(), PERIOD, np.random.default_rng(3))
+    sensors = biased_sensors()
     readings = np.array([read(sensors, k, truth()) for k in range(20000)])
     speed = readings[:, 0][~np.isnan(readings[:, 0])]
     assert len(speed) == pytest.approx(20000 / 50, abs=2)
@@ -126,14 +107,12 @@ def test_noises_and_biases_are_those_of_the_data_sheet():
     deflection = readings[:, LAYOUT.reading["deflection"]]
     assert deflection.std(axis=0) == pytest.approx([2e-4] * 6, rel=0.05)
     pressure = readings[-1, LAYOUT.reading["cylinder_pressure"]]
-    assert np.abs(pressure - (2e5 + instruments().pressure_offset)).max() <= 0.5 * 1e6 / 4096
+    assert np.abs(pressure - (2e5 + OFFSET)).max() <= 0.5 * STEP
 
 
 def test_a_pressure_step_arrives_with_the_transducers_lag():
     """63 % after the time constant, within one sample."""
-    sensors = ServiceSensors(
-        LAYOUT, instruments(pressure_offset=np.zeros(4), pressure_step=1.0), PERIOD, np.random.default_rng(3)
-    )
+    sensors = service_sensors(pressure={"bits": 20})
     read(sensors, 0, truth(pressure=0.0))
     seen = [read(sensors, k, truth(pressure=1e5))[LAYOUT.reading["cylinder_pressure"]][0] for k in range(1, 40)]
     reached = int(np.argmax(np.array(seen) >= 1e5 * (1 - np.exp(-1)))) + 1
@@ -141,7 +120,7 @@ def test_a_pressure_step_arrives_with_the_transducers_lag():
 
 
 def test_the_same_seed_reads_the_same():
-    one, two = (ServiceSensors(LAYOUT, instruments(), PERIOD, np.random.default_rng(5)) for _ in range(2))
+    one, two = biased_sensors(), biased_sensors()
     for k in range(2000):
         assert np.array_equal(read(one, k, truth()), read(two, k, truth()), equal_nan=True)
 
@@ -149,17 +128,14 @@ def test_the_same_seed_reads_the_same():
 def test_a_lost_reading_is_nan_and_factors_continue_in_turn():
     """Readings every 50 ms are 1.01, NaN, 0.99 of the speed, and so on; the first one is due after the latency."""
     factors = np.array([1.01, np.nan, 0.99])
-    perfect = dict(speed_noise=0.0, acceleration_noise=0.0, acceleration_bias=0.0)
-    sensors = ServiceSensors(LAYOUT, instruments(speed_factor=factors, **perfect), PERIOD, np.random.default_rng(3))
+    sensors = service_sensors({"speed_factor": factors, "speed_factors": 3}, speed={"noise": 0.0}, **PERFECT)
     readings = [read(sensors, k, truth(acceleration=0.0))[LAYOUT.reading["speed"]][0] for k in range(301)]
     assert readings[::50] == pytest.approx([np.nan, np.nan, 19.8, 20.2, np.nan, 19.8, 20.2], nan_ok=True)
 
 
 def test_an_accelerometer_measures_the_slope_under_it():
     """A gravity component rising from 0 at 10 m to 0.1 m/s² at 20 m, and constant before and beyond."""
-    gravity = TrackQuantity(begin=10.0, step=5.0, values=np.array([0.0, 0.05, 0.1]))
-    perfect = dict(acceleration_noise=0.0, acceleration_bias=0.0)
-    sensors = ServiceSensors(LAYOUT, instruments(gravity=gravity, **perfect), PERIOD, np.random.default_rng(3))
+    sensors = service_sensors({"gravity": along_track(10.0, 5.0, [0.0, 0.05, 0.1])}, **PERFECT)
     ramp = {0.0: 0.0, 10.0: 0.0, 12.5: 0.025, 16.0: 0.06, 20.0: 0.1, 99.0: 0.1}
     for k, (distance, felt) in enumerate(ramp.items()):
         at = truth()

@@ -41,7 +41,7 @@ def estimates():
                 "nis": ("time", values[:, 0]),
                 "readings": ("time", np.ones(6)),
             },
-            coords={"time": 0.1 * np.arange(6), "state": ["v", "mu_b"]},
+            coords={"time": 0.1 * np.arange(6), "state": ["speed", "pad_friction"]},
             attrs={"ended": "", "name": "run 1", "nis_ratio": 0.9, "period": 0.1},
         )
     )
@@ -72,9 +72,9 @@ def test_estimates_print_in_five_lines_and_stay_a_dataset():
     own = estimates()
     lines = repr(own).splitlines()
     assert len(lines) == 5
-    assert lines[1] == "  2 states, at the end v 0.5455 ± 0.055, mu_b 0.5 ± 0.05"
+    assert lines[1] == "  2 states, at the end speed 0.5455 ± 0.055, pad_friction 0.5 ± 0.05"
     assert isinstance(own, xarray.Dataset)
-    assert own["mean"].sel(state="v").values[0] == 1.0
+    assert own["mean"].sel(state="speed").values[0] == 1.0
     assert "Estimates" in repr(own[["nis"]]), "a part of it as xarray shows it"
     assert isinstance(own.isel(time=slice(2)), Estimates)
 

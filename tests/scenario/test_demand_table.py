@@ -9,10 +9,10 @@ import synthetic
 from synthetic import LAYOUT, LIBRARY
 
 from railgrip.base.errors import ScenarioError
+from railgrip.kernel import kernel
+from railgrip.scenario.demand import Driver, phases_of
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.merge import merge
-from railgrip.simulate.loop.driver import Driver, phases_of
-from railgrip.simulate.loop.library import kernel
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import layout_of
 

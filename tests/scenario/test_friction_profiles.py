@@ -15,7 +15,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.seed import generator, markov
-from railgrip.simulate.rail import doubts
+from railgrip.simulate.remarks import doubts
 from railgrip.vehicle.formation import Formation
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"

@@ -8,7 +8,7 @@ from synthetic import LIBRARY
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate.loop.faults import FREE
+from railgrip.simulate.faults.site import FREE
 from railgrip.simulate.run import run_stop
 
 HEALTHY = {"faults": [], "truth": {"load": 1, "wheel_radius": 1, "pad_friction": 1, "gradient": 0}}

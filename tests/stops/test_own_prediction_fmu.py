@@ -77,7 +77,10 @@ def test_its_code_runs_only_with_permission_of_the_scenario(tmp_path: Path):
 @pytest.mark.parametrize(
     ("edits", "sentence"),
     [
-        ([('name="mu_b[3]"', 'name="mu_pad"')], r"MineTrainPrediction.fmu has no state mu_b\[3\]; it has v, "),
+        (
+            [('name="mu_b[3]"', 'name="mu_pad"')],
+            r"MineTrainPrediction.fmu has no state pad_friction\[3\]; it has speed, ",
+        ),
         ([('name="cylinder_pressure[2]"', 'name="p2"')], r"has no input cylinder_pressure\[2\]; it has "),
         ([('name="track_force"', 'name="wind"')], "has an input wind; a prediction takes cylinder_pressure and "),
     ],

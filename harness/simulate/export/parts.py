@@ -20,16 +20,18 @@ from railgrip.fmus.native.discrete import WrittenStep, sources, straight_step
 from railgrip.fmus.native.embedded import sources_of_library
 from railgrip.fmus.native.package import Source, c_identifier
 from railgrip.fmus.native.toolchain import FMU_FLAGS, static_library
+from railgrip.kernel import headers, kernel, texts
 from railgrip.scenario.parts import KalmanFilter
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.export.controller import PERIODS, law_parameters, started_at
 from railgrip.simulate.export.in_other_units import Conversion
-from railgrip.simulate.loop.library import headers, kernel, texts
 from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.loop.parts import Parts, StateEstimator
-from railgrip.simulate.loop.sensors import IdealSensors, ServiceSensors, WhiteSensors
 from railgrip.simulate.loop.structs import Structs
 from railgrip.simulate.parts import assemble
+from railgrip.simulate.sensors.ideal import IdealSensors
+from railgrip.simulate.sensors.service import ServiceSensors
+from railgrip.simulate.sensors.white import WhiteSensors
 from railgrip.vehicle.signals import BELIEVED, DRIVEN, OBSERVED, Layout, Role, Signal, names_of
 
 Kind = Literal["onboard", "estimator", "sensors", "track"]

@@ -14,7 +14,6 @@ from railgrip.fmus.native.package import Source
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle import ModelicaPlant
 from railgrip.simulate.plant import binding_of, perturb_parameters, values_of
-from railgrip.simulate.rail import rail_of
 from railgrip.simulate.vehicle import VehicleData
 
 _MODEL = "sources/model.c"
@@ -56,7 +55,7 @@ def plant_fmu(scenario: Scenario) -> Source:
 
 def _inputs_at_start(vehicle: VehicleData, binding: Binding) -> dict[str, float]:
     inputs = np.zeros(vehicle.layout.inputs)
-    rail_of(vehicle).write_inputs(inputs)
+    vehicle.rail().write_inputs(inputs)
     values = dict(zip(binding.inputs.elements, inputs.tolist(), strict=True))
     return {variable: gain * values[name] + shift for name, (variable, gain, shift) in binding.inputs.ties().items()}
 

@@ -10,7 +10,6 @@ from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import optional
 from railgrip.simulate.faults.site import Site, iterate_faults, places
-from railgrip.simulate.loop.sensors import MissingTeeth
 from railgrip.vehicle.formation import Formation
 
 
@@ -31,14 +30,16 @@ class ToothFault(Fault):
         missing_teeth(site.scenario, site.layout.formation, site.scenario.periods.communication)
 
 
-def missing_teeth(scenario: Scenario, formation: Formation, period: float) -> tuple[MissingTeeth, ...]:
-    """Return the missing teeth of each group's pole wheel; its sensor samples every `period` [s].
+def missing_teeth(scenario: Scenario, formation: Formation, period: float) -> list[dict[str, int]]:
+    """Return the missing teeth of each group's pole wheel, as fields of `Encoder` in sensors.h.
+
+    They are adjacent, and missing from sample `begin` to before sample `end`; the sensor samples every `period` [s].
 
     Raises:
         ScenarioError: The sensors have no pole wheels, or more teeth are missing than a wheel has.
     """
     pulses = scenario.sensors.pulses
-    missing = [MissingTeeth()] * formation.groups
+    missing: list[dict[str, int]] = [{} for _ in range(formation.groups)]
     for where, fault in iterate_faults(scenario, ToothFault):
         if not pulses:
             kind = scenario.sensors.kind
@@ -49,7 +50,7 @@ def missing_teeth(scenario: Scenario, formation: Formation, period: float) -> tu
         if count >= pulses:
             raise ScenarioError(f"{where} takes {count:g} teeth of {pulses}; for all of them, kind 'dead'")
         for group in places(fault.group, formation.groups, where, "group"):
-            if missing[group].count:
+            if missing[group]:
                 raise ScenarioError(f"{where}: the pole wheel of group {group + 1} misses teeth twice; keep one fault")
-            missing[group] = MissingTeeth(round(count), **fault.samples(scenario, period))
-    return tuple(missing)
+            missing[group] = {"missing": round(count), **fault.samples(scenario, period)}
+    return missing

@@ -8,8 +8,7 @@ from railgrip.scenario.faults import READ_BY, Fault, Place, amount_of
 from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.seed import generator
 from railgrip.scenario.table import optional, table_error
-from railgrip.simulate.faults.site import Site, places
-from railgrip.simulate.loop.faults import ReadingKind
+from railgrip.simulate.faults.site import ReadingKind, Site, places
 
 _MAX_DRAWS = 2**17
 """Length of the noise sequence; it repeats after 131 s."""

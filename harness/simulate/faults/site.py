@@ -1,18 +1,117 @@
-"""Location of a scenario's fault in the vectors of the loop."""
+"""The faults of a stop in the vectors of the loop, and the location of each."""
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TypeVar
+from typing import Literal, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from railgrip.base.errors import ScenarioError
+from railgrip.kernel import kernel, rate_of
 from railgrip.scenario.faults import Fault
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.loop.faults import Faults
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.signals import Layout
 
+Vector = NDArray[np.float64]
 _Kind = TypeVar("_Kind", bound=Fault)
+
+ReadingKind = Literal["dead", "stuck", "scaled", "biased", "noisy"]
+CommandKind = Literal["fixed", "kept", "late", "limited"]
+
+FREE = 1.01325e5
+"""Absolute pressure at which plants count free air, p_free [Pa]."""
+
+
+class Faults:
+    """All faults of a stop, applied in the order in which they are added.
+
+    Their formulas are in `kernel/faults.c`.
+
+    Attributes:
+        struct: `Faults` of faults.h.
+    """
+
+    def __init__(self, layout: Layout, *, valves: bool, noise_rate: Fraction | int) -> None:
+        """Set up a stop without faults.
+
+        Args:
+            layout: Layout of the vectors of the loop.
+            valves: Whether commands are valve positions; else they are pressures.
+            noise_rate: Number of samples that a draw of noise lasts; less than 1 if the loop skips draws.
+        """
+        self._kernel = kernel(layout)
+        self._rows = {name: self._kernel.records("Fault", 0) for name in ("reading", "command")}
+        self._rings: list[Vector] = []
+        self.struct = self._kernel.struct("Faults", valves=valves, noise_rate=rate_of(layout, noise_rate))
+
+    def __bool__(self) -> bool:
+        """Return whether there is a fault."""
+        return any(len(rows) for rows in self._rows.values())
+
+    def add_reading(
+        self, kind: ReadingKind, place: int, *, begin: int, end: int, value: float = 0.0, noise: Vector | None = None
+    ) -> None:
+        """Change the reading of a sensor while the fault lasts.
+
+        A fault does not create a reading at an instant without one. A dead sensor delivers no new reading; a stuck one
+        repeats its last reading, or its first one if nothing was read before.
+
+        Args:
+            kind: Kind of fault; noise is drawn before the stop.
+            place: Position in the reading vector.
+            begin: First sample with the fault.
+            end: First sample after it.
+            value: Factor, offset, or standard deviation of the noise, the last two in the unit of the reading.
+            noise: Sequence of a noisy sensor from `begin` on, with standard deviation 1; it repeats.
+        """
+        self._add("reading", kind, noise, place=place, begin=begin, end=end, value=value)
+
+    def add_command(
+        self, kind: CommandKind, group: int, *, begin: int, end: int, value: float = 0.0, delay: int = 0,
+        pressure: float = 0.0, refill: float = 0.0,
+    ) -> None:  # fmt: skip
+        """Change the command to the brake of a group while the fault lasts.
+
+        Args:
+            kind: `fixed` to a value; `kept` as before the fault; `late` by some samples; `limited` by a reservoir that
+                empties: its pressure falls isothermally with the air that the plant takes and limits the cylinder
+                pressure; a compressor refills it until it is full.
+            group: Zero-based group.
+            begin: First sample with the fault.
+            end: First sample after it.
+            value: The fixed command, or the volume of the reservoir [m3].
+            delay: Delay in samples.
+            pressure: Gauge pressure of the full reservoir [Pa].
+            refill: Free air that the compressor delivers per sample [m3].
+        """
+        ring = np.zeros(delay + 1)
+        self._add("command", kind, ring, place=group, begin=begin, end=end, value=value, pressure=pressure,
+            free_pressure=FREE, refill=refill,
+        )  # fmt: skip
+
+    @property
+    def count(self) -> dict[str, int]:
+        """Number of faults of readings and of commands."""
+        return {name: len(rows) for name, rows in self._rows.items()}
+
+    def intervals(self, before: Mapping[str, int]) -> set[tuple[int, int]]:
+        """Return the first sample with each fault that was added after `before`, and the first one after it."""
+        return {(int(r["begin"]), int(r["end"])) for name, rows in self._rows.items() for r in rows[before[name] :]}
+
+    def _add(self, changed: str, kind: str, ring: Vector | None, **numbers: float) -> None:
+        row = self._kernel.records("Fault", 1)
+        row["kind"], row["last"] = getattr(self._kernel.functions, kind.upper()), math.nan
+        for name, number in numbers.items():
+            row[name] = number
+        if ring is not None:
+            self._rings.append(np.ascontiguousarray(ring))
+            row["ring"], row["count"] = self._rings[-1].ctypes.data, ring.size
+        rows = self._rows[changed] = np.concatenate([self._rows[changed], row])
+        self.struct.set(**{f"{changed}s": rows, f"{changed}_count": len(rows)})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,10 +174,16 @@ def faults_of(
     every = Fraction(1, 1000) / Fraction(scenario.periods.communication).limit_denominator(10**9)
     faults = Faults(layout, valves=valves, noise_rate=every)
     for number, fault in enumerate(scenario.faults):
+        before = faults.count
         fault.act_on(
             Site(
                 scenario=scenario, layout=layout, faults=faults, brakes=brakes, outputs=outputs, valves=valves,
                 number=number, where=f"{scenario.name}: [faults[{number + 1}]]",
             )
         )  # fmt: skip
+        if not fault.lasts and faults.intervals(before) - {(*fault.samples(scenario).values(),)}:
+            raise ScenarioError(
+                f"{scenario.name}: [faults[{number + 1}]] has begin or end, but part '{fault.part}' of kind "
+                f"'{fault.kind}' ignores them and lasts for the whole stop; leave them out"
+            )
     return faults or None

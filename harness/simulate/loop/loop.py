@@ -11,10 +11,9 @@ from railgrip.base.errors import ControllerFailed, EstimatorFailed, SensorsFaile
 from railgrip.controllers.observation import Observation
 from railgrip.estimators.compiled import StepInC
 from railgrip.fmi import CoSimulation
+from railgrip.kernel import kernel
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate.loop.library import kernel
-from railgrip.simulate.loop.parts import DirectEstimator, LoopSensors, Parts, StateEstimator
-from railgrip.simulate.loop.sensors import BLOCK, ServiceSensors, WhiteSensors
+from railgrip.simulate.loop.parts import BLOCK, DirectEstimator, LoopSensors, Parts, SensorsInC, StateEstimator
 from railgrip.simulate.loop.structs import Structs, structs_of
 from railgrip.vehicle.motion import slip_of
 from railgrip.vehicle.signals import (
@@ -152,7 +151,7 @@ class Loop:
     def _begin_block(self) -> None:
         sensors, sample = self._parts.sensors, self._cycle.sample
         # All noise has been used. Drawing a block at once is faster than drawing at each reading.
-        if isinstance(sensors, WhiteSensors | ServiceSensors) and sample % (BLOCK * self._parts.clock.sensors) == 0:
+        if isinstance(sensors, SensorsInC) and sample % (BLOCK * self._parts.clock.sensors) == 0:
             sensors.draw()
         if self._progress is not None and sample > 0:
             self._progress(float(self._outputs[self._parts.layout.output["speed"].start]))

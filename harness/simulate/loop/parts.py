@@ -10,17 +10,19 @@ from numpy.typing import NDArray
 
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.sampled import Sampled
-from railgrip.simulate.loop.driver import Driver
-from railgrip.simulate.loop.faults import Faults
+from railgrip.fmus.native.c_library import Struct
+from railgrip.scenario.adhesion import TabulatedRail
+from railgrip.scenario.demand import Driver
 from railgrip.simulate.loop.plausible import Plausibility
-from railgrip.simulate.loop.rail import TabulatedRail
-from railgrip.simulate.loop.sensors import IdealSensors, ServiceSensors
 from railgrip.trace.recorder import Recorder
 from railgrip.vehicle.signals import Layout, Signal
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 Indices = NDArray[np.intp]
+
+BLOCK = 1024
+"""Number of readings whose noise is drawn at once."""
 
 
 @runtime_checkable
@@ -41,7 +43,7 @@ class LoopPlant(Protocol):
 
 @runtime_checkable
 class LoopSensors(Protocol):
-    """The instruments of the train; those of `railgrip.simulate.loop.sensors` are called from C."""
+    """Instruments of the train in Python."""
 
     def read(self, sample: int, truth: Vector) -> Vector:
         """Return the reading of one of the sensors' samples, in the order of `railgrip.vehicle.signals.Layout`.
@@ -51,7 +53,28 @@ class LoopSensors(Protocol):
         ...
 
 
-Instruments = LoopSensors | IdealSensors | ServiceSensors
+@runtime_checkable
+class SensorsInC(Protocol):
+    """Instruments of the train that are called from C.
+
+    Attributes:
+        fields: Fields of `Instruments` in cycle.h.
+    """
+
+    fields: Mapping[str, object]
+
+    def draw(self) -> None:
+        """Draw the noise of the next block; due before every reading that is a multiple of `BLOCK`."""
+        ...
+
+
+def draw_block(noise: NDArray[np.float64], random: np.random.Generator, draws: int) -> None:
+    """Fill `noise`, whose rows are readings, with the first of every `draws` rows that `random` draws.
+
+    Noise is drawn at the period of the instruments, so a loop that reads only some of their samples gets the same noise
+    at the same instants.
+    """
+    noise[:] = random.standard_normal((len(noise) * draws, *noise.shape[1:]))[::draws]
 
 
 @runtime_checkable
@@ -140,6 +163,16 @@ class LoopController(Protocol):
         ...
 
 
+class LoopFaults(Protocol):
+    """Faults of readings and commands.
+
+    Attributes:
+        struct: `Faults` of faults.h; its arrays live as long as this object.
+    """
+
+    struct: Struct
+
+
 class LoopLimits(Protocol):
     """Limits on the demands of a controller that is not built-in.
 
@@ -220,14 +253,14 @@ class Parts:
     layout: Layout
     plant: LoopPlant
     rail: TabulatedRail
-    sensors: Instruments
+    sensors: LoopSensors | SensorsInC
     estimator: StateEstimator | DirectEstimator | None
     controller: LoopController
     limits: LoopLimits | None = None
     train_level: Sampled | None = None
     valves: Sampled | None
     driver: Driver
-    faults: Faults | None = None
+    faults: LoopFaults | None = None
     wheel_radius: tuple[float, ...]
     law: LawStates | None = None
     clock: Clock

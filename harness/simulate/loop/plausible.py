@@ -13,7 +13,7 @@ levels of friction before its stop.
 from dataclasses import dataclass
 from math import inf
 
-from railgrip.simulate.loop.library import kernel
+from railgrip.kernel import kernel
 from railgrip.vehicle.signals import Layout
 
 _ROLLING = 0.02  # m/s2; freight trains roll with some 2 N/kN, and most of it acts through the wheels

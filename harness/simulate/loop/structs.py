@@ -14,9 +14,8 @@ from railgrip.fmi import CoSimulation
 from railgrip.fmus.native.c_library import Struct
 from railgrip.fmus.native.functions import in_c
 from railgrip.fmus.native.toolchain import shared_library
-from railgrip.simulate.loop.library import kernel, rate_of, texts
-from railgrip.simulate.loop.parts import Parts, StateEstimator, Vector
-from railgrip.simulate.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
+from railgrip.kernel import kernel, rate_of, texts
+from railgrip.simulate.loop.parts import BLOCK, Parts, SensorsInC, StateEstimator, Vector
 from railgrip.vehicle.signals import BELIEVED, ESTIMATES, Layout, Role, length
 
 
@@ -72,18 +71,8 @@ def _plant(parts: Parts, inputs: Vector, outputs: Vector) -> Struct:
 
 
 def _instruments(parts: Parts) -> Struct:
-    sensors = parts.sensors
-    struct = kernel(parts.layout).struct("Instruments", every=parts.clock.sensors, block=BLOCK)
-    match sensors:
-        case ServiceSensors():
-            struct.set(service=sensors.struct)
-        case WhiteSensors():
-            struct.set(output_at=sensors.places, gain=sensors.gain, bias=sensors.bias, noise=sensors.noise)
-        case IdealSensors():
-            struct.set(output_at=sensors.places)
-        case _:
-            pass
-    return struct
+    fields = parts.sensors.fields if isinstance(parts.sensors, SensorsInC) else {}
+    return kernel(parts.layout).struct("Instruments", every=parts.clock.sensors, block=BLOCK, **fields)
 
 
 def _filter(parts: Parts) -> Struct | None:

@@ -1,13 +1,15 @@
 """The instruments of a train in service."""
 
 import math
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from railgrip.base.errors import ScenarioError
+from railgrip.fmus.native.c_library import Struct
+from railgrip.kernel import kernel, rate_of
 from railgrip.scenario.parts import steps_between
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.schema import Scenario
@@ -16,7 +18,7 @@ from railgrip.scenario.sensors import SampledSensors
 from railgrip.scenario.table import Deviation, Duration, Lag, Period, Table, optional, table_error
 from railgrip.scenario.track.table import gravity_along, slope_of
 from railgrip.simulate.faults.pole_wheel import missing_teeth
-from railgrip.simulate.loop.sensors import RoughRail, ServiceInstruments, ServiceSensors, TrackQuantity
+from railgrip.simulate.loop.parts import BLOCK, draw_block
 from railgrip.vehicle.signals import Layout
 
 _PERIOD = 1e-3
@@ -105,6 +107,11 @@ class PressureTransducer(Table):
     bits: Annotated[StrictInt, Field(ge=4, le=24)] = Field(description="of the converter, over full scale")
     lag: Lag = Field(description="first-order time constant")
 
+    @property
+    def step(self) -> float:
+        """Resolution of the converter [Pa]."""
+        return self.full_scale / float(np.exp2(self.bits))
+
 
 class Service(SampledSensors):
     """Sensors as a train in service may have them."""
@@ -136,40 +143,88 @@ class Service(SampledSensors):
         """
         return max(round(communication / (self.period or _PERIOD)), 1)
 
-    def open(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> ServiceSensors:
+    def open(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> "ServiceSensors":
         """Return the sensors of a stop; errors that are constant over a stop are drawn here."""
-        communication = scenario.periods.communication
+        communication, groups = scenario.periods.communication, layout.formation.groups
         period, samples = communication * self.sampled_every(communication), self.samples_in(communication)
-        lot = self.random(scenario, "lot")
-        instruments = ServiceInstruments(
-            pulses=self.wheel.pulses,
-            pitch_error=self.wheel.pitch_error,
-            clock=self.wheel.clock,
-            cut_off=self.wheel.cut_off,
-            wheel_radius=wheel_radius,
-            speed_noise=self.speed.noise,
-            speed_factor=_speed_factor(
-                self.speed,
-                self.speed.scale_error * float(lot.standard_normal()),
-                period,
-                scenario.horizon,
-                self.random(scenario, "speed"),
-            ),
-            speed_rate=steps_between(self.speed.period, period),
-            speed_latency=_in_samples(self.speed.latency, period),
-            acceleration_noise=self.acceleration.noise,
-            acceleration_bias=self.acceleration.bias * float(lot.standard_normal()),
-            deflection_noise=self.deflection.noise,
-            pressure_offset=self.pressure.error
-            * self.pressure.full_scale
-            * lot.standard_normal(layout.formation.groups),
-            pressure_step=self.pressure.full_scale / float(np.exp2(self.pressure.bits)),
-            pressure_lag=self.pressure.lag,
-            missing_teeth=missing_teeth(scenario, layout.formation, period / samples),
-            gravity=_gravity(scenario) if self.acceleration.feels_gradient else None,
-            rail=_rough_rail(scenario, self.deflection.irregularity, layout, period),
-        )
-        return ServiceSensors(layout, instruments, period, self.random(scenario, "noise"), samples)
+        sampling, random, lot = period / samples, self.random(scenario, "noise"), self.random(scenario, "lot")
+        speed, pressure, latency = self.speed, self.pressure, _in_samples(self.speed.latency, period)
+        scale = speed.scale_error * float(lot.standard_normal())
+        factor = _speed_factor(speed, scale, period, scenario.horizon, self.random(scenario, "speed"))
+        bias = self.acceleration.bias * float(lot.standard_normal())
+        offset, step = pressure.error * pressure.full_scale * lot.standard_normal(groups), pressure.step
+        missing = missing_teeth(scenario, layout.formation, sampling)
+        past, noise = np.empty(math.ceil(latency) + 1), np.empty((BLOCK, 2 + layout.formation.wheelsets))
+        struct = kernel(layout).struct("Service", noise=noise, block=BLOCK, period=period, samples=samples,
+            encoder=[encoder(layout, self.wheel, wheel_radius, sampling, random, **gap) for gap in missing],
+            speed_rate=rate_of(layout, steps_between(speed.period, period)),
+            speed_factor=factor, speed_factors=factor.size, speed_latency=latency, acceleration_bias=bias,
+            past_speed=past, past_count=past.size,
+            offset_steps=offset / step, pressure_step=step, pressure_share=sampling / (pressure.lag + sampling),
+        )  # fmt: skip
+        if self.acceleration.feels_gradient:
+            struct.set(gravity=_gravity(scenario, layout))
+        if self.deflection.irregularity is not None:
+            struct.set(**_rough_rail(scenario, self.deflection.irregularity, layout, period))
+        deviation = [speed.noise, self.acceleration.noise] + [self.deflection.noise] * layout.formation.wheelsets
+        return ServiceSensors(struct, noise, np.array(deviation), random, samples)
+
+
+class ServiceSensors:
+    """Pulse-timing wheel encoders, a speed sensor with rate and latency, accelerometer, travel and pressure sensors.
+
+    Wheel encoders: in each sample the shaft turns on, and every tooth that passes is stamped with its time in ticks of
+    the clock. The reading is the nominal angle between the last pulse of this sample and the last pulse before it, over
+    the time between the two. Without a new pulse no new reading is made until the elapsed time is so long that even
+    a pulse now would mean a speed below the cut-off: then the reading is zero. A missing tooth gives no pulse, and the
+    electronics does not compensate for it.
+
+    The formulas are in `kernel/sensors.c`. Noise is drawn in blocks from one generator, so the same seed gives
+    the same readings. Samples are read in order, from 0 on. If instruments take several samples per reading, speeds and
+    pressures in between are interpolated, and the newest reading is returned.
+
+    Attributes:
+        struct: `Service` of sensors.h.
+        deviation: Standard deviation of the noise of speed, acceleration and each deflection.
+        fields: Fields of `Instruments` in cycle.h.
+    """
+
+    def __init__(
+        self, struct: Struct, noise: NDArray[np.float64], deviation: NDArray[np.float64],
+        random: np.random.Generator, draws: int,
+    ) -> None:  # fmt: skip
+        """Draw the noise of `struct` from `random`; see `draw_block` for `draws`."""
+        self.struct, self.fields, self.deviation = struct, {"service": struct}, deviation
+        self._noise, self._random, self._draws = noise, random, draws
+
+    def draw(self) -> None:
+        """Draw the noise of the next block; due before every sample that is a multiple of `BLOCK`."""
+        draw_block(self._noise, self._random, self._draws)
+        self._noise *= self.deviation
+
+
+def encoder(
+    layout: Layout, wheel: WheelEncoder, wheel_radius: float, period: float, random: np.random.Generator, **gap: int
+) -> Struct:
+    """Return the encoder of one pole wheel, `Encoder` of sensors.h.
+
+    Args:
+        layout: Layout of the vehicle.
+        wheel: Table of the encoder.
+        wheel_radius: Radius that converts its cut-off to a rotational speed [m].
+        period: Sampling period [s].
+        random: Generator of the errors of its teeth and of its first angle.
+        gap: Missing teeth, see `missing_teeth`.
+    """
+    pitch = 2.0 * np.pi / wheel.pulses
+    # Errors of the tooth positions, not of the gaps: the positions close after one revolution by construction. A gap is
+    # the difference of two positions, so its variance is twice theirs.
+    teeth = wheel.pitch_error * pitch / np.sqrt(2.0) * random.standard_normal(wheel.pulses)
+    return kernel(layout).struct(
+        "Encoder", teeth=teeth, pulses=wheel.pulses, pitch=pitch, clock=wheel.clock,
+        period=period, angle=float(random.uniform(0.0, pitch)), stamp=-1.0,
+        timeout=pitch * wheel_radius / max(wheel.cut_off, 1e-3), **gap,  # finite without a cut-off
+    )  # fmt: skip
 
 
 def _in_samples(time: float, period: float) -> float:
@@ -201,8 +256,12 @@ def _speed_factor(
     return factor
 
 
-def _gravity(scenario: Scenario) -> TrackQuantity:
-    """Return the component of gravity along the track that an accelerometer reads.
+def _track_quantity(layout: Layout, begin: float, step: float, values: NDArray[np.float64]) -> Struct:
+    return kernel(layout).struct("TrackQuantity", values=values, begin=begin, step=step, count=values.size)
+
+
+def _gravity(scenario: Scenario, layout: Layout) -> Struct:
+    """Return the component of gravity along the track that an accelerometer reads, positive uphill.
 
     A change of slope is spread over 0.1 m.
     """
@@ -214,7 +273,7 @@ def _gravity(scenario: Scenario) -> TrackQuantity:
     places = np.arange(begin, end + 2.0 * step, step)
     slope = slope_of(track)
     slopes = np.array([slope(min(place, end)) for place in places.tolist()]) + scenario.truth.gradient
-    return TrackQuantity(begin=begin, step=step, values=gravity_along(slopes))
+    return _track_quantity(layout, begin, step, gravity_along(slopes))
 
 
 _LONGEST_RAIL = 5000.0
@@ -225,8 +284,8 @@ _LEAD_IN = 2.0
 """Time for which a frame has been rolling before the stop begins [s]."""
 
 
-def _rough_rail(scenario: Scenario, table: RailUnderWheels | None, layout: Layout, period: float) -> RoughRail | None:
-    """Return the rail whose irregularities affect the deflections.
+def _rough_rail(scenario: Scenario, table: RailUnderWheels, layout: Layout, period: float) -> dict[str, Any]:
+    """Return the rail whose irregularities affect the deflections, as fields of `Service` in sensors.h.
 
     A frame on its primary suspension moves as z̈ = ω² (r - z) + 2 ζ ω (ṙ - ż) over the height r under a wheelset; the
     reading is r - z.
@@ -234,8 +293,6 @@ def _rough_rail(scenario: Scenario, table: RailUnderWheels | None, layout: Layou
     Raises:
         ScenarioError: The positions of the wheelsets are not given.
     """
-    if table is None:
-        return None
     if not layout.formation.wheelset_position:
         raise ScenarioError(
             f"{scenario.name}: [sensors.deflection.irregularity] needs the positions of the wheelsets: give "
@@ -250,13 +307,14 @@ def _rough_rail(scenario: Scenario, table: RailUnderWheels | None, layout: Layou
     begin = -float(position.max()) - lead_in
     length = min(scenario.start.speed * scenario.horizon, _LONGEST_RAIL) - begin
     rail = realise(table.track, length, generator(scenario.seed, f"track.{table.track}"), kinds=("vertical",))
-    height = TrackQuantity(begin=begin, step=_FINE, values=rail.at("vertical", np.arange(0.0, length, _FINE)))
+    height = rail.at("vertical", np.arange(0.0, length, _FINE))
     omega = 2.0 * math.pi * table.frequency
     filter_ = bilinear([1.0, 0.0, 0.0], [1.0, 2.0 * table.damping * omega, omega**2], fs=1.0 / period)
     forward, back = (np.asarray(part, dtype=np.float64) for part in filter_)
     travel = np.arange(-lead_in, 0.0, scenario.start.speed * period)
-    before = np.interp(travel[:, None] - position, begin + _FINE * np.arange(height.values.size), height.values)
+    before = np.interp(travel[:, None] - position, begin + _FINE * np.arange(height.size), height)
     _, state = lfilter(forward, back, before, axis=0, zi=np.zeros((2, position.size)))
-    return RoughRail(
-        height=height, position=position, forward=forward, back=back[1:], state=np.ascontiguousarray(state.T)
-    )
+    return {
+        "rail": _track_quantity(layout, begin, _FINE, height), "position": position, "forward": forward,
+        "back": back[1:], "filter_state": np.ascontiguousarray(state.T),
+    }  # fmt: skip

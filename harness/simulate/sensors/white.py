@@ -15,7 +15,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.scenario.sensors import SampledSensors
 from railgrip.scenario.table import Deviation, Duration, Period, Table
 from railgrip.scenario.track.table import gravity_along, slope_of
-from railgrip.simulate.loop.sensors import WhiteSensors
+from railgrip.simulate.loop.parts import BLOCK, draw_block
 from railgrip.vehicle.signals import EXTRA_READINGS, READINGS, Layout, Signal
 
 GNSS = ("latitude", "longitude", "height")
@@ -107,6 +107,47 @@ class White(SampledSensors):
         )
         every = self.sampled_every(scenario.periods.communication)
         return TrackSensors(white, layout, scenario, self, every) if _SOURCE.keys() & layout.reading.keys() else white
+
+
+class WhiteSensors:
+    """Readings are the plant's outputs times a gain, plus a bias and noise that is white from sample to sample.
+
+    Attributes:
+        places: Output that each entry of a reading is taken from.
+        gain, bias: Gain and bias of each entry, constant over a stop.
+        noise: Noise of `BLOCK` samples from a multiple of it on, shape (BLOCK, readings).
+        deviation: Standard deviation of the noise, shape (readings,).
+        fields: Fields of `Instruments` in cycle.h.
+    """
+
+    def __init__(
+        self,
+        places: NDArray[np.intp],
+        gain: NDArray[np.float64],
+        bias: NDArray[np.float64],
+        deviation: NDArray[np.float64],
+        random: np.random.Generator,
+        draws: int = 1,
+    ) -> None:
+        """Set up the sensors; `random` draws the noise, of the standard deviation of each entry.
+
+        See `draw_block` for `draws`.
+        """
+        self.places, self.gain, self.bias = places, gain, bias
+        self.noise = np.empty((BLOCK, deviation.size))
+        self.deviation, self._random, self._draws = deviation, random, draws
+        self.fields = {"output_at": places, "gain": gain, "bias": bias, "noise": self.noise}
+
+    def draw(self) -> None:
+        """Draw the noise of the next block; due before every sample that is a multiple of `BLOCK`."""
+        draw_block(self.noise, self._random, self._draws)
+        self.noise *= self.deviation
+
+    def read(self, sample: int, truth: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the reading of a sample; samples are read in order, from 0 on."""
+        if sample % BLOCK == 0:
+            self.draw()
+        return truth.take(self.places) * self.gain + self.bias + self.noise[sample % BLOCK]
 
 
 class TrackSensors:

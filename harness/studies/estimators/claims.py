@@ -81,20 +81,23 @@ def with_unmodelled(
         effect: g = ∂(dω/dt)/∂α of each group [rad/s²], shape (groups,).
     """
     bases = [name.partition("[")[0] for name in states]
-    of = {base: [k for k, name in enumerate(bases) if name == base] for base in ("v", "w", "alpha", "mu_b")}
+    of = {
+        base: [k for k, name in enumerate(bases) if name == base]
+        for base in ("speed", "wheelset_speed", "group_adhesion", "pad_friction")
+    }
     errors, values = UNMODELLED[sensors], {variable.name: variable.start for variable in model.parameters}
     threshold, spring = (
-        np.array([release_pressure(values, group, force) for group in range(len(of["mu_b"]))])
+        np.array([release_pressure(values, group, force) for group in range(len(of["pad_friction"]))])
         for force in (RELEASED_PADS, 0.0)
     )
     pressure = np.nan_to_num(recording["reading_cylinder_pressure"].values)
     offset = errors.pressure / (np.maximum(pressure, threshold) - spring)
     total = variance.copy()
-    total[:, of["v"]] += (mean[:, of["v"]] * errors.speed_scale) ** 2
+    total[:, of["speed"]] += (mean[:, of["speed"]] * errors.speed_scale) ** 2
     if "payload" not in states:
-        total[:, of["alpha"]] += (mean[:, of["alpha"]] * force_over_load_deviation()) ** 2
-    total[:, of["alpha"]] += (INERTIA_DEVIATION * _rate(mean[:, of["w"]]) / effect) ** 2
-    total[:, of["mu_b"]] += (mean[:, of["mu_b"]] * offset) ** 2
+        total[:, of["group_adhesion"]] += (mean[:, of["group_adhesion"]] * force_over_load_deviation()) ** 2
+    total[:, of["group_adhesion"]] += (INERTIA_DEVIATION * _rate(mean[:, of["wheelset_speed"]]) / effect) ** 2
+    total[:, of["pad_friction"]] += (mean[:, of["pad_friction"]] * offset) ** 2
     return total
 
 

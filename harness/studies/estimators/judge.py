@@ -110,7 +110,7 @@ def errors_of(case: EstimatorCase) -> CaseErrors:
 
 def _with_slip(trace: xarray.Dataset, names: Sequence[str], found: Replay, radius: Vector) -> xarray.Dataset:
     """Return the recording with the slip of estimated speeds."""
-    (speed,), wheels = columns(names, "v"), columns(names, "w")
+    (speed,), wheels = columns(names, "speed"), columns(names, "wheelset_speed")
     deviation = np.sqrt(found.variance)
     return with_slip(
         trace, found.mean[:, speed], found.mean[:, wheels], (deviation[:, speed], deviation[:, wheels]), radius
@@ -123,7 +123,7 @@ def _digest(trace: xarray.Dataset) -> str:
 
 
 def _constant(recording: xarray.Dataset, names: Sequence[str], constants: Mapping[str, float]) -> Replay:
-    bases = {"alpha": "adhesion", "mu_b": "pad_friction"}
+    bases = {"group_adhesion": "adhesion", "pad_friction": "pad_friction"}
     row = [constants.get(bases.get(name.partition("[")[0], ""), math.nan) for name in names]
     mean = np.tile(row, (recording.sizes["time"], 1))
     return Replay(mean=mean, variance=np.full(mean.shape, math.nan), nis_ratio=None, microseconds=0.0)
@@ -241,7 +241,7 @@ class CaseBound:
 
 def bounds_of(case: RecordingCase) -> CaseBound:
     """Return the bound of a recording."""
-    recording, adhesions = recording_of_case(case), columns(states("", case.train), "alpha")
+    recording, adhesions = recording_of_case(case), columns(states("", case.train), "group_adhesion")
     columns_of_groups = zip(pads_are_identifiable(case).T, _pads_press(recording).T, strict=True)
     return CaseBound(
         adhesion=float(np.sqrt(np.mean(bound_of(case)[:, adhesions]))),
@@ -257,7 +257,7 @@ def pads_are_identifiable(case: RecordingCase) -> NDArray[np.bool_]:
     That is where its bound is not above `IDENTIFIABLE` of the first variance. Then readings have as much information on
     it as the first belief.
     """
-    bound = bound_of(case)[:, columns(states("", case.train), "mu_b")]
+    bound = bound_of(case)[:, columns(states("", case.train), "pad_friction")]
     return bound <= IDENTIFIABLE * bound[0]
 
 

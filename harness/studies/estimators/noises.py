@@ -26,12 +26,14 @@ A sensor that reads 0 is far beyond this limit, the beginning of a slide is not;
 rejects slides. The radar has no limit: a stuck one moves the estimate before it is rejected, and then the correct
 readings that follow are rejected."""
 
-PROCESS_FACTORS: Final = ("alpha", "mu_b", "w", "d")
-READING_FACTORS: Final = ("wheelset_speed", "acceleration")
+PROCESS_FACTORS: Final = {"group_adhesion": "alpha", "pad_friction": "mu_b", "wheelset_speed": "w", "d": "d"}
+READING_FACTORS: Final = {"wheelset_speed": "wheelset_speed", "acceleration": "acceleration"}
 ALL: Final = "all"
-FACTORS: Final = (ALL, *PROCESS_FACTORS, *READING_FACTORS)
-"""Factors of standard deviations that are searched. `all` multiplies every one: the gains of a Kalman filter remain,
-its deviations change."""
+FACTORS: Final = (ALL, *PROCESS_FACTORS.values(), *READING_FACTORS.values())
+"""Factors of standard deviations that are searched; those of process noises have the symbol of the state.
+
+`all` multiplies every one: the gains of a Kalman filter remain, its deviations change.
+"""
 
 SEARCHED: Final = ("fmu", "reduced", "disturbed", "loaded", "force_balance", "disturbance_observer")
 """Estimators for which the factors are searched. All others contain an extended Kalman filter over the prediction of
@@ -49,18 +51,19 @@ def noise_of(estimator: str, sensors: Sensors, factors: Mapping[str, float] | No
     chosen = factors_of(estimator, sensors) if factors is None else factors
     physical, common = NOISE_SETS["loaded_service"], chosen.get(ALL, 1.0)
     # The process noise of adhesion of a prediction with a track force, see noises.toml.
-    process = {**physical.process, "alpha": NOISE_SETS["disturbed_service"].process["alpha"]}
+    process = {**physical.process, "group_adhesion": NOISE_SETS["disturbed_service"].process["group_adhesion"]}
 
-    def scaled(values: Mapping[str, float], names: tuple[str, ...]) -> dict[str, float]:
+    def scaled(values: Mapping[str, float], keys: Mapping[str, str]) -> dict[str, float]:
         return {
-            name: value * common * (chosen.get(name, 1.0) if name in names else 1.0) for name, value in values.items()
+            name: value * common * (chosen.get(keys[name], 1.0) if name in keys else 1.0)
+            for name, value in values.items()
         }
 
     return NoiseSet(
         name=f"{estimator}, {sensors} sensors",
         process=scaled(process, PROCESS_FACTORS),
         readings=scaled(READINGS[sensors], READING_FACTORS),
-        start=scaled(physical.start, ()),
+        start=scaled(physical.start, {}),
     )
 
 

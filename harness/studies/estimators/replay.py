@@ -12,6 +12,7 @@ import numpy as np
 import xarray
 
 from railgrip.base.errors import FilterDiverged, InputError
+from railgrip.base.names import state_name
 from railgrip.estimation.models import PredictionModel, of_class, of_train
 from railgrip.estimation.run import READ_STATES, FilterData, Settings, by_name, filter_data
 from railgrip.estimation.several import run_kind
@@ -101,7 +102,8 @@ def _own_prediction(file: str) -> tuple[FmuPrediction, dict[str, float]]:
     """Return the prediction in a user's FMU, and the start values of its states."""
     description = describe(Path(file))
     inputs, outputs = description.names("input"), description.names("output")
-    own = FmuPrediction(description, parameters={}, states=description.states, inputs=inputs, outputs=outputs).open()
+    names = tuple(map(state_name, description.states))
+    own = FmuPrediction(description, parameters={}, states=names, inputs=inputs, outputs=outputs).open()
     return own, dict(zip(own.states, own.start.tolist(), strict=True))
 
 
@@ -114,7 +116,7 @@ def radii(estimator: str, train: str) -> Vector:
     """Return the nominal wheel radius of each group in the prediction of an estimator, shape (groups,) [m]."""
     model, names = model_of_estimator(estimator, train).model, states(estimator, train)
     values = {variable.name: variable.start for variable in model.parameters}
-    return np.array([radius_of(values, g) for g in range(sum(name.startswith("w[") for name in names))])
+    return np.array([radius_of(values, g) for g in range(sum(name.startswith("wheelset_speed[") for name in names))])
 
 
 def states(estimator: str = "", train: str = "") -> tuple[str, ...]:
@@ -178,8 +180,8 @@ def replay(case: RecordingCase, estimator: str, noise: NoiseSet | None = None) -
 
 def effect_of(prediction: PredictionInC, data: FilterData) -> Vector:
     """Return ∂(dω/dt)/∂α of each group at the start [rad/s²], shape (groups,)."""
-    of = {base: [k for k, name in enumerate(prediction.states) if name.startswith(base)] for base in ("w[", "alpha[")}
-    return prediction.derivative_jacobian(data.mean, data.inputs[0])[of["w["], of["alpha["]]
+    wheels, adhesions = columns(prediction.states, "wheelset_speed"), columns(prediction.states, "group_adhesion")
+    return prediction.derivative_jacobian(data.mean, data.inputs[0])[wheels, adhesions]
 
 
 def _filtered(context: FilterContext, data: FilterData, kind: str) -> Replay:
@@ -240,12 +242,12 @@ def with_estimates(recording: xarray.Dataset, names: Sequence[str], mean: Matrix
     """Return a recording with estimates of states as a trace has them, for `railgrip.trace.estimation`."""
     groups = ("time", "group")
     return recording.assign(
-        estimate_speed=("time", mean[:, columns(names, "v")[0]]),
-        estimate_speed_sd=("time", np.sqrt(variance[:, columns(names, "v")[0]])),
-        estimate_adhesion=(groups, mean[:, columns(names, "alpha")]),
-        estimate_adhesion_sd=(groups, np.sqrt(variance[:, columns(names, "alpha")])),
-        estimate_pad_friction=(groups, mean[:, columns(names, "mu_b")]),
-        estimate_pad_friction_sd=(groups, np.sqrt(variance[:, columns(names, "mu_b")])),
+        estimate_speed=("time", mean[:, columns(names, "speed")[0]]),
+        estimate_speed_sd=("time", np.sqrt(variance[:, columns(names, "speed")[0]])),
+        estimate_adhesion=(groups, mean[:, columns(names, "group_adhesion")]),
+        estimate_adhesion_sd=(groups, np.sqrt(variance[:, columns(names, "group_adhesion")])),
+        estimate_pad_friction=(groups, mean[:, columns(names, "pad_friction")]),
+        estimate_pad_friction_sd=(groups, np.sqrt(variance[:, columns(names, "pad_friction")])),
     )
 
 

@@ -29,7 +29,7 @@ ESTIMATIONS: Final = ("wagon", "rig_own", "rig_paper")
 SETTLED: Final = 0.5
 """Time after which errors are judged [s]: the filters do not know adhesion at the start."""
 
-STATES: Final = ("alpha", "mu_b")
+STATES: Final = ("group_adhesion", "pad_friction")
 
 Row = dict[str, Any]
 

@@ -35,7 +35,9 @@ NAMES = (
     "Q_v", *(f"Q_w{i}" for i in range(1, GROUPS + 1)), "Q_mu_b", "Q_alpha",
 )  # fmt: skip
 READINGS = ("speed", *(f"wheelset_speed[{i}]" for i in range(1, GROUPS + 1)))
-PROCESSES = ("v", *(f"w[{i}]" for i in range(1, GROUPS + 1)), "mu_b", "alpha")
+PROCESSES = (
+    "speed", *(f"wheelset_speed[{i}]" for i in range(1, GROUPS + 1)), "pad_friction", "group_adhesion",
+)  # fmt: skip
 """The same in the [noise] of an estimation; μ_B has one number for all groups, and so has α."""
 UNITS = (
     "(m/s)2", *["(rad/s)2"] * GROUPS, "(m/s)2/s", *["(rad/s)2/s"] * GROUPS, "1/s", "1/s",

@@ -85,12 +85,12 @@ def formation() -> Formation:
 PRIOR = 0.10
 """Standard deviation of friction before a stop: large, and removed from the evidence afterwards."""
 
-_PROCESS = {"v": 3e-3, "w": 1e-2, "mu_b": 5e-4, "alpha": 0.3}
+_PROCESS = {"speed": 3e-3, "wheelset_speed": 1e-2, "pad_friction": 5e-4, "group_adhesion": 0.3}
 """Deviations in unit/√s. The nominal law describes the course of friction within a stop: the residual is constant;
 adhesion must follow a group that is released within 0.2 s."""
 _READINGS = {"speed": 0.1, "wheelset_speed": 0.2, "acceleration": 0.04}
 """As [readings.service] of estimators/noises.toml, except the accelerometer, whose bias is removed before."""
-_START = {"v": 0.1, "w": 0.3, "alpha": 0.02}
+_START = {"speed": 0.1, "wheelset_speed": 0.3, "group_adhesion": 0.02}
 
 _LOCKED = 0.8
 """Slip above which a wheelset counts as locked: its pads no longer slide on the disc at full friction then, or soon."""
@@ -271,17 +271,17 @@ def _run_filter(
         speed: Train speed at the first sample [m/s].
     """
     groups = formation().groups
-    place = [states.index(f"mu_b[{g + 1}]") for g in range(groups)]
+    place = [states.index(f"pad_friction[{g + 1}]") for g in range(groups)]
     mean, deviation = np.zeros(len(states)), np.array([_START.get(n.partition("[")[0], PRIOR) for n in states])
     mean[place] = NOMINAL
-    mean[states.index("v")] = speed
-    mean[[states.index(f"w[{g + 1}]") for g in range(groups)]] = wheels
+    mean[states.index("speed")] = speed
+    mean[[states.index(f"wheelset_speed[{g + 1}]") for g in range(groups)]] = wheels
     filter_.start(mean, deviation**2)
     # Pressures at the start of each period, from where the filter holds the adhesion, too. With those in its middle,
     # force and torque are half a period apart while pressures change, and inner groups seem better by up to 3 %.
     held = inputs[:-1]
     usual = np.array([_PROCESS[name.partition("[")[0]] for name in states]) ** 2
-    turning = np.array([states.index(f"w[{g + 1}]") for g in range(groups)])
+    turning = np.array([states.index(f"wheelset_speed[{g + 1}]") for g in range(groups)])
     filter_.retune(usual)
     try:
         for k in range(1, count):

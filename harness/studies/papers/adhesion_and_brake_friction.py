@@ -207,8 +207,10 @@ def record_figure(test: str, recording: xarray.Dataset, estimates: Mapping[str, 
     # The noisiest line looks like a band and is drawn first, below the true value.
     for name, estimate in estimates.items():
         width = 1.6 if name == "rig-paper" else 0.6
-        adhesion.plot(time, estimate["mean"].sel(state="alpha"), color=COLOURS[name], lw=width, label=NAMES[name])
-        friction.plot(time, estimate["mean"].sel(state="mu_b"), color=COLOURS[name], lw=0.8, label=NAMES[name])
+        adhesion.plot(
+            time, estimate["mean"].sel(state="group_adhesion"), color=COLOURS[name], lw=width, label=NAMES[name]
+        )
+        friction.plot(time, estimate["mean"].sel(state="pad_friction"), color=COLOURS[name], lw=0.8, label=NAMES[name])
         if name == "rig-paper":
             adhesion.plot(time, measured, color=LOAD_CELLS, lw=1.4, label="load cells")
     top = 1.35 * float(np.nanmax(measured))
@@ -240,7 +242,7 @@ def over_slip_figure(recording: xarray.Dataset, estimates: Mapping[str, xarray.D
     drawing, (above, below) = style.panels(8, 6, 2, 1, sharex=True)
     above.plot(slip, measured_adhesion(part), color=LOAD_CELLS, lw=2.2, label="load cells")
     for name, estimate in estimates.items():
-        adhesion = estimate.sel(time=slice(*DEEP_SLIDE))["mean"].sel(state="alpha").values
+        adhesion = estimate.sel(time=slice(*DEEP_SLIDE))["mean"].sel(state="group_adhesion").values
         above.plot(slip, adhesion, color=COLOURS[name], lw=0.7, label=NAMES[name])
         below.plot(slip, np.abs(adhesion - truth), ".", color=COLOURS[name], ms=2.5, label=NAMES[name])
     for bound, place, words in ((0.1, 0.102, "published: peak 0.1"), (0.05, 0.043, "published: falls to 0.05")):
@@ -293,13 +295,15 @@ def measures(
     for test, (recording, estimates) in tests.items():
         found[test] = {"speed": style.KMH * float(reading_of(recording, "speed")[0]), **brakings(recording)}
         found[test]["rises"] = begin = STATEMENTS[test][-1].begin
-        courses = {name: estimate["mean"].sel(state="mu_b").values for name, estimate in estimates.items()}
+        courses = {name: estimate["mean"].sel(state="pad_friction").values for name, estimate in estimates.items()}
         courses["true"] = truth_of(recording, "mu_b")
         found[test]["pad friction"] = {name: _rise(course, recording, begin) for name, course in courses.items()}
         found[test]["settling"] = {name: settling(recording, estimate) for name, estimate in estimates.items()}
         found[test]["response"] = response(recording)
         found[test]["late"] = {name: late_errors(recording, estimate) for name, estimate in estimates.items()}
-        found[test]["oscillation"] = _oscillation(estimates["rig-paper"]["mean"].sel(state="mu_b").values, recording)
+        found[test]["oscillation"] = _oscillation(
+            estimates["rig-paper"]["mean"].sel(state="pad_friction").values, recording
+        )
         found[test]["filters"] = {
             row["filter"]: {key: row[key] for key in ("alpha_outside", "longest", "excursions")}
             for row in scores

@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 
 from railgrip.api import Scenario
 from railgrip.report import palette, style
-from railgrip.scenario.adhesion import FrictionTable
+from railgrip.scenario.adhesion import FrictionTable, TabulatedRail
 from railgrip.scenario.polach import named_set
-from railgrip.scenario.surface import Recovery
+from railgrip.scenario.surface import Recovery, SlipEnergy
 from railgrip.scenario.track.table import Track, track_force_of
-from railgrip.simulate.loop.rail import SlipEnergy, TabulatedRail
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.signals import layout_of
 
@@ -48,13 +47,14 @@ def curves(
             cleaned by the first ones.
     """
     scenario = Scenario.load("plain", {"adhesion.polach": polach})
+    falling = scenario.adhesion.polach.A, scenario.adhesion.polach.B
     vehicle, same = VehicleData(scenario), np.ones(slips.size)
     as_it_lies = vehicle.contact(slips, speed * same, LOAD * same, mu0 * same)
     layout, count = layout_of(vehicle.formation), vehicle.formation.wheelsets
     profile = FrictionTable(over_time=True, step=1.0, mu0_at=np.full((1, count), mu0))
     cleaned = np.empty((slips.size, count))
     for slip, row in zip(slips, cleaned, strict=True):
-        field = SlipEnergy(layout, scenario.adhesion.cleaning or CLEAN, scenario.adhesion.polach, way)
+        field = SlipEnergy(layout, scenario.adhesion.cleaning or CLEAN, falling, way)
         rail = TabulatedRail(layout, profile, track_force_of(Track(), mass=0.0), field)
         plant_outputs = np.zeros(layout.outputs)
         plant_outputs[layout.output["speed"]], plant_outputs[layout.output["slip"]] = speed, slip

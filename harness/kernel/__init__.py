@@ -1,4 +1,7 @@
-"""The loop's own code in C, compiled once on a machine."""
+"""The loop's own code in C, compiled once on a machine: the cycle, and the parts of a stop that are always in C.
+
+Modules with the tables of a scenario fill the structs of these parts.
+"""
 
 from fractions import Fraction
 from functools import cache
@@ -10,7 +13,7 @@ from railgrip.fmus.native.c_library import CLibrary, Struct
 from railgrip.vehicle.motion import SMALL_SPEED
 from railgrip.vehicle.signals import Layout
 
-KERNEL: Final = files("railgrip.simulate.loop") / "kernel"
+KERNEL: Final = files("railgrip.kernel")
 _HEADERS: Final = ("sensors.h", "plausible.h", "driver.h", "rail.h", "faults.h", "cycle.h", "onboard.h")
 _PHYSICS: Final = f"#define GRAVITY {GRAVITY}\n#define SMALL_SPEED {SMALL_SPEED}\n"
 """Constants in SI units for the C code. `kernel` omits them, because cffi accepts only integer macros."""

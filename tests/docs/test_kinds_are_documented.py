@@ -1,0 +1,54 @@
+"""A new kind fails here until its page, its defaults and its source exist; the message says what to add."""
+
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from railgrip.base import registry
+from railgrip.estimation.run import model_of
+from railgrip.estimators.tuning import NOISE_SETS
+from railgrip.scenario.faults import Fault
+from railgrip.scenario.sensors import SensorModel
+from railgrip.simulate.estimator import _NOISE_PREFIX
+
+DOCS = Path(__file__).parents[2] / "docs"
+PREDICTIONS = Path(__file__).parents[2] / "modelica" / "RailBraking" / "Predictions" / "package.order"
+TRAINS = [name for name in PREDICTIONS.read_text(encoding="utf-8").split() if name.startswith("TrainPrediction")]
+
+
+def kinds_of(tables, field="kind"):
+    return sorted({kind for table in tables for kind in get_args(table.model_fields[field].annotation)})
+
+
+FAULTS = registry.parts(registry.FAULTS, Fault)
+ON_PAGES = {
+    "estimators.md": registry.modules(registry.FILTERS),
+    "faults.md": [*kinds_of(FAULTS), *kinds_of(FAULTS, "part")],
+    "**/*.md": [*kinds_of(registry.parts(registry.SENSORS, SensorModel)), *registry.names("studies")],
+}
+"""Page, or pages of which any may have it → kinds."""
+
+
+@pytest.mark.parametrize(("page", "kind"), [(page, kind) for page, kinds in ON_PAGES.items() for kind in kinds])
+def test_each_kind_is_on_its_page(page, kind):
+    text = "".join(path.read_text(encoding="utf-8") for path in DOCS.glob(page))
+    written = (f"`{kind}`", f'"{kind}"', f"study {kind}", f"`{kind}:")
+    assert any(form in text for form in written), f"docs/{page} does not mention '{kind}'; add a sentence on it"
+
+
+@pytest.mark.parametrize("model", TRAINS)
+def test_each_prediction_of_a_train_has_default_noises(model):
+    assert model in _NOISE_PREFIX, f"add {model} to _NOISE_PREFIX in harness/simulate/estimator.py"
+    name = f"{_NOISE_PREFIX[model]}_service"
+    assert name in NOISE_SETS, f"add [sets.{name}] to estimators/noises.toml, for {model}"
+    equations, noise = model_of(model), NOISE_SETS[name]
+    states, outputs = ([variable.name for variable in part] for part in (equations.states, equations.outputs))
+    for values in (noise.process_noise(states), noise.start_covariance(states), noise.reading_noise(outputs)):
+        assert (values > 0.0).all(), f"[sets.{name}] of estimators/noises.toml has a deviation of zero"
+
+
+@pytest.mark.parametrize("curve", registry.files(registry.CREEP_CURVES))
+def test_each_creep_curve_states_its_source(curve):
+    meaning = registry.meanings("curves")[curve]
+    assert len(meaning.split()) > 2, f"add source = '…' to harness/scenario/creep_curves/{curve}.toml"
