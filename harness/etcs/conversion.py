@@ -1,12 +1,9 @@
 """The conversion model: brake parameters from brake percentage, brake position and length (§3.13.3, A.3.7 to A.3.9)."""
 
-from typing import Literal
-
 import numpy as np
 
 from railgrip.etcs.curve import Steps
-
-BrakePosition = Literal["passenger P", "freight P", "freight G"]
+from railgrip.rolling_stock.schema import BrakePosition
 
 LONGEST = {"passenger P": 900.0, "freight P": 1500.0, "freight G": 1500.0}
 """Maximum length of a train for which the model holds, by brake position (§3.13.3.2) [m]."""
@@ -72,7 +69,9 @@ def service_times(position: BrakePosition, length: float) -> tuple[float, float]
     return _times(_SERVICE[position], position, length)
 
 
-def _times(row: tuple[tuple[float, ...], tuple[float, ...], float], position: str, length: float) -> tuple[float, float]:
+def _times(
+    row: tuple[tuple[float, ...], tuple[float, ...], float], position: str, length: float
+) -> tuple[float, float]:
     short, long, least = row
     hundreds = max(length / 100, least)
     basic = float(np.polynomial.polynomial.polyval(hundreds, short if length <= _SHORT else long))

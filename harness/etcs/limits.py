@@ -91,8 +91,12 @@ def service_curve(case: Case, target: Target) -> Curve:
     Raises:
         InputError: The brake does not slow the train down on a gradient.
     """
-    deceleration = Deceleration.of(np.add, [case.model.service], [gradient_deceleration(case)])
-    return _curve(case, "SBD", deceleration, target, target.at, target.speed)
+    return _curve(case, "SBD", brake_on_line(case, case.model.service), target, target.at, target.speed)
+
+
+def brake_on_line(case: Case, brake: Steps) -> Deceleration:
+    """Return the deceleration by a brake and the gradient: A_expected(V, d) for A_brake_service(V) (§3.13.6.3.1.3)."""
+    return Deceleration.of(np.add, [brake], [gradient_deceleration(case)])
 
 
 def guidance_curve(case: Case, target: Target, foot: float) -> Curve:
@@ -113,9 +117,7 @@ def guidance_curve(case: Case, target: Target, foot: float) -> Curve:
     return _curve(case, "GUI", deceleration, target, foot, target.speed)
 
 
-def _curve(
-    case: Case, name: str, deceleration: Deceleration, target: Target, location: float, speed: float
-) -> Curve:
+def _curve(case: Case, name: str, deceleration: Deceleration, target: Target, location: float, speed: float) -> Curve:
     try:
         return braking_curve(deceleration, location=location, speed=speed, foot=target.speed)
     except InputError as problem:

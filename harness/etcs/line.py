@@ -38,7 +38,8 @@ class Target(Table):
     def _fits(self) -> Self:
         if (self.kind in ("EoA", "SvL")) != (self.speed == 0):
             raise table_error(
-                f"a target of kind {self.kind} has speed {3.6 * self.speed:g} km/h; EoA and SvL have 0, LoA and MRSP more"
+                f"a target of kind {self.kind} has speed {3.6 * self.speed:g} km/h; EoA and "
+                f"SvL have 0, LoA and MRSP more"
             )
         return self
 

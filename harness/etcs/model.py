@@ -7,9 +7,9 @@ import numpy as np
 from pydantic import Field, StrictBool, model_validator
 
 from railgrip.etcs import conversion
-from railgrip.etcs.conversion import BrakePosition
 from railgrip.etcs.curve import Steps, combine
 from railgrip.etcs.national import Deceleration, NationalValues, StepSpeed, require_rising
+from railgrip.rolling_stock.schema import BrakePosition
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.table import FASTEST, Name, Table, table_error
 

@@ -45,7 +45,10 @@ class NationalValues(Table):
         default=((0.0, 0.9),), min_length=1, max_length=5, description="Kr_int: length of the train above which, factor"
     )
     M_NVKVINT_freight: tuple[tuple[StepSpeed, _Factor], ...] = Field(
-        default=((0.0, 0.7),), min_length=1, max_length=5, description="Kv_int of freight trains: speed above which, factor"
+        default=((0.0, 0.7),),
+        min_length=1,
+        max_length=5,
+        description="Kv_int of freight trains: speed above which, factor",
     )
     M_NVKVINT_passenger: tuple[tuple[StepSpeed, _Factor, _Factor], ...] = Field(
         default=((0.0, 0.7, 0.7),),
@@ -58,9 +61,7 @@ class NationalValues(Table):
     A_NVMAXREDADH1: Deceleration = Field(
         default=1.0, description="maximum on reduced adhesion, passenger trains with brakes that need no adhesion"
     )
-    A_NVMAXREDADH2: Deceleration = Field(
-        default=0.7, description="maximum on reduced adhesion, other passenger trains"
-    )
+    A_NVMAXREDADH2: Deceleration = Field(default=0.7, description="maximum on reduced adhesion, other passenger trains")
     A_NVMAXREDADH3: Deceleration = Field(default=0.7, description="maximum on reduced adhesion, freight trains")
 
     @model_validator(mode="after")

@@ -12,27 +12,27 @@ from typer import Argument, Option
 from railgrip.base.errors import ScenarioError
 from railgrip.campaign.sources import input_versions
 from railgrip.campaign.work import Work
+from railgrip.etcs.k_dry import PROBABILITIES, QuasiStatic
+from railgrip.etcs.rare import estimates, pool_samples
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.palette import lead_to_trail
 from railgrip.report.style import band, dress, figure, legend
 from railgrip.report.table import ReportTable
+from railgrip.rolling_stock.dispersion import Normal, Uniform
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.files import plant_description
 from railgrip.simulate.run import braking_distance
 from railgrip.studies.k_factors.brake import QuasiStaticBrake
 from railgrip.studies.k_factors.k_dry import (
-    PROBABILITIES,
-    QuasiStatic,
     brake_of_scenario,
     in_the_loop,
     plain,
     quasi_static,
     scenario_of_draw,
 )
-from railgrip.studies.k_factors.rare import estimates, pool_samples
-from railgrip.studies.k_factors.specification import KFactorSpecification, Normal, Uniform, load_specification
+from railgrip.studies.k_factors.specification import KFactorSpecification, load_specification
 from railgrip.studies.study import Study
 
 _LEVELS = (0, 3, 6, 9)
