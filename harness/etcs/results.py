@@ -197,7 +197,8 @@ class BrakingCurves:
             speed, start = self.release
             lines.append(f"Release speed {3.6 * speed:.1f} km/h, monitored from {start:.1f} m on.")
         if case.line.release == "calculated":
-            lines.append(f"Trip location of the EoA: {trip_location(case):.1f} m.")
+            none = "" if self.release else "; from there the train does not stop before the SvL: no release speed"
+            lines.append(f"Trip location of the EoA: {trip_location(case):.1f} m{none}.")
         if self.basis is not None:
             lines.append(self._origin(self.basis))
         return tuple(lines)
@@ -214,9 +215,9 @@ class BrakingCurves:
 
     def figure(self) -> "Figure":
         """Return the figure: limits over location, the stops beneath, and decelerations over speed."""
-        drawing = style.figure(10.0, 8.2)
-        grid = drawing.add_gridspec(2, 3, height_ratios=(1.5, 1.0))
-        upper = drawing.add_subplot(grid[0, :])
+        drawing = style.figure(11.0, 8.0)
+        grid = drawing.add_gridspec(2, 2, height_ratios=(1.5, 1.0), width_ratios=(2.6, 1.0))
+        upper = drawing.add_subplot(grid[0, 0])
         seen: set[str] = set()
         for (_, name), rows in self.limits.groupby(["target", "limit"], sort=False):
             label = "SBI" if str(name).startswith("SBI") else str(name)
@@ -229,16 +230,21 @@ class BrakingCurves:
                 label=None if label in seen else label,
             )
             seen.add(label)
+        names: dict[tuple[float, float], list[str]] = {}
         for target in self.case.line.target:
-            upper.plot(target.at, 3.6 * target.speed, "v", color=palette.BLACK, ms=6, clip_on=False)
-            upper.annotate(target.kind, (target.at, 3.6 * target.speed), (3, 6), textcoords="offset points", fontsize=8)
+            names.setdefault((target.at, 3.6 * target.speed), []).append(target.kind)
+        for place, kinds in names.items():
+            upper.plot(*place, "v", color=palette.BLACK, ms=6, clip_on=False)
+            upper.annotate(", ".join(kinds), place, (4, 6), textcoords="offset points", fontsize=8)
         if self.release is not None:
             speed, start = self.release
             ends = [target.at for target in self.case.line.target if target.kind == "SvL"]
             upper.plot([start, *ends], [3.6 * speed] * 2, color=palette.BLACK, lw=1.0, label="release speed")
-        style.dress(upper, y="speed [km/h]", title=f"{self.case.model.name} on {self.case.line.name}")
-        style.legend(upper, loc="lower left", ncols=3)
-        lower = drawing.add_subplot(grid[1, :2], sharex=upper)
+        style.dress(upper, y="speed [km/h]", title=f"{self.case.model.name}, line {self.case.line.name}")
+        key = drawing.add_subplot(grid[0, 1])
+        key.set_axis_off()
+        style.legend(key, *upper.get_legend_handles_labels(), loc="upper left")
+        lower = drawing.add_subplot(grid[1, 0], sharex=upper)
         dashes = {"nominal": ":", "safe": "-", "full": "-."}
         for stop in self.stops:
             first = stop.name.split()[0]
@@ -246,16 +252,16 @@ class BrakingCurves:
             lower.plot(stop.locations, 3.6 * stop.speeds, color=colour, ls=dashes[first], lw=1.4, label=stop.name)
         style.dress(lower, x="location [m]", y="speed [km/h]", title="Stops that begin on the limits")
         style.legend(lower, loc="lower left")
-        right = drawing.add_subplot(grid[1, 2])
+        right = drawing.add_subplot(grid[1, 1])
         top = 3.6 * fixed.ceiling_limits(self.case.ceiling)["EBI"]
         model = self.case.model
-        for name, steps, colour in (
-            ("A_brake_emergency", model.emergency, palette.BLACK),
-            ("A_brake_safe", safe_deceleration(model, self.case.national), palette.VERMILION),
-            ("A_brake_service", model.service, palette.ORANGE),
+        for name, steps, colour, dash in (
+            ("A_brake_emergency", model.emergency, palette.BLACK, "-"),
+            ("A_brake_safe", safe_deceleration(model, self.case.national), palette.VERMILION, "-"),
+            ("A_brake_service", model.service, palette.ORANGE, "--"),
         ):
             edges = np.append(3.6 * steps.starts, max(top, 3.6 * steps.starts[-1] + 1))
-            right.stairs(steps.values, edges, color=colour, label=name, baseline=None)
+            right.stairs(steps.values, edges, color=colour, ls=dash, label=name, baseline=None)
         right.set_ylim(bottom=0)
         style.dress(right, x="speed [km/h]", y="deceleration [m/s²]")
         style.legend(right, loc="lower left")

@@ -78,9 +78,10 @@ STUDY = Etcs
 
 def _answer(curves: BrakingCurves) -> str:
     last: Mapping[str, Any] = curves.table.rows[-1]
+    intervention = last["SBI1" if last["target"] == "EoA" else "EBI"]
     return (
         f"From {last['from']:.0f} km/h, {last['target']}: indication {last['I']:.0f} m, permitted speed "
-        f"{last['P']:.0f} m and intervention {last['EBI' if last['target'] != 'EoA' else 'SBI1']:.0f} m before the target."
+        f"{last['P']:.0f} m and intervention {intervention:.0f} m before the target."
     )
 
 

@@ -13,8 +13,12 @@ from railgrip.base.errors import ScenarioError
 from railgrip.campaign.work import Work
 from railgrip.estimators.belief import Array
 from railgrip.etcs import rare
+from railgrip.etcs.dispersed import DispersedBrake, TrainBrake
 from railgrip.etcs.k_dry import Brake, QuasiStatic, k_factors, rates_of
 from railgrip.etcs.rare import Sample, State
+from railgrip.etcs.trains import maximum_speed
+from railgrip.rolling_stock.check import checked_train
+from railgrip.rolling_stock.schema import Train
 from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
@@ -28,6 +32,26 @@ _NEGLECT_IN_LOOP = 0.25
 """Maximum probability of neglected failure states, as a share of the probability of [loop]; each takes hundreds of
 stops, and the interval shows the loss of accuracy."""
 _SCALING = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+
+
+def brake_of(specification: KFactorSpecification, subject: Scenario | Train) -> DispersedBrake:
+    """Return the quasi-static brake of a train file, or of the train or the plant of a scenario.
+
+    Raises:
+        ScenarioError: The plant of a scenario has another brake, its cylinders are not filled by valves, or the demand
+            is not full brake.
+        InputError: A train file is wrong, or its train does not stop.
+    """
+    if isinstance(subject, Train):
+        return TrainBrake(subject, specification.dispersion, _speeds(specification, maximum_speed(subject)))
+    if subject.vehicle.train is not None:
+        train = checked_train(subject.vehicle.train.path)
+        return TrainBrake(train, specification.dispersion, _speeds(specification, subject.start.speed))
+    return brake_of_scenario(specification, subject)
+
+
+def _speeds(specification: KFactorSpecification, speed: float) -> tuple[float, ...]:
+    return (speed, *reversed(specification.speed_steps), 0.0)
 
 
 def brake_of_scenario(specification: KFactorSpecification, scenario: Scenario) -> QuasiStaticBrake:
@@ -45,7 +69,7 @@ def brake_of_scenario(specification: KFactorSpecification, scenario: Scenario) -
     if scenario.demand is not None:
         raise ScenarioError(f"{scenario.name}: K factors are of full brake from the start on: leave out [demand]")
     vehicle = VehicleData(scenario)
-    speeds = (scenario.start.speed, *reversed(specification.speed_steps), 0.0)
+    speeds = _speeds(specification, scenario.start.speed)
     return QuasiStaticBrake(vehicle.true.parameters, vehicle.formation, specification.dispersion, speeds)
 
 

@@ -1,13 +1,18 @@
 """The file of a K factor study: dispersions and failures of a brake, with the source of every value."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 from pydantic import Field, StrictInt, model_validator
 
 from railgrip.base.errors import ScenarioError
+from railgrip.etcs.dispersed import speed_steps
+from railgrip.etcs.trains import data_of, maximum_speed
+from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.dispersion import Dispersion, Failures
+from railgrip.rolling_stock.schema import Train
+from railgrip.scenario.file import locate
 from railgrip.scenario.load import load, read_toml, validate_table
 from railgrip.scenario.merge import merge, read_overrides
 from railgrip.scenario.quantity import UnitRange
@@ -38,8 +43,10 @@ class KFactorSpecification(Table):
     name: Name
     description: str = ""
     seed: Seed
-    scenario: str = Field(
-        description="scenario of the stop: a file relative to the folder of this file, or a name of the package"
+    scenario: str | None = Field(
+        default=None,
+        description="scenario of the stop: a file relative to the folder of this file, or a name of the package; "
+        "a train file in place of this file has none",
     )
     speed_steps: tuple[Speed, ...] = Field(description="inner limits of the steps of speed, rising")
     estimate: Effort
@@ -54,21 +61,47 @@ class KFactorSpecification(Table):
         return self
 
 
-def load_specification(path: Path, overrides: Sequence[str] = ()) -> tuple[KFactorSpecification, Scenario]:
-    """Return the study of a file, or of the package by its name, and the scenario that it names.
+def load_specification(path: Path, overrides: Sequence[str] = ()) -> tuple[KFactorSpecification, Scenario | Train]:
+    """Return the study of a file, or of the package by its name, and the scenario or train that it is about.
+
+    A train file, or the name of a train, stands for its own study: at most seven steps of speed up to its maximum.
 
     Raises:
         ScenarioError: In one of the files; each problem in a sentence.
     """
     ours = LIBRARY / f"{path}.toml"
-    path = ours if len(path.parts) == 1 and not path.suffix and ours.is_file() else path
-    table = merge(read_toml(path), read_overrides(overrides))
-    specification = validate_table(KFactorSpecification, table, directory=path.parent, origin=path.name)
+    path = ours if len(path.parts) == 1 and not path.suffix and ours.is_file() else locate(path, "trains")
+    table, changes = read_toml(path), read_overrides(overrides)
+    if "cars" in table:
+        return _study_of_train(checked_train(path), changes, path.name)
+    specification = validate_table(KFactorSpecification, merge(table, changes), directory=path.parent, origin=path.name)
+    if specification.scenario is None:
+        raise ScenarioError(f"{path.name}: has no 'scenario'; it is required")
     file = Path(specification.scenario)
     scenario = load(path.parent / file if file.suffix else file)
-    if specification.speed_steps and specification.speed_steps[-1] >= scenario.start.speed:
-        raise ScenarioError(
-            f"{path.name}: speed_steps end at {specification.speed_steps[-1]:g} m/s; they must stay below [start] "
-            f"speed of {scenario.name}, {scenario.start.speed:g} m/s"
-        )
+    _require_below(specification, path.name, scenario.start.speed, f"[start] speed of {scenario.name}")
     return specification, scenario
+
+
+def _study_of_train(train: Train, changes: Mapping[str, Any], origin: str) -> tuple[KFactorSpecification, Train]:
+    data = data_of(train)
+    table = {
+        "name": train.name,
+        "description": train.description,
+        "seed": 2026,
+        "speed_steps": [float(step) for step in speed_steps(train, maximum_speed(train))[-2:0:-1]],
+        "estimate": {"runs": 20, "samples": 500},
+        "dispersion": data.dispersion,
+        "failures": data.failures,
+    }
+    specification = validate_table(KFactorSpecification, merge(table, changes), directory=Path(), origin=origin)
+    _require_below(specification, origin, maximum_speed(train), "the maximum speed of the train")
+    return specification, train
+
+
+def _require_below(specification: KFactorSpecification, origin: str, speed: float, name: str) -> None:
+    if specification.speed_steps and specification.speed_steps[-1] >= speed:
+        raise ScenarioError(
+            f"{origin}: speed_steps end at {specification.speed_steps[-1]:g} m/s; they must stay below {name}, "
+            f"{speed:g} m/s"
+        )
