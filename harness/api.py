@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 
     from railgrip.campaign.sweep import Sweep
     from railgrip.estimation.inspection import Inspection
+    from railgrip.etcs.results import BrakingCurves
     from railgrip.report.comparison import Comparison
     from railgrip.report.estimates import Estimates
     from railgrip.report.stop import Stop
@@ -69,6 +70,7 @@ __all__ = [
     "Stop",
     "compare",
     "estimate",
+    "etcs",
     "inspect",
     "load",
     "open",
@@ -335,6 +337,27 @@ def _announced(estimates: "xarray.Dataset") -> "Estimates":
     if estimates.attrs["problems"]:
         warnings.warn(f"{estimates.attrs['estimation']}: {estimates.attrs['problems']}", EstimateWarning, stacklevel=3)
     return as_estimates(estimates)
+
+
+def etcs(train: str | Path, national: str | Path | None = None, line: str | Path | None = None) -> "BrakingCurves":
+    """Return braking curves and supervision limits of ETCS: `.to_pandas()`, `.table`, `.stops`, `.figure()`.
+
+    Args:
+        train: Train file, or name of a train such as "emu387"; or a file of brake curves or of a brake percentage.
+        national: File of national values; the defaults of SUBSET-026, A.3.2, unless given.
+        line: File of the line, with gradients and targets; level, with EoA and SvL at 0 m, unless given.
+
+    Raises:
+        InputError: Files are wrong, each problem in a sentence; or the brake does not slow the train down.
+
+    Example:
+        >>> curves = etcs("emu387")
+        >>> curves.table  # distances of EBD, EBI, SBI, W, P and I to the targets
+    """
+    from railgrip.etcs.results import braking_curves
+
+    files = [None if file is None else _path(file, name) for name, file in (("national", national), ("line", line))]
+    return braking_curves(_path(train, "train"), *files)
 
 
 def inspect(

@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from railgrip.base.names import did_you_mean
+from railgrip.rolling_stock.dispersion import Dispersion, Failures
 from railgrip.scenario.file import locate
 from railgrip.scenario.load import read_toml, require_kind, validate_table
 from railgrip.scenario.quantity import UnitRange
@@ -492,6 +493,29 @@ class PublishedStop(Table):
     source: str = Field(description="publication of the stop")
 
 
+BrakePosition = Literal["passenger P", "freight P", "freight G"]
+
+
+class EtcsData(SourcedTable):
+    """What ETCS has to know of a train besides its brakes; see docs/etcs.md for the values of trains without it."""
+
+    maximum_speed: TravelSpeed | None = Field(
+        default=None, description="maximum speed; that of the fastest published stop unless given"
+    )
+    brake_position: BrakePosition = Field(description="brake position of SUBSET-026 3.13.2.2.4")
+    k_wet: Annotated[float, UnitRange("1", above=0, at_most=1)] = Field(
+        description="K_wet_rst, for all speeds: 1 over the increase of the deceleration distance on wet rail (EN 15595)"
+    )
+    traction_cut_off_time: Seconds = Field(description="T_traction_cut_off")
+    service_time: Seconds | None = Field(
+        default=None,
+        description="T_brake_service; unless given that of the emergency brake, with a pipe of A.3.9",
+    )
+    brakes_without_adhesion: StrictBool = Field(
+        default=False, description="whether brakes that need no adhesion count on reduced adhesion (A_NVMAXREDADH1)"
+    )
+
+
 @dataclass(frozen=True, slots=True)
 class Axle:
     """An axle at its place in the train.
@@ -562,6 +586,11 @@ class Train(Table):
         default=(), max_length=256, description="sanders, for scenarios with [adhesion.sand]"
     )
     reference: tuple[PublishedStop, ...] = Field(default=(), description="published stops of the train")
+    etcs: EtcsData | None = Field(default=None, description="data for braking curves of ETCS")
+    dispersion: tuple[Dispersion, ...] = Field(
+        default=(), max_length=32, description="dispersion of the brake, for K_dry"
+    )
+    failures: Failures | None = Field(default=None, description="failures of the brake, for K_dry")
 
     @model_validator(mode="after")
     def _check_references(self) -> Self:

@@ -125,6 +125,27 @@ def _stop(train: Train, speed: float, *, developed: bool = False) -> HandCalcula
     )
 
 
+def developed_deceleration(train: Train, speed: float) -> tuple[Vector, Vector]:
+    """Return speeds, falling [m/s], and decelerations [m/s2] of a stop with fully developed brakes.
+
+    Args:
+        train: The train.
+        speed: Speed at the brake demand [m/s].
+
+    Raises:
+        InputError: The train does not stop within ten minutes.
+    """
+    stop = _stop(train, speed, developed=True)
+    deceleration = stop.car_force.sum(axis=1) / stop.car_mass.sum()
+    return speed - _STEP * (np.cumsum(deceleration) - deceleration / 2), deceleration
+
+
+def track_brake_force(train: Train, speed: float) -> float:
+    """Return the force of all magnets on the rail at a speed [m/s] with full field [N]."""
+    brakes = [bogie.track_brake for bogie in train.bogies_in_train if bogie.track_brake is not None]
+    return sum(_magnetic_force(brake, speed, inf) for brake in brakes)
+
+
 def full_brake_force(train: Train) -> Vector:
     """Return the force at the rim with full pressure and nominal pad friction, of each axle, shape (axles,) [N]."""
     brakes, _ = _brakes_of(train)

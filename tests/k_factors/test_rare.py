@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from linear import LinearBrake, brute_states, specification
 from scipy.stats import binom, norm
 
-from railgrip.studies.k_factors.k_dry import PROBABILITIES, quasi_static
-from railgrip.studies.k_factors.rare import (
+from railgrip.etcs.k_dry import PROBABILITIES
+from railgrip.etcs.rare import (
     Rates,
     Sample,
     estimates,
@@ -21,6 +21,7 @@ from railgrip.studies.k_factors.rare import (
     subset_sample,
     worst_points,
 )
+from railgrip.studies.k_factors.k_dry import quasi_static
 
 ISOLATED = 1e-3
 

@@ -6,23 +6,17 @@ parameters are those of the plant `TwoPartTrainPneumatic`, whose pads and discs 
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from typing import get_args
 
 import numpy as np
 
 from railgrip.base.errors import ScenarioError
 from railgrip.estimators.belief import Array
-from railgrip.studies.k_factors.specification import EXTENTS, Dispersion, Quantity
+from railgrip.etcs.dispersed import PARTS, Deviations, DispersedBrake
+from railgrip.rolling_stock.dispersion import Dispersion
 from railgrip.vehicle.brake import BRAKE, pad_force
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.motion import air_resistance, rolling_resistance
 from railgrip.vehicle.parameters import VehicleParameters
-
-PARTS = 4
-"""Integration steps in each step of speed, equal in v²: with eight, the error of the distance is below 1e-4."""
-
-_LARGEST = 4_000
-"""Draws at once: their arrays of a few megabytes stay in the cache."""
 
 _SCALARS = (
     *("speed_effect", "pad_speed_nominal", "temperature_effect", "temperature_nominal", "temperature_range"),
@@ -31,20 +25,8 @@ _SCALARS = (
 )
 
 
-Deviations = Mapping[str, Array]
-"""Quantity → factor on nominal, or difference of a pressure [Pa]; shape (n, 1), (n, groups) or (n, units)."""
-
-
-class QuasiStaticBrake:
-    """A train under full brake.
-
-    Attributes:
-        units: Brake units of each group.
-        dimension: Standard normal numbers of a draw.
-        nominal: Deceleration in each step, from the slowest, and of the whole stop [m/s2].
-        equivalent_time: Nominal [s].
-        distance: Nominal [m].
-    """
+class QuasiStaticBrake(DispersedBrake):
+    """The brake of a plant with the pads, discs and cylinders of `TwoPartTrainPneumatic`."""
 
     def __init__(
         self,
@@ -72,43 +54,8 @@ class QuasiStaticBrake:
             raise ScenarioError(
                 f"K factors are of a plant with the brake of TwoPartTrainPneumatic; this one lacks {problem}."
             ) from None
-        self.units = tuple(int(count) for count in self._brake["units"])
-        self._group = np.repeat(np.arange(formation.groups), self.units)
-        self._place = np.concatenate([np.arange(count) for count in self.units])
-        self._dispersion = tuple(dispersion)
-        widths = dict(zip(EXTENTS, (1, formation.groups, len(self._group)), strict=True))
-        self._widths = [widths[dispersion_.per] for dispersion_ in dispersion]
-        self.dimension = sum(self._widths)
-        self.speeds = tuple(speeds)
-        decelerations, distance, time = self._stops(self.units, self._deviations(None))
-        self.equivalent_time, self.distance = float(time[0]), float(distance[0])
-        self.nominal = np.append(decelerations[0], self.equivalent_deceleration(self.distance))
-
-    @property
-    def outputs(self) -> tuple[str, ...]:
-        """Quantities with a K: steps of speed, slowest first, and the whole stop with its equivalent time."""
-        limits = [3.6 * speed for speed in reversed(self.speeds)]
-        steps = [f"{low:g}–{high:g} km/h" for low, high in pairwise(limits)]
-        return (*steps, f"stop from {limits[-1]:g} km/h")
-
-    def equivalent_deceleration(self, distance: float | Array) -> float | Array:
-        """Return the mean deceleration after the nominal equivalent time [m/s2], which includes a later build-up."""
-        v = self.speeds[0]
-        return v**2 / (2 * (distance - v * self.equivalent_time))
-
-    def ratios(self, available: Sequence[int], standard: Array) -> Array:
-        """Return deceleration over nominal, shape (n, outputs).
-
-        Args:
-            available: Units of each group that brake.
-            standard: Standard normal numbers, shape (n, dimension).
-        """
-        ratios = np.empty((len(standard), len(self.nominal)))
-        for first in range(0, len(standard), _LARGEST):
-            part = slice(first, first + _LARGEST)
-            decelerations, distance, _ = self._stops(available, self._deviations(standard[part]))
-            ratios[part, :-1], ratios[part, -1] = decelerations, self.equivalent_deceleration(distance)
-        return ratios / self.nominal
+        super().__init__([int(count) for count in self._brake["units"]], dispersion, speeds)
+        self._finish()
 
     def plant_parameters(self, available: Sequence[int], standard: Array | None) -> dict[str, float]:
         """Return the plant's parameters of one draw, shape (dimension,), or of the nominal train.
@@ -135,26 +82,6 @@ class QuasiStaticBrake:
         }
         return parameters | {"T_fill": self._of["T_fill"] * float(deviations["build_up"][0, 0])}
 
-    def _deviations(self, standard: Array | None) -> Deviations:
-        groups, n = len(self.units), 1 if standard is None else len(standard)
-        widths = {"pressure": groups, "wheel_radius": groups, "mass": 1, "build_up": 1}
-        deviations = {
-            name: np.full((n, widths.get(name, len(self._group))), 0.0 if name == "pressure" else 1.0)
-            for name in get_args(Quantity)
-        }
-        if standard is None:
-            return deviations
-        first = 0
-        for dispersion, width in zip(self._dispersion, self._widths, strict=True):
-            value, first = dispersion.of(standard[:, first : first + width]), first + width
-            if width == groups < deviations[dispersion.quantity].shape[1]:
-                value = value[:, self._group]
-            if dispersion.quantity == "pressure":
-                deviations[dispersion.quantity] += value
-            else:
-                deviations[dispersion.quantity] *= 1.0 + value
-        return deviations
-
     def _pressure(self, deviations: Deviations) -> Array:
         """Return the steady cylinder pressure of each group, less the loss through the leak [Pa]."""
         return self._brake["pressure_max"] + deviations["pressure"] - self._of["leak"] * self._of["T_fill"]
@@ -178,8 +105,8 @@ class QuasiStaticBrake:
                 arm * deviations["friction_radius"] * deviations["pad_friction"],
             )
         torque = force * arm * (1 - of["force_effect"] * (force / of["pad_force_nominal"] - 1))
-        member = (self._place < np.asarray(available)[group]) & (group == np.arange(len(self.units))[:, None])
-        return torque @ member.T.astype(np.float64)
+        of_group = (group == np.arange(len(self.units))[:, None]).astype(np.float64)
+        return torque @ (of_group * self._brakes(available)).T
 
     def _stops(self, available: Sequence[int], deviations: Deviations) -> tuple[Array, Array, Array]:
         """Return the deceleration of each step, slowest first, shape (n, steps), distance and equivalent time."""

@@ -2,66 +2,56 @@
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Any
 
 import numpy as np
-from scipy.special import ndtri
 
 from railgrip.base.errors import ScenarioError
 from railgrip.campaign.work import Work
 from railgrip.estimators.belief import Array
+from railgrip.etcs import rare
+from railgrip.etcs.dispersed import DispersedBrake, TrainBrake
+from railgrip.etcs.k_dry import Brake, QuasiStatic, k_factors, rates_of
+from railgrip.etcs.rare import Sample, State
+from railgrip.etcs.trains import maximum_speed
+from railgrip.rolling_stock.check import checked_train
+from railgrip.rolling_stock.schema import Train
 from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.simulate.run import braking_distance
 from railgrip.simulate.vehicle import VehicleData
-from railgrip.studies.k_factors import rare
 from railgrip.studies.k_factors.brake import QuasiStaticBrake
-from railgrip.studies.k_factors.rare import Rates, Sample, State
-from railgrip.studies.k_factors.specification import Failures, KFactorSpecification
+from railgrip.studies.k_factors.specification import KFactorSpecification
 from railgrip.trace.k_wet import Interval
 
-PROBABILITIES = (0.5, *(10.0**-level for level in range(1, 10)))
-"""Probability of a deceleration below K times the nominal one, for EBCL 0 to 9 (SUBSET-040, K_dry_rst)."""
-
-_CONFIDENCE = 0.95
-_RATES = 1000
-"""Draws of the failure rates, of which 25 are beyond either end of an interval."""
-
-_NEGLECT = 1e-3
-"""Maximum probability of neglected failure states, as a share of the smallest probability required."""
 _NEGLECT_IN_LOOP = 0.25
-"""The same if each state takes hundreds of stops; the interval shows the loss of accuracy."""
+"""Maximum probability of neglected failure states, as a share of the probability of [loop]; each takes hundreds of
+stops, and the interval shows the loss of accuracy."""
 _SCALING = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class QuasiStatic:
-    """K of the quasi-static brake.
+def brake_of(specification: KFactorSpecification, subject: Scenario | Train) -> DispersedBrake:
+    """Return the quasi-static brake of a train file, or of the train or the plant of a scenario.
 
-    Attributes:
-        runs: For each output, the sample of each run.
-        k: For each output, K of EBCL 0 to 9, with the interval of sampling alone.
-        k_of_rates: The same with the interval that also holds the uncertainty of the failure rates.
-        states: Failure states that were sampled.
-        neglected: Probability of all other failure states.
+    Raises:
+        ScenarioError: The plant of a scenario has another brake, its cylinders are not filled by valves, or the demand
+            is not full brake.
+        InputError: A train file is wrong, or its train does not stop.
     """
+    if isinstance(subject, Train):
+        return TrainBrake(subject, specification.dispersion, _speeds(specification, maximum_speed(subject)))
+    if subject.vehicle.train is not None:
+        train = checked_train(subject.vehicle.train.path)
+        return TrainBrake(train, specification.dispersion, _speeds(specification, subject.start.speed))
+    return brake_of_scenario(specification, subject)
 
-    runs: tuple[tuple[Sample, ...], ...]
-    k: tuple[tuple[Interval, ...], ...]
-    k_of_rates: tuple[tuple[Interval, ...], ...]
-    states: tuple[State, ...]
-    neglected: float
-    seconds: float
 
-    @property
-    def draws(self) -> int:
-        """Draws in all runs."""
-        return sum(len(run.values) for run in self.runs[0])
+def _speeds(specification: KFactorSpecification, speed: float) -> tuple[float, ...]:
+    return (speed, *reversed(specification.speed_steps), 0.0)
 
 
 def brake_of_scenario(specification: KFactorSpecification, scenario: Scenario) -> QuasiStaticBrake:
@@ -79,50 +69,22 @@ def brake_of_scenario(specification: KFactorSpecification, scenario: Scenario) -
     if scenario.demand is not None:
         raise ScenarioError(f"{scenario.name}: K factors are of full brake from the start on: leave out [demand]")
     vehicle = VehicleData(scenario)
-    speeds = (scenario.start.speed, *reversed(specification.speed_steps), 0.0)
+    speeds = _speeds(specification, scenario.start.speed)
     return QuasiStaticBrake(vehicle.true.parameters, vehicle.formation, specification.dispersion, speeds)
 
 
 def quasi_static(
-    specification: KFactorSpecification, brake: QuasiStaticBrake, notify: Callable[[str], None] = lambda what: None
+    specification: KFactorSpecification, brake: Brake, notify: Callable[[str], None] = lambda what: None
 ) -> QuasiStatic:
     """Return K of the quasi-static brake for all EBCL; the same specification gives the same numbers."""
-    begin = time.perf_counter()
-    effort, smallest = specification.estimate, PROBABILITIES[-1]
-    rates = _rates(specification.failures)
-    # As deep and as many as the highest rates require, because the intervals include these rates.
-    highest = _rates(specification.failures, float(ndtri((1 + _CONFIDENCE) / 2)))
-    deep, neglected = rare.states_of(brake.units, highest, neglect=_NEGLECT * smallest)
-    available = [state.available for state in deep]
-    probabilities = rates.of_states(brake.units, available).tolist()
-    states = tuple(State(*state) for state in zip(available, probabilities, strict=True))
-    parts: list[list[list[Sample]]] = [[[] for _ in range(effort.runs)] for _ in brake.outputs]
-    for number, state in enumerate(deep, start=1):
-        notify(f"failure state {number} of {len(deep)}")
-        performance = partial(brake.ratios, state.available)
-        points = rare.worst_points(performance, brake.dimension, rare.depth(state, smallest))
-        random = generator(specification.seed, f"k_factors {state.available}")
-        for run in range(effort.runs):
-            ratios, weights = rare.importance_sample(performance, points, effort.samples, random)
-            for output, of_output in enumerate(parts):
-                of_output[run].append(Sample(ratios[:, output], weights))
-    shares = [state.probability for state in states]
-    runs = tuple(tuple(rare.pool_samples(part, shares) for part in of_output) for of_output in parts)
-    k = tuple(rare.estimates(of_output, PROBABILITIES, neglected) for of_output in runs)
-    counts = np.array(available)
-    drawn = np.array([numbers.of_states(brake.units, counts) for numbers in _draw_rates(specification)])
-    equal = [1 / effort.runs] * effort.runs
-    k_of_rates = tuple(
-        rare.widen(of, [rare.pool_samples(state, equal) for state in zip(*part, strict=True)], drawn, PROBABILITIES)
-        for of, part in zip(k, parts, strict=True)
-    )
-    return QuasiStatic(
-        runs=runs,
-        k=k,
-        k_of_rates=k_of_rates,
-        states=states,
-        neglected=neglected,
-        seconds=time.perf_counter() - begin,
+    effort = specification.estimate
+    return k_factors(
+        brake,
+        specification.failures,
+        seed=specification.seed,
+        runs=effort.runs,
+        samples=effort.samples,
+        notify=notify,
     )
 
 
@@ -205,25 +167,7 @@ def plain(k: Interval) -> dict[str, float]:
 def _states(
     specification: KFactorSpecification, units: Sequence[int], neglect: float
 ) -> tuple[tuple[State, ...], float]:
-    return rare.states_of(units, _rates(specification.failures), neglect=neglect)
-
-
-def _rates(failures: Failures, *standard: float) -> Rates:
-    isolated, stuck = failures.isolated_unit, failures.stuck_valve
-    first, last = (standard[0], standard[-1]) if standard else (0.0, 0.0)
-    return Rates(
-        isolated=isolated.quantile(first),
-        stuck=stuck.quantile(last),
-        isolated_beta=isolated.common_cause.beta,
-        stuck_beta=stuck.common_cause.beta,
-    )
-
-
-def _draw_rates(specification: KFactorSpecification) -> list[Rates]:
-    random = generator(specification.seed, "k_factors rates")
-    standard = ndtri((np.arange(_RATES) + 0.5) / _RATES)
-    pairs = zip(standard, random.permutation(standard), strict=True)
-    return [_rates(specification.failures, float(first), float(last)) for first, last in pairs]
+    return rare.states_of(units, rates_of(specification.failures), neglect=neglect)
 
 
 def _cost(specification: KFactorSpecification, units: Sequence[int], probability: float) -> int:

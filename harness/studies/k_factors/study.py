@@ -1,6 +1,6 @@
 """K factors of a brake: results as JSON, as a page with a figure, and as rows for the screen."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,27 +12,31 @@ from typer import Argument, Option
 from railgrip.base.errors import ScenarioError
 from railgrip.campaign.sources import input_versions
 from railgrip.campaign.work import Work
+from railgrip.etcs.dispersed import DispersedBrake
+from railgrip.etcs.k_dry import PROBABILITIES, QuasiStatic
+from railgrip.etcs.rare import estimates, pool_samples
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.palette import lead_to_trail
 from railgrip.report.style import band, dress, figure, legend
 from railgrip.report.table import ReportTable
+from railgrip.rolling_stock.check import checked_train
+from railgrip.rolling_stock.dispersion import Normal, Uniform
+from railgrip.rolling_stock.schema import Train
+from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.files import plant_description
 from railgrip.simulate.run import braking_distance
 from railgrip.studies.k_factors.brake import QuasiStaticBrake
 from railgrip.studies.k_factors.k_dry import (
-    PROBABILITIES,
-    QuasiStatic,
-    brake_of_scenario,
+    brake_of,
     in_the_loop,
     plain,
     quasi_static,
     scenario_of_draw,
 )
-from railgrip.studies.k_factors.rare import estimates, pool_samples
-from railgrip.studies.k_factors.specification import KFactorSpecification, Normal, Uniform, load_specification
+from railgrip.studies.k_factors.specification import KFactorSpecification, load_specification
 from railgrip.studies.study import Study
 
 _LEVELS = (0, 3, 6, 9)
@@ -64,20 +68,20 @@ class KFactors(Study):
         Raises:
             ScenarioError: The plant is not such a train, its nominal stop does not end, or the file lacks [loop].
         """
-        specification, scenario = load_specification(self.file, self.overrides or [])
+        specification, subject = load_specification(self.file, self.overrides or [])
         folders = self.import_from or []
         if self.loop and specification.loop is None:
             raise ScenarioError(f"{specification.name}: has no [loop], which stops with a controller need")
-        brake = brake_of_scenario(specification, scenario)
-        distance = braking_distance(scenario_of_draw(scenario, brake, brake.units, None), folders)
-        if distance is None:
-            raise ScenarioError(
-                f"{scenario.name}: the nominal train does not stop, and K is a share of its deceleration"
-            )
+        brake = brake_of(specification, subject)
+        if self.loop and not isinstance(brake, QuasiStaticBrake):
+            raise ScenarioError(f"{specification.name}: --loop needs the plant TwoPartTrainPneumatic, not a train file")
+        distance, method = _nominal_distance(subject, brake, folders)
         result = quasi_static(specification, brake, work.notify)
-        loop = in_the_loop(specification, scenario, brake, distance, result, work, folders) if self.loop else None
+        loop = None
+        if self.loop and isinstance(subject, Scenario) and isinstance(brake, QuasiStaticBrake):
+            loop = in_the_loop(specification, subject, brake, distance, result, work, folders)
         shown = table(brake, result)
-        lines = sentences(brake, distance, result, loop, work.count)
+        lines = sentences(brake, distance, method, result, loop, work.count)
         if self.write:
             write_tables(PAGE, {"K": "\n\n".join((str(shown), *lines))})
         return Page(
@@ -88,15 +92,15 @@ class KFactors(Study):
             template="studies/k_factors/k_factors.md.jinja",
             values={"specification": specification, "table": shown, "sentences": lines, **assumptions(specification)},
             figures={"k_factors.png": draw(brake, result)},
-            data={"k_factors.json": content(specification, scenario, brake, distance, result, loop)},
+            data={"k_factors.json": content(specification, subject, brake, distance, result, loop)},
             screen=(shown, *lines, f"{result.seconds:.1f} s"),
         )
 
     def headlines(self, work: Work) -> list[Finding]:
         """Return K of the stop at four EBCL, from fewer samples of each failure state."""
         little = [f"estimate.runs={_FEW_RUNS}", f"estimate.samples={_FEW_SAMPLES}"]
-        specification, scenario = load_specification(self.file, little)
-        result = quasi_static(specification, brake_of_scenario(specification, scenario))
+        specification, subject = load_specification(self.file, little)
+        result = quasi_static(specification, brake_of(specification, subject))
         # Seeds are fixed: a thousandth is enough for the arithmetic of another machine.
         return [Finding(f"vt642: K of the stop, EBCL {level}", result.k[-1][level].value, "1") for level in _LEVELS]
 
@@ -104,7 +108,23 @@ class KFactors(Study):
 STUDY = KFactors
 
 
-def table(brake: QuasiStaticBrake, result: QuasiStatic) -> ReportTable:
+def _nominal_distance(subject: Scenario | Train, brake: DispersedBrake, folders: Sequence[Path]) -> tuple[float, str]:
+    """Return the stopping distance of the nominal train by another method, and the name of that method."""
+    if isinstance(subject, Scenario) and isinstance(brake, QuasiStaticBrake):
+        whole = [int(np.sum(units)) for units in brake.units]
+        distance = braking_distance(scenario_of_draw(subject, brake, whole, None), folders)
+        if distance is None:
+            raise ScenarioError(
+                f"{subject.name}: the nominal train does not stop, and K is a share of its deceleration"
+            )
+        return distance, "in the loop"
+    if isinstance(subject, Scenario):
+        assert subject.vehicle.train is not None  # or its brake is that of a plant
+        subject = checked_train(subject.vehicle.train.path)
+    return by_hand(subject, brake.speeds[0]).distance, "by hand"
+
+
+def table(brake: DispersedBrake, result: QuasiStatic) -> ReportTable:
     """Return one row for each EBCL: probability, and for each output K, its interval of sampling, and that of rates."""
     of_outputs = list(zip(result.k, result.k_of_rates, strict=True))
     rows = [
@@ -149,13 +169,18 @@ def _extent(dispersion: Normal | Uniform) -> str:
 
 
 def sentences(
-    brake: QuasiStaticBrake, distance: float, result: QuasiStatic, loop: Mapping[str, Any] | None, workers: int
+    brake: DispersedBrake,
+    distance: float,
+    method: str,
+    result: QuasiStatic,
+    loop: Mapping[str, Any] | None,
+    workers: int,
 ) -> list[str]:
-    """Return further remarks on the results; `distance` is that of the nominal train in the loop [m]."""
+    """Return further remarks on the results; `distance` is that of the nominal train by another `method` [m]."""
     nominal = ", ".join(f"{output} {a:.3f}" for output, a in zip(brake.outputs, brake.nominal, strict=True))
     lines = [
         f"Nominal deceleration [m/s²]: {nominal}; equivalent time {brake.equivalent_time:.2f} s.",
-        f"Nominal stop: {brake.distance:.1f} m quasi-static, {distance:.1f} m in the loop "
+        f"Nominal stop: {brake.distance:.1f} m quasi-static, {distance:.1f} m {method} "
         f"({100 * (brake.distance / distance - 1):+.1f} %).",
         f"{result.draws} draws of {len(result.states)} failure states; all others have a probability of "
         f"{result.neglected:.1e} together.",
@@ -178,14 +203,14 @@ def sentences(
 
 def content(
     specification: KFactorSpecification,
-    scenario: Scenario,
-    brake: QuasiStaticBrake,
+    subject: Scenario | Train,
+    brake: DispersedBrake,
     distance: float,
     result: QuasiStatic,
     loop: Mapping[str, Any] | None,
 ) -> dict[str, Any]:
     """Return the file of results; the same specification gives the same file, except for `seconds`."""
-    plant = plant_description(scenario)
+    plant = None if isinstance(subject, Train) else plant_description(subject)
     results: dict[str, Any] = {
         "name": specification.name,
         "method": _METHOD,
@@ -214,9 +239,9 @@ def content(
             for level, effort in enumerate(of)
         ],
         "specification": specification.model_dump(mode="json"),
-        "scenario_digest": scenario.digest(),
-        "versions": input_versions() | {plant.file.name: plant.generator},
-        "fmus": {plant.file.name: plant.digest},
+        "scenario_digest": None if isinstance(subject, Train) else subject.digest(),
+        "versions": input_versions() | ({} if plant is None else {plant.file.name: plant.generator}),
+        "fmus": {} if plant is None else {plant.file.name: plant.digest},
         "seconds": {"quasi_static": round(result.seconds, 2)},
     }
     if loop is not None:
@@ -225,7 +250,7 @@ def content(
     return results
 
 
-def draw(brake: QuasiStaticBrake, result: QuasiStatic) -> Figure:
+def draw(brake: DispersedBrake, result: QuasiStatic) -> Figure:
     """Return the figure: K over probability for each output, and how K of the whole stop settles with the draws."""
     drawing = figure(11.0, 5.4)
     grid = drawing.add_gridspec(len(_LEVELS), 2)

@@ -6,6 +6,7 @@ sampled.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from math import ceil, comb, log, sqrt
 
 import numpy as np
@@ -35,7 +36,7 @@ class State:
     """A failure state and its probability.
 
     Attributes:
-        available: Number of units of each group that still brake.
+        available: Number of units of each group, or of several like groups together, that still brake.
         probability: Probability of the state.
     """
 
@@ -78,26 +79,31 @@ class Rates:
             for count in range(units + 1)
         )
 
-    def of_states(self, units: Sequence[int], available: ArrayLike) -> Array:
+    def of_groups(self, units: int | Sequence[int]) -> tuple[float, ...]:
+        """Return the probability of 0, 1 … braking units in a group, or in several groups together."""
+        groups = [np.array(self.of_group(n)) for n in ([units] if isinstance(units, int) else units)]
+        return tuple(reduce(np.convolve, groups).tolist())
+
+    def of_states(self, units: Sequence[int | Sequence[int]], available: ArrayLike) -> Array:
         """Return the probability that exactly the `available` units, shape (states, groups), brake in each state."""
         counts = np.asarray(available)
         probability = np.ones(len(counts))
         for group, n in enumerate(units):
-            probability *= np.array(self.of_group(n))[counts[:, group]]
+            probability *= np.array(self.of_groups(n))[counts[:, group]]
         return (1 - self.total_loss) * probability + self.total_loss * ~counts.any(axis=1)
 
 
-def states_of(units: Sequence[int], rates: Rates, *, neglect: float) -> tuple[tuple[State, ...], float]:
+def states_of(units: Sequence[int | Sequence[int]], rates: Rates, *, neglect: float) -> tuple[tuple[State, ...], float]:
     """Return the failure states of highest probability and the total probability of all others.
 
     Units of a group are exchangeable, so only their number counts; a stuck valve takes all units of its group.
 
     Args:
-        units: Number of units of each group.
+        units: Number of units of each group; a sequence stands for several like groups, which count together.
         rates: Failure probabilities.
         neglect: Maximum total probability of the others.
     """
-    groups = [list(enumerate(rates.of_group(n))) for n in units]
+    groups = [list(enumerate(rates.of_groups(n))) for n in units]
     states, rest = [State((), 1.0)], 0.0
     for group in groups:
         candidates = [State((*state.available, count), state.probability * p) for state in states for count, p in group]
@@ -211,15 +217,17 @@ def widen(
     return tuple(wide)
 
 
-def worst_points(performance: Performance, dimension: int, depth: int) -> Array:
+def worst_points(performance: Performance, dimension: int, depth: int, guides: Sequence[int] | None = None) -> Array:
     """Return centres for sampling: the origin, and for each output the worst points at distances 1 to `depth` from it.
+
+    `guides` are the outputs for which they are searched, all of them unless given.
 
     Each is the fixed point −r ∇g/|∇g| of the first-order reliability method on a sphere of radius r, after three
     iterations. A point that is not the worst increases the variance, but causes no bias.
     """
     points = [np.zeros(dimension)]
     outputs = performance(points[0][None, :]).shape[1]
-    for output in range(outputs if depth > 0 else 0):
+    for output in (range(outputs) if guides is None else guides) if depth > 0 else ():
         point = points[0]
         for radius in range(1, depth + 1):
             for _ in range(_TURNS):

@@ -1,0 +1,110 @@
+"""The line ahead of a train: permitted speed, gradients, stretches of low adhesion, and targets."""
+
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from railgrip.etcs.national import StepSpeed
+from railgrip.scenario.load import read_toml, validate_table
+from railgrip.scenario.quantity import UnitRange
+from railgrip.scenario.table import Length, Name, Speed, Table, table_error
+from railgrip.scenario.track.table import Gradient
+
+
+class LowAdhesion(Table):
+    """A stretch for which trackside reports reduced adhesion."""
+
+    begin: Length
+    end: Length
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.end <= self.begin:
+            raise table_error(f"end {self.end:g} m is not behind begin {self.begin:g} m")
+        return self
+
+
+class Target(Table):
+    """A target: a location, and the speed to which the train must slow down before it (§3.13.8)."""
+
+    kind: Literal["EoA", "SvL", "LoA", "MRSP"] = Field(
+        description="end of authority, supervised location, limit of authority, start of a lower permitted speed"
+    )
+    at: Length = Field(description="location")
+    speed: StepSpeed = Field(default=0.0, description="target speed of LoA and MRSP")
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if (self.kind in ("EoA", "SvL")) != (self.speed == 0):
+            raise table_error(
+                f"a target of kind {self.kind} has speed {3.6 * self.speed:g} km/h; EoA and "
+                f"SvL have 0, LoA and MRSP more"
+            )
+        return self
+
+    @property
+    def name(self) -> str:
+        """Kind, with location and speed where several targets may have it."""
+        return self.kind if self.speed == 0 else f"{self.kind} {3.6 * self.speed:g} km/h at {self.at:g} m"
+
+
+class Line(Table):
+    """A line in the direction of travel; level and with normal adhesion where nothing else is given."""
+
+    name: Name = "level"
+    speed: Speed | None = Field(default=None, description="permitted speed; that of the train unless given")
+    gradient: tuple[Gradient, ...] = ()
+    low_adhesion: tuple[LowAdhesion, ...] = ()
+    target: tuple[Target, ...] = Field(default=(Target(kind="EoA", at=0.0), Target(kind="SvL", at=0.0)), min_length=1)
+    release: Literal["none", "national", "calculated", "given"] = Field(
+        default="none", description="origin of the release speed: V_NVREL, calculated on board, or release_speed"
+    )
+    release_speed: Annotated[float, UnitRange("m/s", above=0, at_most=40)] | None = Field(
+        default=None, description='release speed, with release = "given"'
+    )
+    balise: Length | None = Field(
+        default=None, description="location of the last balise group before the EoA, for a calculated release speed"
+    )
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        begins = [gradient.begin for gradient in self.gradient]
+        if begins != sorted(set(begins)):
+            raise table_error(f"gradient must begin at rising locations, got {begins}")
+        stretches = [place for stretch in self.low_adhesion for place in (stretch.begin, stretch.end)]
+        if stretches != sorted(stretches):
+            raise table_error(f"low_adhesion must be in order and not overlap, got {stretches}")
+        for kind in ("EoA", "SvL"):
+            if sum(target.kind == kind for target in self.target) > 1:
+                raise table_error(f"target: there is one {kind} at most")
+        eoa, svl = self.one("EoA"), self.one("SvL")
+        if eoa is not None and svl is not None and svl.at < eoa.at:
+            raise table_error(f"target: the SvL at {svl.at:g} m is in front of the EoA at {eoa.at:g} m")
+        if self.release != "none" and (eoa is None or svl is None):
+            raise table_error("release needs a target of kind EoA and one of kind SvL")
+        if (self.release == "given") != (self.release_speed is not None):
+            raise table_error('release = "given" and release_speed need each other')
+        if self.release == "calculated" and (self.balise is None or eoa is None or self.balise > eoa.at):
+            raise table_error('release = "calculated" needs balise, the last balise group, before the EoA')
+        for target in self.target:
+            if self.speed is not None and target.speed >= self.speed:
+                raise table_error(
+                    f"target: {target.name} is not below the permitted speed of {3.6 * self.speed:g} km/h"
+                )
+        return self
+
+    def one(self, kind: str) -> Target | None:
+        """Return the target of a kind that occurs once; None without it."""
+        return next((target for target in self.target if target.kind == kind), None)
+
+
+def load_line(path: Path | None) -> Line:
+    """Return the line of a file; without one, a level line with EoA and SvL at 0 m.
+
+    Raises:
+        ScenarioError: The file cannot be read or is wrong; one sentence for each problem, with file and key.
+    """
+    if path is None:
+        return Line()
+    return validate_table(Line, {"name": path.stem} | read_toml(path), directory=path.parent, origin=path.name)

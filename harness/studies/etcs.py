@@ -1,0 +1,95 @@
+"""Braking curves and supervision limits of ETCS: a figure, a table, and a CSV file."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any
+
+from typer import Argument, Option
+
+from railgrip.base.files import write_text
+from railgrip.campaign.work import Work
+from railgrip.etcs.results import BrakingCurves, braking_curves
+from railgrip.report.baseline import Finding
+from railgrip.report.marked import write_tables
+from railgrip.report.page import Page
+from railgrip.report.table import ReportTable
+from railgrip.studies.study import Study
+
+PAGE = Path("docs/etcs.md")
+"""Folder relative to that of the project, in which the command runs."""
+
+
+@dataclass(frozen=True)
+class Etcs(Study):
+    """Draw the braking curves that ETCS supervises for a train, and its stops beneath."""
+
+    train: Annotated[
+        Path, Argument(metavar="TRAIN", help="A train file or its name, or a file of brake curves or percentage.")
+    ] = Path("emu387")
+    line: Annotated[Path | None, Option(help="Line with gradients and targets; level unless given.")] = None
+    national: Annotated[Path | None, Option(help="National values; the defaults of SUBSET-026 unless given.")] = None
+    write: Annotated[bool, Option("--write", help="Write its tables into docs/etcs.md.")] = False
+
+    def page(self, work: Work) -> Page:
+        """Return the curves.
+
+        Raises:
+            InputError: A file is wrong, or the brake does not slow the train down on the line.
+        """
+        curves = braking_curves(self.train, self.national, self.line, work.notify)
+        name = curves.case.model.name
+        if self.write:
+            sentences = "\n".join(f"- {sentence}" for sentence in curves.sentences)
+            tables = {"decelerations": curves.decelerations, "limits": curves.table, "sentences": sentences}
+            write_tables(PAGE, tables)
+        return Page(
+            title=f"Braking curves of {name}",
+            question="Where does ETCS warn and brake, and where does the train stop?",
+            answer=_answer(curves),
+            template="studies/etcs.md.jinja",
+            values={
+                "decelerations": curves.decelerations,
+                "limits": curves.table,
+                "sentences": list(curves.sentences),
+                "national": _given(curves),
+            },
+            figures={"etcs.png": curves.figure()},
+            files={"etcs.csv": partial(_write_csv, curves)},
+            tables={"limits.csv": curves.table, "decelerations.csv": curves.decelerations},
+            screen=(curves.decelerations, curves.table, *curves.sentences),
+        )
+
+    def headlines(self, work: Work) -> list[Finding]:
+        """Return the indication and the intervention of a train file and of the conversion model at their speed."""
+        curves = braking_curves(Path("vt642"))
+        frame = curves.limits
+        last = frame.groupby(["target", "limit"]).last()["location_m"]
+        # Draws are seeded: a thousandth is enough for the arithmetic of another machine.
+        return [
+            Finding(f"vt642: {limit} of the {target}", -float(last[target, limit]), "m")
+            for target, limit in (("EoA", "I"), ("SvL", "EBI"), ("SvL", "EBD"))
+        ]
+
+
+STUDY = Etcs
+
+
+def _answer(curves: BrakingCurves) -> str:
+    last: Mapping[str, Any] = curves.table.rows[-1]
+    intervention = last["SBI1" if last["target"] == "EoA" else "EBI"]
+    return (
+        f"From {last['from']:.0f} km/h, {last['target']}: indication {last['I']:.0f} m, permitted speed "
+        f"{last['P']:.0f} m and intervention {intervention:.0f} m before the target."
+    )
+
+
+def _given(curves: BrakingCurves) -> ReportTable:
+    values = curves.case.national.model_dump()
+    rows = [{"national value": name, "value": str(value)} for name, value in values.items()]
+    return ReportTable(rows, left=("national value", "value"))
+
+
+def _write_csv(curves: BrakingCurves, path: Path) -> None:
+    write_text(path, curves.limits.to_csv(index=False, float_format="%.4f", lineterminator="\n"))
