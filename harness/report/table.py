@@ -40,6 +40,8 @@ _MARKDOWN: Final = re.compile(
 )
 """Characters that CommonMark interprets in a text of one line."""
 _HTML: Final = re.compile(rf"{_MARKDOWN.pattern}|[>\"']")
+_BAR: Final = re.compile(r"(?<!\\)((?:\\\\)*)\|")
+"""A bar of a Markdown cell that would end it: one that no backslash escapes."""
 _NAMED: Final = {"&": "&amp;", "<": "&lt;", ">": "&gt;"}
 
 
@@ -153,10 +155,10 @@ class ReportTable:
         return replace(self, rows=rows)
 
     def __str__(self) -> str:
-        """Return the table as Markdown; see `with_texts` for cells with users' texts."""
+        """Return the table as Markdown, whose cells may have emphasis and links; see `with_texts` for users' texts."""
         rules = ("---" if column in self.left else "--:" for column in self.columns)
-        lines = (f"| {' | '.join(row.values())} |" for row in self.texts)
-        return "\n".join((f"| {' | '.join(self.columns)} |", f"|{'|'.join(rules)}|", *lines))
+        head, *lines = (_markdown_row(cells) for cells in (self.columns, *(row.values() for row in self.texts)))
+        return "\n".join((head, f"|{'|'.join(rules)}|", *lines))
 
     def __html__(self) -> str:
         """Return the table as HTML; columns of texts are of the class `text`, numbers keep their values for sorting."""
@@ -188,6 +190,12 @@ class ReportTable:
             writer = csv.DictWriter(file, self.columns)
             writer.writeheader()
             writer.writerows(self.rows)
+
+
+def _markdown_row(cells: Iterable[str]) -> str:
+    """Return a row of a Markdown table, in which no cell ends the cell or the row."""
+    safe = (_BAR.sub(r"\1\|", _one_line(cell)) for cell in cells)
+    return f"| {' | '.join(safe)} |"
 
 
 def text(value: Any, form: Form = "{}") -> str:

@@ -1,9 +1,10 @@
 """The tests of Schwarz and Keck (2020), §4, on a simulated rig: their filter and railgrip's, against true values."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Final
 
 import numpy as np
 import xarray
@@ -125,7 +126,7 @@ def recording_of_rig(scenario: Scenario) -> xarray.Dataset:
     Raises:
         PlantFailed: The plant refused a step.
     """
-    trace = evenly(run_stop(scenario).trace, scenario.name)
+    trace = evenly(run_stop(scenario).stored_trace, scenario.name)
     # A row has the decision before it; its own decision is in the next row.
     protection = (trace["demand"] < trace["driver_demand"]).values[:, 0]
     return with_signals(trace, {"protecting": (np.append(protection[1:], protection[-1:]), "1")})
@@ -139,7 +140,7 @@ def row_of(scenario: Scenario, name: str, recording: xarray.Dataset, estimates: 
     return {
         "scenario": scenario.name,
         "filter": name,
-        "period": scenario.periods.communication,
+        "period": scenario.periods.trace,
         "speed_noise": scenario.sensors.noise["speed"].si("m/s"),
         **{f"alpha_{figure}": alpha[figure] for figure in ("rmse", "bias", "nees", "sd")},
         **excursions(recording, estimates, SETTLED),
@@ -165,7 +166,7 @@ def with_encoder(scenario: Scenario) -> list[Row]:
     recording, noise = recording_of_rig(scenario), scenario.sensors.noise["speed"].si("m/s")
     rows: list[Row] = []
     for name, filter_ in _filters().items():
-        settings = settings_for(filter_, scenario.periods.communication)
+        settings = settings_for(filter_, scenario.periods.trace)
         if name == "rig-own":
             settings = replace(settings, readings={**settings.readings, "speed": noise**2})
         estimates = estimate(
@@ -186,7 +187,7 @@ def fit_of(case: tuple[str, float]) -> Row:
     """
     name, period = case
     specification = _filters()["rig-paper"]
-    recording = recording_of_rig(_resample(name, period, 1e-9))
+    recording = recording_of_rig(resample(name, period, 1e-9))
     speed, settings = recording["reading_speed"], settings_for(specification, period)
     prediction, equations = prediction_for(specification), equations_for(specification)
     row: Row = {"scenario": name, "period": period}
@@ -305,10 +306,16 @@ def _filters() -> dict[str, Specification]:
     }
 
 
-def _resample(name: str, period: float, noise: float) -> Scenario:
-    periods = dict.fromkeys(("communication", "estimator", "trace"), period) | {"controller": max(period, 0.01)}
-    changes = [f'periods.{who}="{each} s"' for who, each in periods.items()]
+def resample(name: str, period: float, noise: float) -> Scenario:
+    """Return a test of the rig with a sampling period [s] and a standard deviation of the roller's encoder [m/s]."""
+    periods = dict.fromkeys(("estimator", "trace"), period) | {"controller": max(period, 0.01)}
+    # The plant takes equal steps of at most 10 ms from sample to sample: longer ones miss how the wheelset slides.
+    periods["communication"] = period / math.ceil(round(period / _LONGEST_STEP, 9))
+    changes = [f'periods.{who}="{each:.12g} s"' for who, each in periods.items()]
     return load(Path(name), [*changes, f'sensors.noise.speed="{noise} m/s"'])
+
+
+_LONGEST_STEP: Final = 10e-3
 
 
 @dataclass(frozen=True)
@@ -323,7 +330,7 @@ class RollerRig(Study):
         """Return both tests with both filters, and the sliding test with other periods and encoders."""
         scenarios = [load(Path(name)) for name in SCENARIOS]
         tests = dict(zip(SCENARIOS, work.map(run_test, scenarios), strict=True))
-        others = [_resample("rig_slide", period, noise) for period in PERIODS for noise in SPEED_NOISES]
+        others = [resample("rig_slide", period, noise) for period in PERIODS for noise in SPEED_NOISES]
         sensitivity = [row for rows in work.map(with_encoder, others) for row in rows]
         rows = _rows(scenarios, list(tests.values()))
         fits = fit_table(work.map(fit_of, [(name, period) for name in SCENARIOS for period in FIT_PERIODS]))

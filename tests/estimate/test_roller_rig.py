@@ -16,12 +16,15 @@ from railgrip.studies.bench.filters import rig_step
 from railgrip.studies.papers import adhesion_and_brake_friction as published
 from railgrip.studies.roller_rig import (
     ENCODERS,
+    FIT_PERIODS,
+    PERIODS,
     R_OF_SPEED,
     WRONG_START,
     encode,
     excursions,
     outside_events,
     recording_of_rig,
+    resample,
     tunings,
 )
 
@@ -226,3 +229,14 @@ def test_encoder_errors_have_the_variance_of_equation_20():
         assert np.var(first) == pytest.approx(R_OF_SPEED, rel=0.02)
         assert not np.array_equal(first, second)
     assert np.array_equal(encode(speed, ENCODERS[0], 0), speed)
+
+
+@pytest.mark.parametrize("name", ["rig_slide", "rig_sand"])
+@pytest.mark.parametrize("period", sorted({*PERIODS, *FIT_PERIODS}))
+def test_every_period_of_the_study_is_a_scenario_whose_samples_have_that_distance(name, period):
+    """The plant takes at most 10 ms a step; readings are sampled every period."""
+    scenario = resample(name, period, 1e-4).revised({"limits": {"horizon": "1 s"}})
+    assert scenario.periods.communication <= 10e-3
+    time = recording_of_rig(scenario)["time"].values
+    assert np.diff(time) == pytest.approx(np.full(time.size - 1, period), abs=1e-9)
+    assert time.size >= 1.0 / period - 1

@@ -1,8 +1,11 @@
 """Names and descriptions of users are text in every page: they add no element, attribute, link, image or heading."""
 
+import csv
 import re
+from functools import partial
 from html.parser import HTMLParser
 
+import markdown
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -113,3 +116,28 @@ def test_a_table_of_a_markdown_file_keeps_its_columns(tmp_path_factory, text):
 def test_an_escaped_text_is_one_line(text):
     assert "\n" not in as_html(text)
     assert "\n" not in as_markdown(text)
+
+
+BARS = st.text(st.sampled_from("ab|\\ \n\r`*"), max_size=12)
+
+
+@example("a|b", "|")
+@example("a\\|b", "\\\\|")
+@example("`a|b`", "|x|")
+@given(BARS, BARS.filter(lambda text: text.strip()))
+def test_no_rendering_of_a_table_loses_a_cell_to_a_bar_or_a_line_break(tmp_path_factory, cell, heading):
+    """GFM (4.10) and Python-Markdown, which docs use, split at bars that no backslash escapes; also within code."""
+    table = ReportTable([{"stop": cell, f"{heading}1": "x", "c": cell}, {"stop": "p", f"{heading}1": "q", "c": "r"}])
+    readers = (MarkdownIt("gfm-like", {"linkify": False}).render, partial(markdown.markdown, extensions=["tables"]))
+    for read in (*readers, lambda _: table.__html__()):
+        tags = [tag for tag, _ in Elements(read(str(table))).elements if tag in ("table", "tr", "th", "td", "p")]
+        assert tags == ["table", "tr", "th", "th", "th", "tr", "td", "td", "td", "tr", "td", "td", "td"]
+    if not set(cell) & set("\\`*"):
+        for read in (*readers, lambda _: table.__html__()):
+            assert words(re.findall(r"<td[^>]*>(.*?)</td>", read(str(table)), re.DOTALL)[0].replace("&#124;", "|")) == (
+                words(cell)
+            )
+    path = tmp_path_factory.mktemp("table") / "a.csv"
+    table.write_csv(path)
+    with path.open(newline="", encoding="utf-8") as file:
+        assert list(csv.DictReader(file)) == [dict(row) for row in table.rows]
