@@ -78,7 +78,9 @@ class _Profile(Table):
         default={},
         description="a further factor for named Polach sets, written by the calibration; 1 for a set that is not named",
     )
-    conditioning: Conditioning | None = Field(default=None, description="how wheels that pass clean the rail for those behind")
+    conditioning: Conditioning | None = Field(
+        default=None, description="how wheels that pass clean the rail for those behind"
+    )
     recovery: Recovery | None = optional("how slip cleans the rail; that of polach without it")
     sand: Sand | None = optional("effect of sand on friction; required with [[sanders]]")
     patch: tuple[Patch, ...] = optional("places of other friction, of a profile over distance", default=())
