@@ -15,7 +15,10 @@ from railgrip.scenario.table import ONE_OR_EACH, Chainage, Friction, Length, Tab
 
 
 class Conditioning(Table):
-    """Each wheelset or group cleans the rail for the next: closes `fraction` of the gap to `recovered`."""
+    """Each wheelset or group cleans the rail for the next by rolling: closes `fraction` of the gap to `recovered`.
+
+    With a recovery, slip cleans what is left: it starts from the friction that a wheelset meets.
+    """
 
     fraction: Annotated[
         float,
@@ -75,7 +78,9 @@ class _Profile(Table):
         default={},
         description="a further factor for named Polach sets, written by the calibration; 1 for a set that is not named",
     )
-    conditioning: Conditioning | None = Field(default=None, description="how wheels clean the rail for those behind")
+    conditioning: Conditioning | None = Field(
+        default=None, description="how wheels that pass clean the rail for those behind"
+    )
     recovery: Recovery | None = optional("how slip cleans the rail; that of polach without it")
     sand: Sand | None = optional("effect of sand on friction; required with [[sanders]]")
     patch: tuple[Patch, ...] = optional("places of other friction, of a profile over distance", default=())
@@ -85,15 +90,6 @@ class _Profile(Table):
         known = {*registry.files(registry.CREEP_CURVES), *(curve.name for curve in self.curves)}
         if unknown := sorted(self.calibrated.keys() - known):
             raise table_error(f"calibrated has a factor for {not_in(sorted(known), unknown[0])}")
-        return self
-
-    @model_validator(mode="after")
-    def _one_cleaning(self) -> Self:
-        if self.cleaning is not None and self.conditioning is not None and self.conditioning.fraction > 0:
-            raise table_error(
-                "has conditioning, which cleans the rail for wheels behind whatever those ahead do, and recovery, "
-                "which cleans it by their slip; keep one (conditioning.fraction = 0 does nothing)"
-            )
         return self
 
     @model_validator(mode="after")

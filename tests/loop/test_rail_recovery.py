@@ -115,6 +115,20 @@ def test_a_rail_better_than_the_clean_one_does_not_change():
     assert rolled(rail(mu0=0.5, clean=CLEAN.model_copy(update={"B": 5.0})), 50.0).mu0 == pytest.approx(np.full(6, 0.5))
 
 
+def test_slip_cleans_from_the_friction_that_passing_wheels_leave():
+    """Each of `passed` wheelsets closes 0.2 of the gap to 0.15; the law of slip then starts from that friction."""
+    passed = 0.15 - (0.15 - 0.05) * 0.8 ** np.arange(6)
+    track = rolled(rail(mu0=passed), 60.0)
+    each = 0.5 * 0.05 * LOAD * 0.1
+    expected = [law((ahead + 1) * each, mu0, slip_speed=2.0) for ahead, mu0 in enumerate(passed)]
+    assert track.mu0 == pytest.approx(expected, rel=1e-9)
+    passing = "adhesion.conditioning={fraction=0.2, recovered=0.15, by='wheelset'}"
+    scenario = load(LIBRARY / "plain.toml", [*LOW, WRITTEN, passing, "limits.horizon=1 s"])
+    with assemble(scenario) as parts:
+        first = parts.parts.rail.mu0.copy()
+    assert first == pytest.approx(passed, rel=1e-9)
+
+
 def test_rolling_and_stationary_wheels_do_not_change_the_rail():
     assert rolled(rail(), 50.0, slip=lambda place: 0.0).mu0 == pytest.approx(np.full(6, 0.05))
     track = rolled(rail(), 50.0)
@@ -161,7 +175,6 @@ def test_cleaning_slip_shortens_the_stop_and_half_the_period_changes_little(cont
 @pytest.mark.parametrize(
     ("scenario", "changes", "words"),
     [
-        ("trapezoid", [WRITTEN], "conditioning.fraction = 0"),
         (
             "trapezoid",
             [WRITTEN, "adhesion.conditioning.fraction=0", "controller.kind=ideal_bound", "estimator.kind=none"],

@@ -92,7 +92,6 @@ def test_heat_lowers_adhesion_in_slides_of_every_train_of_the_library(name, chan
 @pytest.mark.parametrize(
     ("scenario", "changes", "words"),
     [
-        ("trapezoid", ["adhesion.polach=wet_two_maxima"], "conditioning.fraction = 0"),
         (
             "plain",
             ["adhesion.polach_of_wheelset=['leaf', 'leaf', 'leaf', 'leaf', 'leaf', 'wet_two_maxima']"],

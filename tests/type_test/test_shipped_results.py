@@ -87,7 +87,7 @@ def test_written_results_read_back(tmp_path, stops):
 
 def test_results_of_a_version_without_the_adhesion_at_the_first_slide_are_read(tmp_path, stops):
     older = [replace(stop, adhesion_at_slide=None) for stop in stops]
-    path = write_shipped(older, cases(QUICK), TRAIN, tmp_path)
+    (path,) = write_shipped(older, cases(QUICK), TRAIN, tmp_path)
     lines = path.read_text(encoding="utf-8").splitlines()
     assert lines[1].endswith(",adhesion_at_slide")
     path.write_text("\n".join([lines[0], *(line.rpartition(",")[0] for line in lines[1:])]) + "\n", encoding="utf-8")

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from railgrip.api import Scenario
 from railgrip.base.errors import ScenarioError
 from railgrip.report.limits import limits_of
 from railgrip.rolling_stock.schema import load_train
@@ -19,7 +20,16 @@ from railgrip.studies.type_test.family import AXES, FEWEST, families, losses
 from railgrip.studies.type_test.judge import CaseMeasurement, judgements, summaries
 from railgrip.studies.type_test.shipped import digest_of, read_shipped
 from railgrip.studies.type_test.study import TypeTest, page_of
-from railgrip.studies.type_test.track_case import CLEANING, FASTEST, LOAD, RADIUS, RAILS, TRAINS
+from railgrip.studies.type_test.track_case import (
+    CLEANING,
+    FASTEST,
+    FRACTION,
+    LOAD,
+    PASSED_RAILS,
+    RADIUS,
+    RAILS,
+    TRAINS,
+)
 
 SECOND = VERSIONS[2]
 CASES = SECOND.draw(SECOND.count, SECOND.test)
@@ -70,6 +80,41 @@ def test_a_blend_is_between_its_two_curves():
     polach = case.tables(4)["adhesion"]["polach"]
     assert 0.04 < polach["k_A"] < 1.0
     assert 0.4 < polach["A"] < 0.5
+
+
+def test_rails_of_passing_wheels_follow_the_other_cases_and_change_none():
+    design = SECOND.design(SECOND.count, SECOND.test)
+    assert design[: SECOND.count] == CASES
+    passed = [case for case in design if CaseSet.of(case.name).part == "p"]
+    assert len(passed) == SECOND.count // 6
+    assert Counter(case.passage for case in passed) == dict.fromkeys(("by group", "by wheelset"), len(passed) // 2)
+    rails = Counter(case.rail for case in passed)
+    assert {rail: round(count * len(PASSED_RAILS) / len(passed)) for rail, count in rails.items()} == Counter(
+        PASSED_RAILS
+    )
+    assert {case.cleaning for case in passed} >= CLEANING.keys()
+    for case in passed:
+        assert FRACTION[0] <= case.fraction <= FRACTION[1]
+        assert case.recovered > case.friction
+        table = case.tables(4)["adhesion"]["conditioning"]
+        assert table == {"fraction": case.fraction, "recovered": case.recovered, "by": case.passage.split()[1]}
+    # Training, validation and sealed sets have such rails, too, and other ones.
+    sets = [
+        {replace(case, name="") for case in SECOND.design(96, seed)[96:112]}
+        for seed in (SECOND.test, SECOND.validation, SECOND.training, 10**9)
+    ]
+    assert sum(map(len, sets)) == 64 == len(set.union(*sets))
+    assert all(case.fraction for case in set.union(*sets))
+
+
+def test_the_test_set_has_the_rails_of_table_1_as_the_papers_have_them():
+    published = [case for case in SECOND.design(SECOND.quick, SECOND.test) if CaseSet.of(case.name).part == "t"]
+    assert [case.scenario for case in published] == ["trapezoid", "sine_sweep", "random"]
+    stops = campaign_of(published, {"fuzzy_slip": entrants(2)["fuzzy_slip"]}, train_of(None)).stops
+    for case, stop in zip(published, stops, strict=True):
+        assert stop.scenario.adhesion == Scenario.load(case.scenario).adhesion
+        assert stop.scenario.start.speed == pytest.approx(80 / 3.6)
+    assert not [case for case in SECOND.design(48, SECOND.training) if "v2t" in case.name]
 
 
 def test_radii_and_pads_differ_by_group_and_do_not_depend_on_the_number_of_groups():

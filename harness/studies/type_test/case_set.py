@@ -4,7 +4,7 @@ import json
 import re
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final, Self
@@ -16,9 +16,21 @@ from railgrip.base.units import cut
 from railgrip.report.table import ReportTable
 from railgrip.studies.type_test import design
 from railgrip.studies.type_test.design import Case
-from railgrip.studies.type_test.track_case import TrackCase, track_cases
+from railgrip.studies.type_test.track_case import (
+    PublishedRail,
+    TrackCase,
+    passage_cases,
+    published_rails,
+    track_cases,
+)
 
-AnyCase = Case | TrackCase
+AnyCase = Case | TrackCase | PublishedRail
+
+
+Draw = Callable[[int, int], tuple[AnyCase, ...]]
+"""Returns a number of cases of a seed."""
+Part = tuple[Callable[[int], int], Draw]
+"""Number of further cases for a number of cases, and their draw."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,6 +41,7 @@ class Version:
         count, quick: Number of cases of a full test, and of a quick one.
         test, validation, training: Seeds of the sets.
         draw: Returns a number of cases of a seed.
+        parts: Letter in the names of further cases → their number and draw.
     """
 
     count: int
@@ -36,8 +49,27 @@ class Version:
     test: int
     validation: int
     training: int
-    draw: Callable[[int, int], tuple[AnyCase, ...]]
+    draw: Draw
+    parts: Mapping[str, Part] = field(default_factory=dict[str, Part])
 
+    def design(self, count: int, seed: int) -> tuple[AnyCase, ...]:
+        """Return a number of cases of a seed, followed by those of its further parts.
+
+        The rails of Table 1 have no draw: they are only in the set of the test.
+        """
+        further = [
+            case
+            for letter, (number, draw) in self.parts.items()
+            if letter != _PUBLISHED or seed == self.test
+            for case in draw(number(count), seed)
+        ]
+        return (*self.draw(count, seed), *further)
+
+
+_PASSAGE, _PUBLISHED = "p", "t"
+"""Letters of the cases on rails that passing wheels clean, and of those on the rails of Table 1."""
+_PASSED: Final = 6
+"""Number of cases for one that passing wheels clean."""
 
 VERSIONS: Final[Mapping[int, Version]] = MappingProxyType(
     {
@@ -49,7 +81,18 @@ VERSIONS: Final[Mapping[int, Version]] = MappingProxyType(
             training=design.TRAINING_SEED,
             draw=design.cases,
         ),
-        2: Version(count=432, quick=24, test=25595, validation=64105, training=3021, draw=track_cases),
+        2: Version(
+            count=432,
+            quick=24,
+            test=25595,
+            validation=64105,
+            training=3021,
+            draw=track_cases,
+            parts={
+                _PASSAGE: (lambda count: count // _PASSED, passage_cases),
+                _PUBLISHED: (lambda count: 3 if count > 3 else 0, published_rails),
+            },
+        ),
     }
 )
 
@@ -66,19 +109,30 @@ _LOOKS: Final = Path("type_test") / "looks.json"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CaseSet:
-    """A set of cases, from which the cases follow."""
+    """A set of cases, from which the cases follow.
+
+    Attributes:
+        version: Version of the type test.
+        count: Number of cases.
+        seed: Seed of the draw.
+        part: Key of `Version.parts`, or '' for the cases of `Version.draw`.
+    """
 
     version: int
     count: int
     seed: int
+    part: str = ""
 
     @classmethod
     def of(cls, name: str) -> Self | None:
         """Return the set that is in the name of a case, None for another name."""
-        match = re.fullmatch(r"\d+of(\d{1,5})(?:v(\d))?-(\d{1,10})", name)
-        if match is None or not int(match[1]) or int(match[2] or 1) not in VERSIONS:
+        match = re.fullmatch(r"\d+of(\d{1,5})(?:v(\d)([a-z]?))?-(\d{1,10})", name)
+        if match is None or not int(match[1]):
             return None
-        return cls(version=int(match[2] or 1), count=int(match[1]), seed=int(match[3]))
+        version, part = int(match[2] or 1), match[3] or ""
+        if version not in VERSIONS or (part and part not in VERSIONS[version].parts):
+            return None
+        return cls(version=version, count=int(match[1]), seed=int(match[4]), part=part)
 
     @classmethod
     def sealed(cls, version: int, digest: str, count: int = SEALED) -> Self:
@@ -107,7 +161,9 @@ class CaseSet:
 
     def cases(self) -> tuple[AnyCase, ...]:
         """Return its cases."""
-        return VERSIONS[self.version].draw(self.count, self.seed)
+        version = VERSIONS[self.version]
+        draw = version.parts[self.part][1] if self.part else version.draw
+        return draw(self.count, self.seed)
 
 
 def case_named(name: str) -> AnyCase:

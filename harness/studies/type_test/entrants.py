@@ -181,8 +181,8 @@ _TRAINING_SPEED = 60 / 3.6
 
 
 def training_cases(count: int, version: int = 1) -> list[AnyCase]:
-    """Return a number of short cases of the training set."""
-    cases = VERSIONS[version].draw(count, VERSIONS[version].training)
+    """Return a number of short cases of the training set, with those of its further parts."""
+    cases = VERSIONS[version].design(count, VERSIONS[version].training)
     return [replace(case, speed=min(case.speed, _TRAINING_SPEED)) for case in cases]
 
 

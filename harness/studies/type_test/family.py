@@ -11,7 +11,7 @@ from railgrip.report.statistics import endless, finite, quantile, quantile_inter
 from railgrip.report.table import ReportTable, share
 from railgrip.studies.type_test.judge import CaseJudgement, Summary
 
-AXES: Final = ("curve", "over", "rail", "cleaning", "number of faults", "train", "mechanics")
+AXES: Final = ("curve", "over", "rail", "cleaning", "passage", "number of faults", "train", "mechanics")
 """Variants of a case that make families."""
 
 FEWEST: Final = 5

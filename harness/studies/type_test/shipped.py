@@ -33,17 +33,21 @@ def digest_of(design: Iterable[AnyCase], train: Mapping[str, Any]) -> str:
 
 def write_shipped(
     stops: Iterable[CaseMeasurement], design: Sequence[AnyCase], train: Mapping[str, Any], folder: Path
-) -> Path:
-    """Write the stops of a set of cases into its file in a folder; return the file."""
+) -> list[Path]:
+    """Write the stops of each set of cases into its file in a folder; return the files."""
     columns = [field.name for field in fields(CaseMeasurement) if field.name not in _OF_THE_CASE]
-    content = io.StringIO()
-    content.write(f"# cases {digest_of(design, train)}, railgrip {version('railgrip')}\n")
-    writer = csv.DictWriter(content, columns, extrasaction="ignore", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(asdict(stop) for stop in sorted(stops, key=lambda stop: (stop.case, stop.controller)))
-    path = folder / _file_of(_set_of(design[0]))
-    write_text(path, content.getvalue())
-    return path
+    ordered = sorted(stops, key=lambda stop: (stop.case, stop.controller))
+    paths: list[Path] = []
+    for case_set, of_the_set in _by_set(design).items():
+        names = {case.name for case in of_the_set}
+        content = io.StringIO()
+        content.write(f"# cases {digest_of(of_the_set, train)}, railgrip {version('railgrip')}\n")
+        writer = csv.DictWriter(content, columns, extrasaction="ignore", lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(asdict(stop) for stop in ordered if stop.case in names)
+        paths.append(folder / _file_of(case_set))
+        write_text(paths[-1], content.getvalue())
+    return paths
 
 
 def read_shipped(
@@ -56,12 +60,9 @@ def read_shipped(
         train: Tables of the train, `train_of`.
         folder: Folder of the files.
     """
-    sets: dict[CaseSet, list[AnyCase]] = {}
-    for case in design:
-        sets.setdefault(_set_of(case), []).append(case)
     stops: list[CaseMeasurement] = []
     sentences: list[str] = []
-    for case_set, of_the_set in sets.items():
+    for case_set, of_the_set in _by_set(design).items():
         file = _file_of(case_set)
         if not (folder / file).exists():
             sentences.append(
@@ -83,8 +84,15 @@ def read_shipped(
     return stops, sentences
 
 
+def _by_set(design: Iterable[AnyCase]) -> dict[CaseSet, list[AnyCase]]:
+    sets: dict[CaseSet, list[AnyCase]] = {}
+    for case in design:
+        sets.setdefault(_set_of(case), []).append(case)
+    return sets
+
+
 def _file_of(case_set: CaseSet) -> str:
-    version = "" if case_set.version == 1 else f"v{case_set.version}_"
+    version = "" if case_set.version == 1 else f"v{case_set.version}{case_set.part}_"
     return f"results_{version}{case_set.count}_{case_set.seed}.csv"
 
 

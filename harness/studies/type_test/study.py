@@ -198,9 +198,9 @@ class TypeTest(Study):
         if self.case:
             design = tuple(case_named(name) for name in self.case)
         elif self.sealed:
-            design = CaseSet.sealed(self._version, *digests.values(), count=count).cases()
+            design = version.design(count, CaseSet.sealed(self._version, *digests.values(), count=count).seed)
         else:
-            design = version.draw(count, version.validation if self.validation else version.test)
+            design = version.design(count, version.validation if self.validation else version.test)
         if self.train is None:
             return design
         return tuple(replace(case, train="") if isinstance(case, TrackCase) else case for case in design)

@@ -1,6 +1,7 @@
 """The cases of version 2: rails that vary over the track, slip that cleans, blended creep curves, pairs of faults.
 
-As in version 1 a case is a point of a scrambled Sobol sequence with ranks in place of coordinates.
+As in version 1 a case is a point of a scrambled Sobol sequence with ranks in place of coordinates. Rails that wheels
+clean by rolling over them have a sequence of their own, so that the other cases stay as they are.
 """
 
 import math
@@ -14,6 +15,7 @@ from scipy.stats.qmc import Sobol
 
 from railgrip.base import registry
 from railgrip.base.units import GRAVITY
+from railgrip.scenario.load import read_toml
 from railgrip.scenario.polach import named_set
 from railgrip.studies.type_test.design import FAULTS, FRICTION, KMH, SPEED, STEEPEST
 
@@ -29,6 +31,17 @@ RAILS: Final = (
 PERIOD: Final = (10.0, 300.0)  # m, of patches and steps; mean distance of the beginnings of patches of leaves
 CORRELATION: Final = (0.3, 150.0)  # m
 TIMES: Final = (0.3, 12.0)  # s, period or correlation over time
+
+PASSED_RAILS: Final = (
+    *("patches over time", "sweep over time", "random over time") * 2,
+    "patches", "steps", "sweep", "random", "leaves", "even",
+)  # fmt: skip
+"""Kinds of rail that passing wheels clean; half of them vary over time, as those of Table 1 of the papers."""
+
+FRACTION: Final = (0.04, 0.36)
+"""Share of the gap that each group or wheelset closes; the geometric mean, 0.12, is that of Table 1's rails."""
+RECOVERED: Final = (1.1, 1.8)
+"""Friction of the rail that wheels have cleaned by rolling, over the mean; 1.30 to 1.44 on Table 1's rails."""
 
 CLEANING: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
     {
@@ -83,6 +96,9 @@ class TrackCase:
         gradient: Slope over the friction, climbing positive [1].
         faults: Keys of the faults, at most two.
         lot: Seed of sensors, rail, radii and pads.
+        passage: Who cleans the rail by rolling over it: "none", "by group" or "by wheelset".
+        fraction: Share of the gap to `recovered` that each of them closes [1].
+        recovered: Friction of the rail that they clean [1].
     """
 
     name: str
@@ -101,6 +117,9 @@ class TrackCase:
     gradient: float
     faults: tuple[str, ...]
     lot: int
+    passage: str = "none"
+    fraction: float = 0.0
+    recovered: float = 1.0
 
     @property
     def has_bound(self) -> bool:
@@ -137,6 +156,8 @@ class TrackCase:
             "rail": self.rail,
             "scale": f"{self.scale:.3g} {'s' if self.over == 'time' else 'm'}",
             "cleaning": self.cleaning,
+            "passage": self.passage,
+            "strength": f"{self.fraction:.2f} to {self.recovered:.3f}" if self.fraction else "none",
             "friction": f"{self.friction:.3f}",
             "speed": f"{KMH * self.speed:.0f} km/h",
             "train": self.train or "default",
@@ -159,12 +180,17 @@ class TrackCase:
             "gradient": self.slope,
             "mechanics": self.mechanics,
         }
-        recovery = {} if self.cleaning in ("none", BY_THE_CURVE) else {"recovery": dict(CLEANING[self.cleaning])}
+        surface: dict[str, Any] = {}
+        if self.cleaning not in ("none", BY_THE_CURVE):
+            surface["recovery"] = dict(CLEANING[self.cleaning])
+        if self.fraction:
+            by = self.passage.removeprefix("by ")
+            surface["conditioning"] = {"fraction": self.fraction, "recovered": self.recovered, "by": by}
         return {
             "seed": self.lot,
             "start": {"speed": self.speed},
             "truth": truth,
-            "adhesion": {"polach": self._polach(), **self._friction(), **recovery},
+            "adhesion": {"polach": self._polach(), **self._friction(), **surface},
             "limits": {"horizon": self.horizon},
         }
 
@@ -202,6 +228,15 @@ class TrackCase:
                 "kind": "random", "over": over, "mean": mean, "deviation": round(0.2 * mean, 6),
                 "correlation": f"{scale:.6g} {unit}", "minimum": round(0.4 * mean, 6), "maximum": round(1.6 * mean, 6),
             }  # fmt: skip
+        if self.rail.startswith("sweep"):
+            # From a period of √8 times the scale to one of the scale over √8, as the sweep of Table 1 with 7 s.
+            ratio, rate = math.sqrt(8.0), "Hz" if unit == "s" else "1/m"
+            start, end = 1.0 / (ratio * scale), ratio / scale
+            return {
+                "kind": "sine_sweep", "over": over, "mean": mean, "amplitude": round(0.3 * mean, 6),
+                "start_frequency": f"{start:.6g} {rate}", "end_frequency": f"{end:.6g} {rate}",
+                "sweep": f"{4.0 * scale:.6g} {unit}",
+            }  # fmt: skip
         ramp = 0.05 if self.rail == "steps" else 0.1 * scale
         return {
             "kind": "trapezoid", "over": over, "minimum": round(0.6 * mean, 6), "maximum": round(1.4 * mean, 6),
@@ -212,43 +247,74 @@ class TrackCase:
 
 def track_cases(count: int, seed: int) -> tuple[TrackCase, ...]:
     """Return a number of cases of version 2, the same ones for the same seed and creep curves of the library."""
+    return tuple(case for case, _ in _draw(count, seed, RAILS, "v2"))
+
+
+def passage_cases(count: int, seed: int) -> tuple[TrackCase, ...]:
+    """Return a number of cases of version 2 whose rail is cleaned by passing wheels, drawn as `track_cases`."""
+    return tuple(
+        replace(
+            case,
+            passage=_at(("by group", "by wheelset"), who),
+            fraction=_on_log_scale(FRACTION, share),
+            recovered=round(_on_log_scale(RECOVERED, clean) * case.friction, 6),
+        )
+        for case, (who, share, clean) in _draw(count, seed, PASSED_RAILS, "v2p", further=3)
+    )
+
+
+def _draw(
+    count: int, seed: int, rails: Sequence[str], kind: str, further: int = 0
+) -> list[tuple[TrackCase, tuple[float, ...]]]:
+    """Return cases, each with its place on a number of further axes, in (0, 1).
+
+    Args:
+        count: Number of cases.
+        seed: Seed of the sequence.
+        rails: Kinds of rail, each as often as it is in the list.
+        kind: Part of the names of the cases that identifies their set.
+        further: Number of further axes.
+    """
+    if not count:
+        return []
     curves = tuple(sorted(registry.files(registry.CREEP_CURVES)))
     faults = tuple(name for name in FAULTS if name != "none")
-    lists: tuple[Sequence[Any], ...] = (curves, curves, RAILS, _CLEANINGS, TRAINS, _COUNTS, faults, faults)
-    sample = Sobol(10 + len(lists), rng=np.random.default_rng(seed)).random_base2(max(count - 1, 1).bit_length())
+    lists: tuple[Sequence[Any], ...] = (curves, curves, rails, _CLEANINGS, TRAINS, _COUNTS, faults, faults)
+    axes = 10 + len(lists)
+    sample = Sobol(axes + further, rng=np.random.default_rng(seed)).random_base2(max(count - 1, 1).bit_length())
     points = (sample[:count].argsort(axis=0).argsort(axis=0) + 0.5) / count
     digits = len(str(count))
-    design: list[TrackCase] = []
-    for number, (*numbers, first, second, rail, cleaning, train, many, one, other) in enumerate(points, start=1):
-        slippery, fast, lot, blended, scale, *deviations = map(float, numbers)
+    design: list[tuple[TrackCase, tuple[float, ...]]] = []
+    for number, point in enumerate(points.tolist(), start=1):
+        (*numbers, first, second, rail, cleaning, train, many, one, other), rest = point[:axes], tuple(point[axes:])
+        slippery, fast, lot, blended, scale, *deviations = numbers
         curve, admixture = _at(curves, first), _at(curves, second)
         share = round(max(0.0, blended - 0.5), 2)
         has_own_recovery = [set(named_set(name)) != set(_SHAPE) for name in (curve, admixture)]
         if any(has_own_recovery) or curve == admixture or not share:
             admixture, share = "", 0.0
-        friction, kind, train_name = _on_log_scale(FRICTION, slippery), _at(RAILS, rail), _at(TRAINS, train)
+        friction, rail_kind, train_name = _on_log_scale(FRICTION, slippery), _at(rails, rail), _at(TRAINS, train)
         load, radius, pads, gradient = (2.0 * place - 1.0 for place in deviations[:4])
-        design.append(
-            TrackCase(
-                name=f"{number:0{digits}d}of{count}v2-{seed}",
-                curve=curve,
-                other=admixture,
-                share=share,
-                rail=kind,
-                scale=_on_log_scale(_scales(kind), scale),
-                cleaning=BY_THE_CURVE if has_own_recovery[0] else _at(_CLEANINGS, cleaning),
-                friction=friction,
-                speed=_speed(friction, fast, train_name),
-                train=train_name,
-                load=round(1.0 + LOAD * load, 4),
-                radius=round(0.5 * RADIUS * (1.0 + radius), 5),
-                pads=round(1.0 + PADS * pads, 4),
-                gradient=round(0.25 * gradient, 4),
-                faults=_faults(faults, _at(_COUNTS, many), one, other),
-                lot=int(1e6 * lot),
-            )
+        case = TrackCase(
+            name=f"{number:0{digits}d}of{count}{kind}-{seed}",
+            curve=curve,
+            other=admixture,
+            share=share,
+            rail=rail_kind,
+            scale=_on_log_scale(_scales(rail_kind), scale),
+            cleaning=BY_THE_CURVE if has_own_recovery[0] else _at(_CLEANINGS, cleaning),
+            friction=friction,
+            speed=_speed(friction, fast, train_name),
+            train=train_name,
+            load=round(1.0 + LOAD * load, 4),
+            radius=round(0.5 * RADIUS * (1.0 + radius), 5),
+            pads=round(1.0 + PADS * pads, 4),
+            gradient=round(0.25 * gradient, 4),
+            faults=_faults(faults, _at(_COUNTS, many), one, other),
+            lot=int(1e6 * lot),
         )
-    return tuple(design)
+        design.append((case, rest))
+    return design
 
 
 def _at(values: Sequence[Any], place: float) -> Any:
@@ -275,6 +341,95 @@ def _faults(faults: Sequence[str], count: int, first: float, second: float) -> t
     part = FAULTS[one]["faults"][0]["part"]
     others = [name for name in faults if FAULTS[name]["faults"][0]["part"] != part]
     return (one, _at(others, second))[:count]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PublishedRail:
+    """A rail of Table 1 of the papers in its scenario of the library, with the valves and sensors of the type test.
+
+    Attributes:
+        name: Its number and its set.
+        scenario: Name of the scenario.
+        speed: At the brake demand [m/s].
+        train: '', the train of the command.
+    """
+
+    name: str
+    scenario: str
+    speed: float
+    train: str = ""
+
+    @property
+    def has_bound(self) -> bool:
+        """Whether the bound is pointwise: slip does not change these rails."""
+        return True
+
+    @property
+    def mechanics(self) -> str:
+        """Mechanics of the train: those that the filter assumes."""
+        return "simple"
+
+    def variants(self) -> dict[str, str]:
+        """Return its values as people read them."""
+        adhesion = self._adhesion()
+        mean = adhesion.get("mean") or 0.5 * (adhesion["minimum"] + adhesion["maximum"])
+        passed = adhesion["conditioning"]
+        return {
+            "case": self.name,
+            "curve": adhesion["polach"],
+            "blend": "none",
+            "over": adhesion["over"],
+            "rail": TABLE_1,
+            "scale": self.scenario,
+            "cleaning": "none",
+            "passage": f"by {passed['by']}",
+            "strength": f"{passed['fraction']:.2f} to {passed['recovered']:.3f}",
+            "friction": f"{adhesion['calibrated'][adhesion['polach']] * mean:.3f}",
+            "speed": f"{KMH * self.speed:.0f} km/h",
+            "train": self.train or "default",
+            "load": "1.000",
+            "radius": "± 0.0 %",
+            "pads": "1.000",
+            "gradient": "+0 ‰",
+            "mechanics": self.mechanics,
+            "number of faults": "0",
+            "fault": "none",
+        }
+
+    def tables(self, groups: int) -> dict[str, Any]:
+        """Return the overrides for the scenario of a train with a number of groups."""
+        scenario = self._scenario()
+        return {
+            "seed": scenario["seed"],
+            "start": {"speed": self.speed},
+            "truth": {"mechanics": self.mechanics},
+            "adhesion": self._adhesion(),
+            "limits": {"horizon": scenario["limits"]["horizon"]},
+        }
+
+    def fault_tables(self, groups: int) -> dict[str, Any]:
+        """Return no tables: there is no fault."""
+        return {}
+
+    def _scenario(self) -> dict[str, Any]:
+        return read_toml(registry.shelf("scenarios")[self.scenario])
+
+    def _adhesion(self) -> dict[str, Any]:
+        return dict(self._scenario()["adhesion"])
+
+
+TABLE_1: Final = "Table 1"
+"""Kind of rail of `PublishedRail`."""
+_PUBLISHED: Final = ("trapezoid", "sine_sweep", "random")
+_PUBLISHED_SPEED: Final = 80 / KMH
+
+
+def published_rails(count: int, seed: int) -> tuple[PublishedRail, ...]:
+    """Return the rails of Table 1 of the papers; only the first ones for a smaller count."""
+    return tuple(
+        PublishedRail(name=f"{number}of{count}v2t-{seed}", scenario=scenario, speed=_PUBLISHED_SPEED)
+        for number, scenario in enumerate(_PUBLISHED[:count], start=1)
+    )
 
 
 _PATCHES: Final = TrackCase(
