@@ -221,7 +221,8 @@ def read(
             raise type(error)(_without_folder(str(error), folder)) from error
 
 
-_COPY = "rewritten"
+_COPY = "rewritten-libraries"
+_COPY_OF_FILE = "rewritten-file"
 
 
 def _rewrite(path: Path, folder: Path) -> Path | None:
@@ -232,7 +233,7 @@ def _rewrite(path: Path, folder: Path) -> Path | None:
     if path.name == "package.mo":
         files |= {file: folder / _COPY / file.relative_to(base) for file in sorted(path.parent.rglob("*.mo"))}
     else:
-        files[path] = folder / "file" / path.name
+        files[path] = folder / _COPY_OF_FILE / path.name
     contents = {file: read_bytes(file) for file in files}
     texts = {str(file): content.decode("utf-8-sig", errors="replace") for file, content in contents.items()}
     changed = rewrite(texts)
@@ -246,7 +247,8 @@ def _rewrite(path: Path, folder: Path) -> Path | None:
 
 
 def _without_folder(message: str, folder: Path) -> str:
-    return re.sub(rf"(?:{re.escape(str(folder.parent))}/)?{re.escape(folder.name)}/(?:{_COPY}/|file/)?", "", message)
+    shown = re.sub(rf"(?:{re.escape(str(folder.parent))}/)?{re.escape(folder.name)}/", "", message)
+    return shown.replace(f"{_COPY}/", "").replace(f"{_COPY_OF_FILE}/", "")
 
 
 def _read(class_name: str, path: Path, further: Path | None, *, complete: bool) -> Dae:
