@@ -20,8 +20,9 @@ per class with its verdict:
     crash          the compiler ends with a signal, or its message is internal text
     hang           a time limit ended it
 
-With --control, each assertion of a right class is inverted in turn. The inverted class must fail; otherwise the
-assertion checks nothing, and its line ends with their number.
+With --control, the assertions of a right class are inverted, as warnings with numbers; an assertion that does not warn
+checks nothing. If the class with warnings does not run, each assertion is inverted in turn, and the class must fail.
+The line of the class ends with the number of assertions, and of those that check nothing.
 """
 
 import argparse
@@ -63,6 +64,10 @@ RESIDUAL = 1e-5
 """Permitted residual of `EQUATIONS`, whose terms are of about 1: the error of many steps at `TOLERANCE`."""
 INTERNAL = re.compile(r"panicked|[Ii]nternal error|Traceback|\b\w+Error\b|unreachable|fails on this class|KeyError")
 """Text that no user can act on."""
+
+
+WARNING = "inverted assertion"
+"""Begin of the messages of inverted assertions, which is followed by their number."""
 
 
 EQUATIONS: dict[str, Callable[[float, dict[str, float]], list[float]]] = {
@@ -113,12 +118,15 @@ class Verdict:
 
 
 def simulate(case: SuiteCase, fmu: Path) -> Verdict:
-    """Simulate an FMU and compare its signals with the expected ones."""
+    """Simulate an FMU and compare its signals with the expected ones; the detail begins with numbers of `WARNING`s."""
     messages: list[str] = []
+    warned: set[int] = set()
 
     def log(_environment: object, _instance: bytes, status: int, _category: bytes, message: bytes) -> None:
+        text = message.decode(errors="replace")
+        warned.update(int(number) for number in re.findall(rf"{WARNING} (\d+)", text))
         if status > 1:
-            messages.append(message.decode(errors="replace"))
+            messages.append(text)
 
     description = fmpy.read_model_description(str(fmu))
     folder = fmpy.extract(str(fmu))
@@ -166,6 +174,8 @@ def simulate(case: SuiteCase, fmu: Path) -> Verdict:
     except fmpy.fmi1.FMICallException as error:
         text = messages[0] if messages else str(error)
         return Verdict("wrong" if "assertion (" in text else "no simulation", text)
+    if warned:
+        return Verdict("right", " ".join(map(str, sorted(warned))))
     if missing:
         return Verdict("right" if not case.expected else "no signal", f"the FMU has no {', '.join(missing[:5])}")
     return compare(case, names, rows, width)
@@ -296,27 +306,41 @@ def excerpt(root: Path, file: Path, folder: Path) -> Path:
 _SKIPPED = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:[^"\\]|\\.)*"', re.DOTALL)
 
 
-def inverted(text: str) -> Iterator[str]:
-    """Yield the text once for each of its assertions, with the condition of this one inverted."""
-    blank = _SKIPPED.sub(lambda match: " " * len(match[0]), text)
+def assertions(text: str) -> list[tuple[int, list[int]]]:
+    """Return the places of the arguments of each assertion: their begin, and the end of each of them."""
+    blank, found = _SKIPPED.sub(lambda match: " " * len(match[0]), text), list[tuple[int, list[int]]]()
     for match in re.finditer(r"\bassert\s*\(", blank):
-        depth, end = 0, match.end()
-        while end < len(blank) and (depth or blank[end] not in ",)"):
+        depth, end, ends = 0, match.end(), list[int]()
+        while end < len(blank) and (depth or blank[end] != ")"):
             depth += (blank[end] in "([{") - (blank[end] in ")]}")
+            ends += [end] if blank[end] == "," and not depth else []
             end += 1
-        yield f"{text[: match.end()]}not ({text[match.end() : end]}){text[end:]}"
+        found.append((match.end(), [*ends, end]))
+    return found
 
 
-def unchecked(case: SuiteCase, seconds: float) -> int:
-    """Return the number of assertions of a right class that hold when inverted as well."""
-    library, count = case.libraries[0], 0
+def unchecked(case: SuiteCase, seconds: float) -> str:
+    """Return the number of assertions of a right class, and of those that hold when inverted as well."""
+    library = case.libraries[0]
     file = library.joinpath(*case.class_name.split(".")[1:]).with_suffix(".mo")
     text = file.read_text()
-    for changed in inverted(text):
+    places = assertions(text)
+    try:
+        changed = text
+        for number, (begin, ends) in reversed([*enumerate(places)]):
+            message = f', "{WARNING} {number} ", AssertionLevel.warning'
+            changed = f"{changed[:begin]}not ({changed[begin : ends[0]]}){message}{changed[ends[-1] :]}"
         file.write_text(changed)
-        count += judge_apart(case, seconds).verdict == "right"
-    file.write_text(text)
-    return count
+        outcome = judge_apart(case, seconds)
+        idle = len(places) - len(outcome.detail.split())
+        if outcome.verdict != "right":
+            idle = 0
+            for begin, ends in places:
+                file.write_text(f"{text[:begin]}not ({text[begin : ends[0]]}){text[ends[0] :]}")
+                idle += judge_apart(case, seconds).verdict == "right"
+    finally:
+        file.write_text(text)
+    return f"{len(places)} assertions, {idle} check nothing"
 
 
 # OpenModelica's scripts
@@ -461,8 +485,7 @@ def main() -> None:
             began = time.perf_counter()
             outcome = judge_apart(case, given.seconds)
             if given.control and case.legal and outcome.verdict == "right" and given.kind == "compliance":
-                idle = unchecked(case, given.seconds)
-                outcome = replace(outcome, detail=f"{idle} assertions check nothing" if idle else "")
+                outcome = replace(outcome, detail=unchecked(case, given.seconds))
             rows.append((case, outcome))
             seconds = f"{time.perf_counter() - began:.1f}"
             writer.writerow([case.class_name, case.legal, outcome.verdict, seconds, outcome.detail])

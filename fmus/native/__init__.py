@@ -1,8 +1,9 @@
 """The built-in compiler: rumoca's checked DAE → CasADi → C → FMI 2.0, without OpenModelica.
 
 From Modelica to explicit equations:
-    dae calls the front end rumoca; error_places reports its errors. language, names and connections check the tree of
-    classes for code that it would misinterpret or should refuse; outer gives outer variables their values.
+    dae calls the front end rumoca; rewriting changes forms that it does not read, and error_places reports its errors.
+    language, names and connections check the tree of classes for code that it would misinterpret or should refuse;
+    outer gives outer variables their values.
     variables, expressions (with arrays) and conditions turn the DAE into CasADi expressions.
     index reduces the index, structure solves for the unknowns; system has the result.
 From explicit equations to

@@ -207,6 +207,12 @@ class EventConditions:
             return ca.logic_or(self.edge(operation["lhs"]), self.edge(operation["rhs"]))
         if operation["kind"] in ("clock", "initial"):
             return self.level(i)
+        if includes_initial(self.dae, i):
+            raise self.dae.refuse(
+                "initial() in a condition of a when clause is supported alone or as an element of a vector only (8.6); "
+                "write `when {initial(), ...}`",
+                self.dae.systems["conditions"]["conditions"][i]["provenance"],
+            )
         if i not in self.edge_conditions:
             self.edge_conditions.append(i)
             self.last.append(SX.sym(f"last_condition{i}"))

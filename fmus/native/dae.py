@@ -4,6 +4,7 @@ import json
 import os
 import re
 import threading
+from codecs import BOM_UTF8
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from typing import Any
 import rumoca
 
 from railgrip.base.errors import InputError, TranslationError
-from railgrip.base.files import read_text, scratch
+from railgrip.base.files import read_bytes, read_text, scratch
 from railgrip.fmus.native.classes import Sources, read_tree
 from railgrip.fmus.native.error_places import (
     explain,
@@ -27,9 +28,10 @@ from railgrip.fmus.native.error_places import (
     short,
 )
 from railgrip.fmus.native.language import findings, refuse, require_strict, require_values
-from railgrip.fmus.native.library import LIBRARY, library_of, sources_digest
+from railgrip.fmus.native.library import LIBRARY, is_trusted, library_of, sources_digest
 from railgrip.fmus.native.namesakes import Call
 from railgrip.fmus.native.outer import connect_outer, outer_variables
+from railgrip.fmus.native.rewriting import rewrite
 from railgrip.fmus.native.used_libraries import VARIABLE, name_of, used_libraries
 
 FRONT = Path(__file__).parent / "front"
@@ -201,11 +203,52 @@ def read(
     used = used_libraries(class_name, library_of(path), others)
     with scratch("build") as folder:
         used.write(folder)
-        for name in used.names:
-            require_readable(folder / name / "package.mo")
         is_part = path.name == "package.mo" and name_of(path.parent) in used.names
         own = folder / name_of(path.parent) / "package.mo" if is_part else path
-        return _read(class_name, own, folder if used.texts else None, complete=complete)
+        try:
+            for name in used.names:
+                require_readable(folder / name / "package.mo")
+            try:
+                return _read(class_name, own, folder if used.texts else None, complete=complete)
+            except InputError:
+                copy = None if is_trusted(path) else _rewrite(own, folder)
+                if copy is None:
+                    raise
+            libraries = folder / _COPY
+            return _read(class_name, copy, libraries if libraries.is_dir() else None, complete=complete)
+        except InputError as error:
+            # The user does not know the copies.
+            raise type(error)(_without_folder(str(error), folder)) from error
+
+
+_COPY = "rewritten-libraries"
+_COPY_OF_FILE = "rewritten-file"
+
+
+def _rewrite(path: Path, folder: Path) -> Path | None:
+    # The path of the rewritten copy of a file; None if nothing is rewritten. The copies of libraries are in one folder,
+    # that of a single file is in another, because rumoca reads all files next to it.
+    base = path.parents[1] if path.name == "package.mo" else path.parent
+    files = {file: folder / _COPY / file.relative_to(folder) for file in folder.rglob("*.mo")}
+    if path.name == "package.mo":
+        files |= {file: folder / _COPY / file.relative_to(base) for file in sorted(path.parent.rglob("*.mo"))}
+    else:
+        files[path] = folder / _COPY_OF_FILE / path.name
+    contents = {file: read_bytes(file) for file in files}
+    texts = {str(file): content.decode("utf-8-sig", errors="replace") for file, content in contents.items()}
+    changed = rewrite(texts)
+    marked = [content for content in contents.values() if content.startswith(BOM_UTF8)]
+    if not changed and not marked:
+        return None
+    for file, copy in files.items():
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_bytes(changed.get(str(file), texts[str(file)]).encode())
+    return files[path]
+
+
+def _without_folder(message: str, folder: Path) -> str:
+    shown = re.sub(rf"(?:{re.escape(str(folder.parent))}/)?{re.escape(folder.name)}/", "", message)
+    return shown.replace(f"{_COPY}/", "").replace(f"{_COPY_OF_FILE}/", "")
 
 
 def _read(class_name: str, path: Path, further: Path | None, *, complete: bool) -> Dae:

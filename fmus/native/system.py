@@ -182,7 +182,6 @@ def explicit(dae: Dae) -> System:
     for table in (loops.updates, loops.residuals):
         table.update(zip(table, _between_events(v, [*table.values()]), strict=True))
     coefficients = _between_events(v, [coefficient for coefficient, _ in loops.divisors.values()])
-    _refuse_ticks(dae, ticks, [*states, *algebraics], ca.vertcat(derivative, algebraic))
     events, crossings = _time_events(v, time, relations, indicators, steps)
     divisors = _coefficients(loops.divisors, coefficients, v)
     start = _solve_start(dae, evaluate, v, states, algebraics, index_one, start_loops)
@@ -225,18 +224,6 @@ def _between_events(v: ModelVariables, expressions: list[SX]) -> list[SX]:
     if not expressions or not previous.numel() or not ca.depends_on(ca.vertcat(*expressions), previous):
         return expressions
     return list(ca.substitute(expressions, [previous], [vector(v.discretes)]))
-
-
-def _refuse_ticks(dae: Dae, ticks: list[SX], scalars: list[Scalar], values: SX) -> None:
-    if not values.numel() or not ca.depends_on(values, ca.vertcat(*ticks)):
-        return
-    for scalar, value in zip(scalars, ca.vertsplit(values), strict=True):
-        if ca.depends_on(value, ca.vertcat(*ticks)):
-            raise dae.refuse(
-                f"{scalar.name} depends on sample() or initial() outside of a when clause, which is supported for "
-                "discrete variables only",
-                scalar.provenance,
-            )
 
 
 def _time_events(
@@ -655,14 +642,20 @@ def _assertions(dae: Dae, evaluate: ExpressionBuilder, conditions: EventConditio
         holds = ca.logic_not(conditions.level(action["guard"]))
         if operation["kind"] == "warning":
             holds = ca.logic_or(holds, evaluate(operation["condition"]).item())
-        out.append(
-            Assertion(
-                holds=SX(holds),
-                message=_message(dae, evaluate, operation["message"]),
-                level="error" if operation["kind"] == "assert" else "warning",
-                where=dae.where(action["provenance"]),
-            )
+        if ca.depends_on(holds, column(conditions.ticks[:-1])):
+            raise dae.refuse("sample() in the condition of an assertion is not supported", action["provenance"])
+        found = Assertion(
+            holds=SX(holds),
+            message=_message(dae, evaluate, operation["message"]),
+            level="error" if operation["kind"] == "assert" else "warning",
+            where=dae.where(action["provenance"]),
         )
+        if not ca.depends_on(holds, conditions.ticks[-1]):
+            out.append(found)
+            continue
+        # initial() is true while the start is computed, and false from then on (8.6).
+        for is_initial, when in ((1.0, "start"), (0.0, "running")):
+            out.append(replace(found, holds=ca.substitute(found.holds, conditions.ticks[-1], is_initial), when=when))
     return out
 
 

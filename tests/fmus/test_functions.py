@@ -110,14 +110,3 @@ def test_newtons_iteration_until_it_converges_is_refused_at_its_loop(tmp_path):
     )
     with pytest.raises(InputError, match=r"P\.mo:9: P\.M: a while loop .* write a for loop with a fixed range"):
         read("P.M", file)
-
-
-def test_an_algorithm_with_several_results_is_refused_at_its_line(tmp_path):
-    file = tmp_path / "M.mo"
-    file.write_text(
-        "model M\n Real x(start=2,fixed=true);\n Real s;\n output Real y;\nequation\n der(x) = -x;\nalgorithm\n "
-        "s := 0;\n"
-        " for i in 1:3 loop\n  s := s + i*x;\n end for;\n y := s;\nend M;\n"
-    )
-    with pytest.raises(InputError, match=r"M\.mo:7: M: this algorithm section .* write equations"):
-        read("M", file)
