@@ -22,7 +22,7 @@ from railgrip.vehicle.parameters import with_each
 GROUPS = 4  # of the two-part train
 KEY = "controller.parameters"
 many = settings(
-    max_examples=int(os.environ.get("RAILGRIP_FUZZ", "50")),
+    max_examples=int(os.environ.get("RAILGRIP_FUZZ", "15")),
     deadline=timedelta(seconds=10),
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
