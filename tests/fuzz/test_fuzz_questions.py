@@ -33,7 +33,7 @@ SERVICE = tomllib.loads((ROOM / "equipment" / "service.toml").read_text(encoding
 
 many = settings(
     max_examples=int(os.environ.get("RAILGRIP_FUZZ", "15")),
-    deadline=timedelta(seconds=10),
+    deadline=timedelta(seconds=60),  # a busy machine, and the imports of the first example
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::UserWarning")
