@@ -78,6 +78,7 @@ def test_a_killed_worker_loses_no_results(project, two_workers, tmp_path, monkey
     assert {report.state for report in repeats} == {"found"}  # so no scheduler was contacted
 
 
+@pytest.mark.usefixtures("in_process")
 def test_a_killed_scheduler_loses_no_results(project, tmp_path, capfd):
     """Finished stops are kept, the others are reported in one sentence, and the next run executes only these."""
     (project / "few.toml").write_text(LINES, encoding="utf-8")
