@@ -160,7 +160,7 @@ monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely t
 	$(PROGRAM) study pad_monitor
 
 fuzz: $(DEV)  ## wrong questions by the thousand, and all cases of which the tests run a sample (an hour)
-	RAILGRIP_FUZZ=1000 $(RUN) -m pytest $$(grep -lrE 'RAILGRIP_FUZZ|^from sampling' --include='test_*.py' tests)
+	RAILGRIP_FUZZ=1000 $(RUN) -m pytest $$(grep -lrE 'RAILGRIP_FUZZ|^from (sampling|hypothesis)' --include='test_*.py' tests)
 
 suites: $(DEV)  ## run a copy of a Modelica test suite: make suites SUITE=/path KIND=compliance|omc|reference [OPTIONS=…]
 	@test -n "$(SUITE)" || { echo "suites needs SUITE=/path of a copy of the suite, and KIND=compliance, omc or reference"; exit 2; }

@@ -21,7 +21,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 gc.set_threshold(50_000, 20, 50)
 
 # A slow example is not a failure: the machine may be busy, or the first example loads a registry of units.
-settings.register_profile("busy", deadline=None)
+# `make fuzz` draws as many examples as Hypothesis does unless told otherwise.
+settings.register_profile("busy", deadline=None, max_examples=100 if "RAILGRIP_FUZZ" in os.environ else 30)
 settings.load_profile("busy")
 
 LONGEST = {

@@ -75,7 +75,7 @@ anything = st.recursive(
     max_leaves=4,
 )
 some = settings(
-    max_examples=int(os.environ.get("RAILGRIP_FUZZ", "25")), deadline=None, suppress_health_check=[HealthCheck.too_slow]
+    max_examples=int(os.environ.get("RAILGRIP_FUZZ", "10")), deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
 
 

@@ -35,41 +35,45 @@ def functions(tree: ast.AST) -> Iterator[ast.AST]:
             yield from functions(node)
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.relative_to(ROOT).as_posix())
-def test_posix_only_names_are_used_only_after_a_check(path):
+@pytest.fixture(scope="module")
+def trees() -> dict[str, tuple[str, ast.Module]]:
+    """Text and syntax tree of each source by its path."""
+    texts = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in SOURCES}
+    return {path: (text, ast.parse(text)) for path, text in texts.items()}
+
+
+def test_posix_only_names_are_used_only_after_a_check(trees):
     """A function that uses one checks `os.name` or the name; no module imports one at its top."""
-    text = path.read_text(encoding="utf-8")
-    if path.relative_to(ROOT).as_posix() in POSIX_FILES:
-        return
-    tree = ast.parse(text)
-    top = {name.name for node in tree.body if isinstance(node, ast.Import) for name in node.names}
-    assert not top & POSIX_MODULES
-    for part in functions(tree):
-        if isinstance(part, ast.ClassDef | ast.If | ast.Try | ast.With):
-            continue
-        used = {
-            f"{node.value.id}.{node.attr}"
-            for node in ast.walk(part)
-            if isinstance(node, ast.Attribute)
-            and isinstance(node.value, ast.Name)
-            and node.attr in POSIX_NAMES.get(node.value.id, ())
-        }
-        if used:
-            segment = ast.get_source_segment(text, part) or ""
-            assert "os.name" in segment or "hasattr(" in segment, (part.lineno, used)
+    for path in trees.keys() - POSIX_FILES:
+        text, tree = trees[path]
+        top = {name.name for node in tree.body if isinstance(node, ast.Import) for name in node.names}
+        assert not top & POSIX_MODULES, path
+        for part in functions(tree):
+            if isinstance(part, ast.ClassDef | ast.If | ast.Try | ast.With):
+                continue
+            used = {
+                f"{node.value.id}.{node.attr}"
+                for node in ast.walk(part)
+                if isinstance(node, ast.Attribute)
+                and isinstance(node.value, ast.Name)
+                and node.attr in POSIX_NAMES.get(node.value.id, ())
+            }
+            if used:
+                segment = ast.get_source_segment(text, part) or ""
+                assert "os.name" in segment or "hasattr(" in segment, (path, part.lineno, used)
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.relative_to(ROOT).as_posix())
-def test_text_files_are_read_and_written_in_a_stated_encoding(path):
+def test_text_files_are_read_and_written_in_a_stated_encoding(trees):
     """On Windows the default depends on the language. ruff's PLW1514 finds fewer of these calls."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
-            continue
-        stated = {keyword.arg for keyword in node.keywords}
-        if node.func.attr == "read_text" or (node.func.attr == "write_text" and len(node.args) == 1):
-            assert "encoding" in stated, node.lineno
-        if node.func.attr in ("run", "Popen", "check_output") and stated & {"text", "universal_newlines"}:
-            assert "encoding" in stated, node.lineno
+    for path, (_, tree) in trees.items():
+        for node in ast.walk(tree):
+            if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
+                continue
+            stated = {keyword.arg for keyword in node.keywords}
+            if node.func.attr == "read_text" or (node.func.attr == "write_text" and len(node.args) == 1):
+                assert "encoding" in stated, (path, node.lineno)
+            if node.func.attr in ("run", "Popen", "check_output") and stated & {"text", "universal_newlines"}:
+                assert "encoding" in stated, (path, node.lineno)
 
 
 def test_on_windows_the_compiler_of_the_wheel_gets_no_option_that_it_refuses(monkeypatch):

@@ -15,6 +15,7 @@ import pytest
 # `make install` puts Dask here: next to the environment, not into it.
 sys.path.append(str(Path(sys.prefix) / "cluster"))
 
+import dask
 from distributed import LocalCluster
 from synthetic_runner import run_stop
 
@@ -40,14 +41,22 @@ def slowly(scenario, progress=None, notify=lambda sentence: None):
     return run_stop(scenario)
 
 
+@pytest.fixture(autouse=True, scope="module")
+def _patience():
+    """Wait long for connections: on a busy machine a new worker imports its modules for a minute."""
+    with dask.config.set({"distributed.comm.timeouts.connect": "300s", "distributed.scheduler.worker-ttl": None}):
+        yield
+
+
 @pytest.fixture(scope="module")
-def two_workers():
+def two_workers(_patience):
     """A cluster that replaces a killed worker."""
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster_here:
         yield cluster_here
 
 
-def test_a_killed_worker_loses_no_results(project, two_workers, tmp_path):
+def test_a_killed_worker_loses_no_results(project, two_workers, tmp_path, monkeypatch):
+    monkeypatch.setattr("railgrip.campaign.workers._ANSWER", 300.0)
     (project / "few.toml").write_text(LINES, encoding="utf-8")
     campaign = load_campaign(project / "few.toml")
     victims = []
@@ -69,6 +78,7 @@ def test_a_killed_worker_loses_no_results(project, two_workers, tmp_path):
     assert {report.state for report in repeats} == {"found"}  # so no scheduler was contacted
 
 
+@pytest.mark.usefixtures("in_process")
 def test_a_killed_scheduler_loses_no_results(project, tmp_path, capfd):
     """Finished stops are kept, the others are reported in one sentence, and the next run executes only these."""
     (project / "few.toml").write_text(LINES, encoding="utf-8")

@@ -19,6 +19,7 @@ from railgrip.estimation.spec import estimate_of, load_specification
 from railgrip.fmus.build import fmu
 from railgrip.simulate.estimator import RELEASED_PADS
 from railgrip.simulate.vehicle import VehicleData
+from railgrip.studies.estimators import replay as own_replay
 from railgrip.studies.estimators.available import TRUTH, available_errors, largest_of_last
 from railgrip.studies.estimators.claims import LOAD_DEVIATION, force_over_load_deviation, with_unmodelled
 from railgrip.studies.estimators.judge import (
@@ -50,6 +51,14 @@ from railgrip.studies.estimators.vehicles import SETTLED, rows_of_estimation, ve
 from railgrip.trace.estimation import SLOWEST
 
 CONSTANTS = (("adhesion", 0.05), ("pad_friction", 0.35))
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _fmus_are_closed():
+    """Close the FMUs that a process of the study keeps open until its end."""
+    yield
+    own_replay._prediction.cache_clear()
+    own_replay._own_prediction.cache_clear()
 
 
 @pytest.fixture(scope="module")

@@ -38,6 +38,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from nees import chi_square_bounds, nees
+from sampling import sample
 from scipy.optimize import root
 from small_models import runge_kutta
 
@@ -224,25 +225,24 @@ def portmanteau(innovations: np.ndarray) -> float:
     return float(sum(np.sum(products**2) / (runs * count) for products, count in lagged))
 
 
-@pytest.mark.parametrize("braking", BRAKING)
-@pytest.mark.parametrize(("model", "sensors"), TUNINGS)
-def test_mean_nees_nis_and_whiteness_are_within_their_chi_square_bounds(model, sensors, braking):
-    errors, innovation, white = checks(tuned(model, sensors), truth(model, sensors, braking))
+@pytest.mark.parametrize(("tuning", "braking"), sample([*product(TUNINGS, BRAKING)], 8))
+def test_mean_nees_nis_and_whiteness_are_within_their_chi_square_bounds(tuning, braking):
+    errors, innovation, white = checks(tuned(*tuning), truth(*tuning, braking))
     assert all(error.inside for error in errors), errors
     assert innovation.inside, innovation
     assert white.inside, white
 
 
-@pytest.mark.parametrize("factor", [0.1, 10.0])
-@pytest.mark.parametrize("wrong", ["process", "reading"])
-@pytest.mark.parametrize(("model", "sensors"), TUNINGS)
-def test_a_filter_with_a_tenth_or_ten_times_the_noise_is_inconsistent(model, sensors, wrong, factor):
+@pytest.mark.parametrize(
+    ("tuning", "wrong", "factor"), sample([*product(TUNINGS, ("process", "reading"), (0.1, 10.0))], 6)
+)
+def test_a_filter_with_a_tenth_or_ten_times_the_noise_is_inconsistent(tuning, wrong, factor):
     """Each check can fail: noise ten times too small gives errors above the claimed ones, ten times too large below.
 
     Innovations are correlated in both cases, because the filter weights readings wrongly. The first instant is
     excluded: there the remainder of the initial error still hides the noise.
     """
-    errors, innovation, white = checks(tuned(model, sensors), truth(model, sensors, "held"), **{wrong: factor})
+    errors, innovation, white = checks(tuned(*tuning), truth(*tuning, "held"), **{wrong: factor})
     for check in (*errors[1:], innovation):
         assert check.figure > check.high if factor < 1.0 else check.figure < check.low, check
     assert white.figure > white.high

@@ -15,7 +15,7 @@ from railgrip.fmi import Description, Port, bind, describe
 from railgrip.fmi.draft import draft_mapping
 from railgrip.fmi.parameters import assignments
 
-FUZZ = int(os.environ.get("RAILGRIP_FUZZ", "100"))
+FUZZ = int(os.environ.get("RAILGRIP_FUZZ", "30"))
 TEXT = xml(state_unit="km/h", input_unit="bar", output_unit="degC", indicators=1)
 ATTRIBUTES = list(re.finditer(r' ([\w:]+)="([^"]*)"', TEXT))
 ELEMENTS = list(re.finditer(r"<(\w+)[^<>]*/>|<(\w+)[^>]*>(?:(?!<\2).)*?</\2>", TEXT, re.DOTALL))

@@ -20,7 +20,7 @@ from corpus.contexts import CONTEXTS
 from corpus.exceptions import REFUSED
 from corpus.features import FEATURES
 from corpus.rules import RULES
-from corpus.verdict import Simulate, Values, judge, run, simulate
+from corpus.verdict import INTERFACES, Simulate, Values, judge, run, simulate
 
 from railgrip.base.errors import BuildFailed
 from railgrip.fmus.openmodelica import export
@@ -42,21 +42,24 @@ def batches(cases: Sequence[Case]) -> list[list[Case]]:
     return [right[k : k + SIZE] for k in range(0, len(right), SIZE)]
 
 
-def first_name(cases: Sequence[Case]) -> str:
-    return cases[0].name
-
-
 @pytest.fixture(scope="module")
-def apart() -> Iterator[Simulate]:
-    """Return `simulate` in a process that may hang or crash."""
+def pool() -> Iterator[pebble.ProcessPool]:
+    """Return a process that may hang or crash."""
     with pebble.ProcessPool(1, context=multiprocessing.get_context("spawn")) as pool:
-        yield lambda text, names: pool.schedule(simulate, args=[text, names], timeout=LONGEST).result()
+        yield pool
         pool.stop()
 
 
-@pytest.mark.parametrize("cases", batches([*RULES, *COMBINATIONS]), ids=first_name)
-def test_the_values_are_right(apart, cases):
-    assert judge(cases, apart) == {}
+def apart(pool: pebble.ProcessPool, *interfaces: str) -> Simulate:
+    """Return `simulate` of some interfaces in that process."""
+    return lambda text, names: pool.schedule(simulate, args=[text, names, interfaces], timeout=LONGEST).result()
+
+
+@pytest.mark.parametrize(("number", "cases"), [*enumerate(batches([*RULES, *COMBINATIONS]))])
+def test_the_values_are_right(pool, number, cases):
+    """By one interface in turn; they share the code of equations and events, and other tests compare them."""
+    interfaces = INTERFACES if ALL else (INTERFACES[number % 2],)
+    assert judge(cases, apart(pool, *interfaces)) == {}
 
 
 @pytest.mark.omc
@@ -83,8 +86,8 @@ def test_openmodelica_gives_no_other_values(tmp_path, cases):
     ids=lambda case: case.name,
 )
 @pytest.mark.skipif(not ALL, reason="only with RAILGRIP_FUZZ")
-def test_what_need_not_be_supported_is_right_or_refused(apart, case):
-    verdict = judge([case], apart).get(case.name, "right")
+def test_what_need_not_be_supported_is_right_or_refused(pool, case):
+    verdict = judge([case], apart(pool, *INTERFACES)).get(case.name, "right")
     assert verdict == "right" or verdict.startswith("refused: ")
 
 

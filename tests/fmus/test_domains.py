@@ -8,6 +8,7 @@ import math
 import re
 
 import pytest
+from corpus.case import paragraphs
 from fmpy.fmi1 import FMICallException
 
 from railgrip.base.errors import TranslationError
@@ -16,77 +17,17 @@ from railgrip.fmus.native.system import explicit
 
 RISING = "model M\n Real x(start=0,fixed=true);\n"
 
-# Declarations, equations → the words of the message, its line, and the last time at which the model is defined [s].
-UNDEFINED = {
-    "acos": (" Real y;\n", " der(x) = 1;\n y = acos(2*x + 0.5);\n", r"acos\(2\*x \+ 0.5\): .* from -1 to 1",
-        "y = acos", 0.25),
-    "asin": (" Real y;\n", " der(x) = 1;\n y = asin(0.5 - 4*x);\n", r"asin.* from -1 to 1", "y = asin", 0.375),
-    "sqrt": (" Real y;\n", " der(x) = 1;\n y = max(sqrt(0.5 - x), 0);\n", r"sqrt\(0.5 - x\): .* not be negative",
-        "y =", 0.5),
-    "log": (" Real y;\n", " der(x) = 1;\n y = log(0.45 - x);\n", r"log.* must be positive", "y =", 0.45),
-    "log10": (" Real y;\n", " der(x) = 1;\n y = log10(0.45 - x);\n", r"log10.* must be positive", "y =", 0.45),
-    "power": (" Real y;\n", " der(x) = 1;\n y = (0.45 - x)^0.3;\n", r"\(0.45 - x\)\^0.3: a negative base", "y =", 0.45),
-    "division": (" Real y;\n", " der(x) = 0;\n y = 1/x;\n", r"1/x: the divisor must not be zero", "y =", 0.0),
-    "negative power": (" Real y;\n", " der(x) = 0;\n y = x^(-2);\n", r"x\^\(-2\): .* base of zero", "y =", 0.0),
-    "atan2": (" Real y;\n", " der(x) = 0;\n y = atan2(x, x);\n", r"atan2\(x, x\): .* must not be zero", "y =", 0.0),
-    "pole of tan": (" Real y;\n", " der(x) = 0;\n y = tan(x + 1.5707963267948966);\n", r"odd multiple of pi/2", "y =",
-        0.0),
-    "array": (" Real y[3];\n", " der(x) = 1;\n y = sqrt({1, 0.5 - x, 2});\n", r"not be negative", "y =", 0.5),
-    "comparison": (
-        " Boolean b;\n", " der(x) = 1;\n b = sqrt(0.5 - x) > 2;\n", r"sqrt\(0.5 - x\): .* not be negative", "b =", 0.5
-    ),
-    "derivative": ("", " der(x) = 1 + sqrt(0.5 - x);\n", r"not be negative", "der(x)", 1.2),
-    "index": (
-        " parameter Real t[3] = {1, 2, 3};\n Integer i = 1 + integer(5*time);\n", " der(x) = t[i];\n",
-        r"t\[i\]: subscript 1 must be from 1 to 3, but it is 4", "t[i];", 0.6,
-    ),
-    "index of a matrix": (
-        " parameter Real t[2, 3] = {{1, 2, 3}, {4, 5, 6}};\n Integer i = 3 - integer(5*time);\n",
-            " der(x) = t[1, i];\n",
-        r"t\[1, i\]: subscript 2 must be from 1 to 3, but it is 0", "t[1, i];", 0.6,
-    ),
-    "index in a comparison": (
-        " parameter Real t[2] = {1, 2};\n Real y;\n Integer i = 1 + integer(2*time);\n",
-        " der(x) = 1;\n y = noEvent(if t[i] > 0 then 1 else 2);\n", r"t\[i\]: subscript 1", "t[i] >", 1.0,
-    ),
-    "discrete variable": (
-        " discrete Real d(start=0,fixed=true);\n",
-        " der(x) = 1;\n when sample(0.1, 0.1) then\n  d = sqrt(0.45 - x);\n end when;\n", r"not be negative",
-            "d = sqrt", 0.5,
-    ),
-    "index at an event": (
-        " parameter Real t[3] = {1, 2, 3};\n Integer k(start=0,fixed=true);\n discrete Real d(start=0,fixed=true);\n",
-        " der(x) = 1;\n when sample(0.1, 0.1) then\n  k = pre(k) + 1;\n  d = if t[k] > 2 then 1 else 0;\n end when;\n",
-        r"t\[k\]: subscript 1 must be from 1 to 3, but it is 4", "t[k]", 0.4,
-    ),
-    "previous value": (
-        " Integer d(start=1,fixed=true);\n Real y;\n",
-        " der(x) = 1;\n when time > 0.3 then\n  d = -1;\n end when;\n y = max(0, sqrt(pre(d)));\n",
-        r"sqrt\(pre\(d\)\): .* not be negative, but it is -1", "y =", 0.3,
-    ),
-    "previous value of a clocked variable": (
-        " discrete Real d(start=1,fixed=true);\n Real y;\n",
-        " der(x) = 1;\n when sample(0.3, 1) then\n  d = -1;\n end when;\n y = max(0, sqrt(pre(d)));\n",
-        r"sqrt\(pre\(d\)\): .* not be negative, but it is -1", "y =", 0.3,
-    ),
-    "condition of when": (
-        " discrete Real d(start=0,fixed=true);\n",
-        " der(x) = 1;\n when log(0.45 - x) < -20 then\n  d = x;\n end when;\n", r"log", "when log", 0.45,
-    ),
-    "coefficient of a derivative": ("", " (x - 0)*der(x) = 1;\n", r"solved for der\(x\)", "der(x)", 0.0),
-}  # fmt: skip
+UNDEFINED = [(*comment.split(" | ", 3), text) for comment, text in paragraphs("domains.mo")]
 
 
-@pytest.mark.parametrize("what", UNDEFINED)
-def test_a_value_that_is_not_defined_ends_the_run_at_its_place(modelica, run, what):
-    declarations, equations, words, line, last = UNDEFINED[what]
-    text = f"{RISING}{declarations}equation\n{equations}end M;\n"
+@pytest.mark.parametrize(("last", "line", "words", "text"), [pytest.param(*c[1:], id=c[0]) for c in UNDEFINED])
+def test_a_value_that_is_not_defined_ends_the_run_at_its_place(modelica, run, last, line, words, text):
     messages, time = end_of_run(modelica, run, text)
     (message,) = [m for m in messages if "domain error" in m]
     assert re.search(words, message)
     number = int(re.search(r"\.mo:(\d+)\)", message)[1])
     assert line in text.splitlines()[number - 1]
-    assert time <= last + 0.05  # not later than at the end of the communication step
+    assert time <= float(last) + 0.05  # not later than at the end of the communication step
 
 
 def end_of_run(modelica, run, text, start=None):

@@ -1,80 +1,22 @@
 """Constructs that the built-in compiler does not translate are refused with file and line, never ignored."""
 
 import pytest
+from corpus.case import paragraphs
 
 from railgrip.base.errors import InputError, TranslationError
 from railgrip.fmus.native import lower
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit
 
-STATE = "model M\n Real x(start=1,fixed=true);\n"
 WHEELS = (
     "package P\n record Contact Real slip; end Contact;\n"
     " model Wheel Contact contact[2]; equation contact[1].slip = time; contact[2].slip = 2*time; end Wheel;\n"
     " model M Wheel wheels[2]; Real y[2]; Real x(start=1,fixed=true);\n equation\n  der(x) = -x;\n"
 )
-PLAIN = STATE + "equation\n der(x) = -x;\n"
 
-# The construct to be named → (the line to be named, the model).
 REFUSED = {
-    r"initial\(\)": ("initial()", STATE + "Real y = if initial() then 0 else x;\nequation\n der(x) = -y;\nend M;"),
-    "delay": ("delay(x", STATE + "equation\n der(x) = -delay(x, 0.1);\nend M;"),
-    "terminate": ("x < 0.2", PLAIN + ' when x < 0.2 then\n  terminate("done");\n end when;\nend M;'),
-    "string": (
-        "String s",
-        STATE + ' parameter String s = "a";\nequation\n der(x) = if s == "a" then -x else x;\nend M;',
-    ),
-    r"a clock \(chapter 16": (
-        "Clock c",
-        STATE + " Clock c = Clock(1, 10);\n Real y;\nequation\n when c then y = sample(x); end when;\n"
-        " der(x) = -x;\nend M;",
-    ),
-    "fixed=false": (
-        "fixed=false",
-        STATE + " Real y;\n parameter Real k(fixed=false, start=1);\nequation\n"
-        " der(x) = -k*x;\n y = x;\ninitial equation\n k = 3;\nend M;",
-    ),
-    "external": (
-        "f(x)",
-        'package P function f input Real x; output Real y;\n external "C" y = sin(x); end f;\n'
-        "model M Real x(start=1,fixed=true); equation\n der(x) = -f(x); end M; end P;",
-    ),
-    "assert inside function": (
-        "assert",
-        'package P function f input Real x; output Real y;\n algorithm\n assert(x > 0, "x");\n y := sqrt(x);'
-        " end f; model M Real x(start=1,fixed=true); equation der(x) = -f(x); end M; end P;",
-    ),
-    "depends on T": (
-        "sample",
-        "model M\n parameter Real T = 0.1;\n discrete Real u(start=0,fixed=true);\n"
-        "equation\n when sample(0, T) then\n u = pre(u) + 1;\n end when;\nend M;",
-    ),
-    "two arrays of components": (
-        "wheels[i].contact[1].slip",
-        f"{WHEELS}  for i in 1:2 loop\n   y[i] = wheels[i].contact[1].slip;\n  end for;\n end M; end P;",
-    ),
-    "wheels.contact": (
-        "wheels.contact[1].slip",
-        f"{WHEELS}  y = wheels.contact[1].slip;\n end M; end P;",
-    ),
-    "the slice a.z": (
-        "a.z[2]",
-        "package P model A Real z[2] = {1, 2}*time; end A; model M A a[2]; Real y[2];\n"
-        "Real x(start=1,fixed=true); equation der(x) = -x;\ny = a.z[2];\nend M; end P;",
-    ),
-    "the slice a.p": (
-        "sum(a.p)",
-        "package P model A parameter Real p = 1; end A; model M A a[2, 3](each p=6);\n"
-        "Real x(start=1,fixed=true); equation\nder(x) = sum(a.p);\nend M; end P;",
-    ),
-    "the front end, fails on this class": (
-        "der(k)",
-        f"{STATE} parameter Real k = 1;\nequation\n der(x) = der(k);\nend M;",
-    ),
-    "must be differentiated": (
-        "x = u",
-        STATE + " input Real u;\n Real v;\nequation\n x = u;\n der(x) = v;\nend M;",
-    ),
+    message: (line, text)
+    for (message, line), text in ((comment.split("; ", 1), text) for comment, text in paragraphs("refusals.mo"))
 }
 
 

@@ -29,7 +29,7 @@ COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "co
 NAMES = ("trapezoid-ideal-slip_two_state", "trapezoid-ideal-adhesion_based")
 
 many = settings(
-    max_examples=int(os.environ.get("RAILGRIP_FUZZ", "25")),
+    max_examples=int(os.environ.get("RAILGRIP_FUZZ", "10")),
     derandomize="RAILGRIP_FUZZ" not in os.environ,
     deadline=timedelta(seconds=60),  # pages with figures, on a busy machine
     phases=(Phase.explicit, Phase.reuse, Phase.generate),  # shrinking takes minutes of drawing

@@ -109,9 +109,6 @@ def test_the_waves_of_the_rail_have_the_published_spectrum():
 
 
 VARIANTS = """package Variants
-  block Plain
-    extends RailBraking.Plants.TwoPartTrainPneumatic;
-  end Plain;
   block Uneven
     extends RailBraking.Plants.TwoPartTrainPneumatic(redeclare block TrainRail = RailBraking.Tracks.UnevenRail);
   end Uneven;
@@ -125,14 +122,15 @@ end Variants;
 
 @pytest.fixture(scope="module")
 def full_brake_of(tmp_path_factory):
-    """Return a function that brakes a variant of the two-part train fully, without wheel-slide protection."""
+    """Return a function that brakes a variant of the two-part train, or the plain one, without slide protection."""
     library = tmp_path_factory.mktemp("library") / "Variants.mo"
     library.write_text(VARIANTS)
 
     @cache
     def stop(variant, *changes):
         scenario = rg.Scenario.load("plain", {**SERVICE, "estimator.kind": "none", **dict(changes)})
-        scenario = scenario.with_plant({"model": f"Variants.{variant}", "library": str(library)})
+        if variant != "Plain":
+            scenario = scenario.with_plant({"model": f"Variants.{variant}", "library": str(library)})
         return rg.run(scenario, controller="full_brake")
 
     return stop

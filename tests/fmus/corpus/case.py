@@ -32,16 +32,12 @@ class Case:
     may_be_refused: bool = False
 
 
-def paragraphs(file: str) -> Iterator[tuple[str, list[str], str]]:
-    """Yield the classes of a file of this folder, each with the parts of the comment above it.
-
-    The comment has a name and further parts, separated by semicolons; an empty line ends the text.
-    """
+def paragraphs(file: str) -> Iterator[tuple[str, str]]:
+    """Yield the comment and the text of each paragraph of a file of this folder; a comment alone is a heading."""
     for paragraph in (FOLDER / file).read_text(encoding="utf-8").split("\n\n"):
         comment, _, text = paragraph.strip().partition("\n")
         if text:
-            name, *parts = comment.removeprefix("// ").split("; ")
-            yield name, parts, text
+            yield comment.removeprefix("// "), text
 
 
 def library(cases: Sequence[Case]) -> str:

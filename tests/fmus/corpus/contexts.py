@@ -117,11 +117,11 @@ def _condition(formula: Formula, signal: Function, value: float) -> Function:
     return lambda t: 1.0 if formula(signal(t)) > THRESHOLD else 0.0
 
 
-def _context(parts: list[str], text: str) -> Context:
-    expected, *options = parts
+def _context(comment: str, text: str) -> tuple[str, Context]:
+    name, expected, *options = comment.split("; ")
     tolerance = next((float(option.removeprefix("tolerance = ")) for option in options if "=" in option), 1e-5)
-    return Context(text, globals()[f"_{expected}"], "smooth" in options, tolerance)
+    return name, Context(text, globals()[f"_{expected}"], "smooth" in options, tolerance)
 
 
-CONTEXTS = {name: _context(parts, text) for name, parts, text in paragraphs("contexts.mo")}
+CONTEXTS = dict(_context(*paragraph) for paragraph in paragraphs("contexts.mo"))
 """Name → context. The comment above a context has its name, its function in this file, and what is not default."""

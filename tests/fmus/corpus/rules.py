@@ -14,12 +14,13 @@ from corpus.case import Case, paragraphs
 NAMES = {"math": math, "np": np} | vars(closed_forms)
 
 
-def _rule(comment: str, parts: list[str], text: str) -> Case:
+def _rule(comment: str, text: str) -> Case:
+    name, *parts = comment.split("; ")
     formulas = dict(part.split(" = ", 1) for part in parts)
     return Case(
-        name=comment.removeprefix("refused: "),
+        name=name.removeprefix("refused: "),
         text=text,
-        may_be_refused=comment.startswith("refused: "),
+        may_be_refused=name.startswith("refused: "),
         tolerance=float(formulas.pop("tolerance", 1e-5)),
         expected={variable: eval(f"lambda t: {formula}", NAMES) for variable, formula in formulas.items()},
     )

@@ -25,7 +25,10 @@ Values = dict[str, np.ndarray]
 PLACE = re.compile(r"Corpus\.mo:\d+")
 
 
-def simulate(text: str, names: Sequence[str]) -> dict[str, Values] | str:
+INTERFACES = ("CoSimulation", "ModelExchange")
+
+
+def simulate(text: str, names: Sequence[str], interfaces: Sequence[str] = INTERFACES) -> dict[str, Values] | str:
     """Return the trajectories of `Corpus.All` by interface, or why the simulation failed.
 
     Errors are texts, because those of FMPy and rumoca cannot be sent from one process to another.
@@ -41,7 +44,7 @@ def simulate(text: str, names: Sequence[str]) -> dict[str, Values] | str:
             return f"internal error: {type(error).__name__}: {error}"
         try:
             fmu = pack(source, file.with_suffix(".fmu"), flags=("-O0",))
-            return {interface: run(fmu, names, interface) for interface in ("CoSimulation", "ModelExchange")}
+            return {interface: run(fmu, names, interface) for interface in interfaces}
         except Exception as error:
             return f"failed: {error}"
 

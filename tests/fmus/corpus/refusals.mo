@@ -1,0 +1,130 @@
+// Classes M, or P.M of a package, that are refused; the comment has the message and the text of the line it names.
+
+// initial\(\); initial()
+model M
+ Real x(start=1,fixed=true);
+Real y = if initial() then 0 else x;
+equation
+ der(x) = -y;
+end M;
+
+// delay; delay(x
+model M
+ Real x(start=1,fixed=true);
+equation
+ der(x) = -delay(x, 0.1);
+end M;
+
+// terminate; x < 0.2
+model M
+ Real x(start=1,fixed=true);
+equation
+ der(x) = -x;
+ when x < 0.2 then
+  terminate("done");
+ end when;
+end M;
+
+// string; String s
+model M
+ Real x(start=1,fixed=true);
+ parameter String s = "a";
+equation
+ der(x) = if s == "a" then -x else x;
+end M;
+
+// a clock \(chapter 16; Clock c
+model M
+ Real x(start=1,fixed=true);
+ Clock c = Clock(1, 10);
+ Real y;
+equation
+ when c then y = sample(x); end when;
+ der(x) = -x;
+end M;
+
+// fixed=false; fixed=false
+model M
+ Real x(start=1,fixed=true);
+ Real y;
+ parameter Real k(fixed=false, start=1);
+equation
+ der(x) = -k*x;
+ y = x;
+initial equation
+ k = 3;
+end M;
+
+// external; f(x)
+package P function f input Real x; output Real y;
+ external "C" y = sin(x); end f;
+model M Real x(start=1,fixed=true); equation
+ der(x) = -f(x); end M; end P;
+
+// assert inside function; assert
+package P function f input Real x; output Real y;
+ algorithm
+ assert(x > 0, "x");
+ y := sqrt(x); end f; model M Real x(start=1,fixed=true); equation der(x) = -f(x); end M; end P;
+
+// depends on T; sample
+model M
+ parameter Real T = 0.1;
+ discrete Real u(start=0,fixed=true);
+equation
+ when sample(0, T) then
+ u = pre(u) + 1;
+ end when;
+end M;
+
+// two arrays of components; wheels[i].contact[1].slip
+package P
+ record Contact Real slip; end Contact;
+ model Wheel Contact contact[2]; equation contact[1].slip = time; contact[2].slip = 2*time; end Wheel;
+ model M Wheel wheels[2]; Real y[2]; Real x(start=1,fixed=true);
+ equation
+  der(x) = -x;
+  for i in 1:2 loop
+   y[i] = wheels[i].contact[1].slip;
+  end for;
+ end M; end P;
+
+// wheels.contact; wheels.contact[1].slip
+package P
+ record Contact Real slip; end Contact;
+ model Wheel Contact contact[2]; equation contact[1].slip = time; contact[2].slip = 2*time; end Wheel;
+ model M Wheel wheels[2]; Real y[2]; Real x(start=1,fixed=true);
+ equation
+  der(x) = -x;
+  y = wheels.contact[1].slip;
+ end M; end P;
+
+// the slice a.z; a.z[2]
+package P model A Real z[2] = {1, 2}*time; end A; model M A a[2]; Real y[2];
+Real x(start=1,fixed=true); equation der(x) = -x;
+y = a.z[2];
+end M; end P;
+
+// the slice a.p; sum(a.p)
+package P model A parameter Real p = 1; end A; model M A a[2, 3](each p=6);
+Real x(start=1,fixed=true); equation
+der(x) = sum(a.p);
+end M; end P;
+
+// the front end, fails on this class; der(k)
+model M
+ Real x(start=1,fixed=true);
+ parameter Real k = 1;
+equation
+ der(x) = der(k);
+end M;
+
+// must be differentiated; x = u
+model M
+ Real x(start=1,fixed=true);
+ input Real u;
+ Real v;
+equation
+ x = u;
+ der(x) = v;
+end M;
