@@ -15,6 +15,9 @@ Array = NDArray[np.float64]
 
 CONFIDENCE: Final = 0.95
 
+_ENDS: Final = (0.025, 0.975)
+"""Of `CONFIDENCE`: (1 − 0.95)/2 is not 0.025 in floating point, and the 50th of 2000 would become the 51st."""
+
 _RESAMPLES: Final = 2000
 _SEED: Final = 8
 
@@ -86,8 +89,8 @@ def bootstrap_interval(
     if len(values) < 2:
         return None
     draws = np.random.default_rng(_SEED).integers(len(values), size=(_RESAMPLES, len(values)))
-    ends, method = ((1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2), "linear" if interpolate else "inverted_cdf"
-    low, high = np.quantile(statistic(values[draws]), ends, method=method)
+    method = "linear" if interpolate else "inverted_cdf"
+    low, high = np.quantile(statistic(values[draws]), _ENDS, method=method)
     return float(low), float(high)
 
 
