@@ -83,9 +83,14 @@ def bootstrap_interval(
         statistic: Function of resampled cases, shape (m, n, …), that returns m values.
         interpolate: Whether ends are interpolated between resamples; the mean of two infinite distances is undefined.
 
+    Raises:
+        ValueError: A value is NaN, or infinite although ends are interpolated.
+
     Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapter 13.
     """
-    values = np.asarray(cases)
+    values = np.asarray(cases, dtype=np.float64)
+    if np.isnan(values).any() or (interpolate and np.isinf(values).any()):
+        raise ValueError("a bootstrap interval needs a number for each case; leave out the cases without one")
     if len(values) < 2:
         return None
     draws = np.random.default_rng(_SEED).integers(len(values), size=(_RESAMPLES, len(values)))
