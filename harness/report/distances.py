@@ -79,13 +79,16 @@ def setting_tables(frame: Frame, pages: Mapping[str, str]) -> dict[str, list[Rep
 
 def repeats_table(frame: Frame, pages: Mapping[str, str]) -> ReportTable | None:
     """Return the repeats of each stop that was repeated; None without repeats."""
-    cells = [
-        (Link(row.stop, pages[row.stop]) if row.stop in pages else row.stop, row.distance, row.repeated, others)
+    rows = [
+        {
+            "stop": Link(row.stop, pages[row.stop]) if row.stop in pages else row.stop,
+            "distance": row.distance,
+            "repeated": row.repeated,
+            "others": row.other_repeats,
+        }
         for row in frame[frame["repeated"] != ""].itertuples()
-        for others in (row.other_repeats,)
     ]
-    table = ReportTable.of(("stop", "distance", "repeated", "others"), cells, "{:.1f} m")
-    return ReportTable(table.rows, {"distance": "{:.1f} m"}, left=("stop", "others")) if cells else None
+    return ReportTable(rows, {"distance": IN_TABLES["distance"].text}, left=("stop", "others")) if rows else None
 
 
 def documentation_tables(frame: Frame) -> dict[str, ReportTable]:

@@ -16,7 +16,9 @@ for (const table of document.querySelectorAll("table.data")) {
       for (const other of table.tHead.rows[0].cells) other.removeAttribute("aria-sort");
       head.ariaSort = sign > 0 ? "ascending" : "descending";
       const key = (row) => row.cells[column].dataset.value ?? row.cells[column].textContent;
-      const order = (a, b) => sign * (a - b || String(a).localeCompare(String(b), undefined, { numeric: true }));
+      // Empty cells follow in both orders; as a number, an empty text would be 0.
+      const text = (a, b) => String(a).localeCompare(String(b), undefined, { numeric: true });
+      const order = (a, b) => (a === "") - (b === "") || sign * (a - b || text(a, b));
       body.append(...[...body.rows].sort((a, b) => order(key(a), key(b))));
     };
   }

@@ -15,6 +15,9 @@ Array = NDArray[np.float64]
 
 CONFIDENCE: Final = 0.95
 
+_ENDS: Final = (0.025, 0.975)
+"""Of `CONFIDENCE`: (1 − 0.95)/2 is not 0.025 in floating point, and the 50th of 2000 would become the 51st."""
+
 _RESAMPLES: Final = 2000
 _SEED: Final = 8
 
@@ -80,14 +83,19 @@ def bootstrap_interval(
         statistic: Function of resampled cases, shape (m, n, …), that returns m values.
         interpolate: Whether ends are interpolated between resamples; the mean of two infinite distances is undefined.
 
+    Raises:
+        ValueError: A value is NaN, or infinite although ends are interpolated.
+
     Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapter 13.
     """
-    values = np.asarray(cases)
+    values = np.asarray(cases, dtype=np.float64)
+    if np.isnan(values).any() or (interpolate and np.isinf(values).any()):
+        raise ValueError("a bootstrap interval needs a number for each case; leave out the cases without one")
     if len(values) < 2:
         return None
     draws = np.random.default_rng(_SEED).integers(len(values), size=(_RESAMPLES, len(values)))
-    ends, method = ((1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2), "linear" if interpolate else "inverted_cdf"
-    low, high = np.quantile(statistic(values[draws]), ends, method=method)
+    method = "linear" if interpolate else "inverted_cdf"
+    low, high = np.quantile(statistic(values[draws]), _ENDS, method=method)
     return float(low), float(high)
 
 

@@ -178,7 +178,7 @@ class ReportTable:
     def _cell(self, tag: str, column: str, cell: str, value: Any = None) -> str:
         is_long = len(cell) > _WRAPPED / 2
         kind = f' class="text{" long" * is_long}"' if column in self.left else ""
-        number = f' data-value="{value:.9g}"' if isinstance(value, int | float) else ""
+        number = f' data-value="{value:.9g}"' if isinstance(value, int | float) and not _is_nan(value) else ""
         shown = re.sub("&#96;(.+?)&#96;", r"<code>\1</code>", str(as_html(cell)))
         if isinstance(value, Link):
             shown = f'<a href="{as_html(value.address)}">{shown}</a>'

@@ -1,9 +1,9 @@
 """Stops with other estimates differ in nothing else, and are compared case by case."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
+import pandas
 import pytest
 
 import railgrip as rg
@@ -13,7 +13,6 @@ from railgrip.simulate.run import run_stop
 from railgrip.studies.estimators.loop import (
     ESTIMATES,
     LoopCase,
-    LoopStop,
     compare,
     compare_table_1,
     scenario_of_case,
@@ -21,8 +20,6 @@ from railgrip.studies.estimators.loop import (
 )
 from railgrip.studies.estimators.study import Estimators
 from railgrip.studies.type_test.entrants import train_of
-
-STOP = LoopStop(distance=100.0, lock=0.5, error=0.005, nees=1.0)
 
 
 @pytest.fixture(scope="module")
@@ -35,15 +32,15 @@ def scenario():
 def test_the_present_estimates_are_those_of_the_scenario(scenario):
     found = stop_in_loop(LoopCase(scenario=scenario, estimates="present"))
     stop = run_stop(scenario)
-    assert found.distance == stop.braking_distance
-    assert found.nees == pytest.approx(np.mean(stop.figures.adhesion_nees), rel=1e-12)
+    assert found["distance"] == stop.braking_distance
+    assert found["nees"] == pytest.approx(np.mean(stop.figures.adhesion_nees), rel=1e-12)
 
 
 def test_the_true_state_has_no_error(scenario):
     found = stop_in_loop(LoopCase(scenario=scenario, estimates="true state"))
-    assert found.error == 0.0
-    assert 0.0 < found.distance < math.inf
-    assert math.isnan(found.nees)
+    assert found["error"] == 0.0
+    assert 0.0 < found["distance"] < math.inf
+    assert math.isnan(found["nees"])
 
 
 def test_other_estimates_replace_only_the_estimator_and_its_period(scenario):
@@ -57,10 +54,11 @@ def test_other_estimates_replace_only_the_estimator_and_its_period(scenario):
 
 def test_ratios_are_those_of_the_same_cases():
     """Distances scaled by powers of two: the median and the geometric mean are exact, the arithmetic mean is not."""
-    present = [replace(STOP, distance=distance) for distance in (100.0, 200.0, 300.0)]
-    other = [replace(STOP, distance=distance) for distance in (50.0, 200.0, 600.0)]
-    without = [replace(STOP, distance=distance) for distance in (100.0, 200.0, math.inf)]
-    found = {("law", "present"): present, ("law", "fmu"): other, ("law", "true state"): without}
+    distances = {"present": (100.0, 200.0, 300.0), "fmu": (50.0, 200.0, 600.0), "true state": (100.0, 200.0, math.inf)}
+    stops = [(name, distance) for name, of_name in distances.items() for distance in of_name]
+    found = pandas.DataFrame(stops, columns=["estimates", "distance"]).assign(
+        law="law", lock=0.5, error=0.005, nees=1.0
+    )
     rows = {row["estimates"]: row for row in compare(found).rows}
     assert rows["present"]["median"] == rows["present"]["mean"] == "1.0000 [1.0000, 1.0000]"
     assert rows["fmu"]["median"].startswith("1.0000 [")

@@ -1,10 +1,11 @@
 """The score of a stop follows from its figures by the definitions, and a leaderboard from the stops."""
 
+import json
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas
 import pytest
 from synthetic import BRAKES, parabola, uniform_stop
 
@@ -13,7 +14,7 @@ from railgrip.report.limits import limits_of
 from railgrip.report.stop import Stop
 from railgrip.scenario.outcome import Outcome
 from railgrip.studies.type_test.entrants import Entrant
-from railgrip.studies.type_test.judge import judgements, measure_stop, summaries
+from railgrip.studies.type_test.judge import judgements, measure, plain_rows, summaries
 from railgrip.trace.bound import with_bound
 from railgrip.trace.measures import utilisation as utilisation_of
 from railgrip.trace.metrics import FIGURES, Metrics
@@ -39,20 +40,28 @@ def result(case, controller, distance, *, stands=True, speed=20.0, **figures):
         outcome=Outcome.STANDSTILL if stands else Outcome.HORIZON,
         inputs={"start": {"speed": speed}, "actuation": {"kind": "pneumatic"}},
     )  # fmt: skip
-    return measure_stop(stop)
+    return measure([stop])
 
 
 def case(name, *, mine, tuned=300.0, second=330.0, **figures):
     distances = {"dry": 250.0, "ideal_bound": 270.0, "tuned": tuned, "second": second}
-    return [
+    return pandas.concat([
         *(result(name, who, far or 1.0, stands=far is not None) for who, far in distances.items()),
         result(name, "slip_three_state", 400.0, air_used=2.0, actuations=(100, 100)),
         result(name, "mine", mine or 1.0, stands=mine is not None, air_used=1.0, actuations=(200, 100), **figures),
-    ]
+    ])  # fmt: skip
+
+
+def judged(stops):
+    return judgements(stops, TAKING_PART, LIMITS)
 
 
 def mine(stops):
-    return next(stop for stop in judgements(stops, TAKING_PART, LIMITS) if stop.controller == "mine")
+    return next(stop for stop in judged(stops).itertuples() if stop.controller == "mine")
+
+
+def board_of(stops):
+    return {one.controller: one for one in summaries(judged(stops), TAKING_PART).itertuples()}
 
 
 def test_a_distance_is_compared_with_dry_rail_bound_and_best_tuned_baseline():
@@ -79,7 +88,7 @@ def test_each_clause_is_satisfied_up_to_its_limit():
 
 def test_the_extension_is_evaluated_by_the_adhesion_at_the_first_slide():
     for adhesion, verdict in ((0.049, None), (0.05, False), (0.08, False), (0.081, None), (math.nan, None)):
-        stops = [result("a", "dry", 250.0), result("a", "mine", 500.0, adhesion_at_slide=adhesion)]
+        stops = pandas.concat([result("a", "dry", 250.0), result("a", "mine", 500.0, adhesion_at_slide=adhesion)])
         assert mine(stops).verdicts["extension"] is verdict
 
 
@@ -91,9 +100,9 @@ def test_all_controllers_of_a_case_are_evaluated_by_the_same_adhesion():
         for name, adhesion in adhesions.items()
     ]
     stops.append(result("a", "mine", 500.0, adhesion_at_slide=math.nan))
-    judged = judgements(stops, TAKING_PART, LIMITS)
-    assert {stop.first_adhesion for stop in judged} == {0.07}
-    assert {stop.verdicts["extension"] for stop in judged} == {False}
+    stops = judged(pandas.concat(stops))
+    assert set(stops["first_adhesion"]) == {0.07}
+    assert {verdicts["extension"] for verdicts in stops["verdicts"]} == {False}
 
 
 def test_the_utilisation_of_adhesion_is_evaluated_with_an_isolated_group():
@@ -103,15 +112,15 @@ def test_the_utilisation_of_adhesion_is_evaluated_with_an_isolated_group():
         trace = with_bound(uniform_stop(adhesion=used, mu0=0.0875), parabola, brakes, alpha_max=0.15)
         utilisation, each = utilisation_of(trace)
         assert math.isnan(each[0])
-        stop = mine([result("a", "dry", 250.0), result("a", "mine", 300.0, utilisation=utilisation)])
+        stop = mine(pandas.concat([result("a", "dry", 250.0), result("a", "mine", 300.0, utilisation=utilisation)]))
         assert stop.utilisation == pytest.approx(utilisation)
         assert stop.verdicts["utilisation"] is verdict
 
 
 def test_a_train_that_does_not_stop_fails_and_has_no_distance():
     stop = mine(case("a", mine=None))
-    assert stop.distance_m is None
-    assert stop.over_best is None
+    assert math.isnan(stop.distance_m)
+    assert math.isnan(stop.over_best)
     assert stop.k_wet == 0.0
     assert stop.verdicts["stops"] is False
     assert stop.verdicts["extension"] is False
@@ -126,8 +135,7 @@ def test_a_reservoir_loses_the_air_that_the_compressor_does_not_supply():
 
 
 def test_the_leaderboard_has_the_quantiles_of_the_ratios():
-    stops = [stop for n, far in enumerate((270.0, 285.0, 300.0, 345.0)) for stop in case(str(n), mine=far)]
-    board = {one.controller: one for one in summaries(judgements(stops, TAKING_PART, LIMITS), TAKING_PART)}
+    board = board_of(pandas.concat(case(str(n), mine=far) for n, far in enumerate((270.0, 285.0, 300.0, 345.0))))
     own = board["mine"]
     assert (own.median, own.p95, own.worst) == pytest.approx((0.95, 1.15, 1.15))
     assert (own.stops, own.cases) == (1.0, 4)
@@ -140,10 +148,7 @@ def test_the_leaderboard_has_the_quantiles_of_the_ratios():
 
 
 def test_one_stop_without_end_makes_the_worst_ratio_undefined():
-    stops = [stop for n, far in enumerate((270.0, 285.0, None)) for stop in case(str(n), mine=far)]
-    own = next(
-        one for one in summaries(judgements(stops, TAKING_PART, LIMITS), TAKING_PART) if one.controller == "mine"
-    )
+    own = board_of(pandas.concat(case(str(n), mine=far) for n, far in enumerate((270.0, 285.0, None))))["mine"]
     assert own.median == pytest.approx(0.95)
     assert own.worst is None
     assert own.stops == pytest.approx(2 / 3)
@@ -152,14 +157,12 @@ def test_one_stop_without_end_makes_the_worst_ratio_undefined():
 
 def test_a_baseline_that_locks_longer_than_the_clause_allows_is_not_the_best():
     others = case("a", mine=315.0)
-    for stop in others:
-        if stop.controller == "tuned":
-            others[others.index(stop)] = result("a", "tuned", 300.0, longest_lock_fast=(0.0, 0.41))
-    stops = judgements(others, TAKING_PART, LIMITS)
-    assert {stop.best_m for stop in stops} == {330.0}
+    locked = result("a", "tuned", 300.0, longest_lock_fast=(0.0, 0.41))
+    others = pandas.concat([others[others["controller"] != "tuned"], locked])
+    assert set(judged(others)["best_m"]) == {330.0}
     assert mine(others).over_best == pytest.approx(315 / 330)
     unlimited = LIMITS.model_copy(update={"lock": LIMITS.lock.model_copy(update={"limit": None})})
-    assert {stop.best_m for stop in judgements(others, TAKING_PART, unlimited)} == {300.0}
+    assert set(judgements(others, TAKING_PART, unlimited)["best_m"]) == {300.0}
 
 
 def test_a_case_is_not_compared_without_a_baseline_that_satisfies_the_lock_clause():
@@ -167,8 +170,7 @@ def test_a_case_is_not_compared_without_a_baseline_that_satisfies_the_lock_claus
         result("b", who, 300.0, longest_lock_fast=(9.0, 0.0)) if who in ("tuned", "second") else result("b", who, 290.0)
         for who in ("dry", "tuned", "second", "mine")
     ]
-    stops = judgements([*case("a", mine=315.0), *locked], TAKING_PART, LIMITS)
-    own = next(one for one in summaries(stops, TAKING_PART) if one.controller == "mine")
+    own = board_of(pandas.concat([case("a", mine=315.0), *locked]))["mine"]
     assert (own.cases, own.compared) == (2, 1)
     assert own.median == pytest.approx(315 / 300)
     assert own.median_interval == (None, None)  # one case has no interval
@@ -178,9 +180,7 @@ def test_intervals_of_median_and_quantile_contain_them_and_shrink_with_the_cases
     widths = []
     for count in (100, 900):
         distances = 300.0 + np.random.default_rng(3).normal(0.0, 15.0, count)
-        stops = [stop for n, far in enumerate(distances) for stop in case(str(n), mine=far)]
-        board = {one.controller: one for one in summaries(judgements(stops, TAKING_PART, LIMITS), TAKING_PART)}
-        own = board["mine"]
+        own = board_of(pandas.concat(case(str(n), mine=far) for n, far in enumerate(distances)))["mine"]
         for value, (low, high) in ((own.median, own.median_interval), (own.p95, own.p95_interval)):
             assert low < value < high
         widths.append(own.median_interval[1] - own.median_interval[0])
@@ -191,8 +191,8 @@ def test_intervals_of_median_and_quantile_contain_them_and_shrink_with_the_cases
 
 def test_without_a_tuned_baseline_that_stops_nothing_is_compared():
     stop = mine(case("a", mine=300.0, tuned=None, second=None))
-    assert stop.best_m is None
-    assert stop.over_best is None
+    assert math.isnan(stop.best_m)
+    assert math.isnan(stop.over_best)
 
 
 def test_an_invalid_limit_is_refused(tmp_path):
@@ -209,10 +209,7 @@ def test_an_invalid_limit_is_refused(tmp_path):
 
 
 def test_the_interval_of_k_wet_contains_the_quantile_of_equal_cases():
-    stops = [stop for n in range(30) for stop in case(str(n), mine=300.0 + n)]
-    own = next(
-        one for one in summaries(judgements(stops, TAKING_PART, LIMITS), TAKING_PART) if one.controller == "mine"
-    )
+    own = board_of(pandas.concat(case(str(n), mine=300.0 + n) for n in range(30)))["mine"]
     values = sorted((250 - 10) / (300 + n - 10) for n in range(30))
     assert own.k_wet == pytest.approx(values[2])
     assert own.k_wet_low == pytest.approx(values[0], abs=0.01)
@@ -221,6 +218,7 @@ def test_the_interval_of_k_wet_contains_the_quantile_of_equal_cases():
 
 
 def test_json_has_no_nan():
-    stop = replace(mine(case("a", mine=300.0, utilisation=math.nan)), outcome="standstill")
-    assert stop.utilisation is None
-    assert stop.to_plain()["verdicts"]["utilisation"] is None
+    stop = plain_rows(judged(case("a", mine=300.0, utilisation=math.nan)))[-1]
+    assert stop["controller"] == "mine"
+    assert stop["utilisation"] is stop["verdicts"]["utilisation"] is None
+    assert json.dumps(stop, allow_nan=False)

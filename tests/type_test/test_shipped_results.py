@@ -1,8 +1,9 @@
 """Results of built-in controllers in the package are listed with those of a user's controller."""
 
-from dataclasses import replace
+import math
 from pathlib import Path
 
+import pandas
 import pytest
 
 from railgrip.report.limits import limits_of
@@ -10,7 +11,7 @@ from railgrip.simulate.run import run_stop
 from railgrip.studies.type_test import design
 from railgrip.studies.type_test.case_set import case_named
 from railgrip.studies.type_test.design import CASES, QUICK, cases
-from railgrip.studies.type_test.entrants import Entrant, campaign_of, entrants, train_of
+from railgrip.studies.type_test.entrants import LIBRARY, Entrant, campaign_of, entrants, train_of
 from railgrip.studies.type_test.judge import judgements
 from railgrip.studies.type_test.shipped import read_shipped, write_shipped
 from railgrip.studies.type_test.study import page_of
@@ -28,24 +29,23 @@ def stops():
 @pytest.fixture(scope="module")
 def page(stops):
     """Page of a controller that stops a tenth longer than three-state control, with the results of the package."""
-    found = [stop for stop in stops if stop.controller in ("dry", "ideal_bound")]
-    for stop in stops:
-        if stop.controller == "slip_three_state" and stop.distance_m is not None:
-            found.append(replace(stop, controller=OWN, distance_m=1.1 * stop.distance_m))
+    longer = stops[(stops["controller"] == "slip_three_state") & stops["distance_m"].notna()]
+    longer = longer.assign(controller=OWN, distance_m=1.1 * longer["distance_m"])
+    found = pandas.concat([stops[stops["controller"].isin(["dry", "ideal_bound"])], longer])
     own = {OWN: Entrant(description="a controller of a user", role="entrant")}
     again = dict.fromkeys((*entrants(), OWN), "railgrip study type_test --case")
     return page_of(found, entrants() | own, limits_of(), packaged=stops, candidates=[OWN], again=again)
 
 
 def test_each_case_has_a_stop_of_each_controller_in_the_package(stops):
-    names = {(stop.case, stop.controller) for stop in stops}
+    names = set(zip(stops["case"], stops["controller"], strict=True))
     assert names == {(case.name, controller) for case in cases(QUICK) for controller in entrants()}
     assert len(names) == len(stops)
 
 
 def test_a_single_case_has_its_stops_in_the_package():
     stops, sentences = read_shipped([case_named("03of24-15595")], TRAIN)
-    assert {stop.case for stop in stops} == {"03of24-15595"}
+    assert set(stops["case"]) == {"03of24-15595"}
     assert len(stops) == len(entrants())
     assert len(sentences) == 1
 
@@ -55,45 +55,50 @@ def test_a_new_run_has_the_distance_in_the_package(stops, controller):
     """Stops that differ by less than two thousandths are equal, as in the comparison of two controllers."""
     case = case_named("03of24-15595")
     (planned,) = campaign_of([case], {controller: entrants()[controller]}, TRAIN).stops
-    (expected,) = [stop for stop in stops if (stop.case, stop.controller) == (case.name, controller)]
+    (expected,) = stops[(stops["case"] == case.name) & (stops["controller"] == controller)].itertuples()
     assert run_stop(planned.scenario).metrics.distance == pytest.approx(expected.distance_m, rel=2e-3)
 
 
 def test_results_of_other_cases_or_another_train_are_refused(monkeypatch, stops):
     refused = "results_24_15595.csv are not shown: they are of other cases or of another train"
     other = TRAIN | {"periods": {"controller": "10 ms"}}
-    assert read_shipped(cases(QUICK), other)[0] == []
+    assert read_shipped(cases(QUICK), other)[0].empty
     assert refused in read_shipped(cases(QUICK), other)[1][0]
     monkeypatch.setattr(design, "PADS", {**design.PADS, "weak": 0.84})
     found, (sentence,) = read_shipped(cases(QUICK), TRAIN)
-    assert found == []
+    assert found.empty
     assert refused in sentence
     monkeypatch.undo()
-    assert read_shipped(cases(QUICK), TRAIN)[0] == stops
+    assert read_shipped(cases(QUICK), TRAIN)[0].equals(stops)
 
 
 def test_cases_without_a_file_are_reported_in_a_sentence():
-    assert read_shipped(cases(CASES), TRAIN) == (
-        [], ["No results of railgrip's controllers come with these 240 cases; they come with those of --quick."],
-    )  # fmt: skip
+    found, sentences = read_shipped(cases(CASES), TRAIN)
+    assert found.empty
+    assert sentences == [
+        "No results of railgrip's controllers come with these 240 cases; they come with those of --quick."
+    ]
 
 
 def test_written_results_read_back(tmp_path, stops):
     write_shipped(stops, cases(QUICK), TRAIN, tmp_path)
     read, (sentence,) = read_shipped(cases(QUICK), TRAIN, tmp_path)
-    assert read == stops
+    assert read.equals(stops)
+    (file,) = tmp_path.iterdir()
+    packaged = (LIBRARY / file.name).read_text(encoding="utf-8").splitlines()
+    assert file.read_text(encoding="utf-8").splitlines()[1:] == packaged[1:]
     assert "are of railgrip" in sentence
 
 
 def test_results_of_a_version_without_the_adhesion_at_the_first_slide_are_read(tmp_path, stops):
-    older = [replace(stop, adhesion_at_slide=None) for stop in stops]
+    older = stops.assign(adhesion_at_slide=math.nan)
     (path,) = write_shipped(older, cases(QUICK), TRAIN, tmp_path)
     lines = path.read_text(encoding="utf-8").splitlines()
     assert lines[1].endswith(",adhesion_at_slide")
     path.write_text("\n".join([lines[0], *(line.rpartition(",")[0] for line in lines[1:])]) + "\n", encoding="utf-8")
-    assert read_shipped(cases(QUICK), TRAIN, tmp_path)[0] == older
+    assert read_shipped(cases(QUICK), TRAIN, tmp_path)[0].equals(older)
     judged = judgements(older, entrants(), limits_of())
-    assert {stop.verdicts["extension"] for stop in judged} == {None}
+    assert {verdicts["extension"] for verdicts in judged["verdicts"]} == {None}
 
 
 def test_one_controller_is_listed_among_those_of_the_package(page):

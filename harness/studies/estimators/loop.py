@@ -5,16 +5,18 @@ limit, and with the true state, which limits what any estimator can achieve.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
+import pandas
 from numpy.typing import NDArray
 
 from railgrip.api import Scenario
 from railgrip.campaign.work import Work
 from railgrip.estimators.compiled import CompiledFilter
+from railgrip.report.frame import Frame, groups_of
 from railgrip.report.statistics import bootstrap_interval, endless, quantile, quantile_interval, relative_change
 from railgrip.report.stop import Stop
 from railgrip.report.table import ReportTable
@@ -57,27 +59,6 @@ class LoopCase:
     estimates: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LoopStop:
-    """Figures of a stop.
-
-    Attributes:
-        distance: Braking distance, infinite without a standstill [m].
-        lock: Longest lock of any group above 15 km/h [s].
-        error: RMS error of the estimated adhesion above 10 km/h, mean of the groups.
-        nees: Mean squared error of adhesion over its variance, mean of the groups; NaN for the true state.
-    """
-
-    distance: float
-    lock: float
-    error: float
-    nees: float
-
-
-LoopStops = Mapping[tuple[str, str], Sequence[LoopStop]]
-"""Law and estimates → stops, in the same order of cases."""
-
-
 class TrueState:
     """The true state in place of a filter: `railgrip.simulate.loop.parts.Filter`.
 
@@ -104,8 +85,13 @@ class TrueState:
         self.mean[estimator.pad_friction] = self.outputs[at["pad_friction"]]
 
 
-def stop_in_loop(case: LoopCase) -> LoopStop:
-    """Run a stop with its estimates and return its figures."""
+def stop_in_loop(case: LoopCase) -> dict[str, float]:
+    """Run a stop with its estimates and return its figures.
+
+    `distance`: infinite without a standstill [m]; `lock`: longest of any group above 15 km/h [s]; `error`: RMS error of
+    the estimated adhesion above 10 km/h, mean of the groups; `nees`: mean squared error of adhesion over its variance,
+    mean of the groups, NaN for the true state.
+    """
     name, sensors = case.estimates, "ideal" if case.scenario.sensors.kind == "ideal" else "service"
     with assemble(scenario_of_case(case)) as opened:
         estimator = opened.parts.estimator
@@ -113,7 +99,7 @@ def stop_in_loop(case: LoopCase) -> LoopStop:
         if name == "true state":
             truth = TrueState(opened.parts.layout, estimator)
             parts = replace(opened.parts, estimator=replace(estimator, filter=truth))
-            return replace(_figures(opened.stop(_run(parts, truth))), nees=math.nan)
+            return _figures(opened.stop(_run(parts, truth))) | {"nees": math.nan}
         if name != "present":
             assert isinstance(estimator.filter, CompiledFilter)
             noise, design = noise_of(name.partition(",")[0], sensors), estimator.filter.design
@@ -127,14 +113,14 @@ def _run(parts: Parts, truth: TrueState) -> Ending:
     return loop.run()
 
 
-def _figures(stop: Stop) -> LoopStop:
+def _figures(stop: Stop) -> dict[str, float]:
     metrics = stop.figures
-    return LoopStop(
-        distance=endless(stop.braking_distance),
-        lock=max(metrics.longest_lock_fast),
-        error=float(np.mean(metrics.adhesion_rmse or math.nan)),
-        nees=float(np.mean(metrics.adhesion_nees or math.nan)),
-    )
+    return {
+        "distance": endless(stop.braking_distance),
+        "lock": metrics.of_train("longest_lock_fast"),
+        "error": metrics.of_train("adhesion_rmse"),
+        "nees": metrics.of_train("adhesion_nees"),
+    }
 
 
 def scenario_of_case(case: LoopCase) -> schema.Scenario:
@@ -153,7 +139,7 @@ def scenario_of_case(case: LoopCase) -> schema.Scenario:
     return schema.Scenario.model_validate(tables | {name: tables[name] | table for name, table in changes.items()})
 
 
-def stops_of_type_test(work: Work, count: int) -> LoopStops:
+def stops_of_type_test(work: Work, count: int) -> Frame:
     """Run the laws in cases of the test set of version 2 of the type test, all on the two-part train."""
     cases = VERSIONS[2].draw(count, VERSIONS[2].test)
     design = [replace(case, train="") if isinstance(case, TrackCase) else case for case in cases]
@@ -169,7 +155,7 @@ def stops_of_type_test(work: Work, count: int) -> LoopStops:
     return _stops(work, rows)
 
 
-def stops_of_table_1(work: Work) -> LoopStops:
+def stops_of_table_1(work: Work) -> Frame:
     """Run the laws of Table 1 in its scenarios, with ideal sensors and actuation."""
     rows = [
         (law, name, Scenario.load(scenario, {"controller.kind": law}))
@@ -180,55 +166,57 @@ def stops_of_table_1(work: Work) -> LoopStops:
     return _stops(work, rows)
 
 
-def _stops(work: Work, rows: Sequence[tuple[str, str, schema.Scenario]]) -> LoopStops:
-    """Run stops given by law, estimates and scenario."""
+def _stops(work: Work, rows: Sequence[tuple[str, str, schema.Scenario]]) -> Frame:
+    """Return a row for each stop given by law, estimates and scenario, with these and its figures."""
     results = work.map(stop_in_loop, [LoopCase(scenario=scenario, estimates=name) for _, name, scenario in rows])
-    found: dict[tuple[str, str], list[LoopStop]] = {}
-    for (law, name, _), result in zip(rows, results, strict=True):
-        found.setdefault((law, name), []).append(result)
-    return found
+    return pandas.DataFrame(
+        [{"law": law, "estimates": name, **found} for (law, name, _), found in zip(rows, results, strict=True)]
+    )
 
 
-def compare(found: LoopStops) -> ReportTable:
-    """Return distances over those with the present estimates in the same cases, with intervals over the cases."""
+def compare(found: Frame) -> ReportTable:
+    """Return distances over those with the present estimates in the same cases, with intervals over the cases.
+
+    Args:
+        found: Stops by law and estimates, of each the same cases in the same order.
+    """
     rows: list[dict[str, Any]] = []
-    for (law, name), stops in found.items():
-        pairs = zip(_distances(stops), _distances(found[law, "present"]), strict=True)
+    for (law, name), stops in groups_of(found, ("law", "estimates")):
+        pairs = zip(stops["distance"], _present(found, law), strict=True)
         ratios = [1.0 + relative_change(*pair) for pair in pairs]
         rows.append(
             {
                 "law": law,
                 "estimates": name,
-                "stops": f"{sum(math.isfinite(stop.distance) for stop in stops)} of {len(stops)}",
+                "stops": f"{np.isfinite(stops['distance']).sum()} of {len(stops)}",
                 "shorter": sum(ratio < 1.0 - EQUAL for ratio in ratios),
                 "longer": sum(ratio > 1.0 + EQUAL for ratio in ratios),
                 "median": _with_interval(quantile(ratios, 0.5), quantile_interval(ratios, 0.5)),
                 "mean": _with_interval(float(np.exp(np.mean(np.log(ratios)))), _interval_of_mean(ratios)),
                 "maximum": max(ratios),
-                "longest lock": max(stop.lock for stop in stops),
-                "RMSE": float(np.median([stop.error for stop in stops])),
-                "NEES": float(np.mean([stop.nees for stop in stops])),
+                "longest lock": float(stops["lock"].max()),
+                "RMSE": float(np.median(stops["error"])),
+                "NEES": float(np.mean(stops["nees"])),
             }
         )
     forms = {"maximum": "{:.3f}", "longest lock": "{:.2f} s", "RMSE": "{:.4f}", "NEES": "{:.2f}"}
     return ReportTable(rows, forms, ("law", "estimates"), title="Distance over that with the present estimates")
 
 
-def compare_table_1(found: LoopStops) -> ReportTable:
+def compare_table_1(found: Frame) -> ReportTable:
     """Return the distances of Table 1, and their changes by other estimates."""
     rows: list[tuple[str, ...]] = []
-    for (law, name), stops in found.items():
-        present = _distances(found[law, "present"])
+    for (law, name), stops in groups_of(found, ("law", "estimates")):
         cells = [
             f"{distance:.1f} m" + ("" if name == "present" else f" ({distance - before:+.1f} m)".replace("-", "−"))
-            for distance, before in zip(_distances(stops), present, strict=True)
+            for distance, before in zip(stops["distance"], _present(found, law), strict=True)
         ]
         rows.append((law, name, *cells))
     return ReportTable.of(("law", "estimates", *TABLE_1), rows, left=2, title="Table 1")
 
 
-def _distances(stops: Sequence[LoopStop]) -> list[float]:
-    return [stop.distance for stop in stops]
+def _present(found: Frame, law: str) -> Frame:
+    return found["distance"][(found["law"] == law) & (found["estimates"] == "present")]
 
 
 def _interval_of_mean(ratios: Sequence[float]) -> tuple[float, float] | None:

@@ -1,15 +1,13 @@
 """Results by family of cases: by creep curve, axis of the friction, rail, cleaning, faults and train."""
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
-import numpy as np
+import pandas
 
-from railgrip.report.statistics import endless, finite, quantile, quantile_interval
+from railgrip.report.frame import Frame, groups_of
+from railgrip.report.statistics import endless
 from railgrip.report.table import ReportTable, share
-from railgrip.studies.type_test.judge import CaseJudgement, Summary
+from railgrip.studies.type_test.judge import EQUAL, over_best, statistics_of
 
 AXES: Final = ("curve", "over", "rail", "cleaning", "passage", "number of faults", "train", "mechanics")
 """Variants of a case that make families."""
@@ -17,86 +15,36 @@ AXES: Final = ("curve", "over", "rail", "cleaning", "passage", "number of faults
 FEWEST: Final = 5
 """Minimum number of compared cases of a family in which a controller can be said to lose."""
 
-_SAME: Final = 0.002
-"""Relative difference below which distances are the same."""
-
 Interval = tuple[float | None, float | None]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Family:
-    """One controller in the cases of one value of one axis; ratios are as in `judge.Summary`.
+def families(stops: Frame) -> Frame:
+    """Return a row for each controller in the cases of one value of one axis, in the order of `AXES`.
 
-    Attributes:
-        axis, value: Variant of the cases and its value.
-        controller: Name of the entrant.
-        cases: Number of cases that it has run.
-        compared: Number of those with an admissible baseline.
-        stops: Share of `cases` in which the train stops.
-        lost: Share of `compared` in which it is longer than the best baseline; None without a comparison.
-        median, p95: Of distance over that of the best baseline; None without a comparison, or infinite.
-        median_interval, p95_interval: 95 % bootstrap intervals.
-        over_bound: Median of distance over that of the ideal bound; None without a bound.
+    Columns: `axis`, `value` and `controller`; those of `judge.statistics_of`; and `lost`, the share of the compared
+    cases in which it is longer than the best baseline, None without a comparison.
     """
-
-    axis: str
-    value: str
-    controller: str
-    cases: int
-    compared: int
-    stops: float
-    lost: float | None
-    median: float | None
-    median_interval: Interval
-    p95: float | None
-    p95_interval: Interval
-    over_bound: float | None
-
-
-def families(stops: Sequence[CaseJudgement]) -> list[Family]:
-    """Return the results of each controller by axis and value, in the order of `AXES`."""
-    groups: dict[tuple[str, str, str], list[CaseJudgement]] = {}
+    rows: list[dict[str, Any]] = []
     for axis in AXES:
-        for stop in sorted(stops, key=lambda stop: stop.variants.get(axis, "")):
-            if axis in stop.variants:
-                groups.setdefault((axis, stop.variants[axis], stop.controller), []).append(stop)
-    return [_family(*key, members) for key, members in groups.items()]
+        of_axis = stops.assign(value=[variants.get(axis) for variants in stops["variants"]])
+        of_axis = of_axis.dropna(subset="value").sort_values("value", kind="stable")
+        for (value, controller), own in groups_of(of_axis, ("value", "controller")):
+            ratios = over_best(own)
+            lost = float((ratios > 1.0 + EQUAL).mean()) if len(ratios) else None
+            rows.append({"axis": axis, "value": value, "controller": controller, "lost": lost} | statistics_of(own))
+    return pandas.DataFrame(rows, dtype=object)
 
 
-def _family(axis: str, value: str, controller: str, stops: Sequence[CaseJudgement]) -> Family:
-    ratios = [endless(stop.over_best) for stop in stops if stop.best_m]
-    bounds = [endless(stop.over_bound) for stop in stops if stop.bound_m]
-    return Family(
-        axis=axis,
-        value=value,
-        controller=controller,
-        cases=len(stops),
-        compared=len(ratios),
-        stops=float(np.mean([stop.distance_m is not None for stop in stops])),
-        lost=float(np.mean([ratio > 1.0 + _SAME for ratio in ratios])) if ratios else None,
-        median=finite(quantile(ratios, 0.5)),
-        median_interval=_interval(ratios, 0.5),
-        p95=finite(quantile(ratios, 0.95)),
-        p95_interval=_interval(ratios, 0.95),
-        over_bound=finite(quantile(bounds, 0.5)),
-    )
-
-
-def _interval(ratios: Sequence[float], of: float) -> Interval:
-    low, high = quantile_interval(ratios, of) or (math.nan, math.nan)
-    return finite(low), finite(high)
-
-
-def losses(rows: Iterable[Family], board: Sequence[Summary]) -> ReportTable:
+def losses(rows: Frame, board: Frame) -> ReportTable:
     """Return for each controller the family in which its median over the best baseline is largest.
 
     Of families with the same median it is the one with the larger share of cases in which the controller is longer.
     Families with fewer than `FEWEST` compared cases do not count.
     """
-    by_controller: dict[str, list[Family]] = {}
-    for row in rows:
-        if row.compared >= FEWEST:
-            by_controller.setdefault(row.controller, []).append(row)
+    by_controller = {
+        name: list(own.itertuples())
+        for (name,), own in groups_of(rows[rows["compared"] >= FEWEST] if len(rows) else rows, ("controller",))
+    }
     table = [
         {
             "controller": summary.controller,
@@ -108,13 +56,13 @@ def losses(rows: Iterable[Family], board: Sequence[Summary]) -> ReportTable:
             "95 %": with_interval(worst.p95, worst.p95_interval),
             "median of all": with_interval(summary.median, (None, None)),
         }
-        for summary in board
+        for summary in board.itertuples()
         if (worst := max(by_controller.get(summary.controller, ()), key=_badness, default=None))
     ]
     return ReportTable(table, {"stops": share, "longer than best": share}, ("controller", "loses where"))
 
 
-def _badness(row: Family) -> tuple[float, float, float]:
+def _badness(row: Any) -> tuple[float, float, float]:
     return endless(row.median), row.lost or 0.0, endless(row.p95)
 
 
@@ -125,30 +73,25 @@ def with_interval(value: float | None, interval: Interval) -> str:
     return text if low is None else f"{text} [{low:.3f}, {'no stop' if high is None else f'{high:.3f}'}]"
 
 
-def by_axis(rows: Sequence[Family], board: Sequence[Summary]) -> dict[str, ReportTable]:
+def by_axis(rows: Frame, board: Frame) -> dict[str, ReportTable]:
     """Return a table for each axis: median and 95 % quantile of each controller in each family."""
     tables: dict[str, ReportTable] = {}
-    for axis in AXES:
+    for (axis,), of_axis in groups_of(rows, ("axis",)):
         cells: dict[str, dict[str, object]] = {}
-        counts: Mapping[str, int] = {row.value: row.compared for row in rows if row.axis == axis}
-        for row in rows:
-            if row.axis == axis:
-                heading = f"{row.value} ({counts[row.value]})"
-                text = "" if not row.compared else f"{with_interval(row.median, (None, None))} / {_p95(row)}"
-                cells.setdefault(row.controller, {"controller": row.controller})[heading] = text
-        if cells:
-            order = [summary.controller for summary in board if summary.controller in cells]
-            columns = max(cells.values(), key=len)
-            filled = [{name: cells[controller].get(name, "") for name in columns} for controller in order]
-            tables[axis] = ReportTable(filled, left=("controller",))
+        counts = dict(zip(of_axis["value"], of_axis["compared"], strict=True))
+        for row in of_axis.itertuples():
+            unknown = (None, None)
+            text = f"{with_interval(row.median, unknown)} / {with_interval(row.p95, unknown)}" if row.compared else ""
+            of_controller = cells.setdefault(row.controller, {"controller": row.controller})
+            of_controller[f"{row.value} ({counts[row.value]})"] = text
+        order = [name for name in board["controller"] if name in cells]
+        columns = max(cells.values(), key=len)
+        filled = [{name: cells[controller].get(name, "") for name in columns} for controller in order]
+        tables[axis] = ReportTable(filled, left=("controller",))
     return tables
 
 
-def _p95(row: Family) -> str:
-    return with_interval(row.p95, (None, None))
-
-
-def table_of_controller(rows: Iterable[Family], summary: Summary) -> ReportTable:
+def table_of_controller(rows: Frame, summary: Any) -> ReportTable:
     """Return the results of one controller: a row for all cases, then one for each family."""
     table: list[dict[str, object]] = [
         {
@@ -161,7 +104,7 @@ def table_of_controller(rows: Iterable[Family], summary: Summary) -> ReportTable
             "over bound": summary.over_bound,
         }
     ]
-    for row in rows:
+    for row in rows.itertuples():
         if row.controller == summary.controller:
             table.append(
                 {
@@ -177,26 +120,15 @@ def table_of_controller(rows: Iterable[Family], summary: Summary) -> ReportTable
     return ReportTable(table, {"stops": share, "over bound": "{:.3f}"}, ("family",))
 
 
-def table_of_families(rows: Iterable[Family]) -> ReportTable:
+def table_of_families(rows: Frame) -> ReportTable:
     """Return every family as a row, with intervals, for a CSV file."""
-    plain: list[dict[str, object]] = []
-    for row in rows:
-        plain.append(
-            {
-                "axis": row.axis,
-                "value": row.value,
-                "controller": row.controller,
-                "cases": row.cases,
-                "compared": row.compared,
-                "stops": row.stops,
-                "longer_than_best": row.lost,
-                "median": row.median,
-                "median_low": row.median_interval[0],
-                "median_high": row.median_interval[1],
-                "p95": row.p95,
-                "p95_low": row.p95_interval[0],
-                "p95_high": row.p95_interval[1],
-                "over_bound": row.over_bound,
-            }
-        )
-    return ReportTable(plain)
+    ends = {
+        f"{name}_{end}": [interval[k] for interval in rows[f"{name}_interval"]]
+        for name in ("median", "p95")
+        for k, end in enumerate(("low", "high"))
+    }
+    columns = (
+        "axis", "value", "controller", "cases", "compared", "stops", "longer_than_best", "median", "median_low",
+        "median_high", "p95", "p95_low", "p95_high", "over_bound",
+    )  # fmt: skip
+    return ReportTable.of_frame(rows.rename(columns={"lost": "longer_than_best"}).assign(**ends)[list(columns)])

@@ -6,23 +6,21 @@ A file has the stops of one set of cases, after a line with the digest of these 
 
 import csv
 import hashlib
-import io
 import json
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, fields
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
+
+import pandas
 
 from railgrip.base.files import write_text
+from railgrip.report.frame import Frame
 from railgrip.studies.type_test.case_set import AnyCase, CaseSet
 from railgrip.studies.type_test.entrants import LIBRARY
-from railgrip.studies.type_test.judge import CaseMeasurement
-
-_OF_THE_CASE: Final = ("variants", "speed")
-"""Fields that follow from the name of the case."""
-_TEXTS: Final = ("case", "controller", "outcome")
+from railgrip.studies.type_test.judge import SHIPPED, frame_of_rows
 
 
 def digest_of(design: Iterable[AnyCase], train: Mapping[str, Any]) -> str:
@@ -31,28 +29,21 @@ def digest_of(design: Iterable[AnyCase], train: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps([train, two_groups], sort_keys=True, default=str).encode()).hexdigest()
 
 
-def write_shipped(
-    stops: Iterable[CaseMeasurement], design: Sequence[AnyCase], train: Mapping[str, Any], folder: Path
-) -> list[Path]:
+def write_shipped(stops: Frame, design: Sequence[AnyCase], train: Mapping[str, Any], folder: Path) -> list[Path]:
     """Write the stops of each set of cases into its file in a folder; return the files."""
-    columns = [field.name for field in fields(CaseMeasurement) if field.name not in _OF_THE_CASE]
-    ordered = sorted(stops, key=lambda stop: (stop.case, stop.controller))
+    shipped = stops[list(SHIPPED)].sort_values(["case", "controller"]).astype({"strokes": "Int64"})
     paths: list[Path] = []
     for case_set, of_the_set in _by_set(design).items():
-        names = {case.name for case in of_the_set}
-        content = io.StringIO()
-        content.write(f"# cases {digest_of(of_the_set, train)}, railgrip {version('railgrip')}\n")
-        writer = csv.DictWriter(content, columns, extrasaction="ignore", lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(asdict(stop) for stop in ordered if stop.case in names)
+        header = f"# cases {digest_of(of_the_set, train)}, railgrip {version('railgrip')}\n"
+        own = shipped[shipped["case"].isin([case.name for case in of_the_set])]
         paths.append(folder / _file_of(case_set))
-        write_text(paths[-1], content.getvalue())
+        write_text(paths[-1], header + own.to_csv(index=False, lineterminator="\n"))
     return paths
 
 
 def read_shipped(
     design: Iterable[AnyCase], train: Mapping[str, Any], folder: Path = LIBRARY
-) -> tuple[list[CaseMeasurement], list[str]]:
+) -> tuple[Frame, list[str]]:
     """Return the packaged stops for some cases, and a sentence about each set of cases.
 
     Args:
@@ -60,7 +51,7 @@ def read_shipped(
         train: Tables of the train, `train_of`.
         folder: Folder of the files.
     """
-    stops: list[CaseMeasurement] = []
+    frames: list[Frame] = []
     sentences: list[str] = []
     for case_set, of_the_set in _by_set(design).items():
         file = _file_of(case_set)
@@ -79,9 +70,17 @@ def read_shipped(
             )
             continue
         by_name = {case.name: case for case in of_the_set}
-        stops += [_stop(row, by_name[row["case"]]) for row in csv.DictReader(lines) if row["case"] in by_name]
+        found = pandas.DataFrame([row for row in csv.DictReader(lines) if row["case"] in by_name])
+        numbers = found.columns.difference(["case", "controller", "outcome"])
+        found[numbers] = found[numbers].replace("", math.nan).astype(float)
+        variants = [
+            {name: value for name, value in by_name[case].variants().items() if name != "case"}
+            for case in found["case"]
+        ]
+        speeds = [by_name[case].speed for case in found["case"]]
+        frames.append(frame_of_rows(found.assign(variants=variants, speed=speeds)))
         sentences.append(f"Shipped results come with the package and are of railgrip {release}.")
-    return stops, sentences
+    return pandas.concat(frames, ignore_index=True) if frames else frame_of_rows([]), sentences
 
 
 def _by_set(design: Iterable[AnyCase]) -> dict[CaseSet, list[AnyCase]]:
@@ -100,12 +99,3 @@ def _set_of(case: AnyCase) -> CaseSet:
     found = CaseSet.of(case.name)
     assert found is not None, case.name
     return found
-
-
-def _stop(row: Mapping[str, str], case: AnyCase) -> CaseMeasurement:
-    values: dict[str, Any] = {
-        name: text if name in _TEXTS else None if not text else int(text) if name == "strokes" else float(text)
-        for name, text in row.items()
-    }
-    variants = {name: value for name, value in case.variants().items() if name != "case"}
-    return CaseMeasurement(variants=variants, speed=case.speed, **values)

@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any, Final
 
 import numpy as np
+import pandas
 from matplotlib.figure import Figure
 from scipy.ndimage import median_filter
 from typer import Option
@@ -20,12 +21,12 @@ from railgrip.campaign.run import CampaignRun, write_description
 from railgrip.campaign.work import Work
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding, mean
+from railgrip.report.frame import Frame
 from railgrip.report.index import write_report as write_panels
 from railgrip.report.limits import AssessmentLimits, limits_of
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.results import Results, read_results
-from railgrip.report.statistics import finite
 from railgrip.report.table import ReportTable, names, percent, share
 from railgrip.scenario.campaign import Campaign
 from railgrip.scenario.outcome import Outcome
@@ -55,16 +56,16 @@ from railgrip.studies.type_test.entrants import (
     training_cases,
     trains_of,
 )
-from railgrip.studies.type_test.family import Family, by_axis, families, losses, table_of_controller, table_of_families
+from railgrip.studies.type_test.family import by_axis, families, losses, table_of_controller, table_of_families
 from railgrip.studies.type_test.judge import (
     EQUAL,
     JUDGED,
-    CaseJudgement,
-    CaseMeasurement,
-    Summary,
+    frame_of_rows,
     judgements,
     keeps_lock,
-    measure_stop,
+    measure,
+    over_best,
+    plain_rows,
     summaries,
 )
 from railgrip.studies.type_test.shipped import read_shipped, write_shipped
@@ -150,9 +151,9 @@ class TypeTest(Study):
         exit_code = work.stops([CampaignRun(stops, work.folder)], runner, is_any_outcome=True)
         write_description(campaign, work.folder)
         results = read_results(work.folder)
-        found = [measure_stop(stop) for stop in results.stops]
+        found = measure(results.stops)
         is_compared = self.controller is not None and not self.task
-        packaged, notes = read_shipped(design, train_of(self.train)) if is_compared else ([], [])
+        packaged, notes = read_shipped(design, train_of(self.train)) if is_compared else (frame_of_rows([]), [])
         page = page_of(
             found,
             taking_part,
@@ -231,7 +232,7 @@ class TypeTest(Study):
             return None
         return table_of_looks(count_look(case_set.label, digests.values()), case_set.label)
 
-    def _write(self, page: Page, found: Sequence[CaseMeasurement], design: Sequence[AnyCase]) -> None:
+    def _write(self, page: Page, found: Frame, design: Sequence[AnyCase]) -> None:
         """Write the tables of the page of documentation, and the stops into the package; of a sealed set one table."""
         kind = "sealed" if self.sealed else "validation" if self.validation else "test"
         of = f"{len(design)} cases of the {kind} set, railgrip {version('railgrip')}:\n\n"
@@ -305,7 +306,7 @@ def _require_one_of(options: Mapping[str, Any]) -> None:
 def _distance_and_lock(scenario: Scenario) -> tuple[float, bool]:
     stop = run_stop(scenario)
     distance = stop.metrics.distance if stop.outcome is Outcome.STANDSTILL else math.inf
-    return distance, keeps_lock(finite(max(stop.metrics.longest_lock_fast)), limits_of())
+    return distance, keeps_lock(stop.metrics.of_train("longest_lock_fast"), limits_of())
 
 
 def _missing(results: Results) -> list[str]:
@@ -323,11 +324,11 @@ def _without_cases(page: Page) -> Page:
 
 
 def page_of(
-    found: Sequence[CaseMeasurement],
+    found: Frame,
     taking_part: Mapping[str, Entrant],
     limits: AssessmentLimits,
     *,
-    packaged: Sequence[CaseMeasurement] = (),
+    packaged: Frame | None = None,
     notes: Sequence[str] = (),
     candidates: Sequence[str] = (),
     missing: Sequence[str] = (),
@@ -351,40 +352,44 @@ def page_of(
         looks: How often sets of cases were looked at.
         version: Version of the type test.
     """
-    run = {(stop.case, stop.controller) for stop in found}
-    from_package = [stop for stop in packaged if (stop.case, stop.controller) not in run]
-    stops = judgements([*found, *from_package], taking_part, limits, only_tuned=version == 1)
+    stops, shipped = found, set[str]()
+    if packaged is not None and len(packaged):
+        run = set(zip(found["case"], found["controller"], strict=True))
+        is_run = [pair in run for pair in zip(packaged["case"], packaged["controller"], strict=True)]
+        others = packaged[~np.array(is_run)]
+        stops, shipped = pandas.concat([found, others] if len(found) else [others]), set(others["controller"])
+    stops = judgements(stops, taking_part, limits, only_tuned=version == 1)
     board = summaries(stops, taking_part)
-    plain = [{name: row[name] for name in _JSON} | row for row in (stop.to_plain() for stop in stops)]
+    plain = [{name: row[name] for name in _JSON} | row for row in plain_rows(stops)]
     drawings = _drawings(stops, _lines(board, candidates))
-    rows = families(stops) if version > 1 else []
+    rows = families(stops) if version > 1 else board.head(0)
     return Page(
         title="Type test of wheel-slide protection",
         question=f"{f'How does {names(candidates)} compare with' if candidates else 'Which is the shortest of'} the "
         "stops of railgrip's controllers in cases that none was tuned on, and which clauses of a type test are kept?",
-        answer=answer(board, len({stop.case for stop in stops}), limits, candidates),
+        answer=answer(board, stops["case"].nunique(), limits, candidates),
         template="studies/type_test/type_test.md.jinja",
         values={
             **_values(stops, board, limits),
             **_values_of_families(rows, board),
             "version": version,
             "looks": looks,
-            "controllers": _controllers(board, {stop.controller for stop in from_package}, taking_part, version),
+            "controllers": _controllers(board, shipped, taking_part, version),
             "captions": {f"figures/{name}.png": caption for name, caption, _ in drawings},
             "worst": [
                 (summary, worst(stops, summary.controller, again[summary.controller]))
-                for summary in board
+                for summary in board.itertuples()
                 if not candidates or summary.controller in candidates
             ],
             "missing": names(missing),
             "notes": notes,
         },
-        figures={f"figures/{name}.png": drawing for name, _, drawing in drawings if stops and drawing},
-        tables={"cases.csv": table_of(stops)} | ({"families.csv": table_of_families(rows)} if rows else {}),
+        figures={f"figures/{name}.png": drawing for name, _, drawing in drawings if len(stops) and drawing},
+        tables={"cases.csv": table_of(stops)} | ({"families.csv": table_of_families(rows)} if len(rows) else {}),
         data={
             "type_test.json": {
                 "cases": plain,
-                "summary": {summary.controller: asdict(summary) for summary in board},
+                "summary": {row["controller"]: row for row in board.to_dict("records")},
                 "limits": limits.model_dump(mode="json"),
             }
         },
@@ -396,9 +401,7 @@ def page_of(
     )
 
 
-def _drawings(
-    stops: Sequence[CaseJudgement], lines: Mapping[str, Mapping[str, Any]]
-) -> tuple[tuple[str, str, Figure | None], ...]:
+def _drawings(stops: Frame, lines: Mapping[str, Mapping[str, Any]]) -> tuple[tuple[str, str, Figure | None], ...]:
     return (
         (
             "ratios",
@@ -410,8 +413,8 @@ def _drawings(
     )
 
 
-def _values(stops: Sequence[CaseJudgement], board: Sequence[Summary], limits: AssessmentLimits) -> dict[str, object]:
-    leaders, variants_of = leaderboard(board), {stop.case: stop.variants for stop in stops}
+def _values(stops: Frame, board: Frame, limits: AssessmentLimits) -> dict[str, object]:
+    leaders, variants_of = leaderboard(board), dict(zip(stops["case"], stops["variants"], strict=True))
     return {
         "board": leaders.without(_NOT_OF_STOPS),
         "estimates": leaders.without([name for name in leaders.columns[1:] if name not in _NOT_OF_STOPS]),
@@ -425,18 +428,17 @@ def _values(stops: Sequence[CaseJudgement], board: Sequence[Summary], limits: As
     }
 
 
-def _values_of_families(rows: Sequence[Family], board: Sequence[Summary]) -> dict[str, object]:
+def _values_of_families(rows: Frame, board: Frame) -> dict[str, object]:
     """Return the variables of the template for families of cases."""
-    laws = [summary for summary in board if summary.controller not in registry.ANALYSES]
-    of_controller = {summary.controller: table_of_controller(rows, summary) for summary in board}
+    of_controller = {summary.controller: table_of_controller(rows, summary) for summary in board.itertuples()}
+    laws = board[~board["controller"].isin(list(registry.ANALYSES))] if len(board) else board
     return {"losses": losses(rows, laws), "families": by_axis(rows, board), "of_controller": of_controller}
 
 
-def table_of(stops: Sequence[CaseJudgement]) -> ReportTable:
+def table_of(stops: Frame) -> ReportTable:
     """Return every stop as a row of a table."""
     rows: list[dict[str, object]] = []
-    for stop in stops:
-        plain = stop.to_plain()
+    for plain in plain_rows(stops):
         verdicts, variants = plain.pop("verdicts"), plain.pop("variants")
         rows.append(plain | variants | {f"keeps_{clause}": verdict for clause, verdict in verdicts.items()})
     return ReportTable(rows)
@@ -478,7 +480,7 @@ def compare_controllers(cases: Sequence[Mapping[str, Any]], against: str) -> Rep
     return ReportTable(rows, forms, ("controller",), f"Distance over that of {against}, case by case")
 
 
-def leaderboard(board: Sequence[Summary]) -> ReportTable:
+def leaderboard(board: Frame) -> ReportTable:
     """Return the controllers, shortest first."""
     rows = [
         {
@@ -501,7 +503,7 @@ def leaderboard(board: Sequence[Summary]) -> ReportTable:
             else f"{summary.k_wet:.2f}"
             + ("" if summary.k_wet_low is None else f" [{summary.k_wet_low:.2f}, {summary.k_wet_high:.2f}]"),
         }
-        for summary in board
+        for summary in board.itertuples()
     ]
     forms = dict.fromkeys(("worst", "over bound", "air", "strokes"), "{:.3f}")
     return ReportTable(
@@ -510,7 +512,7 @@ def leaderboard(board: Sequence[Summary]) -> ReportTable:
 
 
 def _controllers(
-    board: Sequence[Summary], from_package: Collection[str], taking_part: Mapping[str, Entrant], version: int
+    board: Frame, from_package: Collection[str], taking_part: Mapping[str, Entrant], version: int
 ) -> ReportTable:
     """Return a description of each controller, and whether its stops were run or come with the package."""
 
@@ -527,7 +529,7 @@ def _controllers(
             **(trials(summary.controller) if version > 1 else {}),
             "results": "shipped" if summary.controller in from_package else "run here",
         }
-        for summary in board
+        for summary in board.itertuples()
     ]
     return ReportTable(rows, left=("controller", "description", "parameters searched", "results"))
 
@@ -544,11 +546,11 @@ def _with_interval(value: float | str | None, interval: tuple[float | None, floa
     return f"{text} [{low:.3f}, {'no stop' if high is None else f'{high:.3f}'}]"
 
 
-def clauses(board: Sequence[Summary], limits: AssessmentLimits) -> ReportTable:
+def clauses(board: Frame, limits: AssessmentLimits) -> ReportTable:
     """Return the share of cases in which each controller keeps each clause."""
     rows = [
         {"controller": summary.controller} | {_heading(clause, limits): summary.kept[clause] for clause in JUDGED}
-        for summary in board
+        for summary in board.itertuples()
     ]
     return ReportTable(rows, {_heading(clause, limits): share for clause in JUDGED})
 
@@ -573,24 +575,24 @@ def _heading(clause: str, limits: AssessmentLimits) -> str:
     return f"{name} {sense} {factor * limit:g} {unit}"
 
 
-def failed_by_bound(board: Sequence[Summary], limits: AssessmentLimits) -> list[str]:
+def failed_by_bound(board: Frame, limits: AssessmentLimits) -> list[str]:
     """Return a sentence for each clause that the ideal bound does not keep in all cases."""
     return [
         f"“{getattr(limits, clause).clause}” is kept by {summary.controller} in {share(kept)} of the cases in which it "
         "is judged. In the others adhesion, gradient and brakes leave no controller enough deceleration to keep it."
-        for summary in board
+        for summary in board.itertuples()
         if summary.role == "bound"
         for clause in JUDGED
         if (kept := summary.kept[clause]) is not None and kept < 1
     ]
 
 
-def answer(board: Sequence[Summary], count: int, limits: AssessmentLimits, candidates: Sequence[str] = ()) -> str:
+def answer(board: Frame, count: int, limits: AssessmentLimits, candidates: Sequence[str] = ()) -> str:
     """Return a sentence comparing the best candidate with the others and the ideal bound, with its weakest clause.
 
     Without candidates all controllers are compared, except those that know the true state.
     """
-    laws = [one for one in board if one.controller not in registry.ANALYSES and one.median is not None]
+    laws = [one for one in board.itertuples() if one.controller not in registry.ANALYSES and one.median is not None]
     best = next((one for one in laws if not candidates or one.controller in candidates), None)
     if best is None:
         return f"In {count} cases no distance can be compared with that of a tuned baseline."
@@ -603,8 +605,8 @@ def answer(board: Sequence[Summary], count: int, limits: AssessmentLimits, candi
     )
 
 
-def _weakest(summary: Summary, board: Sequence[Summary], limits: AssessmentLimits) -> str:
-    bound: Mapping[str, float | None] = next((one.kept for one in board if one.role == "bound"), {})
+def _weakest(summary: Any, board: Frame, limits: AssessmentLimits) -> str:
+    bound: Mapping[str, float | None] = next((one.kept for one in board.itertuples() if one.role == "bound"), {})
     possible = {clause: 1.0 if kept is None else kept for clause, kept in bound.items()}
     behind = {clause: possible.get(clause, 1.0) - kept for clause, kept in summary.kept.items() if kept is not None}
     weakest = max(behind, key=lambda clause: behind[clause])
@@ -614,52 +616,52 @@ def _weakest(summary: Summary, board: Sequence[Summary], limits: AssessmentLimit
     return f"Its weakest clause is “{clause}”, kept in {share(summary.kept[weakest] or 0.0)} of the cases."
 
 
-def ranking(stops: Sequence[CaseJudgement], case: str) -> ReportTable:
+def ranking(stops: Frame, case: str) -> ReportTable:
     """Return the distance of each controller in a case, shortest first."""
-    stops_of_case = [stop for stop in stops if stop.case == case]
-    stops_of_case.sort(key=lambda stop: math.inf if stop.distance_m is None else stop.distance_m)
-    rows = [
-        {
-            "controller": stop.controller,
-            "distance": stop.outcome if stop.distance_m is None else stop.distance_m,
-            "over bound": None if stop.over_bound is None else stop.over_bound - 1,
-            "extension": stop.extension,
-            "lock": stop.longest_lock_s,
-            "locked": stop.locked_distance_m,
-            "air": stop.air_l,
-            "reservoir": stop.reservoir_bar,
-            "strokes": stop.strokes,
-            "tread": stop.tread_energy_mj,
-            "utilisation": stop.utilisation,
-            "fails": ", ".join(clause for clause in JUDGED if stop.verdicts[clause] is False),
-        }
-        for stop in stops_of_case
-    ]
+    own = stops[stops["case"] == case].sort_values("distance_m", kind="stable")
+    columns = {
+        "controller": "controller", "distance": "distance_m", "over bound": "over_bound", "extension": "extension",
+        "lock": "longest_lock_s", "locked": "locked_distance_m", "air": "air_l", "reservoir": "reservoir_bar",
+        "strokes": "strokes", "tread": "tread_energy_mj", "utilisation": "utilisation",
+    }  # fmt: skip
+    table = pandas.DataFrame({name: own[column] for name, column in columns.items()}).assign(
+        **{"distance": _distance_or_outcome(own), "over bound": own["over_bound"] - 1},
+        fails=[", ".join(clause for clause in JUDGED if verdicts[clause] is False) for verdicts in own["verdicts"]],
+    )
     forms = {
         "distance": "{:.1f} m", "over bound": percent, "extension": percent, "lock": "{:.2f} s", "locked": "{:.1f} m",
-        "air": "{:.0f} l", "reservoir": "{:.1f} bar", "tread": "{:.2f} MJ", "utilisation": "{:.2f}",
+        "air": "{:.0f} l", "reservoir": "{:.1f} bar", "strokes": "{:.0f}", "tread": "{:.2f} MJ",
+        "utilisation": "{:.2f}",
     }  # fmt: skip
-    return ReportTable(rows, forms, ("controller", "fails"))
+    return ReportTable.of_frame(table, forms, ("controller", "fails"))
 
 
-def worst(stops: Sequence[CaseJudgement], controller: str, again: str) -> ReportTable:
+def worst(stops: Frame, controller: str, again: str) -> ReportTable:
     """Return the cases in which a controller is worst relative to the best tuned baseline, with a command for each."""
-    stops_of = [stop for stop in stops if stop.controller == controller]
-    stops_of.sort(key=lambda stop: -(stop.over_best or math.inf) if stop.best_m or stop.distance_m is None else 0.0)
+    own = stops[stops["controller"] == controller]
+    # Without a standstill it is worst of all; without a baseline last.
+    ratio = own["over_best"].fillna(math.inf).where(own["best_m"].notna() | own["distance_m"].isna(), 0.0)
+    own = own.loc[ratio.sort_values(ascending=False, kind="stable").index].head(_WORST)
     rows = [
         {
             "case": stop.case,
-            "distance": stop.outcome if stop.distance_m is None else stop.distance_m,
-            "over best": None if stop.over_best is None else stop.over_best - 1,
+            "distance": distance,
+            "over best": stop.over_best - 1,
             **stop.variants,
             "again": f"{again} {stop.case}",
         }
-        for stop in stops_of[:_WORST]
+        for stop, distance in zip(own.itertuples(), _distance_or_outcome(own), strict=True)
     ]
-    return ReportTable(rows, {"distance": "{:.1f} m", "over best": percent}, ("case", *stops_of[0].variants, "again"))
+    return ReportTable(
+        rows, {"distance": "{:.1f} m", "over best": percent}, ("case", *own["variants"].iloc[0], "again")
+    )
 
 
-def _lines(board: Sequence[Summary], candidates: Sequence[str]) -> dict[str, dict[str, Any]]:
+def _distance_or_outcome(stops: Frame) -> Frame:
+    return stops["distance_m"].astype(object).where(stops["distance_m"].notna(), stops["outcome"])
+
+
+def _lines(board: Frame, candidates: Sequence[str]) -> dict[str, dict[str, Any]]:
     colours = [colour for colour in palette.LINES if colour != palette.BLACK]
     return {
         summary.controller: {"color": palette.BLACK, "linestyle": "-", "linewidth": 3.0, "label": summary.controller}
@@ -670,20 +672,20 @@ def _lines(board: Sequence[Summary], candidates: Sequence[str]) -> dict[str, dic
             "linewidth": 1.2,
             "label": summary.controller,
         }
-        for n, summary in enumerate(board)
+        for n, summary in enumerate(board.itertuples())
     }
 
 
-def _ratios(stops: Sequence[CaseJudgement], lines: Mapping[str, Mapping[str, Any]]) -> Figure | None:
-    if not any(stop.over_best for stop in stops):
+def _ratios(stops: Frame, lines: Mapping[str, Mapping[str, Any]]) -> Figure | None:
+    if not stops["over_best"].count():
         return None
     figure = style.figure(9.5, 4.5)
     axes = figure.subplots()
     for name, line in lines.items():
-        stops_of = [stop for stop in stops if stop.controller == name and stop.best_m]
-        ratios = np.sort([stop.over_best for stop in stops_of if stop.over_best is not None])
+        of_controller = over_best(stops[stops["controller"] == name])
+        ratios = np.sort(of_controller[np.isfinite(of_controller)])
         if ratios.size:
-            axes.step(ratios, (1 + np.arange(ratios.size)) / len(stops_of), where="post", **line)
+            axes.step(ratios, (1 + np.arange(ratios.size)) / len(of_controller), where="post", **line)
     axes.axvline(1.0, color=palette.GREY, linewidth=0.8)
     axes.set_xscale("log")
     axes.set_xticks([0.8, 0.9, 1.0, 1.2, 1.5, 2.0, 3.0], ["0.8", "0.9", "1", "1.2", "1.5", "2", "3"])
@@ -693,18 +695,11 @@ def _ratios(stops: Sequence[CaseJudgement], lines: Mapping[str, Mapping[str, Any
     return figure
 
 
-def _by_curve(stops: Sequence[CaseJudgement], controllers: Sequence[str]) -> Figure:
-    curves = sorted({stop.variants["curve"] for stop in stops})
-    values = [
-        [
-            np.median([
-                stop.utilisation for stop in stops
-                if (stop.controller, stop.variants["curve"]) == (controller, curve) and stop.utilisation is not None
-            ] or [np.nan])
-            for curve in curves
-        ]
-        for controller in controllers
-    ]  # fmt: skip
+def _by_curve(stops: Frame, controllers: Sequence[str]) -> Figure:
+    curve = pandas.Series([variants["curve"] for variants in stops["variants"]], stops.index, dtype=object)
+    medians = stops.groupby([stops["controller"], curve])["utilisation"].median().unstack()
+    medians = medians.reindex(controllers)
+    curves, values = list(medians.columns), medians.to_numpy()
     figure = style.figure(8.0, 1.2 + 0.32 * len(controllers))
     axes = figure.subplots()
     axes.imshow(values, vmin=0.4, vmax=1.0, cmap="viridis", aspect="auto")
@@ -718,15 +713,17 @@ def _by_curve(stops: Sequence[CaseJudgement], controllers: Sequence[str]) -> Fig
     return figure
 
 
-def _over_friction(stops: Sequence[CaseJudgement], lines: Mapping[str, Mapping[str, Any]]) -> Figure | None:
+def _over_friction(stops: Frame, lines: Mapping[str, Mapping[str, Any]]) -> Figure | None:
     # Distances over the ideal bound against mean friction, and their median over a tenth of the cases.
-    if not any(stop.over_bound and stop.controller != "ideal_bound" for stop in stops):
+    compared = stops[stops["over_bound"].notna() & (stops["controller"] != "ideal_bound")]
+    if compared.empty:
         return None
     figure = style.figure(9.5, 4.5)
     axes = figure.subplots()
     for name, line in lines.items():
-        points = [(float(s.variants["friction"]), s.over_bound) for s in stops if s.controller == name and s.over_bound]
-        if points and name != "ideal_bound":
+        own = compared[compared["controller"] == name]
+        points = [(float(one.variants["friction"]), one.over_bound) for one in own.itertuples()]
+        if points:
             friction, ratios = zip(*sorted(points), strict=True)
             axes.plot(friction, ratios, "o", color=line["color"], markersize=2.5, alpha=0.25)
             axes.plot(friction, median_filter(ratios, size=1 + len(points) // 10, mode="nearest"), **line)
