@@ -104,7 +104,7 @@ class FmuPrediction:
             description: Description of the FMU; variables in SI.
             parameters: Values by FMU variable.
             states: All states of the FMU, in the requested order, by their names or by those of
-                `railgrip.estimators.prediction.STATE_NAMES`.
+                `railgrip.base.names.STATE_NAMES`.
             inputs: All inputs of the FMU, in the requested order.
             outputs: Outputs that the filter reads, in the requested order.
             readings: Names of these outputs as readings, if they differ from those in the FMU.
