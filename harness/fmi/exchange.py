@@ -18,6 +18,7 @@ from weakref import finalize
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.base.arrays import Matrix, Vector
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.base.names import state_name
 from railgrip.estimators.model_in_c import ModelInC, Pattern
@@ -25,9 +26,6 @@ from railgrip.fmi.description import Description, FmuVariable, Interface
 from railgrip.fmi.instance import Instance, unpack
 from railgrip.fmi.parameters import Values, assignments
 from railgrip.fmus.native.c_library import Struct, kernel_library
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 KERNEL: Final = ("railgrip.fmi", "prediction")
 

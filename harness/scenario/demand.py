@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import ScenarioError
 from railgrip.kernel import kernel
 from railgrip.scenario.curve import TabulatedQuantity, read_columns
@@ -19,8 +20,6 @@ from railgrip.scenario.quantity import Number, UnitRange
 from railgrip.scenario.table import Delay, Duration, Length, Speed, Table, optional, table_error
 from railgrip.scenario.track.table import LARGEST_FORCE
 from railgrip.vehicle.signals import Layout
-
-Vector = NDArray[np.float64]
 
 _PRESSURE = UnitRange("Pa", at_least=0, at_most=1e8, because="pneumatics and hydraulics of brakes stay below 1000 bar")
 
