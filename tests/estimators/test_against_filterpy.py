@@ -378,7 +378,8 @@ def test_sigma_points_do_not_move_a_gated_state(rolling):
 def wheel():
     """A wheelset of a train whose names are those of the train predictions."""
     model = small_model(
-        "v w[1] mu_b[1] alpha[1]", "cylinder_pressure[1]", "m J r", "speed wheelset_speed[1]",
+        "speed wheelset_speed[1] pad_friction[1] group_adhesion[1]", "cylinder_pressure[1]", "m J r",
+        "speed wheelset_speed[1]",
         lambda t, x, u, p: [-9.81 * x[3], (x[3] * p[0] * 9.81 * p[2] - x[2] * u[0]) / p[1], ca.SX(0), ca.SX(0)],
         lambda t, x, u, p: [x[0], x[1]],
     )  # fmt: skip
