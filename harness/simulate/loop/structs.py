@@ -71,7 +71,7 @@ def _plant(parts: Parts, inputs: Vector, outputs: Vector) -> Struct:
 
 
 def _instruments(parts: Parts) -> Struct:
-    fields = parts.sensors.fields if isinstance(parts.sensors, SensorsInC) else {}
+    fields = parts.sensors.fields if isinstance(parts.sensors, SensorsInC) else dict[str, object]()
     return kernel(parts.layout).struct("Instruments", every=parts.clock.sensors, block=BLOCK, **fields)
 
 
