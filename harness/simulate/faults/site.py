@@ -180,7 +180,8 @@ def faults_of(
                 number=number, where=f"{scenario.name}: [faults[{number + 1}]]",
             )
         )  # fmt: skip
-        if not fault.lasts and faults.intervals(before) - {(*fault.samples(scenario).values(),)}:
+        begin, end = fault.samples(scenario).values()
+        if not fault.lasts and any(first < begin or last > end for first, last in faults.intervals(before)):
             raise ScenarioError(
                 f"{scenario.name}: [faults[{number + 1}]] has begin or end, but part '{fault.part}' of kind "
                 f"'{fault.kind}' ignores them and lasts for the whole stop; leave them out"
