@@ -2,10 +2,7 @@
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-Vector = NDArray[np.float64]
+from railgrip.base.arrays import Vector
 
 
 class Observation(NamedTuple):

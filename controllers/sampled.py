@@ -10,13 +10,11 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import Signal, names_of
 
-Vector = NDArray[np.float64]
 Expression = Any
 """A scalar `casadi.SX`."""
 

@@ -3,14 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Array as Array
+from railgrip.base.arrays import Matrix as Matrix
+from railgrip.base.arrays import Vector as Vector
 from railgrip.base.errors import EstimatorError
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
-Array = NDArray[np.float64]
-"""An array of any shape, which the docstring states."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,8 +1,7 @@
 """Sigma-point filters: unscented and cubature, which propagate points of the belief in place of Jacobians."""
 
-from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 
@@ -45,54 +44,40 @@ class SigmaPoints:
         return self.mean + self.units @ self.factor.T
 
 
-def unscented_points(belief: GaussianEstimate) -> SigmaPoints:
-    """Return the 2n + 1 points of the scaled unscented transform with κ = 0, the mean first.
+def sigma_points(belief: GaussianEstimate, alpha: float, beta: float) -> SigmaPoints:
+    """Return the points of the scaled unscented transform with κ = 0: the mean, then 2n points at ±α√n L.
 
-    Source: Wan and van der Merwe, The Unscented Kalman Filter for Nonlinear Estimation (2000), eq. 15.
+    With α = 1 and β = 0 the mean has no weight; without it the points are those of the cubature rule of degree 3.
+
+    Args:
+        belief: Belief of n states.
+        alpha: Distance of the points from the mean, over that of the cubature points.
+        beta: Knowledge of the fourth moment.
+
+    Sources: Wan and van der Merwe, The Unscented Kalman Filter for Nonlinear Estimation (2000), eq. 15; Arasaratnam and
+        Haykin, Cubature Kalman Filters, IEEE Trans. Automatic Control 54 (2009) 1254.
 
     Raises:
         FilterDiverged: The covariance is not positive definite.
     """
     n = len(belief.mean)
-    factor = _factor(belief)
-    scaled = ALPHA * np.sqrt(n) * np.eye(n)
-    units = np.vstack([np.zeros(n), scaled, -scaled])
-    mean_weights = np.full(2 * n + 1, 0.5 / (n * ALPHA**2))
-    mean_weights[0] = 1.0 - 1.0 / ALPHA**2
-    covariance_weights = mean_weights.copy()
-    covariance_weights[0] += 1.0 - ALPHA**2 + BETA
+    try:
+        factor = np.asarray(np.linalg.cholesky(belief.covariance), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        raise FilterDiverged("Filter: the covariance of the states is not positive definite.") from None
+    scaled, weights = alpha * np.sqrt(n) * np.eye(n), np.full(2 * n, 0.5 / (n * alpha**2))
+    units, of_mean, of_covariance = np.vstack([scaled, -scaled]), weights, weights
+    if (weight := 1.0 - 1.0 / alpha**2) or beta:
+        units = np.vstack([np.zeros(n), units])
+        of_mean = np.append(weight, weights)
+        of_covariance = np.append(weight + 1.0 - alpha**2 + beta, weights)
     return SigmaPoints(
-        mean=belief.mean,
-        units=units,
-        mean_weights=mean_weights,
-        covariance_weights=covariance_weights,
-        factor=factor,
-    )
-
-
-def cubature_points(belief: GaussianEstimate) -> SigmaPoints:
-    """Return the 2n points of the spherical-radial cubature rule of degree 3.
-
-    Source: Arasaratnam and Haykin, Cubature Kalman Filters, IEEE Trans. Automatic Control 54 (2009) 1254.
-
-    Raises:
-        FilterDiverged: The covariance is not positive definite.
-    """
-    n, factor = len(belief.mean), _factor(belief)
-    scaled = np.sqrt(n) * np.eye(n)
-    units = np.vstack([scaled, -scaled])
-    weights = np.full(2 * n, 0.5 / n)
-    return SigmaPoints(
-        mean=belief.mean,
-        units=units,
-        mean_weights=weights,
-        covariance_weights=weights,
-        factor=factor,
+        mean=belief.mean, units=units, mean_weights=of_mean, covariance_weights=of_covariance, factor=factor
     )
 
 
 class SigmaPointFilter(GaussianFilter):
-    """A filter whose moments come from sigma points; a subclass chooses the points.
+    """A filter whose moments come from sigma points; a subclass chooses α and β of `sigma_points`.
 
     The readings are linearised statistically: the matrix and the extra noise of the linear regression of the output
     over the points make the update of the extended Kalman filter equal to that by moments.
@@ -101,14 +86,12 @@ class SigmaPointFilter(GaussianFilter):
     Linearization Filter, IEEE Trans. Signal Processing 63 (2015) 5561, for the regression.
     """
 
-    @staticmethod
-    @abstractmethod
-    def points_of(belief: GaussianEstimate) -> SigmaPoints:
-        """Return the points of a belief."""
+    alpha: ClassVar[float]
+    beta: ClassVar[float]
 
     def predict(self, prior: GaussianEstimate, inputs: Vector) -> GaussianEstimate:
         """Return the estimate one period later, before the readings."""
-        free, sigma = self.free(inputs), self.points_of(prior)
+        free, sigma = self.free(inputs), sigma_points(prior, self.alpha, self.beta)
         moved = self.advance(sigma.points, inputs, free)
         mean = sigma.mean_weights @ moved
         deviations = moved - mean
@@ -118,7 +101,7 @@ class SigmaPointFilter(GaussianFilter):
 
     def innovation(self, forecast: GaussianEstimate, inputs: Vector, readings: Vector) -> Innovation:
         """Return the innovation of the readings against `forecast`, without missing readings and outliers."""
-        sigma = self.points_of(forecast)
+        sigma = sigma_points(forecast, self.alpha, self.beta)
         outputs = np.array([self.prediction.output(point, inputs) for point in sigma.points])
         expected = sigma.mean_weights @ outputs
         weighted = (outputs - expected).T * sigma.covariance_weights
@@ -131,20 +114,12 @@ class SigmaPointFilter(GaussianFilter):
 
 
 class UnscentedKalmanFilter(SigmaPointFilter):
-    """Sigma-point filter with `unscented_points`."""
+    """Sigma-point filter with `ALPHA` and `BETA`."""
 
-    points_of = staticmethod(unscented_points)
+    alpha, beta = ALPHA, BETA
 
 
 class CubatureKalmanFilter(SigmaPointFilter):
-    """Sigma-point filter with `cubature_points`."""
+    """Sigma-point filter with the points of the cubature rule."""
 
-    points_of = staticmethod(cubature_points)
-
-
-def _factor(belief: GaussianEstimate) -> Matrix:
-    """Return the lower Cholesky factor of the covariance, shape (n, n)."""
-    try:
-        return np.asarray(np.linalg.cholesky(belief.covariance), dtype=np.float64)
-    except np.linalg.LinAlgError:
-        raise FilterDiverged("Filter: the covariance of the states is not positive definite.") from None
+    alpha, beta = 1.0, 0.0

@@ -25,14 +25,13 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, uniform_filter1d
 from scipy.signal import savgol_filter
 
+from railgrip.base.arrays import Mask
 from railgrip.base.errors import EstimationError
 from railgrip.base.units import GRAVITY, mistake, unit
 from railgrip.estimation.run import by_name
 from railgrip.estimation.spec import Specification, equations_for, parameters_for, settings_for
 from railgrip.estimators.belief import Vector
 from railgrip.recording.samples import has_reading, period_of, readings_in, samples
-
-Mask = NDArray[np.bool_]
 
 BRAKES: Final[Mapping[str, float]] = {"pad_force": 1.5e3, "cylinder_pressure": 2e4}
 """Inputs that brake, and the value below which they do not brake [N, Pa], unless the estimation has a gate."""

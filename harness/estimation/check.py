@@ -5,7 +5,6 @@ from functools import partial
 from pathlib import Path
 
 from railgrip.base.errors import EstimationError, InputError, UnitError
-from railgrip.base.names import state_name
 from railgrip.base.units import unit
 from railgrip.estimation.run import by_name, select_outputs, start_by_reading, units_of
 from railgrip.estimation.spec import Specification, elements_of, parameters_for, settings_for
@@ -86,7 +85,7 @@ def _check_gate(specification: Specification, states: list[str], inputs: list[st
     gate = specification.gate
     if gate is None:
         return
-    for key, names, there in (("states", list(map(state_name, gate.states)), states), ("inputs", gate.inputs, inputs)):
+    for key, names, there in (("states", gate.states, states), ("inputs", gate.inputs, inputs)):
         strange = [name for name in names if not set(elements_of(name, there)) <= set(there)]
         if strange:
             raise EstimationError(f"[gate] {key} has {', '.join(strange)}, the model has {', '.join(there)}.")

@@ -399,6 +399,9 @@ def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Mat
         EstimationError: A name has no value, or a value has no name.
     """
     choice = {*names, *(name.partition("[")[0] for name in names)}
+    twice = [name for name in values if name not in choice and state_name(name) in values]
+    if twice:
+        raise EstimationError(f"{what} has {twice[0]} and {state_name(twice[0])}, which are the same state.")
     values = {name if name in choice else state_name(name): value for name, value in values.items()}
     missing = [name for name in names if name not in values and name.partition("[")[0] not in values]
     problems = [f"{what} lacks {', '.join(missing)}; it has {', '.join(values) or 'nothing'}."] if missing else []

@@ -35,7 +35,7 @@ scenario = "rig_slide"
 """
 
 import json
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, cast
@@ -44,7 +44,7 @@ import xarray
 from pydantic import Field, PrivateAttr, StrictBool, ValidationInfo, field_serializer, field_validator, model_validator
 
 from railgrip.base.errors import EstimationError
-from railgrip.base.names import STATE_NAMES, did_you_mean, state_name
+from railgrip.base.names import did_you_mean, state_name
 from railgrip.estimation.models import DEFAULT, PredictionModel, of_class, of_train
 from railgrip.estimation.plausible import check_estimates, check_signals
 from railgrip.estimation.run import READ_STATES, Kind, Settings, estimate, units_of
@@ -239,10 +239,16 @@ class Specification(Table):
     source: SourceTable | None = None
     data: DataTable | None = None
     _origins: dict[str, str] = PrivateAttr(default_factory=dict)
+    _older_names: list[str] = PrivateAttr(default_factory=list)
+
+    @property
+    def older_names(self) -> list[str]:
+        """A sentence for each table of a file or option that has symbols of equations for names of states."""
+        return self._older_names
 
     @property
     def origins(self) -> dict[str, str]:
-        """Origin of each entry, as `given in run.toml` or `--set`, by its key, such as `noise.process.v`."""
+        """Origin of each entry, as `given in run.toml` or `--set`, by its key, such as `noise.process.speed`."""
         return self._origins
 
     @model_validator(mode="after")
@@ -275,22 +281,54 @@ def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] 
     Raises:
         ScenarioError: The file is missing, not TOML, or not an estimation; one sentence per problem.
     """
-    path = locate(path, "estimations")
-    tables = _tables_in(path, ())
+    path, older = locate(path, "estimations"), list[str]()
+    tables = _tables_in(path, (), older)
     own = [DEFAULT if file.parent == LIBRARY else f"given in {file.name}" for file in _extended(path)]
     changes = (
         OtherFileString.within(nest(overrides), Path.cwd())
         if isinstance(overrides, Mapping)
         else read_overrides(overrides)
     )
-    tables = tables.overlay(path.name, changes)
+    tables = tables.overlay(path.name, _with_state_names(changes, "--set", older))
     specification = validate_table(
         Specification, tables.table, directory=path.parent, origin=path.name, layers=tables.layers
     )
     # The uppermost layer takes precedence, so it is written last.
     for origin, (_, table) in reversed(list(zip(("--set", *own), tables.layers, strict=True))):
         specification.origins.update(dict.fromkeys(_keys(table), origin))
+    specification.older_names.extend(older)
     return specification
+
+
+def _with_state_names(tables: Mapping[str, Any], origin: str, older: list[str]) -> dict[str, Any]:
+    """Return the tables of a file or of options with names of states in place of symbols such as `mu_b`.
+
+    Sentences on symbols are added to `older`.
+
+    Raises:
+        EstimationError: A table has a state by its name and by its symbol.
+    """
+    result = dict(tables)
+    for table, key in (
+        ("noise", "process"), ("start", "mean"), ("start", "deviation"), ("gate", "states"), ("observability", "scale"),
+    ):  # fmt: skip
+        values = result[table].get(key) if isinstance(result.get(table), Mapping) else None
+        if not isinstance(values, Mapping | list) or not all(isinstance(name, str) for name in values):
+            continue
+        old = [name for name in values if state_name(name) != name]
+        if twice := [name for name in old if state_name(name) in values]:
+            raise EstimationError(
+                f"{origin}: [{table}] {key} has {twice[0]} and {state_name(twice[0])}, which are the same state; keep "
+                "the latter"
+            )
+        if old:
+            names = ", ".join(f"{state_name(name)} ({name})" for name in old)
+            older.append(f"{origin}: [{table}] {key} has symbols of equations; the states are now called {names}")
+            renamed: Any = list(map(state_name, values))
+            if isinstance(values, Mapping):
+                renamed = dict(zip(renamed, values.values(), strict=True))
+            result[table] = {**result[table], key: renamed}
+    return result
 
 
 def _extended(path: Path) -> Iterator[Path]:
@@ -309,18 +347,19 @@ def _keys(table: Mapping[str, Any], within: str = "") -> Iterator[str]:
             yield f"{within}{key}"
 
 
-def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
+def _tables_in(path: Path, chain: Sequence[Path], older: list[str]) -> Tables:
     table = read_toml(path)
     require_kind(table, "estimation", path)
     noise = table.get("noise")
     if isinstance(noise, dict) and "file" in noise:
         table = table | {"noise": _noise_elsewhere(path, noise)}
+    table = _with_state_names(table, path.name, older)
     tables = Tables.of({key: value for key, value in table.items() if key != "extends"}, path.parent, path.name)
     if "extends" not in table:
         return tables
     base = locate(str(table["extends"]), "estimations", path.parent, f"{path.name}: extends: ")
     require_straight(base, (*chain, path), path.name)
-    below = _tables_in(base, (*chain, path))
+    below = _tables_in(base, (*chain, path), older)
     # A map of columns applies to one recording only.
     inherited = {
         key: value
@@ -426,11 +465,9 @@ def model_parameters(specification: Specification) -> list[ModelParameter]:
 
 
 def _origin(specification: Specification, table: str, name: str) -> str:
-    """Return the origin of an entry under its name, that without index, or the symbol of a state; else ''."""
-    base, bracket, index = name.partition("[")
-    bases = base, *(symbol for symbol, state in STATE_NAMES.items() if state == base)
-    keys = [f"{table}.{each}{end}" for each in bases for end in (bracket + index, "")]
-    return next((origin for key in keys if (origin := specification.origins.get(key))), "")
+    """Return the origin of an entry under its name or that without index; empty if no file or option has it."""
+    origins = specification.origins
+    return origins.get(f"{table}.{name}") or origins.get(f"{table}.{name.partition('[')[0]}", "")
 
 
 def settings_with_origins(specification: Specification, estimates: xarray.Dataset) -> list[ModelParameter]:
@@ -486,8 +523,7 @@ def settings_for(specification: Specification, period: float) -> Settings:
     absent = model.optional - bases
 
     def present(values: Mapping[str, float]) -> dict[str, float]:
-        by_state = {state_name(name): value for name, value in values.items()}
-        return {name: value for name, value in by_state.items() if name.partition("[")[0] not in absent}
+        return {name: value for name, value in values.items() if name.partition("[")[0] not in absent}
 
     # Published noises per step depend on the period: half the period means twice the noise per second.
     step = period if noise.kind == "per_step" else 1.0
@@ -531,7 +567,7 @@ def estimate_of(specification: Specification, recording: xarray.Dataset, filters
         for key, rows in lists.items()
     }
     warnings = [*str(estimates.attrs.get("warnings", "")).splitlines(), *specification.model.prediction.limits]
-    warnings += _symbols_in(specification)
+    warnings += specification.older_names
     problems = check_signals(recording, (*prediction.inputs, *prediction.outputs))
     for kind in filters or ("",):
         of_one = estimates.sel(filter=kind) if kind else estimates
@@ -543,24 +579,6 @@ def estimate_of(specification: Specification, recording: xarray.Dataset, filters
     )
 
 
-def _symbols_in(specification: Specification) -> list[str]:
-    """Return a sentence for each key that has symbols of equations, as older files do, in place of names of states."""
-    gate, observability = specification.gate, specification.observability
-    names: dict[str, Collection[str]] = {
-        "[noise] process": specification.noise.process,
-        "[start] mean": specification.start.mean,
-        "[start] deviation": specification.start.deviation,
-        "[gate] states": () if gate is None else gate.states,
-        "[observability] scale": {} if observability is None else observability.scale,
-    }
-    return [
-        f"{key} has symbols of equations, which are accepted; the states are now called "
-        + ", ".join(f"{state_name(name)} (was {name})" for name in old)
-        for key, each in names.items()
-        if (old := [name for name in each if state_name(name) != name])
-    ]
-
-
 def _gate(specification: Specification, gate: GateTable) -> Gate:
     """Return the gate of a filter; a name without index selects all elements, a force means the pressure that causes
     it in the cylinders.
@@ -569,7 +587,7 @@ def _gate(specification: Specification, gate: GateTable) -> Gate:
     units = {variable.name: variable.unit for variable in model.model.inputs}
     states, inputs = (
         tuple(each for name in names for each in elements_of(name, [variable.name for variable in known]))
-        for names, known in ((map(state_name, gate.states), model.model.states), (gate.inputs, model.model.inputs))
+        for names, known in ((gate.states, model.model.states), (gate.inputs, model.model.inputs))
     )
     first = inputs[0] if inputs else ""
     if first not in units:

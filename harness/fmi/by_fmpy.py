@@ -9,8 +9,8 @@ from typing import Any, ClassVar, Final
 
 import numpy as np
 from fmpy.fmi1 import FMICallException
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.fmi.cosimulation import CoSimulation
 from railgrip.fmi.description import Description
@@ -18,8 +18,6 @@ from railgrip.fmi.instance import Instance, Way
 from railgrip.fmi.mapping import Channel
 from railgrip.fmi.parameters import start_values
 from railgrip.fmi.plant import LoadedPlant
-
-Vector = NDArray[np.float64]
 
 TOLERANCE: Final = 1e-6
 """Relative error of a step of CVODE, as in the built-in plants; the absolute error is that times nominal values."""

@@ -11,14 +11,13 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 from numpy.typing import NDArray
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import FmuError
 from railgrip.fmi.cosimulation import CoSimulation
 from railgrip.fmi.description import Description
 from railgrip.fmi.instance import Instance, unpack
 from railgrip.fmi.mapping import Binding, Channel
 from railgrip.fmus.native.toolchain import shared_library
-
-Vector = NDArray[np.float64]
 
 C_LOOP: Final = """
 #include <stddef.h>

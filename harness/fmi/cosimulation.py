@@ -9,15 +9,13 @@ from functools import cache
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import FmuError
 from railgrip.fmi.instance import Instance
 from railgrip.fmi.mapping import Channel
 from railgrip.fmi.plant import LoadedPlant
 from railgrip.fmus.native.c_library import kernel_library
-
-Vector = NDArray[np.float64]
 
 _KERNEL: Final = ("railgrip.fmi", "set_step_get")
 

@@ -18,6 +18,7 @@ from weakref import finalize
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.base.arrays import Matrix, Vector
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.base.names import state_name
 from railgrip.estimators.model_in_c import ModelInC, Pattern
@@ -25,9 +26,6 @@ from railgrip.fmi.description import Description, FmuVariable, Interface
 from railgrip.fmi.instance import Instance, unpack
 from railgrip.fmi.parameters import Values, assignments
 from railgrip.fmus.native.c_library import Struct, kernel_library
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 KERNEL: Final = ("railgrip.fmi", "prediction")
 
@@ -104,7 +102,7 @@ class FmuPrediction:
             description: Description of the FMU; variables in SI.
             parameters: Values by FMU variable.
             states: All states of the FMU, in the requested order, by their names or by those of
-                `railgrip.estimators.prediction.STATE_NAMES`.
+                `railgrip.base.names.STATE_NAMES`.
             inputs: All inputs of the FMU, in the requested order.
             outputs: Outputs that the filter reads, in the requested order.
             readings: Names of these outputs as readings, if they differ from those in the FMU.

@@ -22,9 +22,9 @@ from types import TracebackType
 from typing import Final, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import Failure, FmuError, PlantFailed, Reason
 from railgrip.base.interrupted import ignore_sigint
 from railgrip.base.limits import FMU_LIMITS, MIB, FmuLimits
@@ -36,8 +36,6 @@ from railgrip.fmi.keeper import REPORT
 from railgrip.fmi.mapping import Binding
 from railgrip.fmi.parameters import Values
 from railgrip.fmi.plant import LoadedPlant, SteppedPlant
-
-Vector = NDArray[np.float64]
 
 KEEPER: Final = Path(__file__).with_name("keeper.py")
 _WARNINGS: Final = TypeAdapter(dict[str, int])

@@ -9,15 +9,13 @@ from types import TracebackType
 from typing import ClassVar, Final, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.fmi.description import Description
 from railgrip.fmi.instance import Instance, Way, unpack
 from railgrip.fmi.mapping import Binding
 from railgrip.fmi.parameters import Values, assignments
-
-Vector = NDArray[np.float64]
 
 SILENT_WARNING: Final = "the status of a call was a warning, without a message"
 

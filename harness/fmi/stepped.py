@@ -16,6 +16,7 @@ from typing import Any, ClassVar, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.estimators.model_in_c import Pattern, transition_pattern
 from railgrip.fmi.description import Description, Interface
@@ -23,8 +24,6 @@ from railgrip.fmi.exchange import KERNEL, FmuPrediction, references_of
 from railgrip.fmi.instance import Instance
 from railgrip.fmi.parameters import Assignment, Values
 from railgrip.fmus.native.c_library import Struct, kernel_library
-
-Vector = NDArray[np.float64]
 
 TOLERANCE: Final = 1e-8
 """Relative error that the FMU's solver is asked to keep."""

@@ -78,7 +78,7 @@ static int is_within_limits(const Onboard *onboard)
 {
     for (int g = 0; g < GROUPS; g++)
         /* Negated, so that NaN is outside. */
-        if (!(onboard->demand[g] >= 0.0 && onboard->demand[g] <= onboard->limit[g]))
+        if (!(onboard->demand[g] >= 0.0 && onboard->demand[g] <= onboard->maximum[g]))
             return 0;
     return onboard->is_pascal;
 }
@@ -174,7 +174,7 @@ EXPORT int cycle(Cycle *c)
             /* fall through */
         case LIMIT_DEMAND:
             c->stage = SEND_COMMAND;
-            if (decides && onboard->limit && !is_within_limits(onboard))
+            if (decides && onboard->maximum && !is_within_limits(onboard))
                 return LIMITS_DUE;
             /* fall through */
         case SEND_COMMAND:

@@ -64,7 +64,7 @@ typedef struct {
     Formula law;         /* null: the controller is in Python and writes `demand` */
     Formula train_level; /* decisions for the whole train, over a law in Python */
     Formula valves;
-    const double *limit;        /* maximum pressures for the demands of a law in Python; null: no limit */
+    const double *maximum;      /* maximum pressures for the demands of a law in Python; null: no limit */
     const double *radius;       /* wheel radius of each group that the estimator assumes, else the nominal one */
     const double *full;         /* pressures of full brake, the driver's demand if `driver` is null */
     double reading[READINGS];   /* newest reading of every sensor */

@@ -8,11 +8,11 @@
 static int has_ended(const Driver *driver, const Phase *phase, double time, double speed, double distance)
 {
     switch (phase->until) {
-    case AT_TIME: return time > phase->limit - 0.5 * driver->period;
-    case AT_DURATION: return time - driver->phase_start > phase->limit - 0.5 * driver->period;
-    case AT_DISTANCE: return distance >= phase->limit;
-    case AT_SPEED_BELOW: return speed <= phase->limit;
-    case AT_SPEED_ABOVE: return speed >= phase->limit;
+    case AT_TIME: return time > phase->end - 0.5 * driver->period;
+    case AT_DURATION: return time - driver->phase_start > phase->end - 0.5 * driver->period;
+    case AT_DISTANCE: return distance >= phase->end;
+    case AT_SPEED_BELOW: return speed <= phase->end;
+    case AT_SPEED_ABOVE: return speed >= phase->end;
     }
     return 0;
 }

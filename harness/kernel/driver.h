@@ -8,7 +8,7 @@
 enum { AT_END, AT_TIME, AT_DURATION, AT_DISTANCE, AT_SPEED_BELOW, AT_SPEED_ABOVE }; /* event that ends a phase */
 
 typedef struct {
-    double limit;                                   /* at which the phase ends: s, m or m/s; unused for AT_END */
+    double end;                                     /* at which the phase ends: s, m or m/s; unused for AT_END */
     double begin;                                   /* time from which pressures change by their slopes */
     double target, deceleration, full_deceleration; /* to stop at a target; NaN: by pressures */
     double force, power, rate;                      /* traction: N, W and N/s; power and rate may be infinite */

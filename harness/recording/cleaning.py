@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
+from railgrip.base.arrays import Vector
 from railgrip.recording.flag import Flag, flags_of, intervals
-
-Vector = NDArray[np.float64]
 
 MAX_SPIKE = 3  # samples in a row that can be found off
 _BESIDE = 3  # samples on either side of a spike: one that it comes from or back to, and those that show how it moves

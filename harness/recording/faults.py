@@ -10,13 +10,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Mask, Vector
 from railgrip.recording.cleaning import MAX_SPIKE, find_repeats
 from railgrip.recording.flag import Flag, intervals
-
-Vector = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,6 +23,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.io import loadmat
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import EstimationError, InputError, UnitError
 from railgrip.base.files import LARGEST_TABLE, require_regular
 from railgrip.base.names import did_you_mean
@@ -30,8 +31,6 @@ from railgrip.base.units import conversion, cut, short, unit
 from railgrip.recording.delimited import SPELLINGS, read_delimited
 from railgrip.recording.instants import is_hhmmss, seconds_of_day, seconds_of_stamps
 from railgrip.recording.table import DataTable, channel_label
-
-Vector = NDArray[np.float64]
 
 FORMATS = (".csv", ".parquet", ".mat", ".mf4", ".mdf")
 MDF = (".mf4", ".mdf")

@@ -1,11 +1,9 @@
 """Samples at any instants, put on an even grid: averaged, interpolated, or set down where they are nearest."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Vector
 from railgrip.recording.flag import Flag, Kind
-
-Vector = NDArray[np.float64]
 
 
 def on_grid(signal: str, time: Vector, values: Vector, grid: Vector, period: float) -> tuple[Vector, list[Flag]]:

@@ -5,12 +5,10 @@ from typing import Any, Final
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import EstimationError
 from railgrip.base.units import cut, short
-
-Vector = NDArray[np.float64]
 
 DAY: Final = 86400.0
 HOUR: Final = 3600.0

@@ -10,6 +10,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import EstimationError, UnitError
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import Unit, conversion, short, unit
@@ -22,8 +23,6 @@ from railgrip.recording.instants import cause_of_step_back
 from railgrip.recording.samples import recording_of
 from railgrip.recording.table import TRUTH, Column, DataTable, factor_for
 from railgrip.scenario.quantity import Magnitude
-
-Vector = NDArray[np.float64]
 
 _MAX_SAMPLES = 5_000_000
 """Of a recording on its grid: a day at 50 Hz."""

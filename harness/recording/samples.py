@@ -6,14 +6,14 @@ from functools import cache
 
 import numpy as np
 import xarray
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import EstimationError, UnitError
 from railgrip.base.names import state_name
 from railgrip.base.units import conversion, unit
 from railgrip.vehicle import signals as tables
 
-Vector = NDArray[np.float64]
 Signals = Mapping[str, tuple[ArrayLike, str]]
 """Name, with its index if it is an element, → samples and unit, in Modelica's syntax and SI."""
 

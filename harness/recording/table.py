@@ -170,7 +170,10 @@ class DataTable(Table):
     @classmethod
     def _by_name(cls, columns: dict[str, Column]) -> dict[str, Column]:
         # Older files have symbols of states, as in true_mu_b.
-        return {
-            f"{TRUTH}{state_name(name.removeprefix(TRUTH))}" if name.startswith(TRUTH) else name: column
-            for name, column in columns.items()
+        names = {
+            name: f"{TRUTH}{state_name(name.removeprefix(TRUTH))}" if name.startswith(TRUTH) else name
+            for name in columns
         }
+        if twice := [name for name, now in names.items() if now != name and now in columns]:
+            raise table_error(f"has {twice[0]} and {names[twice[0]]}, which are the same state; keep the latter")
+        return {names[name]: column for name, column in columns.items()}

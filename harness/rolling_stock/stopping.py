@@ -9,16 +9,13 @@ from itertools import accumulate
 from math import expm1, inf, pi, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from railgrip.base.arrays import Matrix, Vector
 from railgrip.base.errors import InputError
 from railgrip.base.units import GRAVITY
 from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, TrackBrake, Train
 from railgrip.scenario.table import Table
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 _STEP = 1e-2  # s
 _FILLED = 0.95  # share of the highest pressure at the end of the filling time

@@ -7,6 +7,7 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.base.arrays import Array
 from railgrip.base.errors import ScenarioError
 from railgrip.kernel import kernel
 from railgrip.scenario.curve import FrictionCurve
@@ -29,8 +30,6 @@ from railgrip.scenario.table import FASTEST
 from railgrip.scenario.track.table import TrackForce
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import Layout
-
-Array = NDArray[np.float64]
 
 _PLACE_STEP = 5e-3  # m; less than a train moves in 1 ms at 20 km/h, and 1e-5 of mu0 on the steepest ramps in use
 

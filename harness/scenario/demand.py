@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import ScenarioError
 from railgrip.kernel import kernel
 from railgrip.scenario.curve import TabulatedQuantity, read_columns
@@ -19,8 +20,6 @@ from railgrip.scenario.quantity import Number, UnitRange
 from railgrip.scenario.table import Delay, Duration, Length, Speed, Table, optional, table_error
 from railgrip.scenario.track.table import LARGEST_FORCE
 from railgrip.vehicle.signals import Layout
-
-Vector = NDArray[np.float64]
 
 _PRESSURE = UnitRange("Pa", at_least=0, at_most=1e8, because="pneumatics and hydraulics of brakes stay below 1000 bar")
 
@@ -55,7 +54,7 @@ class PhaseEnd(Table):
         return cast("Any", next(iter(self.model_fields_set)))
 
     @property
-    def limit(self) -> float:
+    def value(self) -> float:
         """Value of the condition [s, m or m/s]."""
         return getattr(self, self.kind)
 
@@ -224,7 +223,7 @@ class Driver:
 def released(layout: Layout, count: int) -> Phases:
     """Return `count` phases without brake demand, traction and end."""
     phases = kernel(layout).records("Phase", count)
-    for name, value in {"limit": nan, "target": nan, "power": inf, "rate": inf}.items():
+    for name, value in {"end": nan, "target": nan, "power": inf, "rate": inf}.items():
         phases[name] = value
     return phases
 
@@ -246,7 +245,7 @@ def phases_of(layout: Layout, demand: Demand, full: Sequence[float], origin: str
     phases, rate = released(layout, len(demand.phases)), inf
     for number, (row, phase) in enumerate(zip(phases, demand.phases, strict=True), start=1):
         if phase.until is not None:
-            row["until"], row["limit"] = _end(layout, phase.until.kind), phase.until.limit
+            row["until"], row["end"] = _end(layout, phase.until.kind), phase.until.value
         if phase.pressure is not None:
             row["pressure"] = _of_groups(phase.pressure, full, f"{origin}: [demand.phases[{number}]] pressure")
         if (aim := phase.stop_at) is not None:
@@ -270,7 +269,7 @@ def _phases_of_profile(layout: Layout, demand: Demand, full: Sequence[float], wh
     _require_pressures(pressures.shape[1], float(pressures.max()), full, where)
     pressures = np.minimum(pressures, full)
     phases = released(layout, len(times) + 1)
-    phases["until"][:-1], phases["limit"][:-1] = _end(layout, "time"), times
+    phases["until"][:-1], phases["end"][:-1] = _end(layout, "time"), times
     phases["pressure"][0], phases["pressure"][1:] = pressures[0], pressures
     phases["begin"][1:-1] = times[:-1]
     phases["slope"][1:-1] = np.diff(pressures, axis=0) / np.diff(times)[:, None]
@@ -281,7 +280,7 @@ def _of_groups(entries: Sequence[float | Literal["full"]], full: Sequence[float]
     _require_pressures(len(entries), max((entry for entry in entries if entry != "full"), default=0.0), full, where)
     # One entry is for all groups.
     each = zip(cycle(entries), full, strict=False)
-    return [limit if entry == "full" else min(float(entry), limit) for entry, limit in each]
+    return [most if entry == "full" else min(float(entry), most) for entry, most in each]
 
 
 def _require_pressures(count: int, highest: float, full: Sequence[float], where: str) -> None:

@@ -9,13 +9,11 @@ is as fast as that of the bound was faster before, met less clean rail, and dece
 
 import numpy as np
 import xarray
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Array
 from railgrip.scenario.surface import Recovery
 from railgrip.trace.bound import contact_at
 from railgrip.trace.contact import Contact
-
-Array = NDArray[np.float64]
 
 SLIPS_OF_TWO_MAXIMA = np.geomspace(1e-4, 1.0, 65)
 """Grid for `railgrip.trace.contact.peak`: where two maxima are nearly equal, the lower one may be found.

@@ -9,10 +9,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.base.arrays import Vector
 from railgrip.controllers.observation import Observation
 from railgrip.vehicle.brake import Brake
-
-Vector = NDArray[np.float64]
 
 _SPEED = 25.0  # m/s
 _DECELERATION = 1.0  # m/s2

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from railgrip.base.arrays import Array
 from railgrip.base.errors import (
     ControllerFailed,
     EstimatorFailed,
@@ -29,7 +30,6 @@ from railgrip.vehicle.formation import Extent, Formation
 from railgrip.vehicle.parameters import meanings_of_brakes
 from railgrip.vehicle.signals import ESTIMATES, EXTRA, EXTRA_READINGS, PLANT, READINGS, SENT, Layout
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base import registry
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import ScenarioError
 from railgrip.base.names import did_you_mean, state_name
 from railgrip.controllers.free_wheel import FreeWheel
@@ -44,7 +45,6 @@ from railgrip.simulate.roles import require_role
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.signals import Layout
 
-Vector = NDArray[np.float64]
 _Central = CasadiPrediction | FmuPrediction
 
 RELEASED_PADS = 1500.0

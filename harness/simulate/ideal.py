@@ -24,8 +24,8 @@ from typing import Any, Final
 
 import numpy as np
 import xarray
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Array
 from railgrip.base.errors import ScenarioError
 from railgrip.controllers.observation import Observation
 from railgrip.report.stop import Stop
@@ -43,8 +43,6 @@ from railgrip.trace.bound import contact_at, regained_adhesion, with_bound
 from railgrip.trace.contact import Contact, peak
 from railgrip.trace.recorder import Recorder
 from railgrip.vehicle.signals import CURVE, PLANT
-
-Array = NDArray[np.float64]
 
 _GRIPPY = 0.6
 _BUILD_UP = 0.2  # s that the pressure takes

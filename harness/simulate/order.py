@@ -11,14 +11,11 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Mask, Vector
 from railgrip.simulate.loop.parts import LoopPlant
 from railgrip.simulate.trial import GOOD_RAIL, POOR_RAIL, SignalCheck, Trial, set_curve
 from railgrip.vehicle.signals import Layout
-
-Vector = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 _COAST, _SELECTED, _ALL = 0.2, 2.0, 4.0  # s; of each part of a run
 _FILLED = 0.3

@@ -21,8 +21,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import xarray
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Array
 from railgrip.fmus.native import Model
 from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.vehicle import TrainFile
@@ -31,8 +31,6 @@ from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.bound import contact_at
 from railgrip.trace.contact import Contact
 from railgrip.vehicle.brake import Brake
-
-Array = NDArray[np.float64]
 
 _CALL = 500  # steps computed in one call
 _STRIDE = 0.01  # s; pads settle over tenths of a second at full force

@@ -6,7 +6,6 @@ from functools import partial
 from math import inf, isnan
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railgrip.base.errors import PlantFailed, ScenarioError
 from railgrip.base.interrupted import end_if_stuck
@@ -41,8 +40,6 @@ from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.formation import carried_mass
 from railgrip.vehicle.parameters import COUNTS, DESCRIPTIVE
 from railgrip.vehicle.signals import Layout, plant_inputs
-
-Vector = NDArray[np.float64]
 
 NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure"})
 """Outputs that every plant must have; others, such as true adhesion, are empty in the trace if a plant lacks them."""

@@ -201,9 +201,9 @@ def _driver(scenario: Scenario) -> Iterator[str]:
     for number, phase in enumerate(phases, start=1):
         end = phase.until
         if isinstance(end, PhaseEnd) and end.kind in ("time", "distance"):
-            if end.limit <= latest.get(end.kind, -1.0):
+            if end.value <= latest.get(end.kind, -1.0):
                 yield (
-                    f"[demand.phases[{number}]] until {end.kind} {end.limit:g} is not after that of a phase before it; "
+                    f"[demand.phases[{number}]] until {end.kind} {end.value:g} is not after that of a phase before it; "
                     "both are since the start of the stop"
                 )
-            latest[end.kind] = max(end.limit, latest.get(end.kind, -1.0))
+            latest[end.kind] = max(end.value, latest.get(end.kind, -1.0))

@@ -19,14 +19,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.base.arrays import Matrix
 from railgrip.base.errors import FmuError
 from railgrip.base.units import GRAVITY, mistake
 from railgrip.simulate.loop.parts import LoopPlant
 from railgrip.simulate.loop.plausible import Slowing
 from railgrip.trace.contact import Contact
 from railgrip.vehicle.signals import CURVE, Layout
-
-Matrix = NDArray[np.float64]
 
 _COAST, _BRAKE = 0.5, 5.0  # s; a cylinder of a passenger train is full after 3 to 5 s (UIC 540)
 GOOD_RAIL = 0.4

@@ -12,14 +12,12 @@ from typing import Any
 
 import numpy as np
 import xarray
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Array
 from railgrip.trace.contact import Contact, peak
 from railgrip.trace.recorder import formation_in
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.signals import CURVE
-
-Array = NDArray[np.float64]
 
 _STRIDE = 0.01  # s between creep curves; rail and loads (pitch near 7 Hz) are straight lines over so short a time
 

@@ -32,11 +32,10 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from railgrip.base.arrays import Array
 from railgrip.trace.contact import Contact
 from railgrip.trace.recorder import formation_in
 from railgrip.vehicle.brake import Brake
-
-Array = NDArray[np.float64]
 
 STRIDE = 0.01
 """Time between two evaluated samples [s]."""

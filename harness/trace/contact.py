@@ -3,9 +3,8 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from railgrip.base.arrays import Array
 
 Contact = Callable[..., Array]
 """contact(slip, speed [m/s], wheelset load [N], mu0) → adhesion; arrays of one shape, element by element.

@@ -2,12 +2,10 @@
 
 import numpy as np
 import xarray
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Array
 from railgrip.estimators.consistency import loss_step, nis_ratio
 from railgrip.vehicle.signals import READINGS
-
-Array = NDArray[np.float64]
 
 SLOWEST = 10 / 3.6  # m/s; below, slip is the ratio of two small numbers and no one asks for the adhesion
 _LONGEST_DELAY = 0.5  # s

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from math import exp, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from railgrip.base.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,11 +10,9 @@ from math import inf, nan
 
 import numpy as np
 import xarray
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Array
 from railgrip.trace.measures import since_brake_demand
-
-Array = NDArray[np.float64]
 
 _WIDTHS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0)
 _MAX_SECTIONS = 12

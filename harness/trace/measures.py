@@ -4,9 +4,8 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from railgrip.base.arrays import Array
 from railgrip.trace.recorder import formation_in
-
-Array = NDArray[np.float64]
 
 _JERK_WINDOW = 0.1  # s; shorter is the ringing of the suspension, which no passenger feels as jerk
 

@@ -11,10 +11,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.base.arrays import Array
 from railgrip.base.units import GRAVITY
 from railgrip.vehicle.brake import Brake, Values
-
-Array = NDArray[np.float64]
 
 Extent = Literal["train", "group", "wheelset", "coupler"]
 

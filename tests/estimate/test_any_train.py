@@ -247,14 +247,14 @@ def test_page_and_json_have_every_parameter_with_its_origin(trace, tmp_path):
         "J[1]": "train file tram",
         "J[2]": "--set",
         "rho_air": "given in mine.toml",
-        "noise.process.alpha": "given in mine.toml",
-        "noise.process.w": "library default",
-        "start.mean.v": "recording",
-        "start.mean.mu_b[3]": "train file tram",
+        "noise.process.group_adhesion": "given in mine.toml",
+        "noise.process.wheelset_speed": "library default",
+        "start.mean.speed": "recording",
+        "start.mean.pad_friction[3]": "train file tram",
         "gate.threshold": "library default",
     }
     assert {name: origins[name] for name in expected} == expected
-    assert {each["name"] for each in value["settings"] if each["is_default"]} >= {"noise.process.w"}
+    assert {each["name"] for each in value["settings"] if each["is_default"]} >= {"noise.process.wheelset_speed"}
     page = Path(value["page"]).read_text(encoding="utf-8")
     assert all(text in page for text in ("train file tram", "given in mine.toml", "recording"))
     assert "Inertia of each group" in (tmp_path / "out" / "parameters.csv").read_text(encoding="utf-8")

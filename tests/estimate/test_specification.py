@@ -11,7 +11,6 @@ from railgrip.estimation.run import by_name
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import (
     LIBRARY,
-    _symbols_in,
     equations_for,
     load_specification,
     prediction_for,
@@ -203,11 +202,25 @@ def test_symbols_of_states_in_older_files_are_accepted_and_named(tmp_path):
     # Readings have the names of signals, as before.
     path.write_text(re.sub(r"(?m)^readings = .*$", readings_line(LIBRARY / "rig_own.toml"), text), encoding="utf-8")
     older, now = load_specification(path), load_specification(LIBRARY / "rig_own.toml")
-    assert "mu_b" in older.noise.process
+    assert "mu_b" in path.read_text(encoding="utf-8")
     assert settings_for(older, 0.01) == settings_for(now, 0.01)
-    assert _symbols_in(now) == []
-    (sentence,) = [each for each in _symbols_in(older) if each.startswith("[noise] process")]
-    assert "pad_friction (was mu_b)" in sentence
+    assert now.older_names == []
+    (sentence,) = [each for each in older.older_names if each.startswith("older.toml: [noise] process")]
+    assert "pad_friction (mu_b)" in sentence
+
+
+def test_a_symbol_overrides_the_name_below_it_and_not_beside_it(tmp_path):
+    """An option with `v` changes the speed of the file; a table with both is ambiguous."""
+    changed = load_specification(LIBRARY / "rig_own.toml", ("noise.process.v=1e-3",))
+    assert changed.noise.process["speed"] == 1e-3
+    assert "v" not in changed.noise.process
+    path = written(tmp_path, process=("wheelset_speed = 1e-4, speed", "v = 1e-4, wheelset_speed = 1e-4, speed"))
+    with pytest.raises(
+        EstimationError, match=r"mine\.toml: \[noise\] process has v and speed, which are the same state"
+    ):
+        load_specification(path)
+    with pytest.raises(EstimationError, match="process has v and speed, which are the same state"):
+        by_name("process", {"v": 1.0, "speed": 2.0}, ("speed",))
 
 
 def readings_line(path):

@@ -35,8 +35,7 @@ from railgrip.estimators.sigma_points import (
     BETA,
     CubatureKalmanFilter,
     UnscentedKalmanFilter,
-    cubature_points,
-    unscented_points,
+    sigma_points,
 )
 from railgrip.estimators.slope import estimate_slope
 from railgrip.estimators.smoother import iterate_smoother, smooth
@@ -131,7 +130,7 @@ def random_belief(n=6, seed=4):
 
 def test_unscented_points_and_weights_are_those_of_filterpy():
     belief = random_belief()
-    ours, reference = unscented_points(belief), MerweScaledSigmaPoints(6, ALPHA, BETA, 0.0)
+    ours, reference = sigma_points(belief, ALPHA, BETA), MerweScaledSigmaPoints(6, ALPHA, BETA, 0.0)
     assert ours.points == pytest.approx(reference.sigma_points(belief.mean, belief.covariance), abs=1e-12)
     assert ours.mean_weights == pytest.approx(reference.Wm, rel=1e-12)
     assert ours.covariance_weights == pytest.approx(reference.Wc, rel=1e-12)
@@ -139,7 +138,7 @@ def test_unscented_points_and_weights_are_those_of_filterpy():
 
 def test_cubature_points_are_those_of_filterpy():
     belief = random_belief()
-    ours = cubature_points(belief)
+    ours = sigma_points(belief, 1.0, 0.0)
     assert ours.points == pytest.approx(spherical_radial_sigmas(belief.mean, belief.covariance), abs=1e-12)
     assert ours.mean_weights.sum() == pytest.approx(1.0, rel=1e-12)
 
@@ -379,7 +378,8 @@ def test_sigma_points_do_not_move_a_gated_state(rolling):
 def wheel():
     """A wheelset of a train whose names are those of the train predictions."""
     model = small_model(
-        "v w[1] mu_b[1] alpha[1]", "cylinder_pressure[1]", "m J r", "speed wheelset_speed[1]",
+        "speed wheelset_speed[1] pad_friction[1] group_adhesion[1]", "cylinder_pressure[1]", "m J r",
+        "speed wheelset_speed[1]",
         lambda t, x, u, p: [-9.81 * x[3], (x[3] * p[0] * 9.81 * p[2] - x[2] * u[0]) / p[1], ca.SX(0), ca.SX(0)],
         lambda t, x, u, p: [x[0], x[1]],
     )  # fmt: skip

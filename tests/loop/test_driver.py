@@ -11,8 +11,8 @@ PERIOD = 0.01
 RELEASE = 3e4
 
 
-def phase(pressure=0.0, until="end", limit=np.nan, **changes):
-    return phase_of(until, limit=limit, pressure=pressure, **changes)
+def phase(pressure=0.0, until="end", end=np.nan, **changes):
+    return phase_of(until, end=end, pressure=pressure, **changes)
 
 
 def driver(*phases):
@@ -48,7 +48,7 @@ def test_phases_that_have_already_ended_are_skipped():
 
 
 def test_a_profile_is_linear():
-    line = phase_of("time", limit=2.0, begin=1.0, pressure=1e5, slope=5e4)
+    line = phase_of("time", end=2.0, begin=1.0, pressure=1e5, slope=5e4)
     one = driver(phase(1e5, "time", 1.0), line, phase(1.5e5))
     assert [pressure_at(one, k) for k in (0, 100, 150, 199, 200, 300)] == pytest.approx(
         [1e5, 1e5, 1.25e5, 1.495e5, 1.5e5, 1.5e5]
@@ -58,7 +58,7 @@ def test_a_profile_is_linear():
 def test_traction_is_limited_by_force_power_and_rate():
     """50 kN, 500 kW: the power limits above 10 m/s; 100 kN/s are 1 kN per sample, also when falling."""
     traction = {"force": 5e4, "rate": 1e5}
-    one = driver(phase(until="time", limit=1.0, power=5e5, **traction), phase(rate=1e5))
+    one = driver(phase(until="time", end=1.0, power=5e5, **traction), phase(rate=1e5))
 
     def force(sample, speed):
         pressure_at(one, sample, speed)

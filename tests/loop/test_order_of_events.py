@@ -426,9 +426,9 @@ pressures = st.tuples(*[st.floats(0.0, 3.4e5)] * 4)
 def driven(draw):
     """Phases of every kind, in any order."""
     phases, ends = [], draw(st.lists(until, max_size=5))
-    for kind, limit in [*ends, ("end", np.nan)]:
+    for kind, end in [*ends, ("end", np.nan)]:
         aim = {"target": draw(st.floats(1.0, 8.0)), "deceleration": 8.0, "full_deceleration": 10.6}
-        phase = dict(until=kind, limit=limit, begin=draw(st.floats(0.0, 1.0)), pressure=draw(pressures))
+        phase = dict(until=kind, end=end, begin=draw(st.floats(0.0, 1.0)), pressure=draw(pressures))
         phase |= dict(slope=draw(st.tuples(*[st.sampled_from([0.0, 1e4])] * 4)))
         phase |= dict(force=draw(st.floats(0.0, 1e5)), power=draw(st.sampled_from([np.inf, 1e5])))
         phases.append(phase_of(rate=draw(st.sampled_from([np.inf, 1e5])), **phase, **draw(st.sampled_from([aim, {}]))))

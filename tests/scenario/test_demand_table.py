@@ -40,16 +40,16 @@ def test_one_pressure_applies_to_all_groups_and_full_is_that_of_each():
             ]
         }
     )
-    assert (*one["pressure"], one["until"], one["limit"]) == (1.5e5, 1.5e5, ENDS.AT_TIME, 2.0)
-    assert (*each["pressure"], each["until"], each["limit"]) == (0.5e5, 3.0e5, ENDS.AT_SPEED_BELOW, 10.0)
+    assert (*one["pressure"], one["until"], one["end"]) == (1.5e5, 1.5e5, ENDS.AT_TIME, 2.0)
+    assert (*each["pressure"], each["until"], each["end"]) == (0.5e5, 3.0e5, ENDS.AT_SPEED_BELOW, 10.0)
     assert (*full["pressure"], full["until"]) == (*FULL, ENDS.AT_END)
 
 
 def test_a_profile_is_linear_between_its_points(tmp_path):
     (tmp_path / "brake.csv").write_text("time,pressure_1,pressure_2\n1,0,0\n3,1e5,2e5\n4,1e5,0\n")
     before, rise, fall, after = phases({"file": "brake.csv"}, tmp_path)
-    assert (before["limit"], before["pressure"].tolist()) == (1.0, [0.0, 0.0])
-    assert (rise["begin"], rise["limit"], rise["pressure"].tolist()) == (1.0, 3.0, [0.0, 0.0])
+    assert (before["end"], before["pressure"].tolist()) == (1.0, [0.0, 0.0])
+    assert (rise["begin"], rise["end"], rise["pressure"].tolist()) == (1.0, 3.0, [0.0, 0.0])
     assert rise["slope"].tolist() == [0.5e5, 1e5]
     assert fall["slope"].tolist() == [0.0, -2e5]
     assert (after["until"], after["pressure"].tolist()) == (ENDS.AT_END, [1e5, 0.0])

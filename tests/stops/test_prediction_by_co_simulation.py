@@ -15,7 +15,7 @@ from railgrip.base.errors import FmuError, ScenarioError
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.filters.moving_horizon import HorizonFilter
-from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.prediction import CasadiPrediction, with_state_names
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.fmi import SteppedFmuPrediction, describe
 from railgrip.report.stop import Stop
@@ -105,7 +105,7 @@ def test_a_prediction_of_a_user_may_integrate_itself(tmp_path: Path, edits, tole
 def test_with_differences_a_filter_has_the_exact_jacobian_of_a_step(tmp_path: Path):
     """Against the filter in numpy whose transition is the derivative of the RK4 step, from the equations in CasADi."""
     description = describe(own(tmp_path, ('providesDirectionalDerivative="true"', "")))
-    model = compile_class("RailBraking.Predictions.TrainPrediction")
+    model = with_state_names(compile_class("RailBraking.Predictions.TrainPrediction"))
     equations = CasadiPrediction(model, {v.name: v.start for v in model.parameters})
     noise, period = NOISE_SETS["train_ideal"], 1e-3
     names = {name: getattr(equations, name) for name in ("states", "inputs", "outputs")}

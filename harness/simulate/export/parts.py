@@ -254,7 +254,7 @@ def _sensors(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
         data["service"] = sensors.struct.copy_with(noise=np.zeros(deviation.size), block=1)
     else:
         needed = [n for n, at in layout.output.items() if np.isin(sensors.places, np.arange(at.start, at.stop)).any()]
-        if isinstance(sensors, WhiteSensors):
+        if "noise" in sensors.fields:
             data["noise"] = np.zeros(deviation.size)
     given, places = _select_outputs(layout, structs, needed)
     start, meaning = float(scenario.seed % 2**32), "of the noise, a whole number"

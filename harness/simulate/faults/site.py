@@ -7,8 +7,8 @@ from fractions import Fraction
 from typing import Literal, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import ScenarioError
 from railgrip.kernel import kernel, rate_of
 from railgrip.scenario.faults import Fault
@@ -16,7 +16,6 @@ from railgrip.scenario.schema import Scenario
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.signals import Layout
 
-Vector = NDArray[np.float64]
 _Kind = TypeVar("_Kind", bound=Fault)
 
 ReadingKind = Literal["dead", "stuck", "scaled", "biased", "noisy"]
@@ -181,7 +180,8 @@ def faults_of(
                 number=number, where=f"{scenario.name}: [faults[{number + 1}]]",
             )
         )  # fmt: skip
-        if not fault.lasts and faults.intervals(before) - {(*fault.samples(scenario).values(),)}:
+        begin, end = fault.samples(scenario).values()
+        if not fault.lasts and any(first < begin or last > end for first, last in faults.intervals(before)):
             raise ScenarioError(
                 f"{scenario.name}: [faults[{number + 1}]] has begin or end, but part '{fault.part}' of kind "
                 f"'{fault.kind}' ignores them and lasts for the whole stop; leave them out"

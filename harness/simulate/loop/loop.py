@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import ControllerFailed, EstimatorFailed, SensorsFailed
 from railgrip.controllers.observation import Observation
 from railgrip.estimators.compiled import StepInC
@@ -24,8 +24,6 @@ from railgrip.vehicle.signals import (
     length,
     places,
 )
-
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,6 +8,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.base.arrays import Indices, Matrix, Vector
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.sampled import Sampled
 from railgrip.fmus.native.c_library import Struct
@@ -16,10 +17,6 @@ from railgrip.scenario.demand import Driver
 from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.trace.recorder import Recorder
 from railgrip.vehicle.signals import Layout, Signal
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 BLOCK = 1024
 """Number of readings whose noise is drawn at once."""

@@ -71,7 +71,7 @@ def _plant(parts: Parts, inputs: Vector, outputs: Vector) -> Struct:
 
 
 def _instruments(parts: Parts) -> Struct:
-    fields = parts.sensors.fields if isinstance(parts.sensors, SensorsInC) else {}
+    fields = parts.sensors.fields if isinstance(parts.sensors, SensorsInC) else dict[str, object]()
     return kernel(parts.layout).struct("Instruments", every=parts.clock.sensors, block=BLOCK, **fields)
 
 
@@ -102,7 +102,7 @@ def _onboard(parts: Parts) -> Struct:
     return kernel(layout).struct("Onboard", law=_formula(layout, parts.controller, "observation"),
         train_level=_formula(layout, parts.train_level, "train_input"),
         valves=_formula(layout, parts.valves, "valve_input"),
-        limit=parts.limits and parts.limits.maximum, full=np.array(parts.driver.full, dtype=np.float64),
+        maximum=parts.limits and parts.limits.maximum, full=np.array(parts.driver.full, dtype=np.float64),
         radius=np.array(estimator.wheel_radius if has_states else parts.wheel_radius, dtype=np.float64),
         has_estimator=estimator is not None and not has_states,
         estimator_rate=rate_of(layout, clock.estimator), controller_rate=rate_of(layout, clock.controller),

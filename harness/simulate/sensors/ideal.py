@@ -1,5 +1,6 @@
 """Sensors without errors."""
 
+from collections.abc import Mapping
 from typing import Literal
 
 import numpy as np
@@ -30,7 +31,7 @@ class IdealSensors:
     def __init__(self, layout: Layout) -> None:
         places = [layout.output[name] for name in layout.reading]
         self.places = np.concatenate([np.arange(place.start, place.stop) for place in places])
-        self.fields = {"output_at": self.places}
+        self.fields: Mapping[str, object] = {"output_at": self.places}
 
     def draw(self) -> None:
         """Draw no noise."""

@@ -1,6 +1,7 @@
 """The instruments of a train in service."""
 
 import math
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -194,7 +195,8 @@ class ServiceSensors:
         random: np.random.Generator, draws: int,
     ) -> None:  # fmt: skip
         """Draw the noise of `struct` from `random`; see `draw_block` for `draws`."""
-        self.struct, self.fields, self.deviation = struct, {"service": struct}, deviation
+        self.struct, self.deviation = struct, deviation
+        self.fields: Mapping[str, object] = {"service": struct}
         self._noise, self._random, self._draws = noise, random, draws
 
     def draw(self) -> None:

@@ -136,7 +136,7 @@ class WhiteSensors:
         self.places, self.gain, self.bias = places, gain, bias
         self.noise = np.empty((BLOCK, deviation.size))
         self.deviation, self._random, self._draws = deviation, random, draws
-        self.fields = {"output_at": places, "gain": gain, "bias": bias, "noise": self.noise}
+        self.fields: Mapping[str, object] = {"output_at": places, "gain": gain, "bias": bias, "noise": self.noise}
 
     def draw(self) -> None:
         """Draw the noise of the next block; due before every sample that is a multiple of `BLOCK`."""

@@ -109,7 +109,7 @@ def save_noise(noise: Noise, path: Path, *, title: str, command: str, results: d
     lines = [f"# {title}", f'command = "{command}"', "", "[noise]", 'kind = "density"', "", "[noise.readings]"]
     rows = zip((*READINGS, *PROCESSES), noise.values, UNITS, NAMES, strict=True)
     for name, value, unit, symbol in rows:
-        if name == PROCESSES[0]:
+        if symbol == "Q_v":
             lines += ["", "[noise.process]"]
         lines.append(f'"{name}" = {value:.6e}  # {symbol}, {unit}')
     lines += ["", "[found]", *(f"{name} = {value:.6g}" for name, value in results.items()), ""]
