@@ -10,12 +10,12 @@ from typer import Argument, Option
 
 from railgrip.base.files import write_text
 from railgrip.campaign.work import Work
-from railgrip.etcs.results import BrakingCurves, braking_curves
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable
 from railgrip.studies.study import Study
+from railgrip.supervision.results import BrakingCurves, braking_curves
 
 PAGE = Path("docs/etcs.md")
 """Folder relative to that of the project, in which the command runs."""

@@ -8,8 +8,8 @@ from onboard import FAR, case_of, train_data
 from scipy.integrate import solve_ivp
 
 from railgrip.base.errors import InputError
-from railgrip.etcs.curve import Deceleration, Steps, braking_curve, combine
-from railgrip.etcs.limits import emergency_curve, gradient_deceleration, lowest_gradient, service_curve
+from railgrip.supervision.curve import Deceleration, Steps, braking_curve, combine
+from railgrip.supervision.limits import emergency_curve, gradient_deceleration, lowest_gradient, service_curve
 
 INFINITE = -np.inf
 

@@ -5,8 +5,8 @@ import pytest
 from onboard import FAR, case_of, percent_data, train_data
 
 from railgrip.base.errors import InputError
-from railgrip.etcs import fixed
-from railgrip.etcs.limits import (
+from railgrip.supervision import fixed
+from railgrip.supervision.limits import (
     emergency_curve,
     limits_of,
     release_speed,
@@ -15,8 +15,8 @@ from railgrip.etcs.limits import (
     times_of,
     trip_location,
 )
-from railgrip.etcs.model import model_of
-from railgrip.etcs.national import NationalValues
+from railgrip.supervision.model import model_of
+from railgrip.supervision.national import NationalValues
 
 SPEED = 50.0
 

@@ -6,12 +6,12 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import Field, StrictBool, model_validator
 
-from railgrip.etcs import conversion
-from railgrip.etcs.curve import Steps, combine
-from railgrip.etcs.national import Deceleration, NationalValues, StepSpeed, require_rising
 from railgrip.rolling_stock.schema import BrakePosition
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.table import FASTEST, Name, Table, table_error
+from railgrip.supervision import conversion
+from railgrip.supervision.curve import Steps, combine
+from railgrip.supervision.national import Deceleration, NationalValues, StepSpeed, require_rising
 
 Factor = Annotated[float, UnitRange("1", above=0, at_most=1.1)]
 _Time = Annotated[

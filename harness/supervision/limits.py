@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from railgrip.base.errors import InputError
-from railgrip.etcs import fixed
-from railgrip.etcs.curve import Curve, Deceleration, Steps, Vector, braking_curve, combine
-from railgrip.etcs.line import Line, Target
-from railgrip.etcs.model import BrakingModel, highest_on_low_adhesion, safe_deceleration
-from railgrip.etcs.national import NationalValues
+from railgrip.supervision import fixed
+from railgrip.supervision.curve import Curve, Deceleration, Steps, Vector, braking_curve, combine
+from railgrip.supervision.line import Line, Target
+from railgrip.supervision.model import BrakingModel, highest_on_low_adhesion, safe_deceleration
+from railgrip.supervision.national import NationalValues
 
 Limits = Mapping[str, Vector]
 """Limit → location over speed [m]."""

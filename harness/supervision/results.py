@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railgrip.base.errors import InputError
-from railgrip.etcs import fixed
-from railgrip.etcs.curve import Steps, Vector, braking_curve
-from railgrip.etcs.limits import (
+from railgrip.report import palette, style
+from railgrip.report.table import ReportTable
+from railgrip.supervision import fixed
+from railgrip.supervision.curve import Steps, Vector, braking_curve
+from railgrip.supervision.limits import (
     Case,
     Limits,
     brake_on_line,
@@ -21,12 +23,10 @@ from railgrip.etcs.limits import (
     times_of,
     trip_location,
 )
-from railgrip.etcs.line import Target, load_line
-from railgrip.etcs.model import TrainData, model_of, safe_deceleration
-from railgrip.etcs.national import load_national
-from railgrip.etcs.trains import TrainBasis, model_of_train, read_train
-from railgrip.report import palette, style
-from railgrip.report.table import ReportTable
+from railgrip.supervision.line import Target, load_line
+from railgrip.supervision.model import TrainData, model_of, safe_deceleration
+from railgrip.supervision.national import load_national
+from railgrip.supervision.trains import TrainBasis, model_of_train, read_train
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -5,11 +5,11 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from railgrip.etcs.national import StepSpeed
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.table import Length, Name, Speed, Table, table_error
 from railgrip.scenario.track.table import Gradient
+from railgrip.supervision.national import StepSpeed
 
 
 class LowAdhesion(Table):
