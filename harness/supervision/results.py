@@ -192,7 +192,7 @@ class BrakingCurves:
         for stop in self.stops:
             where = "before" if stop.reserve >= 0 else "behind"
             what = "standstill" if stop.target.speed == 0 else f"{3.6 * stop.target.speed:g} km/h"
-            lines.append(f"{stop.name}: {what} {abs(stop.reserve):.1f} m {where} the target.")
+            lines.append(f"{stop.name[0].upper()}{stop.name[1:]}: {what} {abs(stop.reserve):.1f} m {where} the target.")
         if self.release is not None:
             speed, start = self.release
             lines.append(f"Release speed {3.6 * speed:.1f} km/h, monitored from {start:.1f} m on.")

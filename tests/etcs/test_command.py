@@ -1,6 +1,8 @@
 """`railgrip study etcs` and `rg.etcs`: their files and messages."""
 
 import csv
+import re
+from pathlib import Path
 
 import pytest
 
@@ -140,7 +142,8 @@ traction_cut_off_time = "1 s"
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_said_in_a_sentence(train, line, national, sentences, files, tmp_path, command):
-    paths = files(train=train, line=line, national=national)
+    level = 'target = [{ kind = "EoA", at = 5000 }, { kind = "SvL", at = 5000 }]\n'
+    paths = files(train=train, line=line if "target" in line else level + line, national=national)
     end = command("study", "etcs", paths[0], "--line", paths[1], "--national", paths[2], "--out", tmp_path / "out")
     assert end.code == 2, end.out
     for sentence in sentences:
@@ -161,3 +164,14 @@ def test_missing_files_and_trains_are_named(tmp_path, command):
     assert (end.code, "emu387" in end.err) == (2, True)
     end = command("study", "etcs", "emu387", "--line", tmp_path / "no.toml", "--out", tmp_path / "out")
     assert (end.code, "no.toml" in end.err) == (2, True)
+
+
+def test_the_files_of_the_page_are_valid(files):
+    page = Path(__file__).parents[2] / "docs" / "etcs.md"
+    percent, rows, line, national = re.findall(r"```toml\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    paths = files(train=percent, line=line, national=national.replace("Q_NVGUIPERM = true", ""))
+    assert rg.etcs(paths[0], paths[2], paths[1]).release is not None
+    times = 'emergency_time = "2 s"\nservice_time = "2 s"\nnormal_service = [{ above = 0, deceleration = 0.5 }]\n'
+    by_curves = percent.replace('brake_percentage = "135 %"', times) + rows
+    paths = files(train=by_curves, line=line, national=national)
+    assert "GUI" in set(rg.etcs(paths[0], paths[2], paths[1]).to_pandas()["limit"])
