@@ -307,8 +307,8 @@ def etcs_pages() -> None:
     file_page(
         "braking",
         TrainData,
-        "A braking file is a TOML file with deceleration curves or a brake percentage, for trains without a train file. "
-        f"{how_to}",
+        "A braking file is a TOML file with deceleration curves or a brake percentage, for trains without a train "
+        f"file. {how_to}",
     )
 
 

@@ -13,7 +13,7 @@ from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, yes_no
 from railgrip.studies.study import Study
 from railgrip.supervision.results import BrakingCurves, braking_curves
 
@@ -87,8 +87,16 @@ def _answer(curves: BrakingCurves) -> str:
 
 def _given(curves: BrakingCurves) -> ReportTable:
     values = curves.case.national.model_dump()
-    rows = [{"national value": name, "value": str(value)} for name, value in values.items()]
+    rows = [{"national value": name, "value": _plain(value)} for name, value in values.items()]
     return ReportTable(rows, left=("national value", "value"))
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, tuple | list):
+        return ", ".join(f"({_plain(one)})" if isinstance(one, tuple | list) else _plain(one) for one in value)
+    if value is None or isinstance(value, bool):
+        return "none" if value is None else yes_no(value)
+    return f"{value:g}"
 
 
 def _write_csv(curves: BrakingCurves, path: Path) -> None:

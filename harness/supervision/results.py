@@ -261,7 +261,8 @@ class BrakingCurves:
             ("A_brake_service", model.service, palette.ORANGE, "--"),
         ):
             edges = np.append(3.6 * steps.starts, max(top, 3.6 * steps.starts[-1] + 1))
-            right.stairs(steps.values, edges, color=colour, ls=dash, label=name, baseline=None)
+            corners = np.repeat(edges, 2)[1:-1], np.repeat(steps.values, 2)
+            right.plot(*corners, color=colour, ls=dash, lw=1.4, label=name)
         right.set_ylim(bottom=0)
         style.dress(right, x="speed [km/h]", y="deceleration [m/s²]")
         style.legend(right, loc="lower left")
