@@ -62,7 +62,7 @@ class Etcs(Study):
         )
 
     def headlines(self, work: Work) -> list[Finding]:
-        """Return the indication and the intervention of a train file and of the conversion model at their speed."""
+        """Return curves and limits of a train file at the highest speed of each."""
         curves = braking_curves(Path("vt642"))
         frame = curves.limits
         last = frame.groupby(["target", "limit"]).last()["location_m"]
