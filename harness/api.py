@@ -356,8 +356,8 @@ def etcs(train: str | Path, national: str | Path | None = None, line: str | Path
     """
     from railgrip.supervision.results import braking_curves
 
-    files = [None if file is None else _path(file, name) for name, file in (("national", national), ("line", line))]
-    return braking_curves(_path(train, "train"), *files)
+    values = None if national is None else _path(national, "national")
+    return braking_curves(_path(train, "train"), values, None if line is None else _path(line, "line"))
 
 
 def inspect(

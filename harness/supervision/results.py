@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -219,12 +219,13 @@ class BrakingCurves:
         grid = drawing.add_gridspec(2, 2, height_ratios=(1.5, 1.0), width_ratios=(2.6, 1.0))
         upper = drawing.add_subplot(grid[0, 0])
         seen: set[str] = set()
-        for (_, name), rows in self.limits.groupby(["target", "limit"], sort=False):
-            label = "SBI" if str(name).startswith("SBI") else str(name)
+        for key, rows in self.limits.groupby(["target", "limit"], sort=False):
+            name = str(cast("tuple[str, str]", key)[1])
+            label = "SBI" if name.startswith("SBI") else name
             upper.plot(
                 rows["location_m"],
                 rows["speed_km_h"],
-                color=_COLOURS[str(name)],
+                color=_COLOURS[name],
                 lw=1.4,
                 ls="--" if name in ("EBD", "SBD", "GUI") else "-",
                 label=None if label in seen else label,
@@ -241,9 +242,9 @@ class BrakingCurves:
             ends = [target.at for target in self.case.line.target if target.kind == "SvL"]
             upper.plot([start, *ends], [3.6 * speed] * 2, color=palette.BLACK, lw=1.0, label="release speed")
         style.dress(upper, y="speed [km/h]", title=f"{self.case.model.name}, line {self.case.line.name}")
-        key = drawing.add_subplot(grid[0, 1])
-        key.set_axis_off()
-        style.legend(key, *upper.get_legend_handles_labels(), loc="upper left")
+        beside = drawing.add_subplot(grid[0, 1])
+        beside.set_axis_off()
+        style.legend(beside, *upper.get_legend_handles_labels(), loc="upper left")
         lower = drawing.add_subplot(grid[1, 0], sharex=upper)
         dashes = {"nominal": ":", "safe": "-", "full": "-."}
         for stop in self.stops:

@@ -102,6 +102,7 @@ def model_of_train(
     emergency_time, service_time = brake.equivalent_time, data.etcs.service_time
     if service_time is None and isinstance(train.command, BrakePipe):
         service_time = service_times(data.etcs.brake_position, train.length)[0]
+    service_time = emergency_time if service_time is None else service_time
     model = BrakingModel(
         name=train.name,
         length=train.length,
@@ -114,7 +115,7 @@ def model_of_train(
         normal_service=None,
         kn=(Steps.constant(0.0), Steps.constant(0.0)),
         emergency_times=(emergency_time, emergency_time),
-        service_times=(emergency_time if service_time is None else service_time,) * 2,
+        service_times=(service_time, service_time),
         cut_off_time=data.etcs.traction_cut_off_time,
         cuts_off=True,
         has_service_brake=True,

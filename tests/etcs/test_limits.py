@@ -132,6 +132,9 @@ def test_release_speeds_come_from_where_the_line_says():
     assert release_speed(authority("given", release_speed=5.0)) == 5.0
     assert release_speed(authority("given", release_speed=39.0, speed=30.0)) == 30.0
     assert release_speed(authority("calculated", svl=100)) is None  # the trip location is behind the SvL
+    before = ("EoA", 5000, 0), ("SvL", 5500, 0), ("MRSP", 4000, 30)
+    case = case_of(percent_data(135, "passenger P", 250, 160), *before, release="national")
+    assert release_speed(case) == pytest.approx(30 / 3.6)  # SUBSET-026 3.13.9.4.9
 
 
 def test_a_restriction_between_trip_location_and_supervised_location_lowers_the_release_speed():

@@ -165,12 +165,12 @@ def plain(k: Interval) -> dict[str, float]:
 
 
 def _states(
-    specification: KFactorSpecification, units: Sequence[int], neglect: float
+    specification: KFactorSpecification, units: Sequence[int | Sequence[int]], neglect: float
 ) -> tuple[tuple[State, ...], float]:
     return rare.states_of(units, rates_of(specification.failures), neglect=neglect)
 
 
-def _cost(specification: KFactorSpecification, units: Sequence[int], probability: float) -> int:
+def _cost(specification: KFactorSpecification, units: Sequence[int | Sequence[int]], probability: float) -> int:
     assert specification.loop is not None
     samples = specification.loop.samples
     states, _ = _states(specification, units, _NEGLECT_IN_LOOP * probability)
