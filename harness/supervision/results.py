@@ -190,7 +190,7 @@ class BrakingCurves:
                 f"{times.service:.2f} s, T_traction {times.traction:.2f} s, T_indication {times.indication:.2f} s."
             )
         for stop in self.stops:
-            where = "before" if stop.reserve >= 0 else "behind"
+            where = "before" if stop.reserve > -0.05 else "behind"
             what = "standstill" if stop.target.speed == 0 else f"{3.6 * stop.target.speed:g} km/h"
             lines.append(f"{stop.name[0].upper()}{stop.name[1:]}: {what} {abs(stop.reserve):.1f} m {where} the target.")
         if self.release is not None:
