@@ -31,7 +31,7 @@ TOPICS = {
     "Rail": ["creep_curves", "friction_level", "leaf_patches", "slip_cleans", "sanding", "gradient", "random_draws"],
     "Controllers": ["own_controller", "thresholds", "sampling_period", "wheel_diameter", "sensor_fault"],
     "Estimation": ["estimate_with_deviation", "consistency", "recording", "field_test", "lateral_wheelset"],
-    "Trains and brakes": ["brake_pipe", "k_dry", "k_wet"],
+    "Trains and brakes": ["brake_pipe", "k_dry", "k_wet", "braking_curves"],
 }
 """Scripts of the gallery, by the headings of its index."""
 

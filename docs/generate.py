@@ -32,6 +32,9 @@ from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import ONE_OR_EACH
 from railgrip.simulate.contact import compiled_contact
 from railgrip.simulate.files import compile_class
+from railgrip.supervision.line import Line
+from railgrip.supervision.model import TrainData
+from railgrip.supervision.national import NationalValues
 from railgrip.trace.metrics import FIGURES
 from railgrip.vehicle import signals
 
@@ -290,6 +293,25 @@ def estimation_page() -> None:
     )
 
 
+def etcs_pages() -> None:
+    how_to = "[Compute braking curves of ETCS](../etcs.md) shows how to use it."
+    file_page(
+        "line", Line, f"A line file is a TOML file with gradients and targets, in the direction of travel. {how_to}"
+    )
+    file_page(
+        "national",
+        NationalValues,
+        f"A file of national values is a TOML file with the names of SUBSET-026. {how_to} Steps are lists of start and "
+        "value; a step includes its end and not its start.",
+    )
+    file_page(
+        "braking",
+        TrainData,
+        "A braking file is a TOML file with deceleration curves or a brake percentage, for trains without a train "
+        f"file. {how_to}",
+    )
+
+
 SIGNALS = {
     "Plant outputs": signals.PLANT,
     "Further plant outputs": signals.EXTRA,
@@ -427,6 +449,7 @@ scenario_page()
 train_page()
 campaign_page()
 estimation_page()
+etcs_pages()
 signals_page()
 metrics_page()
 commands_page()

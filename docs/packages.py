@@ -18,6 +18,7 @@ PURPOSE = {
     "campaign": "many stops",
     "estimation": "filters over recordings",
     "simulate": "one stop: its parts, and the loop",
+    "supervision": "braking curves of ETCS",
     "rolling_stock": "train files",
     "fmi": "runs and checks FMUs",
     "report": "tables, figures, pages",

@@ -38,12 +38,12 @@ if TYPE_CHECKING:
 
     from railgrip.campaign.sweep import Sweep
     from railgrip.estimation.inspection import Inspection
-    from railgrip.etcs.results import BrakingCurves
     from railgrip.report.comparison import Comparison
     from railgrip.report.estimates import Estimates
     from railgrip.report.stop import Stop
     from railgrip.simulate.bench import Bench
     from railgrip.simulate.parts import CustomParts
+    from railgrip.supervision.results import BrakingCurves
 
 
 __all__ = [
@@ -354,10 +354,10 @@ def etcs(train: str | Path, national: str | Path | None = None, line: str | Path
         >>> curves = etcs("emu387")
         >>> curves.table  # distances of EBD, EBI, SBI, W, P and I to the targets
     """
-    from railgrip.etcs.results import braking_curves
+    from railgrip.supervision.results import braking_curves
 
-    files = [None if file is None else _path(file, name) for name, file in (("national", national), ("line", line))]
-    return braking_curves(_path(train, "train"), *files)
+    values = None if national is None else _path(national, "national")
+    return braking_curves(_path(train, "train"), values, None if line is None else _path(line, "line"))
 
 
 def inspect(

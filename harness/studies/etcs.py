@@ -10,12 +10,12 @@ from typer import Argument, Option
 
 from railgrip.base.files import write_text
 from railgrip.campaign.work import Work
-from railgrip.etcs.results import BrakingCurves, braking_curves
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, yes_no
 from railgrip.studies.study import Study
+from railgrip.supervision.results import BrakingCurves, braking_curves
 
 PAGE = Path("docs/etcs.md")
 """Folder relative to that of the project, in which the command runs."""
@@ -62,10 +62,10 @@ class Etcs(Study):
         )
 
     def headlines(self, work: Work) -> list[Finding]:
-        """Return the indication and the intervention of a train file and of the conversion model at their speed."""
+        """Return curves and limits of a train file at the highest speed of each."""
         curves = braking_curves(Path("vt642"))
         frame = curves.limits
-        last = frame.groupby(["target", "limit"]).last()["location_m"]
+        last = dict(zip(zip(frame["target"], frame["limit"], strict=True), frame["location_m"], strict=True))
         # Draws are seeded: a thousandth is enough for the arithmetic of another machine.
         return [
             Finding(f"vt642: {limit} of the {target}", -float(last[target, limit]), "m")
@@ -87,8 +87,16 @@ def _answer(curves: BrakingCurves) -> str:
 
 def _given(curves: BrakingCurves) -> ReportTable:
     values = curves.case.national.model_dump()
-    rows = [{"national value": name, "value": str(value)} for name, value in values.items()]
+    rows = [{"national value": name, "value": _plain(value)} for name, value in values.items()]
     return ReportTable(rows, left=("national value", "value"))
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, tuple | list):
+        return ", ".join(f"({_plain(one)})" if isinstance(one, tuple | list) else _plain(one) for one in value)
+    if value is None or isinstance(value, bool):
+        return "none" if value is None else yes_no(value)
+    return f"{value:g}"
 
 
 def _write_csv(curves: BrakingCurves, path: Path) -> None:

@@ -1,9 +1,9 @@
 """Trains and lines for tests of braking curves."""
 
-from railgrip.etcs.limits import Case
-from railgrip.etcs.line import Line, Target
-from railgrip.etcs.model import TrainData, model_of
-from railgrip.etcs.national import NationalValues
+from railgrip.supervision.limits import Case
+from railgrip.supervision.line import Line, Target
+from railgrip.supervision.model import TrainData, model_of
+from railgrip.supervision.national import NationalValues
 
 FAR = 20_000.0
 """Location of targets [m]: gradients that begin at 0 are under the train on every curve."""

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from onboard import FAR, case_of, percent_data
 
-from railgrip.etcs import conversion
-from railgrip.etcs.limits import times_of
-from railgrip.etcs.model import integrated_factor, model_of, safe_deceleration
-from railgrip.etcs.national import NationalValues
+from railgrip.supervision import conversion
+from railgrip.supervision.limits import times_of
+from railgrip.supervision.model import integrated_factor, model_of, safe_deceleration
+from railgrip.supervision.national import NationalValues
 
 
 def test_a_brake_percentage_of_135_is_as_worked_out_by_hand():

@@ -5,8 +5,8 @@ import pytest
 from onboard import FAR, case_of, percent_data, train_data
 
 from railgrip.base.errors import InputError
-from railgrip.etcs import fixed
-from railgrip.etcs.limits import (
+from railgrip.supervision import fixed
+from railgrip.supervision.limits import (
     emergency_curve,
     limits_of,
     release_speed,
@@ -15,8 +15,8 @@ from railgrip.etcs.limits import (
     times_of,
     trip_location,
 )
-from railgrip.etcs.model import model_of
-from railgrip.etcs.national import NationalValues
+from railgrip.supervision.model import model_of
+from railgrip.supervision.national import NationalValues
 
 SPEED = 50.0
 
@@ -132,6 +132,9 @@ def test_release_speeds_come_from_where_the_line_says():
     assert release_speed(authority("given", release_speed=5.0)) == 5.0
     assert release_speed(authority("given", release_speed=39.0, speed=30.0)) == 30.0
     assert release_speed(authority("calculated", svl=100)) is None  # the trip location is behind the SvL
+    before = ("EoA", 5000, 0), ("SvL", 5500, 0), ("MRSP", 4000, 30)
+    case = case_of(percent_data(135, "passenger P", 250, 160), *before, release="national")
+    assert release_speed(case) == pytest.approx(30 / 3.6)  # SUBSET-026 3.13.9.4.9
 
 
 def test_a_restriction_between_trip_location_and_supervised_location_lowers_the_release_speed():

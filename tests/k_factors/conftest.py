@@ -6,4 +6,4 @@ import pytest
 @pytest.fixture
 def few_rates(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw ten failure rates instead of a thousand in tests that do not check their intervals."""
-    monkeypatch.setattr("railgrip.etcs.k_dry._RATES", 10)
+    monkeypatch.setattr("railgrip.supervision.k_dry._RATES", 10)

@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sampling import FUZZ
 
-from railgrip.etcs.rare import estimates
 from railgrip.simulate.run import braking_distance, run_stop
 from railgrip.studies.k_factors import brake as brake_module
 from railgrip.studies.k_factors.k_dry import brake_of_scenario, quasi_static, scenario_of_draw
 from railgrip.studies.k_factors.specification import load_specification
+from railgrip.supervision.rare import estimates
 
 PER_DRAW = 0.01
 """Share of the deceleration: pads settle over 0.2 MJ of 5 MJ of a unit, while friction rises by some 20 %."""

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from linear import LinearBrake, brute_states, specification
 from scipy.stats import binom, norm
 
-from railgrip.etcs.k_dry import PROBABILITIES
-from railgrip.etcs.rare import (
+from railgrip.studies.k_factors.k_dry import quasi_static
+from railgrip.supervision.k_dry import PROBABILITIES
+from railgrip.supervision.rare import (
     Rates,
     Sample,
     estimates,
@@ -21,7 +22,6 @@ from railgrip.etcs.rare import (
     subset_sample,
     worst_points,
 )
-from railgrip.studies.k_factors.k_dry import quasi_static
 
 ISOLATED = 1e-3
 

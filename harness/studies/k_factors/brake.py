@@ -11,8 +11,8 @@ import numpy as np
 
 from railgrip.base.errors import ScenarioError
 from railgrip.estimators.belief import Array
-from railgrip.etcs.dispersed import PARTS, Deviations, DispersedBrake
 from railgrip.rolling_stock.dispersion import Dispersion
+from railgrip.supervision.dispersed import PARTS, Deviations, DispersedBrake
 from railgrip.vehicle.brake import BRAKE, pad_force
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.motion import air_resistance, rolling_resistance

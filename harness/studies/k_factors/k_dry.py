@@ -12,11 +12,6 @@ import numpy as np
 from railgrip.base.errors import ScenarioError
 from railgrip.campaign.work import Work
 from railgrip.estimators.belief import Array
-from railgrip.etcs import rare
-from railgrip.etcs.dispersed import DispersedBrake, TrainBrake
-from railgrip.etcs.k_dry import Brake, QuasiStatic, k_factors, rates_of
-from railgrip.etcs.rare import Sample, State
-from railgrip.etcs.trains import maximum_speed
 from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.schema import Train
 from railgrip.scenario.quantity import Magnitude
@@ -26,6 +21,11 @@ from railgrip.simulate.run import braking_distance
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.k_factors.brake import QuasiStaticBrake
 from railgrip.studies.k_factors.specification import KFactorSpecification
+from railgrip.supervision import rare
+from railgrip.supervision.dispersed import DispersedBrake, TrainBrake
+from railgrip.supervision.k_dry import Brake, QuasiStatic, k_factors, rates_of
+from railgrip.supervision.rare import Sample, State
+from railgrip.supervision.trains import maximum_speed
 from railgrip.trace.k_wet import Interval
 
 _NEGLECT_IN_LOOP = 0.25
@@ -165,12 +165,12 @@ def plain(k: Interval) -> dict[str, float]:
 
 
 def _states(
-    specification: KFactorSpecification, units: Sequence[int], neglect: float
+    specification: KFactorSpecification, units: Sequence[int | Sequence[int]], neglect: float
 ) -> tuple[tuple[State, ...], float]:
     return rare.states_of(units, rates_of(specification.failures), neglect=neglect)
 
 
-def _cost(specification: KFactorSpecification, units: Sequence[int], probability: float) -> int:
+def _cost(specification: KFactorSpecification, units: Sequence[int | Sequence[int]], probability: float) -> int:
     assert specification.loop is not None
     samples = specification.loop.samples
     states, _ = _states(specification, units, _NEGLECT_IN_LOOP * probability)

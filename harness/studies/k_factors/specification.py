@@ -7,8 +7,6 @@ from typing import Annotated, Any, Self
 from pydantic import Field, StrictInt, model_validator
 
 from railgrip.base.errors import ScenarioError
-from railgrip.etcs.dispersed import speed_steps
-from railgrip.etcs.trains import data_of, maximum_speed
 from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.dispersion import Dispersion, Failures
 from railgrip.rolling_stock.schema import Train
@@ -18,6 +16,8 @@ from railgrip.scenario.merge import merge, read_overrides
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Name, Seed, Speed, Table, table_error
+from railgrip.supervision.dispersed import speed_steps
+from railgrip.supervision.trains import data_of, maximum_speed
 
 LIBRARY = Path(__file__).parent / "library"
 

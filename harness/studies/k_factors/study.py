@@ -12,9 +12,6 @@ from typer import Argument, Option
 from railgrip.base.errors import ScenarioError
 from railgrip.campaign.sources import input_versions
 from railgrip.campaign.work import Work
-from railgrip.etcs.dispersed import DispersedBrake
-from railgrip.etcs.k_dry import PROBABILITIES, QuasiStatic
-from railgrip.etcs.rare import estimates, pool_samples
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
@@ -38,6 +35,9 @@ from railgrip.studies.k_factors.k_dry import (
 )
 from railgrip.studies.k_factors.specification import KFactorSpecification, load_specification
 from railgrip.studies.study import Study
+from railgrip.supervision.dispersed import DispersedBrake
+from railgrip.supervision.k_dry import PROBABILITIES, QuasiStatic
+from railgrip.supervision.rare import estimates, pool_samples
 
 _LEVELS = (0, 3, 6, 9)
 """EBCL of the panels of convergence."""

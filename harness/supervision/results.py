@@ -4,14 +4,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from railgrip.base.errors import InputError
-from railgrip.etcs import fixed
-from railgrip.etcs.curve import Steps, Vector, braking_curve
-from railgrip.etcs.limits import (
+from railgrip.report import palette, style
+from railgrip.report.table import ReportTable
+from railgrip.supervision import fixed
+from railgrip.supervision.curve import Steps, Vector, braking_curve
+from railgrip.supervision.limits import (
     Case,
     Limits,
     brake_on_line,
@@ -21,12 +23,10 @@ from railgrip.etcs.limits import (
     times_of,
     trip_location,
 )
-from railgrip.etcs.line import Target, load_line
-from railgrip.etcs.model import TrainData, model_of, safe_deceleration
-from railgrip.etcs.national import load_national
-from railgrip.etcs.trains import TrainBasis, model_of_train, read_train
-from railgrip.report import palette, style
-from railgrip.report.table import ReportTable
+from railgrip.supervision.line import Target, load_line
+from railgrip.supervision.model import TrainData, model_of, safe_deceleration
+from railgrip.supervision.national import load_national
+from railgrip.supervision.trains import TrainBasis, model_of_train, read_train
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -190,9 +190,9 @@ class BrakingCurves:
                 f"{times.service:.2f} s, T_traction {times.traction:.2f} s, T_indication {times.indication:.2f} s."
             )
         for stop in self.stops:
-            where = "before" if stop.reserve >= 0 else "behind"
+            where = "before" if stop.reserve > -0.05 else "behind"
             what = "standstill" if stop.target.speed == 0 else f"{3.6 * stop.target.speed:g} km/h"
-            lines.append(f"{stop.name}: {what} {abs(stop.reserve):.1f} m {where} the target.")
+            lines.append(f"{stop.name[0].upper()}{stop.name[1:]}: {what} {abs(stop.reserve):.1f} m {where} the target.")
         if self.release is not None:
             speed, start = self.release
             lines.append(f"Release speed {3.6 * speed:.1f} km/h, monitored from {start:.1f} m on.")
@@ -219,12 +219,13 @@ class BrakingCurves:
         grid = drawing.add_gridspec(2, 2, height_ratios=(1.5, 1.0), width_ratios=(2.6, 1.0))
         upper = drawing.add_subplot(grid[0, 0])
         seen: set[str] = set()
-        for (_, name), rows in self.limits.groupby(["target", "limit"], sort=False):
-            label = "SBI" if str(name).startswith("SBI") else str(name)
+        for key, rows in self.limits.groupby(["target", "limit"], sort=False):
+            name = str(cast("tuple[str, str]", key)[1])
+            label = "SBI" if name.startswith("SBI") else name
             upper.plot(
                 rows["location_m"],
                 rows["speed_km_h"],
-                color=_COLOURS[str(name)],
+                color=_COLOURS[name],
                 lw=1.4,
                 ls="--" if name in ("EBD", "SBD", "GUI") else "-",
                 label=None if label in seen else label,
@@ -241,9 +242,9 @@ class BrakingCurves:
             ends = [target.at for target in self.case.line.target if target.kind == "SvL"]
             upper.plot([start, *ends], [3.6 * speed] * 2, color=palette.BLACK, lw=1.0, label="release speed")
         style.dress(upper, y="speed [km/h]", title=f"{self.case.model.name}, line {self.case.line.name}")
-        key = drawing.add_subplot(grid[0, 1])
-        key.set_axis_off()
-        style.legend(key, *upper.get_legend_handles_labels(), loc="upper left")
+        beside = drawing.add_subplot(grid[0, 1])
+        beside.set_axis_off()
+        style.legend(beside, *upper.get_legend_handles_labels(), loc="upper left")
         lower = drawing.add_subplot(grid[1, 0], sharex=upper)
         dashes = {"nominal": ":", "safe": "-", "full": "-."}
         for stop in self.stops:
@@ -261,7 +262,8 @@ class BrakingCurves:
             ("A_brake_service", model.service, palette.ORANGE, "--"),
         ):
             edges = np.append(3.6 * steps.starts, max(top, 3.6 * steps.starts[-1] + 1))
-            right.stairs(steps.values, edges, color=colour, ls=dash, label=name, baseline=None)
+            corners = np.repeat(edges, 2)[1:-1], np.repeat(steps.values, 2)
+            right.plot(*corners, color=colour, ls=dash, lw=1.4, label=name)
         right.set_ylim(bottom=0)
         style.dress(right, x="speed [km/h]", y="deceleration [m/s²]")
         style.legend(right, loc="lower left")

@@ -73,7 +73,7 @@ class Curve:
 
     def speed(self, location: ArrayLike) -> Vector:
         """Return the speeds of the curve at some locations [m/s]; beyond its foot, the speed there."""
-        return np.sqrt(np.interp(location, self.locations, self.squares))
+        return np.sqrt(np.interp(np.asarray(location, dtype=np.float64), self.locations, self.squares))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

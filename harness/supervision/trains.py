@@ -5,13 +5,6 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from railgrip.etcs import fixed
-from railgrip.etcs.conversion import service_times
-from railgrip.etcs.curve import Steps
-from railgrip.etcs.dispersed import TrainBrake, speed_steps
-from railgrip.etcs.k_dry import QuasiStatic, k_factors
-from railgrip.etcs.model import BrakingModel, TrainData
-from railgrip.etcs.national import NationalValues
 from railgrip.rolling_stock.check import checked_train, fastest_stop
 from railgrip.rolling_stock.dispersion import Dispersion, Failures
 from railgrip.rolling_stock.schema import BrakePipe, EtcsData, Train
@@ -19,6 +12,13 @@ from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.file import locate
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.table import Table
+from railgrip.supervision import fixed
+from railgrip.supervision.conversion import service_times
+from railgrip.supervision.curve import Steps
+from railgrip.supervision.dispersed import TrainBrake, speed_steps
+from railgrip.supervision.k_dry import QuasiStatic, k_factors
+from railgrip.supervision.model import BrakingModel, TrainData
+from railgrip.supervision.national import NationalValues
 
 _SEED, _RUNS, _SAMPLES = 2026, 4, 500
 
@@ -102,6 +102,7 @@ def model_of_train(
     emergency_time, service_time = brake.equivalent_time, data.etcs.service_time
     if service_time is None and isinstance(train.command, BrakePipe):
         service_time = service_times(data.etcs.brake_position, train.length)[0]
+    service_time = emergency_time if service_time is None else service_time
     model = BrakingModel(
         name=train.name,
         length=train.length,
@@ -114,7 +115,7 @@ def model_of_train(
         normal_service=None,
         kn=(Steps.constant(0.0), Steps.constant(0.0)),
         emergency_times=(emergency_time, emergency_time),
-        service_times=(emergency_time if service_time is None else service_time,) * 2,
+        service_times=(service_time, service_time),
         cut_off_time=data.etcs.traction_cut_off_time,
         cuts_off=True,
         has_service_brake=True,

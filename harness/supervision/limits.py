@@ -3,17 +3,18 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from railgrip.base.errors import InputError
-from railgrip.etcs import fixed
-from railgrip.etcs.curve import Curve, Deceleration, Steps, Vector, braking_curve, combine
-from railgrip.etcs.line import Line, Target
-from railgrip.etcs.model import BrakingModel, highest_on_low_adhesion, safe_deceleration
-from railgrip.etcs.national import NationalValues
+from railgrip.supervision import fixed
+from railgrip.supervision.curve import Curve, Deceleration, Steps, Vector, braking_curve, combine
+from railgrip.supervision.line import Line, Target
+from railgrip.supervision.model import BrakingModel, highest_on_low_adhesion, safe_deceleration
+from railgrip.supervision.national import NationalValues
 
 Limits = Mapping[str, Vector]
 """Limit → location over speed [m]."""
@@ -243,7 +244,12 @@ def release_speed(case: Case) -> float | None:
             speed = case.national.V_NVREL
         case "calculated":
             speed = _calculated_release(case)
-    return min(speed or 0.0, case.ceiling) or None
+    eoa = case.line.one("EoA")
+    assert eoa is not None  # a line with a release speed has one
+    # §3.13.9.4.9: no permitted speed on the way to the trip location is exceeded.
+    end = eoa.at if case.line.balise is None else trip_location(case)
+    before = [target.speed for target in case.line.target if target.kind == "MRSP" and target.at <= end]
+    return min(speed or 0.0, case.ceiling, *before) or None
 
 
 def _release_targets(case: Case) -> list[Target]:
@@ -270,7 +276,7 @@ def _calculated_release(case: Case) -> float:
         if ahead(target.speed) <= 0 or ahead(case.ceiling) >= 0:
             speeds.append(target.speed if ahead(target.speed) <= 0 else case.ceiling)
         else:
-            speeds.append(float(brentq(ahead, target.speed, case.ceiling, xtol=1e-9)))
+            speeds.append(cast(float, brentq(ahead, target.speed, case.ceiling, xtol=1e-9)))
     return min(speeds)
 
 

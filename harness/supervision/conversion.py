@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from railgrip.etcs.curve import Steps
 from railgrip.rolling_stock.schema import BrakePosition
+from railgrip.supervision.curve import Steps
 
 LONGEST = {"passenger P": 900.0, "freight P": 1500.0, "freight G": 1500.0}
 """Maximum length of a train for which the model holds, by brake position (§3.13.3.2) [m]."""

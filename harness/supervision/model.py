@@ -6,12 +6,12 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import Field, StrictBool, model_validator
 
-from railgrip.etcs import conversion
-from railgrip.etcs.curve import Steps, combine
-from railgrip.etcs.national import Deceleration, NationalValues, StepSpeed, require_rising
 from railgrip.rolling_stock.schema import BrakePosition
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.table import FASTEST, Name, Table, table_error
+from railgrip.supervision import conversion
+from railgrip.supervision.curve import Steps, combine
+from railgrip.supervision.national import Deceleration, NationalValues, StepSpeed, require_rising
 
 Factor = Annotated[float, UnitRange("1", above=0, at_most=1.1)]
 _Time = Annotated[
@@ -51,6 +51,7 @@ class KnStep(Table):
     downhill: _Kn
 
 
+_LEVEL = (KnStep(above=0.0, uphill=0.0, downhill=0.0),)
 _CURVES = ("emergency", "service", "emergency_time", "service_time")
 
 
@@ -162,7 +163,7 @@ def model_of(data: TrainData) -> BrakingModel:
         assert data.emergency_time is not None  # the table requires both without a percentage
         assert data.service_time is not None
         emergency, service = _steps(rows, "deceleration"), _steps(data.service, "deceleration")
-        times = (data.emergency_time,) * 2, (data.service_time,) * 2
+        times = (data.emergency_time, data.emergency_time), (data.service_time, data.service_time)
     else:
         emergency = conversion.emergency_deceleration(percentage)
         service = conversion.service_deceleration(percentage)
@@ -177,7 +178,7 @@ def model_of(data: TrainData) -> BrakingModel:
         k_wet=_steps(rows, "k_wet") if rows else None,
         service=service,
         normal_service=_steps(data.normal_service, "deceleration") if data.normal_service else None,
-        kn=(_steps(data.kn, "uphill"), _steps(data.kn, "downhill")) if data.kn else (Steps.constant(0.0),) * 2,
+        kn=(_steps(data.kn or _LEVEL, "uphill"), _steps(data.kn or _LEVEL, "downhill")),
         emergency_times=times[0],
         service_times=times[1],
         cut_off_time=data.traction_cut_off_time,

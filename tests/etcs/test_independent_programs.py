@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from onboard import FAR, case_of, percent_data, train_data
 
-from railgrip.etcs.limits import limits_of
+from railgrip.supervision.limits import limits_of
 
 K = {"k_dry": 0.8, "k_wet": 0.9}
 EVERY_50 = (0.0, 13.8889, 27.7778, 41.6667, 55.5556, 69.4444, 83.3333)

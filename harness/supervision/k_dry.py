@@ -10,10 +10,10 @@ import numpy as np
 from scipy.special import ndtri
 
 from railgrip.estimators.belief import Array
-from railgrip.etcs import rare
-from railgrip.etcs.rare import Rates, Sample, State
 from railgrip.rolling_stock.dispersion import Failures
 from railgrip.scenario.seed import generator
+from railgrip.supervision import rare
+from railgrip.supervision.rare import Rates, Sample, State
 from railgrip.trace.k_wet import Interval
 
 PROBABILITIES = (0.5, *(10.0**-level for level in range(1, 10)))
@@ -28,7 +28,7 @@ _NEGLECT = 1e-3
 
 
 class Brake(Protocol):
-    """A train whose decelerations disperse, as `railgrip.etcs.dispersed.DispersedBrake`."""
+    """A train whose decelerations disperse, as `railgrip.supervision.dispersed.DispersedBrake`."""
 
     @property
     def units(self) -> Sequence[int | Sequence[int]]:

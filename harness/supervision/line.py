@@ -5,11 +5,11 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from railgrip.etcs.national import StepSpeed
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.table import Length, Name, Speed, Table, table_error
 from railgrip.scenario.track.table import Gradient
+from railgrip.supervision.national import StepSpeed
 
 
 class LowAdhesion(Table):
@@ -54,9 +54,11 @@ class Line(Table):
 
     name: Name = "level"
     speed: Speed | None = Field(default=None, description="permitted speed; that of the train unless given")
-    gradient: tuple[Gradient, ...] = ()
-    low_adhesion: tuple[LowAdhesion, ...] = ()
-    target: tuple[Target, ...] = Field(default=(Target(kind="EoA", at=0.0), Target(kind="SvL", at=0.0)), min_length=1)
+    gradient: tuple[Gradient, ...] = Field(default=(), description="gradients; level before the first")
+    low_adhesion: tuple[LowAdhesion, ...] = Field(
+        default=(), description="stretches of reported low adhesion, in order"
+    )
+    target: tuple[Target, ...] = Field(min_length=1, description="targets, in any order")
     release: Literal["none", "national", "calculated", "given"] = Field(
         default="none", description="origin of the release speed: V_NVREL, calculated on board, or release_speed"
     )
@@ -106,5 +108,5 @@ def load_line(path: Path | None) -> Line:
         ScenarioError: The file cannot be read or is wrong; one sentence for each problem, with file and key.
     """
     if path is None:
-        return Line()
+        return Line(target=(Target(kind="EoA", at=0.0), Target(kind="SvL", at=0.0)))
     return validate_table(Line, {"name": path.stem} | read_toml(path), directory=path.parent, origin=path.name)

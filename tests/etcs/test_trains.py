@@ -1,0 +1,228 @@
+"""Braking models and K factors of train files: their own stops, closed forms, and plain Monte Carlo."""
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.stats import binom, norm
+
+from railgrip.base.errors import InputError
+from railgrip.rolling_stock import schema
+from railgrip.rolling_stock.dispersion import Failures, Normal
+from railgrip.rolling_stock.schema import load_train, train_of
+from railgrip.rolling_stock.stopping import by_hand
+from railgrip.scenario import trains as shipped
+from railgrip.scenario.quantity import Magnitude
+from railgrip.supervision import trains
+from railgrip.supervision.curve import braking_curve
+from railgrip.supervision.dispersed import TrainBrake, speed_steps
+from railgrip.supervision.k_dry import PROBABILITIES, k_factors
+from railgrip.supervision.limits import Case, brake_on_line
+from railgrip.supervision.line import load_line
+from railgrip.supervision.national import NationalValues
+from railgrip.supervision.trains import data_of, model_of_train
+
+SPEEDS = {"vt642": 120, "emu387": 120, "loco_coaches": 160, "tram": 50}
+
+
+def dispersion(quantity, per="train", deviation="5 %"):
+    return Normal(quantity=quantity, per=per, source="a test", kind="normal", deviation=Magnitude(deviation))
+
+
+def failures(isolated=0.0, stuck=0.0, beta=0.0):
+    def one(probability):
+        return {
+            "probability": probability,
+            "error_factor": 1,
+            "source": "a test",
+            "common_cause": {"beta": beta, "source": "a test"},
+        }
+
+    return Failures.model_validate({"isolated_unit": one(isolated), "stuck_valve": one(stuck)})
+
+
+def brake_of(name, *of, **more):
+    train = load_train(Path(name))
+    speed = SPEEDS[name] / 3.6
+    return TrainBrake(train, of or data_of(train).dispersion, more.get("speeds") or speed_steps(train, speed))
+
+
+@pytest.fixture
+def few(monkeypatch):
+    """Draw few samples in tests that do not depend on them."""
+    monkeypatch.setattr(trains, "_RUNS", 2)
+    monkeypatch.setattr(trains, "_SAMPLES", 20)
+    monkeypatch.setattr("railgrip.supervision.k_dry._RATES", 10)
+
+
+@pytest.mark.parametrize("name", [*SPEEDS])
+def test_deceleration_and_build_up_reproduce_the_stop_by_hand(name):
+    """4 parts of a step of speed, and 1 cm of the time steps of the calculation by hand."""
+    train, speed = load_train(Path(name)), SPEEDS[name] / 3.6
+    brake, stop = brake_of(name), by_hand(train, speed)
+    assert brake.distance == pytest.approx(stop.distance, abs=0.1)
+    assert brake.equivalent_time == pytest.approx(stop.equivalent_time)
+    # Magnets brake more the slower the train: an error of four parts, 5 cm here.
+    assert brake.nominal[-1] == pytest.approx(stop.deceleration, rel=2e-3)
+
+
+@pytest.mark.usefixtures("few")
+def test_a_nominal_emergency_stop_on_the_curves_is_the_stop_by_hand():
+    train, speed = load_train(Path("emu387")), 120 / 3.6
+    model, _ = model_of_train(train, NationalValues())
+    case = Case(model, NationalValues(), load_line(None))
+    begin = speed * model.emergency_times[0]
+    curve = braking_curve(brake_on_line(case, model.emergency), location=begin, speed=speed, foot=0.0)
+    # The last step reaches up to the highest speed that ETCS supervises, 132 km/h, where pads brake less: its mean is
+    # 0.5 % lower than that up to 120 km/h.
+    assert 0 < float(curve.location(0.0)) - by_hand(train, speed).distance < 2.5
+
+
+@pytest.mark.parametrize("name", ["vt642", "tram"])
+def test_one_dispersion_alone_has_its_closed_form(name):
+    """K = 1 − 5 % z(P) F/(F + R): of the whole force, the share of the friction brakes F varies."""
+    brake = brake_of(name, dispersion("pad_friction"), speeds=(10.0, 9.999, 0.0))
+    train = load_train(Path(name))
+    result = k_factors(brake, failures(), seed=1, runs=4, samples=4000)
+    wheels = [train.bogies_in_train[axle.bogie].data.wheel_radius for axle in train.axles]
+    inert = train.mass + sum(axle.inertia / wheel**2 for axle, wheel in zip(train.axles, wheels, strict=True))
+    whole = inert * brake.nominal[1]
+    share = 1 - brake.ratios([0] * len(brake.units), np.zeros((1, 1)))[0, 1]  # without units the rest remains
+    assert share * whole > 0
+    for level in (1, 3, 6, 9):
+        expected = 1 + 0.05 * norm.ppf(PROBABILITIES[level]) * share
+        assert result.k[1][level].value == pytest.approx(expected, abs=1e-3)
+    if name == "vt642":
+        assert result.k[1][9].value == pytest.approx(0.704, abs=2e-3)
+
+
+def test_isolated_units_alone_are_two_binomial_numbers():
+    """All combinations of lost units of both kinds; a dispersion of 1e-5 that a K cannot show."""
+    brake = brake_of("emu387", dispersion("mass", deviation="0.001 %"), speeds=(10.0, 0.0))
+    result = k_factors(brake, failures(isolated=1e-3), seed=1, runs=2, samples=50)
+    first, second = (int(np.sum(n)) for n in brake.units)
+    losses = [(a, b) for a in range(8) for b in range(8)]
+    k = [float(brake.ratios([first - a, second - b], np.zeros((1, 1)))[0, 0]) for a, b in losses]
+    p = [binom.pmf(a, first, 1e-3) * binom.pmf(b, second, 1e-3) for a, b in losses]
+    order = np.argsort(k)
+    below = np.cumsum(np.array(p)[order])
+    for level in range(1, 10):
+        expected = np.array(k)[order][np.searchsorted(below, PROBABILITIES[level])]
+        assert result.k[0][level].value == pytest.approx(expected, abs=2e-4)
+
+
+@pytest.mark.parametrize("per", ["unit", "group", "train"])
+def test_k_agrees_with_plain_draws(per):
+    """2e5 draws, whose quantile of one in a hundred is known to 0.2 %."""
+    quantity = "pressure" if per == "group" else "pad_friction"
+    of = dispersion(quantity, per, "0.2 bar" if per == "group" else "10 %"), dispersion("mass", deviation="3 %")
+    brake = brake_of("vt642", *of)
+    units = [int(np.sum(n)) for n in brake.units]
+    result = k_factors(brake, failures(), seed=3, runs=4, samples=2000)
+    draws = brake.ratios(units, np.random.default_rng(5).standard_normal((200_000, brake.dimension)))
+    for output, of_output in enumerate(result.k):
+        assert of_output[2].value == pytest.approx(np.quantile(draws[:, output], 0.01), rel=4e-3)
+
+
+SENSE = {
+    "pad_friction": 1, "pressure": 1, "efficiency": 1, "friction_radius": 1, "wheel_radius": -1, "mass": -1,
+    "track_brake": 1,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("quantity", [*SENSE, "build_up"])
+def test_each_deviation_has_the_right_sign_and_its_size(quantity):
+    brake = brake_of("tram", dispersion(quantity, deviation="0.1 bar" if quantity == "pressure" else "5 %"))
+    units = [int(np.sum(n)) for n in brake.units]
+    change = brake.ratios(units, np.array([[0.1]]))[0] - 1
+    if quantity == "build_up":
+        assert change[:-1] == pytest.approx(np.zeros(len(change) - 1), abs=1e-12)
+        assert change[-1] < 0
+        return
+    assert (change * SENSE[quantity] > 0).all()
+    if quantity in ("mass", "efficiency"):
+        assert np.abs(change) == pytest.approx(0.005, rel=0.6)  # of the force or mass, a share of the whole
+
+
+def test_like_valves_that_count_together_give_the_k_of_single_ones():
+    """The train of the papers with two kinds of two valves each, and with four kinds of one."""
+    train = load_train(Path("vt642"))
+    data = data_of(train)
+    together = TrainBrake(train, data.dispersion, (120 / 3.6, 0.0))
+    tables = tomllib.loads((Path(shipped.__path__[0]) / "vt642.toml").read_text(encoding="utf-8"))
+    tables["bogies"]["trailing"] = tables["bogies"]["motor"]
+    tables["cars"][1]["bogies"][0]["kind"] = "trailing"
+    tables["bogies"]["jacobs"]["valve"] = "axle"
+    apart = TrainBrake(train_of(tables, "apart"), data.dispersion, (120 / 3.6, 0.0))
+    assert together.units == ((3, 3), (2, 2))
+    assert apart.units == ((3,), (2, 2), (3,))
+    one, other = (k_factors(brake, data.failures, seed=1, runs=4, samples=500) for brake in (together, apart))
+    for level in (1, 3, 5, 6):
+        # Isolated units of one group or of two differ in the pressure that they have in common.
+        assert one.k[0][level].value == pytest.approx(other.k[0][level].value, rel=0.01)
+
+
+@pytest.mark.usefixtures("few")
+def test_a_train_file_may_have_its_own_data():
+    tables = tomllib.loads((Path(shipped.__path__[0]) / "tram.toml").read_text(encoding="utf-8"))
+    tables["etcs"] = {
+        "maximum_speed": "70 km/h", "brake_position": "freight P", "k_wet": 0.6, "traction_cut_off_time": "2 s",
+        "service_time": "3 s", "estimated": True,
+    }  # fmt: skip
+    tables["dispersion"] = [
+        {"quantity": "mass", "per": "train", "kind": "normal", "deviation": "1 %", "source": "weighed"}
+    ]
+    train = train_of(tables, "tram.toml")
+    model, basis = model_of_train(train, NationalValues())
+    assert 3.6 * model.maximum_speed == pytest.approx(70)
+    assert (model.position, model.service_times, model.cut_off_time) == ("freight P", (3.0, 3.0), 2.0)
+    assert model.k_wet is not None
+    assert model.k_wet.values.tolist() == [0.6]
+    assert len(basis.data.dispersion) == 1
+    # Full service braking is without the magnets.
+    assert (model.service.values < 0.7 * model.emergency.values).all()
+    assert basis.data.failures == data_of(load_train(Path("vt642"))).failures
+
+
+def test_two_stages_of_the_distributor_are_steps_of_the_brake():
+    tables = tomllib.loads((Path(shipped.__path__[0]) / "loco_coaches.toml").read_text(encoding="utf-8"))
+    tables["distributors"] = {
+        "R": {
+            "low_share": 0.5,
+            "speed_up": "70 km/h",
+            "speed_down": "50 km/h",
+            "stage_time": "0.3 s",
+            "estimated": True,
+        }
+    }
+    for car in tables["cars"]:
+        car["distributor"] = "R"
+    train = train_of(tables, "loco.toml")
+    speeds = speed_steps(train, 160 / 3.6)
+    assert {round(3.6 * v) for v in speeds} >= {160, 70, 50, 0}
+    assert len(speeds) <= 8
+    brake = TrainBrake(train, (dispersion("mass"),), speeds)
+    low, high = brake.nominal[0], brake.nominal[-2]
+    # A stop that begins below 50 km/h has half of the pressure.
+    assert 0.35 < low / high < 0.6
+    assert brake.nominal[0] == pytest.approx(by_hand(train, 30 / 3.6).deceleration, rel=0.05)
+
+
+def test_a_train_that_does_not_stop_is_refused():
+    tables = tomllib.loads((Path(shipped.__path__[0]) / "tram.toml").read_text(encoding="utf-8"))
+    for brake in tables["brakes"].values():
+        brake["pressure_max"] = "0.1 bar"
+    tables["track_brakes"], tables["bogies"] = (
+        {},
+        {
+            name: {key: value for key, value in bogie.items() if key != "track_brake"}
+            for name, bogie in tables["bogies"].items()
+        },
+    )
+    with pytest.raises(InputError, match="do not stop"):
+        model_of_train(train_of(tables, "tram.toml"), NationalValues())
+
+
+def test_names_of_the_package_stay_those_of_the_scenario():
+    assert set(SPEEDS) == set(schema.NAMED)
