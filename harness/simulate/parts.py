@@ -41,7 +41,7 @@ from railgrip.simulate.loop.parts import (
 )
 from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.simulate.plant import fmu_plant, python_plant
-from railgrip.simulate.remarks import remarks_after, remarks_before
+from railgrip.simulate.remarks import remarks_after, remarks_before, remarks_on_pressures
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.bound import with_bound
 from railgrip.trace.measures import over_the_rail
@@ -182,7 +182,7 @@ def assemble(
     radius = tuple(group.wheel_radius for group in formation.brakes)
     clock, user_objects = _clock(scenario), _UserObjects(objects)
     vehicle.require_pad_friction()
-    remarks = remarks_before(scenario)
+    remarks = [*remarks_before(scenario), *remarks_on_pressures(vehicle)]
     for sentence in remarks:
         notify(sentence)
     with shared_budget(), ExitStack() as stack:

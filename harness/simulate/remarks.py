@@ -22,6 +22,7 @@ from railgrip.scenario.usual import unusual
 from railgrip.scenario.vehicle import RecipePlant, TrainFile
 from railgrip.simulate.faults.sensor import DistortedReading
 from railgrip.simulate.files import remarks_on_train
+from railgrip.simulate.vehicle import VehicleData
 
 _FAR = 4.0
 """Factor on the range of a search beyond which a parameter of a law is unusual."""
@@ -31,6 +32,8 @@ _TOP_SPEED = 120 / 3.6
 """Maximum speed of the VT 642, the train of the recipes TwoPartTrain [m/s] (Schwarz, Lüdicke and Heckmann)."""
 _LARGEST_FACTOR = 5.0
 """Factor of a fault on a reading beyond which it is unusual."""
+_ROUNDING = 1e-3
+"""Share by which a pressure may differ because of rounding or a perturbation."""
 _WEAKEST_FORCE = 100.0  # N; less accelerates a car of 40 t by 2.5 mm/s2
 
 
@@ -82,6 +85,25 @@ def _late_begin(what: str, begin: float) -> list[str]:
     if begin <= 0.0:
         return []
     return [f"{what} begins {begin:g} m after the brake demand; until there, the friction of its first point applies"]
+
+
+def remarks_on_pressures(vehicle: VehicleData) -> list[str]:
+    """Return a remark if cylinders allow more pressure than the controller knows: it never demands that."""
+    scenario, changed = vehicle.scenario, vehicle.scenario.vehicle.parameters
+    if scenario.actuation.kind != "ideal" or not any(name.partition("[")[0] == "p_max" for name in changed):
+        return []
+    pairs = zip(vehicle.true.brakes, vehicle.nominal.formation.brakes, strict=True)
+    higher = [
+        f"{true.pressure_max / 1e5:g} bar in group {group}, where the controller knows {known.pressure_max / 1e5:g} bar"
+        for group, (true, known) in enumerate(pairs, start=1)
+        if true is not None and known is not None and true.pressure_max > (1 + _ROUNDING) * known.pressure_max
+    ]
+    if not higher:
+        return []
+    return [
+        f"{scenario.name}: [vehicle.parameters] p_max is {', '.join(higher)} and demands no more, so that the higher "
+        "pressure has no effect; give p_max in [controller.parameters], too."
+    ]
 
 
 def remarks_after(scenario: Scenario, duration: float, distance: float) -> list[str]:

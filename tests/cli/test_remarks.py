@@ -73,3 +73,27 @@ def test_run_and_campaign_print_them(stop, tmp_path: Path, capsys: pytest.Captur
         assert several.err.count(f"{sentence} (In 2 of 2 stops.)") == 1
         assert sentence in page
         assert sentence in (tmp_path / "few" / "few.md").read_text(encoding="utf-8").replace("\\", "")
+
+
+@pytest.mark.parametrize(
+    ("plant", "controller", "announced"),
+    [
+        ({"p_max": [4.2e5, 3.6e5, 3.6e5, 4.2e5]}, {}, True),
+        ({"p_max[2]": 3.6e5}, {}, True),
+        ({"p_max[2]": 3.6e5}, {"p_max[2]": 3.6e5}, False),
+        ({"p_max": [2e5, 1e5, 1e5, 2e5]}, {}, False),
+    ],
+)
+def test_a_pressure_that_the_controller_never_demands_is_announced(plant, controller, announced):
+    """A higher limit of the plant alone changes no pressure, a lower one does."""
+    scenario = rg.Scenario.load(
+        "trapezoid",
+        {
+            "vehicle.parameters": plant, "estimator.kind": "none", "adhesion.level": 3.0, "limits.horizon": "1 s",
+            "controller": {"kind": "full_brake", "parameters": controller},
+        },
+    )  # fmt: skip
+    stop = rg.run(scenario)
+    assert any("p_max" in sentence for sentence in stop.remarks) == announced
+    usual = stop.trace["cylinder_pressure"].values.max(axis=0) == pytest.approx([3.4e5, 2e5, 2e5, 3.4e5], rel=1e-2)
+    assert usual == announced

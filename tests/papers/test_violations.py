@@ -10,12 +10,10 @@ from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.papers import lyapunov
 from railgrip.studies.papers.adhesion_based import (
-    FITS,
     IDENTIFIED,
     LAWS,
     adhesion_figure,
     block_diagram,
-    profile_figure,
     rail_figure,
 )
 from railgrip.studies.papers.creep_curves import causes, figure_1, rails
@@ -66,7 +64,6 @@ def test_figures_are_readable(stop, tmp_path):
     for name, drawing in {
         "rail": rail_figure(stops),
         "adhesion": adhesion_figure(stops),
-        "profile": profile_figure(read_fits(FITS)),
         "loop": block_diagram(),
         "creep curves": figure_1(causes(), rails()),
     }.items():

@@ -9,6 +9,7 @@ import numpy as np
 from railgrip.base.registry import shelf
 from railgrip.campaign.work import Work
 from railgrip.controllers.laws.adhesion_based import AdhesionBased
+from railgrip.report.reference import locked_text
 from railgrip.report.table import ReportTable
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import read_conditioning
@@ -16,7 +17,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import braking_distance, trace_of
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.papers.figure_4 import LIMIT
-from railgrip.studies.papers.table1 import PERTURBATION, SCENARIOS
+from railgrip.studies.papers.table1 import SCENARIOS
 
 
 def _metres(distance: float | None, other: float | None) -> str:
@@ -36,6 +37,8 @@ GUARDS: Final[Mapping[str, Mapping[str, Any]]] = {
 """Variant of the law as printed → its changed parameters; the last one has those of peak seeking."""
 _BORROWED: Final = ("filter_time", "slip_small", "creep_small", "adhesion_small")
 _REPEATS: Final = 3
+PERTURBATION: Final = 1e-7
+"""Perturbation of the accepted repeats, which the first row has."""
 _EQUIPMENT: Final = ("ideal", "service")
 
 
@@ -80,7 +83,7 @@ def _with_parameters(scenario: Scenario, variant: str, seed: int) -> Scenario:
 
 
 def accepted_ranges() -> dict[str, str]:
-    """Return median and range of the accepted repeats of the law as printed, by equipment and scenario, as text."""
+    """Return median, range and longest lock of the repeats of the law as printed, by equipment and scenario."""
     campaign = load_campaign(shelf("campaigns")["table1"])
     assert campaign.conditioning is not None, "the campaign of Table 1 names the file of its repeats"
     repeats = read_conditioning(campaign.conditioning).stops
@@ -89,7 +92,8 @@ def accepted_ranges() -> dict[str, str]:
         for name in SCENARIOS:
             one = repeats[f"{name}-{equipment}-adhesion_literal"]
             metres = [distance for distance in (one.lots or one.distances) if distance is not None]
-            found[f"{equipment}-{name}"] = f"{np.median(metres):.1f} m, {min(metres):.1f} – {max(metres):.1f} m"
+            lock = locked_text(max(one.figures["longest_lock"]))
+            found[f"{equipment}-{name}"] = f"{np.median(metres):.1f} m, {min(metres):.1f} – {max(metres):.1f} m{lock}"
     return found
 
 
@@ -102,7 +106,7 @@ def guards_table(found: Mapping[str, Mapping[str, float | None]]) -> ReportTable
         for variant in variants
     ]
     columns = [f"{equipment}: {name.replace('_', ' ')}" for equipment in _EQUIPMENT for name in SCENARIOS]
-    return ReportTable.of(("law as printed", *columns), rows)
+    return ReportTable.of(("ABC (paper)", *columns), rows)
 
 
 _LIMITED: Final = ("adhesion_literal", "adhesion_based", "slope_seeking")

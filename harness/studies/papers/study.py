@@ -1,14 +1,13 @@
 """Figures and tables of published papers next to those of railgrip."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 from typer import Option
 
-from railgrip.api import Scenario
 from railgrip.campaign.work import Work, call
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
@@ -21,12 +20,13 @@ from railgrip.studies.papers.figure_4 import used_by_wheelset, used_table, wheel
 from railgrip.studies.papers.lyapunov import offset_table, violations_table
 from railgrip.studies.papers.pages import comparison, write_results
 from railgrip.studies.papers.table1 import (
+    BOUNDS,
     FINAL,
+    SCENARIOS,
     CandidateFit,
     read_fits,
     refine,
-    repeat_trapezoid,
-    run_on_rail_of_text,
+    repeat,
     search,
     write_fits,
 )
@@ -44,15 +44,12 @@ def tables_of(
     return {
         "published": comparison(adhesion_based.compare_with_paper(identified, found)),
         "sentences": adhesion_based.sentences(identified, found),
-        "distances": adhesion_based.distances(identified),
+        "distances": adhesion_based.distances(identified, found),
         "parameters": adhesion_based.parameters(identified),
-        "choices": adhesion_based.choices(),
-        "cross_validation": adhesion_based.cross_validation(fits),
-        "profile": adhesion_based.profile(fits),
+        "choices": adhesion_based.choices(identified),
         "alternatives": adhesion_based.alternatives(fits),
         "lyapunov": violations_table(found["violations"]),
         "offset": offset_table(found["offsets"]),
-        "rails_of_text": adhesion_based.rails_of_text(found["rails_of_text"]),
         "wheelsets": used_table(found["used_by_wheelset"]),
         "deflections": deflection_table(found["deflections"]),
     }
@@ -83,11 +80,11 @@ class Papers(Study):
         work.notify("guards of the law")
         guards, excesses = printed.guards(work), printed.excesses(work)
         work.notify("figures")
-        repeats, on_rails = repeat(work, identified)
+        repeats = repeats_of(work, identified)
         of_causes, of_rails = causes(), rails()
-        stops = adhesion_based.stops_of(identified, adhesion_based.median_seed(repeats))
+        stops = adhesion_based.stops_of(identified, adhesion_based.median_seed(repeats["trapezoid"]))
         found = adhesion_based.measures(stops, of_rails) | {"guards": guards, "excesses": excesses}
-        found |= {"repeats": repeats, "rails_of_text": on_rails}
+        found["repeats"] = repeats
         law_as_printed, limit = adhesion_based.LAWS[0], adhesion_based.LIMIT
         drawn = {"SBC": stops["trapezoid"], **{law: stops[law] for law in adhesion_based.LAWS}}
         found["used_by_wheelset"] = {law: used_by_wheelset(stop, limit) for law, stop in drawn.items()}
@@ -114,29 +111,19 @@ class Papers(Study):
             question="Which creep curve, friction and parameters of the printed law reproduce Table 1 of the paper?",
             answer=f"The numbers below reproduce all six distances within {100 * identified.largest:.1f} %; they are "
             f"the best of {len(fits)} fits. Other values do so within a few percent: six distances do not determine "
-            "nine numbers.",
+            f"{len(BOUNDS) + len(SCENARIOS)} numbers.",
             template="studies/papers/papers.md.jinja",
             values=tables | validation_tables(found),
-            figures=figures | {"profile.png": adhesion_based.profile_figure(fits)},
+            figures=figures,
             screen=(tables["published"], tables["sentences"], tables["lyapunov"], tables["alternatives"]),
         )
 
 
-def repeat(work: Work, identified: CandidateFit) -> tuple[list[dict[str, float]], list[dict[str, Any]]]:
-    """Return the numbers of the repeated trapezoid with the law as printed, and those on the rails of the text."""
-    curve, level, trapezoid = identified.candidate, identified.levels["trapezoid"], Scenario.load("trapezoid")
-    cases: list[Any] = [partial(repeat_trapezoid, curve, level, FINAL["abc"])]
-    cases += [partial(run_on_rail_of_text, curve, rail, _ON_RAILS) for rail in adhesion_based.TEXT_RAILS]
-    repeats, *others = work.map(call, cases)
-    lowest = trapezoid.resolved()["adhesion"]["minimum"]
-    return repeats, [
-        asdict(rail) | {"minimum": other["level"] * lowest if other["courses"] else None, "courses": other["courses"]}
-        for rail, other in zip(adhesion_based.TEXT_RAILS, others, strict=True)
-    ]
+def repeats_of(work: Work, identified: CandidateFit) -> dict[str, list[dict[str, float]]]:
+    """Return the numbers of the repeated stops with the law as printed, by scenario and seed; see `repeat`."""
+    cases = [partial(repeat, name, identified.candidate, identified.levels[name], FINAL["abc"]) for name in SCENARIOS]
+    return dict(zip(SCENARIOS, work.map(call, cases), strict=True))
 
-
-_ON_RAILS = 5
-"""Repeats on each rail of the text."""
 
 KNOWN = 8
 """Best fits of the last search, from which a new one continues."""
