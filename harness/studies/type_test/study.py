@@ -69,6 +69,7 @@ from railgrip.studies.type_test.judge import (
 )
 from railgrip.studies.type_test.shipped import read_shipped, write_shipped
 from railgrip.studies.type_test.track_case import HEADLINES, TrackCase
+from railgrip.studies.type_test.verdict import recommendation, verdict
 
 PAGE: Final = Path("docs/type_test.md")
 """Folder relative to that of the project, in which the command runs."""
@@ -111,6 +112,9 @@ class TypeTest(Study):
         bool, Option("--sealed", help="Cases drawn from the digest of one controller, which nobody has tuned on.")
     ] = False
     case: Annotated[list[str] | None, Option(help="Only this one, with trace and panels. Repeatable.")] = None
+    shipped: Annotated[bool, Option("--shipped", help="Judge the stops that come with the package, and run none.")] = (
+        False
+    )
     limits: Annotated[Path | None, Option(help="File of limits instead of the package's.")] = None
     write: Annotated[
         bool, Option("--write", help="Write the leaderboard into docs/type_test.md, and the stops into the package.")
@@ -143,15 +147,15 @@ class TypeTest(Study):
             )
         digests = {name: controller_digest(one, self.import_from or ()) for name, one in candidates.items()}
         design = self._design(digests)
-        campaign = self._campaign(design, taking_part)
-        running = self._running(ours, candidates)
+        campaign = self._campaign(design, {} if self.shipped else taking_part)
+        running = set[str]() if self.shipped else self._running(ours, candidates)
         stops = campaign.only(lambda stop: stop.variants["controller"] in running)
         runner = partial(run_stop, objects=CustomParts(folders=tuple(self.import_from or ())))
         exit_code = work.stops([CampaignRun(stops, work.folder)], runner, is_any_outcome=True)
         write_description(campaign, work.folder)
         results = read_results(work.folder)
-        found = [measure_stop(stop) for stop in results.stops]
-        is_compared = self.controller is not None and not self.task
+        found = [] if self.shipped else [measure_stop(stop) for stop in results.stops]
+        is_compared = (self.controller is not None or self.shipped) and not self.task
         packaged, notes = read_shipped(design, train_of(self.train)) if is_compared else ([], [])
         page = page_of(
             found,
@@ -160,7 +164,7 @@ class TypeTest(Study):
             packaged=packaged,
             notes=notes,
             candidates=[] if self.controller is None else list(candidates),
-            missing=_missing(results),
+            missing=() if self.shipped else _missing(results),
             against=self.against,
             again=self._again(candidates),
             looks=self._looks(design, digests),
@@ -185,6 +189,8 @@ class TypeTest(Study):
     def _require_consistent(self) -> None:
         _require_one_of({"--case": self.case, "--cases": self.count, "--quick": self.quick})
         _require_one_of({"--case": self.case, "--sealed": self.sealed, "--validation": self.validation})
+        if self.shipped and (self.sealed or self.train or self.task or self.case):
+            raise ScenarioError("--shipped is for sets of cases of the package on its train; leave out other options.")
         one = self.controller and not self.sealed
         if self.write and (one or self.train or self.task or self.case or self.limits):
             raise ScenarioError("--write is for all controllers of railgrip on its train; leave out other options.")
@@ -239,13 +245,15 @@ class TypeTest(Study):
             results = {name: page.values["of_controller"][name] for name in self.controller or ()}
             write_tables(PAGE, {f"sealed set of {name}": f"{of}{table}" for name, table in results.items()})
             return
-        write_shipped(found, design, train_of(None), LIBRARY)
+        if not self.shipped:
+            write_shipped(found, design, train_of(None), LIBRARY)
         controllers = page.values["controllers"].without(("results",))
         tables: dict[str, ReportTable | str] = {"controllers": controllers, "leaderboard": f"{of}{page.screen[0]}"}
         if self._version > 1:
             best = page.values["losses"].rows[0]["controller"]
             tables |= {"losses": f"{of}{page.values['losses']}", "looks": page.values["looks"]}
             tables["families"] = f"{of}{best}:\n\n{page.values['of_controller'][best]}"
+            tables |= {"verdict": page.values["verdict"], "recommendation": f"{of}{page.values['recommendation']}"}
             tables = {f"{name} of version {self._version}": table for name, table in tables.items()}
         write_tables(PAGE, tables)
 
@@ -367,6 +375,7 @@ def page_of(
         values={
             **_values(stops, board, limits),
             **_values_of_families(rows, board),
+            **(_values_of_verdict(stops, board) if version > 1 else {}),
             "version": version,
             "looks": looks,
             "controllers": _controllers(board, {stop.controller for stop in from_package}, taking_part, version),
@@ -430,6 +439,12 @@ def _values_of_families(rows: Sequence[Family], board: Sequence[Summary]) -> dic
     laws = [summary for summary in board if summary.controller not in registry.ANALYSES]
     of_controller = {summary.controller: table_of_controller(rows, summary) for summary in board}
     return {"losses": losses(rows, laws), "families": by_axis(rows, board), "of_controller": of_controller}
+
+
+def _values_of_verdict(stops: Sequence[CaseJudgement], board: Sequence[Summary]) -> dict[str, object]:
+    """Return the variables of the template on the best law."""
+    order = [one.controller for one in board if one.controller not in registry.ANALYSES and one.median is not None]
+    return {"verdict": verdict(order, stops), "recommendation": recommendation(stops)}
 
 
 def table_of(stops: Sequence[CaseJudgement]) -> ReportTable:

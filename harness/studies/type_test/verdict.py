@@ -1,0 +1,160 @@
+"""Which law is best, and on which rail: a law is called best only if no other law is clearly shorter in any family."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from railgrip.base import registry
+from railgrip.report.statistics import endless, quantile
+from railgrip.report.table import ReportTable, names
+from railgrip.studies.type_test.family import AXES, FEWEST
+from railgrip.studies.type_test.judge import CaseJudgement
+from railgrip.studies.type_test.track_case import BY_THE_CURVE, TABLE_1
+
+LIMIT: Final = 0.03
+"""Relative loss against another law in the cases of a family, in the median, from which a law is beaten there."""
+
+_LISTED: Final = 3
+"""Number of laws that are listed for a kind of rail."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Loss:
+    """A family in which a law is beaten.
+
+    Attributes:
+        family: Axis and value.
+        other: The law with the shortest stops there.
+        ratio: Median of the distance over that of the other law in the same case; infinite if it does not stop.
+        cases: Number of cases with both.
+    """
+
+    family: str
+    other: str
+    ratio: float
+    cases: int
+
+
+def _laws(stops: Iterable[CaseJudgement]) -> dict[str, dict[str, CaseJudgement]]:
+    """Return law → case → judgement, without controllers that know the true state."""
+    laws: dict[str, dict[str, CaseJudgement]] = {}
+    for stop in stops:
+        if stop.controller not in registry.ANALYSES:
+            laws.setdefault(stop.controller, {})[stop.case] = stop
+    return laws
+
+
+def _families(stops: Mapping[str, CaseJudgement]) -> dict[str, list[str]]:
+    """Return the cases of each family that has `FEWEST` cases or is that of Table 1."""
+    families: dict[str, list[str]] = {}
+    for axis in AXES:
+        for name, stop in stops.items():
+            if axis in stop.variants:
+                families.setdefault(f"{axis}: {stop.variants[axis]}", []).append(name)
+    return {family: cases for family, cases in families.items() if _counts(family, len(cases))}
+
+
+def _counts(family: str, cases: int) -> bool:
+    return cases >= FEWEST or family == f"rail: {TABLE_1}"
+
+
+def _ratio(one: CaseJudgement, other: CaseJudgement) -> float:
+    if one.distance_m is None:
+        return 1.0 if other.distance_m is None else math.inf
+    return 0.0 if other.distance_m is None else one.distance_m / other.distance_m
+
+
+def losses_of(law: str, stops: Iterable[CaseJudgement]) -> list[Loss]:
+    """Return the families in which a law is beaten, with the law that beats it by most, in the order of the axes.
+
+    Laws are compared in the cases that both were run in.
+    """
+    laws = _laws(stops)
+    own = laws[law]
+    found: list[Loss] = []
+    for family, cases in _families(own).items():
+        worst: Loss | None = None
+        for other, of_other in laws.items():
+            ratios = [_ratio(own[case], of_other[case]) for case in cases if case in of_other]
+            if other == law or not _counts(family, len(ratios)):
+                continue
+            ratio = quantile(ratios, 0.5)
+            if ratio > 1.0 + LIMIT and (worst is None or ratio > worst.ratio):
+                worst = Loss(family=family, other=other, ratio=ratio, cases=len(ratios))
+        if worst is not None:
+            found.append(worst)
+    return found
+
+
+def verdict(order: Sequence[str], stops: Sequence[CaseJudgement]) -> str:
+    """Return whether the law with the smallest median is best, or where it loses.
+
+    Args:
+        order: Laws by their median over all cases, smallest first.
+        stops: Judged stops.
+    """
+    if not order:
+        return "No law can be compared with a baseline."
+    first, limit = order[0], f"{100 * LIMIT:.0f} %"
+    cases_of = {law: _families(of_law).keys() for law, of_law in _laws(stops).items()}
+    every = set[str]().union(*cases_of.values())
+    absent = [f"*{family}*" for family in sorted(every - cases_of[first])]
+    found = losses_of(first, stops)
+    if not found and not absent:
+        return (
+            f"{first} is the best law: its median over all cases is the smallest, and no other law is shorter by more "
+            f"than {limit} in any family of cases."
+        )
+    reasons = [
+        *([f"loses on {names([f'*{loss.family}* ({_text(loss)})' for loss in found])}"] if found else []),
+        *([f"has too few results on {names(absent)}"] if absent else []),
+    ]
+    unbeaten = [law for law in order[1:] if every <= cases_of[law] and not losses_of(law, stops)]
+    rest = (
+        f" Not beaten by more than {limit} in any family: {names(unbeaten)}."
+        if unbeaten
+        else f" No law with results in every family is unbeaten by {limit} in all of them."
+    )
+    return f"{first} is best in the median over all cases, but {' and '.join(reasons)}.{rest}"
+
+
+def _text(loss: Loss) -> str:
+    ratio = "does not stop" if math.isinf(loss.ratio) else f"{loss.ratio:.3f}"
+    return f"{ratio} of {loss.other} in {loss.cases} cases"
+
+
+def rail_of(variants: Mapping[str, str]) -> str:
+    """Return the kind of rail of a case: who or what cleans it."""
+    if variants["rail"] == TABLE_1:
+        return f"rails of {TABLE_1}"
+    slip = {"none": "", "weak": "slip weakly", "strong": "slip strongly", BY_THE_CURVE: "slip, which heats the contact"}
+    who = [*(["passing wheels"] if variants["passage"] != "none" else []), slip[variants["cleaning"]]]
+    causes = [cause for cause in who if cause]
+    return f"cleaned by {' and '.join(causes)}" if causes else "cleaned by nothing"
+
+
+def recommendation(stops: Sequence[CaseJudgement]) -> ReportTable:
+    """Return the laws with the smallest medians on each kind of rail, of those that were run in all its cases.
+
+    Values are the median, the 95 % quantile and the maximum of the distance over that of the best baseline.
+    """
+    kinds: dict[str, set[str]] = {}
+    for stop in stops:
+        if stop.best_m:
+            kinds.setdefault(rail_of(stop.variants), set()).add(stop.case)
+    rows: list[dict[str, object]] = []
+    for kind, cases in sorted(kinds.items(), key=lambda item: (TABLE_1 in item[0], item[0])):
+        ratios: list[tuple[float, str, str]] = []
+        for law, of_law in _laws(stops).items():
+            values = [endless(of_law[case].over_best) for case in cases if case in of_law]
+            if len(values) == len(cases):
+                median, high, most = (quantile(values, share) for share in (0.5, 0.95, 1.0))
+                text = " / ".join("no stop" if math.isinf(value) else f"{value:.3f}" for value in (median, high, most))
+                ratios.append((median, law, text))
+        row: dict[str, object] = {"rail": kind, "cases": len(cases)}
+        for place, (_, law, text) in zip(("shortest", "second", "third")[:_LISTED], sorted(ratios), strict=False):
+            row[place] = f"{law}: {text}"
+        rows.append(row)
+    columns = ("rail", "cases", "shortest", "second", "third")
+    return ReportTable([{name: row.get(name, "") for name in columns} for row in rows], left=columns[:1] + columns[2:])
