@@ -89,8 +89,18 @@ class Rail:
         return found
 
 
-def ride(rail, *, seconds=10.0, tuning=TUNING, positions=POSITIONS, begin_deep=None):
-    """Return the law, and whether it was in a trial and in deep slip at each sample, on a rail at constant speed."""
+def ride(rail, *, seconds=10.0, tuning=TUNING, positions=POSITIONS, begin_deep=None, highest=None, lost=None):
+    """Return the law, and whether it was in a trial and in deep slip at each sample, on a rail at constant speed.
+
+    Args:
+        rail: The rail.
+        seconds: Duration.
+        tuning: Parameters of the law.
+        positions: Distances of the groups behind the first one.
+        begin_deep: Time at which deep slip is set.
+        highest: Highest slip that each group can reach.
+        lost: Number of a group from 0 on, and time from which its wheel speed reads 0.
+    """
     law = TwoMaxima([GROUP] * len(positions), tuning)
     law.place(positions)
     slips, trials, dives = [0.0] * len(positions), [], []
@@ -99,13 +109,12 @@ def ride(rail, *, seconds=10.0, tuning=TUNING, positions=POSITIONS, begin_deep=N
         if begin_deep is not None and k == round(begin_deep / PERIOD):
             law.state[[quantity.name for quantity in law.formula.states].index("deep")] = 1.0
         adhesion = rail.adhesion(time, SPEED * time - np.array(positions), slips)
-        law.decide(
-            observed(
-                time, SPEED, -0.5, slips, tuple(adhesion), (0.35,) * len(slips), (0.0 if k < 2 else 1.5e5,) * len(slips)
-            )
-        )
+        seen = [1.0 if lost and (g, True) == (lost[0], time > lost[1]) else slip for g, slip in enumerate(slips)]
+        pressures = (0.0 if k < 2 else 1.5e5,) * len(slips)
+        law.decide(observed(time, SPEED, -0.5, seen, tuple(adhesion), (0.35,) * len(slips), pressures))
         if k >= 2:  # rolling, until the brake is applied
             slips = [max(state_of(law, f"slip_target[{g}]"), 0.01) for g in range(1, len(slips) + 1)]
+            slips = slips if highest is None else [min(pair) for pair in zip(slips, highest, strict=True)]
         trials.append(state_of(law, "trial"))
         dives.append(state_of(law, "deep"))
     return law, np.array(trials), np.array(dives)
@@ -152,6 +161,45 @@ def test_a_rail_that_slip_cleans_has_deep_slip_after_a_trial(friction):
 def test_after_a_failed_trial_the_next_one_waits_for_a_lower_speed():
     _, trials, _ = ride(Rail(even, passage=0.2), seconds=20.0)
     assert np.count_nonzero(np.diff(trials) > 0) == 1
+
+
+@pytest.mark.parametrize("scale", [0.3, 2.0])
+def test_the_decision_does_not_depend_on_the_level_of_adhesion(scale):
+    """Adhesion is compared by ratios; energies that wear the film grow with it, and so does the film here."""
+    level = lambda time, place: scale * even(time, place)
+    assert not ride(Rail(level, passage=0.2), seconds=20.0)[2].any()
+    assert ride(Rail(level, film=scale * FILM))[2][-1] == 1.0
+
+
+def test_a_first_group_that_cannot_reach_its_slip_ends_the_trial():
+    """As with a valve that holds its pressure: the trial must not last for the rest of the stop."""
+    _, trials, dives = ride(Rail(even, passage=0.2), seconds=20.0, highest=(0.05, 1.0, 1.0, 1.0))
+    assert 0 < trials.sum() <= TUNING.trial_longest / PERIOD + 3
+    assert not dives.any()
+
+
+def test_a_first_group_that_loses_its_wheel_speed_in_a_trial_is_released_and_ends_it():
+    """Its reading becomes 0, a slip of 1: its brake must be released, as no sensor can show a lock."""
+    law, trials, _ = ride(Rail(even, passage=0.2), seconds=20.0)
+    begin = np.argmax(trials) * PERIOD
+    law, trials, dives = ride(Rail(even, passage=0.2), seconds=round(begin + 4.0, 2), lost=(0, begin + 0.2))
+    assert not trials[-1]
+    assert not dives.any()
+    assert state_of(law, "mode[1]") in (2.0, 3.0)  # vented, or braked by the adhesion of the others
+
+
+def test_friction_that_falls_for_all_groups_in_a_trial_is_no_effect_of_slip():
+    """As clouds for a tracker of the maximum power point: a change of all units in the trial must not decide."""
+    _, trials, _ = ride(Rail(even, passage=0.2), seconds=20.0)
+    begin = np.argmax(trials) * PERIOD
+    for factor in (0.4, 2.5):
+        changing = lambda time, place, factor=factor: 0.05 * (factor if time > begin + 0.8 else 1.0)
+        assert not ride(Rail(changing, passage=0.2), seconds=begin + 5.0)[2].any()
+
+
+def test_a_train_with_two_groups_decides_as_well():
+    assert not ride(Rail(even, passage=0.2), seconds=20.0, positions=(0.0, 15.0))[2].any()
+    assert ride(Rail(even, film=0.4 * FILM), positions=(0.0, 15.0))[2][-1] == 1.0
 
 
 def test_no_trial_begins_at_low_speed():
