@@ -248,7 +248,8 @@ class TypeTest(Study):
         if not self.shipped:
             write_shipped(found, design, train_of(None), LIBRARY)
         controllers = page.values["controllers"].without(("results",))
-        tables: dict[str, ReportTable | str] = {"controllers": controllers, "leaderboard": f"{of}{page.screen[0]}"}
+        leaders = page.values["leaders"].without(["K_wet (10 %)", *(["compared"] if self._version == 1 else [])])
+        tables: dict[str, ReportTable | str] = {"controllers": controllers, "leaderboard": f"{of}{leaders}"}
         if self._version > 1:
             best = page.values["losses"].rows[0]["controller"]
             tables |= {"losses": f"{of}{page.values['losses']}", "looks": page.values["looks"]}
@@ -375,7 +376,7 @@ def page_of(
         values={
             **_values(stops, board, limits),
             **_values_of_families(rows, board),
-            **(_values_of_verdict(stops, board) if version > 1 else {}),
+            **({"verdict": verdict(stops), "recommendation": recommendation(stops)} if version > 1 else {}),
             "version": version,
             "looks": looks,
             "controllers": _controllers(board, {stop.controller for stop in from_package}, taking_part, version),
@@ -422,6 +423,7 @@ def _drawings(
 def _values(stops: Sequence[CaseJudgement], board: Sequence[Summary], limits: AssessmentLimits) -> dict[str, object]:
     leaders, variants_of = leaderboard(board), {stop.case: stop.variants for stop in stops}
     return {
+        "leaders": leaders,
         "board": leaders.without(_NOT_OF_STOPS),
         "estimates": leaders.without([name for name in leaders.columns[1:] if name not in _NOT_OF_STOPS]),
         "clauses": clauses(board, limits),
@@ -439,12 +441,6 @@ def _values_of_families(rows: Sequence[Family], board: Sequence[Summary]) -> dic
     laws = [summary for summary in board if summary.controller not in registry.ANALYSES]
     of_controller = {summary.controller: table_of_controller(rows, summary) for summary in board}
     return {"losses": losses(rows, laws), "families": by_axis(rows, board), "of_controller": of_controller}
-
-
-def _values_of_verdict(stops: Sequence[CaseJudgement], board: Sequence[Summary]) -> dict[str, object]:
-    """Return the variables of the template on the best law."""
-    order = [one.controller for one in board if one.controller not in registry.ANALYSES and one.median is not None]
-    return {"verdict": verdict(order, stops), "recommendation": recommendation(stops)}
 
 
 def table_of(stops: Sequence[CaseJudgement]) -> ReportTable:

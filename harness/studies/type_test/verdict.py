@@ -87,24 +87,35 @@ def losses_of(law: str, stops: Iterable[CaseJudgement]) -> list[Loss]:
     return found
 
 
-def verdict(order: Sequence[str], stops: Sequence[CaseJudgement]) -> str:
+def _by_median(laws: Mapping[str, Mapping[str, CaseJudgement]]) -> tuple[list[str], int]:
+    """Return the laws by their median over the cases in which all were run, smallest first, and the number of these."""
+    common = set[str].intersection(*(set(of_law) for of_law in laws.values())) if laws else set[str]()
+    compared = [case for case in common if next(iter(laws.values()))[case].best_m]
+    medians = {
+        law: quantile([endless(of_law[case].over_best) for case in compared], 0.5) for law, of_law in laws.items()
+    }
+    return sorted(laws, key=lambda law: medians[law]) if compared else [], len(compared)
+
+
+def verdict(stops: Sequence[CaseJudgement]) -> str:
     """Return whether the law with the smallest median is best, or where it loses.
 
     Args:
-        order: Laws by their median over all cases, smallest first.
         stops: Judged stops.
     """
+    laws = _laws(stops)
+    order, count = _by_median(laws)
     if not order:
-        return "No law can be compared with a baseline."
+        return "There is no case in which all laws were run and a baseline stops: none can be called best."
     first, limit = order[0], f"{100 * LIMIT:.0f} %"
-    cases_of = {law: _families(of_law).keys() for law, of_law in _laws(stops).items()}
+    cases_of = {law: _families(of_law).keys() for law, of_law in laws.items()}
     every = set[str]().union(*cases_of.values())
     absent = [f"*{family}*" for family in sorted(every - cases_of[first])]
     found = losses_of(first, stops)
     if not found and not absent:
         return (
-            f"{first} is the best law: its median over all cases is the smallest, and no other law is shorter by more "
-            f"than {limit} in any family of cases."
+            f"{first} is the best law: its median over the {count} cases in which all laws were run is the smallest, "
+            f"and no other law is shorter by more than {limit} in any family of cases."
         )
     reasons = [
         *([f"loses on {names([f'*{loss.family}* ({_text(loss)})' for loss in found])}"] if found else []),
@@ -116,7 +127,10 @@ def verdict(order: Sequence[str], stops: Sequence[CaseJudgement]) -> str:
         if unbeaten
         else f" No law with results in every family is unbeaten by {limit} in all of them."
     )
-    return f"{first} is best in the median over all cases, but {' and '.join(reasons)}.{rest}"
+    return (
+        f"{first} is best in the median over the {count} cases in which all laws were run, but "
+        f"{' and '.join(reasons)}.{rest}"
+    )
 
 
 def _text(loss: Loss) -> str:
