@@ -8,8 +8,8 @@ from railgrip.base.errors import ScenarioError
 from railgrip.report.limits import limits_of
 from railgrip.studies.type_test.case_set import VERSIONS
 from railgrip.studies.type_test.entrants import entrants
-from railgrip.studies.type_test.judge import CaseMeasurement, judgements
-from railgrip.studies.type_test.study import TypeTest
+from railgrip.studies.type_test.judge import CaseMeasurement, judgements, summaries
+from railgrip.studies.type_test.study import TypeTest, ranked
 from railgrip.studies.type_test.track_case import TABLE_1
 from railgrip.studies.type_test.verdict import losses_of, rail_of, recommendation, verdict
 
@@ -106,6 +106,15 @@ def test_a_law_that_lacks_cases_of_a_rail_is_not_recommended_there():
     rows = {row["rail"]: row for row in recommendation(stops).rows}
     assert "two_maxima" not in str(rows["cleaned by passing wheels"])
     assert "two_maxima" in str(rows["cleaned by nothing"])
+
+
+def test_a_law_that_was_run_in_fewer_than_half_of_the_cases_is_not_ranked():
+    few = {case.name for case in DESIGN[:20]}
+    stops = judged({"two_maxima": lambda case: 80.0 if case.name in few else None, "slope_seeking": lambda _: 90.0})
+    board, sentences = ranked(summaries(stops, entrants(2)), candidates=())
+    assert {one.controller for one in board} == {"slope_seeking", "slip_three_state"}
+    assert sentences == [f"two_maxima was run in 20 of {len(DESIGN)} cases and is not ranked."]
+    assert ranked(summaries(stops, entrants(2)), candidates=["two_maxima"])[1] == []
 
 
 def test_every_case_has_one_kind_of_rail():

@@ -147,14 +147,15 @@ class TypeTest(Study):
             )
         digests = {name: controller_digest(one, self.import_from or ()) for name, one in candidates.items()}
         design = self._design(digests)
-        campaign = self._campaign(design, {} if self.shipped else taking_part)
-        running = set[str]() if self.shipped else self._running(ours, candidates)
+        named = candidates if self.controller is not None else {}
+        campaign = self._campaign(design, named if self.shipped else taking_part)
+        running = set(named) if self.shipped else self._running(ours, candidates)
         stops = campaign.only(lambda stop: stop.variants["controller"] in running)
         runner = partial(run_stop, objects=CustomParts(folders=tuple(self.import_from or ())))
         exit_code = work.stops([CampaignRun(stops, work.folder)], runner, is_any_outcome=True)
         write_description(campaign, work.folder)
         results = read_results(work.folder)
-        found = [] if self.shipped else [measure_stop(stop) for stop in results.stops]
+        found = [measure_stop(stop) for stop in results.stops]
         is_compared = (self.controller is not None or self.shipped) and not self.task
         packaged, notes = read_shipped(design, train_of(self.train)) if is_compared else ([], [])
         page = page_of(
@@ -163,8 +164,8 @@ class TypeTest(Study):
             judging,
             packaged=packaged,
             notes=notes,
-            candidates=[] if self.controller is None else list(candidates),
-            missing=() if self.shipped else _missing(results),
+            candidates=[] if self.shipped else list(named),
+            missing=_missing(results),
             against=self.against,
             again=self._again(candidates),
             looks=self._looks(design, digests),
@@ -177,7 +178,8 @@ class TypeTest(Study):
             missing = [name for name in results.missing if name.rpartition("-")[2] in required]
             if missing:
                 raise ScenarioError(f"--write: {len(missing)} stops have no result; nothing was written.")
-            self._write(page, found, design)
+            kept = [stop for stop in packaged if stop.controller not in running] if self.shipped else []
+            self._write(page, [*kept, *found], design)
         panels = [
             str(write_panels(work.folder / stop.name))
             for stop in (stops.stops if self.case else ())
@@ -191,7 +193,7 @@ class TypeTest(Study):
         _require_one_of({"--case": self.case, "--sealed": self.sealed, "--validation": self.validation})
         if self.shipped and (self.sealed or self.train or self.task or self.case):
             raise ScenarioError("--shipped is for sets of cases of the package on its train; leave out other options.")
-        one = self.controller and not self.sealed
+        one = self.controller and not self.sealed and not self.shipped
         if self.write and (one or self.train or self.task or self.case or self.limits):
             raise ScenarioError("--write is for all controllers of railgrip on its train; leave out other options.")
         if self.sealed and len(self.controller or ()) != 1:
@@ -245,18 +247,30 @@ class TypeTest(Study):
             results = {name: page.values["of_controller"][name] for name in self.controller or ()}
             write_tables(PAGE, {f"sealed set of {name}": f"{of}{table}" for name, table in results.items()})
             return
-        if not self.shipped:
-            write_shipped(found, design, train_of(None), LIBRARY)
+        write_shipped(found, design, train_of(None), LIBRARY)
         controllers = page.values["controllers"].without(("results",))
         leaders = page.values["leaders"].without(["K_wet (10 %)", *(["compared"] if self._version == 1 else [])])
         tables: dict[str, ReportTable | str] = {"controllers": controllers, "leaderboard": f"{of}{leaders}"}
+        suffix = "" if self._version == 1 else f" of version {self._version}"
         if self._version > 1:
+            of_laws = page.values["of_controller"]
+            run = " ".join(page.values["unranked"]) or "All laws were run in at least half of the cases."
             best = page.values["losses"].rows[0]["controller"]
-            tables |= {"losses": f"{of}{page.values['losses']}", "looks": page.values["looks"]}
-            tables["families"] = f"{of}{best}:\n\n{page.values['of_controller'][best]}"
-            tables |= {"verdict": page.values["verdict"], "recommendation": f"{of}{page.values['recommendation']}"}
-            tables = {f"{name} of version {self._version}": table for name, table in tables.items()}
-        write_tables(PAGE, tables)
+            by_rail: dict[str, ReportTable | str] = {
+                "verdict": f"{of}{page.values['verdict']}",
+                "recommendation": f"{of}{page.values['recommendation']}",
+                "leaderboard": tables["leaderboard"],
+            }
+            if self.quick:
+                tables, suffix = by_rail, f"{suffix}, quick set"
+            else:
+                tables |= by_rail | {
+                    "run": run,
+                    "losses": f"{of}{page.values['losses']}",
+                    "looks": page.values["looks"],
+                }
+                tables["families"] = f"{of}{best}:\n\n{of_laws[best]}"
+        write_tables(PAGE, {f"{name}{suffix}": table for name, table in tables.items()})
 
     def _again(self, candidates: Iterable[str]) -> dict[str, str]:
         options = [
@@ -363,7 +377,9 @@ def page_of(
     run = {(stop.case, stop.controller) for stop in found}
     from_package = [stop for stop in packaged if (stop.case, stop.controller) not in run]
     stops = judgements([*found, *from_package], taking_part, limits, only_tuned=version == 1)
-    board = summaries(stops, taking_part)
+    board, unranked = ranked(summaries(stops, taking_part), candidates)
+    notes = [*notes, *unranked]
+    of_ranked = [stop for stop in stops if stop.controller in {summary.controller for summary in board}]
     plain = [{name: row[name] for name in _JSON} | row for row in (stop.to_plain() for stop in stops)]
     drawings = _drawings(stops, _lines(board, candidates))
     rows = families(stops) if version > 1 else []
@@ -376,7 +392,7 @@ def page_of(
         values={
             **_values(stops, board, limits),
             **_values_of_families(rows, board),
-            **({"verdict": verdict(stops), "recommendation": recommendation(stops)} if version > 1 else {}),
+            **({"verdict": verdict(of_ranked), "recommendation": recommendation(of_ranked)} if version > 1 else {}),
             "version": version,
             "looks": looks,
             "controllers": _controllers(board, {stop.controller for stop in from_package}, taking_part, version),
@@ -388,6 +404,7 @@ def page_of(
             ],
             "missing": names(missing),
             "notes": notes,
+            "unranked": unranked,
         },
         figures={f"figures/{name}.png": drawing for name, _, drawing in drawings if stops and drawing},
         tables={"cases.csv": table_of(stops)} | ({"families.csv": table_of_families(rows)} if rows else {}),
@@ -404,6 +421,21 @@ def page_of(
             *([compare_controllers(plain, against)] if against else ()),
         ),
     )
+
+
+def ranked(board: Sequence[Summary], candidates: Collection[str]) -> tuple[list[Summary], list[str]]:
+    """Return the controllers to rank, and a sentence on each that was run in fewer than half of the cases.
+
+    Quantiles over different cases are not comparable. Candidates are ranked in any case.
+    """
+    most = max((summary.cases for summary in board), default=0)
+    kept = [one for one in board if 2 * one.cases >= most or one.controller in candidates]
+    sentences = [
+        f"{one.controller} was run in {one.cases} of {most} cases and is not ranked."
+        for one in board
+        if one not in kept
+    ]
+    return kept, sentences
 
 
 def _drawings(
