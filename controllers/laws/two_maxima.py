@@ -1,11 +1,13 @@
 """Slip control at the better of two maxima of adhesion: that of the film, or that of the rail that slip cleans.
 
 Where slip removes the film, adhesion has a second maximum at large slip, and groups of wheelsets that follow pass a
-cleaner rail. Whether this pays depends on the rail, and the train shows it before any wheelset slips deep: on a rail
-that slip cleans, groups behind have more adhesion than the first one had at the same place.
+cleaner rail: they have more adhesion than the first one had at the same place. But wheels also clean a rail by rolling
+over it, whatever their slip, and there deep slip only costs adhesion. So the first group tries deep slip alone, and the
+others follow if that changes adhesion for the better.
 
 Sources: cleaning by slip energy after Allotta, Meli, Ridolfi and Rindi, Tribology International 69 (2014) 128. The slip
-at the first maximum is that of `SlopeSeeking`. The comparison at the same place is this project's.
+at the first maximum is that of `SlopeSeeking`. The comparison at the same place and the trial are
+this project's.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -34,10 +36,20 @@ class TwoMaximaTuning(SlopeTuning):
     """Parameters of `TwoMaxima`, besides those of `SlopeSeeking`."""
 
     slip_deep: Annotated[float, "1", "slip that is sought on a rail that slip cleans"]
-    advantage_high: Annotated[float, "1", "ln of adhesion of groups behind over that of the first: above it deep slip"]
+    advantage_high: Annotated[float, "1", "ln of adhesion of groups behind over that of the first: above it a trial"]
     advantage_low: Annotated[float, "1", "the same, in deep slip: below it back to the slope"]
     comparison_time: Annotated[float, "s", "time constant of the mean of the comparison"]
     speed_ratio: Annotated[float, "1", "train speed of another deep slip over that at the end of the last"] = 0.7
+    slip_trial: Annotated[float, "1", "slip of the first group in a trial"] = 0.35
+    trial_speed: Annotated[float, "m/s", "train speed below which no trial begins: too little is left to gain"] = 8.0
+    trial_mean: Annotated[float, "s", "time constant of the means of ln(adhesion) in a trial"] = 0.2
+    trial_wait: Annotated[float, "s", "time at cleaned places after which a trial fails"] = 0.6
+    trial_longest: Annotated[float, "s", "longest trial"] = 4.0
+    response_least: Annotated[float, "1", "sum of changes of the first group and those behind for deep slip"] = 0.1
+    response_behind: Annotated[float, "1", "change of the groups behind alone for deep slip"] = 0.2
+    response_own: Annotated[float, "1", "change of the first group alone for deep slip"] = 0.3
+    level_time: Annotated[float, "s", "time constant of the mean of ln(adhesion) of the train"] = 2.0
+    level_loss: Annotated[float, "1", "loss of that in deep slip at which it ends"] = 0.1
     deep_rate: Annotated[float, "1/s", "rate of ln(slip) towards deep slip"] = 6.0
     slip_vent_deep: Annotated[float, "1", "slip above which the brake is released, in deep slip"] = 0.85
     work_max: Annotated[float, "m", "work of deep slip over the load of a group, at most; limits the tread's heat"] = (
@@ -45,7 +57,7 @@ class TwoMaximaTuning(SlopeTuning):
     )
 
     LAW: ClassVar[str] = "TwoMaxima"
-    POSITIVE: ClassVar[frozenset[str]] = SlopeTuning.POSITIVE | {"comparison_time"}
+    POSITIVE: ClassVar[frozenset[str]] = SlopeTuning.POSITIVE | {"comparison_time", "trial_mean", "level_time"}
 
     def __post_init__(self) -> None:
         """Check the parameters.
@@ -54,32 +66,44 @@ class TwoMaximaTuning(SlopeTuning):
             ValueError: See `SlopeTuning`; or the slips are not in order.
         """
         SlopeTuning.__post_init__(self)
-        if not 0.0 < self.slip_deep < self.slip_vent_deep < 1.0:
-            raise ValueError(
-                "TwoMaxima: slips must have 0 < slip_deep < slip_vent_deep < 1, got "
-                f"{self.slip_deep} and {self.slip_vent_deep}."
-            )
+        for slip in ("slip_deep", "slip_trial"):
+            if not 0.0 < getattr(self, slip) < self.slip_vent_deep < 1.0:
+                raise ValueError(
+                    f"TwoMaxima: slips must have 0 < {slip} < slip_vent_deep < 1, got "
+                    f"{getattr(self, slip)} and {self.slip_vent_deep}."
+                )
 
 
 class TwoMaxima(SlopeSeeking):
-    """Slope seeking, and deep slip on a rail that slip cleans.
+    """Slope seeking, and deep slip where a trial shows that slip cleans the rail.
 
     The law remembers over the distance the adhesion of the first group that slides, α_1. A group k behind is compared
     with it at the same place x, and at the same time t:
 
         d_k = ln α_k − ln α_1(x) or ln α_k − ln α_1(t), the one of smaller magnitude
         g = ⟨d_k⟩                        mean over the groups behind, weighted by load, averaged over `comparison_time`
-        deep slip begins                 where g > advantage_high
-        deep slip ends                   where g < advantage_low
+        a trial begins                   where g > advantage_high
+        deep slip ends                   where g < advantage_low, or where the train has lost adhesion by it
 
     Friction that varies along the track cancels in the first difference, friction that varies over time in the second.
     Only groups whose adhesion the rail limits are compared: they slide by similar slips, with less than `_FULL` of the
     highest pressure. A change between slope and deep slip clears the memory, because both groups of a comparison must
     have the same slip.
 
-    In deep slip all groups seek `slip_deep`; a group whose deep slip has done `work_max` returns to the slope. After
-    deep slip has ended, it does not begin again before the speed is down to `speed_ratio` of that at the end. If the
-    positions of the groups are not known, or there is one group, the law is slope seeking.
+    In a trial the first group alone seeks `slip_trial`. With Δ a change of ln α since its begin, r that of the groups
+    that have not reached the places that the first group has slipped over, and k those that have:
+
+        e_1, e_k = min(Δ_1, Δ_1 − r), min(Δ_k, Δ_k − r)
+        deep slip begins                 where e_1 + ⟨e_k⟩ > response_least, ⟨e_k⟩ > response_behind,
+                                         or e_1 > response_own
+
+    The cleaning of passing wheels is in both α before and after, so that there e_1 is the fall of the creep curve and
+    e_k is zero. The trial fails once two groups have been at these places for `trial_wait` without that.
+
+    In deep slip all groups seek `slip_deep`; a group whose deep slip has done `work_max` returns to the slope. Deep
+    slip also ends where the mean of ln α of the train, over `level_time`, falls by `level_loss` below that before it.
+    After the end of deep slip or of a trial, no trial begins before the speed is down to `speed_ratio` of that at the
+    end. If the positions of the groups are not known, or there is one group, the law is slope seeking.
     """
 
     description = "Slip control at the better of two maxima of adhesion"
@@ -87,7 +111,7 @@ class TwoMaxima(SlopeSeeking):
     ranges: ClassVar[Ranges] = {
         ("pneumatic", "estimated"): {
             "slip_deep": (0.3, 0.6),
-            "advantage_high": (0.06, 0.2),
+            "advantage_high": (0.03, 0.2),
             "advantage_low": (0.02, 0.06),
             "comparison_time": (0.5, 2.0),
         }
@@ -107,20 +131,35 @@ class TwoMaxima(SlopeSeeking):
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return the demand of one group."""
         deep = draft.state("deep", "1", "1 in deep slip")
+        trial = draft.state("trial", "1", "1 while one group tries deep slip")
 
         def targets_of(draft: FormulaBuilder, train: Sequence[Wheels], t: Mapping[str, Expression]) -> list[Target]:
-            advantage = _advantage(draft, train, t, deep)
+            compared = _compare(draft, train, t, deep, trial)
             speed = train[0].group.speed
-            ended = draft.state("ended_speed", "m/s", "train speed at which deep slip ended last", _ANY_SPEED)
-            ends = every(deep > 0.5, advantage < t["advantage_low"])
-            begins = every(deep < 0.5, advantage > t["advantage_high"], speed < t["speed_ratio"] * ended)
-            draft.keep(ended, choose(ends, speed, ended))
-            following = choose(begins, 1.0, choose(ends, 0.0, deep))
+            ended = draft.state(
+                "ended_speed", "m/s", "train speed at which deep slip or a trial ended last", _ANY_SPEED
+            )
+            begins = every(
+                deep < 0.5,
+                trial < 0.5,
+                compared.advantage > t["advantage_high"],
+                speed < t["speed_ratio"] * ended,
+                speed > t["trial_speed"],
+            )
+            succeeds, fails, leads = _try(draft, train, t, trial, begins, compared)
+            loses = _loses(draft, train, t, deep, trial, compared)
+            ends = every(deep > 0.5, either(compared.advantage < t["advantage_low"], loses))
+            draft.keep(ended, choose(either(ends, fails), speed, ended))
+            draft.keep(trial, choose(begins, 1.0, choose(either(succeeds, fails), 0.0, trial)))
+            following = choose(succeeds, 1.0, choose(ends, 0.0, deep))
             draft.keep(deep, following)
             draft.show("deep_slip", "1", "1 in deep slip", following)
-            return _slips(draft, train, t, deep > 0.5)
+            draft.show("deep_trial", "1", "1 while one group tries deep slip", trial)
+            goal = choose(deep > 0.5, t["slip_deep"], t["slip_trial"])
+            dives = [either(deep > 0.5, every(trial > 0.5, lead)) for lead in leads]
+            return _slips(draft, train, {**t, "slip_deep": goal}, dives)
 
-        vent = choose(deep > 0.5, tuning["slip_vent_deep"], tuning["slip_vent"])
+        vent = choose(either(deep > 0.5, trial > 0.5), tuning["slip_vent_deep"], tuning["slip_vent"])
         return seek(draft, {**tuning, "slip_vent": vent}, targets_of)
 
 
@@ -136,13 +175,37 @@ _AHEAD = 4  # cells that are cleared ahead of the first group: more than it pass
 _ALIKE = 2.0  # largest ratio of slips of groups that are compared: a valve that sticks leaves a group elsewhere
 _REACHED = 0.6  # share of deep slip from which a group is in it
 _BACK = 1.3  # slip over its target above which a group still returns from deep slip
+_WITNESSES = 2  # groups behind that must have reached the cleaned places
 _BEGIN = 0.03  # lowest slip from which deep slip is approached
 
 
-def _advantage(
-    draft: FormulaBuilder, train: Sequence[Wheels], t: Mapping[str, Expression], deep: Expression
-) -> Expression:
-    """Return ln of the adhesion of groups over that which the first one had at the same place, averaged."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Comparison:
+    """Groups behind compared with the first group that the rail limits.
+
+    Attributes:
+        advantage: ln of the adhesion of groups behind over that of the first one at the same place, averaged.
+        places: Distance of each group from the place of the leading wheelset at the brake demand [m].
+        logarithms: ln of the adhesion of each group.
+        is_first: Whether each group is the first one that the rail limits.
+        limited: Whether the rail limits the adhesion of each group.
+    """
+
+    advantage: Expression
+    places: Sequence[Expression]
+    logarithms: Sequence[Expression]
+    is_first: Sequence[Expression]
+    limited: Sequence[Expression]
+
+
+def _compare(
+    draft: FormulaBuilder,
+    train: Sequence[Wheels],
+    t: Mapping[str, Expression],
+    deep: Expression,
+    trial: Expression,
+) -> Comparison:
+    """Return the comparison of the groups at the same places, averaged."""
     last_distance = draft.state("distance", "m", "distance since braking began")
     distance = last_distance + train[0].group.speed * t["period"]
     draft.keep(last_distance, distance)
@@ -157,14 +220,16 @@ def _advantage(
     loads = [each.group.brake["load"] for each in train]
     found, place, value, slip = 0.0, distance, _UNKNOWN, 1.0  # of the first group that the rail limits
     behind: list[Expression] = []
+    first: list[Expression] = []
     for each, position, logarithm, counts in zip(train, positions, logarithms, limited, strict=True):
         is_first = every(found < 0.5, counts)
+        first.append(is_first)
         behind.append(every(found > 0.5, counts))
         place = choose(is_first, distance - position, place)
         value = choose(is_first, logarithm, value)
         slip = choose(is_first, each.filtered, slip)
         found = choose(is_first, 1.0, found)
-    recall = _memory(draft, place, value, deep)
+    recall = _memory(draft, place, value, deep + trial)
     differences: list[tuple[Expression, Expression]] = []
     for each, counts, position, logarithm in zip(train, behind, positions, logarithms, strict=True):
         known = recall(distance - position)
@@ -172,7 +237,7 @@ def _advantage(
         at_place, at_time = logarithm - known, logarithm - value
         smaller = choose(ca.fabs(at_place) < ca.fabs(at_time), at_place, at_time)
         alike = every(each.filtered < _ALIKE * slip, slip < _ALIKE * each.filtered)
-        counts = every(counts, alike, near, known < _UNKNOWN, value < _UNKNOWN)
+        counts = every(counts, alike, near, known < _UNKNOWN, value < _UNKNOWN, trial < 0.5)
         differences.append((counts, within(smaller, -_LARGEST, _LARGEST)))
     compares = either(0.0, *(counts for counts, _ in differences))
     last = draft.state("advantage_before", "1", "mean of the comparison at the last sample")
@@ -180,18 +245,143 @@ def _advantage(
     advantage = last + share * (weighted_mean(differences, loads) - last)
     draft.keep(last, advantage)
     draft.show("advantage", "1", "ln(adhesion) of groups behind over that of the first at the same place", advantage)
-    return advantage
+    return Comparison(
+        advantage=advantage,
+        places=[distance - position for position in positions],
+        logarithms=logarithms,
+        is_first=first,
+        limited=limited,
+    )
+
+
+def _try(
+    draft: FormulaBuilder,
+    train: Sequence[Wheels],
+    t: Mapping[str, Expression],
+    trial: Expression,
+    begins: Expression,
+    compared: Comparison,
+) -> tuple[Expression, Expression, list[Expression]]:
+    """Let the first group slip deep, and return whether the trial succeeds or fails now, and whether each group leads.
+
+    The cleaning of passing wheels does not depend on their slip. So the trial succeeds where the first group loses no
+    adhesion by deep slip, or where groups behind gain as much at the places that it has slipped over.
+    """
+    leads: list[Expression] = []
+    for each, is_first in zip(train, compared.is_first, strict=True):
+        lead = draft.state(each.group.label("leads"), "1", "1 if it slips deep in a trial")
+        leads.append(choose(begins, is_first, lead))
+        draft.keep(lead, leads[-1])
+    is_lead = [lead > 0.5 for lead in leads]
+    response = _response(draft, train, t, trial, begins, compared, is_lead)
+    period = t["period"]
+    settled = draft.state("settled", "s", "time since the first group reached its slip")
+    waited = draft.state("waited", "s", "time for which enough groups have been at places that it has slipped over")
+    elapsed = draft.state("elapsed", "s", "time since the trial began")
+    draft.keep(settled, choose(begins, 0.0, settled + choose(response.reached, period, 0.0)))
+    draft.keep(waited, choose(begins, 0.0, waited + choose(response.enough, period, 0.0)))
+    draft.keep(elapsed, choose(begins, 0.0, elapsed + period))
+    behind = either(response.own + response.behind > t["response_least"], response.behind > t["response_behind"])
+    by_behind = every(response.enough, waited > t["trial_mean"], behind)
+    by_own = every(response.has_others, settled > 2.0 * t["trial_mean"], response.own > t["response_own"])
+    succeeds = every(trial > 0.5, either(by_behind, by_own))
+    over = either(
+        waited > t["trial_wait"],
+        elapsed > t["trial_longest"],
+        every(ca.logic_not(response.has_others), settled > t["trial_wait"]),
+    )
+    fails = every(trial > 0.5, over, ca.logic_not(succeeds))
+    return succeeds, fails, is_lead
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Response:
+    """Changes of ln(adhesion) in a trial, without those that all groups have.
+
+    Attributes:
+        own: Change of the first group.
+        behind: Mean change of the groups behind that are at places that it has slipped over.
+        reached: Whether the first group has reached its slip.
+        enough: Whether `_WITNESSES` groups, or all that the rail limited before the trial, are at these places.
+        has_others: Whether the rail limited other groups before the trial.
+    """
+
+    own: Expression
+    behind: Expression
+    reached: Expression
+    enough: Expression
+    has_others: Expression
+
+
+def _response(
+    draft: FormulaBuilder,
+    train: Sequence[Wheels],
+    t: Mapping[str, Expression],
+    trial: Expression,
+    begins: Expression,
+    compared: Comparison,
+    is_lead: Sequence[Expression],
+) -> Response:
+    """Return the changes of adhesion since the trial began.
+
+    A group that the brake limits at the cleaned places gains at least what it shows. Friction that varies over time
+    changes the groups that have not reached these places, too: the smaller one of a change and its difference to
+    theirs counts.
+    """
+
+    def of_lead(values: Sequence[Expression]) -> Expression:
+        return sum(choose(lead, value, 0.0) for lead, value in zip(is_lead, values, strict=True))
+
+    loads = [each.group.brake["load"] for each in train]
+    place = of_lead(compared.places)
+    dive = draft.state("dive_place", "m", "where the first group left the slope")
+    draft.keep(dive, choose(begins, place, dive))
+    begin = draft.state("trial_place", "m", "where the first group reached its slip in a trial; 0 before that")
+    has_slip = of_lead([each.filtered for each in train]) > _REACHED * t["slip_trial"]
+    start = choose(begins, 0.0, choose(every(trial > 0.5, begin <= 0.0, has_slip), place, begin))
+    draft.keep(begin, start)
+
+    changes: list[Expression] = []
+    others: list[Expression] = []
+    for each, logarithm, limits, lead in zip(train, compared.logarithms, compared.limited, is_lead, strict=True):
+        last = draft.state(each.group.label("smooth"), "1", "mean of ln(adhesion)")
+        mean = last + t["period"] / (t["trial_mean"] + t["period"]) * (logarithm - last)
+        draft.keep(last, mean)
+        before = draft.state(each.group.label("before"), "1", "that before the trial")
+        draft.keep(before, choose(begins, mean, before))
+        changes.append(mean - before)
+        was = draft.state(each.group.label("was_limited"), "1", "1 if the rail limited the adhesion before the trial")
+        draft.keep(was, choose(begins, limits, was))
+        others.append(every(was > 0.5, ca.logic_not(lead)))
+    untouched = [every(other, at < dive) for other, at in zip(others, compared.places, strict=True)]
+    inside = [every(other, start > 0.0, at > start) for other, at in zip(others, compared.places, strict=True)]
+    last = draft.state("change_of_rail", "1", "change of ln(adhesion) of groups before the cleaned places")
+    present = weighted_mean(list(zip(untouched, changes, strict=True)), loads)
+    of_rail = choose(either(0.0, *untouched), present, last)
+    draft.keep(last, choose(begins, 0.0, of_rail))
+    by_slip = [ca.fmin(change, change - of_rail) for change in changes]
+    own, behind = of_lead(by_slip), weighted_mean(list(zip(inside, by_slip, strict=True)), loads)
+    number = sum(choose(other, 1.0, 0.0) for other in others)
+    count = sum(choose(each, 1.0, 0.0) for each in inside)
+    draft.show("response", "1", "ln(adhesion) in a trial: change of the first group and of those behind", own + behind)
+    return Response(
+        own=own,
+        behind=behind,
+        reached=start > 0.0,
+        enough=every(number > 0.5, count >= ca.fmin(number, _WITNESSES)),
+        has_others=number > 0.5,
+    )
 
 
 _POSITION = "distance of the group behind the leading wheelset"
 
 
 def _memory(
-    draft: FormulaBuilder, place: Expression, value: Expression, deep: Expression
+    draft: FormulaBuilder, place: Expression, value: Expression, regime: Expression
 ) -> Callable[[Expression], Expression]:
     """Keep a value at a place [m], and return a function that returns the value at an earlier place."""
-    before = draft.state("deep_before", "1", "1 in deep slip at the last sample")
-    draft.keep(before, deep)
+    before = draft.state("regime_before", "1", "1 in deep slip or a trial at the last sample")
+    draft.keep(before, regime)
 
     def cell_of(place: Expression) -> Expression:
         return ca.fmod(ca.floor(ca.fmax(place, 0.0) / _CELL), float(_CELLS))
@@ -201,7 +391,7 @@ def _memory(
     for i, cell in enumerate(cells):
         ahead = ca.fmod(i - here + _CELLS, float(_CELLS))
         # Metres that the train passes within one sample have no value; those of one turn of the memory before go.
-        kept = choose(either(ahead <= _AHEAD, deep != before), _UNKNOWN, cell)
+        kept = choose(either(ahead <= _AHEAD, regime != before), _UNKNOWN, cell)
         draft.keep(cell, choose(ahead == 0.0, value, kept))
 
     def recall(place: Expression) -> Expression:
@@ -211,14 +401,45 @@ def _memory(
     return recall
 
 
+def _loses(
+    draft: FormulaBuilder,
+    train: Sequence[Wheels],
+    t: Mapping[str, Expression],
+    deep: Expression,
+    trial: Expression,
+    compared: Comparison,
+) -> Expression:
+    """Return whether the train has less adhesion in deep slip than on the slope before it."""
+    loads = [each.group.brake["load"] for each in train]
+    pairs = list(zip([each.valid for each in train], compared.logarithms, strict=True))
+    present, is_deep, period = weighted_mean(pairs, loads), deep > 0.5, t["period"]
+
+    def mean(name: str, counts: Expression, begins: Expression) -> tuple[Expression, Expression]:
+        """Return the mean since it began, over the last `level_time` at most, and for how long it has been formed."""
+        before = draft.state(f"level_{name}", "1", f"mean of ln(adhesion) of the train {name}")
+        since = draft.state(f"time_{name}", "s", "for how long that has been formed")
+        last = choose(begins, 0.0, since)
+        time = choose(counts, last + period, last)
+        share = choose(counts, period / ca.fmax(ca.fmin(time, t["level_time"]), period), 0.0)
+        now = before + share * (present - before)
+        draft.keep(before, now)
+        draft.keep(since, time)
+        return now, time
+
+    on_slope = every(ca.logic_not(is_deep), trial < 0.5, either(0.0, *compared.limited))
+    slope, _ = mean("on_slope", on_slope, 0.0)
+    level, time = mean("in_deep_slip", is_deep, ca.logic_not(is_deep))
+    return every(is_deep, time >= t["level_time"], level < slope - t["level_loss"])
+
+
 def _slips(
-    draft: FormulaBuilder, train: Sequence[Wheels], t: Mapping[str, Expression], deep: Expression
+    draft: FormulaBuilder, train: Sequence[Wheels], t: Mapping[str, Expression], dive_now: Sequence[Expression]
 ) -> list[Target]:
     """Return the slip that each group seeks, and its rate [1/s]."""
     period = t["period"]
     dives: list[Expression] = []
     returning: list[Expression] = []
-    for each in train:
+    for each, deep in zip(train, dive_now, strict=True):
         work = draft.state(each.group.label("slip_work"), "m", "work of deep slip over the load")
         dives.append(every(deep, work < t["work_max"]))
         draft.keep(work, work + choose(dives[-1], each.adhesion * each.filtered * each.group.speed * period, 0.0))

@@ -70,6 +70,7 @@ from railgrip.studies.type_test.judge import (
 )
 from railgrip.studies.type_test.shipped import read_shipped, write_shipped
 from railgrip.studies.type_test.track_case import HEADLINES, TrackCase
+from railgrip.studies.type_test.verdict import recommendation, verdict
 
 PAGE: Final = Path("docs/type_test.md")
 """Folder relative to that of the project, in which the command runs."""
@@ -112,6 +113,9 @@ class TypeTest(Study):
         bool, Option("--sealed", help="Cases drawn from the digest of one controller, which nobody has tuned on.")
     ] = False
     case: Annotated[list[str] | None, Option(help="Only this one, with trace and panels. Repeatable.")] = None
+    shipped: Annotated[bool, Option("--shipped", help="Judge the stops that come with the package, and run none.")] = (
+        False
+    )
     limits: Annotated[Path | None, Option(help="File of limits instead of the package's.")] = None
     write: Annotated[
         bool, Option("--write", help="Write the leaderboard into docs/type_test.md, and the stops into the package.")
@@ -144,15 +148,16 @@ class TypeTest(Study):
             )
         digests = {name: controller_digest(one, self.import_from or ()) for name, one in candidates.items()}
         design = self._design(digests)
-        campaign = self._campaign(design, taking_part)
-        running = self._running(ours, candidates)
+        named = candidates if self.controller is not None else {}
+        campaign = self._campaign(design, named if self.shipped else taking_part)
+        running = set(named) if self.shipped else self._running(ours, candidates)
         stops = campaign.only(lambda stop: stop.variants["controller"] in running)
         runner = partial(run_stop, objects=CustomParts(folders=tuple(self.import_from or ())))
         exit_code = work.stops([CampaignRun(stops, work.folder)], runner, is_any_outcome=True)
         write_description(campaign, work.folder)
         results = read_results(work.folder)
         found = measure(results.stops)
-        is_compared = self.controller is not None and not self.task
+        is_compared = (self.controller is not None or self.shipped) and not self.task
         packaged, notes = read_shipped(design, train_of(self.train)) if is_compared else (frame_of_rows([]), [])
         page = page_of(
             found,
@@ -160,7 +165,7 @@ class TypeTest(Study):
             judging,
             packaged=packaged,
             notes=notes,
-            candidates=[] if self.controller is None else list(candidates),
+            candidates=[] if self.shipped else list(named),
             missing=_missing(results),
             against=self.against,
             again=self._again(candidates),
@@ -174,7 +179,8 @@ class TypeTest(Study):
             missing = [name for name in results.missing if name.rpartition("-")[2] in required]
             if missing:
                 raise ScenarioError(f"--write: {len(missing)} stops have no result; nothing was written.")
-            self._write(page, found, design)
+            kept = packaged[~packaged["controller"].isin(running)] if self.shipped else packaged.head(0)
+            self._write(page, pandas.concat([kept, found], ignore_index=True) if len(kept) else found, design)
         panels = [
             str(write_panels(work.folder / stop.name))
             for stop in (stops.stops if self.case else ())
@@ -186,7 +192,9 @@ class TypeTest(Study):
     def _require_consistent(self) -> None:
         _require_one_of({"--case": self.case, "--cases": self.count, "--quick": self.quick})
         _require_one_of({"--case": self.case, "--sealed": self.sealed, "--validation": self.validation})
-        one = self.controller and not self.sealed
+        if self.shipped and (self.sealed or self.train or self.task or self.case):
+            raise ScenarioError("--shipped is for sets of cases of the package on its train; leave out other options.")
+        one = self.controller and not self.sealed and not self.shipped
         if self.write and (one or self.train or self.task or self.case or self.limits):
             raise ScenarioError("--write is for all controllers of railgrip on its train; leave out other options.")
         if self.sealed and len(self.controller or ()) != 1:
@@ -242,13 +250,28 @@ class TypeTest(Study):
             return
         write_shipped(found, design, train_of(None), LIBRARY)
         controllers = page.values["controllers"].without(("results",))
-        tables: dict[str, ReportTable | str] = {"controllers": controllers, "leaderboard": f"{of}{page.screen[0]}"}
+        leaders = page.values["leaders"].without(["K_wet (10 %)", *(["compared"] if self._version == 1 else [])])
+        tables: dict[str, ReportTable | str] = {"controllers": controllers, "leaderboard": f"{of}{leaders}"}
+        suffix = "" if self._version == 1 else f" of version {self._version}"
         if self._version > 1:
+            of_laws = page.values["of_controller"]
+            run = " ".join(page.values["unranked"]) or "All laws were run in at least half of the cases."
             best = page.values["losses"].rows[0]["controller"]
-            tables |= {"losses": f"{of}{page.values['losses']}", "looks": page.values["looks"]}
-            tables["families"] = f"{of}{best}:\n\n{page.values['of_controller'][best]}"
-            tables = {f"{name} of version {self._version}": table for name, table in tables.items()}
-        write_tables(PAGE, tables)
+            by_rail: dict[str, ReportTable | str] = {
+                "verdict": f"{of}{page.values['verdict']}",
+                "recommendation": f"{of}{page.values['recommendation']}",
+                "leaderboard": tables["leaderboard"],
+            }
+            if self.quick:
+                tables, suffix = by_rail, f"{suffix}, quick set"
+            else:
+                tables |= by_rail | {
+                    "run": run,
+                    "losses": f"{of}{page.values['losses']}",
+                    "looks": page.values["looks"],
+                }
+                tables["families"] = f"{of}{best}:\n\n{of_laws[best]}"
+        write_tables(PAGE, {f"{name}{suffix}": table for name, table in tables.items()})
 
     def _again(self, candidates: Iterable[str]) -> dict[str, str]:
         options = [
@@ -359,7 +382,9 @@ def page_of(
         others = packaged[~np.array(is_run)]
         stops, shipped = pandas.concat([found, others] if len(found) else [others]), set(others["controller"])
     stops = judgements(stops, taking_part, limits, only_tuned=version == 1)
-    board = summaries(stops, taking_part)
+    board, unranked = ranked(summaries(stops, taking_part), candidates)
+    notes = [*notes, *unranked]
+    of_ranked = stops[stops["controller"].isin(board["controller"] if len(board) else [])]
     plain = [{name: row[name] for name in _JSON} | row for row in plain_rows(stops)]
     drawings = _drawings(stops, _lines(board, candidates))
     rows = families(stops) if version > 1 else board.head(0)
@@ -372,6 +397,7 @@ def page_of(
         values={
             **_values(stops, board, limits),
             **_values_of_families(rows, board),
+            **({"verdict": verdict(of_ranked), "recommendation": recommendation(of_ranked)} if version > 1 else {}),
             "version": version,
             "looks": looks,
             "controllers": _controllers(board, shipped, taking_part, version),
@@ -383,6 +409,7 @@ def page_of(
             ],
             "missing": names(missing),
             "notes": notes,
+            "unranked": unranked,
         },
         figures={f"figures/{name}.png": drawing for name, _, drawing in drawings if len(stops) and drawing},
         tables={"cases.csv": table_of(stops)} | ({"families.csv": table_of_families(rows)} if len(rows) else {}),
@@ -401,6 +428,22 @@ def page_of(
     )
 
 
+def ranked(board: Frame, candidates: Collection[str]) -> tuple[Frame, list[str]]:
+    """Return the controllers to rank, and a sentence on each that was run in fewer than half of the cases.
+
+    Quantiles over different cases are not comparable. Candidates are ranked in any case.
+    """
+    if board.empty:
+        return board, []
+    most = board["cases"].max()
+    is_kept = (2 * board["cases"] >= most) | board["controller"].isin(candidates)
+    sentences = [
+        f"{one.controller} was run in {one.cases} of {most} cases and is not ranked."
+        for one in board[~is_kept].itertuples()
+    ]
+    return board[is_kept], sentences
+
+
 def _drawings(stops: Frame, lines: Mapping[str, Mapping[str, Any]]) -> tuple[tuple[str, str, Figure | None], ...]:
     return (
         (
@@ -416,6 +459,7 @@ def _drawings(stops: Frame, lines: Mapping[str, Mapping[str, Any]]) -> tuple[tup
 def _values(stops: Frame, board: Frame, limits: AssessmentLimits) -> dict[str, object]:
     leaders, variants_of = leaderboard(board), dict(zip(stops["case"], stops["variants"], strict=True))
     return {
+        "leaders": leaders,
         "board": leaders.without(_NOT_OF_STOPS),
         "estimates": leaders.without([name for name in leaders.columns[1:] if name not in _NOT_OF_STOPS]),
         "clauses": clauses(board, limits),
