@@ -7,7 +7,7 @@ The front end reads a class as it is written first; only if that fails, the text
   the event (11.1.2).
 - A for equation over a list, over Real numbers or without a range is unrolled (8.3.2, 11.2.2); an iterator without a
   range in a function, array or reduction is given its range (10.3.4.1); a reduction over a list becomes one of an
-  array.
+  array, and a constructor with several iterators becomes nested ones (10.4.1).
 - An assertion in an if equation is moved out of it, and holds where the equation is not active (8.3.4).
 - A modifier with a dotted name is written with brackets (7.2).
 
@@ -821,6 +821,12 @@ def _reduction(tokens: Sequence[_Token], begin: int, k: int) -> Iterator[_Edit]:
             lines = "\n" * (tokens[end].line - tokens[begin].line)
             yield tokens[begin].end, tokens[end].start, (f"{{{text}}}" if is_call else text) + lines
         return
+    if tokens[begin].text == "{" and len(iterators) > 1:  # 10.4.1
+        yield tokens[begin].start, tokens[begin].start, "{"
+        place = k
+        for part in _split(tokens[k + 1 : end])[:-1]:
+            place += len(part) + 1  # the comma after this iterator
+            yield tokens[place].start, tokens[place].end, "} for"
     for name, range_ in iterators:
         found = None if range_ else _place_of(name, argument)
         if found:

@@ -73,7 +73,6 @@ REFUSED: tuple[str, ...] = (
     "matrix of a vector | *",
     "ndims | *",
     "max over an iterator | *",
-    "array over two iterators | *",
     "function with an early return | *",
     "function with break | *",
     "function with modifiers | *",
