@@ -42,7 +42,7 @@ def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
 
 
 def _class_within(path: Path, texts: dict[str, str], class_name: str) -> Iterator[str]:
-    found = re.match(r"\s*within\s+([\w.]+)\s*;", _code(texts[short(path, path)]))
+    found = re.match(r"\s*within\s+([\w.]+)\s*;", code_of(texts[short(path, path)]))
     if path.name != "package.mo" and found and not class_name.startswith(f"{found[1]}."):
         yield f"{short(path, path)}:1: the file has `within {found[1]};`, so its class is {found[1]}.{class_name}"
 
@@ -96,20 +96,20 @@ def explain(message: str) -> str:
     return message
 
 
-def _code(text: str) -> str:
-    # The text with comments, strings and quoted names blanked, so that places stay as they are.
+def code_of(text: str) -> str:
+    """Return a text with comments, strings and quoted names blanked, so that places stay as they are."""
     return _TOKENS.sub(lambda m: m[0] if len(m[0]) == 1 else re.sub(r"[^\n]", " ", m[0]), text)
 
 
 def has_class_extends(path: Path) -> bool:
     """Return whether `model extends` or the like is in a file or library."""
     form = re.compile(rf"\b(?:{KINDS})\s+extends\b")
-    return any(form.search(text) and form.search(_code(text)) for text in _texts(path).values())
+    return any(form.search(text) and form.search(code_of(text)) for text in _texts(path).values())
 
 
 def _within(file: Path, path: Path, text: str) -> str | None:
     # What is wrong with the clause `within` of a file of a library, or with the name of its class (13.4).
-    code = _code(text)
+    code = code_of(text)
     found = re.match(r"\s*(?:within\b\s*([\w.\s]*);)?", code)
     clause = "".join((found[1] or "").split()) if found else ""
     folder = file.parent.parent if file.name == "package.mo" else file.parent

@@ -69,6 +69,11 @@ class _Variable:
     sizes: tuple[tuple[_Token, ...], ...]
     rest: tuple[_Token, ...]
 
+    @property
+    def has_known_value(self) -> bool:
+        """Whether the value is compiled in: that of a constant, or of an Integer parameter."""
+        return "constant" in self.prefixes or ("parameter" in self.prefixes and self.type == "Integer")
+
 
 @dataclass(slots=True)
 class _Scope:
@@ -500,8 +505,8 @@ class _Unroller:
 
         def known(match: re.Match[str]) -> str:
             variable = self.scope.variables.get(match[0])
-            words = [token.text for token in variable.rest] if variable else []
-            if not variable or "constant" not in variable.prefixes or words[:1] != ["="]:
+            words = [token.text for token in variable.rest if token.text[0] != '"'] if variable else []
+            if not variable or not variable.has_known_value or words[:1] != ["="]:
                 return match[0]
             # Nothing else may give it another value.
             once = len(re.findall(rf"\b{match[0]}\s*=(?!=)", self.every)) == 1
