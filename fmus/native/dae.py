@@ -19,6 +19,7 @@ from railgrip.base.errors import InputError, TranslationError
 from railgrip.base.files import read_bytes, read_text, scratch
 from railgrip.fmus.native.classes import Sources, read_tree
 from railgrip.fmus.native.error_places import (
+    code_of,
     explain,
     has_class_extends,
     limits,
@@ -37,6 +38,8 @@ from railgrip.fmus.native.used_libraries import VARIABLE, name_of, used_librarie
 FRONT = Path(__file__).parent / "front"
 _CACHE_OF_RUMOCA = "XDG_CACHE_HOME"
 """Environment variable in which rumoca finds the folder of its cache, on every platform."""
+
+_SECTION = re.compile(r"\b(initial\s+)?(?:equation|algorithm)\b")
 
 SCHEMA = ("rumoca.checked-dae-template", 6)
 
@@ -136,6 +139,15 @@ class Dae:
         if subscripts and text[end : end + 1] == b"[":
             end = text.find(b"]", end) + 1
         return " ".join(text[begin:end].decode(errors="replace").split())
+
+    def is_initial(self, provenance: Node) -> bool:
+        """Return whether a node is in a section `initial equation` or `initial algorithm`, which rumoca omits."""
+        span = provenance.get("span")
+        if not span or span["source"] not in self.sources:
+            return False
+        _, text = self.sources[span["source"]]
+        keywords = _SECTION.findall(code_of(text[: span["start"]].decode(errors="replace")))
+        return bool(keywords) and bool(keywords[-1])
 
     def is_read(self, variable: int) -> bool:
         """Return whether an expression refers to a variable."""

@@ -187,6 +187,8 @@ _RULES: dict[str, Callable[..., Rule]] = {
     "power": _power,
     "elementwise_power": _power,
 }
+PARTIAL = _RULES.keys()
+"""Operations that are not defined everywhere."""
 
 
 BEYOND = 1e-9
@@ -224,14 +226,12 @@ def requirements(operation: str, operands: tuple[Array, ...], text: str, where: 
     """Return the requirements of an operation on arrays that does not always fulfil them by its form.
 
     Args:
-        operation: Name in the DAE.
+        operation: Name in the DAE, one of `PARTIAL`.
         operands: Operands, elementwise or scalars that apply to each element.
         text: Modelica text of the operation.
         where: File and line.
     """
-    rule = _RULES.get(operation)
-    if rule is None:
-        return []
+    rule = _RULES[operation]
     if rule is _quotient:
         operands = operands[1:]
     found: list[Requirement] = []

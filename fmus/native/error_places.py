@@ -42,7 +42,7 @@ def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
 
 
 def _class_within(path: Path, texts: dict[str, str], class_name: str) -> Iterator[str]:
-    found = re.match(r"\s*within\s+([\w.]+)\s*;", _code(texts[short(path, path)]))
+    found = re.match(r"\s*within\s+([\w.]+)\s*;", code_of(texts[short(path, path)]))
     if path.name != "package.mo" and found and not class_name.startswith(f"{found[1]}."):
         yield f"{short(path, path)}:1: the file has `within {found[1]};`, so its class is {found[1]}.{class_name}"
 
@@ -96,20 +96,20 @@ def explain(message: str) -> str:
     return message
 
 
-def _code(text: str) -> str:
-    # The text with comments, strings and quoted names blanked, so that places stay as they are.
-    return _TOKENS.sub(lambda m: m[0] if len(m[0]) == 1 else re.sub(r"[^\n]", " ", m[0]), text)
+def code_of(text: str) -> str:
+    """Return a text with comments, strings and quoted names blanked, so that places stay as they are."""
+    return _TOKENS.sub(lambda m: m[0] if len(m[0]) == 1 else _blank(m), text)
 
 
 def has_class_extends(path: Path) -> bool:
     """Return whether `model extends` or the like is in a file or library."""
     form = re.compile(rf"\b(?:{KINDS})\s+extends\b")
-    return any(form.search(text) and form.search(_code(text)) for text in _texts(path).values())
+    return any(form.search(text) and form.search(code_of(text)) for text in _texts(path).values())
 
 
 def _within(file: Path, path: Path, text: str) -> str | None:
     # What is wrong with the clause `within` of a file of a library, or with the name of its class (13.4).
-    code = _code(text)
+    code = code_of(text)
     found = re.match(r"\s*(?:within\b\s*([\w.\s]*);)?", code)
     clause = "".join((found[1] or "").split()) if found else ""
     folder = file.parent.parent if file.name == "package.mo" else file.parent
@@ -184,11 +184,13 @@ class _Limit:
         message: Pattern of its message; group `function` is the name of a function, `operator` that of an operator.
         source: Pattern of what causes it; `{operator}` stands for that group. If empty, the statement is searched for.
         sentence: What is not supported, and what to write instead.
+        in_functions: Whether the cause may be in a function.
     """
 
     message: str
     source: str
     sentence: str
+    in_functions: bool = True
 
 
 _FIXED_LOOP = "write a for loop with a fixed range and put its statements into an if statement"
@@ -220,11 +222,13 @@ _LIMITS = (
         r"\bfor\b[^;]*?\bin\s*(?!\d+\s*:)\S",
         "the range of this for must be Integer numbers that are known at build time; for the elements of an array v "
         "write `for i in 1:size(v, 1)` and v[i]",
+        in_functions=False,
     ),
     _Limit(
         r"multi-output algorithm|unsupported model algorithm",
         r"\balgorithm\b",
         "this algorithm section of a model is not supported; write equations, or a function with the algorithm",
+        in_functions=False,
     ),
     _Limit(
         r"missing source scope for imports",
@@ -301,6 +305,8 @@ def limits(message: str, path: Path, class_name: str) -> tuple[str, ...]:
         operator = groups.get("operator") or groups.get("operator2") or ""
         sentence = limit.sentence.format(operator=operator)
         texts = _texts(path)
+        if not limit.in_functions:
+            texts = {name: _FUNCTION.sub(_blank, text) for name, text in texts.items()}
         found = list(_statements(limit.source.replace("{operator}", operator), groups.get("function"), texts))
         if not found and path.name != "package.mo":
             (name, text), *_ = texts.items()
@@ -311,6 +317,13 @@ def limits(message: str, path: Path, class_name: str) -> tuple[str, ...]:
             sentence += "; the place is in this class or one that it uses"
         return tuple(f"{place}: {class_name}: {sentence}: {line}" for place, line in found[:_MAXIMUM_PLACES])
     return ()
+
+
+_FUNCTION = re.compile(r"\bfunction\s+(\w+)\b.*?\bend\s+\1\s*;", re.DOTALL)
+
+
+def _blank(match: re.Match[str]) -> str:
+    return re.sub(r"[^\n]", " ", match[0])
 
 
 def _statements(source: str, function: str | None, texts: dict[str, str]) -> Iterator[tuple[str, str]]:
@@ -336,9 +349,7 @@ def _line_at(name: str, text: str, position: int) -> tuple[str, str]:
 
 def _without_comments(text: str) -> str:
     # Comments and strings become spaces, so that positions stay the same.
-    return re.sub(
-        r"""//[^\n]*|/\*.*?\*/|"(?:[^"\\]|\\.)*\"""", lambda m: re.sub(r"[^\n]", " ", m[0]), text, flags=re.DOTALL
-    )
+    return re.sub(r"""//[^\n]*|/\*.*?\*/|"(?:[^"\\]|\\.)*\"""", _blank, text, flags=re.DOTALL)
 
 
 _LONGEST = 100

@@ -26,7 +26,15 @@ from railgrip.fmus.native.arrays import (
     require,
 )
 from railgrip.fmus.native.dae import Binding, Dae, Node
-from railgrip.fmus.native.domains import Evaluation, Requirement, both, conditional_requirements, extended, requirements
+from railgrip.fmus.native.domains import (
+    PARTIAL,
+    Evaluation,
+    Requirement,
+    both,
+    conditional_requirements,
+    extended,
+    requirements,
+)
 
 # Kind of a reference → kind of the symbols, where they differ. During an event a state has its value before reinit.
 STORE = {
@@ -139,8 +147,13 @@ class ExpressionBuilder:
         # Each evaluation is kept with its requirements, because another user may need it under another condition.
         if key not in memo:
             evaluation = Evaluation()
-            with self._used_by(evaluation, None):
+            # As `_used_by`, which would take a noticeable part of the time, because this happens for every expression.
+            before = self._user, self._only_if
+            self._user, self._only_if = evaluation, None
+            try:
                 value = compute()
+            finally:
+                self._user, self._only_if = before
             memo[key] = value, evaluation
         value, evaluation = memo[key]
         if evaluation:
@@ -200,8 +213,9 @@ class ExpressionBuilder:
             raise self._refusal("this form of an expression", node) from error
 
     def _require(self, name: str, operands: tuple[Array, ...], node: Node) -> None:
-        place = node["provenance"]
-        self._user.requirements += requirements(name, operands, self.dae.text(place), self.dae.where(place))
+        if name in PARTIAL:
+            place = node["provenance"]
+            self._user.requirements += requirements(name, operands, self.dae.text(place), self.dae.where(place))
 
     def _refusal(self, construct: str, node: Node) -> Exception:
         text = self.dae.text(node["provenance"])

@@ -104,7 +104,7 @@ class _Value:
 
 
 @dataclass(frozen=True, slots=True)
-class _Step:
+class _Operation:
     """One operation: its result, a value or a place in `res`, and its operands."""
 
     operation: str
@@ -132,7 +132,7 @@ def straight(function: ca.Function) -> str:
     )
 
 
-def _steps(function: ca.Function) -> Iterator[_Step]:
+def _steps(function: ca.Function) -> Iterator[_Operation]:
     values: dict[int, _Value] = {}
     count = 0
     for k in range(function.n_instructions()):
@@ -148,14 +148,14 @@ def _steps(function: ca.Function) -> Iterator[_Step]:
             for operand in operands:
                 operand.parts.add(count // LONGEST)
             if operation == "OP_OUTPUT":
-                yield _Step("OP_ASSIGN", f"res[{to[0]}][{to[1]}]", operands)
+                yield _Operation("OP_ASSIGN", f"res[{to[0]}][{to[1]}]", operands)
             else:
                 values[to[0]] = _Value(f"v{k}", f"w[{to[0]}]", {count // LONGEST})
-                yield _Step(operation, values[to[0]], operands)
+                yield _Operation(operation, values[to[0]], operands)
             count += 1
 
 
-def _part(steps: list[_Step]) -> list[str]:
+def _part(steps: list[_Operation]) -> list[str]:
     lines: list[str] = []
     names: set[str] = set()
     for step in steps:

@@ -7,7 +7,7 @@ The front end reads a class as it is written first; only if that fails, the text
   the event (11.1.2).
 - A for equation over a list, over Real numbers or without a range is unrolled (8.3.2, 11.2.2); an iterator without a
   range in a function, array or reduction is given its range (10.3.4.1); a reduction over a list becomes one of an
-  array.
+  array, and a constructor with several iterators becomes nested ones (10.4.1).
 - An assertion in an if equation is moved out of it, and holds where the equation is not active (8.3.4).
 - A modifier with a dotted name is written with brackets (7.2).
 
@@ -20,6 +20,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
 from math import ceil, floor
+from typing import Any
 
 _TOKEN = re.compile(
     r"""//[^\n]*|/\*.*?\*/|\s+|(?P<token>"(?:[^"\\]|\\.)*"|\.?(?:[^\W\d]\w*|'(?:[^'\\]|\\.)*')"""
@@ -61,13 +62,18 @@ class _Token:
 
 
 @dataclass(frozen=True, slots=True)
-class _Variable:
+class _Declaration:
     """A declared variable: its type, its prefixes, the tokens of its sizes, and of all that follows its name."""
 
     type: str
     prefixes: frozenset[str]
     sizes: tuple[tuple[_Token, ...], ...]
     rest: tuple[_Token, ...]
+
+    @property
+    def has_known_value(self) -> bool:
+        """Whether the value is compiled in: that of a constant, or of an Integer parameter."""
+        return "constant" in self.prefixes or ("parameter" in self.prefixes and self.type == "Integer")
 
 
 @dataclass(slots=True)
@@ -77,12 +83,12 @@ class _Scope:
     kind: str
     name: str = ""
     is_short: bool = False
-    variables: dict[str, _Variable] = field(default_factory=dict[str, _Variable])
+    variables: dict[str, _Declaration] = field(default_factory=dict[str, _Declaration])
     sections: list[tuple[str, int, int]] = field(default_factory=list[tuple[str, int, int]])
 
 
 @dataclass(frozen=True, slots=True)
-class _Statement:
+class _Clause:
     """A statement or equation.
 
     Attributes:
@@ -94,7 +100,7 @@ class _Statement:
 
     kind: str
     tokens: tuple[_Token, ...]
-    branches: tuple[tuple[tuple[_Token, ...], tuple["_Statement", ...]], ...] = ()
+    branches: tuple[tuple[tuple[_Token, ...], tuple["_Clause", ...]], ...] = ()
     iterators: tuple[tuple[str, tuple[_Token, ...]], ...] = ()
 
 
@@ -204,7 +210,7 @@ def _declare(scope: _Scope, tokens: Sequence[_Token]) -> None:
     for part in _split(rest):
         sizes, after = _subscripts(part[1:])
         if part and _NAME.fullmatch(part[0].text):
-            scope.variables[part[0].text] = _Variable(type_, prefixes, (*sizes, *before), tuple(after))
+            scope.variables[part[0].text] = _Declaration(type_, prefixes, (*sizes, *before), tuple(after))
 
 
 def _subscripts(tokens: Sequence[_Token]) -> tuple[tuple[tuple[_Token, ...], ...], Sequence[_Token]]:
@@ -240,31 +246,31 @@ class _Parser:
     def __init__(self, tokens: Sequence[_Token]) -> None:
         self.tokens, self.i = tokens, 0
 
-    def statements(self, *ends: str) -> tuple[_Statement, ...]:
-        found: list[_Statement] = []
+    def statements(self, *ends: str) -> tuple[_Clause, ...]:
+        found: list[_Clause] = []
         while self.i < len(self.tokens) and self.tokens[self.i].text not in ends:
             found.append(self._statement())
         return tuple(found)
 
-    def _statement(self) -> _Statement:
+    def _statement(self) -> _Clause:
         begin, word = self.i, self.tokens[self.i].text
         if word == "if":
             branches = self._branches()
-            return _Statement("if", self._ended(begin, "if"), branches)
+            return _Clause("if", self._ended(begin, "if"), branches)
         if word == "for":
             self.i += 1
             iterators = _iterators(self._until("loop"))
             body = self.statements("end")
-            return _Statement("for", self._ended(begin, "for"), (((), body),), iterators)
+            return _Clause("for", self._ended(begin, "for"), (((), body),), iterators)
         if word in ("when", "while"):
             while not (self.tokens[self.i].text == "end" and self.tokens[self.i + 1].text == word):
                 self.i += 1
-            return _Statement("", self._ended(begin, word))
+            return _Clause("", self._ended(begin, word))
         self._until(";")
-        return _Statement("", tuple(self.tokens[begin : self.i - 1]))
+        return _Clause("", tuple(self.tokens[begin : self.i - 1]))
 
-    def _branches(self) -> tuple[tuple[tuple[_Token, ...], tuple[_Statement, ...]], ...]:
-        found: list[tuple[tuple[_Token, ...], tuple[_Statement, ...]]] = []
+    def _branches(self) -> tuple[tuple[tuple[_Token, ...], tuple[_Clause, ...]], ...]:
+        found: list[tuple[tuple[_Token, ...], tuple[_Clause, ...]]] = []
         while self.tokens[self.i].text != "end":
             has_condition = self.tokens[self.i].text != "else"
             self.i += 1
@@ -303,7 +309,7 @@ def _iterators(tokens: Sequence[_Token]) -> tuple[tuple[str, tuple[_Token, ...]]
 # Numbers that are known
 
 
-_FUNCTIONS: Mapping[str, Callable[..., float]] = {
+_FUNCTIONS: Mapping[str, Any] = {
     "integer": floor, "floor": floor, "ceil": ceil, "abs": abs, "min": min, "max": max, "sqrt": lambda x: x**0.5
 }  # fmt: skip
 
@@ -363,7 +369,7 @@ def _on_lines(pieces: Iterable[tuple[int, str]], first: int, last: int) -> str:
 
 
 def _ranges_in_function(scope: _Scope, tokens: Sequence[_Token]) -> Iterator[_Edit]:
-    def visit(statements: Iterable[_Statement]) -> Iterator[_Edit]:
+    def visit(statements: Iterable[_Clause]) -> Iterator[_Edit]:
         for statement in statements:
             for _, body in statement.branches:
                 yield from visit(body)
@@ -405,7 +411,7 @@ class _Unroller:
         self.scope, self.every = scope, every
         self.count = 0
 
-    def must_change(self, statements: Iterable[_Statement]) -> bool:
+    def must_change(self, statements: Iterable[_Clause]) -> bool:
         return any(
             (
                 s.kind == "for"
@@ -416,7 +422,7 @@ class _Unroller:
             for s in statements
         )
 
-    def equations(self, statements: Iterable[_Statement], values: Mapping[str, str]) -> list[tuple[int, str]]:
+    def equations(self, statements: Iterable[_Clause], values: Mapping[str, str]) -> list[tuple[int, str]]:
         pieces: list[tuple[int, str]] = []
         for statement in statements:
             line = statement.tokens[0].line
@@ -436,7 +442,7 @@ class _Unroller:
         return pieces
 
     def _asserts(
-        self, statement: _Statement, values: Mapping[str, str], wrap: Callable[[str], str]
+        self, statement: _Clause, values: Mapping[str, str], wrap: Callable[[str], str]
     ) -> Iterator[tuple[int, str]]:
         before: list[str] = []
         for condition, body in statement.branches:
@@ -457,7 +463,7 @@ class _Unroller:
             raise _Unsupported
         return f"assert({', '.join([wrap(self.text(condition, values)), *(self.text(o, values) for o in others)])})"
 
-    def points(self, statement: _Statement, values: Mapping[str, str]) -> Iterator[Mapping[str, str]]:
+    def points(self, statement: _Clause, values: Mapping[str, str]) -> Iterator[Mapping[str, str]]:
         """Yield the values of iterators in each repetition of a for."""
         iterators = statement.iterators
         if not iterators:
@@ -471,7 +477,7 @@ class _Unroller:
             yield from self.points(replace(statement, iterators=tuple(others)), {**values, name: value})
 
     def _range(
-        self, name: str, range_: Sequence[_Token], statement: _Statement, values: Mapping[str, str]
+        self, name: str, range_: Sequence[_Token], statement: _Clause, values: Mapping[str, str]
     ) -> Sequence[str]:
         if not range_:
             found = _place_of(name, [t for _, body in statement.branches for s in body for t in s.tokens])
@@ -500,8 +506,8 @@ class _Unroller:
 
         def known(match: re.Match[str]) -> str:
             variable = self.scope.variables.get(match[0])
-            words = [token.text for token in variable.rest] if variable else []
-            if not variable or "constant" not in variable.prefixes or words[:1] != ["="]:
+            words = [token.text for token in variable.rest if token.text[0] != '"'] if variable else []
+            if not variable or not variable.has_known_value or words[:1] != ["="]:
                 return match[0]
             # Nothing else may give it another value.
             once = len(re.findall(rf"\b{match[0]}\s*=(?!=)", self.every)) == 1
@@ -580,12 +586,12 @@ class _Unroller:
         return str(value) if isinstance(value, int) else text
 
 
-def _is_assert(statement: _Statement) -> bool:
+def _is_assert(statement: _Clause) -> bool:
     words = [token.text for token in statement.tokens[:2]]
     return not statement.kind and words == ["assert", "("]
 
 
-def _without_asserts(statements: Iterable[_Statement]) -> list[_Statement]:
+def _without_asserts(statements: Iterable[_Clause]) -> list[_Clause]:
     return [
         replace(s, branches=tuple((c, tuple(_without_asserts(body))) for c, body in s.branches))
         for s in statements
@@ -637,7 +643,7 @@ class _Execution(_Unroller):
     def assigned(self) -> frozenset[str]:
         return self.names
 
-    def run(self, statements: Sequence[_Statement]) -> None:
+    def run(self, statements: Sequence[_Clause]) -> None:
         """Execute all statements.
 
         Raises:
@@ -658,7 +664,7 @@ class _Execution(_Unroller):
             raise _Unsupported
 
     def _execute(
-        self, statements: Iterable[_Statement], values: Mapping[str, str], guard: Callable[[str], str] | None
+        self, statements: Iterable[_Clause], values: Mapping[str, str], guard: Callable[[str], str] | None
     ) -> None:
         for statement in statements:
             if statement.kind == "for":
@@ -731,7 +737,7 @@ class _Execution(_Unroller):
         self.written.append((line, f"{name} = {value}"))
         return name
 
-    def _choose(self, statement: _Statement, values: Mapping[str, str], guard: Callable[[str], str] | None) -> None:
+    def _choose(self, statement: _Clause, values: Mapping[str, str], guard: Callable[[str], str] | None) -> None:
         before, outcomes = dict(self.now), list[tuple[str, dict[tuple[str, str], str]]]()
         skipped: list[str] = []
         for tokens, body in statement.branches:
@@ -821,6 +827,12 @@ def _reduction(tokens: Sequence[_Token], begin: int, k: int) -> Iterator[_Edit]:
             lines = "\n" * (tokens[end].line - tokens[begin].line)
             yield tokens[begin].end, tokens[end].start, (f"{{{text}}}" if is_call else text) + lines
         return
+    if tokens[begin].text == "{" and len(iterators) > 1:  # 10.4.1
+        yield tokens[begin].start, tokens[begin].start, "{"
+        place = k
+        for part in _split(tokens[k + 1 : end])[:-1]:
+            place += len(part) + 1  # the comma after this iterator
+            yield tokens[place].start, tokens[place].end, "} for"
     for name, range_ in iterators:
         found = None if range_ else _place_of(name, argument)
         if found:

@@ -650,11 +650,12 @@ def _assertions(dae: Dae, evaluate: ExpressionBuilder, conditions: EventConditio
             level="error" if operation["kind"] == "assert" else "warning",
             where=dae.where(action["provenance"]),
         )
-        if not ca.depends_on(holds, conditions.ticks[-1]):
+        times = [(1.0, "start")] if dae.is_initial(action["provenance"]) else [(1.0, "start"), (0.0, "running")]
+        if len(times) > 1 and not ca.depends_on(holds, conditions.ticks[-1]):
             out.append(found)
             continue
         # initial() is true while the start is computed, and false from then on (8.6).
-        for is_initial, when in ((1.0, "start"), (0.0, "running")):
+        for is_initial, when in times:
             out.append(replace(found, holds=ca.substitute(found.holds, conditions.ticks[-1], is_initial), when=when))
     return out
 

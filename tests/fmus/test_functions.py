@@ -110,3 +110,15 @@ def test_newtons_iteration_until_it_converges_is_refused_at_its_loop(tmp_path):
     )
     with pytest.raises(InputError, match=r"P\.mo:9: P\.M: a while loop .* write a for loop with a fixed range"):
         read("P.M", file)
+
+
+def test_an_algorithm_that_is_not_supported_is_refused_at_its_line_not_at_that_of_a_function(tmp_path):
+    file = tmp_path / "P.mo"
+    file.write_text(
+        "package P\nfunction f\n input Real u;\n output Real y;\nalgorithm\n y := u;\nend f;\nmodel M\n"
+        " output Real y(start=2);\nalgorithm\n if time > 1 then\n  y := f(time);\n end if;\nend M;\nend P;\n"
+    )
+    with pytest.raises(InputError) as refusal:
+        read("P.M", file)
+    assert str(refusal.value).startswith("P.mo:10: P.M: this algorithm section")
+    assert "P.mo:5" not in str(refusal.value)

@@ -183,3 +183,16 @@ def test_initial_equations_depend_on_fixed_values_that_the_importer_sets(modelic
     assert [v[-1] for v in trajectory(fmu, interface, "y", "z")] == pytest.approx([4, 1], abs=1e-12)
     values = trajectory(fmu, interface, "y", "z", x=9, p=7)
     assert [v[-1] for v in values] == pytest.approx([17, 3], abs=1e-12)
+
+
+def test_an_assertion_of_an_initial_equation_is_checked_at_the_start_only(tmp_path):
+    """Section 8.6; the state violates it later."""
+    file = tmp_path / "M.mo"
+    file.write_text(
+        "model M\n Real x(start=1, fixed=true);\ninitial equation // not in the equation below\n"
+        ' assert(x > 0.5, "initial equation");\nequation\n der(x) = -3*x;\n assert(x > 0.3, "equation");\n'
+        'initial algorithm\n assert(x > 0.9, "initial algorithm");\nend M;\n'
+    )
+    system = explicit(read("M", file))
+    assert {a.message[0] for a in system.checks("start")} == {"initial equation", "initial algorithm"}
+    assert [a.message[0] for a in system.checks("running")] == ["equation"]

@@ -36,6 +36,10 @@ VALUES = {
         "output Real x[2]; output Real s; algorithm x := {1, time}; s := sum(x) + x[2];",
         [1, 0.75, 2.5],
     ),
+    "a loop to an Integer parameter": (
+        'parameter Integer n = 3 "size"; output Real x[n]; algorithm x[1] := 1; for i in 2:n loop\n'
+        "x[i] := x[i - 1] + time; end for;", [1, 1.75, 2.5]
+    ),
     "an iterator with the name of a constant": (
         "constant Integer j = 3; output Real x[j]; algorithm for j in 1:j loop x[j] := 2*j; end for;", [2, 4, 6]
     ),
@@ -189,6 +193,14 @@ def test_what_cannot_keep_its_meaning_is_refused_as_before(tmp_path, name):
     with pytest.raises(InputError, match=sentence) as refusal:
         lower("M", write(tmp_path, body))
     assert "railgrip-" not in str(refusal.value)  # the name of a temporary folder
+
+
+def test_a_loop_to_a_parameter_that_another_class_sets_is_refused(tmp_path):
+    text = "model A\n parameter Integer n = 2;\n output Real y;\nalgorithm\n y := 0;\n for i in 1:n loop\n"
+    text += "  y := y + i;\n end for;\nend A;\n"
+    (tmp_path / "P.mo").write_text(f"package P {text} model M A a(n = 3); end M; end P;\n")
+    with pytest.raises(InputError, match="algorithm section"):
+        read("P.M", tmp_path / "P.mo")
 
 
 def test_a_start_value_that_another_class_sets_is_refused(tmp_path):

@@ -12,7 +12,7 @@ LINEAR = ("homotopy", "elementwise sum with a scalar", "elementwise difference w
 REFUSED: Mapping[str, tuple[str, ...]] = {
     "*": (
         *("function returns a record", "recursive function", "integer of an enumeration", "symmetric", "ndims"),
-        *("scalar of an array", "matrix of a vector", "max over an iterator", "array over two iterators"),
+        *("scalar of an array", "matrix of a vector", "max over an iterator"),
         *("function with an early return", "function with break", "function with modifiers"),
     ),
     "initial algorithm": ("*",),
