@@ -251,8 +251,8 @@ def _stops(train: Train) -> Iterator[TrainRemark]:
             )
     slowest = min(stops)
     for kind in {car.distributor: None for car in train.cars if car.distributor}:
-        stages = train.distributors[kind]
-        if slowest < stages.speed_up:
+        stages = train.distributors[kind].stages
+        if stages is not None and slowest < stages.speed_up:
             yield TrainRemark(
                 f"[distributors.{kind}] speed_up",
                 f"is {3.6 * stages.speed_up:g} km/h: a stop from {3.6 * slowest:g} km/h is in the low stage throughout",

@@ -21,6 +21,7 @@ def class_name(train: Train, *, pneumatic: bool) -> str:
     return f"Train_{_identifier(train.name)}{'_pneumatic' if pneumatic else ''}"
 
 
+_RELEASE = 17.0  # s, of RailBraking.Pneumatics.PartialDistributor
 _RIGGING = {
     "A_piston": "piston_area",
     "i_rigging": "rigging",
@@ -153,10 +154,13 @@ def _command(train: Train, body_of_car: Sequence[int]) -> dict[str, Any]:
     # Through the pipe each car has its own pressure; by wire all with the same build-up have the same.
     available = [max(_pressures(train, number)) for number in range(len(train.cars))] if has_pipe else wires or [1.0]
     bogie_of_group = [train.axles[members[0]].bogie for members in train.groups]
-    distributors = train.distributor_of_car
-    single, two_stage = (
-        [i for i, distributor in enumerate(distributors) if (distributor is None) == plain] for plain in (True, False)
-    )
+    stages, distributors, filling = train.stages_of_car, train.distributor_of_car, train.filling_of_car
+    single, two_stage = ([i for i, of_car in enumerate(stages) if (of_car is None) == plain] for plain in (True, False))
+    # A car without times of its own has those of [command], and the default release.
+    release = [_RELEASE if d is None or d.release_time is None else d.release_time for d in distributors]
+    has_times = [
+        d is not None and (d.fill_time is not None or d.release_time is not None or d.inshot > 0) for d in distributors
+    ]
     part_of_car = {car: f"distributor[{number}]" for number, car in enumerate(single, start=1)}
     part_of_car |= {car: f"two_stage{number}" for number, car in enumerate(two_stage, start=1)}
     return {
@@ -164,8 +168,23 @@ def _command(train: Train, body_of_car: Sequence[int]) -> dict[str, Any]:
         "available": available,
         "distributor_of_car": part_of_car,
         "single_stage": [available[car] for car in single] if has_pipe else [],
+        "times_of_single": (
+            {
+                "T_fill": [filling[car][0] for car in single],
+                "T_release": [release[car] for car in single],
+                "inshot": [filling[car][1] for car in single],
+            }
+            if any(has_times[car] for car in single)
+            else {}
+        ),
         "two_stages": [
-            {"distributor": distributors[car], "pressure": available[car], "body": body_of_car[car] + 1}
+            {
+                "distributor": stages[car],
+                "pressure": available[car],
+                "body": body_of_car[car] + 1,
+                "fill_time": filling[car][0],
+                "times": {"T_release": release[car], "inshot": filling[car][1]} if has_times[car] else {},
+            }
             for car in two_stage
         ],
         "accelerators": [

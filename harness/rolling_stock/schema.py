@@ -415,22 +415,70 @@ class BrakePipe(SourcedTable):
     )
 
 
-class Distributor(SourcedTable):
-    """A distributor in position R with a high and a low stage: RailBraking.Pneumatics.TwoStageDistributor."""
+@dataclass(frozen=True, slots=True)
+class Stages:
+    """The two stages of a distributor in position R; attributes as the keys of `Distributor`."""
 
-    low_share: Share = Field(description="ratio of the cylinder pressures of the low and the high stage")
-    speed_up: TravelSpeed = Field(description="speed at and above which the distributor changes to the high stage")
-    speed_down: TravelSpeed = Field(description="speed below which the distributor changes to the low stage")
-    stage_time: LagTime = Field(description="time constant of the change between the stages")
+    low_share: float
+    speed_up: float
+    speed_down: float
+    stage_time: float
+
+
+class Distributor(SourcedTable):
+    """A distributor of a car: its times (position G or P), and two stages for position R, all of them or none.
+
+    RailBraking.Pneumatics.Distributor, or TwoStageDistributor with stages.
+    """
+
+    fill_time: FillTime | None = Field(
+        default=None,
+        description="time from the first pressure to 95 % of the highest pressure; that of [command] unless given",
+    )
+    release_time: (
+        Annotated[
+            float,
+            UnitRange(
+                "s", at_least=1, at_most=200, usual=(10, 70), because="UIC 540 has 15 to 20 s (P), 45 to 60 s (G)"
+            ),
+        ]
+        | None
+    ) = Field(default=None, description="release time from the highest pressure to 0.4 bar; 17 s unless given")
+    inshot: Annotated[float, UnitRange("1", at_least=0, at_most=0.5, usual=(0, 0.2))] = Field(
+        default=0.0, description="share of the highest pressure that comes at once, and brings blocks to the wheel"
+    )
+    low_share: Share | None = Field(
+        default=None, description="ratio of the cylinder pressures of the low and the high stage"
+    )
+    speed_up: TravelSpeed | None = Field(
+        default=None, description="speed at and above which the distributor changes to the high stage"
+    )
+    speed_down: TravelSpeed | None = Field(
+        default=None, description="speed below which the distributor changes to the low stage"
+    )
+    stage_time: LagTime | None = Field(default=None, description="time constant of the change between the stages")
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
-        if self.speed_down >= self.speed_up:
+        keys = ("low_share", "speed_up", "speed_down", "stage_time")
+        lacking = [key for key in keys if getattr(self, key) is None]
+        if 0 < len(lacking) < len(keys):
+            raise table_error(f"has two stages, but no {', '.join(lacking)}: give {', '.join(keys)}, or none of them")
+        if lacking and self.fill_time is None and self.release_time is None and self.inshot == 0:
+            raise table_error(f"has no key that acts: give fill_time, release_time, inshot, or {', '.join(keys)}")
+        if self.stages is not None and self.stages.speed_down >= self.stages.speed_up:
             raise table_error(
-                f"has speed_down {3.6 * self.speed_down:g} km/h and speed_up {3.6 * self.speed_up:g} km/h; "
-                "speed_down must be lower than speed_up"
+                f"has speed_down {3.6 * self.stages.speed_down:g} km/h and speed_up {3.6 * self.stages.speed_up:g} "
+                "km/h; speed_down must be lower than speed_up"
             )
         return self
+
+    @property
+    def stages(self) -> Stages | None:
+        """Its two stages; None with a single one."""
+        if self.low_share is None or self.speed_up is None or self.speed_down is None or self.stage_time is None:
+            return None
+        return Stages(self.low_share, self.speed_up, self.speed_down, self.stage_time)
 
 
 _READY = "above it an accelerator would be ready to open again, and would open and close repeatedly"
@@ -550,7 +598,7 @@ class Car(SourcedTable):
     )
     distributor: Name | None = Field(
         default=None,
-        description="name of its distributor in [distributors]; without one a car with a brake pipe has a single stage",
+        description="name of its distributor in [distributors]; without one a car has the fill_time of [command]",
     )
     accelerator: Name | None = Field(
         default=None, description="name in [accelerators] of the accelerator on its brake pipe"
@@ -786,8 +834,24 @@ class Train(Table):
 
     @property
     def distributor_of_car(self) -> tuple[Distributor | None, ...]:
-        """Two-stage distributor of each car; None for a car with a single stage."""
+        """Distributor of each car that has one in [distributors]."""
         return tuple(self.distributors[car.distributor] if car.distributor else None for car in self.cars)
+
+    @property
+    def stages_of_car(self) -> tuple[Stages | None, ...]:
+        """Stages of the distributor of each car; None for a car with a single stage."""
+        return tuple(None if distributor is None else distributor.stages for distributor in self.distributor_of_car)
+
+    @property
+    def filling_of_car(self) -> tuple[tuple[float, float], ...]:
+        """Filling time to 95 % [s] and inshot of each car behind a brake pipe; empty without one."""
+        if not isinstance(self.command, BrakePipe):
+            return ()
+        of_command = self.command.fill_time
+        return tuple(
+            (of_command, 0.0) if d is None else (of_command if d.fill_time is None else d.fill_time, d.inshot)
+            for d in self.distributor_of_car
+        )
 
     @property
     def accelerator_of_car(self) -> tuple[Accelerator | None, ...]:

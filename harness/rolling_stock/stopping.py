@@ -157,7 +157,7 @@ def developed_forces(train: Train, speed: float, start: float) -> tuple[Vector, 
         running resistance [N].
     """
     brakes, wheel = _brakes_of(train)
-    stages = [train.distributor_of_car[axle.car] for axle in train.axles]
+    stages = [train.stages_of_car[axle.car] for axle in train.axles]
     share = np.array(
         [1.0 if d is None or (start >= d.speed_up and speed >= d.speed_down) else d.low_share for d in stages]
     )
@@ -171,7 +171,7 @@ def response_times(train: Train) -> tuple[Vector, Vector]:
     """Return the equivalent response time of the brakes of each axle, and of each track brake [s].
 
     It is the time integral of what the pressure lacks of the full one: delay and time constant, or delay of the wave in
-    the pipe and half of the time of the linear rise.
+    the pipe and half of the time of the linear rise, of which an inshot leaves (1 - inshot)² at the same rate.
     """
     axles = train.axles
     match train.command:
@@ -181,7 +181,8 @@ def response_times(train: Train) -> tuple[Vector, Vector]:
             times = np.array([sum(wire_of(train, axle.bogie)) for axle in axles])
         case BrakePipe() as pipe:
             arrival = np.array([axle.position for axle in axles]) / _front_speed(train, pipe)
-            times = arrival + pipe.fill_time / _FILLED / 2
+            filling, inshot = np.array([train.filling_of_car[axle.car] for axle in axles]).T
+            times = arrival + filling / (_FILLED - inshot) * (1 - inshot) ** 2 / 2
     magnets = [b.track_brake for b in train.bogies_in_train if b.track_brake is not None]
     return times, np.array([brake.delay + brake.time_constant for brake in magnets])
 
@@ -291,6 +292,7 @@ class _PressureBuildUp:
                 self._delay, self._time = np.array([wire_of(train, axle.bogie) for axle in train.axles]).T
             case BrakePipe() as pipe:
                 self._delay = positions / _front_speed(train, pipe)
+                self._time, self._inshot = np.array([train.filling_of_car[axle.car] for axle in train.axles]).T
 
     def share(self, time: float, speed: float) -> Vector:
         """Return the pressure at each axle in the next step as a share of the highest, shape (axles,)."""
@@ -299,9 +301,10 @@ class _PressureBuildUp:
                 return np.ones(self._delay.size)
             case Electropneumatic():
                 return -np.expm1(-np.maximum(time - self._delay, 0.0) / self._time)
-            case BrakePipe(fill_time=fill_time):
-                filled = np.clip(_FILLED * (time - self._delay) / fill_time, 0.0, 1.0)
-                return self._stages.share(speed) * filled
+            case BrakePipe():
+                after = time - self._delay
+                filled = np.clip(self._inshot + (_FILLED - self._inshot) * after / self._time, 0.0, 1.0)
+                return self._stages.share(speed) * np.where(after > 0, filled, 0.0)
 
 
 class _Stages:
@@ -309,7 +312,7 @@ class _Stages:
 
     def __init__(self, train: Train, speed: float) -> None:
         # A demand at a speed between the two thresholds starts in the low stage.
-        parts = [train.distributor_of_car[axle.car] for axle in train.axles]
+        parts = [train.stages_of_car[axle.car] for axle in train.axles]
         values = [(1.0, 0.0, 1.0) if d is None else (d.low_share, d.speed_down, d.stage_time) for d in parts]
         self._low, self._down, time = np.array(values).T
         self._share = np.where([d is None or speed >= d.speed_up for d in parts], 1.0, self._low)

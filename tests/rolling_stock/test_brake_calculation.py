@@ -193,3 +193,54 @@ def test_friction_effects_of_pads_and_the_mean_over_the_distance_agree():
     plain, falling = mean_stop(load_train(UNIT), 30.0), mean_stop(train_of(tables, "unit.toml"), 30.0)
     ratio = np.where(np.arange(8) % 6 < 2, 1.0, 0.27 / 0.445)  # pads slide slower than the train by r/R
     assert falling.forces / plain.forces == pytest.approx(1 + 0.2 * (1 - 2 / 3 * 30 * ratio / 20), rel=1e-9)
+
+
+def shunting(position, *, inshot=True):
+    """The train of RailProfAC/ShuntingBrakingCurves in a position."""
+    tables = tomllib.loads((EXAMPLES / "shunting_train.toml").read_text(encoding="utf-8"))
+    if position == "P":
+        for car in tables["cars"]:
+            del car["distributor"]
+    elif not inshot:
+        tables["distributors"]["G"] |= {"inshot": 0, "fill_time": 0.95 * 24}
+    return train_of(tables, "shunting.toml")
+
+
+@pytest.mark.parametrize(("position", "inshot", "distance"), [("P", True, 42.8), ("G", True, 76.9), ("G", False, 87.9)])
+def test_positions_g_and_p_give_the_published_distances(position, inshot, distance):
+    """From 25 km/h, by the source's own equations with the force of its locomotive counted once.
+
+    The published means are 38.34 m and 64.27 m. The source gives the inshot to all cars at once, ours after the wave in
+    the pipe: 0.3 m.
+    """
+    assert by_hand(shunting(position, inshot=inshot), 25 / 3.6).distance == pytest.approx(distance, rel=0.006)
+
+
+def test_the_response_time_of_a_linear_rise_is_its_integral():
+    """Inshot i at once, then linear to 95 % in T: the missing area is T (1 − i)²/(2 (0.95 − i)) after the wave."""
+    stop, position = mean_stop(shunting("G"), 25 / 3.6), mean_stop(shunting("P"), 25 / 3.6)
+    assert stop.equivalent_time / position.equivalent_time == pytest.approx(
+        (22.667 * 0.9**2 / (2 * 0.85) + 0.2) / (3.8 / (2 * 0.95) + 0.2), rel=0.02
+    )
+
+
+def test_positions_are_parameters_of_the_distributors_of_the_class():
+    text = class_text(shunting("G"), pneumatic=True)
+    assert "T_fill={22.667, 22.667, 22.667, 22.667, 22.667, 22.667}, T_release={17, 17, 17, 17, 17, 17}" in text
+    assert "inshot={0.1, 0.1, 0.1, 0.1, 0.1, 0.1}" in text
+
+
+@pytest.mark.parametrize(
+    ("keys", "sentence"),
+    [
+        ({"low_share": 0.5}, "has two stages, but no speed_up, speed_down, stage_time"),
+        ({}, "has no key that acts"),
+        ({"inshot": 0.6}, "inshot must be at most 0.5"),
+    ],
+)
+def test_a_distributor_without_effect_or_with_half_of_its_stages_is_refused(keys, sentence):
+    tables = tomllib.loads((EXAMPLES / "shunting_train.toml").read_text(encoding="utf-8"))
+    tables["distributors"]["G"] = {"estimated": True, **keys}
+    with pytest.raises(ScenarioError) as refused:
+        train_of(tables, "shunting.toml")
+    assert sentence in str(refused.value)
