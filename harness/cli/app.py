@@ -183,7 +183,7 @@ class _Main(Commands):
             "list": Command("library:list_", "List the names of scenarios, controllers, trains and more."),
             "new": Command("library:new", "Write a commented file to start from, which runs as it is."),
             "schema": Command("library:schema", "Print the JSON schema of a file, for editors and validators."),
-            "train": Command("trains:trains", "Draw and check trains in files."),
+            "train": Command("trains:trains", "Draw, check and calculate trains in files."),
             "build": Command("fmus:build_command", "Update FMUs, or build a plant from your own class."),
             "map": Command("exchange:map_", "Print the tables of a scenario for the FMU of another tool."),
             "export": Command("exchange:export", "Make FMUs of a scenario for another tool: a part or the whole loop."),

@@ -1,17 +1,19 @@
-"""Trains in files: draw one, check one."""
+"""Trains in files: draw, check and calculate one."""
 
+from hashlib import sha256
 from pathlib import Path
 from typing import Annotated
 
 import typer
+from pydantic import TypeAdapter, ValidationError
 
 from railgrip.base.errors import InputError
 from railgrip.cli.app import AsJson, complete, print_json
-from railgrip.report.console import remark, say, show_table
+from railgrip.report.console import remark, say, show_all, show_table
 from railgrip.report.style import save
-from railgrip.rolling_stock.check import findings, stops_by_hand
+from railgrip.rolling_stock.check import checked_train, findings, friction_findings, stops_by_hand
 from railgrip.rolling_stock.drawing import drawing
-from railgrip.rolling_stock.schema import load_train
+from railgrip.rolling_stock.schema import TravelSpeed, load_train
 from railgrip.rolling_stock.tables import (
     plain_stop,
     sentence_of_equipment,
@@ -22,7 +24,7 @@ from railgrip.rolling_stock.tables import (
 from railgrip.scenario.file import locate
 
 trains = typer.Typer(
-    help="Draw and check trains in files.",
+    help="Draw, check and calculate trains in files.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
@@ -87,3 +89,50 @@ def check(file: TrainFile, as_json: AsJson = False) -> None:
         say(equipment)
     for speed, stop in stops_by_hand(train).items():
         say(sentence_of_stop(train, speed, stop))
+
+
+@trains.command()
+def calculate(
+    file: TrainFile,
+    speed: Annotated[
+        list[str] | None,
+        typer.Option(help="Initial speed, as '120 km/h'; may be repeated. Those of [[reference]] unless given."),
+    ] = None,
+    step: Annotated[str, typer.Option(help="Width of the speed steps of the deceleration.")] = "20 km/h",
+    out: Annotated[Path | None, typer.Option(help="Folder of the page; build/trains/NAME unless given.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Calculate the brakes of a train by EN 14531-1, and write a page and a PDF to sign."""
+    from railgrip.rolling_stock.calculation import mean_stop
+    from railgrip.rolling_stock.calculation_page import calculation_page, plain_calculation
+
+    path = locate(file, "trains")
+    train = checked_train(file)
+    speeds = sorted({_speed("--speed", text) for text in speed or ()}) or sorted(stops_by_hand(train))
+    for each in speeds:
+        if wrong := friction_findings(train, each):
+            raise InputError("\n".join(f"{path.name}: {finding}" for finding in wrong))
+    width = _speed("--step", step)
+    stops = [mean_stop(train, each, width) for each in speeds]
+    if as_json:
+        print_json(plain_calculation(train, stops))
+        return
+    folder = out or Path("build/trains") / train.name
+    digest = sha256(path.read_bytes()).hexdigest()[:16]
+    page = calculation_page(train, stops, origin=path.name, digest=digest)
+    written = page.write(folder)
+    show_all(page.screen)
+    say(str(written))
+
+
+def _speed(option: str, text: str) -> float:
+    """Return a speed of the command line [m/s].
+
+    Raises:
+        InputError: The text is not a speed in the limits of train files.
+    """
+    try:
+        return TypeAdapter(TravelSpeed).validate_python(text)
+    except ValidationError as refusal:
+        message = refusal.errors()[0]["msg"]
+        raise InputError(f"{option} {text}: {message}; write a number with its unit, as '120 km/h'") from None

@@ -84,16 +84,23 @@ def friction_findings(train: Train, speed: float) -> list[TrainRemark]:
     remarks: dict[str, TrainRemark] = {}
     for bogie in train.bogies_in_train:
         brake, sliding = bogie.brake, bogie.brake.friction_radius / bogie.data.wheel_radius
-        at_piston = max(brake.pressure_max * brake.piston_area - brake.spring_force, 0.0)
+        law, pads = bogie.law, bogie.pads
+        nominal = (brake.pad_friction or 0.0) / law.shape(pads.speed_nominal, pads.force_nominal)
         friction, at_speed, at_force = lowest_friction(
-            brake.pad_friction,
-            effects=bogie.pads.model_dump(),
-            speed=speed * sliding,
-            force=brake.efficiency * brake.rigging * at_piston,
+            nominal, effects=pads.model_dump(), speed=speed * sliding, force=brake.full_force, shape=law.shape
         )
-        if friction > LOWEST_PAD_FRICTION or brake.pads in remarks:
+        if friction > LOWEST_PAD_FRICTION or (brake.pads or brake.blocks) in remarks:
             continue
-        remarks[brake.pads] = TrainRemark(
+        if brake.blocks is not None:
+            remarks[brake.blocks] = TrainRemark(
+                f"[blocks.{brake.blocks}] law",
+                f"friction falls to {friction:.3f} at {3.6 * at_speed / sliding:g} km/h and "
+                f"{at_force / 1e3 / (brake.block_count or 1):.3g} kN on a block in a stop from {3.6 * speed:g} km/h; "
+                f"the law is used only where friction is above {LOWEST_PAD_FRICTION:g}. Reduce the force of "
+                "[brakes] or the speed, or give more blocks",
+            )
+            continue
+        remarks[str(brake.pads)] = TrainRemark(
             f"[pads.{brake.pads}] speed_effect, force_effect",
             f"friction falls to {friction:.3f} at {3.6 * at_speed / sliding:g} km/h and {at_force / 1e3:.3g} kN of pad "
             f"force in a stop from {3.6 * speed:g} km/h; the linear law holds only where friction is above "
@@ -109,6 +116,8 @@ def stops_by_hand(train: Train) -> dict[float, HandCalculation]:
 
 
 def _resistance(train: Train) -> Iterator[TrainRemark]:
+    if train.resistance is None:
+        return
     drag, usual = train.resistance.drag_coefficient, _DRAG_OF_ENDS + _DRAG_OF_CAR * (len(train.cars) - 1)
     if drag > usual:
         yield TrainRemark(
@@ -242,8 +251,8 @@ def _stops(train: Train) -> Iterator[TrainRemark]:
             )
     slowest = min(stops)
     for kind in {car.distributor: None for car in train.cars if car.distributor}:
-        stages = train.distributors[kind]
-        if slowest < stages.speed_up:
+        stages = train.distributors[kind].stages
+        if stages is not None and slowest < stages.speed_up:
             yield TrainRemark(
                 f"[distributors.{kind}] speed_up",
                 f"is {3.6 * stages.speed_up:g} km/h: a stop from {3.6 * slowest:g} km/h is in the low stage throughout",

@@ -7,6 +7,7 @@ from typing import Any
 
 from railgrip.report.page import render
 from railgrip.rolling_stock.schema import BogieInTrain, Train
+from railgrip.rolling_stock.stopping import wire_of
 
 CELLS_OF_A_CAR = 5
 """Cells of the brake pipe in each car: an odd number, so that the branch is in the middle of the car.
@@ -20,6 +21,7 @@ def class_name(train: Train, *, pneumatic: bool) -> str:
     return f"Train_{_identifier(train.name)}{'_pneumatic' if pneumatic else ''}"
 
 
+_RELEASE = 17.0  # s, of RailBraking.Pneumatics.PartialDistributor
 _RIGGING = {
     "A_piston": "piston_area",
     "i_rigging": "rigging",
@@ -45,7 +47,7 @@ def nominal_data(train: Train) -> dict[str, float]:
     arrays["wheelsets_per_bogie"] = [len(bogie.axles) for bogie in bogies]
     # With the digits of the class.
     data = {f"{name}[{i}]": float(_digits(value)) for name, each in arrays.items() for i, value in enumerate(each, 1)}
-    return data | {name: getattr(train.resistance, key) for name, key in _RESISTANCE.items()}
+    return data | {name: getattr(train.physics, key) for name, key in _RESISTANCE.items()}
 
 
 def class_text(train: Train, *, pneumatic: bool) -> str:
@@ -74,7 +76,11 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         }
         | {"count": [len(bogie.axles) for bogie in bogies]},
         bogies=[_bogie(train, bogie, body_of_car) for bogie in bogies],
-        kinds=[{"id": kind, "pads": bogie.pads} for kind, bogie in kinds.items()],
+        kinds=[
+            {"id": kind, "pads": bogie.pads, "law": bogie.law, "blocks": bogie.brake.blocks}
+            for kind, bogie in kinds.items()
+        ],
+        linear_resistance=train.linear_resistance,
         bodies=[
             {
                 # A sum of parameters: a change of m_wheelset changes the body, too.
@@ -131,6 +137,7 @@ def _bogie(train: Train, bogie: BogieInTrain, body_of_car: Sequence[int]) -> dic
     return {
         "title": bogie.kind,
         "kind": _identifier(bogie.kind),
+        "blocks": bogie.brake.blocks,
         "n": len(bogie.axles),
         "groups": len(groups),
         "g": f"{groups[0]}:{groups[-1]}",
@@ -141,12 +148,19 @@ def _bogie(train: Train, bogie: BogieInTrain, body_of_car: Sequence[int]) -> dic
 
 def _command(train: Train, body_of_car: Sequence[int]) -> dict[str, Any]:
     has_pipe = train.command is not None and train.command.kind == "brake_pipe"
-    # Through the pipe each car has its own pressure; by wire all have the same.
-    available = [max(_pressures(train, number)) for number in range(len(train.cars))] if has_pipe else [1.0]
-    distributors = train.distributor_of_car
-    single, two_stage = (
-        [i for i, distributor in enumerate(distributors) if (distributor is None) == plain] for plain in (True, False)
-    )
+    is_wire = train.command is not None and not has_pipe
+    wire_of_bogie = [wire_of(train, number) for number in range(len(train.bogies_in_train))] if is_wire else []
+    wires = list(dict.fromkeys(wire_of_bogie))
+    # Through the pipe each car has its own pressure; by wire all with the same build-up have the same.
+    available = [max(_pressures(train, number)) for number in range(len(train.cars))] if has_pipe else wires or [1.0]
+    bogie_of_group = [train.axles[members[0]].bogie for members in train.groups]
+    stages, distributors, filling = train.stages_of_car, train.distributor_of_car, train.filling_of_car
+    single, two_stage = ([i for i, of_car in enumerate(stages) if (of_car is None) == plain] for plain in (True, False))
+    # A car without times of its own has those of [command], and the default release.
+    release = [_RELEASE if d is None or d.release_time is None else d.release_time for d in distributors]
+    has_times = [
+        d is not None and (d.fill_time is not None or d.release_time is not None or d.inshot > 0) for d in distributors
+    ]
     part_of_car = {car: f"distributor[{number}]" for number, car in enumerate(single, start=1)}
     part_of_car |= {car: f"two_stage{number}" for number, car in enumerate(two_stage, start=1)}
     return {
@@ -154,8 +168,23 @@ def _command(train: Train, body_of_car: Sequence[int]) -> dict[str, Any]:
         "available": available,
         "distributor_of_car": part_of_car,
         "single_stage": [available[car] for car in single] if has_pipe else [],
+        "times_of_single": (
+            {
+                "T_fill": [filling[car][0] for car in single],
+                "T_release": [release[car] for car in single],
+                "inshot": [filling[car][1] for car in single],
+            }
+            if any(has_times[car] for car in single)
+            else {}
+        ),
         "two_stages": [
-            {"distributor": distributors[car], "pressure": available[car], "body": body_of_car[car] + 1}
+            {
+                "distributor": stages[car],
+                "pressure": available[car],
+                "body": body_of_car[car] + 1,
+                "fill_time": filling[car][0],
+                "times": {"T_release": release[car], "inshot": filling[car][1]} if has_times[car] else {},
+            }
             for car in two_stage
         ],
         "accelerators": [
@@ -164,7 +193,11 @@ def _command(train: Train, body_of_car: Sequence[int]) -> dict[str, Any]:
         "lengths": [car.length / CELLS_OF_A_CAR for car in train.cars for _ in range(CELLS_OF_A_CAR)],
         "branch_of_car": [CELLS_OF_A_CAR * number + CELLS_OF_A_CAR // 2 + 1 for number in range(len(train.cars))],
         "branch_volumes": _branch_volumes(train),
-        "supply_of_group": [train.axles[members[0]].car + 1 if has_pipe else 1 for members in train.groups],
+        "wires": wires,
+        "supply_of_group": [
+            train.axles[members[0]].car + 1 if has_pipe else wires.index(wire_of_bogie[bogie]) + 1 if wires else 1
+            for members, bogie in zip(train.groups, bogie_of_group, strict=True)
+        ],
     }
 
 

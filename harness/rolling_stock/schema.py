@@ -14,6 +14,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from railgrip.base.names import did_you_mean
+from railgrip.base.units import GRAVITY
+from railgrip.rolling_stock.blocks import CONSTANT, LAWS, BlockLaw
 from railgrip.rolling_stock.dispersion import Dispersion, Failures
 from railgrip.scenario.file import locate
 from railgrip.scenario.load import read_toml, require_kind, validate_table
@@ -282,6 +284,47 @@ class Resistance(SourcedTable):
     rolling_arm: RollingArm = Field(description="lever arm of the rolling resistance")
 
 
+class Davis(SourcedTable):
+    """Running resistance of the train as A + B v + C v² (Davis), an alternative to [resistance]."""
+
+    constant: Annotated[
+        float,
+        UnitRange("N", at_least=1, at_most=1e6, or_zero=True, usual=(100, 1e5), because="trains roll with 5 to 30 N/t"),
+    ] = Field(description="A, resistance at standstill; it acts at the wheels, as rolling resistance")
+    linear: Annotated[
+        float,
+        UnitRange(
+            "N.s/m", at_least=1e-2, at_most=1e5, or_zero=True, usual=(1, 5e3), because="trains have up to 5 kN.s/m"
+        ),
+    ] = Field(description="B, increase with speed")
+    quadratic: Annotated[
+        float,
+        UnitRange(
+            "N.s2/m2",
+            at_least=1e-3,
+            at_most=1e3,
+            or_zero=True,
+            usual=(0.5, 200),
+            because="trains have 3 to 100 N.s2/m2",
+        ),
+    ] = Field(description="C, increase with the square of the speed, by the air")
+
+
+class Blocks(SourcedTable):
+    """Friction of blocks on the tread by a published law of speed and block force: RailBraking.Friction.BlockFriction.
+
+    The laws, with their sources, are in `railgrip.rolling_stock.blocks`.
+    """
+
+    law: Literal["cast_iron_p6", "cast_iron_p10", "composite_k"] = Field(
+        description="law by Karwatzki: cast iron P6 or P10, or composite K"
+    )
+    speed_nominal: TravelSpeed = Field(description="speed at which friction is nominal, with full force")
+    settle_energy: Annotated[
+        float, UnitRange("J", at_least=10, at_most=1e9, because="blocks and pads of trains settle over 50 to 200 kJ")
+    ] = Field(description="friction energy of one unit after which friction has settled")
+
+
 class Pads(SourcedTable):
     """Friction of pads on discs as a function of speed, force and temperature: RailBraking.Friction.PadFriction."""
 
@@ -300,16 +343,41 @@ class Pads(SourcedTable):
 
 
 class BrakeUnit(SourcedTable):
-    """A unit of the friction brake: cylinder, rigging, two pads and a disc."""
+    """A unit of the friction brake: cylinder, rigging, and two pads on a disc or blocks on the tread."""
 
-    pads: Name = Field(description="name of the pads in [pads]")
-    friction_radius: PadRadius = Field(description="mean radius of the pads on the disc")
+    pads: Name | None = Field(default=None, description="name of the pads in [pads]; tread brakes have blocks instead")
+    blocks: Name | None = Field(default=None, description="name of the blocks in [blocks]")
+    block_count: Annotated[StrictInt, Field(ge=1, le=64)] | None = Field(
+        default=None, description="number of blocks of the unit, which share its force; needed with blocks"
+    )
+    friction_radius: PadRadius = Field(
+        description="mean radius of the pads on the disc; the wheel radius for blocks on the tread"
+    )
     piston_area: PistonArea = Field(description="area of the piston of the cylinder")
-    rigging: Ratio = Field(description="ratio of the force of both pads to the force of the piston")
+    rigging: Ratio = Field(description="ratio of the force of both pads, or of all blocks, to the force of the piston")
     efficiency: Efficiency = Field(description="efficiency of the rigging")
     spring_force: Spring = Field(description="force of slack adjuster and return spring at the piston")
     pressure_max: Pressure = Field(description="highest cylinder pressure")
-    pad_friction: PadFriction = Field(description="nominal friction coefficient of the pads")
+    pad_friction: PadFriction | None = Field(
+        default=None,
+        description="nominal friction coefficient of the pads; without one for blocks it is that of their law",
+    )
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if (self.pads is None) == (self.blocks is None):
+            raise table_error("has pads and blocks, or neither: give pads = '…' (disc) or blocks = '…' (tread)")
+        if (self.blocks is None) != (self.block_count is None):
+            raise table_error("needs blocks and block_count together: the laws of blocks are over the force of one")
+        if self.pads is not None and self.pad_friction is None:
+            raise table_error("lacks pad_friction, the nominal friction of its pads")
+        return self
+
+    @property
+    def full_force(self) -> float:
+        """Force of both pads, or of all blocks, at the highest pressure [N]."""
+        at_piston = max(self.pressure_max * self.piston_area - self.spring_force, 0.0)
+        return self.efficiency * self.rigging * at_piston
 
 
 class TrackBrake(SourcedTable):
@@ -348,22 +416,70 @@ class BrakePipe(SourcedTable):
     )
 
 
-class Distributor(SourcedTable):
-    """A distributor in position R with a high and a low stage: RailBraking.Pneumatics.TwoStageDistributor."""
+@dataclass(frozen=True, slots=True)
+class Stages:
+    """The two stages of a distributor in position R; attributes as the keys of `Distributor`."""
 
-    low_share: Share = Field(description="ratio of the cylinder pressures of the low and the high stage")
-    speed_up: TravelSpeed = Field(description="speed at and above which the distributor changes to the high stage")
-    speed_down: TravelSpeed = Field(description="speed below which the distributor changes to the low stage")
-    stage_time: LagTime = Field(description="time constant of the change between the stages")
+    low_share: float
+    speed_up: float
+    speed_down: float
+    stage_time: float
+
+
+class Distributor(SourcedTable):
+    """A distributor of a car: its times (position G or P), and two stages for position R, all of them or none.
+
+    RailBraking.Pneumatics.Distributor, or TwoStageDistributor with stages.
+    """
+
+    fill_time: FillTime | None = Field(
+        default=None,
+        description="time from the first pressure to 95 % of the highest pressure; that of [command] unless given",
+    )
+    release_time: (
+        Annotated[
+            float,
+            UnitRange(
+                "s", at_least=1, at_most=200, usual=(10, 70), because="UIC 540 has 15 to 20 s (P), 45 to 60 s (G)"
+            ),
+        ]
+        | None
+    ) = Field(default=None, description="release time from the highest pressure to 0.4 bar; 17 s unless given")
+    inshot: Annotated[float, UnitRange("1", at_least=0, at_most=0.5, usual=(0, 0.2))] = Field(
+        default=0.0, description="share of the highest pressure that comes at once, and brings blocks to the wheel"
+    )
+    low_share: Share | None = Field(
+        default=None, description="ratio of the cylinder pressures of the low and the high stage"
+    )
+    speed_up: TravelSpeed | None = Field(
+        default=None, description="speed at and above which the distributor changes to the high stage"
+    )
+    speed_down: TravelSpeed | None = Field(
+        default=None, description="speed below which the distributor changes to the low stage"
+    )
+    stage_time: LagTime | None = Field(default=None, description="time constant of the change between the stages")
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
-        if self.speed_down >= self.speed_up:
+        keys = ("low_share", "speed_up", "speed_down", "stage_time")
+        lacking = [key for key in keys if getattr(self, key) is None]
+        if 0 < len(lacking) < len(keys):
+            raise table_error(f"has two stages, but no {', '.join(lacking)}: give {', '.join(keys)}, or none of them")
+        if lacking and self.fill_time is None and self.release_time is None and self.inshot == 0:
+            raise table_error(f"has no key that acts: give fill_time, release_time, inshot, or {', '.join(keys)}")
+        if self.stages is not None and self.stages.speed_down >= self.stages.speed_up:
             raise table_error(
-                f"has speed_down {3.6 * self.speed_down:g} km/h and speed_up {3.6 * self.speed_up:g} km/h; "
-                "speed_down must be lower than speed_up"
+                f"has speed_down {3.6 * self.stages.speed_down:g} km/h and speed_up {3.6 * self.stages.speed_up:g} "
+                "km/h; speed_down must be lower than speed_up"
             )
         return self
+
+    @property
+    def stages(self) -> Stages | None:
+        """Its two stages; None with a single one."""
+        if self.low_share is None or self.speed_up is None or self.speed_down is None or self.stage_time is None:
+            return None
+        return Stages(self.low_share, self.speed_up, self.speed_down, self.stage_time)
 
 
 _READY = "above it an accelerator would be ready to open again, and would open and close repeatedly"
@@ -399,6 +515,12 @@ class Bogie(SourcedTable):
     )
     coupled: StrictBool = Field(description="whether shafts couple all its axles")
     valve: SharedBy = Field(description="whether each axle, bogie or car has its own brake valve")
+    build_up_delay: WireDelay | None = Field(
+        default=None, description="delay of its brakes instead of that of an electropneumatic [command]"
+    )
+    build_up_time: LagTime | None = Field(
+        default=None, description="time constant of its brakes instead of that of an electropneumatic [command]"
+    )
     track_brake: Name | None = Field(
         default=None, description="name of its track brakes in [track_brakes], used in an emergency"
     )
@@ -477,7 +599,7 @@ class Car(SourcedTable):
     )
     distributor: Name | None = Field(
         default=None,
-        description="name of its distributor in [distributors]; without one a car with a brake pipe has a single stage",
+        description="name of its distributor in [distributors]; without one a car has the fill_time of [command]",
     )
     accelerator: Name | None = Field(
         default=None, description="name in [accelerators] of the accelerator on its brake pipe"
@@ -544,8 +666,9 @@ class BogieInTrain:
     Attributes:
         kind: Name in [bogies].
         data: Data of that kind.
-        brake: One of its brake units.
-        pads: Pads of that unit.
+        brake: One of its brake units; for blocks its `pad_friction` is that of their law.
+        pads: Pads of that unit; for blocks those without effects, whose friction `law` multiplies.
+        law: Law of its blocks over the force of the unit; `CONSTANT` for pads.
         track_brake: Track brakes of the bogie, if it has any.
         position: Distance of its leading axle from the front end of the train [m].
         axles: Zero-based numbers of its axles.
@@ -557,6 +680,7 @@ class BogieInTrain:
     data: Bogie
     brake: BrakeUnit
     pads: Pads
+    law: BlockLaw
     track_brake: TrackBrake | None
     position: float
     axles: range
@@ -573,8 +697,10 @@ class Train(Table):
         default=None,
         description="command of the emergency brake; without it the pressure follows the demand immediately",
     )
-    resistance: Resistance
-    pads: dict[Name, Pads] = Field(description="kinds of pads, by name")
+    resistance: Resistance | None = Field(default=None, description="running resistance by its causes")
+    davis: Davis | None = Field(default=None, description="running resistance by speed, instead of [resistance]")
+    pads: dict[Name, Pads] = Field(default={}, description="kinds of pads, by name")
+    blocks: dict[Name, Blocks] = Field(default={}, description="kinds of brake blocks, by name")
     brakes: dict[Name, BrakeUnit] = Field(description="kinds of brake units, by name")
     track_brakes: dict[Name, TrackBrake] = Field(default={}, description="kinds of magnetic track brakes, by name")
     bogies: dict[Name, Bogie] = Field(description="kinds of bogies, by name")
@@ -594,10 +720,24 @@ class Train(Table):
 
     @model_validator(mode="after")
     def _check_references(self) -> Self:
+        if (self.resistance is None) == (self.davis is None):
+            raise table_error(
+                "needs one of [resistance] and [davis]: the running resistance by its causes, or by speed"
+            )
         for kind, brake in self.brakes.items():
-            _require_names("pads", [brake.pads], self.pads, f"[brakes.{kind}] pads")
+            _require_names("pads", [brake.pads] if brake.pads else [], self.pads, f"[brakes.{kind}] pads")
+            _require_names("blocks", [brake.blocks] if brake.blocks else [], self.blocks, f"[brakes.{kind}] blocks")
         for kind, bogie in self.bogies.items():
             _require_names("brakes", [bogie.brake], self.brakes, f"[bogies.{kind}] brake")
+            of_build_up = (bogie.build_up_delay, bogie.build_up_time)
+            if of_build_up != (None, None):
+                if None in of_build_up:
+                    raise table_error(f"[bogies.{kind}] needs build_up_delay and build_up_time together")
+                if not isinstance(self.command, Electropneumatic):
+                    raise table_error(
+                        f"[bogies.{kind}] build_up_delay needs [command] kind = 'electropneumatic'; behind a brake "
+                        "pipe the distributor of its car has the times"
+                    )
             magnets = [bogie.track_brake] if bogie.track_brake else []
             _require_names("track_brakes", magnets, self.track_brakes, f"[bogies.{kind}] track_brake")
         for number, car in enumerate(self.cars, start=1):
@@ -651,12 +791,14 @@ class Train(Table):
             for mount in car.bogies:
                 data = self.bogies[mount.kind]
                 last = first + len(data.axles)
+                brake, pads, law = self._friction(self.brakes[data.brake])
                 bogies.append(
                     BogieInTrain(
                         kind=mount.kind,
                         data=data,
-                        brake=self.brakes[data.brake],
-                        pads=self.pads[self.brakes[data.brake].pads],
+                        brake=brake,
+                        pads=pads,
+                        law=law,
                         track_brake=self.track_brakes[data.track_brake] if data.track_brake else None,
                         position=front + mount.at - data.wheelbase / 2,
                         axles=range(first, last),
@@ -721,8 +863,24 @@ class Train(Table):
 
     @property
     def distributor_of_car(self) -> tuple[Distributor | None, ...]:
-        """Two-stage distributor of each car; None for a car with a single stage."""
+        """Distributor of each car that has one in [distributors]."""
         return tuple(self.distributors[car.distributor] if car.distributor else None for car in self.cars)
+
+    @property
+    def stages_of_car(self) -> tuple[Stages | None, ...]:
+        """Stages of the distributor of each car; None for a car with a single stage."""
+        return tuple(None if distributor is None else distributor.stages for distributor in self.distributor_of_car)
+
+    @property
+    def filling_of_car(self) -> tuple[tuple[float, float], ...]:
+        """Filling time to 95 % [s] and inshot of each car behind a brake pipe; empty without one."""
+        if not isinstance(self.command, BrakePipe):
+            return ()
+        of_command = self.command.fill_time
+        return tuple(
+            (of_command, 0.0) if d is None else (of_command if d.fill_time is None else d.fill_time, d.inshot)
+            for d in self.distributor_of_car
+        )
 
     @property
     def accelerator_of_car(self) -> tuple[Accelerator | None, ...]:
@@ -738,6 +896,40 @@ class Train(Table):
     def length(self) -> float:
         """Length over couplers [m]."""
         return sum(car.length for car in self.cars)
+
+    @cached_property
+    def physics(self) -> Resistance:
+        """[resistance], or the values with which the same equations give the constant and quadratic part of [davis].
+
+        Rolling resistance acts on the load of each wheelset, drag on 1 m² in air of 1.2 kg/m³.
+        """
+        if self.resistance is not None:
+            return self.resistance
+        assert self.davis is not None
+        lever = sum(axle.mass * GRAVITY / self.bogies_in_train[axle.bogie].data.wheel_radius for axle in self.axles)
+        return Resistance.model_construct(
+            drag_coefficient=self.davis.quadratic / 0.6, frontal_area=1.0, bearing_friction=1e-9,
+            bearing_radius=0.065, rolling_arm=self.davis.constant / lever, source=self.davis.source,
+        )  # fmt: skip
+
+    @property
+    def linear_resistance(self) -> float:
+        """Running resistance over speed [N s/m], the linear part of [davis]."""
+        return 0.0 if self.davis is None else self.davis.linear
+
+    def _friction(self, brake: BrakeUnit) -> tuple[BrakeUnit, Pads, BlockLaw]:
+        if brake.blocks is None or brake.block_count is None:
+            return brake, self.pads[str(brake.pads)], CONSTANT
+        blocks = self.blocks[brake.blocks]
+        law = LAWS[blocks.law].for_unit(brake.block_count)
+        pads = Pads.model_construct(
+            speed_effect=0.0, speed_nominal=blocks.speed_nominal, force_effect=0.0, force_nominal=brake.full_force,
+            temperature_effect=0.0, temperature_nominal=333.15, temperature_range=150.0,
+            settle_energy=blocks.settle_energy, source=blocks.source,
+        )  # fmt: skip
+        by_law = law.factor * law.shape(blocks.speed_nominal, brake.full_force)
+        nominal = by_law if brake.pad_friction is None else brake.pad_friction
+        return brake.model_copy(update={"pad_friction": float(nominal)}), pads, law
 
     def _axle_masses(self, car: Car) -> Sequence[float]:
         count = sum(len(self.bogies[mount.kind].axles) for mount in car.bogies)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from math import expm1, inf, pi, sqrt
+from typing import Any, cast
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -14,6 +15,7 @@ from scipy.integrate import solve_ivp
 from railgrip.base.arrays import Matrix, Vector
 from railgrip.base.errors import InputError
 from railgrip.base.units import GRAVITY
+from railgrip.rolling_stock.blocks import BlockLaw
 from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, TrackBrake, Train
 from railgrip.scenario.table import Table
 
@@ -94,7 +96,7 @@ def _stop(train: Train, speed: float, *, developed: bool = False) -> HandCalcula
         now = t + _STEP / 2 + head_start  # forces in the middle of a step
         braking = _brake_force(brakes, v, build_up.share(now, v)) + rolling
         magnets = np.array([_magnetic_force(brake, v, now) for _, brake in magnetic])
-        drag = 0.5 * _AIR_DENSITY * train.resistance.drag_coefficient * train.resistance.frontal_area * v**2
+        drag = _drag(train, v)
         deceleration = (float(braking.sum()) + float(magnets.sum()) + drag) / inert
         adhesion = np.maximum(adhesion, shares @ (braking - turning * deceleration))
         # The force of a coupler is the brake force of the cars ahead, less the force for their common deceleration.
@@ -143,10 +145,64 @@ def track_brake_force(train: Train, speed: float) -> float:
     return sum(_magnetic_force(brake, speed, inf) for brake in brakes)
 
 
+def _drag(train: Train, speed: float) -> float:
+    """Return the part of the running resistance that rises with speed [N]."""
+    of_air = 0.5 * _AIR_DENSITY * train.physics.drag_coefficient * train.physics.frontal_area
+    return train.linear_resistance * speed + of_air * speed**2
+
+
 def full_brake_force(train: Train) -> Vector:
     """Return the force at the rim with full pressure and nominal pad friction, of each axle, shape (axles,) [N]."""
     brakes, _ = _brakes_of(train)
     return brakes["lever"] * brakes["pad_friction"] * _pad_force(brakes, brakes["pressure_max"])
+
+
+def rotating_masses(train: Train) -> tuple[Vector, Vector, Matrix]:
+    """Return mass and equivalent rotating mass of each axle [kg], and the matrix from rim forces to used adhesion.
+
+    Shapes (axles,), (axles,), (axles, axles) [1/N]; coupled axles share their forces.
+    """
+    _, wheel = _brakes_of(train)
+    mass, inertia = np.array([[axle.mass, axle.inertia] for axle in train.axles]).T
+    return mass, inertia / wheel**2, _shares_of_load(train, mass)
+
+
+def developed_forces(train: Train, speed: float, start: float) -> tuple[Vector, Vector, float]:
+    """Return the forces of developed brakes at a speed [m/s] in a stop from `start` [m/s].
+
+    Returns:
+        Rim force of the brakes of each axle, shape (axles,); force of the track brakes of each bogie that has them;
+        running resistance [N].
+    """
+    brakes, wheel = _brakes_of(train)
+    stages = [train.stages_of_car[axle.car] for axle in train.axles]
+    share = np.array(
+        [1.0 if d is None or (start >= d.speed_up and speed >= d.speed_down) else d.low_share for d in stages]
+    )
+    magnets = [_magnetic_force(b.track_brake, speed, inf) for b in train.bogies_in_train if b.track_brake is not None]
+    mass = np.array([axle.mass for axle in train.axles])
+    rolling = float((mass * GRAVITY * _rolling(train, wheel)).sum())
+    return _brake_force(brakes, speed, share), np.array(magnets), rolling + _drag(train, speed)
+
+
+def response_times(train: Train) -> tuple[Vector, Vector]:
+    """Return the equivalent response time of the brakes of each axle, and of each track brake [s].
+
+    It is the time integral of what the pressure lacks of the full one: delay and time constant, or delay of the wave in
+    the pipe and half of the time of the linear rise, of which an inshot leaves (1 - inshot)² at the same rate.
+    """
+    axles = train.axles
+    match train.command:
+        case None:
+            times = np.zeros(len(axles))
+        case Electropneumatic():
+            times = np.array([sum(wire_of(train, axle.bogie)) for axle in axles])
+        case BrakePipe() as pipe:
+            arrival = np.array([axle.position for axle in axles]) / _front_speed(train, pipe)
+            filling, inshot = np.array([train.filling_of_car[axle.car] for axle in axles]).T
+            times = arrival + filling / (_FILLED - inshot) * (1 - inshot) ** 2 / 2
+    magnets = [b.track_brake for b in train.bogies_in_train if b.track_brake is not None]
+    return times, np.array([brake.delay + brake.time_constant for brake in magnets])
 
 
 def _require_end(train: Train, speed: float, time: float) -> None:
@@ -170,6 +226,7 @@ def _brakes_of(train: Train) -> tuple[dict[str, Vector], Vector]:
     wheel = _each([part.data for part in parts], "wheel_radius")
     brakes = {name: _each([part.brake for part in parts], name) for name in ("friction_radius", *_BRAKE)}
     brakes |= {name: _each([part.pads for part in parts], name) for name in _PADS}
+    brakes |= {name: np.array([getattr(part.law, name) for part in parts]) for name in _LAW}
     units = np.array([axle.units for axle in train.axles])
     radius = brakes["friction_radius"]
     return brakes | {"sliding": radius / wheel, "lever": units * radius / wheel}, wheel
@@ -223,7 +280,21 @@ def _brake_force(brakes: dict[str, Vector], speed: float, share: Vector) -> Vect
     slower = 1 - speed * brakes["sliding"] / brakes["speed_nominal"]
     friction = brakes["pad_friction"] * (1 + brakes["speed_effect"] * slower)
     friction = friction * (1 - brakes["force_effect"] * (pad_force / brakes["force_nominal"] - 1))
-    return brakes["lever"] * friction * pad_force
+    return brakes["lever"] * friction * _block_shape(brakes, speed, pad_force) * pad_force
+
+
+def _block_shape(brakes: dict[str, Vector], speed: float, pad_force: Vector) -> Vector:
+    """Return the friction of blocks over the nominal one; 1 for pads."""
+    law = BlockLaw(factor=1, **{name: cast(Any, brakes[name]) for name in _LAW})
+    return law.shape(speed * brakes["sliding"], pad_force) / law.shape(brakes["speed_nominal"], brakes["force_nominal"])
+
+
+def wire_of(train: Train, bogie: int) -> tuple[float, float]:
+    """Return delay and time constant of the electropneumatic command of a bogie [s]: its own, or those of [command]."""
+    command, data = train.command, train.bogies_in_train[bogie].data
+    if data.build_up_delay is not None and data.build_up_time is not None:
+        return data.build_up_delay, data.build_up_time
+    return (command.delay, command.time_constant) if isinstance(command, Electropneumatic) else (0.0, 0.0)
 
 
 class _PressureBuildUp:
@@ -235,21 +306,23 @@ class _PressureBuildUp:
         match self._command:
             case None:
                 self._delay = np.zeros(positions.size)
-            case Electropneumatic(delay=delay):
-                self._delay = np.full(positions.size, delay)
+            case Electropneumatic():
+                self._delay, self._time = np.array([wire_of(train, axle.bogie) for axle in train.axles]).T
             case BrakePipe() as pipe:
                 self._delay = positions / _front_speed(train, pipe)
+                self._time, self._inshot = np.array([train.filling_of_car[axle.car] for axle in train.axles]).T
 
     def share(self, time: float, speed: float) -> Vector:
         """Return the pressure at each axle in the next step as a share of the highest, shape (axles,)."""
         match self._command:
             case None:
                 return np.ones(self._delay.size)
-            case Electropneumatic(time_constant=time_constant):
-                return -np.expm1(-np.maximum(time - self._delay, 0.0) / time_constant)
-            case BrakePipe(fill_time=fill_time):
-                filled = np.clip(_FILLED * (time - self._delay) / fill_time, 0.0, 1.0)
-                return self._stages.share(speed) * filled
+            case Electropneumatic():
+                return -np.expm1(-np.maximum(time - self._delay, 0.0) / self._time)
+            case BrakePipe():
+                after = time - self._delay
+                filled = np.clip(self._inshot + (_FILLED - self._inshot) * after / self._time, 0.0, 1.0)
+                return self._stages.share(speed) * np.where(after > 0, filled, 0.0)
 
 
 class _Stages:
@@ -257,7 +330,7 @@ class _Stages:
 
     def __init__(self, train: Train, speed: float) -> None:
         # A demand at a speed between the two thresholds starts in the low stage.
-        parts = [train.distributor_of_car[axle.car] for axle in train.axles]
+        parts = [train.stages_of_car[axle.car] for axle in train.axles]
         values = [(1.0, 0.0, 1.0) if d is None else (d.low_share, d.speed_down, d.stage_time) for d in parts]
         self._low, self._down, time = np.array(values).T
         self._share = np.where([d is None or speed >= d.speed_up for d in parts], 1.0, self._low)
@@ -279,6 +352,7 @@ def _magnetic_force(brake: TrackBrake, speed: float, time: float) -> float:
 
 _BRAKE = ("piston_area", "rigging", "efficiency", "spring_force", "pressure_max", "pad_friction")
 _PADS = ("speed_effect", "speed_nominal", "force_effect", "force_nominal")
+_LAW = ("force_upper", "force_lower", "speed_upper", "speed_lower")
 
 
 def _each(parts: Sequence[Table], name: str) -> Vector:
@@ -287,6 +361,6 @@ def _each(parts: Sequence[Table], name: str) -> Vector:
 
 def _rolling(train: Train, wheel: Vector) -> Vector:
     # Bearing resistance as in RailBraking.Components.bearingFriction.
-    friction, radius = train.resistance.bearing_friction, train.resistance.bearing_radius
+    friction, radius = train.physics.bearing_friction, train.physics.bearing_radius
     bearing = 1 / np.sqrt(wheel**2 / (friction * radius) ** 2 * (1 + friction**2) - 1)
-    return bearing + train.resistance.rolling_arm / wheel
+    return bearing + train.physics.rolling_arm / wheel

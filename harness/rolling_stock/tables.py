@@ -32,11 +32,14 @@ def table_of_axles(train: Train) -> ReportTable:
 
 
 def table_of_distributors(train: Train) -> ReportTable:
-    """Return one row for each car with a two-stage distributor or an accelerator of the brake pipe."""
+    """Return one row for each car with a distributor of its own or an accelerator of the brake pipe."""
     rows = [
         {
             "car": car.name,
             "distributor": car.distributor,
+            "filling": None if distributor is None else distributor.fill_time,
+            "release": None if distributor is None else distributor.release_time,
+            "inshot": (distributor.inshot or None) if distributor else None,
             "low stage": None if stages is None else stages.low_share,
             "below": None if stages is None else 3.6 * stages.speed_down,
             "high from": None if stages is None else 3.6 * stages.speed_up,
@@ -44,22 +47,35 @@ def table_of_distributors(train: Train) -> ReportTable:
             "opens": None if vent is None else vent.opening_rate / 1e5,
             "closes": None if vent is None else vent.closing_pressure / 1e5,
         }
-        for car, stages, vent in zip(train.cars, train.distributor_of_car, train.accelerator_of_car, strict=True)
-        if stages or vent
+        for car, distributor, vent in zip(train.cars, train.distributor_of_car, train.accelerator_of_car, strict=True)
+        for stages in [None if distributor is None else distributor.stages]
+        if distributor or vent
     ]
     forms = {"low stage": "{:.2f}", "below": "{:.0f} km/h", "high from": "{:.0f} km/h", "opens": "{:g} bar/s"}
-    return ReportTable(rows, forms | {"closes": "{:g} bar"}, ("car", "distributor", "accelerator"))
+    forms |= {"closes": "{:g} bar", "filling": "{:g} s", "release": "{:g} s", "inshot": "{:.2f}"}
+    table = ReportTable(rows, forms, ("car", "distributor", "accelerator"))
+    return table.without(
+        {name for name in ("filling", "release", "inshot") if not any(row[name] is not None for row in rows)}
+    )
 
 
 def sentence_of_equipment(train: Train) -> str:
-    """Return a sentence on the two-stage distributors and accelerators; empty for a train without any."""
+    """Return a sentence on the distributors and accelerators; empty for a train without any."""
     words: list[str] = []
     for kind, count in Counter(car.distributor for car in train.cars if car.distributor).items():
-        stages = train.distributors[kind]
-        words.append(
-            f"{kind} in {count} of {len(train.cars)} cars: {100 * stages.low_share:.0f} % of the pressure below "
-            f"{3.6 * stages.speed_down:g} km/h, the full pressure from {3.6 * stages.speed_up:g} km/h"
-        )
+        distributor, parts = train.distributors[kind], list[str]()
+        if distributor.fill_time is not None:
+            parts.append(f"filling in {distributor.fill_time:g} s")
+        if distributor.inshot:
+            parts.append(f"{100 * distributor.inshot:.0f} % at once")
+        if distributor.release_time is not None:
+            parts.append(f"release in {distributor.release_time:g} s")
+        if (stages := distributor.stages) is not None:
+            parts.append(
+                f"{100 * stages.low_share:.0f} % of the pressure below {3.6 * stages.speed_down:g} km/h, the full "
+                f"pressure from {3.6 * stages.speed_up:g} km/h"
+            )
+        words.append(f"{kind} in {count} of {len(train.cars)} cars: {', '.join(parts)}")
     for kind, count in Counter(car.accelerator for car in train.cars if car.accelerator).items():
         vent = train.accelerators[kind]
         words.append(

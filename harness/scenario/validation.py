@@ -173,9 +173,14 @@ UNSUPPORTED: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
             "eddy-current brakes are",
             f"{_FOREIGN}, with its greatest force in [vehicle.formation] track_brakes",
         ),
-        r".*tread_?brak.*|block_?brak.*|.*brake_?(blocks?|shoes?)|blocks|shoes": (
+        r".*tread_?brak.*|block_?brak.*|.*brake_?(blocks?|shoes?)|shoes": (
             "tread brakes are",
-            "brakes are pads on discs; an equivalent disc brake has the same force at the rim",
+            "in a train file, [blocks.NAME] has the law of their friction, and a unit in [brakes] names it: "
+            "blocks = 'NAME'",
+        ),
+        r"ll_?blocks?|composite_ll": (
+            "blocks of the kind LL are",
+            "no law of their friction over speed and force is published; [pads] may have effects for them",
         ),
         r"park(ing)?_?brak.*|spring_?(applied|loaded)?_brak.*|hand_?brak.*|holding_brak.*": (
             "parking, spring-applied and hand brakes are",

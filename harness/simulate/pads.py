@@ -51,10 +51,17 @@ _OF_GROUP = {
 _OF_DISC = {"disc.m": "m_disc", "disc.m_surface": "m_disc_surface", "disc.c_p": "c_disc", "disc.G": "G_disc"}
 """Parameter of `RailBraking.Components.GroupBrake` → that of the plant, where the names differ."""
 
+_OF_LAW = {
+    "pad.F_upper": "force_upper", "pad.F_lower": "force_lower", "pad.v_upper": "speed_upper",
+    "pad.v_lower": "speed_lower",
+}  # fmt: skip
+"""Parameter of `RailBraking.Components.TreadBrake` → entry of the law of blocks."""
+
 _OF_FILE = {
     "pad.pad_speed_nominal": "speed_nominal",
     "pad.pad_force_nominal": "force_nominal",
     "pad.E_settle": "settle_energy",
+    **_OF_LAW,
 }
 """Parameter of `RailBraking.Components.GroupBrake` → entry of [pads] in a train file, where the names differ."""
 
@@ -78,12 +85,13 @@ class PadLimits:
         """Take the parameters of a vehicle's plant, and the contact on the rail of the bound."""
         period = vehicle.scenario.periods.communication
         self._vehicle, self._contact, self._stride = vehicle, contact, max(1, round(_STRIDE / period))
-        model = compile_class("RailBraking.Components.GroupBrake")
         can_lock = vehicle.scenario.adhesion.cleaning is not None
         self._paths = [
             None
             if brake is None
-            else _path(model, _parameters(model, vehicle, group), brake, self._stride * period, can_lock=can_lock)
+            else _path(
+                _model(vehicle, group), _parameters(vehicle, group), brake, self._stride * period, can_lock=can_lock
+            )
             for group, brake in enumerate(vehicle.true.brakes)
         ]
 
@@ -148,17 +156,25 @@ def pads_of(vehicle: VehicleData, contact: Contact, speeds: Array, friction: Arr
     return PadLimits(vehicle, contact) if is_known else PadTable(speeds, friction)
 
 
-def _parameters(model: Model, vehicle: VehicleData, group: int) -> list[float]:
+def _model(vehicle: VehicleData, group: int) -> Model:
+    """Return the class of the brake units of a group, with pads or with blocks."""
+    source = vehicle.scenario.vehicle.source
+    has_blocks = isinstance(source, TrainFile) and load_train(source.file.path).bogie_of(group).brake.blocks
+    return compile_class(f"RailBraking.Components.{'TreadBrake' if has_blocks else 'GroupBrake'}")
+
+
+def _parameters(vehicle: VehicleData, group: int) -> list[float]:
     """Return the parameters of the class for a group."""
     plant, source = vehicle.true.parameters, vehicle.scenario.vehicle.source
     pads: Mapping[str, float] = {}
     if isinstance(source, TrainFile):
-        pads = load_train(source.file.path).bogie_of(group).pads.model_dump()
+        bogie = load_train(source.file.path).bogie_of(group)
+        pads = bogie.pads.model_dump() | {name: getattr(bogie.law, name) for name in _OF_LAW.values()}
     values: list[float] = []
-    for parameter in model.parameters:
+    for parameter in _model(vehicle, group).parameters:
         name, last = parameter.name, parameter.name.rpartition(".")[2]
         of_plant = f"{_OF_GROUP[name]}[{group + 1}]" if name in _OF_GROUP else _OF_DISC.get(name, last)
-        values.append(pads.get(_OF_FILE.get(name, last), plant.get(of_plant, parameter.start)))
+        values.append(pads.get(str(_OF_FILE.get(name, last)), plant.get(of_plant, parameter.start)))
     return values
 
 

@@ -3,7 +3,7 @@
 Source: Schwarz, Lüdicke, Heckmann (2019), eq. (3).
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, Any, get_type_hints
@@ -54,16 +54,19 @@ def lowest_friction(
     effects: Mapping[str, float],
     speed: float,
     force: float,
+    shape: Callable[[float, float], float] = lambda speed, force: 1.0,
 ) -> tuple[float, float, float]:
     """Return the lowest friction of pads in a stop: friction, sliding speed [m/s], force of both pads [N].
 
-    Each effect of `RailBraking.Friction.PadFriction` is linear, so that the minimum is at an end of its range.
+    Each effect of `RailBraking.Friction.PadFriction` is linear, and laws of blocks are monotone, so that the minimum is
+    at an end of its range.
 
     Args:
         friction: Nominal friction.
         effects: speed_effect, speed_nominal [m/s], force_effect, force_nominal [N] and temperature_effect.
         speed: Highest sliding speed [m/s].
         force: Highest force of both pads [N].
+        shape: Factor by sliding speed and force, monotone in both, that multiplies friction.
     """
     heat = 1 - abs(effects["temperature_effect"])
     return min(
@@ -71,7 +74,8 @@ def lowest_friction(
             friction
             * heat
             * (1 + effects["speed_effect"] * (1 - v / effects["speed_nominal"]))
-            * (1 - effects["force_effect"] * (normal / effects["force_nominal"] - 1)),
+            * (1 - effects["force_effect"] * (normal / effects["force_nominal"] - 1))
+            * shape(v, normal),
             v,
             normal,
         )

@@ -18,7 +18,8 @@ KEYS = {
     "ed_brake": "electrodynamic", "electrodynamic_brake": "electrodynamic", "regenerative_brake": "electrodynamic",
     "dynamic_brake": "electrodynamic", "blending": "electrodynamic", "retarder": "hydrodynamic",
     "eddy_current_brakes": "eddy-current", "track_eddy_current": "eddy-current", "tread_brake": "tread",
-    "brake_blocks": "tread", "parking_brake": "parking", "spring_brakes": "parking", "load_proportional": "load",
+    "brake_blocks": "tread", "ll_blocks": "LL",
+    "parking_brake": "parking", "spring_brakes": "parking", "load_proportional": "load",
     "wind": "wind", "tunnel": "wind",
 }  # fmt: skip
 

@@ -1,0 +1,253 @@
+"""The page of a brake calculation, its PDF, and its values as plain data."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, cast
+
+from matplotlib.backends.backend_pdf import PdfPages
+from matplotlib.figure import Figure
+
+from railgrip.base.files import replacing
+from railgrip.report.page import Page
+from railgrip.report.table import ReportTable
+from railgrip.rolling_stock.calculation import RANGES, MeanStop
+from railgrip.rolling_stock.check import findings
+from railgrip.rolling_stock.schema import BogieInTrain, SourcedTable, Train
+from railgrip.rolling_stock.stopping import response_times, rotating_masses
+from railgrip.rolling_stock.tables import plain_stop
+
+_LINES = 42  # rows of a table on one page of the PDF
+_A4 = (8.27, 11.69)  # in
+
+
+def calculation_page(train: Train, stops: Sequence[MeanStop], *, origin: str, digest: str) -> Page:
+    """Return the page of a brake calculation, with its PDF.
+
+    Args:
+        train: The train.
+        stops: Its stops by mean values, at least one.
+        origin: Name of the file of the train.
+        digest: Digest of that file.
+    """
+    fastest = max(stops, key=lambda stop: stop.speed)
+    first = (
+        f"{train.name} stops from {_km_h(fastest.speed)} in {fastest.distance:.1f} m by mean values and in "
+        f"{fastest.time_steps.distance:.1f} m by time steps."
+    )
+    second = (
+        f"Its equivalent deceleration is {fastest.deceleration:.3f} m/s² after {fastest.equivalent_time:.2f} s, and it "
+        f"requires an adhesion of up to {fastest.adhesion.max():.3f} (axle {int(fastest.adhesion.argmax()) + 1})."
+    )
+    tables = {
+        "data": _data(train),
+        "stops": table_of_stops(stops),
+        "axles": _axles(train, fastest),
+        "rail": _rail(train, fastest),
+        "steps": _steps(fastest),
+        "sources": ReportTable.of(["table", "source"], _sources(train), left=2),
+        "signatures": ReportTable(
+            [{"": step, "name": "", "date": "", "signature": ""} for step in ("calculated", "checked", "released")],
+            left=("", "name", "date", "signature"),
+        ),
+    }
+    parts = {name.capitalize(): table for name, table in tables.items() if table}
+    page = Page(
+        title=f"Brake calculation of {train.name}",
+        question=f"How far does {train.name} travel to a stop, and what must its brakes and the rail provide?",
+        answer=f"{first} {second}",
+        template="rolling_stock/calculation.md.jinja",
+        values={
+            **tables,
+            "fastest": _km_h(fastest.speed),
+            "lambda_note": LAMBDA_NOTE,
+            "findings": [str(finding) for finding in findings(train)],
+        },
+        figures={"figures/deceleration.png": _figure(fastest)},
+        provenance={"train": origin, "digest of its file": digest},
+        tables={f"{name}.csv": tables[name] for name in ("stops", "axles", "steps")},
+        data={"calculation.json": plain_calculation(train, stops)},
+        screen=[first, second, tables["stops"], tables["axles"], tables["steps"]],
+    )
+    return replace(page, files={"calculation.pdf": lambda path: _write_pdf(path, page, parts)})
+
+
+LAMBDA_NOTE = (
+    "Braked weight percentage λ = C/s − D by UIC 544-1, with C and D as published in "
+    "RailProfAC/RailwayBrakeCalculation; verify them in the leaflet. There are values for trains from 100, 120, 140, "
+    "150, 160, 180 and 200 km/h and for single vehicles from 100, 120, 140 and 160 km/h, with λ of "
+    f"{RANGES[True][0]:g} to {RANGES[True][1]:g} % from 100 km/h and of {RANGES[False][0]:g} to {RANGES[False][1]:g} % "
+    "from other speeds; elsewhere the cell is empty. λ of a train is the smallest of its column."
+)
+
+
+def table_of_stops(stops: Sequence[MeanStop]) -> ReportTable:
+    """Return one row for each stop."""
+    rows = [
+        {
+            "from": 3.6 * stop.speed,
+            "mean values": stop.distance,
+            "time steps": stop.time_steps.distance,
+            "difference": 100 * (stop.time_steps.distance / stop.distance - 1),
+            "te": stop.equivalent_time,
+            "ae": stop.deceleration,
+            "brakes": float(stop.forces.sum() + stop.rail_forces.sum()) / 1e3,
+            "resistance": stop.resistance / 1e3,
+            "adhesion": float(stop.adhesion.max()),
+            "λ train": stop.percentages[0],
+            "λ vehicle": stop.percentages[1],
+        }
+        for stop in stops
+    ]
+    forms = {
+        "from": "{:g} km/h", "mean values": "{:.1f} m", "time steps": "{:.1f} m", "difference": "{:+.1f} %",
+        "te": "{:.2f} s", "ae": "{:.3f} m/s²", "brakes": "{:.1f} kN", "resistance": "{:.1f} kN",
+        "adhesion": "{:.3f}", "λ train": "{:.0f} %", "λ vehicle": "{:.0f} %",
+    }  # fmt: skip
+    return ReportTable(rows, forms)
+
+
+def plain_calculation(train: Train, stops: Sequence[MeanStop]) -> dict[str, Any]:
+    """Return a calculation as plain values in SI units."""
+    _, turning, _ = rotating_masses(train)
+    times, rail_times = response_times(train)
+    return {
+        "train": train.name,
+        "mass": train.mass,
+        "rotating_mass": float(turning.sum()),
+        "response_time": times.tolist(),
+        "response_time_rail_brakes": rail_times.tolist(),
+        "stops": [
+            {
+                "speed": stop.speed,
+                "distance": stop.distance,
+                "equivalent_time": stop.equivalent_time,
+                "deceleration": stop.deceleration,
+                "resistance": stop.resistance,
+                "force": stop.forces.tolist(),
+                "force_rail_brakes": stop.rail_forces.tolist(),
+                "adhesion": stop.adhesion.tolist(),
+                "energy": stop.energy.tolist(),
+                "power": stop.power.tolist(),
+                "steps": [dict(zip(("from", "to", "deceleration"), step, strict=True)) for step in stop.steps],
+                "braked_weight_percentage_train": stop.percentages[0],
+                "braked_weight_percentage_vehicle": stop.percentages[1],
+                "time_steps": plain_stop(stop.speed, stop.time_steps),
+            }
+            for stop in stops
+        ],
+    }
+
+
+def _km_h(speed: float) -> str:
+    return f"{3.6 * speed:g} km/h"
+
+
+def _data(train: Train) -> ReportTable:
+    _, turning, _ = rotating_masses(train)
+    command = "immediately" if train.command is None else train.command.kind.replace("_", " ")
+    rows = [
+        ("description", train.description),
+        ("cars, axles", f"{len(train.cars)}, {len(train.axles)}"),
+        ("length over couplers", f"{train.length:.1f} m"),
+        ("mass on the rail", f"{train.mass / 1e3:.1f} t"),
+        ("rotating mass", f"{turning.sum() / 1e3:.2f} t, {100 * turning.sum() / train.mass:.1f} %"),
+        ("command of the emergency brake", command),
+    ]
+    return ReportTable.of(["datum", "value"], rows, left=2)
+
+
+def _axles(train: Train, stop: MeanStop) -> ReportTable:
+    times, _ = response_times(train)
+    rows = [
+        {
+            "axle": number + 1,
+            "car": train.cars[axle.car].name,
+            "brake": bogie.data.brake,
+            "units": round(axle.units),
+            "pad force": bogie.brake.full_force / 1e3,
+            "friction": _mean_friction(float(stop.forces[number]), axle.units, bogie),
+            "force": float(stop.forces[number]) / 1e3,
+            "te": float(times[number]),
+            "load": axle.mass / 1e3,
+            "adhesion": float(stop.adhesion[number]),
+            "energy": float(stop.energy[number]) / 1e6,
+            "power": float(stop.power[number]) / 1e3,
+        }
+        for number, axle in enumerate(train.axles)
+        for bogie in [train.bogies_in_train[axle.bogie]]
+    ]
+    forms = {
+        "pad force": "{:.2f} kN", "friction": "{:.3f}", "force": "{:.3f} kN", "te": "{:.2f} s", "load": "{:.2f} t",
+        "adhesion": "{:.3f}", "energy": "{:.2f} MJ", "power": "{:.0f} kW",
+    }  # fmt: skip
+    return ReportTable(rows, forms, ("car", "brake"))
+
+
+def _mean_friction(force: float, units: float, bogie: BogieInTrain) -> float | None:
+    at_rim = units * bogie.brake.full_force * bogie.brake.friction_radius / bogie.data.wheel_radius
+    return force / at_rim if at_rim > 0 else None
+
+
+def _rail(train: Train, stop: MeanStop) -> ReportTable:
+    _, times = response_times(train)
+    bogies = [bogie for bogie in train.bogies_in_train if bogie.track_brake is not None]
+    rows = [
+        {
+            "car": train.cars[bogie.cars[0]].name, "bogie": bogie.kind, "track brake": bogie.data.track_brake,
+            "force": force / 1e3, "te": time,
+        }
+        for bogie, force, time in zip(bogies, stop.rail_forces.tolist(), times.tolist(), strict=True)
+    ]  # fmt: skip
+    return ReportTable(rows, {"force": "{:.2f} kN", "te": "{:.2f} s"}, ("car", "bogie", "track brake"))
+
+
+def _steps(stop: MeanStop) -> ReportTable:
+    rows = [{"from": 3.6 * upper, "to": 3.6 * lower, "deceleration": each} for upper, lower, each in stop.steps]
+    return ReportTable(rows, {"from": "{:.0f} km/h", "to": "{:.0f} km/h", "deceleration": "{:.3f} m/s²"})
+
+
+def _sources(train: Train) -> Iterator[tuple[str, str]]:
+    for name in type(train).model_fields:
+        value = getattr(train, name)
+        tables = {f"[{name}]": value}
+        if isinstance(value, dict):
+            tables = {f"[{name}.{key}]": table for key, table in cast("dict[str, Any]", value).items()}
+        elif isinstance(value, tuple):
+            tables = {f"[{name}[{number}]]": table for number, table in enumerate(cast("tuple[Any, ...]", value), 1)}
+        for where, table in tables.items():
+            if isinstance(table, SourcedTable):
+                keys = table.estimated if isinstance(table.estimated, tuple) else ()
+                estimated = f"estimated: {', '.join(keys)}" if keys else "estimated" * (table.estimated is True)
+                yield where, "; ".join(filter(None, (table.source, estimated)))
+
+
+def _figure(stop: MeanStop) -> Figure:
+    figure = Figure(figsize=(7, 3), layout="constrained")
+    axes = figure.subplots()
+    edges = [3.6 * upper for upper, _, _ in stop.steps] + [0.0]
+    axes.stairs([each for *_, each in stop.steps][::-1], edges[::-1], baseline=None)
+    axes.set(xlabel="speed [km/h]", ylabel="deceleration [m/s²]", ylim=(0, None))
+    return figure
+
+
+def _write_pdf(path: Path, page: Page, parts: dict[str, ReportTable]) -> None:
+    """Write the tables of a page on A4."""
+    with replacing(path) as partial, PdfPages(partial, metadata={"CreationDate": None, "Title": page.title}) as pdf:
+        for title, table in parts.items():
+            texts = table.texts
+            for begin in range(0, len(texts), _LINES):
+                sheet = Figure(figsize=_A4)
+                sheet.text(0.06, 0.96, page.title, fontsize=13, weight="bold")
+                sheet.text(0.06, 0.935, page.answer, fontsize=8, va="top", wrap=True)
+                sheet.text(0.06, 0.88, f"{title}, train file {page.provenance['train']}", fontsize=10)
+                axes = sheet.add_axes((0.05, 0.04, 0.9, 0.83))
+                axes.set_axis_off()
+                cells = [list(row.values()) for row in texts[begin : begin + _LINES]]
+                drawn = axes.table(cellText=cells, colLabels=table.columns, loc="upper center", cellLoc="left")
+                drawn.auto_set_font_size(False)
+                drawn.set_fontsize(6)
+                drawn.auto_set_column_width(list(range(len(table.columns))))
+                if title == "Stops":
+                    sheet.text(0.06, 0.05, LAMBDA_NOTE, fontsize=7, wrap=True)
+                pdf.savefig(sheet)
