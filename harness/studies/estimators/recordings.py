@@ -20,8 +20,7 @@ from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.merge import merge
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.vehicle import VehicleData
-from railgrip.studies.type_test.case_set import AnyCase
-from railgrip.studies.type_test.design import cases, ranks
+from railgrip.studies.type_test.design import Case, cases, ranks
 from railgrip.studies.type_test.track_case import TrackCase, track_cases
 from railgrip.trace.bound import with_bound
 
@@ -110,7 +109,7 @@ class RecordingCase:
         digest: SHA-256 of that file, so that stored results of a file that has changed are not used.
     """
 
-    stop: AnyCase
+    stop: Case | TrackCase
     sensors: Sensors
     demand: str
     over: Literal["time", "distance"]
@@ -165,7 +164,7 @@ def recording_cases(count: int, seed: int, train: str = "") -> tuple[RecordingCa
     return tuple(choices)
 
 
-def _on_train(stop: AnyCase, fastest: float) -> AnyCase:
+def _on_train(stop: Case | TrackCase, fastest: float) -> Case | TrackCase:
     changes: dict[str, Any] = {"train": ""} if isinstance(stop, TrackCase) else {}
     return replace(stop, speed=min(stop.speed, fastest), **changes)
 
