@@ -58,4 +58,4 @@ def test_axes_of_a_script_have_units(script: Path, figures: Callable[[Path], lis
 
 
 def test_long_scripts_exist():
-    assert {script.stem for script in SCRIPTS} > LONG.keys()
+    assert {script.stem for script in SCRIPTS} > LONG
