@@ -426,10 +426,12 @@ def page_of(
 def ranked(board: Sequence[Summary], candidates: Collection[str]) -> tuple[list[Summary], list[str]]:
     """Return the controllers to rank, and a sentence on each that was run in fewer than half of the cases.
 
-    Quantiles over different cases are not comparable. Candidates are ranked in any case.
+    Quantiles over different cases are not comparable. Candidates and controllers that know the true state, which have
+    no stop in many cases, are listed in any case.
     """
     most = max((summary.cases for summary in board), default=0)
-    kept = [one for one in board if 2 * one.cases >= most or one.controller in candidates]
+    always = {*candidates, *registry.ANALYSES}
+    kept = [one for one in board if 2 * one.cases >= most or one.controller in always]
     sentences = [
         f"{one.controller} was run in {one.cases} of {most} cases and is not ranked."
         for one in board

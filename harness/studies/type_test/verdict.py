@@ -37,10 +37,13 @@ class Loss:
 
 
 def _laws(stops: Iterable[CaseJudgement]) -> dict[str, dict[str, CaseJudgement]]:
-    """Return law → case → judgement, without controllers that know the true state."""
+    """Return law → case → judgement, without controllers that know the true state and without full brake.
+
+    Locked wheels may stop shortest where slip cleans the rail, but full brake is no wheel-slide protection.
+    """
     laws: dict[str, dict[str, CaseJudgement]] = {}
     for stop in stops:
-        if stop.controller not in registry.ANALYSES:
+        if stop.controller not in (*registry.ANALYSES, "full_brake"):
             laws.setdefault(stop.controller, {})[stop.case] = stop
     return laws
 
@@ -166,9 +169,9 @@ def recommendation(stops: Sequence[CaseJudgement]) -> ReportTable:
                 median, high, most = (quantile(values, share) for share in (0.5, 0.95, 1.0))
                 text = " / ".join("no stop" if math.isinf(value) else f"{value:.3f}" for value in (median, high, most))
                 ratios.append((median, law, text))
-        row: dict[str, object] = {"rail": kind, "cases": len(cases)}
+        row: dict[str, object] = {"rail": kind, "cases": len(cases), "laws": len(ratios)}
         for place, (_, law, text) in zip(("shortest", "second", "third")[:_LISTED], sorted(ratios), strict=False):
             row[place] = f"{law}: {text}"
         rows.append(row)
-    columns = ("rail", "cases", "shortest", "second", "third")
-    return ReportTable([{name: row.get(name, "") for name in columns} for row in rows], left=columns[:1] + columns[2:])
+    columns = ("rail", "cases", "laws", "shortest", "second", "third")
+    return ReportTable([{name: row.get(name, "") for name in columns} for row in rows], left=columns[:1] + columns[3:])
