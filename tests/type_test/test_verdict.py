@@ -49,6 +49,13 @@ def test_a_law_that_is_not_beaten_anywhere_is_called_best():
     assert sentence.startswith("two_maxima is the best law: ")
 
 
+def test_full_brake_beats_no_law():
+    """It has no wheel-slide protection: locked wheels are no alternative where slip cleans the rail."""
+    stops = judged({"two_maxima": lambda case: 90.0, "full_brake": lambda case: 50.0})
+    assert losses_of("two_maxima", stops) == []
+    assert "full_brake" not in str(recommendation(stops))
+
+
 def test_a_loss_on_the_three_rails_of_table_1_alone_prevents_it():
     """Three cases are fewer than other families need."""
     stops = judged({"two_maxima": lambda case: 104.0 if is_of_table_1(case) else 90.0, "slope_seeking": lambda _: 95.0})

@@ -431,12 +431,13 @@ def page_of(
 def ranked(board: Frame, candidates: Collection[str]) -> tuple[Frame, list[str]]:
     """Return the controllers to rank, and a sentence on each that was run in fewer than half of the cases.
 
-    Quantiles over different cases are not comparable. Candidates are ranked in any case.
+    Quantiles over different cases are not comparable. Candidates and controllers that know the true state, which have
+    no stop in many cases, are listed in any case.
     """
     if board.empty:
         return board, []
     most = board["cases"].max()
-    is_kept = (2 * board["cases"] >= most) | board["controller"].isin(candidates)
+    is_kept = (2 * board["cases"] >= most) | board["controller"].isin([*candidates, *registry.ANALYSES])
     sentences = [
         f"{one.controller} was run in {one.cases} of {most} cases and is not ranked."
         for one in board[~is_kept].itertuples()

@@ -37,10 +37,18 @@ class Loss:
     cases: int
 
 
+def _rows_of_laws(stops: Frame) -> Frame:
+    """Return the stops without those of controllers that know the true state and of full brake.
+
+    Locked wheels may stop shortest where slip cleans the rail, but full brake is no wheel-slide protection.
+    """
+    return stops[~stops["controller"].isin([*registry.ANALYSES, "full_brake"])]
+
+
 def _laws(stops: Frame) -> dict[str, dict[str, Any]]:
-    """Return law → case → row of its judged stop, without controllers that know the true state."""
-    others = stops[~stops["controller"].isin(registry.ANALYSES)]
-    return {law: {row.case: row for row in own.itertuples()} for (law,), own in groups_of(others, ("controller",))}
+    """Return law → case → row of its judged stop."""
+    laws = groups_of(_rows_of_laws(stops), ("controller",))
+    return {law: {row.case: row for row in own.itertuples()} for (law,), own in laws}
 
 
 def _families(stops: Mapping[str, Any]) -> dict[str, list[str]]:
@@ -152,7 +160,7 @@ def recommendation(stops: Frame) -> ReportTable:
 
     Values are the median, the 95 % quantile and the maximum of the distance over that of the best baseline.
     """
-    compared = stops[stops["best_m"].notna() & ~stops["controller"].isin(registry.ANALYSES)]
+    compared = _rows_of_laws(stops[stops["best_m"].notna()])
     compared = compared.assign(rail=[rail_of(variants) for variants in compared["variants"]])
     rows: list[dict[str, object]] = []
     for (kind,), of_kind in groups_of(compared, ("rail",)):
@@ -164,10 +172,10 @@ def recommendation(stops: Frame) -> ReportTable:
                 median, high, most = (quantile(values, share) for share in (0.5, 0.95, 1.0))
                 text = " / ".join("no stop" if math.isinf(value) else f"{value:.3f}" for value in (median, high, most))
                 ratios.append((median, law, text))
-        row: dict[str, object] = {"rail": kind, "cases": count}
+        row: dict[str, object] = {"rail": kind, "cases": count, "laws": len(ratios)}
         for place, (_, law, text) in zip(("shortest", "second", "third")[:_LISTED], sorted(ratios), strict=False):
             row[place] = f"{law}: {text}"
         rows.append(row)
     rows.sort(key=lambda row: (TABLE_1 in str(row["rail"]), str(row["rail"])))
-    columns = ("rail", "cases", "shortest", "second", "third")
-    return ReportTable([{name: row.get(name, "") for name in columns} for row in rows], left=columns[:1] + columns[2:])
+    columns = ("rail", "cases", "laws", "shortest", "second", "third")
+    return ReportTable([{name: row.get(name, "") for name in columns} for row in rows], left=columns[:1] + columns[3:])
