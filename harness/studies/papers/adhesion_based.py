@@ -112,7 +112,9 @@ def choices(identified: CandidateFit) -> ReportTable:
         scenario = stop_of(name, identified.candidate, identified.levels[name], "sbc")
         adhesion = dict(scenario.resolved()["adhesion"])
         conditioning = adhesion.pop("conditioning")
-        course = {key: value for key, value in adhesion.items() if key not in _NOT_CHOSEN and value is not None}
+        course: dict[str, Any] = {
+            key: value for key, value in adhesion.items() if key not in _NOT_CHOSEN and value is not None
+        }
         if name == "trapezoid":
             course = {"low": f"{LOW:g}", "falls begin at": "4, 12 and 20 s", "rises at": "9, 17 and 25 s"}
         course |= {f"conditioning {key}": value for key, value in conditioning.items()}

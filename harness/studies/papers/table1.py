@@ -237,7 +237,7 @@ def rail_of(name: str, candidate: Candidate, level: float) -> dict[str, Any]:
     rail["conditioning"] = conditioning | {"recovered": round(level * conditioning["recovered"], 5)}
     if name == "trapezoid":
         rail |= {"kind": "points", "over": "time", "points": _steps(candidate, level)}
-        changes = {"adhesion": rail}
+        changes: dict[str, Any] = {"adhesion": rail}
     else:
         changes = {f"adhesion.{key}": value for key, value in rail.items()}
     if name == "random":
