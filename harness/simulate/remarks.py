@@ -96,7 +96,7 @@ def remarks_on_pressures(vehicle: VehicleData) -> list[str]:
     higher = [
         f"{true.pressure_max / 1e5:g} bar in group {group}, where the controller knows {known.pressure_max / 1e5:g} bar"
         for group, (true, known) in enumerate(pairs, start=1)
-        if true.pressure_max > (1 + _ROUNDING) * known.pressure_max
+        if true is not None and true.pressure_max > (1 + _ROUNDING) * known.pressure_max
     ]
     if not higher:
         return []

@@ -168,8 +168,8 @@ def curve_figure(identified: CandidateFit) -> Figure:
         best, share = int(np.argmax(curve)), share_of(candidate, friction)
         panel.plot(100 * SLIPS, curve, color=color, label=f"{name}, μ0 = {friction:.3f}")
         for slip, adhesion, words, offset in (
-            (SLIPS[best], curve[best], f"{name}: {100 * SLIPS[best]:.1f} %", (8, -4)),
-            (0.15, share * curve[best], f"{100 * share:.0f} % of the greatest", (6, -14 if below else 6)),
+            (SLIPS[best], curve[best], f"{name}: {100 * SLIPS[best]:.1f} %", (10, 12 if below else 1)),
+            (0.15, share * curve[best], f"{100 * share:.0f} % of the greatest", (6, -24 if below else 6)),
         ):
             panel.plot(100 * slip, adhesion, "o", color=color)
             panel.annotate(
@@ -181,7 +181,7 @@ def curve_figure(identified: CandidateFit) -> Figure:
         title=f"creep curves at {SPEED * style.KMH:.0f} km/h and {LOAD / 1e3:.0f} kN, mean friction of the trapezoid",
     )  # fmt: skip
     panel.set_xlim(0, 50)
-    panel.set_ylim(0, None)
+    panel.set_ylim(0, 1.1 * friction)
     style.legend(panel, loc="upper right")
     return drawing
 

@@ -1,7 +1,7 @@
 """Tables of the validation page on the law as printed: effect of its guards, and the limit of adhesion."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -14,16 +14,17 @@ from railgrip.report.table import ReportTable
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.run import braking_distance, trace_of
+from railgrip.simulate.run import run_stop, trace_of
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.papers.figure_4 import LIMIT
 from railgrip.studies.papers.table1 import SCENARIOS
 
 
-def _metres(distance: float | None, other: float | None) -> str:
-    if distance is None or other is None:
+def _changed(one: "Guarded", other: "Guarded") -> str:
+    if one["distance"] is None or other["distance"] is None:
         return "no stop"
-    return f"{distance - other:+.1f} m".replace("-", "−")
+    change = f"{one['distance'] - other['distance']:+.1f} m".replace("-", "−")
+    return f"{change}{locked_text(one['lock'])}"
 
 
 GUARDS: Final[Mapping[str, Mapping[str, Any]]] = {
@@ -42,11 +43,12 @@ PERTURBATION: Final = 1e-7
 _EQUIPMENT: Final = ("ideal", "service")
 
 
-def guards(work: Work) -> dict[str, dict[str, float | None]]:
-    """Return the median distances [m] of the law as printed without each of its guards, by equipment and scenario.
+Guarded = Mapping[str, float | None]
+"""`distance`: median of three stops [m], None if most of them do not stop; `lock`: the longest lock in them [s]."""
 
-    A distance is None if most of the repeats do not stop.
-    """
+
+def guards(work: Work) -> dict[str, dict[str, Guarded]]:
+    """Return distance and lock of the law as printed without each of its guards, by equipment and scenario."""
     campaign = load_campaign(shelf("campaigns")["table1"])
     planned = {
         f"{stop.variants['equipment']}-{stop.variants['scenario']}": stop.scenario
@@ -59,14 +61,23 @@ def guards(work: Work) -> dict[str, dict[str, float | None]]:
         for column in columns
         for seed in range(1, _REPEATS + 1)
     ]
-    distances = [math.inf if distance is None else distance for distance in work.map(braking_distance, cases)]
-    medians = np.median(np.reshape(distances, (len(GUARDS), len(columns), _REPEATS)), axis=2)
+    stops = iter(work.map(distance_and_lock, cases))
+    return {variant: {column: _summary([next(stops) for _ in range(_REPEATS)]) for column in columns}
+            for variant in GUARDS}  # fmt: skip
+
+
+def distance_and_lock(scenario: Scenario) -> tuple[float, float]:
+    """Return braking distance [m], infinite without standstill, and longest lock of a group [s] of a stop."""
+    stop = run_stop(scenario)
+    distance = stop.braking_distance
+    return math.inf if distance is None else distance, max(stop.metrics.longest_lock)
+
+
+def _summary(stops: Sequence[tuple[float, float]]) -> Guarded:
+    median = float(np.median([distance for distance, _ in stops]))
     return {
-        variant: {
-            column: round(float(median), 2) if math.isfinite(median) else None
-            for column, median in zip(columns, row, strict=True)
-        }
-        for variant, row in zip(GUARDS, medians, strict=True)
+        "distance": round(median, 2) if math.isfinite(median) else None,
+        "lock": round(max(lock for _, lock in stops), 2),
     }
 
 
@@ -97,12 +108,12 @@ def accepted_ranges() -> dict[str, str]:
     return found
 
 
-def guards_table(found: Mapping[str, Mapping[str, float | None]]) -> ReportTable:
+def guards_table(found: Mapping[str, Mapping[str, Guarded]]) -> ReportTable:
     """Return a table of `guards`: the accepted distances, then changes by each variant in the same repeats [m]."""
     first, *variants = GUARDS
     rows = [(first, *accepted_ranges().values())]
     rows += [
-        (variant, *(_metres(distance, found[first][column]) for column, distance in found[variant].items()))
+        (variant, *(_changed(one, found[first][column]) for column, one in found[variant].items()))
         for variant in variants
     ]
     columns = [f"{equipment}: {name.replace('_', ' ')}" for equipment in _EQUIPMENT for name in SCENARIOS]

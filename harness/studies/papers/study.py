@@ -65,7 +65,7 @@ class Papers(Study):
     """Draw figures and tables of the paper on adhesion-based control, with its Table 1 identified."""
 
     fit: Annotated[
-        bool, Option("--fit", help="Go on with the search for the fit of Table 1 (half an hour of two cores).")
+        bool, Option("--fit", help="Go on with the search for the fit of Table 1 (a quarter of an hour of a core).")
     ] = False
     write: Annotated[
         bool,
