@@ -6,7 +6,7 @@ import re
 import threading
 from codecs import BOM_UTF8
 from collections.abc import Generator, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -220,14 +220,15 @@ def read(
         try:
             for name in used.names:
                 require_readable(folder / name / "package.mo")
-            try:
-                return _read(class_name, own, folder if used.texts else None, complete=complete)
-            except InputError:
-                copy = None if is_trusted(path) else _rewrite(own, folder)
-                if copy is None:
-                    raise
-            libraries = folder / _COPY
-            return _read(class_name, copy, libraries if libraries.is_dir() else None, complete=complete)
+            further = folder if used.texts else None
+            if not is_trusted(path):
+                # The diagnosis of an error takes longer than the translation, and may not be necessary.
+                with suppress(InputError):
+                    return _read(class_name, own, further, complete=complete, is_diagnosed=False)
+                copy = _rewrite(own, folder)
+                if copy is not None:
+                    own, further = copy, folder / _COPY if (folder / _COPY).is_dir() else None
+            return _read(class_name, own, further, complete=complete)
         except InputError as error:
             # The user does not know the copies.
             raise type(error)(_without_folder(str(error), folder)) from error
@@ -263,7 +264,7 @@ def _without_folder(message: str, folder: Path) -> str:
     return shown.replace(f"{_COPY}/", "").replace(f"{_COPY_OF_FILE}/", "")
 
 
-def _read(class_name: str, path: Path, further: Path | None, *, complete: bool) -> Dae:
+def _read(class_name: str, path: Path, further: Path | None, *, complete: bool, is_diagnosed: bool = True) -> Dae:
     # `further` is the folder of all libraries besides RailBraking and that of the class.
     # rumoca reads all files in the folder of a file, so a single file has a name in a folder that does not exist.
     alias = f"single-file/{path.name}"
@@ -283,6 +284,8 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool) 
             flat = _first_object(model.to_json("flat", pretty=False), "variables")
             sources = _sources(model, path, alias, further)
     except (rumoca.RumocaError, RuntimeError) as error:
+        if not is_diagnosed:
+            raise InputError(str(error)) from error
         # `codegen` raises RuntimeError, and its message begins with the name of the template.
         message = str(error).replace(alias, str(path)).rpartition("_dae.json': ")[2]
         message = message if further is None else message.replace(f"{further}{os.sep}", "")
@@ -299,6 +302,8 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool) 
     except BaseException as error:
         if type(error).__name__ != "PanicException":  # of rumoca, no Exception, and nowhere to import from
             raise
+        if not is_diagnosed:
+            raise InputError(str(error)) from error
         if sentences := limits(str(error), path, class_name):
             raise TranslationError("\n".join(sentences)) from error
         raise TranslationError(_describe_panic(str(error), path, class_name)) from error
