@@ -87,7 +87,7 @@ def friction_findings(train: Train, speed: float) -> list[TrainRemark]:
     for bogie in train.bogies_in_train:
         brake, sliding = bogie.brake, bogie.brake.friction_radius / bogie.data.wheel_radius
         law, pads = bogie.law, bogie.pads
-        nominal = (brake.pad_friction or 0.0) / law.shape(pads.speed_nominal, pads.force_nominal)
+        nominal = bogie.pad_friction / law.shape(pads.speed_nominal, pads.force_nominal)
         friction, at_speed, at_force = lowest_friction(
             nominal, effects=pads.model_dump(), speed=speed * sliding, force=brake.full_force, shape=law.shape
         )

@@ -701,6 +701,11 @@ class BogieInTrain:
     cars: tuple[int, ...]
     reversed: bool
 
+    @property
+    def pad_friction(self) -> float:
+        """Nominal friction of its pads or blocks."""
+        return self.brake.pad_friction or 0.0  # never None in a train, whose blocks have the friction of their law
+
 
 class Train(Table):
     """A train, the leading car first."""
