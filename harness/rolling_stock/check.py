@@ -23,6 +23,8 @@ _DRAG_OF_ENDS, _DRAG_OF_CAR = 1.5, 0.6  # coefficient; trains have 0.3 to 1, and
 _FAR = 4  # times the usual maximum
 _PISTON_FORCE = 1e5  # N; a piston of 16 in presses with 65 kN at 5 bar
 _AIR_PRESSURE = 1.05e6  # Pa; supply of the main reservoir, EN 14198
+_TREAD = 0.95  # of the wheel radius; units for wheels of two sizes are described once
+_BLOCK_FORCE = 4e4  # N; wagons have 10 to 30 kN, and Open Rails (TrainCar.cs) warns from 20 kN
 _OIL_PISTON = 5e-3  # m2; pistons of hydraulic calipers are smaller than 80 mm
 USUAL_SPEED = 120 / 3.6  # m/s, where the file has no reference stop
 
@@ -85,7 +87,7 @@ def friction_findings(train: Train, speed: float) -> list[TrainRemark]:
     for bogie in train.bogies_in_train:
         brake, sliding = bogie.brake, bogie.brake.friction_radius / bogie.data.wheel_radius
         law, pads = bogie.law, bogie.pads
-        nominal = (brake.pad_friction or 0.0) / law.shape(pads.speed_nominal, pads.force_nominal)
+        nominal = bogie.pad_friction / law.shape(pads.speed_nominal, pads.force_nominal)
         friction, at_speed, at_force = lowest_friction(
             nominal, effects=pads.model_dump(), speed=speed * sliding, force=brake.full_force, shape=law.shape
         )
@@ -208,6 +210,18 @@ def _brakes(train: Train) -> Iterator[TrainRemark]:
             yield TrainRemark(
                 f"[brakes.{kind}] friction_radius",
                 f"is {brake.friction_radius:g} m, beyond the wheels of {min(wheels):g} m",
+            )
+        elif brake.blocks and wheels and brake.friction_radius < _TREAD * max(wheels):
+            yield TrainRemark(
+                f"[brakes.{kind}] friction_radius",
+                f"is {brake.friction_radius:g} m, but blocks press on the tread of wheels of {max(wheels):g} m",
+            )
+        if brake.block_count and brake.full_force > _BLOCK_FORCE * brake.block_count:
+            yield TrainRemark(
+                f"[brakes.{kind}] block_count",
+                f"gives {brake.full_force / brake.block_count / 1e3:.0f} kN on a block; usual are 5 to "
+                f"{_BLOCK_FORCE / 1e3:g} kN, and the laws of friction hold there",
+                wrong=False,
             )
 
 

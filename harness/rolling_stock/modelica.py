@@ -127,8 +127,8 @@ def _parameters(train: Train, body_of_car: Sequence[int]) -> dict[str, Sequence[
         "n_units": [sum(axles[i].units for i in members) for members in groups],
         "r_friction": [bogie.brake.friction_radius for bogie in bogie_of_group],
         "p_max": [bogie.brake.pressure_max for bogie in bogie_of_group],
-        "mu_b_nominal": [bogie.brake.pad_friction for bogie in bogie_of_group],
-        "mu_b_start": [bogie.brake.pad_friction for bogie in bogie_of_group],
+        "mu_b_nominal": [bogie.pad_friction for bogie in bogie_of_group],
+        "mu_b_start": [bogie.pad_friction for bogie in bogie_of_group],
     }
 
 

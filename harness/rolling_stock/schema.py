@@ -482,6 +482,40 @@ class Distributor(SourcedTable):
         return Stages(self.low_share, self.speed_up, self.speed_down, self.stage_time)
 
 
+class LoadValve(SourcedTable):
+    """A brake that follows the load of its car: a valve that adapts the pressure, or a changeover of the rigging.
+
+    The mass of a car does not change during a stop, so that its share is constant.
+    """
+
+    kind: Literal["valve", "changeover"] = Field(
+        description="valve: pressure rises linearly with the mass; changeover: one rigging for empty, one for full"
+    )
+    empty_share: Share = Field(description="share of pressure_max (valve) or of rigging (changeover) of the empty car")
+    empty_mass: CarMass | None = Field(default=None, description="mass of the empty car; a valve needs it")
+    full_mass: CarMass = Field(
+        description="mass from which pressure_max (valve), or the whole rigging ratio (changeover) acts"
+    )
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if (self.kind == "valve") == (self.empty_mass is None):
+            raise table_error("needs empty_mass with kind 'valve', and no empty_mass with kind 'changeover'")
+        if self.empty_mass is not None and self.empty_mass >= self.full_mass:
+            raise table_error(
+                f"has empty_mass {self.empty_mass / 1e3:g} t and full_mass {self.full_mass / 1e3:g} t; empty_mass must "
+                "be lower than full_mass"
+            )
+        return self
+
+    def share(self, mass: float) -> float:
+        """Return the share of the pressure or of the rigging for the mass of a car [kg]."""
+        if self.empty_mass is None:
+            return 1.0 if mass >= self.full_mass else self.empty_share
+        load = (mass - self.empty_mass) / (self.full_mass - self.empty_mass)
+        return self.empty_share + (1 - self.empty_share) * min(max(load, 0.0), 1.0)
+
+
 _READY = "above it an accelerator would be ready to open again, and would open and close repeatedly"
 
 
@@ -604,6 +638,9 @@ class Car(SourcedTable):
     accelerator: Name | None = Field(
         default=None, description="name in [accelerators] of the accelerator on its brake pipe"
     )
+    load_valve: Name | None = Field(
+        default=None, description="name in [load_valves] of what adapts its brakes to its mass"
+    )
 
 
 class PublishedStop(Table):
@@ -666,7 +703,8 @@ class BogieInTrain:
     Attributes:
         kind: Name in [bogies].
         data: Data of that kind.
-        brake: One of its brake units; for blocks its `pad_friction` is that of their law.
+        brake: One of its brake units, with pressure or rigging for the load of its car, and the friction of the law of
+            its blocks.
         pads: Pads of that unit; for blocks those without effects, whose friction `law` multiplies.
         law: Law of its blocks over the force of the unit; `CONSTANT` for pads.
         track_brake: Track brakes of the bogie, if it has any.
@@ -686,6 +724,11 @@ class BogieInTrain:
     axles: range
     cars: tuple[int, ...]
     reversed: bool
+
+    @property
+    def pad_friction(self) -> float:
+        """Nominal friction of its pads or blocks."""
+        return self.brake.pad_friction or 0.0  # never None in a train, whose blocks have the friction of their law
 
 
 class Train(Table):
@@ -707,6 +750,7 @@ class Train(Table):
     couplers: dict[Name, Coupler] = Field(default={}, description="kinds of couplers, by name")
     distributors: dict[Name, Distributor] = Field(default={}, description="kinds of distributors, by name")
     accelerators: dict[Name, Accelerator] = Field(default={}, description="kinds of accelerators, by name")
+    load_valves: dict[Name, LoadValve] = Field(default={}, description="brakes that follow the load, by name")
     cars: tuple[Car, ...] = Field(min_length=1, max_length=64, description="cars, the leading one first")
     sanders: tuple[Sander, ...] = Field(
         default=(), max_length=256, description="sanders, for scenarios with [adhesion.sand]"
@@ -749,7 +793,12 @@ class Train(Table):
                 _require_names(f"{key}s", [name] if name else [], table, f"{where} {key}")
                 if name and not isinstance(self.command, BrakePipe):
                     raise table_error(f"{where} {key} needs a brake pipe: give [command] kind = 'brake_pipe', too")
+            _require_names(
+                "load_valves", [car.load_valve] if car.load_valve else [], self.load_valves, f"{where} load_valve"
+            )
             count = sum(len(self.bogies[mount.kind].axles) for mount in car.bogies)
+            if car.load_valve and any(mount.shared for mount in car.bogies):
+                raise table_error(f"{where} load_valve: the load of a shared bogie is not that of one car")
             if car.axle_masses and len(car.axle_masses) != count:
                 raise table_error(
                     f"{where} axle_masses has {len(car.axle_masses)} values, {car.name} has {count} axles"
@@ -796,7 +845,7 @@ class Train(Table):
                     BogieInTrain(
                         kind=mount.kind,
                         data=data,
-                        brake=brake,
+                        brake=self._with_load(brake, car),
                         pads=pads,
                         law=law,
                         track_brake=self.track_brakes[data.track_brake] if data.track_brake else None,
@@ -916,6 +965,14 @@ class Train(Table):
     def linear_resistance(self) -> float:
         """Running resistance over speed [N s/m], the linear part of [davis]."""
         return 0.0 if self.davis is None else self.davis.linear
+
+    # The nominal point of blocks is that of a full car, so that all bogies of a kind have the same.
+    def _with_load(self, brake: BrakeUnit, car: Car) -> BrakeUnit:
+        if car.load_valve is None:
+            return brake
+        valve = self.load_valves[car.load_valve]
+        key = "pressure_max" if valve.kind == "valve" else "rigging"
+        return brake.model_copy(update={key: getattr(brake, key) * valve.share(car.mass)})
 
     def _friction(self, brake: BrakeUnit) -> tuple[BrakeUnit, Pads, BlockLaw]:
         if brake.blocks is None or brake.block_count is None:

@@ -188,7 +188,8 @@ UNSUPPORTED: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
         ),
         r"(load_?)?weigh.*|load_?(proportional|dependent|sens).*|empty_load.*": (
             "brakes that follow the load are",
-            f"write a file for each load, with its pressure_max; {_CLASS}Pneumatics.LoadValve",
+            "in a train file, [load_valves.NAME] adapts pressure or rigging to the mass of a car, which names it: "
+            "load_valve = 'NAME'",
         ),
         r"wind|head_?wind|cross_?wind|weather|tunnels?": (
             "wind, weather and tunnels are",

@@ -244,3 +244,107 @@ def test_a_distributor_without_effect_or_with_half_of_its_stages_is_refused(keys
     with pytest.raises(ScenarioError) as refused:
         train_of(tables, "shunting.toml")
     assert sentence in str(refused.value)
+
+
+def empty_eanos(wagon):
+    """The empty wagon of Cantone and Ottati (2018): 25.5 t, 15 % rotating mass, rigging of 2.4 instead of 5.65."""
+    wagon["load_valves"] = {
+        "lever": {"kind": "changeover", "empty_share": 2.4 / 5.65, "full_mass": "50 t", "source": "tables 5 and 7"}
+    }
+    wagon["cars"][0] |= {"mass": "25.5 t", "load_valve": "lever"}
+    wagon["bogies"]["Y25"]["inertia"] = [0.15 * 25.5e3 / 4 * 0.46**2]
+    wagon["davis"] |= {"constant": "400 N", "quadratic": "1.84 N.s2/m2"}
+    return wagon
+
+
+@pytest.mark.parametrize(("speed", "distance"), [(100, 421), (120, 634)])
+def test_the_published_stops_of_the_empty_wagon_are_met(wagon, speed, distance):
+    """Measured; RailProfAC/ShuntingBrakingCurves reports deviations of about 5 % with the same law of friction."""
+    assert by_hand(train_of(empty_eanos(wagon), "wagon.toml"), speed / 3.6).distance == pytest.approx(
+        distance, rel=0.06
+    )
+
+
+def test_a_load_valve_gives_the_pressure_of_the_load(wagon):
+    """Halfway between 25.5 t and 90 t it is halfway between its share and 1; beyond both it is constant."""
+    wagon["load_valves"] = {
+        "valve": {
+            "kind": "valve",
+            "empty_share": 0.4,
+            "empty_mass": "25.5 t",
+            "full_mass": "90 t",
+            "estimated": True,
+        }
+    }
+    wagon["cars"][0]["load_valve"] = "valve"
+    for mass, share in (("20 t", 0.4), ("57.75 t", 0.7), ("90 t", 1.0), ("99 t", 1.0)):
+        wagon["cars"][0]["mass"] = mass
+        train = train_of(wagon, "wagon.toml")
+        assert train.bogies_in_train[0].brake.pressure_max == pytest.approx(share * 3.8e5)
+        assert f"p_max={{{share * 3.8e5:.10g}, " in class_text(train, pneumatic=False)
+        # The nominal point of the law stays that of the full car.
+        assert train.bogies_in_train[0].pads.force_nominal == pytest.approx(55918, abs=2)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"empty_mass": "20 t"}, "no empty_mass with kind 'changeover'"),
+        ({"kind": "valve"}, "needs empty_mass with kind 'valve'"),
+        ({"kind": "valve", "empty_mass": "60 t"}, "empty_mass must be lower than full_mass"),
+        ({"empty_share": 1.2}, "empty_share must be at most 1"),
+    ],
+)
+def test_a_contradictory_load_valve_is_refused(wagon, change, sentence):
+    tables = empty_eanos(wagon)
+    tables["load_valves"]["lever"] |= change
+    with pytest.raises(ScenarioError) as refused:
+        train_of(tables, "wagon.toml")
+    assert sentence in str(refused.value)
+
+
+def remarks(tables):
+    return "\n".join(str(found) for found in findings(train_of(tables, "wagon.toml")))
+
+
+def test_blocks_that_are_not_on_the_tread_or_share_too_much_force_are_noticed(wagon):
+    assert remarks(wagon) == ""
+    wagon["brakes"]["block"]["friction_radius"] = "0.25 m"
+    assert "[brakes.block] friction_radius: is 0.25 m, but blocks press on the tread" in remarks(wagon)
+    wagon["brakes"]["block"] |= {"friction_radius": "460 mm", "block_count": 1}
+    assert "[brakes.block] block_count: gives 56 kN on a block; usual are 5 to 40 kN" in remarks(wagon)
+
+
+@pytest.mark.parametrize(
+    "davis",
+    [
+        {"constant": 1.0, "linear": 0.01, "quadratic": 0.0002},  # daN/t and km/h, as in OpenRailAssociation/osrd#9928
+        {"constant": 2.2e6, "linear": 233280, "quadratic": 75582},  # 1000 times as high, as in osrd#9657
+        {"constant": "1413 N", "linear": 0, "quadratic": "6.51 N"},
+    ],
+)
+def test_a_davis_line_in_other_units_is_refused_or_announced(wagon, davis):
+    wagon["davis"] |= davis
+    try:
+        assert "[davis]" in remarks(wagon)
+    except ScenarioError as refusal:
+        assert "[davis]" in str(refusal)  # noqa: PT017 (one of two outcomes)
+
+
+def test_a_load_valve_keeps_the_deceleration(wagon):
+    """As leezer3/OpenBVE#623 asks: with a share in proportion to the mass, and without a spring, by less than 1 %."""
+    wagon["brakes"]["block"]["spring_force"] = 0
+    wagon["blocks"]["composite"]["law"] = "composite_k"
+    wagon["load_valves"] = {
+        "valve": {"kind": "valve", "empty_share": 0.5, "empty_mass": "45 t", "full_mass": "90 t", "estimated": True}
+    }
+    wagon["cars"][0]["load_valve"] = "valve"
+    wagon["davis"] |= {"constant": 0, "quadratic": 0}
+    wagon["bogies"]["Y25"]["inertia"] = ["10 kg.m2"]
+    full = mean_stop(train_of(wagon, "wagon.toml"), 20.0)
+    wagon["cars"][0]["mass"] = "45 t"
+    empty = mean_stop(train_of(wagon, "wagon.toml"), 20.0)
+    # Blocks under half of the force have more friction: (7 + 200)/(7 + 50) for (14 + 200)/(14 + 50).
+    force = 3.8e5 * 0.12946 * 5.65 * 0.83 / 16e3
+    gain = (force / 2 + 200) / (force / 2 + 50) / ((force + 200) / (force + 50))
+    assert empty.deceleration == pytest.approx(gain * full.deceleration, rel=0.01)

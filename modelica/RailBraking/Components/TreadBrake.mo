@@ -1,5 +1,6 @@
 within RailBraking.Components;
 model TreadBrake "Brake units of one group with blocks on the tread"
+  extends Icons.Component;
   extends GroupBrake(redeclare Friction.BlockFriction pad);
   annotation (
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
