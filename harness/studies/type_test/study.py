@@ -397,7 +397,8 @@ def page_of(
         values={
             **_values(stops, board, limits),
             **_values_of_families(rows, board),
-            **({"verdict": verdict(of_ranked), "recommendation": recommendation(of_ranked)} if version > 1 else {}),
+            "verdict": verdict(of_ranked) if version > 1 else "",
+            "recommendation": recommendation(of_ranked) if version > 1 else None,
             "version": version,
             "looks": looks,
             "controllers": _controllers(board, shipped, taking_part, version),
