@@ -4,11 +4,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import get_args
+from typing import Any, cast, get_args
 
 import numpy as np
 
 from railgrip.estimators.belief import Array
+from railgrip.rolling_stock.blocks import BlockLaw
 from railgrip.rolling_stock.dispersion import EXTENTS, Dispersion, Quantity
 from railgrip.rolling_stock.schema import Train
 from railgrip.rolling_stock.stopping import by_hand, developed_deceleration, track_brake_force
@@ -143,6 +144,8 @@ class TrainBrake(DispersedBrake):
         parts = [train.bogies_in_train[train.axles[axle].bogie] for axle in axles]
         self._unit = {name: np.array([getattr(part.brake, name) for part in parts]) for name in _UNIT}
         self._unit |= {name: np.array([getattr(part.pads, name) for part in parts]) for name in _PADS}
+        laws = {name: cast(Any, np.array([getattr(part.law, name) for part in parts])) for name in _LAW}
+        self._law = BlockLaw(factor=1, **laws)
         wheel = np.array([part.data.wheel_radius for part in parts])
         self._unit["lever"] = self._unit["friction_radius"] / wheel
         self._turning = np.zeros(self._extents["group"])
@@ -176,22 +179,25 @@ class TrainBrake(DispersedBrake):
         cars = np.array([train.axles[axle].car for axle in axles])
         stages = [
             1.0 if part is None or (begin >= part.speed_up and low >= part.speed_down) else part.low_share
-            for part in train.distributor_of_car
+            for part in train.stages_of_car
         ]
         share = np.array(stages)[cars]
-        still, falling = (float(force.sum()) for force in self._unit_forces(self._deviations(None), share))
+        still, falling = (force[0] for force in self._unit_forces(self._deviations(None), share))
         parts: list[_Part] = []
         for number in range(PARTS):
             speed = (high**2 - (number + 0.5) * (high**2 - low**2) / PARTS) ** 0.5
             whole = inert * float(np.interp(speed, speeds[::-1], decelerations[::-1]))
             magnets = track_brake_force(train, speed)
-            parts.append(_Part(speed, magnets, whole - magnets - (still - speed * falling)))
+            of_speed = self._speed_factor(speed)
+            friction = float(still @ of_speed - speed * falling.sum())
+            parts.append(_Part(speed, of_speed, magnets, whole - magnets - friction))
         return share, parts
 
     def _unit_forces(self, deviations: Deviations, share: Array) -> tuple[Array, Array]:
         """Return the force at the rim of each unit at standstill [N], and its decrease with speed [N s/m].
 
-        Both have the shape (n, units); `share` is that of the highest pressure in each unit.
+        Both have the shape (n, units); `share` is that of the highest pressure in each unit. That of blocks is for
+        their nominal speed: `_speed_factor` has their law over speed.
         """
         unit = self._unit
         lever = unit["lever"] * deviations["friction_radius"] / deviations["wheel_radius"][:, self._group]
@@ -206,9 +212,17 @@ class TrainBrake(DispersedBrake):
             )
         )
         friction = unit["pad_friction"] * deviations["pad_friction"]
-        nominal = lever * force * friction * (1 - unit["force_effect"] * (force / unit["force_nominal"] - 1))
+        law, v_nominal, f_nominal = self._law, unit["speed_nominal"], unit["force_nominal"]
+        friction = friction * law.shape(v_nominal, force) / law.shape(v_nominal, f_nominal)
+        nominal = lever * force * friction * (1 - unit["force_effect"] * (force / f_nominal - 1))
         effect = unit["speed_effect"]
-        return nominal * (1 + effect), nominal * lever * (effect / unit["speed_nominal"])
+        return nominal * (1 + effect), nominal * lever * (effect / v_nominal)
+
+    def _speed_factor(self, speed: float) -> Array:
+        """Return the friction of the blocks of each unit over that at their nominal speed, 1 for pads, (units,)."""
+        unit, law = self._unit, self._law
+        at_nominal = law.shape(unit["speed_nominal"], unit["force_nominal"])
+        return law.shape(speed * unit["lever"], unit["force_nominal"]) / at_nominal
 
     def _stops(self, available: Sequence[int], deviations: Deviations) -> tuple[Array, Array, Array]:
         brakes = self._brakes(available)
@@ -220,11 +234,11 @@ class TrainBrake(DispersedBrake):
         for (high, low), (share, parts) in zip(pairwise(self.speeds), self._parts, strict=True):
             if share.tobytes() not in forces:
                 still, falling = self._unit_forces(deviations, share)
-                forces[share.tobytes()] = still @ brakes, falling @ brakes
+                forces[share.tobytes()] = still, falling @ brakes
             still, falling = forces[share.tobytes()]
             inverse = np.zeros(len(inert))
             for part in parts:
-                force = still - part.speed * falling
+                force = still @ (brakes * part.of_speed) - part.speed * falling
                 inverse += inert / (force + part.magnets * deviations["track_brake"][:, 0] + part.others)
             steps.append(PARTS / inverse)
             distance += (high**2 - low**2) / (2 * PARTS) * inverse
@@ -234,17 +248,19 @@ class TrainBrake(DispersedBrake):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Part:
-    """A part of a step of speed: its speed [m/s], the force of the magnets, and that of all but friction brakes and
-    magnets [N].
+    """A part of a step of speed: its speed [m/s], the factor of the friction of blocks of each unit, the force of the
+    magnets, and that of all but friction brakes and magnets [N].
     """
 
     speed: float
+    of_speed: Array
     magnets: float
     others: float
 
 
 _UNIT = ("friction_radius", "piston_area", "rigging", "efficiency", "spring_force", "pressure_max", "pad_friction")
 _PADS = ("speed_effect", "speed_nominal", "force_effect", "force_nominal")
+_LAW = ("force_upper", "force_lower", "speed_upper", "speed_lower")
 
 
 def _units_of_valves(train: Train) -> list[list[int]]:
@@ -260,7 +276,7 @@ def speed_steps(train: Train, speed: float) -> tuple[float, ...]:
 
     There are at most seven, 40 km/h wide or wider, which also end where distributors change between their stages.
     """
-    stages = {v for part in train.distributor_of_car if part is not None for v in (part.speed_up, part.speed_down)}
+    stages = {v for part in train.stages_of_car if part is not None for v in (part.speed_up, part.speed_down)}
     width = max(40 / 3.6, speed / (5 if stages else 6))
     inner = {v for v in np.arange(1, 6) * width if v < 0.95 * speed and all(abs(v - s) > 0.25 * width for s in stages)}
     return (speed, *sorted(inner | {s for s in stages if s < speed}, reverse=True), 0.0)
