@@ -16,6 +16,7 @@ from railgrip.rolling_stock.check import findings
 from railgrip.rolling_stock.modelica import class_text
 from railgrip.rolling_stock.schema import load_train, train_of
 from railgrip.rolling_stock.stopping import by_hand
+from railgrip.simulate.ideal import ideal_stop
 from railgrip.simulate.run import braking_distance
 from railgrip.studies.trains.stops import dry_scenario
 
@@ -348,3 +349,12 @@ def test_a_load_valve_keeps_the_deceleration(wagon):
     force = 3.8e5 * 0.12946 * 5.65 * 0.83 / 16e3
     gain = (force / 2 + 200) / (force / 2 + 50) / ((force + 200) / (force + 50))
     assert empty.deceleration == pytest.approx(gain * full.deceleration, rel=0.01)
+
+
+def test_the_ideal_bound_of_a_wagon_with_blocks_is_its_stop_without_the_build_up():
+    """On a dry rail the brakes limit; its friction is the highest that blocks have after lower forces, within 2 %."""
+    wagon = load_train(WAGON)
+    bound = ideal_stop(dry_scenario(WAGON, 100 / 3.6)).metrics.distance_travelled
+    at_once = by_hand(wagon.model_copy(update={"command": None}), 100 / 3.6).distance
+    assert bound == pytest.approx(at_once, rel=0.02)
+    assert bound < at_once * 1.001

@@ -23,14 +23,17 @@ mu_steady = k1 (F + k2)/(F + k3) (v + k4)/(v + k5)
 </pre></blockquote>
 <p>
 Karwatzki's law of the friction of one block with the force F at the speed v, from Wende, Fahrdynamik des
-Schienenverkehrs (2003). Instead of k1 the class has the friction <code>mu_nominal</code> at the nominal speed and force.
+Schienenverkehrs (2003). Instead of k1 the class has the friction <code>mu_nominal</code> at the nominal speed and
+force.
 </p>
 <table border=\"1\">
 <tr><th>blocks</th><th>k1</th><th>k2</th><th>k3</th><th>k4</th><th>k5</th></tr>
-<tr><td>cast iron P6</td><td>0.024</td><td>62.5 kN</td><td>12.5 kN</td><td>100 km/h</td><td>20 km/h</td></tr>
+<tr><td>cast iron P6</td><td>0.024</td><td>62.5 kN</td><td>12.5 kN</td><td>100 km/h</td>
+<td>20 km/h</td></tr>
 <tr><td>cast iron P10</td><td>0.05</td><td>62.5 kN</td><td>31.25 kN</td><td>100 km/h</td>
 <td>20 km/h</td></tr>
-<tr><td>composite K</td><td>0.055</td><td>200 kN</td><td>50 kN</td><td>150 km/h</td><td>75 km/h</td></tr>
+<tr><td>composite K</td><td>0.055</td><td>200 kN</td><td>50 kN</td><td>150 km/h</td>
+<td>75 km/h</td></tr>
 </table>
 <p>
 Friction settles as that of <a href=\"modelica://RailBraking.Friction.PadFriction\">PadFriction</a>, over an amount of
