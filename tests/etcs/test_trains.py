@@ -209,6 +209,30 @@ def test_two_stages_of_the_distributor_are_steps_of_the_brake():
     assert brake.nominal[0] == pytest.approx(by_hand(train, 30 / 3.6).deceleration, rel=0.05)
 
 
+@pytest.mark.parametrize(("quantity", "deviation", "key"), [("pad_friction", "10 %", "pad_friction"),
+                                                          ("pressure", "0.2 bar", "pressure_max"),
+                                                          ("efficiency", "-15 %", "efficiency")])  # fmt: skip
+def test_a_deviation_of_blocks_has_the_effect_of_the_changed_train(quantity, deviation, key):
+    """The friction of a block falls with its force and its speed. Steps of the calculation by hand are 1e-4 of it."""
+    file = Path(__file__).parents[2] / "docs" / "examples" / "shunting_train.toml"
+    tables = tomllib.loads(file.read_text(encoding="utf-8"))
+    train = train_of(tables, "shunting.toml")
+    friction = {bogie.data.brake: bogie.pad_friction for bogie in train.bogies_in_train}
+    for name, brake in tables["brakes"].items():
+        nominal = {**train.brakes[name].model_dump(), "pad_friction": friction[name]}[key]
+        number = float(deviation.split()[0])
+        brake[key] = f"{nominal + 1e5 * number} Pa" if key == "pressure_max" else nominal * (1 + number / 100)
+    one = Normal(
+        quantity=quantity, per="train", source="a test", kind="normal", deviation=Magnitude(deviation.strip("-"))
+    )
+    speeds = speed_steps(train, 25 / 3.6)
+    brake, changed = (TrainBrake(of, (one,), speeds) for of in (train, train_of(tables, "changed.toml")))
+    sign = -1.0 if deviation.startswith("-") else 1.0
+    (ratios,) = brake.ratios([sum(units) for units in brake.units], np.array([[sign]]))
+    assert ratios[:-1] == pytest.approx(changed.nominal[:-1] / brake.nominal[:-1], rel=1e-3)
+    assert abs(ratios[0] - 1) > 0.03
+
+
 def test_a_train_that_does_not_stop_is_refused():
     tables = tomllib.loads((Path(shipped.__path__[0]) / "tram.toml").read_text(encoding="utf-8"))
     for brake in tables["brakes"].values():
