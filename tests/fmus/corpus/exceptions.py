@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from fnmatch import fnmatchcase
 
 ITERATORS = ("sum over an iterator", "product over an iterator", "sum over two iterators", "array over an iterator*")
-ORDERS = ("order of Booleans", "fill of a matrix", "sum over two iterators")
+ORDERS = ("order of Booleans", "fill of a matrix", "power of a matrix", "sum over two iterators")
 RANGES = ("range downwards", "range of Reals")
 DIVISIONS = ("div", "div by *", "mod", "mod by *", "rem", "rem by *")
 LINEAR = ("homotopy", "elementwise sum with a scalar", "elementwise difference with a scalar", "linspace")
