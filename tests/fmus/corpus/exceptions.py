@@ -136,6 +136,22 @@ REFUSED: tuple[str, ...] = (
     "sum over two iterators | condition of a when clause",
     "array over an iterator | condition of a when clause",
     "array over an iterator with a step | condition of a when clause",
+    "sizes of a matrix | parameter",
+    "sizes of a matrix | final parameter",
+    "sizes of a matrix | constant",
+    "power of a matrix | start value",
+    "array over two iterators | when clause",
+    "sum over an iterator | reinit",
+    "product over an iterator | reinit",
+    "sum over two iterators | reinit",
+    "array over an iterator | reinit",
+    "array over an iterator with a step | reinit",
+    "array over two iterators | reinit",
+    "array over two iterators | when clause in an algorithm",
+    "array over two iterators | for equation",
+    "sizes of a matrix | modifier",
+    "sizes of a matrix | modifier of an extends clause",
+    "array over two iterators | condition of a when clause",
 )
 """Cases that are right or refused with file and line; all others must be right."""
 
