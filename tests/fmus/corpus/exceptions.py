@@ -3,8 +3,11 @@
 from collections.abc import Mapping
 from fnmatch import fnmatchcase
 
-ITERATORS = ("sum over an iterator", "product over an iterator", "sum over two iterators", "array over an iterator*")
-ORDERS = ("order of Booleans", "fill of a matrix", "power of a matrix", "sum over two iterators")
+ITERATORS = (
+    *("sum over an iterator", "product over an iterator", "sum over two iterators"),
+    *("array over an iterator*", "array over two iterators"),
+)
+ORDERS = ("order of Booleans", "fill of a matrix", "power of a matrix", "sizes of a matrix", "sum over two iterators")
 RANGES = ("range downwards", "range of Reals")
 DIVISIONS = ("div", "div by *", "mod", "mod by *", "rem", "rem by *")
 LINEAR = ("homotopy", "elementwise sum with a scalar", "elementwise difference with a scalar", "linspace")
@@ -28,6 +31,8 @@ REFUSED: Mapping[str, tuple[str, ...]] = {
     "when clause in an algorithm": RANGES + ITERATORS,
     "condition of a when clause": RANGES + ITERATORS,
     "argument of a function": (*LINEAR, "range of Reals"),
+    "start value": ("power of a matrix",),
+    "reinit": ITERATORS,
     "for equation": DIVISIONS + ITERATORS,
 }
 """Combinations that are right or refused with file and line; all others must be right."""
