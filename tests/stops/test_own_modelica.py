@@ -188,7 +188,7 @@ end Lean;
     library = mine.parent / "SimpleTrain" / "package.mo"
     library.with_name("Lean.mo").write_text(lacking)
     estimator = f"estimator={{kind='python', model='SimpleTrain.Lean', library='{library}', noise='train_ideal'}}"
-    with pytest.raises(ScenarioError, match=r"\[estimator\] model 'SimpleTrain\.Lean' has no state mu_b\[1\]"):
+    with pytest.raises(ScenarioError, match=r"\[estimator\] model 'SimpleTrain\.Lean' has no state pad_friction\[1\]"):
         run_stop(load(mine, [*SHORT, estimator]))
 
 
