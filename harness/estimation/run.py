@@ -398,11 +398,7 @@ def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Mat
     Raises:
         EstimationError: A name has no value, or a value has no name.
     """
-    choice = {*names, *(name.partition("[")[0] for name in names)}
-    twice = [name for name in values if name not in choice and state_name(name) in values]
-    if twice:
-        raise EstimationError(f"{what} has {twice[0]} and {state_name(twice[0])}, which are the same state.")
-    values = {name if name in choice else state_name(name): value for name, value in values.items()}
+    values, choice = _by_state(what, values, names), _choice(names)
     missing = [name for name in names if name not in values and name.partition("[")[0] not in values]
     problems = [f"{what} lacks {', '.join(missing)}; it has {', '.join(values) or 'nothing'}."] if missing else []
     strange = [name for name in values if name not in choice]
@@ -413,8 +409,23 @@ def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Mat
     return np.array([values.get(name, values.get(name.partition("[")[0], np.nan)) for name in names])
 
 
+def _choice(names: Sequence[str]) -> set[str]:
+    return {*names, *(name.partition("[")[0] for name in names)}
+
+
+def _by_state(what: str, values: Mapping[str, float], names: Sequence[str]) -> dict[str, float]:
+    """Return values with the name of a state in place of its symbol."""
+    choice = _choice(names)
+    found = {name: name if name in choice else state_name(name) for name in values}
+    twice = [name for name, state in found.items() if state != name and state in values]
+    if twice:
+        raise EstimationError(f"{what} has {twice[0]} and {found[twice[0]]}, which are the same state.")
+    return {found[name]: value for name, value in values.items()}
+
+
 def _start(start: Mapping[str, float], states: Sequence[str], outputs: Sequence[str], readings: Matrix) -> Matrix:
     first, problems = dict[str, float](), list[str]()
+    start = _by_state("[start] mean", start, states)
     for state, reading in start_by_reading(states, outputs).items():
         if state in start or state.partition("[")[0] in start:
             continue

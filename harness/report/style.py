@@ -26,8 +26,8 @@ def readable(unit: str) -> tuple[float, str]:
 def figure(width: float, height: float, margins: Mapping[str, float] | None = None) -> Figure:
     """Return an empty figure of a size in inches.
 
-    Its parts are placed automatically, or within `margins`, shares of the figure as for `Figure.subplots_adjust`: the
-    automatic layout of twenty panels takes longer than drawing them.
+    Its parts are placed automatically, or within `margins`, shares of the figure as for
+    `matplotlib.figure.Figure.subplots_adjust`: the automatic layout of twenty panels takes longer than drawing them.
     """
     drawing = Figure(figsize=(width, height), layout=None if margins else "constrained")
     if margins:
@@ -37,7 +37,7 @@ def figure(width: float, height: float, margins: Mapping[str, float] | None = No
 
 
 def panels(width: float, height: float, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Figure, Any]:
-    """Return a figure of a size in inches and its axes, with the options of `Figure.subplots`."""
+    """Return a figure of a size in inches and its axes, with the options of `matplotlib.figure.Figure.subplots`."""
     drawing = figure(width, height)
     return drawing, drawing.subplots(rows, columns, **options)
 

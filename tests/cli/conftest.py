@@ -56,7 +56,7 @@ def railgrip(project, monkeypatch, command):
     yield command
     # A module that a command has imported just now would keep the replacement.
     for name, module in list(sys.modules.items()):
-        if name.startswith("railgrip.") and vars(module).get("run_stop") is synthetic_runner.run_stop:
+        if name.startswith("railgrip.") and getattr(module, "run_stop", None) is synthetic_runner.run_stop:
             module.run_stop = own
 
 

@@ -172,7 +172,7 @@ def test_missing_and_unknown_names_are_refused(undragged):
         estimate(braked(), undragged, replace(SETTINGS, start={"alpha": 0.0}))
     unread = braked()
     unread["reading_speed"][:] = np.nan
-    with pytest.raises(EstimationError, match=r"v begins at .* of speed, .* write v in \[start\] mean"):
+    with pytest.raises(EstimationError, match=r"speed begins at .* of speed, .* write speed in \[start\] mean"):
         estimate(unread, undragged, SETTINGS)
     with pytest.raises(EstimatorError, match="not positive definite"):
         estimate(braked(), undragged, replace(SETTINGS, readings={"wheelset_speed": 0.0, "speed": 1.0}))

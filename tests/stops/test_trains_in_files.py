@@ -212,7 +212,7 @@ def test_an_invalid_train_is_refused_in_a_sentence(tmp_path):
     with pytest.raises(ScenarioError, match=r"\[vehicle\] train is 'nothing': there is no such file, and no train"):
         dry({"train": "nothing"}, "50 km/h")
     (tmp_path / "bad.toml").write_text('name = "bad"\n', encoding="utf-8")
-    with pytest.raises(ScenarioError, match=r"bad.toml: \[resistance\] is missing"):
+    with pytest.raises(ScenarioError, match=r"bad.toml: \[brakes\] is missing"):
         plant_description(dry({"train": "bad.toml"}, "50 km/h", tmp_path))
     with pytest.raises(ScenarioError, match="has two plants"):
         dry({"train": "tram", "plant": "TwoPartTrain"}, "50 km/h")
