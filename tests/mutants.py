@@ -134,9 +134,17 @@ MUTANTS: tuple[Mutant, ...] = (
     one("sensor: lag of pressure 1 ms longer", SERVICE, 'lag = "10 ms"', 'lag = "11 ms"'),
     one("sensor: speed one sample later", SERVICE, 'latency = "50 ms"', 'latency = "60 ms"'),
     one("sensor: speed 20 ms later", SERVICE, 'latency = "50 ms"', 'latency = "70 ms"'),
-    one("filter: process noise of adhesion, service, +10%", NOISES, "alpha = 0.05 ", "alpha = 0.055 "),
-    one("filter: process noise of adhesion, ideal, +10%", NOISES, "alpha = 0.1 ", "alpha = 0.11 "),
-    one("filter: process noise of pad friction +10%", NOISES, "mu_b = 0.005", "mu_b = 0.0055", everywhere=True),
+    one(
+        "filter: process noise of adhesion, service, +10%", NOISES, "group_adhesion = 0.05 ", "group_adhesion = 0.055 "
+    ),
+    one("filter: process noise of adhesion, ideal, +10%", NOISES, "group_adhesion = 0.1 ", "group_adhesion = 0.11 "),
+    one(
+        "filter: process noise of pad friction +10%",
+        NOISES,
+        "pad_friction = 0.005",
+        "pad_friction = 0.0055",
+        everywhere=True,
+    ),
     one("filter: noise of speed, service, +10%", NOISES, "speed = 0.1 ", "speed = 0.11 "),
     one("filter: noise of wheel speed, service, +10%", NOISES, "wheelset_speed = 0.2 ", "wheelset_speed = 0.22 "),
     one("adhesion_based, ideal: margin +10%", f"{LAWS}/adhesion_based.toml", "margin = 0.0097", "margin = 0.01067"),

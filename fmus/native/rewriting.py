@@ -22,6 +22,8 @@ from itertools import pairwise, product
 from math import ceil, floor
 from typing import Any
 
+from railgrip.base.errors import RewritingError
+
 _TOKEN = re.compile(
     r"""//[^\n]*|/\*.*?\*/|\s+|(?P<token>"(?:[^"\\]|\\.)*"|\.?(?:[^\W\d]\w*|'(?:[^'\\]|\\.)*')"""
     r"""(?:\.(?:[^\W\d]\w*|'(?:[^'\\]|\\.)*'))*|\d+(?:\.\d+|\.(?![*/+^\-]))?(?:[eE][+-]?\d+)?|:=|==|<>|<=|>="""
@@ -47,10 +49,6 @@ _LONGEST = 10_000
 
 _Edit = tuple[int, int, str]
 """Begin and end of a part of a text, and what replaces it."""
-
-
-class _Unsupported(Exception):
-    """A form that is left as it is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +118,7 @@ def _rewrite(text: str, every: str) -> str:
     tokens, edits = _tokens(text), list[_Edit]()
     for scope in _scopes(tokens):
         for keyword, first, end in scope.sections:
-            with contextlib.suppress(_Unsupported, IndexError):
+            with contextlib.suppress(RewritingError, IndexError):
                 edits += _section(scope, keyword, tokens[first - 1 : end], every)
     return _edited(text, edits)
 
@@ -227,7 +225,7 @@ def _closing(tokens: Sequence[_Token], k: int) -> int:
         depth += (tokens[i].text in "([{") - (tokens[i].text in ")]}")
         if depth == 0:
             return i
-    raise _Unsupported
+    raise RewritingError
 
 
 def _split(tokens: Sequence[_Token], separator: str = ",") -> list[Sequence[_Token]]:
@@ -285,14 +283,14 @@ class _Parser:
             # An if expression in a condition has a `then` of its own.
             depth += (text in "([{") - (text in ")]}")
             if text == "if" and word == "then":
-                raise _Unsupported
+                raise RewritingError
             self.i += 1
         self.i += 1
         return self.tokens[begin : self.i - 1]
 
     def _ended(self, begin: int, word: str) -> tuple[_Token, ...]:
         if [token.text for token in self.tokens[self.i : self.i + 3]] != ["end", word, ";"]:
-            raise _Unsupported
+            raise RewritingError
         self.i += 3
         return tuple(self.tokens[begin : self.i])
 
@@ -301,7 +299,7 @@ def _iterators(tokens: Sequence[_Token]) -> tuple[tuple[str, tuple[_Token, ...]]
     found: list[tuple[str, tuple[_Token, ...]]] = []
     for part in _split(tokens):
         if not part or not _NAME.fullmatch(part[0].text) or (len(part) > 1 and part[1].text != "in"):
-            raise _Unsupported
+            raise RewritingError
         found.append((part[0].text, tuple(part[2:])))
     return tuple(found)
 
@@ -390,7 +388,7 @@ def _listed(range_: Sequence[_Token]) -> list[Sequence[_Token]]:
     is_variable = [len(part) == 1 and _NAME.fullmatch(part[0].text) and "." not in part[0].text for part in parts]
     words = {token.text for token in range_[1:-1]}
     if _closing(range_, 0) != len(range_) - 1 or words & {"for", "{", "["} or any(is_variable):
-        raise _Unsupported
+        raise RewritingError
     return parts
 
 
@@ -455,12 +453,12 @@ class _Unroller:
                 elif _is_assert(one):
                     yield one.tokens[0].line, self.assertion(one.tokens, values, inside)
                 elif any(token.text == "assert" for token in one.tokens):
-                    raise _Unsupported
+                    raise RewritingError
 
     def assertion(self, tokens: Sequence[_Token], values: Mapping[str, str], wrap: Callable[[str], str]) -> str:
         condition, *others = _split(tokens[2 : _closing(tokens, 1)])
         if condition[1:2] and condition[1].text == "=":
-            raise _Unsupported
+            raise RewritingError
         return f"assert({', '.join([wrap(self.text(condition, values)), *(self.text(o, values) for o in others)])})"
 
     def points(self, statement: _Clause, values: Mapping[str, str]) -> Iterator[Mapping[str, str]]:
@@ -473,7 +471,7 @@ class _Unroller:
         for value in self._range(name, range_, statement, values):
             self.count += 1
             if self.count > _LONGEST:
-                raise _Unsupported
+                raise RewritingError
             yield from self.points(replace(statement, iterators=tuple(others)), {**values, name: value})
 
     def _range(
@@ -484,13 +482,13 @@ class _Unroller:
             variable = self.scope.variables.get(found[0].text) if found else None
             size = self.size(variable.sizes[found[1]]) if found and variable else None
             if size is None:
-                raise _Unsupported
+                raise RewritingError
             return [str(k) for k in range(1, size + 1)]
         if range_[0].text == "{":
             return [f"({self.text(part, values)})" for part in _listed(range_)]
         limits = [self.number(self.text(part, values)) for part in _split(range_, ":")]
         if len(limits) not in (2, 3) or None in limits:
-            raise _Unsupported
+            raise RewritingError
         first, *step, last = (limit for limit in limits if limit is not None)
         by = step[0] if step else 1
         count = floor((last - first) / by * (1 + 1e-12)) + 1 if by else 0
@@ -526,7 +524,7 @@ class _Unroller:
         """Return the text of an expression with iterators replaced."""
         own = {one.text for one, other in pairwise(tokens) if other.text == "in"}
         if own & (values.keys() | self.assigned()):
-            raise _Unsupported
+            raise RewritingError
         out: list[str] = []
         k = 0
         while k < len(tokens):
@@ -534,7 +532,7 @@ class _Unroller:
             following = tokens[k + 1].text if k + 1 < len(tokens) else ""
             if token.text in _WORDS or not _NAME.fullmatch(token.text):
                 if token.text.partition(".")[0] in self.assigned():
-                    raise _Unsupported
+                    raise RewritingError
                 out.append(token.text)
             elif following == "(":
                 k = self._call(tokens, k, out)
@@ -547,7 +545,7 @@ class _Unroller:
             k += 1
         text = " ".join(out)
         if len(text) > _LONGEST:
-            raise _Unsupported
+            raise RewritingError
         return text
 
     def assigned(self) -> frozenset[str]:
@@ -563,7 +561,7 @@ class _Unroller:
             end = _closing(tokens, k + 1)
             used = {token.text.partition(".")[0] for token in tokens[k + 2 : end]} & self.assigned()
             if used and (word != "pre" or used != {token.text for token in tokens[k + 2 : end]}):
-                raise _Unsupported
+                raise RewritingError
             if used:
                 out.append(f"pre({tokens[k + 2].text})")
                 return end
@@ -647,21 +645,21 @@ class _Execution(_Unroller):
         """Execute all statements.
 
         Raises:
-            _Unsupported: A statement is not supported, or an array is not assigned as a whole.
+            RewritingError: A statement is not supported, or an array is not assigned as a whole.
         """
         self._execute(statements, {}, None)
         for name in {name for name, _ in self.last}:
             places = {place for one, place in self.last if one == name}
             variable = self.scope.variables.get(name)
             if variable and variable.prefixes & {"parameter", "constant", "input"}:
-                raise _Unsupported
+                raise RewritingError
             if places != {""}:
                 sizes = [self.size(size) for size in variable.sizes] if variable else [None]
                 points = product(*(range(1, (size or 0) + 1) for size in sizes))
                 if None in sizes or places != {",".join(map(str, point)) for point in points}:
-                    raise _Unsupported
+                    raise RewritingError
         if not self.is_trial and self.final != self.last.keys():
-            raise _Unsupported
+            raise RewritingError
 
     def _execute(
         self, statements: Iterable[_Clause], values: Mapping[str, str], guard: Callable[[str], str] | None
@@ -678,19 +676,19 @@ class _Execution(_Unroller):
     def _simple(self, tokens: Sequence[_Token], values: Mapping[str, str], guard: Callable[[str], str] | None) -> None:
         words = [token.text for token in tokens]
         if {"annotation", "when", "while", "break", "return"} & set(words) or (words and words[-1][0] == '"'):
-            raise _Unsupported
+            raise RewritingError
         line = tokens[0].line
         if words[:2] == ["assert", "("] and _closing(tokens, 1) == len(tokens) - 1:
             self.written.append((line, self.assertion(tokens, values, guard or str)))
             return
         if ":=" not in words:
-            raise _Unsupported
+            raise RewritingError
         equals = words.index(":=")
         value = self.text(tokens[equals + 1 :], values)
         if words[0] == "(":
             targets = [self._target(part, values) for part in _split(tokens[1 : equals - 1])]
             if guard or None in (self._assign(target, None, line) for target in targets):
-                raise _Unsupported
+                raise RewritingError
             self.written.append((line, f"({', '.join(map(_written, targets))}) = {value}"))
             return
         target = self._target(tokens[:equals], values)
@@ -701,11 +699,11 @@ class _Execution(_Unroller):
 
     def _target(self, tokens: Sequence[_Token], values: Mapping[str, str]) -> tuple[str, str]:
         if not tokens or not re.fullmatch(r"[^\W\d]\w*", tokens[0].text) or tokens[0].text in values:
-            raise _Unsupported
+            raise RewritingError
         subscripts, rest = _subscripts(tokens[1:])
         places = [self.subscript(part, values) for part in subscripts]
         if rest or not all(place.isdigit() for place in places):
-            raise _Unsupported
+            raise RewritingError
         return tokens[0].text, ",".join(places)
 
     def _assign(self, target: tuple[str, str], value: str | None, line: int) -> str | None:
@@ -732,7 +730,7 @@ class _Execution(_Unroller):
             return f"({value})"
         name = f"algorithm__{line}__{self.steps}"
         if bool(variable.sizes) != bool(target[1]) or name in self.every:
-            raise _Unsupported
+            raise RewritingError
         self.declared.append(f"protected {variable.type} {name}; ")
         self.written.append((line, f"{name} = {value}"))
         return name
@@ -760,12 +758,12 @@ class _Execution(_Unroller):
         name = target[0]
         variable = self.scope.variables.get(name)
         if variable and bool(variable.sizes) != bool(target[1]):
-            raise _Unsupported
+            raise RewritingError
         if variable and variable.type in ("Integer", "Boolean"):
             return f"pre({_written(target)})"
         start = rf"\b{name}\b\s*(?:\[[^\]]*\]\s*)?\([^;]*\bstart\b|\b{name}\s*\.\s*start\b"
         if not variable or variable.type != "Real" or "discrete" in variable.prefixes or re.search(start, self.every):
-            raise _Unsupported
+            raise RewritingError
         return "0.0"
 
     def reference(self, tokens: Sequence[_Token], k: int, values: Mapping[str, str], out: list[str]) -> int:
@@ -773,7 +771,7 @@ class _Execution(_Unroller):
         if name.partition(".")[0] not in self.names or self.is_trial:
             return super().reference(tokens, k, values, out)
         if "." in name:
-            raise _Unsupported
+            raise RewritingError
         elements = {target for target in self.last if target[0] == name}
         end, place = k, ""
         if k + 1 < len(tokens) and tokens[k + 1].text == "[":
@@ -787,7 +785,7 @@ class _Execution(_Unroller):
         elif target in elements:
             out.append(self._initial(target))
         else:
-            raise _Unsupported
+            raise RewritingError
         return end
 
 
@@ -806,7 +804,7 @@ def _in_brackets(tokens: Sequence[_Token]) -> Iterator[_Edit]:
         elif token.text in ")]}" and opened:
             opened.pop()
         elif token.text == "for" and opened:
-            with contextlib.suppress(_Unsupported):
+            with contextlib.suppress(RewritingError):
                 yield from _reduction(tokens, opened[-1], k)
         elif opened and "." in token.text[1:] and tokens[k + 1 : k + 2] and tokens[k + 1].text == "=":
             yield from _dotted_modifier(tokens, opened[-1], k)

@@ -60,6 +60,10 @@ class TranslationError(InputError):
     """The built-in compiler does not support a Modelica construct; the message names construct, file and line."""
 
 
+class RewritingError(TranslationError):
+    """A form of Modelica that is left as it is; the error of the text as written is shown instead."""
+
+
 class ShapeError(TranslationError):
     """Arrays of these shapes cannot be combined in Modelica; the caller adds the expression and its place."""
 

@@ -25,12 +25,19 @@ _WIDEST = 0.15
 _FARTHEST = 0.5
 
 
+_Source = Annotated[
+    str, Field(min_length=3, description="publication of these numbers, or what they are estimated from")
+]
+
+
 class _Dispersion(Table):
     """Keys of every entry of [[dispersion]]."""
 
-    quantity: Quantity
+    quantity: Quantity = Field(description="what deviates: a factor on its nominal value, or a difference of pressure")
     per: Extent = Field(description="what is drawn separately")
-    source: Annotated[str, Field(min_length=3)]
+    source: Annotated[
+        str, Field(min_length=3, description="publication of these numbers, or what they are estimated from")
+    ]
 
     def _deviation(self, name: str) -> float:
         try:
@@ -49,7 +56,7 @@ class _Dispersion(Table):
 class Normal(_Dispersion):
     """A deviation from nominal with zero mean, normally distributed."""
 
-    kind: Literal["normal"]
+    kind: Literal["normal"] = Field(description="normal distribution")
     deviation: Magnitude = Field(description="standard deviation")
 
     @model_validator(mode="after")
@@ -67,9 +74,9 @@ class Normal(_Dispersion):
 class Uniform(_Dispersion):
     """A deviation from nominal, uniformly distributed between two limits."""
 
-    kind: Literal["uniform"]
-    lowest: Magnitude
-    highest: Magnitude
+    kind: Literal["uniform"] = Field(description="uniform distribution")
+    lowest: Magnitude = Field(description="lower limit of the deviation")
+    highest: Magnitude = Field(description="upper limit of the deviation")
 
     @model_validator(mode="after")
     def _plausible(self) -> Self:
@@ -99,18 +106,24 @@ class CommonCause(Table):
     beta: Annotated[float, UnitRange("1", at_least=0, at_most=0.5)] = Field(
         description="share of a component's failures that all components of its set have at once"
     )
-    source: Annotated[str, Field(min_length=3)]
+    source: Annotated[
+        str, Field(min_length=3, description="publication of these numbers, or what they are estimated from")
+    ]
 
 
 class ComponentFailure(Table):
     """Probability that a component has failed when the train brakes, its uncertainty, and common-cause failures."""
 
-    probability: Annotated[float, UnitRange("1", at_least=0, at_most=0.1)]
+    probability: Annotated[float, UnitRange("1", at_least=0, at_most=0.1)] = Field(
+        description="median of the probability that it has failed when the train brakes"
+    )
     error_factor: Annotated[float, UnitRange("1", at_least=1, at_most=100)] = Field(
         description="95 % quantile over median of the lognormal distribution of the probability, which is its median"
     )
-    source: Annotated[str, Field(min_length=3)]
-    common_cause: CommonCause
+    source: Annotated[
+        str, Field(min_length=3, description="publication of these numbers, or what they are estimated from")
+    ]
+    common_cause: CommonCause = Field(description="failures that several components have at once")
 
     def quantile(self, standard: float) -> float:
         """Return the probability a number of standard deviations of its logarithm above the median, limited to 1."""

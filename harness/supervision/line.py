@@ -15,8 +15,8 @@ from railgrip.supervision.national import StepSpeed
 class LowAdhesion(Table):
     """A stretch for which trackside reports reduced adhesion."""
 
-    begin: Length
-    end: Length
+    begin: Length = Field(description="location at which it begins")
+    end: Length = Field(description="location at which it ends")
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
@@ -52,7 +52,7 @@ class Target(Table):
 class Line(Table):
     """A line in the direction of travel; level and with normal adhesion where nothing else is given."""
 
-    name: Name = "level"
+    name: Name = Field(default="level", description="name of the line in figures and messages")
     speed: Speed | None = Field(default=None, description="permitted speed; that of the train unless given")
     gradient: tuple[Gradient, ...] = Field(default=(), description="gradients; level before the first")
     low_adhesion: tuple[LowAdhesion, ...] = Field(

@@ -40,15 +40,15 @@ class ServiceStep(Table):
     """A step of A_brake_service(V) or A_brake_normal_service(V)."""
 
     above: StepSpeed = Field(description="speed above which the step holds")
-    deceleration: Deceleration
+    deceleration: Deceleration = Field(description="deceleration of the service brake in this step")
 
 
 class KnStep(Table):
     """A step of Kn+(V) and Kn-(V), corrections of the guidance curve on gradients (§3.13.2.2.9.2)."""
 
-    above: StepSpeed
-    uphill: _Kn
-    downhill: _Kn
+    above: StepSpeed = Field(description="speed above which the step holds")
+    uphill: _Kn = Field(description="Kn+, correction on uphill gradients")
+    downhill: _Kn = Field(description="Kn-, correction on downhill gradients")
 
 
 _LEVEL = (KnStep(above=0.0, uphill=0.0, downhill=0.0),)
@@ -58,10 +58,12 @@ _CURVES = ("emergency", "service", "emergency_time", "service_time")
 class TrainData(Table):
     """The file of a train's braking model: deceleration curves, or a brake percentage."""
 
-    name: Name
+    name: Name = Field(description="name of the train in figures and messages")
     source: str = Field(min_length=3, description="publication of the numbers, or that they are estimates")
-    length: _Length
-    maximum_speed: Annotated[float, UnitRange("m/s", above=0, at_most=FASTEST)]
+    length: _Length = Field(description="length of the train")
+    maximum_speed: Annotated[float, UnitRange("m/s", above=0, at_most=FASTEST)] = Field(
+        description="maximum speed of the train"
+    )
     brake_position: BrakePosition = Field(description="brake position of the train")
     brake_percentage: _Percentage | None = Field(
         default=None, description="brake percentage, for the conversion model in place of curves and times"
