@@ -56,7 +56,7 @@ def combine(function: Callable[..., Vector], *parts: Steps) -> Steps:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Curve:
+class BrakingCurve:
     """A braking curve: squared speed is linear in location between its points.
 
     Attributes:
@@ -101,7 +101,7 @@ class Deceleration:
         return cls(speeds, locations, function(*of_speed, *of_location))
 
 
-def braking_curve(deceleration: Deceleration, *, location: float, speed: float, foot: float) -> Curve:
+def braking_curve(deceleration: Deceleration, *, location: float, speed: float, foot: float) -> BrakingCurve:
     """Return the curve through a point, up to `TOP` against the direction of travel and down to a speed (§3.13.8.1.3).
 
     Each arc ends where the speed or the location reaches the next step, so that there is no step error.
@@ -117,7 +117,7 @@ def braking_curve(deceleration: Deceleration, *, location: float, speed: float, 
     """
     before, behind = (list(_arcs(deceleration, location, speed**2, until**2)) for until in (TOP, foot))
     locations, squares = np.array([*reversed(before), (location, speed**2), *behind]).T
-    return Curve(locations, squares)
+    return BrakingCurve(locations, squares)
 
 
 def _arcs(deceleration: Deceleration, location: float, square: float, until: float) -> Iterator[tuple[float, float]]:

@@ -27,7 +27,7 @@ _NEGLECT = 1e-3
 """Maximum probability of neglected failure states, as a share of the smallest probability required."""
 
 
-class Brake(Protocol):
+class DispersingBrake(Protocol):
     """A train whose decelerations disperse, as `railgrip.supervision.dispersed.DispersedBrake`."""
 
     @property
@@ -76,7 +76,7 @@ class QuasiStatic:
 
 
 def k_factors(
-    brake: Brake,
+    brake: DispersingBrake,
     failures: Failures,
     *,
     seed: int,

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from railgrip.base.errors import InputError
 from railgrip.supervision import fixed
-from railgrip.supervision.curve import Curve, Deceleration, Steps, Vector, braking_curve, combine
+from railgrip.supervision.curve import BrakingCurve, Deceleration, Steps, Vector, braking_curve, combine
 from railgrip.supervision.line import Line, Target
 from railgrip.supervision.model import BrakingModel, highest_on_low_adhesion, safe_deceleration
 from railgrip.supervision.national import NationalValues
@@ -21,7 +21,7 @@ Limits = Mapping[str, Vector]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Case:
+class BrakingCase:
     """A train on a line under national values."""
 
     model: BrakingModel
@@ -44,7 +44,7 @@ def lowest_gradient(line: Line, length: float) -> Steps:
     return Steps(fronts, np.where(under, slopes, inf).min(axis=1))
 
 
-def gradient_deceleration(case: Case) -> Steps:
+def gradient_deceleration(case: BrakingCase) -> Steps:
     """Return A_gradient(d) [m/s2] over the location of the front end, negative downhill (§3.13.4)."""
     known = case.model.rotating
 
@@ -55,7 +55,7 @@ def gradient_deceleration(case: Case) -> Steps:
     return combine(deceleration, lowest_gradient(case.line, case.model.length))
 
 
-def emergency_curve(case: Case, target: Target) -> Curve:
+def emergency_curve(case: BrakingCase, target: Target) -> BrakingCurve:
     """Return the EBD of a target (§3.13.8.3).
 
     Through zero speed at an SvL; otherwise through the ceiling EBI at the target, and down to the target speed.
@@ -73,7 +73,7 @@ def emergency_curve(case: Case, target: Target) -> Curve:
     return _curve(case, "EBD", deceleration, target, target.at, target.speed + above)
 
 
-def highest_deceleration(case: Case) -> Steps:
+def highest_deceleration(case: BrakingCase) -> Steps:
     """Return A_MAXREDADH over location: on reported low adhesion until the whole train has left it (§3.13.5.3)."""
     cap = highest_on_low_adhesion(case.model, case.national)
     rows = [(-inf, inf)]
@@ -86,7 +86,7 @@ def highest_deceleration(case: Case) -> Steps:
     return Steps.of(rows)
 
 
-def service_curve(case: Case, target: Target) -> Curve:
+def service_curve(case: BrakingCase, target: Target) -> BrakingCurve:
     """Return the SBD of an EoA (§3.13.8.4).
 
     Raises:
@@ -95,12 +95,12 @@ def service_curve(case: Case, target: Target) -> Curve:
     return _curve(case, "SBD", brake_on_line(case, case.model.service), target, target.at, target.speed)
 
 
-def brake_on_line(case: Case, brake: Steps) -> Deceleration:
+def brake_on_line(case: BrakingCase, brake: Steps) -> Deceleration:
     """Return the deceleration by a brake and the gradient: A_expected(V, d) for A_brake_service(V) (§3.13.6.3.1.3)."""
     return Deceleration.of(np.add, [brake], [gradient_deceleration(case)])
 
 
-def guidance_curve(case: Case, target: Target, foot: float) -> Curve:
+def guidance_curve(case: BrakingCase, target: Target, foot: float) -> BrakingCurve:
     """Return the GUI of a target (§3.13.8.5), which has the target speed at the location `foot` [m].
 
     Raises:
@@ -118,7 +118,9 @@ def guidance_curve(case: Case, target: Target, foot: float) -> Curve:
     return _curve(case, "GUI", deceleration, target, foot, target.speed)
 
 
-def _curve(case: Case, name: str, deceleration: Deceleration, target: Target, location: float, speed: float) -> Curve:
+def _curve(
+    case: BrakingCase, name: str, deceleration: Deceleration, target: Target, location: float, speed: float
+) -> BrakingCurve:
     try:
         return braking_curve(deceleration, location=location, speed=speed, foot=target.speed)
     except InputError as problem:
@@ -146,7 +148,7 @@ class Times:
     indication: float
 
 
-def times_of(case: Case, target_speed: float) -> Times:
+def times_of(case: BrakingCase, target_speed: float) -> Times:
     """Return the times for a target speed [m/s]: §3.13.6.2.2.3, .6.3.2.4, .9.3.2.3, .9.3.2.6, .9.3.3.3 and .9.3.6.2."""
     model, national = case.model, case.national
     moving = int(target_speed > 0)
@@ -166,7 +168,7 @@ def times_of(case: Case, target_speed: float) -> Times:
     )
 
 
-def limits_of(case: Case, target: Target, speed: ArrayLike, acceleration: float = 0.0) -> Limits:
+def limits_of(case: BrakingCase, target: Target, speed: ArrayLike, acceleration: float = 0.0) -> Limits:
     """Return the braking curve and the supervision limits of a target over the estimated speed (§3.13.9.3).
 
     Args:
@@ -203,7 +205,7 @@ def limits_of(case: Case, target: Target, speed: ArrayLike, acceleration: float 
 
 
 def intervention(
-    case: Case, curve: Curve, target: Target, speed: ArrayLike, times: Times, acceleration: float = 0.0
+    case: BrakingCase, curve: BrakingCurve, target: Target, speed: ArrayLike, times: Times, acceleration: float = 0.0
 ) -> Vector:
     """Return the location of the EBI from an EBD, over the estimated speed [m] (§3.13.9.3.2)."""
     v = np.asarray(speed, dtype=np.float64)
@@ -216,13 +218,13 @@ def intervention(
     return curve.location(before + v_delta2) - distance
 
 
-def _permitted_foot(case: Case, curve: Curve, target: Target, times: Times) -> float:
+def _permitted_foot(case: BrakingCase, curve: BrakingCurve, target: Target, times: Times) -> float:
     """Return the location of the permitted speed for the target speed, the foot of the GUI (§3.13.9.3.5.9, .10)."""
     ebi = float(intervention(case, curve, target, target.speed, times))
     return ebi - target.speed * (fixed.DRIVER_TIME + times.before_brake)
 
 
-def trip_location(case: Case) -> float:
+def trip_location(case: BrakingCase) -> float:
     """Return d_tripEOA of level 2: the EoA and the largest confidence interval expected there [m] (§3.13.9.4.8.2)."""
     eoa, balise = case.line.one("EoA"), case.line.balise
     assert eoa is not None  # a line with a calculated release speed has both
@@ -230,7 +232,7 @@ def trip_location(case: Case) -> float:
     return eoa.at + 2 * case.national.Q_NVLOCACC + 10.0 + 0.1 * (eoa.at - balise)
 
 
-def release_speed(case: Case) -> float | None:
+def release_speed(case: BrakingCase) -> float | None:
     """Return the release speed [m/s], which no permitted speed exceeds; None without one (§3.13.9.4).
 
     A calculated one is exact where §3.13.9.4.8.2 accepts an error of 1 km/h.
@@ -252,7 +254,7 @@ def release_speed(case: Case) -> float | None:
     return min(speed or 0.0, case.ceiling, *before) or None
 
 
-def _release_targets(case: Case) -> list[Target]:
+def _release_targets(case: BrakingCase) -> list[Target]:
     """Return the SvL and, for a calculated release speed, the targets between trip location and SvL (§3.13.9.4.6)."""
     svl = case.line.one("SvL")
     assert svl is not None  # a line with a release speed has one
@@ -262,14 +264,14 @@ def _release_targets(case: Case) -> list[Target]:
     return [svl, *(target for target in case.line.target if target.speed and trip < target.at <= svl.at)]
 
 
-def _calculated_release(case: Case) -> float:
+def _calculated_release(case: BrakingCase) -> float:
     """Return the lowest of the speeds whose EBI is at the trip location, as without traction cut-off (§3.13.9.4.8)."""
     trip, speeds = trip_location(case), []
     for target in _release_targets(case):
         curve, times = emergency_curve(case, target), times_of(case, target.speed)
         whole = max(times.build_up, case.model.cut_off_time)
 
-        def ahead(speed: float, curve: Curve = curve, whole: float = whole) -> float:
+        def ahead(speed: float, curve: BrakingCurve = curve, whole: float = whole) -> float:
             v = speed + (0.0 if case.national.Q_NVINHSMICPERM else float(fixed.under_reading(speed)))
             return float(curve.location(v)) - v * whole - trip
 
@@ -280,7 +282,7 @@ def _calculated_release(case: Case) -> float:
     return min(speeds)
 
 
-def release_start(case: Case, speed: float) -> float:
+def release_start(case: BrakingCase, speed: float) -> float:
     """Return the start of release speed monitoring: the first SBI for a release speed [m] (§3.13.9.4.6, .7)."""
     eoa = case.line.one("EoA")
     assert eoa is not None  # a line with a release speed has one

@@ -14,7 +14,7 @@ from railgrip.report.table import ReportTable
 from railgrip.supervision import fixed
 from railgrip.supervision.curve import Steps, Vector, braking_curve
 from railgrip.supervision.limits import (
-    Case,
+    BrakingCase,
     Limits,
     brake_on_line,
     limits_of,
@@ -51,7 +51,7 @@ _TABLE_STEP = 40 / 3.6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Stop:
+class StopOnCurves:
     """A stop of the train that begins on a supervision limit.
 
     Attributes:
@@ -78,7 +78,7 @@ class BrakingCurves:
         basis: What the braking model was made from, for a train file.
     """
 
-    case: Case
+    case: BrakingCase
     basis: TrainBasis | None = None
 
     @cached_property
@@ -140,13 +140,13 @@ class BrakingCurves:
         return ReportTable(rows, forms, ()).drop_empty_columns()
 
     @cached_property
-    def stops(self) -> tuple[Stop, ...]:
+    def stops(self) -> tuple[StopOnCurves, ...]:
         """Stops from the permitted speed that begin on the limits.
 
         The nominal and the safe emergency brake from the EBI, full service braking after T_driver from P.
         """
         case, v = self.case, self.case.ceiling
-        stops: list[Stop] = []
+        stops: list[StopOnCurves] = []
         for target in case.line.target:
             limits, times = limits_of(case, target, v), times_of(case, target.speed)
             if target.kind == "EoA":
@@ -161,13 +161,13 @@ class BrakingCurves:
             ]
         return tuple(stops)
 
-    def _stop(self, name: str, target: Target, begin: float, delay: float, brake: Steps) -> Stop:
+    def _stop(self, name: str, target: Target, begin: float, delay: float, brake: Steps) -> StopOnCurves:
         v = self.case.ceiling
         braking = begin + v * delay
         curve = braking_curve(brake_on_line(self.case, brake), location=braking, speed=v, foot=target.speed)
         speeds = np.linspace(v, target.speed, _POINTS)
         locations = np.append(begin, curve.location(speeds))
-        return Stop(
+        return StopOnCurves(
             name=f"{name}, {target.name}",
             locations=locations,
             speeds=np.append(v, speeds),
@@ -305,7 +305,7 @@ def braking_curves(
         model, basis = model_of(content), None
     else:
         model, basis = model_of_train(content, values, notify)
-    case = Case(model, values, track)
+    case = BrakingCase(model, values, track)
     for target in track.target:
         if target.speed >= case.ceiling:
             raise InputError(

@@ -1,6 +1,6 @@
 """Trains and lines for tests of braking curves."""
 
-from railgrip.supervision.limits import Case
+from railgrip.supervision.limits import BrakingCase
 from railgrip.supervision.line import Line, Target
 from railgrip.supervision.model import TrainData, model_of
 from railgrip.supervision.national import NationalValues
@@ -43,4 +43,4 @@ def percent_data(percentage, position, length, speed, **changes):
 def case_of(data, *targets, national=None, **line):
     """A case from the data of a train, targets as kind, location and speed [km/h], and keys of the line."""
     of = [Target(kind=kind, at=at, speed=speed / 3.6) for kind, at, speed in targets]
-    return Case(model_of(data), NationalValues(**(national or {})), Line.model_validate({"target": of} | line))
+    return BrakingCase(model_of(data), NationalValues(**(national or {})), Line.model_validate({"target": of} | line))

@@ -18,7 +18,7 @@ from railgrip.supervision import trains
 from railgrip.supervision.curve import braking_curve
 from railgrip.supervision.dispersed import TrainBrake, speed_steps
 from railgrip.supervision.k_dry import PROBABILITIES, k_factors
-from railgrip.supervision.limits import Case, brake_on_line
+from railgrip.supervision.limits import BrakingCase, brake_on_line
 from railgrip.supervision.line import load_line
 from railgrip.supervision.national import NationalValues
 from railgrip.supervision.trains import data_of, model_of_train
@@ -71,7 +71,7 @@ def test_deceleration_and_build_up_reproduce_the_stop_by_hand(name):
 def test_a_nominal_emergency_stop_on_the_curves_is_the_stop_by_hand():
     train, speed = load_train(Path("emu387")), 120 / 3.6
     model, _ = model_of_train(train, NationalValues())
-    case = Case(model, NationalValues(), load_line(None))
+    case = BrakingCase(model, NationalValues(), load_line(None))
     begin = speed * model.emergency_times[0]
     curve = braking_curve(brake_on_line(case, model.emergency), location=begin, speed=speed, foot=0.0)
     # The last step reaches up to the highest speed that ETCS supervises, 132 km/h, where pads brake less: its mean is

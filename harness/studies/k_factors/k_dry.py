@@ -23,7 +23,7 @@ from railgrip.studies.k_factors.brake import QuasiStaticBrake
 from railgrip.studies.k_factors.specification import KFactorSpecification
 from railgrip.supervision import rare
 from railgrip.supervision.dispersed import DispersedBrake, TrainBrake
-from railgrip.supervision.k_dry import Brake, QuasiStatic, k_factors, rates_of
+from railgrip.supervision.k_dry import DispersingBrake, QuasiStatic, k_factors, rates_of
 from railgrip.supervision.rare import Sample, State
 from railgrip.supervision.trains import maximum_speed
 from railgrip.trace.k_wet import Interval
@@ -74,7 +74,7 @@ def brake_of_scenario(specification: KFactorSpecification, scenario: Scenario) -
 
 
 def quasi_static(
-    specification: KFactorSpecification, brake: Brake, notify: Callable[[str], None] = lambda what: None
+    specification: KFactorSpecification, brake: DispersingBrake, notify: Callable[[str], None] = lambda what: None
 ) -> QuasiStatic:
     """Return K of the quasi-static brake for all EBCL; the same specification gives the same numbers."""
     effort = specification.estimate

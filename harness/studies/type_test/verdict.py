@@ -21,7 +21,7 @@ _LISTED: Final = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Loss:
+class FamilyLoss:
     """A family in which a law is beaten.
 
     Attributes:
@@ -71,23 +71,23 @@ def _ratio(one: Any, other: Any) -> float:
     return 0.0 if math.isnan(other.distance_m) else one.distance_m / other.distance_m
 
 
-def losses_of(law: str, stops: Frame) -> list[Loss]:
+def losses_of(law: str, stops: Frame) -> list[FamilyLoss]:
     """Return the families in which a law is beaten, with the law that beats it by most, in the order of the axes.
 
     Laws are compared in the cases that both were run in.
     """
     laws = _laws(stops)
     own = laws[law]
-    found: list[Loss] = []
+    found: list[FamilyLoss] = []
     for family, cases in _families(own).items():
-        worst: Loss | None = None
+        worst: FamilyLoss | None = None
         for other, of_other in laws.items():
             ratios = [_ratio(own[case], of_other[case]) for case in cases if case in of_other]
             if other == law or not _counts(family, len(ratios)):
                 continue
             ratio = quantile(ratios, 0.5)
             if ratio > 1.0 + LIMIT and (worst is None or ratio > worst.ratio):
-                worst = Loss(family=family, other=other, ratio=ratio, cases=len(ratios))
+                worst = FamilyLoss(family=family, other=other, ratio=ratio, cases=len(ratios))
         if worst is not None:
             found.append(worst)
     return found
@@ -140,7 +140,7 @@ def verdict(stops: Frame) -> str:
     )
 
 
-def _text(loss: Loss) -> str:
+def _text(loss: FamilyLoss) -> str:
     ratio = "does not stop" if math.isinf(loss.ratio) else f"{loss.ratio:.3f}"
     return f"{ratio} of {loss.other} in {loss.cases} cases"
 
