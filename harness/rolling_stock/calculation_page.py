@@ -1,12 +1,15 @@
 """The page of a brake calculation, its PDF, and its values as plain data."""
 
-from collections.abc import Iterator, Sequence
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import accumulate
 from pathlib import Path
 from typing import Any, cast
 
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from railgrip.base.files import replacing
 from railgrip.report.page import Page
@@ -17,8 +20,9 @@ from railgrip.rolling_stock.schema import BogieInTrain, SourcedTable, Train
 from railgrip.rolling_stock.stopping import response_times, rotating_masses
 from railgrip.rolling_stock.tables import plain_stop
 
-_LINES = 42  # rows of a table on one page of the PDF
 _A4 = (8.27, 11.69)  # in
+_LEFT, _BOTTOM, _LINE = 0.06, 0.05, 0.0125  # shares of the sheet
+_SIZE, _CHARACTERS = 7, 130  # font size, and characters of this size in a line
 
 
 def calculation_page(train: Train, stops: Sequence[MeanStop], *, origin: str, digest: str) -> Page:
@@ -231,23 +235,71 @@ def _figure(stop: MeanStop) -> Figure:
     return figure
 
 
-def _write_pdf(path: Path, page: Page, parts: dict[str, ReportTable]) -> None:
-    """Write the tables of a page on A4."""
+def _write_pdf(path: Path, page: Page, parts: Mapping[str, ReportTable]) -> None:
+    """Write the tables of a page on sheets of A4, one below the other."""
     with replacing(path) as partial, PdfPages(partial, metadata={"CreationDate": None, "Title": page.title}) as pdf:
+        sheet = _Sheet(page, pdf)
         for title, table in parts.items():
-            texts = table.texts
-            for begin in range(0, len(texts), _LINES):
-                sheet = Figure(figsize=_A4)
-                sheet.text(0.06, 0.96, page.title, fontsize=13, weight="bold")
-                sheet.text(0.06, 0.935, page.answer, fontsize=8, va="top", wrap=True)
-                sheet.text(0.06, 0.88, f"{title}, train file {page.provenance['train']}", fontsize=10)
-                axes = sheet.add_axes((0.05, 0.04, 0.9, 0.83))
-                axes.set_axis_off()
-                cells = [list(row.values()) for row in texts[begin : begin + _LINES]]
-                drawn = axes.table(cellText=cells, colLabels=table.columns, loc="upper center", cellLoc="left")
-                drawn.auto_set_font_size(False)
-                drawn.set_fontsize(6)
-                drawn.auto_set_column_width(list(range(len(table.columns))))
-                if title == "Stops":
-                    sheet.text(0.06, 0.05, LAMBDA_NOTE, fontsize=7, wrap=True)
-                pdf.savefig(sheet)
+            sheet.draw(title, table)
+            if title == "Stops":
+                sheet.write(textwrap.fill(LAMBDA_NOTE, _CHARACTERS))
+        pdf.savefig(sheet.figure)
+
+
+class _Sheet:
+    """A sheet of A4 that is filled from the top, and replaced by a new one where it is full."""
+
+    def __init__(self, page: Page, pdf: PdfPages) -> None:
+        self._page, self._pdf = page, pdf
+        self._begin()
+
+    def _begin(self) -> None:
+        self.figure, self._top = Figure(figsize=_A4), 0.96
+        self.figure.text(_LEFT, self._top, self._page.title, fontsize=13, weight="bold", va="top")
+        self._top -= 0.03
+        self.write(textwrap.fill(self._page.answer, _CHARACTERS))
+        self.write(f"Train file {self._page.provenance['train']}")
+
+    def write(self, text: str) -> None:
+        """Write lines below what is on the sheet."""
+        self._require(2 + text.count("\n"))
+        self._top -= 0.5 * _LINE
+        self.figure.text(_LEFT, self._top, text, fontsize=_SIZE, va="top", linespacing=1.2)
+        self._top -= _LINE * (1 + text.count("\n"))
+
+    def draw(self, title: str, table: ReportTable) -> None:
+        """Draw a table below what is on the sheet; a column is as wide as its longest text, as far as there is room.
+
+        A table with an empty column is one to fill in by hand: its columns have the same width.
+        """
+        rows = [list(row.values()) for row in table.texts]
+        widths = [max(map(len, column)) + 3 for column in zip(table.columns, *rows, strict=True)]
+        widths[widths.index(max(widths))] -= max(sum(widths) - _CHARACTERS, 0)
+        if any(not any(column) for column in zip(*rows, strict=True)):  # for handwriting
+            widths = [_CHARACTERS // len(widths)] * len(widths)
+        places = [_LEFT + (1 - 2 * _LEFT) * place / _CHARACTERS for place in accumulate(widths[:-1], initial=0)]
+        wrapped = [[textwrap.fill(text, width - 1) for text, width in zip(row, widths, strict=True)] for row in rows]
+        self._require(5)
+        self._top -= _LINE
+        self.figure.text(_LEFT, self._top, title, fontsize=_SIZE + 2, weight="bold", va="top")
+        self._top -= 2 * _LINE
+        self._row(table.columns, places, weight="bold")
+        for row in wrapped:
+            if self._require(1 + max(text.count("\n") for text in row)):
+                self._row(table.columns, places, weight="bold")
+            self._row(row, places)
+
+    def _row(self, row: Sequence[str], places: Sequence[float], weight: str = "normal") -> None:
+        for text, place in zip(row, places, strict=True):
+            for number, line in enumerate(text.split("\n")):
+                self.figure.text(place, self._top - (0.8 + number) * _LINE, line, fontsize=_SIZE, weight=weight)
+        self._top -= _LINE * (1.3 + max(text.count("\n") for text in row))
+        self.figure.add_artist(Line2D((_LEFT, 1 - _LEFT), [self._top + 0.2 * _LINE] * 2, color="0.8", linewidth=0.5))
+
+    def _require(self, lines: int) -> bool:
+        """Begin a new sheet, and return True, if there is no room for some lines."""
+        if self._top - _LINE * lines > _BOTTOM:
+            return False
+        self._pdf.savefig(self.figure)
+        self._begin()
+        return True

@@ -91,6 +91,10 @@ def test_a_calculation_is_a_page_a_pdf_and_json(railgrip, tmp_path):
     assert first.startswith(b"%PDF")
     railgrip("train", "calculate", str(UNIT), "--speed", "160 km/h", "--out", "report")
     assert (tmp_path / "report/calculation.pdf").read_bytes() == first
+    # Tables follow one another; a table of 46 axles goes on after the end of a sheet.
+    assert first.count(b"/Type /Page ") == 2
+    railgrip("train", "calculate", "loco_coaches", "--out", "long")
+    assert (tmp_path / "long/calculation.pdf").read_bytes().count(b"/Type /Page ") == 3
     code, out, _ = railgrip("train", "calculate", str(UNIT), "--json")
     assert [round(3.6 * stop["speed"]) for stop in json.loads(out)["stops"]] == [100, 120, 140, 160]
 
