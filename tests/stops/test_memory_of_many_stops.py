@@ -21,9 +21,9 @@ def resident():
     return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
 
 plain = Path(railgrip.scenario.__file__).parent / "library" / "plain.toml"
-out, first, stops = Path(sys.argv[1]), 20, int(sys.argv[2])
+out, first, stops = Path(sys.argv[1]), 150, int(sys.argv[2])
 for lot in range(first + stops):
-    if lot == first:  # the first stops create objects that all stops share
+    if lot == first:  # until then caches of the interpreter and of the allocator fill
         before = resident()
     run(load(plain, ["start.speed=2 km/h", f"seed={lot}"]), out, run_stop, keep_trace=False)
 print(resident() - before)
