@@ -37,6 +37,10 @@ class BlockLaw:
         return replace(self, force_upper=blocks * self.force_upper, force_lower=blocks * self.force_lower)
 
 
+SHAPE: Final = ("force_upper", "force_lower", "speed_upper", "speed_lower")
+"""Numbers of a law that `BlockLaw.shape` uses."""
+
+
 def _karwatzki(factor: float, k2: float, k3: float, k4: float, k5: float, source: str) -> BlockLaw:
     """Return a law from its published numbers: forces [kN], speeds [km/h]."""
     return BlockLaw(

@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from railgrip.base.arrays import Matrix, Vector
 from railgrip.base.errors import InputError
 from railgrip.base.units import GRAVITY
-from railgrip.rolling_stock.blocks import BlockLaw
+from railgrip.rolling_stock.blocks import SHAPE, BlockLaw
 from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, TrackBrake, Train
 from railgrip.scenario.table import Table
 
@@ -225,8 +225,8 @@ def _brakes_of(train: Train) -> tuple[dict[str, Vector], Vector]:
     parts = [train.bogies_in_train[axle.bogie] for axle in train.axles]
     wheel = _each([part.data for part in parts], "wheel_radius")
     brakes = {name: _each([part.brake for part in parts], name) for name in ("friction_radius", *_BRAKE)}
-    brakes |= {name: _each([part.pads for part in parts], name) for name in _PADS}
-    brakes |= {name: np.array([getattr(part.law, name) for part in parts]) for name in _LAW}
+    brakes |= {name: _each([part.pads for part in parts], name) for name in PAD_EFFECTS}
+    brakes |= {name: np.array([getattr(part.law, name) for part in parts]) for name in SHAPE}
     units = np.array([axle.units for axle in train.axles])
     radius = brakes["friction_radius"]
     return brakes | {"sliding": radius / wheel, "lever": units * radius / wheel}, wheel
@@ -285,7 +285,7 @@ def _brake_force(brakes: dict[str, Vector], speed: float, share: Vector) -> Vect
 
 def _block_shape(brakes: dict[str, Vector], speed: float, pad_force: Vector) -> Vector:
     """Return the friction of blocks over the nominal one; 1 for pads."""
-    law = BlockLaw(factor=1, **{name: cast(Any, brakes[name]) for name in _LAW})
+    law = BlockLaw(factor=1, **{name: cast(Any, brakes[name]) for name in SHAPE})
     return law.shape(speed * brakes["sliding"], pad_force) / law.shape(brakes["speed_nominal"], brakes["force_nominal"])
 
 
@@ -351,8 +351,8 @@ def _magnetic_force(brake: TrackBrake, speed: float, time: float) -> float:
 
 
 _BRAKE = ("piston_area", "rigging", "efficiency", "spring_force", "pressure_max", "pad_friction")
-_PADS = ("speed_effect", "speed_nominal", "force_effect", "force_nominal")
-_LAW = ("force_upper", "force_lower", "speed_upper", "speed_lower")
+PAD_EFFECTS = ("speed_effect", "speed_nominal", "force_effect", "force_nominal")
+"""Data of pads on which the force of a stop depends; the temperature is nominal."""
 
 
 def _each(parts: Sequence[Table], name: str) -> Vector:

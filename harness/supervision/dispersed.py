@@ -9,10 +9,10 @@ from typing import Any, cast, get_args
 import numpy as np
 
 from railgrip.estimators.belief import Array
-from railgrip.rolling_stock.blocks import BlockLaw
+from railgrip.rolling_stock.blocks import SHAPE, BlockLaw
 from railgrip.rolling_stock.dispersion import EXTENTS, Dispersion, Quantity
 from railgrip.rolling_stock.schema import Train
-from railgrip.rolling_stock.stopping import by_hand, developed_deceleration, track_brake_force
+from railgrip.rolling_stock.stopping import PAD_EFFECTS, by_hand, developed_deceleration, track_brake_force
 from railgrip.vehicle.brake import piston_force
 
 PARTS = 4
@@ -143,8 +143,8 @@ class TrainBrake(DispersedBrake):
         axles = np.array([axle for valves in kinds.values() for units in valves for axle in units])
         parts = [train.bogies_in_train[train.axles[axle].bogie] for axle in axles]
         self._unit = {name: np.array([getattr(part.brake, name) for part in parts]) for name in _UNIT}
-        self._unit |= {name: np.array([getattr(part.pads, name) for part in parts]) for name in _PADS}
-        laws = {name: cast(Any, np.array([getattr(part.law, name) for part in parts])) for name in _LAW}
+        self._unit |= {name: np.array([getattr(part.pads, name) for part in parts]) for name in PAD_EFFECTS}
+        laws = {name: cast(Any, np.array([getattr(part.law, name) for part in parts])) for name in SHAPE}
         self._law = BlockLaw(factor=1, **laws)
         wheel = np.array([part.data.wheel_radius for part in parts])
         self._unit["lever"] = self._unit["friction_radius"] / wheel
@@ -259,8 +259,6 @@ class _Part:
 
 
 _UNIT = ("friction_radius", "piston_area", "rigging", "efficiency", "spring_force", "pressure_max", "pad_friction")
-_PADS = ("speed_effect", "speed_nominal", "force_effect", "force_nominal")
-_LAW = ("force_upper", "force_lower", "speed_upper", "speed_lower")
 
 
 def _units_of_valves(train: Train) -> list[list[int]]:
