@@ -25,13 +25,12 @@ from railgrip.estimation.spec import Specification
 from railgrip.rolling_stock.schema import Train
 from railgrip.scenario.campaign import CampaignFile
 from railgrip.scenario.file import NamedFile
-from railgrip.scenario.kinds import ByKind
-from railgrip.scenario.polach import Polach
 from railgrip.scenario.quantity import Magnitude, UnitRange
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.table import ONE_OR_EACH
+from railgrip.scenario.surface import Polach
+from railgrip.scenario.table import ONE_OR_EACH, ByKind
 from railgrip.simulate.contact import compiled_contact
-from railgrip.simulate.files import compile_class
+from railgrip.simulate.named_models import compile_class
 from railgrip.supervision.line import Line
 from railgrip.supervision.model import TrainData
 from railgrip.supervision.national import NationalValues

@@ -305,5 +305,5 @@ class FilterKind:
 
     @classmethod
     def start(cls, task: FilterContext) -> Any:
-        """Return the filter with its first estimate, a `railgrip.simulate.loop.parts.Filter`."""
+        """Return the filter with its first estimate, a `railgrip.simulate.loop.interfaces.Filter`."""
         return cls.filter.of_context(task)

@@ -25,11 +25,10 @@ from railgrip.base.errors import (
 from railgrip.base.units import cut, place, short
 from railgrip.controllers.observation import Observation
 from railgrip.scenario import schema
-from railgrip.scenario.file import is_folder
+from railgrip.scenario.file import is_folder, merge, nest, parts_of, with_another_plant
 from railgrip.scenario.load import Tables, extend_tables, read_scenario
-from railgrip.scenario.merge import merge, nest, parts_of, with_another_plant
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate.custom import Controller, Estimate, Estimator, Plant, Sensors, call_user_code
+from railgrip.simulate.user_parts import Controller, Estimate, Estimator, Plant, Sensors, call_user_code
 from railgrip.vehicle.formation import Formation
 
 if TYPE_CHECKING:
@@ -41,8 +40,8 @@ if TYPE_CHECKING:
     from railgrip.report.comparison import Comparison
     from railgrip.report.estimates import Estimates
     from railgrip.report.stop import Stop
-    from railgrip.simulate.bench import Bench
-    from railgrip.simulate.parts import CustomParts
+    from railgrip.simulate.run import Bench
+    from railgrip.simulate.user_parts import CustomParts
     from railgrip.supervision.results import BrakingCurves
 
 
@@ -209,7 +208,7 @@ def open(
         ...         observation = bench.step(observation.driver_demand)
         >>> bench.stop.metrics.distance  # [m]
     """
-    from railgrip.simulate.bench import Bench
+    from railgrip.simulate.run import Bench
 
     changed, objects = _with_parts(scenario, estimator=estimator, sensors=sensors, plant=plant)
     return Bench(changed, _parts(import_from, **objects))
@@ -415,8 +414,7 @@ _BESIDE = frozenset({("controller", "redistribute"), ("controller", "shared_valv
 
 
 def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = None, /, **parts: Any) -> "CustomParts":
-    from railgrip.simulate.importing import instance_of
-    from railgrip.simulate.parts import CustomParts
+    from railgrip.simulate.user_parts import CustomParts, instance_of
 
     objects: dict[str, Any] = {}
     for name, part in parts.items():

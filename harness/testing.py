@@ -27,21 +27,21 @@ from railgrip.base.errors import (
 )
 from railgrip.base.units import short
 from railgrip.controllers.observation import Observation
-from railgrip.simulate.custom import (
+from railgrip.simulate.bound_plant import NEEDED
+from railgrip.simulate.loop.plausible import slowing_of
+from railgrip.simulate.plant_trial import findings, on_both_rails
+from railgrip.simulate.user_parts import (
     Controller,
     CustomController,
     CustomEstimator,
     CustomPlant,
     CustomSensors,
-    DemandLimits,
     Estimator,
     Plant,
     Sensors,
     call_user_code,
 )
-from railgrip.simulate.loop.plausible import slowing_of
-from railgrip.simulate.plant import NEEDED
-from railgrip.simulate.trial import findings, on_both_rails
+from railgrip.simulate.value_checks import DemandLimits
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.formation import Formation, carried_mass
 from railgrip.vehicle.signals import layout_of

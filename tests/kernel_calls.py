@@ -6,7 +6,7 @@ from synthetic import LAYOUT, LIBRARY
 from railgrip.kernel import kernel
 from railgrip.scenario.demand import released
 from railgrip.scenario.load import load
-from railgrip.simulate.loop.parts import BLOCK
+from railgrip.simulate.loop.interfaces import BLOCK
 from railgrip.simulate.sensors.ideal import IdealSensors
 from railgrip.simulate.sensors.service import ServiceSensors, encoder
 

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from railgrip.simulate.loop.parts import StateEstimator
-from railgrip.simulate.parts import assemble
+from railgrip.simulate.assembly import assemble
+from railgrip.simulate.loop.interfaces import StateEstimator
 from railgrip.simulate.run import run_stop
 
 

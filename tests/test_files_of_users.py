@@ -24,7 +24,7 @@ from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.load import load
-from railgrip.simulate.files import plant_description
+from railgrip.simulate.named_models import plant_description
 
 SECONDS = 5.0
 """Seconds that a refusal may take, with imports on a busy machine; without a refusal a read would wait for ever."""

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from railgrip.base.errors import RecordError
-from railgrip.base.outputs import RECORD, adopt, claim, discard, require_free, require_own
+from railgrip.base.records import RECORD, adopt, claim, discard, require_free, require_own
 
 SHORT = ("--set", "limits.horizon=2 s")
 ESTIMATION = Path(__file__).parents[1] / "harness/estimation/library/rig_own.toml"

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from railgrip.vehicle.motion import SMALL_SPEED, slip_of
+from railgrip.vehicle.brake import SMALL_SPEED, slip_of
 
 
 def test_a_rolling_wheel_has_no_slip_and_a_locked_one_slips_fully():

@@ -12,8 +12,8 @@ from synthetic import BRAKES, TWO_PART_TRAIN
 from railgrip.base.errors import LoopError
 from railgrip.controllers.law import Law, law
 from railgrip.controllers.observation import Observation
-from railgrip.simulate.foreign_controller import controller_signals
-from railgrip.simulate.loop.structs import _formula
+from railgrip.simulate.controller import controller_signals
+from railgrip.simulate.loop.loop import _formula
 from railgrip.vehicle import signals
 from railgrip.vehicle.signals import OBSERVED, TABLE, Signal, layout_of, names_of
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 import railgrip.scenario
+from railgrip.scenario.file import merge, read_overrides
 from railgrip.scenario.load import read_toml, scenario_of
-from railgrip.scenario.merge import merge, read_overrides
 from railgrip.simulate.run import braking_distance
 
 SCENARIOS = Path(railgrip.scenario.__file__).parent

@@ -17,10 +17,10 @@ from railgrip.report.stop import Stop, read_stop
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import SMOOTH, ConditioningFile, RepeatedDistances
 from railgrip.scenario.file import NamedFile
+from railgrip.scenario.onboard import SampledSensors
 from railgrip.scenario.quantity import Parameter
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.sensors import SampledSensors
-from railgrip.scenario.vehicle import ModelicaPlant, Nudge, RecipePlant
+from railgrip.scenario.vehicle_table import ModelicaPlant, Nudge, RecipePlant
 from railgrip.simulate.run import braking_distance
 
 _OTHER = "native"

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Protocol
 
 from railgrip.base.errors import ScenarioError
-from railgrip.base.outputs import make_folder
+from railgrip.base.records import make_folder
 from railgrip.campaign.sources import input_versions
 from railgrip.report.stop import FILES, Stop, require_place, write_stop
 from railgrip.scenario.schema import Scenario

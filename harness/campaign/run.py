@@ -8,7 +8,7 @@ from typing import Literal
 
 from railgrip.base.errors import InputError, RailgripError, RecordError
 from railgrip.base.files import PARTIAL, scratch, write_bytes, write_json
-from railgrip.base.outputs import RECORD, claim, discard, make_folder, require_free
+from railgrip.base.records import RECORD, claim, discard, make_folder, require_free
 from railgrip.campaign import workers as processes
 from railgrip.campaign.one_stop import Runner, run
 from railgrip.campaign.sources import input_versions
@@ -28,9 +28,9 @@ from railgrip.report.stop import (
 )
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import read_conditioning
-from railgrip.scenario.kinds import Custom
 from railgrip.scenario.outcome import Outcome
-from railgrip.scenario.vehicle import PythonClass
+from railgrip.scenario.table import Custom
+from railgrip.scenario.vehicle_table import PythonClass
 
 State = Literal["found", "done", "unexpected", "refused", "failed"]
 

@@ -21,8 +21,8 @@ from railgrip.campaign.workers import answer, collect
 from railgrip.campaign.workers import workers as processes
 from railgrip.report.console import progress
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import run_stop
+from railgrip.simulate.user_parts import CustomParts
 from railgrip.trace.metrics import FIGURES, Metrics
 
 if TYPE_CHECKING:

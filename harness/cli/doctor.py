@@ -142,8 +142,8 @@ def _folders() -> Iterator[CheckResult]:
 
 
 def _parts_of_other_packages() -> Iterator[CheckResult]:
-    from railgrip.scenario.kinds import Custom
-    from railgrip.simulate.importing import class_of
+    from railgrip.scenario.table import Custom
+    from railgrip.simulate.user_parts import class_of
 
     names = [(role, name) for role in get_args(Role) for name in installed_names(role)]
     for role, name in names:

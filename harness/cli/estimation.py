@@ -13,7 +13,7 @@ import xarray
 
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_bytes, write_text
-from railgrip.base.outputs import adopt, claim, require_free
+from railgrip.base.records import adopt, claim, require_free
 from railgrip.cli.app import AsJson, ImportFrom, Overrides, complete, fail, print_json
 from railgrip.cli.library import write_schema
 from railgrip.estimation.inspection import inspect_recording

@@ -8,7 +8,7 @@ import typer
 
 from railgrip.base.errors import InputError, PlantFailed
 from railgrip.base.names import did_you_mean
-from railgrip.base.outputs import make_folder, require_own
+from railgrip.base.records import make_folder, require_own
 from railgrip.cli.app import RUN_FAILED, File, Overrides, With
 from railgrip.fmi import describe
 from railgrip.fmus.native.fmi3 import as_fmi_3
@@ -16,12 +16,11 @@ from railgrip.fmus.native.package import pack
 from railgrip.fmus.native.toolchain import TARGETS
 from railgrip.report.console import remark, say
 from railgrip.scenario.load import load
-from railgrip.simulate.export.controller import controller_fmu
-from railgrip.simulate.export.parts import part_fmu, write_library
-from railgrip.simulate.export.plant import plant_fmu
+from railgrip.simulate.export.c_parts import part_fmu, write_library
+from railgrip.simulate.export.controller_and_plant import controller_fmu, plant_fmu
 from railgrip.simulate.export.ssp import write_ssp
-from railgrip.simulate.mapped import controller_lines, find_mapping
-from railgrip.simulate.roles import require_role, role_of
+from railgrip.simulate.map_draft import controller_lines, find_mapping
+from railgrip.simulate.named_models import require_role, role_of
 
 Part = Literal["onboard", "controller", "plant", "track", "sensors", "estimator"]
 """Part of a scenario to export as an FMU."""

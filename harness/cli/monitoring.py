@@ -10,7 +10,7 @@ import typer
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.files import write_bytes
-from railgrip.base.outputs import adopt, claim, require_free
+from railgrip.base.records import adopt, claim, require_free
 from railgrip.estimation.spec import load_specification
 from railgrip.report.console import progress, remark, say, show_table
 from railgrip.report.style import save

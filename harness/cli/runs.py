@@ -94,6 +94,6 @@ def runner(import_from: Sequence[Path] = ()) -> "Runner":
 
     if not import_from:
         return run_stop
-    from railgrip.simulate.parts import CustomParts
+    from railgrip.simulate.user_parts import CustomParts
 
     return partial(run_stop, objects=CustomParts(folders=tuple(import_from)))

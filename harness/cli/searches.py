@@ -11,7 +11,7 @@ import typer
 from railgrip.base.errors import EstimationError, ScenarioError
 from railgrip.base.files import write_text
 from railgrip.base.names import did_you_mean
-from railgrip.base.outputs import make_folder
+from railgrip.base.records import make_folder
 from railgrip.campaign import tune_control as laws
 from railgrip.campaign.calibrate import TARGETS
 from railgrip.campaign.calibrate import calibrate as fit_levels

@@ -10,8 +10,8 @@ from railgrip.base.errors import EstimationError
 from railgrip.estimation.motion import Motion, motion_of
 from railgrip.estimation.spec import CourseTable
 from railgrip.recording.samples import has_reading, period_of, readings_in, samples, with_signals
-from railgrip.scenario.track.geodesy import Place, local
-from railgrip.scenario.track.table import force_along
+from railgrip.scenario.track import force_along
+from railgrip.scenario.track_geometry import Place, local
 
 FILLED = 2e4
 """Cylinder pressure [Pa] above which a brake counts as applied; an empty cylinder reads about 0.01 bar."""

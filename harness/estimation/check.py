@@ -15,7 +15,7 @@ from railgrip.recording.table import TRUTH
 from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.load import load
 from railgrip.scenario.quantity import in_units
-from railgrip.scenario.vehicle import TrainFile
+from railgrip.scenario.vehicle_table import TrainFile
 
 _ALWAYS = {"driving": "1", "braking": "1"}
 """Signals of a run that must be complete if a file has them."""

@@ -19,8 +19,8 @@ from railgrip.fmus.native.library import library_of
 from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.modelica import nominal_data
 from railgrip.scenario.file import NamedFile
-from railgrip.simulate.files import consist_description, prediction_description
-from railgrip.simulate.prediction import (
+from railgrip.simulate.named_models import consist_description, prediction_description
+from railgrip.simulate.train_prediction import (
     CENTRAL,
     CentralPrediction,
     central_of,
@@ -167,7 +167,7 @@ def of_train(train: NamedFile, class_name: str = CENTRAL[0], *, has_suspension: 
 
     Args:
         train: The file.
-        class_name: A class of `railgrip.simulate.prediction.CENTRAL`.
+        class_name: A class of `railgrip.simulate.train_prediction.CENTRAL`.
         has_suspension: Whether bogies of two wheelsets have a suspension; otherwise all loads are static.
 
     Raises:

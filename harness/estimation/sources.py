@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import xarray
 
+from railgrip.base.arrays import generator
 from railgrip.base.errors import EstimationError
 from railgrip.base.units import cut
 from railgrip.estimation.agreement import require_agreement
@@ -25,9 +26,8 @@ from railgrip.recording.samples import evenly, readings_in, recording_of, with_s
 from railgrip.scenario.load import load
 from railgrip.scenario.quantity import Magnitude, in_units
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.seed import generator
-from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import trace_of
+from railgrip.simulate.user_parts import CustomParts
 from railgrip.trace.netcdf import FILE_NAME, read_trace
 from railgrip.trace.recorder import thin
 

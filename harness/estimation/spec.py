@@ -53,14 +53,13 @@ from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
 from railgrip.recording.samples import period_of
 from railgrip.recording.table import DataTable
-from railgrip.scenario.file import NamedFile, OtherFileString, locate
+from railgrip.scenario.file import NamedFile, OtherFileString, locate, nest, read_overrides
 from railgrip.scenario.load import Tables, read_toml, require_kind, require_straight, validate_table
-from railgrip.scenario.merge import nest, read_overrides
 from railgrip.scenario.quantity import Magnitude, NotNegative, Number, UnitRange, in_units
 from railgrip.scenario.table import Duration, Length, Mass, Name, Parameters, Seed, Table, table_error
-from railgrip.scenario.track.table import CurveLaw
-from railgrip.scenario.vehicle import find_train
-from railgrip.simulate.prediction import CENTRAL
+from railgrip.scenario.track import CurveLaw
+from railgrip.scenario.vehicle_table import find_train
+from railgrip.simulate.train_prediction import CENTRAL
 
 Positive = Annotated[Number, Field(gt=0.0)]
 

@@ -10,7 +10,7 @@ from typing import Final
 
 from railgrip.base.units import GRAVITY
 from railgrip.fmus.native.c_library import CLibrary, Struct
-from railgrip.vehicle.motion import SMALL_SPEED
+from railgrip.vehicle.brake import SMALL_SPEED
 from railgrip.vehicle.signals import Layout
 
 KERNEL: Final = files("railgrip.kernel")

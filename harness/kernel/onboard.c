@@ -11,7 +11,7 @@ void evaluate(const Formula *formula, const double *input, double *output)
     formula->call(formula->state, input, formula->parameter, output);
 }
 
-/* Slip from a train speed and a wheel's peripheral speed [m/s], as in vehicle/motion.py. */
+/* Slip from a train speed and a wheel's peripheral speed [m/s], as in vehicle/brake.py. */
 static double slip_of(double speed, double rim_speed)
 {
     return speed < SMALL_SPEED ? 0.0 : 1.0 - rim_speed / speed;

@@ -41,8 +41,7 @@ from pydantic import Field, StrictInt, TypeAdapter, ValidationError, model_valid
 
 from railgrip.base.errors import RecordError, ScenarioError
 from railgrip.base.files import write_json, write_text
-from railgrip.base.outputs import claim
-from railgrip.base.records import read_json_value, words_of
+from railgrip.base.records import claim, read_json_value, words_of
 from railgrip.report import table
 from railgrip.report.frame import frame_of, plain_rows
 from railgrip.report.results import Results, from_elsewhere

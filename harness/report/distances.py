@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Final
 
 from railgrip.base.files import write_json
-from railgrip.base.outputs import claim
+from railgrip.base.records import claim
 from railgrip.report.distribution import distribution_table, distributions_of, plain_distributions
 from railgrip.report.frame import IN_TABLES, SETTING, Frame, frame_of, groups_of, plain_rows, single_stops
 from railgrip.report.limits import SUBJECTS

@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from railgrip.base.errors import InputError, RecordError
-from railgrip.base.outputs import claim
+from railgrip.base.records import claim
 from railgrip.report import style
 from railgrip.report.baseline import baseline_deviations
 from railgrip.report.distances import reader_tables, repeats_table, setting_tables, write_table

@@ -18,8 +18,8 @@ from markupsafe import Markup
 
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_json, write_text
-from railgrip.base.outputs import claim, discard, recorded_files
 from railgrip.base.programs import environment_of_programs, find_program
+from railgrip.base.records import claim, discard, recorded_files
 from railgrip.report.table import ReportTable, as_html, as_markdown
 
 if TYPE_CHECKING:

@@ -17,8 +17,7 @@ from pydantic import ValidationError
 
 from railgrip.base.errors import RecordError, WriteFailed
 from railgrip.base.files import finite, write_json
-from railgrip.base.outputs import claim, discard, require_free
-from railgrip.base.records import LARGEST_TRACE, read_bounded, read_json, words_of
+from railgrip.base.records import LARGEST_TRACE, claim, discard, read_bounded, read_json, require_free, words_of
 from railgrip.report.reference import label
 from railgrip.report.stored import StoredScenario, StoredStop
 from railgrip.report.table import ReportTable

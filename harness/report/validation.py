@@ -15,7 +15,7 @@ from railgrip.report.statistics import median_interval
 from railgrip.report.table import ReportTable, names, percent, text
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import RepeatedDistances, read_conditioning
-from railgrip.scenario.sensors import SampledSensors
+from railgrip.scenario.onboard import SampledSensors
 
 _FIRST = "braking distance"
 

@@ -10,7 +10,7 @@ import numpy as np
 from railgrip.base.errors import InputError
 from railgrip.rolling_stock.schema import BogieInTrain, Train, load_train
 from railgrip.rolling_stock.stopping import HandCalculation, by_hand
-from railgrip.scenario.usual import unusual
+from railgrip.scenario.quantity import unusual
 from railgrip.vehicle.brake import LOWEST_PAD_FRICTION, lowest_friction
 
 _SAME_MASS = 0.01  # relative difference between car mass and axle loads, from rounding in data sheets

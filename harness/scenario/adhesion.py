@@ -7,7 +7,7 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.base.arrays import Array
+from railgrip.base.arrays import Array, generator, markov
 from railgrip.base.errors import ScenarioError
 from railgrip.kernel import kernel
 from railgrip.scenario.curve import FrictionCurve
@@ -24,10 +24,9 @@ from railgrip.scenario.profile import (
     Trapezoid,
 )
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.seed import generator, markov
 from railgrip.scenario.surface import SandedRail, Sander, SlipEnergy
 from railgrip.scenario.table import FASTEST
-from railgrip.scenario.track.table import TrackForce
+from railgrip.scenario.track import TrackForce
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import Layout
 

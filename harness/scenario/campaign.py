@@ -15,9 +15,8 @@ from pydantic import Field, StrictBool, model_validator
 from railgrip.base.errors import ScenarioError
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import cut, place
-from railgrip.scenario.file import is_file, locate
+from railgrip.scenario.file import is_file, locate, nest, read_overrides
 from railgrip.scenario.load import Tables, read_scenario, read_toml, require_kind, validate_table
-from railgrip.scenario.merge import nest, read_overrides
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.schema import Scenario

@@ -18,7 +18,7 @@ from railgrip.scenario.curve import TabulatedQuantity, read_columns
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import Number, UnitRange
 from railgrip.scenario.table import Delay, Duration, Length, Speed, Table, optional, table_error
-from railgrip.scenario.track.table import LARGEST_FORCE
+from railgrip.scenario.track import LARGEST_FORCE
 from railgrip.vehicle.signals import Layout
 
 _PRESSURE = UnitRange("Pa", at_least=0, at_most=1e8, because="pneumatics and hydraulics of brakes stay below 1000 bar")

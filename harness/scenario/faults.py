@@ -8,10 +8,9 @@ from pydantic import Field, StrictInt, model_validator
 
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
-from railgrip.scenario.kinds import by_kind
 from railgrip.scenario.quantity import Magnitude, UnitRange, in_units
-from railgrip.scenario.table import ONE_OR_EACH, Delay, Table, ends_after_it_begins, optional
-from railgrip.scenario.track.table import Slope
+from railgrip.scenario.table import ONE_OR_EACH, Delay, Table, by_kind, ends_after_it_begins, optional
+from railgrip.scenario.track import Slope
 
 READ_BY: Final[Mapping[str, str]] = MappingProxyType(
     {

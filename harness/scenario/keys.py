@@ -12,9 +12,9 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import core_schema
 
 from railgrip.scenario.campaign import CampaignFile
-from railgrip.scenario.kinds import ByKind
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.schema import Scenario
+from railgrip.scenario.table import ByKind
 
 _CHANGE = "change."
 """Prefix of schemas in which all keys are optional."""

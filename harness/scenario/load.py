@@ -1,19 +1,228 @@
-"""Load a `Scenario` from a TOML file and overrides, with one sentence for each error."""
+"""Load a `Scenario` from a TOML file and overrides.
 
+Plain tables are validated; each error becomes a sentence with file, key and correction.
+"""
+
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final, Literal, TypeVar
+from types import MappingProxyType, UnionType
+from typing import Annotated, Any, Final, Literal, TypeVar, Union, cast, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
 
 from railgrip.base.errors import InputError, ScenarioError
 from railgrip.base.files import read_text
+from railgrip.base.names import did_you_mean
 from railgrip.base.registry import shelf
 from railgrip.base.units import cut, place, short
-from railgrip.scenario.file import OtherFileString, is_file, locate
-from railgrip.scenario.merge import merge, parse_toml, read_overrides, with_another_plant
+from railgrip.scenario.file import (
+    DIRECTORY,
+    OtherFileString,
+    is_file,
+    locate,
+    merge,
+    parse_toml,
+    read_overrides,
+    with_another_plant,
+)
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.validation import Layers, validate_table
+from railgrip.scenario.table import ByKind, kinds_of
+
+_Model = TypeVar("_Model", bound=BaseModel)
+
+Layers = Sequence[tuple[str, Mapping[str, Any]]]
+"""Files with their tables, merged in this order, the uppermost first."""
+
+
+def validate_table(
+    model: type[_Model], table: Mapping[str, Any], *, directory: Path, origin: str, layers: Layers = ()
+) -> _Model:
+    """Return `table` as a value of `model`.
+
+    Args:
+        model: Pydantic model of the table.
+        table: Plain values.
+        directory: Folder that the table's paths are relative to.
+        origin: Name of the source in messages.
+        layers: Files that the table was merged from, if there are several.
+
+    Raises:
+        ScenarioError: The table is invalid; one line, "origin: [table] key …", per problem.
+    """
+    try:
+        return model.model_validate(table, context={DIRECTORY: directory})
+    except ValidationError as problem:
+        lines: dict[str, None] = {}
+        for error in problem.errors():
+            path, keys = _place(model, table, error["loc"])
+            # A missing key may belong to a table that another layer has replaced.
+            present = path[:-1] if error["type"] == "missing" else path
+            lines[f"{_holder(layers, present) or origin}: {_sentence(model, path, keys, error)}"] = None
+        raise ScenarioError("\n".join(lines)) from None
+
+
+def _holder(layers: Layers, path: Sequence[int | str]) -> str | None:
+    def depth(table: Any) -> int:
+        for number, step in enumerate(path):
+            try:
+                table = table[step]
+            except (KeyError, IndexError, TypeError):
+                return number
+        return len(path)
+
+    return max(layers, key=lambda layer: depth(layer[1]), default=(None,))[0]
+
+
+def _sentence(model: type[BaseModel], path: Sequence[int | str], keys: Sequence[str], error: ErrorDetails) -> str:
+    kind, context = error["type"], error.get("ctx", {})
+    if kind == "extra_forbidden":
+        return f"{_table(path[:-1])} has no key {short(path[-1])}; {_suggestion(str(path[-1]), keys)}"
+    if kind == "missing":
+        whole_table = len(path) == 1 and bool(_models(model.model_fields[str(path[0])].annotation))
+        problem = f"[{path[0]}] is missing" if whole_table else f"{_table(path[:-1])} has no '{path[-1]}'"
+        return f"{problem}; it is required"
+    if kind == "union_tag_not_found":
+        return f"{_table(path)} has no 'kind'; it is required"
+    if kind == "union_tag_invalid":
+        kinds = context["expected_tags"].replace("'", "")
+        return f"{_table(path)} kind is {short(context['tag'])}; {_choice(context['tag'], kinds)}"
+    if not path:
+        return _end_sentence(error["msg"])  # a rule between tables names them in its text
+    key = f"{_table(path[:-1])} {path[-1]}" if path[:-1] else str(path[-1])
+    if isinstance(error["input"], Mapping) and kind == "scenario":
+        key = _table(path)  # a problem of a whole table names its keys in its text
+    if kind in {"quantity", "file", "scenario"}:
+        return _end_sentence(f"{key} {error['msg']}")
+    if kind == "literal_error":
+        return f"{key} is {short(error['input'])}; {_choice(error['input'], context['expected'])}"
+    if kind in {"tuple_type", "list_type"} and isinstance(error["input"], Mapping):
+        return f"{_table(path)} is a table, but may be given several times; write [{_table(path)}]"
+    if kind in {"model_type", "model_attributes_type", "dict_type"}:
+        return f"{_table(path)} must be a table, got {short(error['input'])}"
+    message = error["msg"]
+    return f"{key} is {short(error['input'])}; {message[:1].lower()}{message[1:]}"
+
+
+def _end_sentence(sentence: str) -> str:
+    return sentence if sentence.endswith(("?", ".")) else f"{sentence}."
+
+
+def _place(
+    model: type[BaseModel], table: Mapping[str, Any], location: tuple[int | str, ...]
+) -> tuple[list[int | str], list[str]]:
+    # Pydantic adds the tag of a union of tables ("trapezoid" in adhesion.trapezoid.minimum) and the branch of a union
+    # of values; the file has neither.
+    path: list[int | str] = []
+    node: Any = table
+    branches: list[type[BaseModel]] = [model]
+    keys: list[str] = []
+    fields: list[FieldInfo] = []
+    for step in location:
+        if isinstance(node, Mapping) and step not in node and step == node.get("kind"):
+            branches = [branch for branch in branches if step in kinds_of(branch)] or branches
+            continue
+        if not isinstance(node, Mapping | list | tuple):
+            continue
+        keys = sorted({name for branch in branches for name in branch.model_fields})
+        if isinstance(node, Mapping):
+            fields = [branch.model_fields[str(step)] for branch in branches if step in branch.model_fields]
+            node = node.get(step)
+        elif isinstance(step, int) and step < len(node):
+            node = node[step]
+        branches = [table_model for field in fields for table_model in _models(field, node)] or branches
+        path.append(step)
+    return path, keys
+
+
+def _models(annotation: Any, entry: Any = None) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    if isinstance(annotation, FieldInfo):
+        parts: tuple[Any, ...] = (annotation.annotation, *annotation.metadata)
+    else:
+        parts = get_args(annotation) if get_origin(annotation) in {Annotated, Union, UnionType, tuple, dict} else ()
+    by_kind = next((part for part in parts if isinstance(part, ByKind)), None)
+    if (
+        by_kind is not None
+        and isinstance(entry, Mapping)
+        and (table := by_kind.table_of(cast("Mapping[str, object]", entry).get("kind")))
+    ):
+        return [table]
+    return [table_model for part in parts for table_model in _models(part, entry)]
+
+
+def _join_path(path: Sequence[int | str]) -> str:
+    return re.sub(r"\.\[", "[", ".".join(f"[{step + 1}]" if isinstance(step, int) else step for step in path))
+
+
+def _table(path: Sequence[int | str]) -> str:
+    return f"[{_join_path(path)}]" if path else "the top level"
+
+
+def _suggestion(name: str, choice: Sequence[str]) -> str:
+    if sentence := explain_unsupported(name):
+        return f"{sentence}."
+    guess = did_you_mean(name, choice)
+    return f"{guess} It has {', '.join(choice)}." if guess else f"it has {', '.join(choice)}."
+
+
+def _choice(found: object, expected: str) -> str:
+    if sentence := explain_unsupported(str(found)):
+        return f"{sentence}; there is {expected}"
+    return f"there is {expected}" + did_you_mean(str(found), re.findall(r"\w+", expected), quote="", before="; ")
+
+
+_FOREIGN: Final = "a plant from another tool may have it (`railgrip map`)"
+_CLASS: Final = "a Modelica class of your own may use RailBraking."
+UNSUPPORTED: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
+    {
+        r"ed(_?brakes?)?|electro_?dynamic.*|dynamic_brak.*|regenerat.*|recuperat.*|rheostat.*|blend.*": (
+            "electrodynamic brakes and their blending are",
+            f"give the friction brake alone; {_CLASS}Components.ElectrodynamicBrake and Blending",
+        ),
+        r"hydro_?dynamic.*|retarders?|engine_brakes?": ("hydrodynamic and engine brakes are", _FOREIGN),
+        r".*eddy_?current.*|linear_brakes?|ecb": (
+            "eddy-current brakes are",
+            f"{_FOREIGN}, with its greatest force in [vehicle.formation] track_brakes",
+        ),
+        r".*tread_?brak.*|block_?brak.*|.*brake_?(blocks?|shoes?)|shoes": (
+            "tread brakes are",
+            "in a train file, [blocks.NAME] has the law of their friction, and a unit in [brakes] names it: "
+            "blocks = 'NAME'",
+        ),
+        r"ll_?blocks?|composite_ll": (
+            "blocks of the kind LL are",
+            "no law of their friction over speed and force is published; [pads] may have effects for them",
+        ),
+        r"park(ing)?_?brak.*|spring_?(applied|loaded)?_brak.*|hand_?brak.*|holding_brak.*": (
+            "parking, spring-applied and hand brakes are",
+            f"leave them out: they do not act in a stop; {_CLASS}Pneumatics.ParkingUnit",
+        ),
+        r"(load_?)?weigh.*|load_?(proportional|dependent|sens).*|empty_load.*": (
+            "brakes that follow the load are",
+            "in a train file, [load_valves.NAME] adapts pressure or rigging to the mass of a car, which names it: "
+            "load_valve = 'NAME'",
+        ),
+        r"wind|head_?wind|cross_?wind|weather|tunnels?": (
+            "wind, weather and tunnels are",
+            "change the drag of the vehicle, and [adhesion] for wet or leaves",
+        ),
+    }
+)
+"""Pattern of a whole key → its meaning, and the alternative."""
+
+
+def explain_unsupported(key: str) -> str:
+    """Return a sentence on a key for unsupported equipment; empty for any other key."""
+    name = re.sub(r"[\s.-]+", "_", key).casefold()
+    found = next((words for pattern, words in UNSUPPORTED.items() if re.fullmatch(pattern, name)), None)
+    return f"{found[0]} not supported in this file; {found[1]}" if found else ""
+
 
 Kind = Literal["scenario", "campaign", "estimation", "train"]
 _MARKS: Final[tuple[tuple[Kind, tuple[str, ...]], ...]] = (

@@ -8,9 +8,8 @@ from pydantic import Field, model_validator
 from railgrip.base import registry
 from railgrip.scenario.curve import FrictionCurve, along, read_curve
 from railgrip.scenario.file import NamedFile
-from railgrip.scenario.polach import Polach
 from railgrip.scenario.quantity import Magnitude, UnitRange
-from railgrip.scenario.surface import Recovery, Sand
+from railgrip.scenario.surface import Polach, Recovery, Sand
 from railgrip.scenario.table import ONE_OR_EACH, Chainage, Friction, Length, Table, not_in, optional, table_error
 
 

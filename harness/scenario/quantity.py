@@ -1,13 +1,13 @@
-"""Quantities with units as text ("80 km/h"), converted to SI floats when a file is read, and their plausible ranges."""
+"""Quantities with units as text ("80 km/h"), converted to SI floats when a file is read; plausible and usual ranges."""
 
 import math
 import operator
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Final
+from typing import Annotated, Any, ClassVar, Final, cast, get_args
 
-from pydantic import Field, GetCoreSchemaHandler, Strict
+from pydantic import BaseModel, Field, GetCoreSchemaHandler, Strict
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from railgrip.base import units
@@ -337,3 +337,45 @@ def _spell(entry: object) -> str:
 
 def _refusal(words: str) -> PydanticCustomError:
     return PydanticCustomError("quantity", "{words}", {"words": words})
+
+
+def unusual(table: BaseModel, key: str = "") -> Iterator[tuple[str, str]]:
+    """Yield the key of each unusual value of a table and of the tables in it, as `[start] speed`, with its description.
+
+    The description follows the key, as in `is 500 m/s; usual are …`.
+
+    Args:
+        table: Table of a file.
+        key: Key of that table; empty for the whole file.
+    """
+    for name, field in type(table).model_fields.items():
+        value, path = getattr(table, name), f"{key}.{name}" if key else name
+        for place, inner in _values_in(path, value):
+            if isinstance(inner, BaseModel):
+                yield from unusual(inner, place)
+                continue
+            span = _range_of(field.annotation, field.metadata)
+            if span is not None and isinstance(inner, float) and (words := span.doubt(inner)):
+                where, _, last = place.rpartition(".")
+                yield f"[{where}] {last}", words
+
+
+def _values_in(path: str, value: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, Mapping):
+        for name, inner in cast("Mapping[str, Any]", value).items():
+            yield from _values_in(f"{path}.{name}", inner)
+    elif isinstance(value, tuple):
+        values = cast("tuple[Any, ...]", value)
+        for number, inner in enumerate(values, start=1):
+            yield from _values_in(
+                f"{path}[{number}]" if len(values) > 1 or isinstance(inner, BaseModel) else path, inner
+            )
+    else:
+        yield path, value
+
+
+def _range_of(annotation: Any, metadata: Any = ()) -> UnitRange | None:
+    for entry in (*metadata, *getattr(annotation, "__metadata__", ())):
+        if isinstance(entry, UnitRange):
+            return entry
+    return next((found for part in get_args(annotation) if (found := _range_of(part)) is not None), None)

@@ -17,10 +17,8 @@ from pydantic import Field, model_validator
 from railgrip.base.units import GRAVITY
 from railgrip.scenario.demand import Demand
 from railgrip.scenario.faults import Fault, Truth, kinds_of_faults
-from railgrip.scenario.file import NamedFile
-from railgrip.scenario.kinds import ByKind
-from railgrip.scenario.merge import merge
-from railgrip.scenario.parts import (
+from railgrip.scenario.file import NamedFile, merge
+from railgrip.scenario.onboard import (
     Actuation,
     Controller,
     ControllerFmu,
@@ -29,14 +27,14 @@ from railgrip.scenario.parts import (
     Limits,
     NoEstimator,
     Periods,
+    Sensors,
     steps_between,
 )
 from railgrip.scenario.profile import LONGEST_RAIL, Adhesion, FromTable
-from railgrip.scenario.sensors import Sensors
 from railgrip.scenario.surface import Sander
-from railgrip.scenario.table import Name, Seed, Table, optional, table_error
-from railgrip.scenario.track.table import Track, steepest_fall
-from railgrip.scenario.vehicle import LibraryPlant, Start, Vehicle
+from railgrip.scenario.table import ByKind, Name, Seed, Table, optional, table_error
+from railgrip.scenario.track import Track, steepest_fall
+from railgrip.scenario.vehicle_table import LibraryPlant, Start, Vehicle
 
 SAMPLES: Final = Fraction("0.0005"), Fraction("0.002")
 """First sample of the valves' dead times in the built-in plants, and the time between two samples [s].
@@ -234,7 +232,7 @@ class Scenario(Table):
         return self.model_dump()
 
     def revised(self, change: Mapping[str, Any]) -> "Scenario":
-        """Return the scenario with the keys of `change` overlaid, as `railgrip.scenario.merge.merge` does."""
+        """Return the scenario with the keys of `change` overlaid, as `railgrip.scenario.file.merge` does."""
         return Scenario.model_validate(merge(self.tables(), change))
 
     def digest(self) -> str:

@@ -22,17 +22,18 @@ from railgrip.fmi import Description, FmuPrediction, SteppedFmuPrediction
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.native.library import library_of
 from railgrip.scenario.file import NamedFile
-from railgrip.scenario.parts import KalmanFilter
+from railgrip.scenario.onboard import KalmanFilter
 from railgrip.scenario.quantity import in_units
-from railgrip.simulate.files import (
+from railgrip.simulate.loop.interfaces import StateEstimator
+from railgrip.simulate.named_models import (
     compile_class,
     consist_description,
     description_of,
     prediction_description,
+    require_role,
     units_of,
 )
-from railgrip.simulate.loop.parts import StateEstimator
-from railgrip.simulate.prediction import (
+from railgrip.simulate.train_prediction import (
     central_of,
     consist_of,
     data_of,
@@ -41,8 +42,7 @@ from railgrip.simulate.prediction import (
     start_of,
     units_of_predictions,
 )
-from railgrip.simulate.roles import require_role
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.vehicle.signals import Layout
 
 _Central = CasadiPrediction | FmuPrediction

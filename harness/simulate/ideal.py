@@ -5,7 +5,7 @@ A scenario selects one as the kind of its controller; sensors, estimator and con
 In the stop of the ideal bound each group uses min(peak adhesion, brake limit, α_max) at every instant, and exceeds the
 brake limit while its wheelsets regain the speed that a slide took from them. No controller that keeps to α_max stops in
 a distance shorter by more than 0.1 %. No real controller reaches the bound, because pressure takes time to build up and
-the peak must be found first. Where slip cleans the rail, the bound is optimistic (`railgrip.simulate.cleaned`), and
+the peak must be found first. Where slip cleans the rail, the bound is optimistic (`railgrip.simulate.contact`), and
 `held_stop` gives distances that a controller can reach. The train is integrated as a point mass; the physics comes from
 the plant:
 
@@ -34,11 +34,11 @@ from railgrip.scenario.faults import READ_BY
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.profile import Constant
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.cleaned import SLIPS_OF_TWO_MAXIMA, CleanedContact, with_energy
+from railgrip.simulate.assembly import assemble, evaluate_stop
+from railgrip.simulate.contact import SLIPS_OF_TWO_MAXIMA, CleanedContact, with_energy
 from railgrip.simulate.loop.loop import Ending
 from railgrip.simulate.pads import pads_of
-from railgrip.simulate.parts import assemble, evaluate_stop
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.trace.bound import contact_at, regained_adhesion, with_bound
 from railgrip.trace.contact import Contact, peak
 from railgrip.trace.recorder import Recorder

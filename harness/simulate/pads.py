@@ -25,9 +25,9 @@ import xarray
 from railgrip.base.arrays import Array
 from railgrip.fmus.native import Model
 from railgrip.rolling_stock.schema import load_train
-from railgrip.scenario.vehicle import TrainFile
-from railgrip.simulate.files import compile_class
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.scenario.vehicle_table import TrainFile
+from railgrip.simulate.named_models import compile_class
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.trace.bound import contact_at
 from railgrip.trace.contact import Contact
 from railgrip.vehicle.brake import Brake

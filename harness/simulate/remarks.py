@@ -14,15 +14,14 @@ from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.adhesion import reach_of
 from railgrip.scenario.demand import PhaseEnd
 from railgrip.scenario.faults import amount_of
-from railgrip.scenario.parts import BuiltInLaw
+from railgrip.scenario.onboard import BuiltInLaw
 from railgrip.scenario.profile import FromTable, Points
-from railgrip.scenario.quantity import in_units
+from railgrip.scenario.quantity import in_units, unusual
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.usual import unusual
-from railgrip.scenario.vehicle import RecipePlant, TrainFile
+from railgrip.scenario.vehicle_table import RecipePlant, TrainFile
 from railgrip.simulate.faults.sensor import DistortedReading
-from railgrip.simulate.files import remarks_on_train
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.named_models import remarks_on_train
+from railgrip.simulate.vehicle_data import VehicleData
 
 _FAR = 4.0
 """Factor on the range of a search beyond which a parameter of a law is unusual."""

@@ -16,7 +16,7 @@ from railgrip.report.table import ReportTable, share
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import run_stop
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.case_set import VERSIONS
 from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of, trains_of

@@ -16,8 +16,8 @@ from railgrip.report.baseline import Finding, mean
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable, whole_percent
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import read_toml, scenario_of
-from railgrip.scenario.merge import merge
 from railgrip.simulate.run import run_stop
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.design import FAULTS

@@ -35,7 +35,7 @@ from railgrip.scenario.load import load
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.sensors.white import White
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.papers import adhesion_and_brake_friction as published
 from railgrip.studies.papers.adhesion_and_brake_friction import LIMIT, RECOVERY
 from railgrip.studies.papers.pages import write_results

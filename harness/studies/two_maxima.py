@@ -17,7 +17,7 @@ from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.stop import Stop
 from railgrip.report.table import ReportTable, percent
-from railgrip.scenario.polach import named_set
+from railgrip.scenario.surface import named_set
 from railgrip.simulate.run import run_stop
 from railgrip.studies.papers.creep_curves import OWN_WAY, RAILS, SLIPS, SPEED, curves, maxima
 from railgrip.studies.study import Study

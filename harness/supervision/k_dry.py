@@ -9,9 +9,9 @@ from typing import Protocol
 import numpy as np
 from scipy.special import ndtri
 
+from railgrip.base.arrays import generator
 from railgrip.estimators.belief import Array
 from railgrip.rolling_stock.dispersion import Failures
-from railgrip.scenario.seed import generator
 from railgrip.supervision import rare
 from railgrip.supervision.rare import Rates, Sample, State
 from railgrip.trace.k_wet import Interval

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.table import Length, Name, Speed, Table, table_error
-from railgrip.scenario.track.table import Gradient
+from railgrip.scenario.track import Gradient
 from railgrip.supervision.national import StepSpeed
 
 

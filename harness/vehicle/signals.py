@@ -92,7 +92,7 @@ SENT = (
     Signal("mu0", "wheelset", "1", "maximum friction at the wheelset"),
     Signal("track_force", "train", "N", "force of the track, forward positive"),
 )
-"""Inputs of the plant, which are bound by these names; see `railgrip.simulate.plant`."""
+"""Inputs of the plant, which are bound by these names; see `railgrip.simulate.bound_plant`."""
 
 CURVE = (
     Signal("curve_k_A", "wheelset", "1", "Polach's k_A of the creep curve at the wheelset"),

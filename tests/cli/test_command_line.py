@@ -12,7 +12,7 @@ import synthetic_runner
 from pages import plots_of
 
 from railgrip.base.errors import RecordError
-from railgrip.base.outputs import RECORD
+from railgrip.base.records import RECORD
 from railgrip.campaign.one_stop import run
 from railgrip.campaign.run import find_result
 from railgrip.campaign.sources import input_versions

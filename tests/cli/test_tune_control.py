@@ -17,10 +17,10 @@ from railgrip.controllers.law import GroupLaw, Law
 from railgrip.controllers.laws.slip_two_state import SlipLevels
 from railgrip.controllers.parameters import TYPE_TEST, file_of
 from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import read_toml, scenario_of
-from railgrip.scenario.merge import merge
 from railgrip.simulate.controller import controller_of
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.type_test.entrants import entrants, training
 
 CAMPAIGNS = Path(__file__).parents[2] / "harness" / "scenario" / "campaigns"

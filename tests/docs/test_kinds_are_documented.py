@@ -9,7 +9,7 @@ from railgrip.base import registry
 from railgrip.estimation.run import model_of
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.scenario.faults import Fault
-from railgrip.scenario.sensors import SensorModel
+from railgrip.scenario.onboard import SensorModel
 from railgrip.simulate.estimator import _NOISE_PREFIX
 
 DOCS = Path(__file__).parents[2] / "docs"

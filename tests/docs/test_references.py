@@ -186,7 +186,7 @@ def test_an_invalid_reference_is_found(text):
 @pytest.mark.parametrize(
     "text",
     ["kernel/cycle.c", "`railgrip.simulate.faults.site.Site`", "`Binding.translate`", "RailBraking.Plants.Wagon",
-     "`railgrip.simulate.custom`", "harness/fmi/mapping.py", "`did_you_mean`"],
+     "`railgrip.simulate.user_parts`", "harness/fmi/mapping.py", "`did_you_mean`"],
 )  # fmt: skip
 def test_a_valid_reference_is_accepted(text):
     assert missing(text) == []

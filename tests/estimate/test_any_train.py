@@ -25,7 +25,7 @@ from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.load import load, scenario_of
 from railgrip.simulate.run import run_stop
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.trace.estimation import SLOWEST
 from railgrip.trace.netcdf import write_trace
 

@@ -22,7 +22,7 @@ from railgrip.estimators.filters.decentralised import DecentralisedFilter
 from railgrip.estimators.prediction import CasadiPrediction, with_state_names
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.fmus.native import lower
-from railgrip.simulate.prediction import CentralPrediction, central_of, consist_of, start_of
+from railgrip.simulate.train_prediction import CentralPrediction, central_of, consist_of, start_of
 from railgrip.vehicle.formation import Formation
 
 PERIOD, RUNS, STEPS = 1e-3, 40, 400

@@ -18,7 +18,7 @@ from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import estimate_of, load_specification
 from railgrip.fmus.build import fmu
 from railgrip.simulate.estimator import RELEASED_PADS
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.estimators import replay as own_replay
 from railgrip.studies.estimators.available import TRUTH, available_errors, largest_of_last
 from railgrip.studies.estimators.claims import LOAD_DEVIATION, force_over_load_deviation, with_unmodelled

@@ -21,7 +21,7 @@ from railgrip.fmus.native.toolchain import shared_library
 from railgrip.report.stop import Stop
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate.mapped import find_mapping
+from railgrip.simulate.map_draft import find_mapping
 from railgrip.simulate.run import run_stop
 
 ROOT = Path(__file__).parents[2]

@@ -14,7 +14,7 @@ from railgrip.fmi import (
     describe,
     open_plant,
 )
-from railgrip.simulate.loop.parts import LoopPlant
+from railgrip.simulate.loop.interfaces import LoopPlant
 
 PERIOD = 1e-3
 AT_LEISURE = FmuLimits(patience=100.0)

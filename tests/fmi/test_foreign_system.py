@@ -13,7 +13,7 @@ from fmpy.ssp.ssd import read_ssv
 
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
-from railgrip.simulate.export.parts import part_fmu
+from railgrip.simulate.export.c_parts import part_fmu
 from railgrip.simulate.export.ssp import write_ssp
 from railgrip.simulate.run import run_stop
 

@@ -8,7 +8,7 @@ import pytest
 from faulty_fmu import faulty_fmu
 
 from railgrip.fmi import CoSimulation, bind, describe
-from railgrip.simulate.plant import plant_signals
+from railgrip.simulate.bound_plant import plant_signals
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import CURVE, SENT, layout_of
 

@@ -12,9 +12,9 @@ from railgrip.base.units import conversion, unit
 from railgrip.fmi import Description, Port, bind, describe
 from railgrip.fmi.description import FmuVariable
 from railgrip.fmi.draft import arrays_of, draft_mapping
-from railgrip.simulate.mapped import MappingDraft, SignalMapping, _correct, find_mapping
-from railgrip.simulate.trial import GOOD_RAIL, POOR_RAIL, run_trial
-from railgrip.simulate.vehicle import catalogue_brakes
+from railgrip.simulate.map_draft import MappingDraft, SignalMapping, _correct, find_mapping
+from railgrip.simulate.plant_trial import GOOD_RAIL, POOR_RAIL, run_trial
+from railgrip.simulate.vehicle_data import catalogue_brakes
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import layout_of
 

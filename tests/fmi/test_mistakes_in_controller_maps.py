@@ -12,7 +12,7 @@ from railgrip.base.errors import InputError
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.export.controller import controller_fmu
+from railgrip.simulate.export.controller_and_plant import controller_fmu
 from railgrip.simulate.run import run_stop
 
 ROOT = Path(__file__).parents[2]

@@ -21,7 +21,7 @@ from railgrip.fmus.native import package
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit
 from railgrip.scenario.load import scenario_of
-from railgrip.simulate.parts import assemble
+from railgrip.simulate.assembly import assemble
 from railgrip.simulate.remarks import remarks_before
 
 ROOT = Path(__file__).parents[2]

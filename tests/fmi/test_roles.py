@@ -18,10 +18,10 @@ from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate.export.controller import controller_fmu
-from railgrip.simulate.export.parts import part_fmu
-from railgrip.simulate.mapped import find_mapping
-from railgrip.simulate.roles import role_of
+from railgrip.simulate.export.c_parts import part_fmu
+from railgrip.simulate.export.controller_and_plant import controller_fmu
+from railgrip.simulate.map_draft import find_mapping
+from railgrip.simulate.named_models import role_of
 from railgrip.simulate.run import run_stop
 
 

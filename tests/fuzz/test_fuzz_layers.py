@@ -16,7 +16,7 @@ from railgrip.api import Scenario
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.vehicle.parameters import with_each
 
 GROUPS = 4  # of the two-part train

@@ -23,9 +23,9 @@ from railgrip.recording.samples import reading_of
 from railgrip.recording.table import DataTable
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.campaign import campaign_of
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import load, scenario_of, validate_table
-from railgrip.scenario.merge import merge
-from railgrip.scenario.track.table import track_force_of
+from railgrip.scenario.track import track_force_of
 
 ROOM = Path(railgrip.scenario.__file__).parent
 SCENARIOS = [path for path in sorted((ROOM / "library").glob("*.toml")) if path.stem != "foreign_train"]

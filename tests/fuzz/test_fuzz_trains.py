@@ -15,8 +15,8 @@ import railgrip as rg
 from railgrip.base.registry import shelf
 from railgrip.base.units import GRAVITY
 from railgrip.rolling_stock.schema import load_train
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import scenario_of
-from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
 from railgrip.studies.two_maxima import energy_error
 from railgrip.studies.type_test.entrants import train_of

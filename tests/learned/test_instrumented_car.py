@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from railgrip.scenario.track.irregularity import KINDS, RIDE, TRACKS, Band, realise, rms, spectrum
+from railgrip.scenario.track_geometry import KINDS, RIDE, TRACKS, Band, realise, rms, spectrum
 from railgrip.studies.axle_box.accelerometer import AXLE_BOX, RATE, measure
 from railgrip.studies.axle_box.instrumented_car import MPH, Pass, ride
 from railgrip.studies.axle_box.training import campaign

@@ -4,7 +4,7 @@ import numpy as np
 from synthetic import LAYOUT
 
 from railgrip.scenario.adhesion import FrictionTable, TabulatedRail
-from railgrip.scenario.track.table import TrackForce
+from railgrip.scenario.track import TrackForce
 
 STRAIGHT = TrackForce(begins=(-np.inf,), forces=(0.0,), rates=(0.0,))
 

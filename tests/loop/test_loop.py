@@ -9,9 +9,9 @@ from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
 from railgrip.scenario.adhesion import FrictionTable, TabulatedRail
 from railgrip.scenario.demand import Driver
 from railgrip.scenario.outcome import Outcome
-from railgrip.scenario.track.table import TrackForce
+from railgrip.scenario.track import TrackForce
+from railgrip.simulate.loop.interfaces import Clock, Parts, StateEstimator
 from railgrip.simulate.loop.loop import Loop
-from railgrip.simulate.loop.parts import Clock, Parts, StateEstimator
 from railgrip.simulate.loop.plausible import UNBOUNDED, Plausibility
 from railgrip.simulate.sensors.ideal import IdealSensors
 from railgrip.trace.recorder import Recorder

@@ -26,14 +26,14 @@ from railgrip.scenario.adhesion import FrictionTable, TabulatedRail
 from railgrip.scenario.demand import Driver
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.surface import Recovery, SlipEnergy
-from railgrip.scenario.track.table import TrackForce
-from railgrip.simulate.custom import DemandLimits
+from railgrip.scenario.track import TrackForce
 from railgrip.simulate.faults.site import Faults
+from railgrip.simulate.loop.interfaces import BLOCK, Clock, Parts, StateEstimator
 from railgrip.simulate.loop.loop import Loop
-from railgrip.simulate.loop.parts import BLOCK, Clock, Parts, StateEstimator
 from railgrip.simulate.loop.plausible import Plausibility, Slowing, slowing_of
 from railgrip.simulate.sensors.ideal import IdealSensors
 from railgrip.simulate.sensors.white import WhiteSensors
+from railgrip.simulate.value_checks import DemandLimits
 from railgrip.trace.recorder import Recorder
 from railgrip.vehicle import signals
 from railgrip.vehicle.brake import Brake

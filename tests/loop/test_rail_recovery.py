@@ -19,7 +19,7 @@ from railgrip.scenario.adhesion import position_of
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.surface import Recovery, SlipEnergy
-from railgrip.simulate.parts import assemble
+from railgrip.simulate.assembly import assemble
 from railgrip.simulate.run import run_stop
 
 Falling = namedtuple("Falling", "A B")

@@ -9,7 +9,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.surface import Sand, SandedRail, Sander
-from railgrip.simulate.parts import assemble
+from railgrip.simulate.assembly import assemble
 from railgrip.simulate.run import run_stop
 
 KG_PER_MIN = 1 / 60

@@ -8,7 +8,7 @@ import pytest
 import rumoca
 
 from railgrip.fmus.native import Model, lower
-from railgrip.scenario.polach import Polach
+from railgrip.scenario.surface import Polach
 from railgrip.simulate.contact import compiled_contact
 from railgrip.studies.papers.creep_curves import LOAD, RAILS, curves
 from railgrip.studies.two_maxima import PECLETS, interpolated_rise, mean_rise

@@ -12,7 +12,7 @@ import rumoca
 
 from railgrip.base.registry import shelf
 from railgrip.rolling_stock.schema import load_train
-from railgrip.scenario.track.irregularity import spectrum
+from railgrip.scenario.track_geometry import spectrum
 
 LIBRARY = Path(__file__).parents[2] / "modelica"
 BEHIND = np.array([9.6, 11.85, 14.1])

@@ -9,7 +9,7 @@ import xarray
 from railgrip.recording.samples import recording_of
 from railgrip.report.marked import with_tables
 from railgrip.scenario.load import load
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.papers import adhesion_and_brake_friction as page
 from railgrip.studies.papers.pages import FOLDER, measures_of
 from railgrip.studies.roller_rig import recording_of_rig

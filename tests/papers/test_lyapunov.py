@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from railgrip.api import Scenario
-from railgrip.simulate.parts import assemble
+from railgrip.simulate.assembly import assemble
 from railgrip.simulate.run import trace_of
 from railgrip.studies.papers.table1 import DEFAULT, law_of
 

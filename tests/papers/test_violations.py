@@ -7,7 +7,7 @@ import pytest
 
 from railgrip.report.style import save
 from railgrip.simulate.run import run_stop
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.papers import lyapunov
 from railgrip.studies.papers.adhesion_based import (
     IDENTIFIED,

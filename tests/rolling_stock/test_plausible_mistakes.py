@@ -19,8 +19,8 @@ from railgrip.rolling_stock.check import fastest_stop, findings
 from railgrip.rolling_stock.schema import NAMED, train_of
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.load import load, scenario_of
-from railgrip.simulate.files import remarks_on_train
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.named_models import remarks_on_train
+from railgrip.simulate.vehicle_data import VehicleData
 
 Tables = dict[str, Any]
 

@@ -21,7 +21,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.scenario.load import load
 from railgrip.scenario.quantity import Magnitude, Parameter
 from railgrip.scenario.table import Table
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 
 PACKAGES = (
     railgrip.estimation,

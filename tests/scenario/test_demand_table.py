@@ -11,8 +11,8 @@ from synthetic import LAYOUT, LIBRARY
 from railgrip.base.errors import ScenarioError
 from railgrip.kernel import kernel
 from railgrip.scenario.demand import Driver, phases_of
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import load, scenario_of
-from railgrip.scenario.merge import merge
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import layout_of
 

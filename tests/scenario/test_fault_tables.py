@@ -12,10 +12,10 @@ from synthetic import LIBRARY
 
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.faults import kinds_of_faults
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import scenario_of
-from railgrip.scenario.merge import merge
 from railgrip.simulate.faults.site import faults_of
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 
 EQUIPMENT = LIBRARY.parent / "equipment"
 TABLES = kinds_of_faults()

@@ -11,10 +11,10 @@ from scipy.signal import lfilter
 from synthetic import TWO_PART_TRAIN
 
 import railgrip.scenario
+from railgrip.base.arrays import generator, markov
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.load import load, scenario_of
-from railgrip.scenario.seed import generator, markov
 from railgrip.simulate.remarks import doubts
 from railgrip.vehicle.formation import Formation
 

@@ -7,7 +7,7 @@ from synthetic import LIBRARY
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.load import load
 from railgrip.simulate.run import run_stop
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 
 PLAIN = LIBRARY / "plain.toml"
 

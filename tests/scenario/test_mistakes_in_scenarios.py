@@ -24,7 +24,7 @@ from railgrip.base.registry import shelf
 from railgrip.report.comparison import flat
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.parts import assemble
+from railgrip.simulate.assembly import assemble
 from railgrip.simulate.remarks import remarks_after, remarks_before
 
 Tables = dict[str, Any]

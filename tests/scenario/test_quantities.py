@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import to_si
-from railgrip.scenario.merge import merge, nest, parts_of, read_overrides
+from railgrip.scenario.file import merge, nest, parts_of, read_overrides
 from railgrip.scenario.quantity import BOOLEAN, Magnitude, Parameter, in_units
 
 

@@ -6,10 +6,9 @@ from kernel_calls import read
 from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
 
 from railgrip.base.errors import ScenarioError, SensorsFailed
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import load, scenario_of
-from railgrip.scenario.merge import merge
-from railgrip.scenario.track.geodesy import local
-from railgrip.scenario.track.irregularity import RIDE, spectrum
+from railgrip.scenario.track_geometry import RIDE, local, spectrum
 from railgrip.vehicle.signals import EXTRA, PLANT, READINGS, layout_of
 
 OUTPUTS = [signal.name for signal in PLANT]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railgrip.scenario.track.table import CurveLaw, Track, curve_coefficient, force_along, slope_of, track_force_of
+from railgrip.scenario.track import CurveLaw, Track, curve_coefficient, force_along, slope_of, track_force_of
 
 
 def test_a_level_straight_track_does_nothing():

@@ -11,8 +11,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.base.registry import shelf
 from railgrip.rolling_stock.schema import Train, train_of
 from railgrip.scenario.keys import scenario_schema, schema_of
-from railgrip.scenario.load import load
-from railgrip.scenario.validation import UNSUPPORTED, explain_unsupported
+from railgrip.scenario.load import UNSUPPORTED, explain_unsupported, load
 
 KEYS = {
     "ed_brake": "electrodynamic", "electrodynamic_brake": "electrodynamic", "regenerative_brake": "electrodynamic",

@@ -9,7 +9,7 @@ from railgrip.api import Scenario
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import GRAVITY
 from railgrip.scenario.load import load
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 
 DOWNHILL = "track.gradient=[{begin=0, slope=-0.02}]"
 CLASS_OF_PYTHON = (

@@ -17,15 +17,14 @@ from railgrip.controllers.observation import Observation
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native.package import pack
 from railgrip.report.stop import Stop, read_stop
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import load, read_toml, scenario_of
-from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.bench import Bench
-from railgrip.simulate.export.controller import controller_fmu
-from railgrip.simulate.parts import CustomParts
-from railgrip.simulate.run import run_stop
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.export.controller_and_plant import controller_fmu
+from railgrip.simulate.run import Bench, run_stop
+from railgrip.simulate.user_parts import CustomParts
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.trace.metrics import Metrics
 from railgrip.vehicle.formation import Formation
 

@@ -10,8 +10,8 @@ from sampling import sample
 from synthetic import LIBRARY
 
 import railgrip as rg
+from railgrip.scenario.file import merge, read_overrides
 from railgrip.scenario.load import load, scenario_of
-from railgrip.scenario.merge import merge, read_overrides
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.run import braking_distance
 

@@ -9,13 +9,13 @@ import xarray
 from sampling import sample
 
 import railgrip.scenario
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import load, read_toml, scenario_of
-from railgrip.scenario.merge import merge
 from railgrip.scenario.surface import Recovery
-from railgrip.simulate.cleaned import SLIPS_OF_TWO_MAXIMA, CleanedContact, with_energy
+from railgrip.simulate.contact import SLIPS_OF_TWO_MAXIMA, CleanedContact, with_energy
 from railgrip.simulate.ideal import held_stop
 from railgrip.simulate.run import run_stop
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.trace.contact import peak
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"

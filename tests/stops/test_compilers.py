@@ -15,7 +15,7 @@ from railgrip.fmus.build import fmu
 from railgrip.report.stop import read_stop
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.load import load
-from railgrip.simulate import files
+from railgrip.simulate import named_models
 from railgrip.simulate.run import run_stop
 
 TRAPEZOID = Path(railgrip.scenario.__file__).parent / "library" / "trapezoid.toml"
@@ -38,7 +38,7 @@ def from_openmodelica(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
                 theirs.writestr(member, content)
         return file
 
-    monkeypatch.setattr(files, "recipe_file", relabelled)
+    monkeypatch.setattr(named_models, "recipe_file", relabelled)
 
 
 @pytest.mark.usefixtures("from_openmodelica")
@@ -68,4 +68,6 @@ def test_fmus_of_the_built_in_compiler_are_also_named(tmp_path):
     short = ["limits.horizon=0.1 s", "estimator.kind=none", "controller.kind=full_brake"]
     run(load(TRAPEZOID, short), tmp_path, run_stop)
     versions = read_stop(tmp_path).versions
-    assert versions["TwoPartTrain.fmu"] == files.description_of(files.recipe_file("TwoPartTrain")).generator
+    assert (
+        versions["TwoPartTrain.fmu"] == named_models.description_of(named_models.recipe_file("TwoPartTrain")).generator
+    )

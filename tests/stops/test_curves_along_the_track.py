@@ -10,7 +10,7 @@ from railgrip.base.errors import RailgripError, ScenarioError
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.run import run_stop
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.vehicle.signals import CURVE
 
 LEAF = "{ begin = '20 m', length = '30 m', mu0 = 0.07, polach = 'leaf' }"

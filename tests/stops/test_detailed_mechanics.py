@@ -12,10 +12,10 @@ import railgrip as rg
 from railgrip.base.errors import ScenarioError
 from railgrip.base.registry import shelf
 from railgrip.base.units import GRAVITY
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import scenario_of
-from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
-from railgrip.scenario.track.irregularity import spectrum
+from railgrip.scenario.track_geometry import spectrum
 from railgrip.studies.two_maxima import energy_error
 from railgrip.studies.type_test.case_set import VERSIONS
 from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of

@@ -10,10 +10,10 @@ from railgrip.base.errors import ScenarioError
 from railgrip.fmi import CoSimulation, Port, bind, describe
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
-from railgrip.simulate.export.controller import controller_fmu
-from railgrip.simulate.parts import CustomParts
+from railgrip.simulate.export.controller_and_plant import controller_fmu
 from railgrip.simulate.run import run_stop
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.user_parts import CustomParts
+from railgrip.simulate.vehicle_data import VehicleData
 
 PLAIN = LIBRARY / "plain.toml"
 

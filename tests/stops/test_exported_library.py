@@ -16,7 +16,7 @@ from railgrip.fmi import describe
 from railgrip.fmus.native.package import pack
 from railgrip.fmus.native.toolchain import compiler
 from railgrip.scenario.load import load
-from railgrip.simulate.export.parts import part_fmu, write_library
+from railgrip.simulate.export.c_parts import part_fmu, write_library
 
 PERIOD = 1e-3
 SHORT = ("--set", "estimator.kind=none", "--set", "controller.kind=slip_two_state", "--set", "start.speed=10 km/h")

@@ -18,8 +18,8 @@ from railgrip.base.errors import ScenarioError
 from railgrip.fmus.native.fmi3 import as_fmi_3
 from railgrip.fmus.native.package import archive_bytes
 from railgrip.scenario.load import load
-from railgrip.simulate.export.parts import part_fmu
-from railgrip.simulate.export.plant import plant_fmu
+from railgrip.simulate.export.c_parts import part_fmu
+from railgrip.simulate.export.controller_and_plant import plant_fmu
 from railgrip.simulate.export.ssp import write_ssp
 from railgrip.simulate.run import run_stop
 

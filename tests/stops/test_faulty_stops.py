@@ -5,8 +5,8 @@ import pytest
 from python_parts import same_stop
 from synthetic import LIBRARY
 
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import load, scenario_of
-from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.faults.site import FREE
 from railgrip.simulate.run import run_stop

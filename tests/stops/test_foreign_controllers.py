@@ -19,8 +19,8 @@ from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate.export.controller import controller_fmu
-from railgrip.simulate.foreign_controller import ForeignController
+from railgrip.simulate.controller import ForeignController
+from railgrip.simulate.export.controller_and_plant import controller_fmu
 from railgrip.simulate.run import run_stop
 
 PLAIN = LIBRARY / "plain.toml"

@@ -8,8 +8,8 @@ import pytest
 from sampling import sample
 
 import railgrip.scenario
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import load, read_toml, scenario_of
-from railgrip.scenario.merge import merge
 from railgrip.simulate.ideal import ideal_stop
 from railgrip.simulate.run import run_stop
 

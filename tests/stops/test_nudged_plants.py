@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from railgrip.scenario.vehicle import Nudge
-from railgrip.simulate.files import description_of, parameters_of, recipe_file
-from railgrip.simulate.plant import perturb_parameters
+from railgrip.scenario.vehicle_table import Nudge
+from railgrip.simulate.bound_plant import perturb_parameters
+from railgrip.simulate.named_models import description_of, parameters_of, recipe_file
 
 
 def test_a_perturbation_is_small_and_reproducible_from_its_seed():

@@ -11,10 +11,10 @@ from railgrip.controllers.valves import ValveLogic
 from railgrip.fmus.build import build_class
 from railgrip.scenario.load import load, scenario_of
 from railgrip.simulate.controller import valve_logic_of
-from railgrip.simulate.files import is_trusted, plant_description
 from railgrip.simulate.ideal import _Tracking
+from railgrip.simulate.named_models import is_trusted, plant_description
 from railgrip.simulate.run import run_stop
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.trains.stops import dry_scenario
 from railgrip.trace.recorder import Recorder
 from railgrip.vehicle.signals import PLANT, SENT

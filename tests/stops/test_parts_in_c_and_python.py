@@ -7,11 +7,11 @@ from synthetic import LIBRARY
 from table_1 import table_1_scenario
 
 from railgrip.fmus.build import fmu
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import load
-from railgrip.scenario.merge import merge
 from railgrip.scenario.schema import Scenario
+from railgrip.simulate.assembly import assemble
 from railgrip.simulate.loop.loop import Loop
-from railgrip.simulate.parts import assemble
 from railgrip.simulate.run import braking_distance, run_stop
 from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of
 from railgrip.studies.type_test.track_case import HEADLINES

@@ -21,7 +21,7 @@ from railgrip.fmi import SteppedFmuPrediction, describe
 from railgrip.report.stop import Stop
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.files import compile_class, prediction_description
+from railgrip.simulate.named_models import compile_class, prediction_description
 from railgrip.simulate.run import run_stop
 
 TRAPEZOID = (Path(railgrip.scenario.__file__).parent / "library" / "trapezoid.toml").read_text()

@@ -10,7 +10,7 @@ from railgrip.fmus.build import build_class
 from railgrip.fmus.native.library import LIBRARY
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate import plant
+from railgrip.simulate import bound_plant
 from railgrip.simulate.run import run_stop
 
 SHORT = ("limits.horizon=0.1 s", "estimator.kind=none", "controller.kind=full_brake")
@@ -49,8 +49,10 @@ def wrong(tmp_path_factory):
 @pytest.fixture
 def lose(wrong, monkeypatch):
     """Return a function that replaces the recipe of the two-part train by an FMU with lost modifiers."""
-    monkeypatch.setattr(plant, "_read_back", set())
-    return lambda lost: monkeypatch.setattr("railgrip.simulate.files.recipe_file", lambda name, lost=lost: wrong(lost))
+    monkeypatch.setattr(bound_plant, "_read_back", set())
+    return lambda lost: monkeypatch.setattr(
+        "railgrip.simulate.named_models.recipe_file", lambda name, lost=lost: wrong(lost)
+    )
 
 
 @pytest.mark.parametrize(
@@ -72,8 +74,8 @@ def test_an_fmu_that_lost_radius_or_creep_curve_is_refused_with_both_values(lose
 def test_an_fmu_that_lost_nothing_runs_and_is_read_back_once(lose, monkeypatch):
     lose("nothing")
     calls: list[str] = []
-    probe_outputs = plant.probe_outputs
-    monkeypatch.setattr(plant, "probe_outputs", lambda *a, **k: calls.append("probed") or probe_outputs(*a, **k))
+    probe_outputs = bound_plant.probe_outputs
+    monkeypatch.setattr(bound_plant, "probe_outputs", lambda *a, **k: calls.append("probed") or probe_outputs(*a, **k))
     scenario = load(Path("trapezoid"), [*SHORT, *RADIUS, *CURVE])
     assert [run_stop(scenario).outcome for _ in range(2)] == [Outcome.HORIZON] * 2
     assert calls == ["probed"]
@@ -90,6 +92,6 @@ def test_an_fmu_that_lost_nothing_runs_and_is_read_back_once(lose, monkeypatch):
     ],
 )
 def test_plants_that_received_truth_and_parameters_are_accepted(name, changes, monkeypatch):
-    monkeypatch.setattr(plant, "_read_back", done := set())
+    monkeypatch.setattr(bound_plant, "_read_back", done := set())
     run_stop(load(Path(name), ["limits.horizon=0.1 s", "estimator.kind=none", *changes]))
     assert len(done) == 1

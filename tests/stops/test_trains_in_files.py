@@ -15,10 +15,10 @@ from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate import files
-from railgrip.simulate.files import plant_description
+from railgrip.simulate import named_models
+from railgrip.simulate.named_models import plant_description
 from railgrip.simulate.run import braking_distance, run_stop
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.trains.stops import filling_of
 
 TRAINS = Path(railgrip.scenario.__file__).parent / "trains"
@@ -179,7 +179,7 @@ def test_a_dry_stop_has_the_same_distance_with_the_fmu_of_either_compiler(vehicl
     distances: dict[str, float] = {}
     for compiler in ("native", "openmodelica"):
         monkeypatch.setattr("railgrip.fmus.build.choose", lambda wanted, compiler=compiler: compiler)
-        for kept in (files._train_file, files._class_file):
+        for kept in (named_models._train_file, named_models._class_file):
             kept.cache_clear()
         stop = run_stop(dry(vehicle, "85 km/h", EXAMPLES))
         assert stop.outcome is Outcome.STANDSTILL, stop.reason

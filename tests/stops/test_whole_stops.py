@@ -9,8 +9,8 @@ from synthetic import LIBRARY
 from table_1 import table_1_scenario
 
 from railgrip.base.errors import ScenarioError
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import load, read_toml, scenario_of
-from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.run import run_stop
 from railgrip.studies.pad_monitor.evidence import pressure_deviation

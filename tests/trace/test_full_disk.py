@@ -18,7 +18,7 @@ from synthetic_runner import run_stop
 
 from railgrip.base.errors import WriteFailed, for_user
 from railgrip.base.files import replacing, write_text
-from railgrip.base.outputs import RECORD
+from railgrip.base.records import RECORD
 from railgrip.campaign.run import find_result
 from railgrip.report.stop import read_stop, write_stop
 from railgrip.report.style import save

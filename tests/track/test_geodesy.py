@@ -4,7 +4,7 @@ import numpy as np
 import pyproj
 import pytest
 
-from railgrip.scenario.track.geodesy import Place, geodetic, local
+from railgrip.scenario.track_geometry import Place, geodetic, local
 
 MIDDLE = Place(latitude=50.5976, longitude=12.6939, height=342.043)
 """Middle of the test track of Schwarz, Lüdicke and Heckmann, §3.2."""

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import fresnel
 
-from railgrip.scenario.track.alignment import Linear, TrackAlignment, course_of, grades_of
-from railgrip.scenario.track.geodesy import Place, local
+from railgrip.scenario.track_geometry import Linear, Place, TrackAlignment, course_of, grades_of, local
 
 MIDDLE = Place(latitude=50.5976, longitude=12.6939, height=342.043)
 FLAT = Linear(np.array([0.0]), np.array([0.0]))

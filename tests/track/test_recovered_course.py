@@ -6,9 +6,8 @@ import pytest
 from railgrip.base.errors import EstimationError
 from railgrip.estimation.motion import course_of, motion_of, smooth
 from railgrip.estimation.spec import LowPass, SensorDeviations
-from railgrip.scenario.track.alignment import TrackAlignment, grades_of
-from railgrip.scenario.track.alignment import course_of as laid_course
-from railgrip.scenario.track.geodesy import Place
+from railgrip.scenario.track_geometry import Place, TrackAlignment, grades_of
+from railgrip.scenario.track_geometry import course_of as laid_course
 
 LOW_PASS = LowPass(plan=60.0, height=60.0, base=10.0)
 TRACK = TrackAlignment(

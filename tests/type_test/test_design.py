@@ -6,8 +6,8 @@ import pytest
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import GRAVITY
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import scenario_of
-from railgrip.scenario.merge import merge
 from railgrip.studies.type_test.case_set import case_named
 from railgrip.studies.type_test.design import (
     CASES,

@@ -6,10 +6,10 @@ from typing import Literal, get_args, get_origin
 
 import pytest
 
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import scenario_of
-from railgrip.scenario.merge import merge
-from railgrip.scenario.polach import Polach
 from railgrip.scenario.profile import Adhesion, Conditioning
+from railgrip.scenario.surface import Polach
 from railgrip.studies.type_test.case_set import VERSIONS
 from railgrip.studies.type_test.entrants import train_of
 

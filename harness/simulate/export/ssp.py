@@ -12,13 +12,11 @@ from railgrip.fmi import Binding
 from railgrip.fmi.archive import read_description
 from railgrip.fmus.native.package import Source, archive_bytes, zip_files
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.vehicle import FmuFile
-from railgrip.simulate.export.controller import controller_fmu, valves_fmu
-from railgrip.simulate.export.in_other_units import in_other_units
-from railgrip.simulate.export.parts import part_fmu
-from railgrip.simulate.export.plant import plant_fmu
-from railgrip.simulate.plant import binding_of, values_of
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.scenario.vehicle_table import FmuFile
+from railgrip.simulate.bound_plant import binding_of, values_of
+from railgrip.simulate.export.c_parts import part_fmu
+from railgrip.simulate.export.controller_and_plant import controller_fmu, in_other_units, plant_fmu, valves_fmu
+from railgrip.simulate.vehicle_data import VehicleData
 
 _NAMESPACES = {
     key: f"http://ssp-standard.org/SSP1/SystemStructure{name}"

@@ -6,8 +6,8 @@ than adhesion, track force, running resistance and track brakes allow, in any in
 acceleration, which estimators and controllers read, agrees with the speed to 0.1 % of the highest speed.
 
 For quantities that a plant may not output, the bound allows rolling resistance of 0.02 m/s2 and a drag area of 12 m2.
-It does not detect a plant that brakes less than adhesion allows; `railgrip.simulate.trial` runs a foreign plant at two
-levels of friction before its stop.
+It does not detect a plant that brakes less than adhesion allows; `railgrip.simulate.plant_trial` runs a
+foreign plant at two levels of friction before its stop.
 """
 
 from dataclasses import dataclass

@@ -5,8 +5,8 @@ from typing import Literal
 
 import numpy as np
 
+from railgrip.scenario.onboard import SensorModel
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.sensors import SensorModel
 from railgrip.vehicle.signals import Layout
 
 

@@ -8,18 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, StrictBool, StrictInt, model_validator
 
+from railgrip.base.arrays import generator, markov
 from railgrip.base.errors import ScenarioError
 from railgrip.fmus.native.c_library import Struct
 from railgrip.kernel import kernel, rate_of
-from railgrip.scenario.parts import steps_between
+from railgrip.scenario.onboard import SampledSensors, steps_between
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.seed import generator, markov
-from railgrip.scenario.sensors import SampledSensors
 from railgrip.scenario.table import Deviation, Duration, Lag, Period, Table, optional, table_error
-from railgrip.scenario.track.table import gravity_along, slope_of
-from railgrip.simulate.faults.pole_wheel import missing_teeth
-from railgrip.simulate.loop.parts import BLOCK, draw_block
+from railgrip.scenario.track import gravity_along, slope_of
+from railgrip.simulate.faults.sensor import missing_teeth
+from railgrip.simulate.loop.interfaces import BLOCK, draw_block
 from railgrip.vehicle.signals import Layout
 
 _PERIOD = 1e-3
@@ -302,7 +301,7 @@ def _rough_rail(scenario: Scenario, table: RailUnderWheels, layout: Layout, peri
         )
     from scipy.signal import bilinear, lfilter
 
-    from railgrip.scenario.track.irregularity import realise
+    from railgrip.scenario.track_geometry import realise
 
     position = np.array(layout.formation.wheelset_position)
     lead_in = scenario.start.speed * _LEAD_IN

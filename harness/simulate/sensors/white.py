@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from railgrip.base.errors import ScenarioError, SensorsFailed
-from railgrip.scenario.parts import steps_between
+from railgrip.scenario.onboard import SampledSensors, steps_between
 from railgrip.scenario.quantity import Magnitude, UnitRange, in_units
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.sensors import SampledSensors
 from railgrip.scenario.table import Deviation, Duration, Period, Table
-from railgrip.scenario.track.table import gravity_along, slope_of
-from railgrip.simulate.loop.parts import BLOCK, draw_block
+from railgrip.scenario.track import gravity_along, slope_of
+from railgrip.simulate.loop.interfaces import BLOCK, draw_block
 from railgrip.vehicle.signals import EXTRA_READINGS, READINGS, Layout, Signal
 
 GNSS = ("latitude", "longitude", "height")

@@ -10,8 +10,8 @@ from railgrip.controllers.law import Law
 from railgrip.controllers.observation import Observation
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
+from railgrip.simulate.assembly import StopAssembly, assemble
 from railgrip.simulate.ideal import KnownRail
-from railgrip.simulate.parts import StopAssembly, assemble
 from railgrip.vehicle.parameters import VALVES
 
 Knowledge = Literal["deep slip", "deep slip once compared", "slip of the peak", "adhesion ahead"]

@@ -16,11 +16,11 @@ from railgrip.report.page import Page
 from railgrip.report.statistics import bootstrap_interval
 from railgrip.report.table import ReportTable
 from railgrip.scenario.faults import READ_BY
-from railgrip.scenario.merge import merge
+from railgrip.scenario.file import merge
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.parts import NO_CUSTOM_PARTS, CustomParts
 from railgrip.simulate.run import run_stop
+from railgrip.simulate.user_parts import NO_CUSTOM_PARTS, CustomParts
 from railgrip.studies.attribution.informed import Knowledge, informed_distance, without_dead_time
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of, training_cases, trains_of

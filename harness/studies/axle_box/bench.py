@@ -8,12 +8,12 @@ from typing import Any, Final
 
 import numpy as np
 
+from railgrip.base.arrays import generator
 from railgrip.campaign.work import Work, call
 from railgrip.estimation.judge import NORMAL_95, rms
 from railgrip.estimators.belief import Array, Matrix, Vector
 from railgrip.estimators.learned.ensemble import QUANTILE, Ensemble
 from railgrip.report.table import Form, ReportTable
-from railgrip.scenario.seed import generator
 from railgrip.studies.axle_box.evaluate import ScaledNetwork, TrainingRecipe
 from railgrip.studies.axle_box.instrumented_car import Pass
 from railgrip.studies.axle_box.reduction import LabelledRun, gather, spectral_features

@@ -6,12 +6,12 @@ from typing import Any, Final
 
 import numpy as np
 
+from railgrip.base.arrays import generator
 from railgrip.estimation.judge import rms
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Bias, Network, train
 from railgrip.estimators.learned.preprocessing import COMBINATIONS, Scale
-from railgrip.scenario.seed import generator
 from railgrip.studies.axle_box.reduction import CHANNELS, LabelledRun, spectral_features
 
 HIDDEN: Final = 6

@@ -12,11 +12,11 @@ from typing import Any, Final
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
+from railgrip.base.arrays import generator
 from railgrip.estimators.belief import Array
 from railgrip.fmi import CoSimulation, Description, Port, bind, describe
 from railgrip.fmus.build import fmu
-from railgrip.scenario.seed import generator
-from railgrip.scenario.track.irregularity import KINDS, TRACKS, Irregularity, realise
+from railgrip.scenario.track_geometry import KINDS, TRACKS, Irregularity, realise
 
 RATE: Final = 1280
 """Samples a second. Irregularities end at 21 Hz and the wheelsets bounce at 42 Hz: four times as many samples change

@@ -10,12 +10,12 @@ from typing import Final
 
 import numpy as np
 
+from railgrip.base.arrays import generator
 from railgrip.campaign.work import Work
 from railgrip.estimation.judge import rms
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.preprocessing import BLOCKS, AntiAlias, Chain, Motion, lateral_and_yaw, motions
 from railgrip.estimators.learned.spectral import Spectral
-from railgrip.scenario.seed import generator
 from railgrip.studies.axle_box.accelerometer import AXLE_BOX, RATE, measure
 from railgrip.studies.axle_box.instrumented_car import MPH, Pass, Ride, ride, slope
 from railgrip.studies.axle_box.instrumented_car import RATE as CAR_RATE

@@ -39,7 +39,7 @@ from railgrip.report.palette import GREEN
 from railgrip.report.style import band, dress, panels
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, one_of
-from railgrip.scenario.track.irregularity import TRACKS
+from railgrip.scenario.track_geometry import TRACKS
 from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.instrumented_car import SURFACES, Pass, held_speed, ride
 from railgrip.studies.axle_box.reduction import measure_run

@@ -7,11 +7,11 @@ from typing import Any, Final
 
 import numpy as np
 
+from railgrip.base.arrays import generator
 from railgrip.campaign.work import Work, call
 from railgrip.estimators.learned.ensemble import Ensemble, fit
 from railgrip.estimators.learned.preprocessing import BLOCKS, COMBINATIONS, Chain
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, Trained
-from railgrip.scenario.seed import generator
 from railgrip.studies.axle_box.evaluate import (
     ScaledNetwork,
     Score,

@@ -15,8 +15,8 @@ from railgrip.estimators.filters.decentralised import DecentralisedFilter
 from railgrip.estimators.prediction import CasadiPrediction, FilterVariables
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.fmi import SteppedFmuPrediction
-from railgrip.simulate.files import compile_class, prediction_description
-from railgrip.simulate.prediction import central_of, consist_of, start_of
+from railgrip.simulate.named_models import compile_class, prediction_description
+from railgrip.simulate.train_prediction import central_of, consist_of, start_of
 from railgrip.studies.bench import Row, microseconds
 from railgrip.studies.field_test.filtering import PHYSICAL, filter_of, follow, prediction, specification, task_of
 from railgrip.studies.field_test.runs import TEST, cases, run

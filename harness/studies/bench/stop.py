@@ -19,9 +19,10 @@ from railgrip.fmus.build import build, build_class
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.load import load
+from railgrip.simulate.assembly import assemble
 from railgrip.simulate.loop.loop import Loop
-from railgrip.simulate.parts import CustomParts, assemble
 from railgrip.simulate.run import braking_distance, run_stop
+from railgrip.simulate.user_parts import CustomParts
 from railgrip.studies.bench import Row, microseconds
 from railgrip.studies.bench.fmi import plant_step
 from railgrip.vehicle.formation import Formation

@@ -13,7 +13,7 @@ from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.fmus.native import Model
 from railgrip.simulate.estimator import RELEASED_PADS
-from railgrip.simulate.prediction import release_pressure
+from railgrip.simulate.train_prediction import release_pressure
 from railgrip.studies.estimators.recordings import PERIOD, Sensors
 
 LOAD_DEVIATION: Final = NOISE_SETS["loaded_service"].start["payload"]

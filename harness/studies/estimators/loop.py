@@ -21,9 +21,9 @@ from railgrip.report.statistics import bootstrap_interval, endless, quantile, qu
 from railgrip.report.stop import Stop
 from railgrip.report.table import ReportTable
 from railgrip.scenario import schema
+from railgrip.simulate.assembly import assemble
+from railgrip.simulate.loop.interfaces import Parts, StateEstimator
 from railgrip.simulate.loop.loop import Ending, Loop
-from railgrip.simulate.loop.parts import Parts, StateEstimator
-from railgrip.simulate.parts import assemble
 from railgrip.studies.estimators.noises import OUTLIER_LIMITS, noise_of
 from railgrip.studies.estimators.replay import MODEL, OTHER_MODELS
 from railgrip.studies.type_test.case_set import VERSIONS
@@ -60,7 +60,7 @@ class LoopCase:
 
 
 class TrueState:
-    """The true state in place of a filter: `railgrip.simulate.loop.parts.Filter`.
+    """The true state in place of a filter: `railgrip.simulate.loop.interfaces.Filter`.
 
     Speeds of wheelsets are those that give the true slip with the wheel radii that the estimator assumes.
     """

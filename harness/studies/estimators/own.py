@@ -12,10 +12,8 @@ from railgrip.base.errors import InputError
 from railgrip.controllers.observation import Observation
 from railgrip.estimation.sources import stop_read
 from railgrip.estimators.belief import Array, Vector
-from railgrip.scenario.kinds import Custom
-from railgrip.simulate.custom import Estimate, Estimator
-from railgrip.simulate.importing import part_of
-from railgrip.simulate.parts import CustomParts
+from railgrip.scenario.table import Custom
+from railgrip.simulate.user_parts import CustomParts, Estimate, Estimator, part_of
 from railgrip.studies.estimators.recordings import RecordingCase, recording_of_case, scenario_of_case
 from railgrip.vehicle.formation import Formation
 

@@ -15,11 +15,10 @@ from railgrip.estimation.sources import stop_read
 from railgrip.recording.samples import with_signals
 from railgrip.rolling_stock.modelica import nominal_data
 from railgrip.rolling_stock.schema import Train, load_train
-from railgrip.scenario.file import NamedFile, locate
+from railgrip.scenario.file import NamedFile, locate, merge
 from railgrip.scenario.load import read_toml, scenario_of
-from railgrip.scenario.merge import merge
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.type_test.design import Case, cases, ranks
 from railgrip.studies.type_test.track_case import TrackCase, track_cases
 from railgrip.trace.bound import with_bound

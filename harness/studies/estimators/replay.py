@@ -28,7 +28,7 @@ from railgrip.fmi import FmuPrediction, describe
 from railgrip.recording.samples import knows, truth_of
 from railgrip.scenario.file import NamedFile, locate
 from railgrip.simulate.estimator import RELEASED_PADS
-from railgrip.simulate.prediction import radius_of
+from railgrip.simulate.train_prediction import radius_of
 from railgrip.studies.estimators.claims import with_unmodelled
 from railgrip.studies.estimators.noises import OUTLIER_LIMITS, noise_of
 from railgrip.studies.estimators.own import is_fmu

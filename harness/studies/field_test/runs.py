@@ -15,8 +15,8 @@ from railgrip.estimation.spec import CourseTable
 from railgrip.estimators.belief import Array
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.track.table import Plan
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.scenario.track import Plan
+from railgrip.simulate.vehicle_data import VehicleData
 
 TUNING = ("c1", "c2", "c3", "c4", "c5")
 TEST = "c6"

@@ -17,7 +17,7 @@ from railgrip.report.baseline import Finding, mean
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable
 from railgrip.rolling_stock.schema import load_train
-from railgrip.scenario.track.table import CurveLaw, curve_coefficient
+from railgrip.scenario.track import CurveLaw, curve_coefficient
 from railgrip.studies.field_test.figures import (
     GROUP_NAMES,
     degeneracy_figure,

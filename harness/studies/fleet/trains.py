@@ -7,10 +7,10 @@ from functools import cache
 import numpy as np
 import xarray
 
+from railgrip.base.arrays import generator
 from railgrip.estimation.run import model_of
 from railgrip.estimators.belief import Matrix, Vector
 from railgrip.recording.samples import period_of, reading_of, truth_of
-from railgrip.scenario.seed import generator
 from railgrip.studies.fleet.joint import FleetEstimate, Hierarchy, StopEstimate, estimate_fleet
 from railgrip.studies.fleet.releases import Releases
 from railgrip.studies.pad_monitor.evidence import MODEL, evidence_of, formation

@@ -13,9 +13,8 @@ from railgrip.base.errors import ScenarioError
 from railgrip.estimators.belief import Array
 from railgrip.rolling_stock.dispersion import Dispersion
 from railgrip.supervision.dispersed import PARTS, Deviations, DispersedBrake
-from railgrip.vehicle.brake import BRAKE, pad_force
+from railgrip.vehicle.brake import BRAKE, air_resistance, pad_force, rolling_resistance
 from railgrip.vehicle.formation import Formation
-from railgrip.vehicle.motion import air_resistance, rolling_resistance
 from railgrip.vehicle.parameters import VehicleParameters
 
 _SCALARS = (

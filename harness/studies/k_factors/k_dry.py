@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from railgrip.base.arrays import generator
 from railgrip.base.errors import ScenarioError
 from railgrip.campaign.work import Work
 from railgrip.estimators.belief import Array
@@ -16,9 +17,8 @@ from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.schema import Train
 from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.seed import generator
 from railgrip.simulate.run import braking_distance
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.k_factors.brake import QuasiStaticBrake
 from railgrip.studies.k_factors.specification import KFactorSpecification
 from railgrip.supervision import rare

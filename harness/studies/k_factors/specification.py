@@ -10,9 +10,8 @@ from railgrip.base.errors import ScenarioError
 from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.dispersion import Dispersion, Failures
 from railgrip.rolling_stock.schema import Train
-from railgrip.scenario.file import locate
+from railgrip.scenario.file import locate, merge, read_overrides
 from railgrip.scenario.load import load, read_toml, validate_table
-from railgrip.scenario.merge import merge, read_overrides
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Name, Seed, Speed, Table, table_error

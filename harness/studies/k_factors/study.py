@@ -23,7 +23,7 @@ from railgrip.rolling_stock.dispersion import Normal, Uniform
 from railgrip.rolling_stock.schema import Train
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.files import plant_description
+from railgrip.simulate.named_models import plant_description
 from railgrip.simulate.run import braking_distance
 from railgrip.studies.k_factors.brake import QuasiStaticBrake
 from railgrip.studies.k_factors.k_dry import (

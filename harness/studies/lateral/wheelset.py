@@ -10,12 +10,12 @@ from typing import Any, Final
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
+from railgrip.base.arrays import generator
 from railgrip.base.units import GRAVITY
 from railgrip.estimators.belief import Array
 from railgrip.fmi import CoSimulation, Description, Port, bind, describe
 from railgrip.fmus.build import fmu
-from railgrip.scenario.polach import named_set
-from railgrip.scenario.seed import generator
+from railgrip.scenario.surface import named_set
 
 PERIOD: Final = 50e-6
 """Period of plant, readings and filters [s]; Mal et al. (2020), §4."""

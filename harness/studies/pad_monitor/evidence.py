@@ -20,10 +20,9 @@ from railgrip.estimators.discretisation import advance
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native import lower
 from railgrip.recording.samples import period_of, samples
-from railgrip.simulate.vehicle import catalogue_counts
-from railgrip.vehicle.brake import pad_force, piston_force, pressure_of
+from railgrip.simulate.vehicle_data import catalogue_counts
+from railgrip.vehicle.brake import air_resistance, pad_force, piston_force, pressure_of, rolling_resistance, slip_of
 from railgrip.vehicle.formation import Formation
-from railgrip.vehicle.motion import air_resistance, rolling_resistance, slip_of
 
 NOMINAL = 0.35
 """Friction at nominal conditions, `mu_nominal` of RailBraking.Friction.PadFriction."""

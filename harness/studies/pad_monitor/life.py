@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 import xarray
 
+from railgrip.base.arrays import generator
 from railgrip.base.units import GRAVITY
 from railgrip.estimators.belief import Vector
 from railgrip.fmi import describe
 from railgrip.fmus.build import fmu
 from railgrip.recording.samples import recording_of
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import scenario_of
-from railgrip.scenario.merge import merge
-from railgrip.scenario.seed import generator
 from railgrip.simulate.run import trace_of
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, formation
 

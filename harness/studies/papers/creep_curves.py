@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from railgrip.api import Scenario
 from railgrip.report import palette, style
 from railgrip.scenario.adhesion import FrictionTable, TabulatedRail
-from railgrip.scenario.polach import named_set
-from railgrip.scenario.surface import Recovery, SlipEnergy
-from railgrip.scenario.track.table import Track, track_force_of
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.scenario.surface import Recovery, SlipEnergy, named_set
+from railgrip.scenario.track import Track, track_force_of
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.vehicle.signals import layout_of
 
 Vector = NDArray[np.float64]

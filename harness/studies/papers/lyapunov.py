@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from railgrip.report.stop import Stop
 from railgrip.report.table import ReportTable, share
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.trace.contact import Contact
 from railgrip.vehicle.brake import Brake
 

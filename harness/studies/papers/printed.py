@@ -15,7 +15,7 @@ from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import run_stop, trace_of
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.papers.figure_4 import LIMIT
 from railgrip.studies.papers.table1 import SCENARIOS
 

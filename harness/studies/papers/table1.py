@@ -24,7 +24,7 @@ from railgrip.campaign.calibrate import TARGETS
 from railgrip.campaign.work import Work, call
 from railgrip.report.stop import Stop
 from railgrip.simulate.run import braking_distance, run_stop
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.papers.figure_4 import LIMIT, course_of_adhesion
 
 SCENARIOS: tuple[str, ...] = ("trapezoid", "sine_sweep", "random")

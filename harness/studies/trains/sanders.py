@@ -12,8 +12,8 @@ from scipy.optimize import root_scalar
 
 from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import by_hand
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import read_toml, scenario_of, validate_table
-from railgrip.scenario.merge import merge
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Friction, Speed, Table, table_error

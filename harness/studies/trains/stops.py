@@ -17,13 +17,13 @@ from railgrip.fmus.build import build_class
 from railgrip.rolling_stock.modelica import class_name, class_text
 from railgrip.rolling_stock.schema import BrakePipe, Train, load_train
 from railgrip.rolling_stock.stopping import HandCalculation, by_hand, chain_forces
+from railgrip.scenario.file import merge
 from railgrip.scenario.load import read_toml, scenario_of
-from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.files import plant_description
+from railgrip.simulate.assembly import StopAssembly, assemble
 from railgrip.simulate.loop.loop import Ending
-from railgrip.simulate.parts import StopAssembly, assemble
+from railgrip.simulate.named_models import plant_description
 from railgrip.studies.bench.fmi import plant_step
 
 LIBRARY = Path(__file__).parent / "library"

@@ -14,13 +14,12 @@ from railgrip.base.names import did_you_mean
 from railgrip.base.units import cut
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
-from railgrip.scenario.file import OtherFileString
+from railgrip.scenario.file import OtherFileString, merge
 from railgrip.scenario.load import read_scenario, read_toml, scenario_of, validate_table
-from railgrip.scenario.merge import merge
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Table
-from railgrip.simulate.files import has_contacts_of_library
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.named_models import has_contacts_of_library
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.type_test.case_set import VERSIONS, AnyCase
 
 LIBRARY = Path(__file__).parent / "library"

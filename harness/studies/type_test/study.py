@@ -31,8 +31,8 @@ from railgrip.report.table import ReportTable, names, percent, share
 from railgrip.scenario.campaign import Campaign
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import run_stop
+from railgrip.simulate.user_parts import CustomParts
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.case_set import (
     SEALED,

@@ -16,7 +16,7 @@ from scipy.stats.qmc import Sobol
 from railgrip.base import registry
 from railgrip.base.units import GRAVITY
 from railgrip.scenario.load import read_toml
-from railgrip.scenario.polach import named_set
+from railgrip.scenario.surface import named_set
 from railgrip.studies.type_test.design import FAULTS, FRICTION, KMH, SPEED, STEEPEST
 
 MAX_DURATION: Final = 90.0

@@ -1,11 +1,21 @@
-"""Interfaces for users' controllers, estimators, sensors and plants, and the adapters that put them into the loop."""
+"""Users' controllers, estimators, sensors and plants: their interfaces, how they are imported, and what adapts them.
 
+A scenario names a class, or the Python interface gets an object. Both are checked for the methods of their role, get
+calls whose errors name file and line, and return values whose shapes, units and signs are checked.
+"""
+
+import hashlib
 import inspect
 import math
+import os
+import sys
 import traceback
 import warnings
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, fields, replace
+from importlib import import_module, invalidate_caches
+from importlib.machinery import PathFinder
 from pathlib import Path
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
@@ -22,9 +32,14 @@ from railgrip.base.errors import (
     SensorsFailed,
 )
 from railgrip.base.interrupted import Interrupted
-from railgrip.base.registry import Role
-from railgrip.base.units import mistake, short
+from railgrip.base.registry import Role, installed_names
+from railgrip.base.units import cut, short
 from railgrip.controllers.observation import Observation
+from railgrip.scenario.onboard import CustomLaw, OwnSensors
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.table import Custom
+from railgrip.scenario.vehicle_table import Vehicle
+from railgrip.simulate.value_checks import PATIENCE, SMALLEST_RECOGNISED, SignCheck, UnitCheck, at_time, not_demands
 from railgrip.vehicle.brake import BRAKE, Brake
 from railgrip.vehicle.formation import Extent, Formation
 from railgrip.vehicle.parameters import meanings_of_brakes
@@ -56,7 +71,7 @@ class Estimate:
     pad_friction_sd: ArrayLike | None = None
 
 
-PROVIDED = tuple(field.name for field in fields(Estimate))
+PROVIDED = tuple(each.name for each in fields(Estimate))
 """Names of the quantities that an estimator may provide."""
 
 
@@ -178,31 +193,6 @@ def _guard_formation(formation: Formation) -> Formation:
     return replace(formation, brakes=tuple(_KnownBrake(**data) for data in brakes))
 
 
-_PATIENCE = 1.0  # s; until a mistake of units is named: filters have settled, and cylinders begin to fill
-_MIN_SHARE = 0.01
-"""Share of full pressure.
-
-Pads do not touch below about 5 %, so a law whose demands never exceed 1 % does not brake; bar, kPa, mbar and shares of
-full brake, mistaken for Pa, are 1 % or less.
-"""
-_ROUNDING = 1e-9
-"""Share of full pressure by which rounding may take a demand out of range."""
-_LEAST = {"speed": 1.0, "wheelset_speed": 2.0, "acceleration": 0.3, "cylinder_pressure": 2e4}
-"""Magnitudes in SI units above which the unit of a signal can be recognised, given offsets of some percent of full
-scale."""
-_MAX_RATIO = 1.5
-"""Above any adhesion, pad friction or slip: a larger estimate is in percent."""
-_SLIDES = 0.1  # slip; readings of the speed of a rolling train are less than 10 % off
-_ROUGHLY_ZERO = 0.02  # adhesion and friction; filters overshoot zero by less
-_SLOWED = 5.0  # m/s; a train that slows by this without a change of slip is not on a rail
-_SIGNS = {
-    "slip": "; the wheels read slower than the train: slip is 1 - r w/v, positive in braking",
-    "adhesion": "; adhesion is positive in braking",
-    "pad_friction": "; friction of pads is positive",
-}
-"""Name of an estimate → the end of the message on its sign."""
-
-
 class CustomController:
     """Puts a user's control law into the loop."""
 
@@ -234,163 +224,13 @@ class CustomController:
         except (KeyboardInterrupt, Interrupted):
             raise
         except BaseException as problem:
-            raise ControllerFailed(_failure(self._part, "decide", problem) + _when(observation.time)) from problem
+            raise ControllerFailed(_failure(self._part, "decide", problem) + at_time(observation.time)) from problem
         if type(demands) is np.ndarray and demands.dtype == np.float64 and demands.shape == self._shape:
             return demands
         wrong = problem_with(demands, self._shape)
         if wrong:
-            raise _no_demands(self.place, wrong, self._shape[0], observation.time)
+            raise not_demands(self.place, wrong, self._shape[0], observation.time)
         return np.asarray(demands, dtype=np.float64)
-
-
-def _no_demands(place: str, found: str, groups: int, time: float) -> ControllerFailed:
-    return ControllerFailed(
-        f"{place} returned {found}, not the demanded pressures [Pa] of {groups} groups, shape ({groups},).{_when(time)}"
-    )
-
-
-class DemandLimits:
-    """Limits the demands of other than built-in laws to what cylinders take, and counts the decisions it changed.
-
-    Attributes:
-        maximum: Maximum pressure of each group [Pa].
-        is_pascal: Whether the demands have been large enough to be in Pa.
-        limited: Number of decisions that were limited.
-    """
-
-    def __init__(self, formation: Formation, place: str = "The controller") -> None:
-        """Start without limited decisions; `place` names the source of the demands in messages."""
-        self.maximum, self.is_pascal, self.limited = formation.pressure_max, False, 0
-        self._place, self._lowest, self._highest = place, 0.0, 0.0
-        self._share, self._since = 0.0, math.inf
-
-    def limit(self, demands: Array, observation: Observation) -> Array:
-        """Return demands limited to 0 and the maximum pressure of each cylinder [Pa]; count decisions that were
-        outside.
-
-        Raises:
-            ControllerFailed: The demands are not finite, or all of them are too small to be in Pa.
-        """
-        self.require_finite(demands, observation)
-        within = np.clip(demands, 0.0, self.maximum)
-        if (np.abs(demands - within) > _ROUNDING * self.maximum).any():
-            self.limited += 1
-            self._lowest, self._highest = min(self._lowest, demands.min()), max(self._highest, demands.max())
-        if not self.is_pascal:
-            self._refuse_another_unit(within, observation)
-        return within
-
-    def require_finite(self, demands: Array, observation: Observation) -> None:
-        """Raise an error for demands that are infinite or NaN.
-
-        Raises:
-            ControllerFailed: A demand is not finite.
-        """
-        if not np.isfinite(demands).all():
-            raise _no_demands(self._place, str(demands.tolist()), demands.size, observation.time)
-
-    def sentence(self, decisions: int) -> str:
-        """Return a sentence on the decisions that were limited, out of all `decisions`; empty if there were none."""
-        if not self.limited:
-            return ""
-        return (
-            f" In {self.limited} of {decisions} decisions the controller demanded pressures beyond what cylinders "
-            f"take, between {self._lowest:.6g} and {self._highest:.6g} Pa; they were limited to 0 and "
-            f"{self.maximum.max():.6g} Pa."
-        )
-
-    def _refuse_another_unit(self, demands: Array, observation: Observation) -> None:
-        """Raise an error if, for a second after the first demand, no demand brakes although the driver requires it."""
-        full = float(self.maximum.max())
-        self._share = max(self._share, float((demands / self.maximum).max()))
-        self.is_pascal = self._share > _MIN_SHARE
-        if self.is_pascal or self._share == 0.0 or float(observation.driver_demand.max()) <= _MIN_SHARE * full:
-            return
-        self._since = min(self._since, observation.time)
-        if observation.time >= self._since + _PATIENCE:
-            words = mistake(self._share) or "another unit than Pa, such as bar or a share of full brake"
-            raise ControllerFailed(
-                f"The controller demands {self._share * full:.3g} Pa at most, and a full brake has {full:.6g} Pa; it "
-                f"looks like {words}. At {observation.time:.3f} s."
-            )
-
-
-class _UnitCheck:
-    """Compares the first second of a signal with expected values, and names the likely mistake of units."""
-
-    def __init__(self, least: float) -> None:
-        """Compare only where the expected magnitude reaches `least`; below it, offsets and noise dominate the ratio."""
-        self._least, self._since, self._ratios, self._done = least, math.inf, list[Array](), False
-
-    def mistake(self, time: float, value: Any, expected: Any) -> str:
-        """Return the likely mistake, once a second of the stop has passed; else ''."""
-        value, expected = np.atleast_1d(value), np.atleast_1d(expected)
-        if self._done or not np.isfinite(value).all() or not (np.abs(expected) >= self._least).all():
-            return ""
-        self._ratios.append(value / expected)
-        self._since = min(self._since, time)
-        if time < self._since + _PATIENCE:
-            return ""
-        self._done = True
-        # The median: a sensor that fails now and then, or a wheel that locks, must not look like a wrong unit.
-        medians: list[float] = np.median(self._ratios, axis=0).tolist()
-        return next((f"; it looks like {words}" for ratio in medians if (words := mistake(ratio))), "")
-
-    def mistake_of_ratio(self, time: float, value: Any) -> str:
-        """Return a clause if a ratio is in percent, once a second of the stop has passed; else ''."""
-        values = np.atleast_1d(value)
-        return self.mistake(time, np.where(np.abs(values) > _MAX_RATIO, 100.0, 1.0), np.ones(values.shape))
-
-
-class _Persistence:
-    """The time for which a condition has held without a break."""
-
-    def __init__(self) -> None:
-        self._since = math.inf
-
-    def lasts(self, time: float, holds: bool) -> bool:
-        """Return whether the condition, which holds at this time or not, has held for a second."""
-        self._since = min(self._since, time) if holds else math.inf
-        return time >= self._since + _PATIENCE
-
-
-class _SignCheck:
-    """Compares the signs of estimates with those that braking gives them, and looks for estimates that never change."""
-
-    def __init__(self, name: str, wheel_radius: Array) -> None:
-        """Check the estimate of a name on groups with wheels of these radii, shape (groups,) [m]."""
-        self._name, self._radius = name, wheel_radius
-        self._wrong, self._first, self._speed = _Persistence(), np.empty(0), math.nan
-
-    def mistake(self, observation: Observation, value: ArrayLike) -> str:
-        """Return the mistake, in words that follow the value; '' for a value that may be right."""
-        values = np.atleast_1d(np.asarray(value, dtype=np.float64))
-        if self._wrong.lasts(observation.time, self._is_wrong(observation, values)):
-            return _SIGNS[self._name]
-        # Adhesion and friction of pads may be assumptions, or steady in a steady braking.
-        return self._stuck(observation, values) if self._name in ("speed", "wheelset_speed", "slip") else ""
-
-    def _is_wrong(self, observation: Observation, values: Array) -> bool:
-        match self._name:
-            case "slip":
-                rolling = max(observation.speed, _SLOWED) / self._radius
-                read = 1.0 - observation.wheelset_speed / rolling
-                return bool(np.any((read > _SLIDES) & (values < -0.5 * read)))
-            case "adhesion":
-                return bool(observation.driver_demand.max() > 0.0 and np.any(values < -_ROUGHLY_ZERO))
-            case "pad_friction":
-                return bool(np.any(values < -_ROUGHLY_ZERO))
-            case _:
-                return False
-
-    def _stuck(self, observation: Observation, values: Array) -> str:
-        if not self._first.size:
-            self._first, self._speed = values.copy(), observation.speed
-        has_moved = not np.array_equal(values, self._first)
-        if has_moved:
-            self._speed = math.nan  # compared with nothing from now on
-        slowed = self._speed - observation.speed
-        return f"; it has not changed since the start, while the train slowed by {slowed:.3g} m/s" * (slowed > _SLOWED)
 
 
 class CustomEstimator:
@@ -413,9 +253,9 @@ class CustomEstimator:
                 f"{type(estimator).__name__}: `provides` is empty; an estimator names there what its steps give"
             )
         self._part, self._formation, self._has_started = estimator, _guard_formation(formation), False
-        self._checks = {name: _UnitCheck(_LEAST.get(name, 0.0)) for name in self.provides}
+        self._checks = {name: UnitCheck(SMALLEST_RECOGNISED.get(name, 0.0)) for name in self.provides}
         radius = np.array([brake.wheel_radius for brake in formation.brakes])
-        self._signs = {name: _SignCheck(name, radius) for name in self.provides if not name.endswith("_sd")}
+        self._signs = {name: SignCheck(name, radius) for name in self.provides if not name.endswith("_sd")}
         extent: dict[str, Extent] = {signal.name.removeprefix("estimate_"): signal.extent for signal in ESTIMATES}
         self._shapes = {
             name: () if extent[name] == "train" else (formation.width(extent[name]),) for name in self.provides
@@ -452,7 +292,7 @@ class CustomEstimator:
     def _mistake(self, name: str, value: ArrayLike, observation: Observation) -> str:
         if name in self._signs and (words := self._signs[name].mistake(observation, value)):
             return words
-        if name in _LEAST:
+        if name in SMALLEST_RECOGNISED:
             return self._checks[name].mistake(observation.time, value, getattr(observation, name))
         # Slip, adhesion and friction have no reading to compare with, and a standard deviation has no upper bound.
         return "" if name.endswith("_sd") else self._checks[name].mistake_of_ratio(observation.time, value)
@@ -473,7 +313,7 @@ class CustomSensors:
         self._part, self._layout, self._period = sensors, layout, period
         self._truth, self._truth_by_name = _by_name(layout.outputs, layout.output)
         self._shapes = _shapes(layout.reading)
-        self._checks = {name: _UnitCheck(least) for name, least in _LEAST.items()}
+        self._checks = {name: UnitCheck(least) for name, least in SMALLEST_RECOGNISED.items()}
         self._has_read = False
         _call_method(ScenarioError, sensors, "start", _guard_formation(formation), random)
 
@@ -490,7 +330,7 @@ class CustomSensors:
         if by_name is None or not by_name.keys() <= self._shapes.keys():
             raise SensorsFailed(
                 f"{_place(self._part, 'read')} returned {_short(readings)}, not readings of {', '.join(self._shapes)} "
-                f"by name.{_when(time)}"
+                f"by name.{at_time(time)}"
             )
         reading = np.full(self._layout.readings, np.nan)
         for name, value in by_name.items():
@@ -500,11 +340,11 @@ class CustomSensors:
             if name in self._checks and (words := self._checks[name].mistake(time, value, truth_of_it)):
                 raise SensorsFailed(
                     f"{_place(self._part, 'read')} gave {name} as {np.asarray(value).tolist()}, which is "
-                    f"{np.asarray(truth_of_it).tolist()}{words}.{_when(time)}"
+                    f"{np.asarray(truth_of_it).tolist()}{words}.{at_time(time)}"
                 )
         self._has_read = self._has_read or bool(np.isfinite(reading).any())
-        if not self._has_read and time >= _PATIENCE:
-            raise SensorsFailed(f"{_place(self._part, 'read')} gives no reading at all.{_when(time)}")
+        if not self._has_read and time >= PATIENCE:
+            raise SensorsFailed(f"{_place(self._part, 'read')} gives no reading at all.{at_time(time)}")
         return reading
 
 
@@ -558,7 +398,7 @@ class CustomPlant:
         if by_name is None or self._output_names.symmetric_difference(by_name):
             raise PlantFailed(
                 f"{_place(self._part, 'step')} returned {_short(outputs)}, at the start it returned "
-                f"{', '.join(sorted(self._output_names))}.{_when(self._time)}"
+                f"{', '.join(sorted(self._output_names))}.{at_time(self._time)}"
             )
         return self._vector("step", by_name)
 
@@ -697,11 +537,7 @@ def _call_method(
     except (KeyboardInterrupt, Interrupted):
         raise
     except BaseException as problem:  # SystemExit ends a component, not the program
-        raise failed(_failure(part, method, problem) + _when(time)) from problem
-
-
-def _when(time: float | None) -> str:
-    return "" if time is None else f" At {time:.3f} s."
+        raise failed(_failure(part, method, problem) + at_time(time)) from problem
 
 
 def _require_numbers(
@@ -719,7 +555,7 @@ def _require_numbers(
     problem = problem_with(value, shape, nan=nan)
     if problem:
         kind = "numbers" if nan else "finite numbers"
-        raise failed(f"{_place(part, method)} gave {name} as {problem}, not {kind} of shape {shape}.{_when(time)}")
+        raise failed(f"{_place(part, method)} gave {name} as {problem}, not {kind} of shape {shape}.{at_time(time)}")
 
 
 def _text_of(problem: BaseException) -> str:
@@ -753,3 +589,194 @@ def _failure(part: object, method: str, problem: BaseException) -> str:
 def _file(name: str) -> str:
     path = Path(name)
     return str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else name
+
+
+_Table = TypeVar("_Table", bound=Custom)
+
+
+def part_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> Any:
+    """Return a new object of the class that a table names.
+
+    Raises:
+        ScenarioError: See `class_of`, or the class does not take these parameters.
+    """
+    return instance_of(class_of(table, role, folders), table.parameters, _table(role))
+
+
+def class_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> type:
+    """Import the class that a table names.
+
+    Text in a file decides which code is imported here, so only two places are trusted: `folders`, which the command
+        line or a caller names, and entry points of installed packages. A class is called only after its type and the
+        methods of its role have been checked.
+
+    Raises:
+        ScenarioError: The module is in neither place or cannot be imported, or it lacks the class.
+    """
+    who = f"{_table(role)} kind {cut(table.kind)}"
+    points = installed_names(role)
+    class_name = points.get(table.kind, table.kind)
+    module, _, name = class_name.partition(":")
+    if not all(part.isidentifier() for part in module.split(".")):
+        raise ScenarioError(f"{who}: {cut(module)} is not the name of a module")
+    is_installed = class_name in points.values()
+    invalidate_caches()  # a file may have been written a moment ago
+    if not is_installed and PathFinder.find_spec(module.partition(".")[0], [str(folder) for folder in folders]) is None:
+        raise ScenarioError(
+            f"{who}: the module {cut(module)} cannot be imported: a class that a file names comes from a folder named "
+            f"by --import-from DIR (import_from=[…] in Python), or is an entry point railgrip.{role} of an installed "
+            "package"
+        )
+    with _path_without_current_folder(() if is_installed else folders):
+        loaded: Any = call_user_code(
+            lambda: import_module(module),
+            lambda problem: ScenarioError(f"{who}: the module {cut(module)} cannot be imported: {problem}"),
+        )
+    file = getattr(loaded, "__file__", None)
+    if not is_installed and not (file and any(Path(file).is_relative_to(folder.resolve()) for folder in folders)):
+        raise ScenarioError(
+            f"{who}: another module named {module} is loaded already, from {file or 'Python itself'}; rename yours"
+        )
+    found: Any = loaded
+    for part in name.split("."):
+        found = getattr(found, part, None)
+    if not isinstance(found, type):
+        raise ScenarioError(f"{who}: the module {module} has no class {cut(name)}")
+    require_methods(found, found.__name__, role)
+    return found
+
+
+def instance_of(kind: type, parameters: Mapping[str, Any], where: str) -> Any:
+    """Return a new object of a user's class.
+
+    Raises:
+        ScenarioError: The class does not take these parameters, or raises; the message begins with `where`.
+    """
+    return call_user_code(
+        lambda: kind(**parameters),
+        lambda problem: ScenarioError(
+            f"{where} {kind.__name__} cannot be made with parameters {short(dict(parameters))}: {problem}"
+        ),
+    )
+
+
+def _table(role: Role) -> str:
+    return {"sensors": "[sensors]", "plants": "[vehicle]"}.get(role, f"[{role.removesuffix('s')}]")
+
+
+def table_of(part: object, table: type[_Table] = Custom, **keys: Any) -> _Table:
+    """Return the table that represents an object given by a caller; `keys` are further keys of that table."""
+    return table(kind=_name(type(part)), parameters=_plain_attributes(part), **keys)
+
+
+def origin_of(part: object, parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the origin of an object's class, as JSON values: its name, a digest of its source, its arguments.
+
+    The digest is that of the module's file, else of the class's source text; None if neither exists. The arguments of
+    an object given by a caller are its public plain attributes.
+    """
+    kind = type(part)
+    return {"class": _name(kind), "source_sha256": _source(kind), "parameters": dict(parameters)}
+
+
+def _name(kind: type) -> str:
+    return f"{kind.__module__}:{kind.__qualname__}"
+
+
+def _source(kind: type) -> str | None:
+    try:
+        content = Path(inspect.getfile(kind)).read_bytes()
+    except (OSError, TypeError):
+        try:
+            content = inspect.getsource(kind).encode()  # of a notebook, which keeps its cells
+        except (OSError, TypeError):
+            return None
+    return hashlib.sha256(content).hexdigest()
+
+
+def _plain_attributes(part: object) -> dict[str, Any]:
+    attributes: dict[str, Any] = vars(part) if hasattr(part, "__dict__") else {}
+    values = {name: _plain(value) for name, value in attributes.items() if not name.startswith("_")}
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _plain(value: object, levels: int = 12) -> Any:
+    """Return a number, string or array as JSON values.
+
+    The result is None for other types, and for lists nested more deeply than `levels`.
+    """
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        elements = [_plain(element, levels - 1) for element in value] if levels else [None]
+        return None if any(element is None for element in elements) else elements
+    return value if isinstance(value, bool | int | float | str) else None
+
+
+@contextmanager
+def _path_without_current_folder(folders: Sequence[Path]) -> Generator[None]:
+    here, path = os.path.realpath(Path.cwd()), list(sys.path)
+    sys.path[:] = [
+        *(str(folder.resolve()) for folder in folders),
+        *(entry for entry in path if entry and os.path.realpath(entry) != here),
+    ]
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CustomParts:
+    """User-defined objects that replace parts of a scenario; see `railgrip.simulate.user_parts`.
+
+    Attributes:
+        controller, estimator, sensors, plant: None keeps the part of the scenario.
+        folders: Folders that are searched for modules of a scenario, in addition to the installed environment.
+    """
+
+    controller: Controller | None = None
+    estimator: Estimator | None = None
+    sensors: Sensors | None = None
+    plant: Plant | None = None
+    folders: tuple[Path, ...] = ()
+
+    def declare_in(self, scenario: Scenario) -> Scenario:
+        """Return the scenario with these objects' classes in its tables, which results of a stop must name."""
+        tables: dict[str, Any] = {}
+        if self.controller is not None:
+            over = {name: getattr(scenario.controller, name) for name in ("redistribute", "shared_valve")}
+            tables["controller"] = table_of(self.controller, CustomLaw, **over)
+        if self.estimator is not None:
+            tables["estimator"] = table_of(self.estimator)
+        if self.sensors is not None:
+            tables["sensors"] = table_of(self.sensors, OwnSensors)
+        if self.plant is not None:
+            vehicle = {"plant": table_of(self.plant).kind, "formation": scenario.vehicle.formation}
+            tables["vehicle"] = Vehicle.model_validate(vehicle)
+        return scenario.model_copy(update=tables)
+
+
+NO_CUSTOM_PARTS = CustomParts()
+"""Only the parts that the scenario names."""
+
+
+@dataclass(frozen=True, slots=True)
+class UserObjects:
+    """The user-defined objects among the parts of a stop.
+
+    Attributes:
+        objects: Objects that the caller provided.
+        classes: Origin of each, by part; see `origin_of`.
+    """
+
+    objects: CustomParts
+    classes: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
+
+    def part(self, role: Role, table: object, instance: object) -> Any:
+        """Return the given object, or else one of the class that a table names; None for a table of a built-in kind."""
+        if not isinstance(table, Custom):
+            return None
+        user_object = part_of(table, role, self.objects.folders) if instance is None else instance
+        self.classes[role if role == "sensors" else role.removesuffix("s")] = origin_of(user_object, table.parameters)
+        return user_object

@@ -15,7 +15,7 @@ from railgrip.scenario.quantity import Number, UnitRange
 from railgrip.scenario.table import Length, Table, optional, table_error
 
 if TYPE_CHECKING:
-    from railgrip.scenario.track.alignment import TrackAlignment
+    from railgrip.scenario.track_geometry import TrackAlignment
 
 _WHEELBASE = (1.9 + 2.65 + 1.9) / 3  # m, mean of the three bogies of the VT 642
 _GAUGE = 1.435  # m
@@ -107,10 +107,8 @@ class Plan(Table):
 
     def alignment(self) -> "TrackAlignment":
         """Return the alignment of the track."""
-        from railgrip.scenario.track.alignment import TrackAlignment, course_of, grades_of
-        from railgrip.scenario.track.geodesy import (
-            Place,  # takes a fifth of a second, and most scenarios have no plan
-        )
+        # Imported here, because most scenarios have no plan.
+        from railgrip.scenario.track_geometry import Place, TrackAlignment, course_of, grades_of
 
         return TrackAlignment(
             origin=Place(latitude=self.latitude, longitude=self.longitude, height=self.height),

@@ -20,30 +20,44 @@ from railgrip.controllers.law import FULL_PRESSURE, GroupLaw
 from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.adhesion import TabulatedRail, rail_of
 from railgrip.scenario.faults import TRUTH_KEYS
-from railgrip.scenario.kinds import Custom
-from railgrip.scenario.parts import BuiltInLaw as LawTable
-from railgrip.scenario.parts import ControllerFmu, KalmanFilter
+from railgrip.scenario.onboard import BuiltInLaw as LawTable
+from railgrip.scenario.onboard import ControllerFmu, KalmanFilter
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.surface import Sander
-from railgrip.scenario.track.table import TrackForce, force_along, track_force_of
-from railgrip.scenario.vehicle import FormationTable, LibraryPlant, ModelicaPlant, PythonClass, RecipePlant, TrainFile
+from railgrip.scenario.table import Custom
+from railgrip.scenario.track import TrackForce, force_along, track_force_of
+from railgrip.scenario.vehicle_table import (
+    FormationTable,
+    LibraryPlant,
+    ModelicaPlant,
+    PythonClass,
+    RecipePlant,
+    TrainFile,
+)
 from railgrip.simulate.contact import compiled_contact
 from railgrip.simulate.faults.brake import isolated_groups, isolated_units
-from railgrip.simulate.files import (
+from railgrip.simulate.loop.plausible import UNBOUNDED, Slowing, slowing_of
+from railgrip.simulate.named_models import (
     compile_class,
     description_of,
     parameters_of,
     plant_description,
     recipe_file,
+    require_plant,
     units_of,
 )
-from railgrip.simulate.loop.plausible import UNBOUNDED, Slowing, slowing_of
-from railgrip.simulate.roles import require_plant
 from railgrip.trace.contact import Contact
-from railgrip.vehicle.brake import BRAKE, LOWEST_PAD_FRICTION, PRESSURE_OF_FORCE, Brake, lowest_friction
+from railgrip.vehicle.brake import (
+    BRAKE,
+    LOWEST_PAD_FRICTION,
+    PRESSURE_OF_FORCE,
+    Brake,
+    air_resistance,
+    lowest_friction,
+    resistance_lever,
+)
 from railgrip.vehicle.formation import Formation, carried_mass
-from railgrip.vehicle.motion import air_resistance, resistance_lever
 from railgrip.vehicle.parameters import (
     COUNTS,
     DESCRIPTIVE,
@@ -203,7 +217,7 @@ class VehicleData:
         """Brake data that controller, estimator and driver use.
 
         A controller FMU gets no brake data. A user's class gets all that are known, and an error if it reads others;
-        see `railgrip.simulate.custom`.
+        see `railgrip.simulate.user_parts`.
         """
         scenario, table = self.scenario, self.scenario.controller
         if isinstance(scenario.estimator, KalmanFilter) or table.redistribute:

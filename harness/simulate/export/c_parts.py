@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_bytes
-from railgrip.base.outputs import claim
+from railgrip.base.records import claim
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
@@ -21,14 +21,12 @@ from railgrip.fmus.native.embedded import sources_of_library
 from railgrip.fmus.native.package import Source, c_identifier
 from railgrip.fmus.native.toolchain import FMU_FLAGS, static_library
 from railgrip.kernel import headers, kernel, texts
-from railgrip.scenario.parts import KalmanFilter
+from railgrip.scenario.onboard import KalmanFilter
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.export.controller import PERIODS, law_parameters, started_at
-from railgrip.simulate.export.in_other_units import Conversion
-from railgrip.simulate.loop.loop import Loop
-from railgrip.simulate.loop.parts import Parts, StateEstimator
-from railgrip.simulate.loop.structs import Structs
-from railgrip.simulate.parts import assemble
+from railgrip.simulate.assembly import assemble
+from railgrip.simulate.export.controller_and_plant import PERIODS, Conversion, law_parameters, started_at
+from railgrip.simulate.loop.interfaces import Parts, StateEstimator
+from railgrip.simulate.loop.loop import Loop, Structs
 from railgrip.simulate.sensors.ideal import IdealSensors
 from railgrip.simulate.sensors.service import ServiceSensors
 from railgrip.simulate.sensors.white import WhiteSensors

@@ -15,12 +15,12 @@ from railgrip.fmi import Description, Port, bind, open_plant, shared_budget
 from railgrip.fmi.description import Causality
 from railgrip.fmi.draft import draft_mapping, sizes_of
 from railgrip.fmi.mapping import known_unit
-from railgrip.simulate.files import parameters_of
-from railgrip.simulate.foreign_controller import controller_signals
+from railgrip.simulate.bound_plant import plant_signals
+from railgrip.simulate.controller import controller_signals
 from railgrip.simulate.loop.plausible import slowing_of
-from railgrip.simulate.plant import plant_signals
-from railgrip.simulate.trial import SignalCheck, Trial, Trials, findings, on_both_rails
-from railgrip.simulate.vehicle import catalogue_brakes, catalogue_counts
+from railgrip.simulate.named_models import parameters_of
+from railgrip.simulate.plant_trial import SignalCheck, Trial, Trials, findings, on_both_rails
+from railgrip.simulate.vehicle_data import catalogue_brakes, catalogue_counts
 from railgrip.vehicle.formation import Formation, carried_mass
 from railgrip.vehicle.parameters import (
     COUNTS,

@@ -2,35 +2,29 @@
 
 from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from railgrip.base.arrays import generator
 from railgrip.base.errors import PlantFailed, ScenarioError
 from railgrip.base.programs import versions
-from railgrip.base.registry import Role
 from railgrip.controllers.sampled import Sampled
 from railgrip.fmi import Description, shared_budget
 from railgrip.fmi.plant import SteppedPlant
 from railgrip.report.stop import Stop
 from railgrip.scenario.demand import Driver, phases_of
-from railgrip.scenario.kinds import Custom
+from railgrip.scenario.onboard import KalmanFilter
 from railgrip.scenario.outcome import Outcome
-from railgrip.scenario.parts import CustomLaw, KalmanFilter
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.seed import generator
-from railgrip.scenario.sensors import OwnSensors
-from railgrip.scenario.vehicle import PythonClass, Vehicle
-from railgrip.simulate import custom
-from railgrip.simulate.controller import law_states, open_controller, train_level_of, valve_logic_of
+from railgrip.scenario.table import Custom
+from railgrip.scenario.vehicle_table import PythonClass
+from railgrip.simulate.bound_plant import fmu_plant, python_plant
+from railgrip.simulate.controller import ForeignController, law_states, open_controller, train_level_of, valve_logic_of
 from railgrip.simulate.estimator import state_estimator
 from railgrip.simulate.faults.site import faults_of
-from railgrip.simulate.foreign_controller import ForeignController
-from railgrip.simulate.importing import origin_of, part_of, table_of
-from railgrip.simulate.loop.loop import Ending, Loop
-from railgrip.simulate.loop.parts import (
+from railgrip.simulate.loop.interfaces import (
     Clock,
     LoopController,
     LoopPlant,
@@ -39,10 +33,20 @@ from railgrip.simulate.loop.parts import (
     SensorsInC,
     StateEstimator,
 )
+from railgrip.simulate.loop.loop import Ending, Loop
 from railgrip.simulate.loop.plausible import Plausibility
-from railgrip.simulate.plant import fmu_plant, python_plant
 from railgrip.simulate.remarks import remarks_after, remarks_before, remarks_on_pressures
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.user_parts import (
+    NO_CUSTOM_PARTS,
+    CustomController,
+    CustomEstimator,
+    CustomParts,
+    CustomSensors,
+    UserObjects,
+    table_of,
+)
+from railgrip.simulate.value_checks import DemandLimits
+from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.trace.bound import with_bound
 from railgrip.trace.measures import over_the_rail
 from railgrip.trace.metrics import measure
@@ -51,41 +55,6 @@ from railgrip.vehicle.signals import DEMANDED, DRIVEN, ESTIMATES, REFERENCE, TRA
 
 _MAXIMUM_UTILISATION = 1.005
 """Used adhesion over that at the peak of the creep curve; the peak is found to 1e-5, and 10 ms apart."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CustomParts:
-    """User-defined objects that replace parts of a scenario; see `railgrip.simulate.custom`.
-
-    Attributes:
-        controller, estimator, sensors, plant: None keeps the part of the scenario.
-        folders: Folders that are searched for modules of a scenario, in addition to the installed environment.
-    """
-
-    controller: custom.Controller | None = None
-    estimator: custom.Estimator | None = None
-    sensors: custom.Sensors | None = None
-    plant: custom.Plant | None = None
-    folders: tuple[Path, ...] = ()
-
-    def declare_in(self, scenario: Scenario) -> Scenario:
-        """Return the scenario with these objects' classes in its tables, which results of a stop must name."""
-        tables: dict[str, Any] = {}
-        if self.controller is not None:
-            over = {name: getattr(scenario.controller, name) for name in ("redistribute", "shared_valve")}
-            tables["controller"] = table_of(self.controller, CustomLaw, **over)
-        if self.estimator is not None:
-            tables["estimator"] = table_of(self.estimator)
-        if self.sensors is not None:
-            tables["sensors"] = table_of(self.sensors, OwnSensors)
-        if self.plant is not None:
-            vehicle = {"plant": table_of(self.plant).kind, "formation": scenario.vehicle.formation}
-            tables["vehicle"] = Vehicle.model_validate(vehicle)
-        return scenario.model_copy(update=tables)
-
-
-NO_CUSTOM_PARTS = CustomParts()
-"""Only the parts that the scenario names."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,7 +74,7 @@ class StopAssembly:
     parts: Parts
     fmus: Mapping[str, Description]
     classes: Mapping[str, Mapping[str, Any]]
-    limits: custom.DemandLimits
+    limits: DemandLimits
     remarks: Sequence[str]
 
     @property
@@ -180,7 +149,7 @@ def assemble(
     fmus = {} if isinstance(scenario.vehicle.source, PythonClass) else {vehicle.file.file.name: vehicle.file}
     formation, layout = vehicle.nominal.formation, vehicle.layout
     radius = tuple(group.wheel_radius for group in formation.brakes)
-    clock, user_objects = _clock(scenario), _UserObjects(objects)
+    clock, user_objects = _clock(scenario), UserObjects(objects)
     vehicle.require_pad_friction()
     remarks = [*remarks_before(scenario), *remarks_on_pressures(vehicle)]
     for sentence in remarks:
@@ -189,11 +158,11 @@ def assemble(
         plant = _plant(vehicle, user_objects, stack, notify)
         filter_, estimates = _estimator(vehicle, user_objects, fmus, stack, notify)
         if (law := user_objects.part("controllers", scenario.controller, objects.controller)) is not None:
-            controller, commands_valves = custom.CustomController(law, formation), False
+            controller, commands_valves = CustomController(law, formation), False
         else:
             controller, commands_valves = open_controller(vehicle, estimates, fmus, notify, stack)
-        place = controller.place if isinstance(controller, custom.CustomController) else "The controller"
-        limits = custom.DemandLimits(formation, place)
+        place = controller.place if isinstance(controller, CustomController) else "The controller"
+        limits = DemandLimits(formation, place)
         is_limited = not commands_valves and not isinstance(controller, Sampled)
         _require_estimates(scenario, controller, estimates)
         _require_demand(scenario, commands_valves=commands_valves)
@@ -230,26 +199,6 @@ def assemble(
         )
 
 
-@dataclass(frozen=True, slots=True)
-class _UserObjects:
-    """The user-defined objects among the parts of a stop.
-
-    Attributes:
-        objects: Objects that the caller provided.
-        classes: Origin of each, by part; see `origin_of`.
-    """
-
-    objects: CustomParts
-    classes: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
-
-    def part(self, role: Role, table: object, instance: object) -> Any:
-        if not isinstance(table, Custom):
-            return None
-        user_object = part_of(table, role, self.objects.folders) if instance is None else instance
-        self.classes[role if role == "sensors" else role.removesuffix("s")] = origin_of(user_object, table.parameters)
-        return user_object
-
-
 def _clock(scenario: Scenario) -> Clock:
     period = scenario.periods.communication
     return Clock(
@@ -262,7 +211,7 @@ def _clock(scenario: Scenario) -> Clock:
 
 
 def _plant(
-    vehicle: VehicleData, user_objects: _UserObjects, stack: ExitStack, notify: Callable[[str], None]
+    vehicle: VehicleData, user_objects: UserObjects, stack: ExitStack, notify: Callable[[str], None]
 ) -> LoopPlant:
     source, plant = vehicle.scenario.vehicle.source, user_objects.objects.plant
     if not isinstance(source, PythonClass):
@@ -274,14 +223,14 @@ def _plant(
 
 def _estimator(
     vehicle: VehicleData,
-    user_objects: _UserObjects,
+    user_objects: UserObjects,
     fmus: dict[str, Description],
     stack: ExitStack,
     notify: Callable[[str], None],
-) -> tuple[StateEstimator | custom.CustomEstimator | None, frozenset[str]]:
+) -> tuple[StateEstimator | CustomEstimator | None, frozenset[str]]:
     scenario = vehicle.scenario
     if (estimator := user_objects.part("estimators", scenario.estimator, user_objects.objects.estimator)) is not None:
-        custom_estimator = custom.CustomEstimator(estimator, vehicle.nominal.formation)
+        custom_estimator = CustomEstimator(estimator, vehicle.nominal.formation)
         return custom_estimator, frozenset(custom_estimator.provides)
     if isinstance(scenario.estimator, KalmanFilter):
         filter_ = state_estimator(vehicle, scenario.estimator, fmus, stack, notify)
@@ -289,14 +238,14 @@ def _estimator(
     return None, frozenset()
 
 
-def _sensors(vehicle: VehicleData, user_objects: _UserObjects, radius: float) -> LoopSensors | SensorsInC:
+def _sensors(vehicle: VehicleData, user_objects: UserObjects, radius: float) -> LoopSensors | SensorsInC:
     """Return the sensors of a stop; `radius` is that of the leading wheels [m]."""
     scenario = vehicle.scenario
     if (instruments := user_objects.part("sensors", scenario.sensors, user_objects.objects.sensors)) is None:
         return scenario.sensors.open(scenario, vehicle.layout, radius)
     noise = generator(scenario.seed, "sensors.custom")
     period = scenario.periods.communication
-    return custom.CustomSensors(instruments, vehicle.layout, vehicle.nominal.formation, period, noise)
+    return CustomSensors(instruments, vehicle.layout, vehicle.nominal.formation, period, noise)
 
 
 def _driver(vehicle: VehicleData) -> Driver:
