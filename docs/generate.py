@@ -317,7 +317,7 @@ SIGNALS = {
     "Plant inputs": signals.SENT,
     "Plant inputs on a rail with several creep curves": signals.CURVE,
     "Controller": signals.DEMANDED,
-    "Driver": (*signals.DRIVEN, *signals.TRACTION),
+    "Driver": signals.TABLE["driver"],
     "Readings": signals.READINGS,
     "Further readings": signals.EXTRA_READINGS,
     "Estimates": signals.ESTIMATES,

@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from railgrip.base.errors import InputError
+from railgrip.base.names import Element
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.fmus.native.c_source import table
 from railgrip.fmus.native.code import RUNTIME
@@ -106,7 +107,7 @@ def _fields(variables: Sequence[Variable]) -> Iterator[str]:
         yield "    double none; /* C has no empty structs */"
     arrays: dict[str, list[Variable]] = {}
     for variable in variables:
-        arrays.setdefault(variable.name.partition("[")[0], []).append(variable)
+        arrays.setdefault(Element.of(variable.name).array, []).append(variable)
     for name, elements in arrays.items():
         first = elements[0]
         size = f"[{len(elements)}]" if first.name.endswith("]") else ""

@@ -1,9 +1,9 @@
-"""Names of states, and suggestions for mistyped names."""
+"""Names of states and of elements of arrays, and suggestions for mistyped names."""
 
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from types import MappingProxyType
-from typing import Final
+from typing import Final, NamedTuple
 
 STATE_NAMES: Final[Mapping[str, str]] = MappingProxyType(
     {"v": "speed", "w": "wheelset_speed", "mu_b": "pad_friction", "alpha": "group_adhesion"}
@@ -14,10 +14,42 @@ Adhesion is a state of each group, as the signal `group_adhesion`; the signal `a
 """
 
 
+class Element(NamedTuple):
+    """Name of an element of an array, such as `slip[2]`, or of a scalar.
+
+    Attributes:
+        array: Name of the array, or of the scalar.
+        bracket: Index in its brackets, such as `[2]`; empty for a scalar.
+    """
+
+    array: str
+    bracket: str = ""
+
+    @classmethod
+    def of(cls, name: str) -> "Element":
+        """Return the parts of a name."""
+        array, bracket, index = name.partition("[")
+        return cls(array, bracket + index)
+
+    @property
+    def label(self) -> str:
+        """The index without brackets; empty for a scalar."""
+        return self.bracket[1:].removesuffix("]")
+
+    @property
+    def place(self) -> int:
+        """Place in the array, counted from 0; also 0 for a scalar.
+
+        Raises:
+            ValueError: The index is not a number.
+        """
+        return int(self.label) - 1 if self.bracket else 0
+
+
 def state_name(name: str) -> str:
     """Return the name of a state, `wheelset_speed[1]` for the symbol `w[1]`; others are returned as they are."""
-    base, bracket, index = name.partition("[")
-    return f"{STATE_NAMES.get(base, base)}{bracket}{index}"
+    element = Element.of(name)
+    return f"{STATE_NAMES.get(element.array, element.array)}{element.bracket}"
 
 
 _MAX_LENGTH = 200

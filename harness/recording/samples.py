@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from railgrip.base.arrays import Vector
 from railgrip.base.errors import EstimationError, UnitError
-from railgrip.base.names import state_name
+from railgrip.base.names import Element, state_name
 from railgrip.base.units import conversion, unit
 from railgrip.vehicle import signals as tables
 
@@ -198,8 +198,7 @@ def knows(trace: xarray.Dataset, state: str) -> bool:
 
 
 def _truth(trace: xarray.Dataset, state: str) -> Vector | None:
-    base, bracket, index = state.partition("[")
-    values = _column(trace, "", state_name(base) + bracket + index)
+    values = _column(trace, "", state_name(state))
     return None if values is None or np.isnan(values).all() else values
 
 
@@ -232,8 +231,8 @@ def dimension_of(variable: str) -> str:
 
 
 def _element(name: str) -> tuple[str, int | None]:
-    base, _, index = name.partition("[")
-    return base, int(index[:-1]) if index[:-1].isdecimal() else None
+    element = Element.of(name)
+    return element.array, int(element.label) if element.label.isdecimal() else None
 
 
 @cache

@@ -183,7 +183,7 @@ _MIN_PRESSURE = 1e3
 
 
 class Driver:
-    """Demands full brake from the first instant on, or follows its phases.
+    """Follows the phases of a demand; a scenario without one has no driver, and full brake from the first instant on.
 
     Distance and speed are those of the plant: a scenario states where an event happens, not where a driver assumes it.
 
@@ -195,12 +195,10 @@ class Driver:
 
     Attributes:
         struct: `Driver` of driver.h.
-        has_phases: Whether it has phases; else it demands full brake.
-        full: Pressure of full brake, shape (groups,) [Pa].
     """
 
     def __init__(
-        self, layout: Layout, period: float, *, full: Vector, release_pressure: Vector, phases: Phases | None = None,
+        self, layout: Layout, period: float, *, full: Vector, release_pressure: Vector, phases: Phases,
         binding: bool = True,
     ) -> None:  # fmt: skip
         """Set up the driver of a vehicle.
@@ -210,14 +208,24 @@ class Driver:
             period: Period of the samples [s].
             full: Pressure of full brake, shape (groups,) [Pa].
             release_pressure: Pressure at which pads touch the disc, shape (groups,) [Pa].
-            phases: Phases in their order; None for full brake.
+            phases: Phases in their order.
             binding: Whether commands are limited to the driver's demand; else the controller limits itself to it.
         """
-        self.has_phases, self.full = phases is not None, full
-        rows = released(layout, 0) if phases is None else phases
-        self.struct = kernel(layout).struct("Driver", phases=rows, count=len(rows), period=period, binding=binding,
+        self.struct = kernel(layout).struct("Driver", phases=phases, count=len(phases), period=period, binding=binding,
             release_pressure=np.array(release_pressure), full=np.array(full),
         )  # fmt: skip
+
+
+def driver_of(layout: Layout, demand: Demand, period: float, *, binding: bool, origin: str) -> Driver:
+    """Return the driver who follows a demand with the nominal brakes of a layout; arguments are those of both."""
+    brakes, full = layout.formation.brakes, layout.formation.pressure_max
+    release_pressure, phases = (
+        [brake.pressure_of(0.0) for brake in brakes],
+        phases_of(layout, demand, full.tolist(), origin),
+    )
+    return Driver(
+        layout, period, full=full, release_pressure=np.array(release_pressure), phases=phases, binding=binding
+    )
 
 
 def released(layout: Layout, count: int) -> Phases:

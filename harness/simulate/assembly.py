@@ -14,7 +14,7 @@ from railgrip.controllers.sampled import Sampled
 from railgrip.fmi import Description, shared_budget
 from railgrip.fmi.plant import SteppedPlant
 from railgrip.report.stop import Stop
-from railgrip.scenario.demand import Driver, phases_of
+from railgrip.scenario.demand import driver_of
 from railgrip.scenario.onboard import KalmanFilter
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
@@ -179,7 +179,15 @@ def assemble(
             limits=limits if is_limited else None,
             train_level=train_level_of(vehicle) if is_limited else None,
             valves=None if commands_valves else valve_logic_of(vehicle),
-            driver=_driver(vehicle),
+            full=formation.pressure_max,
+            driver=scenario.demand
+            and driver_of(
+                layout,
+                scenario.demand,
+                clock.period,
+                binding=not getattr(scenario.controller, "redistribute", False),
+                origin=scenario.name,
+            ),
             faults=faults_of(
                 scenario,
                 layout,
@@ -246,19 +254,6 @@ def _sensors(vehicle: VehicleData, user_objects: UserObjects, radius: float) -> 
     noise = generator(scenario.seed, "sensors.custom")
     period = scenario.periods.communication
     return CustomSensors(instruments, vehicle.layout, vehicle.nominal.formation, period, noise)
-
-
-def _driver(vehicle: VehicleData) -> Driver:
-    """Return the driver of a scenario, who uses the nominal data of the brakes; errors are those of `phases_of`."""
-    scenario, layout = vehicle.scenario, vehicle.layout
-    brakes, demand = layout.formation.brakes, scenario.demand
-    full = np.array([brake.pressure_max for brake in brakes])
-    return Driver(
-        layout, scenario.periods.communication, full=full,
-        release_pressure=np.array([brake.pressure_of(0.0) for brake in brakes]),
-        phases=None if demand is None else phases_of(layout, demand, full.tolist(), scenario.name),
-        binding=not getattr(scenario.controller, "redistribute", False),
-    )  # fmt: skip
 
 
 def _signals(

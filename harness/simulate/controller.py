@@ -19,6 +19,7 @@ from railgrip.base import registry
 from railgrip.base.arrays import Vector
 from railgrip.base.errors import ControllerFailed, FmuError, PlantFailed, ScenarioError
 from railgrip.base.interrupted import end_if_stuck
+from railgrip.base.names import Element
 from railgrip.controllers.law import GroupLaw, Law
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.parameters import SEARCHED
@@ -257,7 +258,7 @@ def foreign_controller(
     """
     binding, gives = binding_of(scenario, table, description, groups, estimates)
     if binding.unused:
-        names = ", ".join(dict.fromkeys(name.partition("[")[0] for name in binding.unused))
+        names = ", ".join(dict.fromkeys(Element.of(name).array for name in binding.unused))
         notify(
             f"{description.file.name}: nothing drives its {names} ([estimator] kind is '{scenario.estimator.kind}'): "
             "the start value remains."

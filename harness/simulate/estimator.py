@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from railgrip.base import registry
 from railgrip.base.arrays import Vector
 from railgrip.base.errors import ScenarioError
-from railgrip.base.names import did_you_mean, state_name
+from railgrip.base.names import Element, did_you_mean, state_name
 from railgrip.controllers.free_wheel import FreeWheel
 from railgrip.estimators.consist import Consist
 from railgrip.estimators.design import FilterContext, FilterKind, Gate
@@ -103,7 +103,7 @@ def state_estimator(
     def places(name: str) -> NDArray[np.intp]:
         return np.array([states.index(f"{name}[{g}]") for g in groups])
 
-    reading_places = [layout.reading[name.partition("[")[0]].start + _element(name) for name in readings]
+    reading_places = [layout.reading[Element.of(name).array].start + Element.of(name).place for name in readings]
     return StateEstimator(
         filter=filter_,
         reading_places=np.array(reading_places, dtype=np.intp),
@@ -131,7 +131,7 @@ def _of_nominal_data(
         units = units_of_predictions()
         each = {f"{name}[{i}]": unit for name, unit in units.items() for i in wheelsets}
         values = in_units("[estimator.parameters]", table.parameters, units | each)
-        data = {name: value for name, value in data.items() if name.partition("[")[0] not in values} | values
+        data = {name: value for name, value in data.items() if Element.of(name).array not in values} | values
     if _kind_of(table).prediction == "parts":
         prediction = consist_of(formation, data)
         readings = prediction.outputs
@@ -174,7 +174,7 @@ def _of_file(
     _require_names(where, needs)
     if unknown := [name for name in inputs if name not in others.union(pressures)]:
         raise ScenarioError(f"{where} has an input {unknown[0]}; a prediction takes cylinder_pressure and track_force")
-    outputs = [name for name in description.names("output") if name.partition("[")[0] in layout.reading]
+    outputs = [name for name in description.names("output") if Element.of(name).array in layout.reading]
     if not outputs:
         raise ScenarioError(f"{where} has no output that sensors read; they read {', '.join(sorted(layout.reading))}")
     return _open_prediction(
@@ -284,7 +284,7 @@ def _prediction_model(table: KalmanFilter, name: str, layout: Layout) -> Model:
     pressures, inputs = [f"cylinder_pressure[{g + 1}]" for g in range(groups)], [v.name for v in model.inputs]
     if inputs[:groups] != pressures:
         raise ScenarioError(f"{where} must have {', '.join(pressures)} as first inputs; it has {', '.join(inputs)}")
-    if unread := [variable.name for variable in model.outputs if variable.name.partition("[")[0] not in layout.reading]:
+    if unread := [variable.name for variable in model.outputs if Element.of(variable.name).array not in layout.reading]:
         raise ScenarioError(
             f"{where} has an output {unread[0]}, which no sensor reads; they read {', '.join(sorted(layout.reading))}"
         )
@@ -303,16 +303,11 @@ def _outlier_limits(table: KalmanFilter, prediction: Consist | _Central) -> list
                 f"[estimator] outlier_limit is for kind compiled, python or fmu; {table.kind} uses every reading"
             )
         return None
-    readings = [name.partition("[")[0] for name in prediction.outputs]
+    readings = [Element.of(name).array for name in prediction.outputs]
     if other := sorted(table.outlier_limit.keys() - readings):
         choice = ", ".join(dict.fromkeys(readings))
         raise ScenarioError(f"[estimator] outlier_limit: the filter has no reading '{other[0]}'; it has {choice}")
     return [table.outlier_limit.get(name, inf) for name in readings]
-
-
-def _element(name: str) -> int:
-    index = name.partition("[")[2]
-    return int(index[:-1]) - 1 if index else 0
 
 
 def _noise(table: KalmanFilter, *, has_ideal_sensors: bool) -> NoiseSet:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.cache import keep
 from railgrip.base.errors import ScenarioError
+from railgrip.base.names import Element
 from railgrip.base.system import Variable
 from railgrip.estimators.consist import Consist, Part
 from railgrip.estimators.prediction import with_state_names
@@ -65,9 +66,10 @@ class _Members:
         return len(self.groups), tuple(self.groups.index(group) + 1 for group in belongs)
 
     def place(self, name: str) -> tuple[str, int]:
-        base, bracket, _ = name.partition("[")
-        of = self.bogies if base in _OF_BOGIES else self.wheelsets if base in _OF_WHEELSETS else self.groups
-        return base, of[_number(name) - 1] if bracket else 0
+        element = Element.of(name)
+        of_wheelsets = self.wheelsets if element.array in _OF_WHEELSETS else self.groups
+        of = self.bogies if element.array in _OF_BOGIES else of_wheelsets
+        return element.array, of[element.place] if element.bracket else 0
 
     def name_in_train(self, name: str) -> str:
         base, index = self.place(name)
@@ -103,14 +105,14 @@ class CentralPrediction:
 def units_of_predictions() -> dict[str, str]:
     """Return the unit of every parameter of a prediction, by name without index."""
     models = _body(), _model("PartPrediction", 1, (1, 1))
-    units = {v.name.partition("[")[0]: v.unit for model in models for v in model.parameters}
+    units = {Element.of(v.name).array: v.unit for model in models for v in model.parameters}
     parameters = {name: unit for name, unit in units.items() if name not in ("m", "m_group")}
     return parameters | {"m_wheelset": units["m_group"], _PAD_FRICTION: "1"}
 
 
 def data_of(nominal: Mapping[str, float], formation: Formation) -> dict[str, float]:
     """Return the parameters of a prediction for a train: nominal data, completed by those of the formation."""
-    bases = {name.partition("[")[0] for name in nominal}
+    bases = {Element.of(name).array for name in nominal}
     # The formation has the product of ratio and efficiency of the rigging, so the efficiency is 1 then.
     each = {
         f"{name}[{g + 1}]": float(getattr(brake, datum))
@@ -216,7 +218,9 @@ def _members(formation: Formation, data: Mapping[str, float]) -> list[_Members]:
 
 
 def _wheelsets_per_bogie(formation: Formation, data: Mapping[str, float]) -> list[int]:
-    names = sorted((name for name in data if name.startswith("wheelsets_per_bogie[")), key=_number)
+    names = sorted(
+        (name for name in data if name.startswith("wheelsets_per_bogie[")), key=lambda name: Element.of(name).place
+    )
     if names:
         counts = [int(data[name]) for name in names]
         if sum(counts) != formation.wheelsets:
@@ -226,10 +230,6 @@ def _wheelsets_per_bogie(formation: Formation, data: Mapping[str, float]) -> lis
         return counts
     frames = sum(name.startswith("m_frame[") for name in data)
     return [2] * frames if 2 * frames == formation.wheelsets else []
-
-
-def _number(name: str) -> int:
-    return int(name.partition("[")[2][:-1])
 
 
 def _part(members: _Members, formation: Formation, data: Mapping[str, float]) -> Part:
@@ -243,6 +243,6 @@ def _part(members: _Members, formation: Formation, data: Mapping[str, float]) ->
         readings=tuple(
             (name.replace("dz", "deflection"), name)
             for name in states
-            if name.partition("[")[0] in ("wheelset_speed", "dz")
+            if Element.of(name).array in ("wheelset_speed", "dz")
         ),
     )

@@ -6,6 +6,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import Final, Literal, cast
 
+from railgrip.base.names import Element
 from railgrip.vehicle.formation import Extent, Formation
 
 
@@ -111,7 +112,7 @@ def of_law(states: Iterable[tuple[str, str, str]]) -> tuple[Signal, ...]:
 
     Elements of groups are contiguous for each name.
     """
-    by_base = {name.partition("[")[0]: (name, unit, meaning) for name, unit, meaning in states}
+    by_base = {Element.of(name).array: (name, unit, meaning) for name, unit, meaning in states}
     return tuple(
         Signal(f"law_{base}", "group" if name.endswith("]") else "train", unit, meaning)
         for base, (name, unit, meaning) in by_base.items()
@@ -214,7 +215,7 @@ REFERENCE_INPUTS = (
 """Inputs of the formula whose outputs are `REFERENCE`."""
 
 Role = Literal[
-    "input", "output", "reading", "estimate", "observation", "train_input", "valve_input", "reference_input",
+    "input", "output", "reading", "estimate", "observation", "driver", "train_input", "valve_input", "reference_input",
     "reference",
 ]  # fmt: skip
 """Vectors that the parts of a loop exchange; inputs and outputs are those of the plant."""
@@ -222,8 +223,8 @@ Role = Literal[
 TABLE: Final[Mapping[Role, tuple[Signal, ...]]] = MappingProxyType(
     {
         "input": SENT, "output": PLANT, "reading": READINGS, "estimate": ESTIMATES, "observation": OBSERVED,
-        "train_input": TRAIN_INPUTS, "valve_input": VALVE_INPUTS, "reference_input": REFERENCE_INPUTS,
-        "reference": REFERENCE,
+        "driver": (*DRIVEN, *TRACTION), "train_input": TRAIN_INPUTS, "valve_input": VALVE_INPUTS,
+        "reference_input": REFERENCE_INPUTS, "reference": REFERENCE,
     }
 )  # fmt: skip
 """Signals of each vector, in their order."""

@@ -31,7 +31,7 @@ def brake(parts):
     parts.rail.write_inputs(inputs)
     truth = parts.plant.start(inputs)
     latest = fresh = None
-    innovation, moved, pressure = (0.0, 0.0), False, parts.driver.full
+    innovation, moved, pressure = (0.0, 0.0), False, parts.full
     for k in range(clock.samples + 1):
         try:
             truth = parts.plant.step(inputs) if k else truth
@@ -42,7 +42,7 @@ def brake(parts):
         recorder.rows[k, recorder.block(LAYOUT.signals["output"])] = truth
         recorder.rows[k, recorder.block(LAYOUT.signals["input"])] = inputs
         keep(k, "demand", demand)
-        if parts.driver.has_phases:
+        if parts.driver:
             keep(k, "driver_demand", driver_demand)
             pressure = drive(parts.driver, k, truth)
         due = k % clock.sensors == 0
@@ -80,8 +80,8 @@ def brake(parts):
                 demand = parts.train_level.decide(seen, demand)
             if not math.isfinite(sum(demand)):
                 return Outcome.CONTROLLER_FAILED, k + 1
-            driver_demand = pressure.copy() if parts.driver.has_phases else driver_demand
-            limited = np.minimum(demand, pressure) if parts.driver.has_phases else demand
+            driver_demand = pressure.copy() if parts.driver else driver_demand
+            limited = np.minimum(demand, pressure) if parts.driver else demand
             measured = latest[READ["cylinder_pressure"]]
             command = limited if parts.valves is None else parts.valves.command(limited, measured)
             inputs[LAYOUT.input["command"]] = command
@@ -93,7 +93,7 @@ def brake(parts):
             return Outcome.STANDSTILL, k + 1
         parts.rail.advance(k * clock.period, truth)
         parts.rail.write_inputs(inputs)
-        if parts.driver.has_phases:
+        if parts.driver:
             inputs[LAYOUT.input["track_force"]] += parts.driver.struct.pointer.force
     return Outcome.HORIZON, clock.samples + 1
 

@@ -7,7 +7,6 @@ import pytest
 from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
 
 from railgrip.scenario.adhesion import FrictionTable, TabulatedRail
-from railgrip.scenario.demand import Driver
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.track import TrackForce
 from railgrip.simulate.loop.interfaces import Clock, Parts, StateEstimator
@@ -70,7 +69,7 @@ def brake(plant, *, sensors=None, estimator=None, samples=5000, every=1):
         estimator=estimator,
         controller=Constant(),
         valves=None,
-        driver=Driver(LAYOUT, PERIOD, full=FULL, release_pressure=np.zeros(4)),
+        full=FULL,
         wheel_radius=(0.4,) * 4,
         clock=Clock(period=PERIOD, estimator=every, controller=1, samples=samples),
         plausibility=Plausibility(LAYOUT, PERIOD, plant.speed, UNBOUNDED),

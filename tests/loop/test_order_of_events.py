@@ -211,7 +211,10 @@ def parts_of(
         estimator=state_estimator(filter_) if filter_ else None,
         controller=controller,
         valves=ValveLogic([3.4e5] * 4, VALVES) if valves else None,
-        driver=Driver(LAYOUT, 1e-3, full=FULL, release_pressure=np.full(4, 3e4), phases=phases),
+        full=FULL,
+        driver=None
+        if phases is None
+        else Driver(LAYOUT, 1e-3, full=FULL, release_pressure=np.full(4, 3e4), phases=phases),
         faults=faults or None,
         wheel_radius=RADIUS,
         clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples, sensors=sensing),

@@ -98,8 +98,8 @@ def readings_of(scenario: Scenario) -> NDArray[np.float64]:
         opened.run()
         recorder, parts = opened.recorder, opened.parts
         rows = recorder.rows[: recorder.written]
-        demand = np.tile(parts.driver.full, (len(rows), 1))
-        if parts.driver.has_phases:
+        demand = np.tile(parts.full, (len(rows), 1))
+        if parts.driver is not None:
             demand = rows[:, recorder.block(DRIVEN)]
         return np.hstack([rows[:, recorder.block(parts.layout.signals["reading"])], demand])
 
@@ -230,7 +230,7 @@ def _track(parts: Parts, structs: Structs) -> _Role:
     shown = _of(sent, layout, np.delete(starts, np.arange(layout.inputs)[layout.input["command"]]))
     return _Role(
         given=given,
-        shown=(*shown, *_of(DRIVEN, parts.layout, parts.driver.full)),
+        shown=(*shown, *_of(DRIVEN, parts.layout, parts.full)),
         struct=structs.cycle.copy_with(
             "rail", "driver", "period", plant=_plant_data(layout, structs), onboard=structs.onboard.copy_with("full")
         ),
@@ -289,7 +289,7 @@ def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
             "these can be exported; choose another kind"
         )
     formulas["onboard->law"] = law
-    given = [*_of(parts.layout.signals["reading"], parts.layout), *_of(DRIVEN, parts.layout, parts.driver.full)]
+    given = [*_of(parts.layout.signals["reading"], parts.layout), *_of(DRIVEN, parts.layout, parts.full)]
     parameters = law_parameters(law, given)
     commands = started_at(law.formula.outputs, [0.0] * len(law.formula.outputs))
     if valves is not None:
@@ -308,7 +308,7 @@ def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
         formulas=formulas,
         parameters=parameters,
         macros={
-            "BINDING": int(parts.driver.struct.pointer.binding),
+            "BINDING": int(parts.driver is None or parts.driver.struct.pointer.binding),
             "LAW_PARAMETERS": law.parameters.size,
             "OUTPUT_PLACES": _positions("estimate", states, parts.layout) or 0,
         },

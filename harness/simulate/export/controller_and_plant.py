@@ -14,6 +14,7 @@ import casadi as ca
 import numpy as np
 
 from railgrip.base.errors import ScenarioError
+from railgrip.base.names import Element
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.controllers.sampled import Sampled
 from railgrip.fmi import Binding
@@ -144,15 +145,11 @@ def law_parameters(law: Sampled, inputs: Iterable[Variable]) -> tuple[Variable, 
 
     A name that an input of the FMU has as well, be it as an array, gets the prefix `parameters.`.
     """
-    names = {_without_index(variable.name) for variable in inputs}
+    names = {Element.of(variable.name).array for variable in inputs}
     return tuple(
-        replace(variable, name=f"parameters.{variable.name}") if _without_index(variable.name) in names else variable
+        replace(variable, name=f"parameters.{variable.name}") if Element.of(variable.name).array in names else variable
         for variable in started_at(law.formula.parameters, law.parameters)
     )
-
-
-def _without_index(name: str) -> str:
-    return name.partition("[")[0]
 
 
 def started_at(variables: Sequence[Variable], starts: Iterable[float], prefix: str = "") -> tuple[Variable, ...]:

@@ -236,7 +236,8 @@ class Parts:
         limits: Limits on the controller's demands; None for built-in laws.
         train_level: From observation and demands of a law in Python to demands that suit the train as a whole.
         valves: From demanded and read pressures to valve commands; None sends the demands directly.
-        driver: Maximum demand, and traction.
+        full: Pressure of full brake, shape (groups,) [Pa]: the demand of a train without driver.
+        driver: Maximum demand, and traction; None for full brake.
         faults: Faults of sensors and brakes, which change readings and commands; None for an intact train.
         wheel_radius: Nominal radii for a slip from readings [m].
         law: States of the controller that are recorded, or None.
@@ -256,7 +257,8 @@ class Parts:
     limits: LoopLimits | None = None
     train_level: Sampled | None = None
     valves: Sampled | None
-    driver: Driver
+    full: Vector
+    driver: Driver | None = None
     faults: LoopFaults | None = None
     wheel_radius: tuple[float, ...]
     law: LawStates | None = None

@@ -72,11 +72,11 @@ def structs_of(parts: Parts, inputs: Vector, outputs: Vector) -> Structs:
     Raises:
         LoopError: A law is for a different number of groups.
     """
-    clock, driver = parts.clock, parts.driver
+    clock = parts.clock
     plant, instruments, filter_ = _plant(parts, inputs, outputs), _instruments(parts), _filter(parts)
     onboard, record = _onboard(parts), _record(parts)
     cycle = kernel(parts.layout).struct("Cycle", plant=plant, plausibility=parts.plausibility.struct,
-        rail=parts.rail.struct, driver=driver.struct if driver.has_phases else None, instruments=instruments,
+        rail=parts.rail.struct, driver=parts.driver and parts.driver.struct, instruments=instruments,
         faults=parts.faults and parts.faults.struct, filter=filter_, onboard=onboard, record=record,
         period=clock.period, stop_speed=parts.stop_speed, samples=clock.samples, block=BLOCK,
     )  # fmt: skip
@@ -128,7 +128,7 @@ def _onboard(parts: Parts) -> Struct:
     return kernel(layout).struct("Onboard", law=_formula(layout, parts.controller, "observation"),
         train_level=_formula(layout, parts.train_level, "train_input"),
         valves=_formula(layout, parts.valves, "valve_input"),
-        maximum=parts.limits and parts.limits.maximum, full=np.array(parts.driver.full, dtype=np.float64),
+        maximum=parts.limits and parts.limits.maximum, full=np.array(parts.full, dtype=np.float64),
         radius=np.array(estimator.wheel_radius if has_states else parts.wheel_radius, dtype=np.float64),
         has_estimator=estimator is not None and not has_states,
         estimator_rate=rate_of(layout, clock.estimator), controller_rate=rate_of(layout, clock.controller),
