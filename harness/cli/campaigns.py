@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 from railgrip.base.errors import ScenarioError
-from railgrip.campaign.load import csv_of, load_results, write_table
 from railgrip.campaign.run import CampaignRun
+from railgrip.campaign.sweep import csv_of, load_results, write_table
 from railgrip.campaign.work import work
 from railgrip.cli.app import AsJson, Campaigns, Formats, Fresh, ImportFrom, Overrides, Scheduler, Workers, print_json
 from railgrip.cli.runs import runner

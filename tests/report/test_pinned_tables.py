@@ -17,7 +17,7 @@ from test_variants import DRAWS as EIGHT
 from test_variants import SAND, SEEDS
 
 import railgrip as rg
-from railgrip.campaign.load import csv_of
+from railgrip.campaign.sweep import csv_of
 from railgrip.report.distances import headline, overview_of, write_table
 from railgrip.report.distribution import change_table, changes_against, distributions_of, quantile_table, worst_table
 from railgrip.report.frame import frame_of
