@@ -283,7 +283,7 @@ def load(folder: str | Path) -> "Stop | Sweep":
         RecordError: The folder has no result, or a result is unreadable.
         ScenarioError: A file that the scenario of the stop names is missing.
     """
-    from railgrip.campaign.load import load_results
+    from railgrip.campaign.sweep import load_results
 
     return load_results(_path(folder, "folder"))
 

@@ -10,8 +10,7 @@ from railgrip.base.errors import InputError, RailgripError, RecordError
 from railgrip.base.files import PARTIAL, scratch, write_bytes, write_json
 from railgrip.base.records import RECORD, claim, discard, make_folder, require_free
 from railgrip.campaign import workers as processes
-from railgrip.campaign.one_stop import Runner, run
-from railgrip.campaign.sources import input_versions
+from railgrip.campaign.one_stop import Runner, input_versions, run
 from railgrip.fmus.build import choose
 from railgrip.fmus.recipe import read_recipes
 from railgrip.report.console import remark

@@ -120,7 +120,7 @@ def validation(
     """Write the accepted distances into the documentation."""
     # Imported here, because only this command draws and needs matplotlib.
     from railgrip.report.style import save
-    from railgrip.report.validation_figure import BASELINE, FILE, distances_figure
+    from railgrip.report.validation import BASELINE, FILE, distances_figure
 
     path = baselines / f"{BASELINE}.toml"
     accepted = _baseline_of_campaign(path)

@@ -8,24 +8,22 @@ from typing import Annotated
 import typer
 
 from railgrip.base.errors import ScenarioError
-from railgrip.campaign.load import csv_of, load_results, write_table
 from railgrip.campaign.run import CampaignRun
+from railgrip.campaign.sweep import csv_of, load_results, write_table
 from railgrip.campaign.work import work
 from railgrip.cli.app import AsJson, Campaigns, Formats, Fresh, ImportFrom, Overrides, Scheduler, Workers, print_json
 from railgrip.cli.runs import runner
 from railgrip.report.baseline import baseline_deviations
 from railgrip.report.comparison import compare as compared
 from railgrip.report.console import complain, progress, remark, say, show_all
-from railgrip.report.distances import documentation_tables, reader_tables
+from railgrip.report.distances import OVERVIEW_MEANING, documentation_tables, headline, overview_of, reader_tables
+from railgrip.report.distribution import ReferenceVariant, change_table, changes_against
 from railgrip.report.frame import Frame, frame_of
-from railgrip.report.headline import headline
 from railgrip.report.index import reference_of, write_report
 from railgrip.report.marked import names_in, page_text, write_tables
-from railgrip.report.overview import OVERVIEW_MEANING, overview_of
 from railgrip.report.page import formats_of
 from railgrip.report.results import Results, by_compiler, read_results, remarks_on
 from railgrip.report.stop import require_no_result
-from railgrip.report.variants import ReferenceVariant, change_table, changes_against
 from railgrip.scenario.campaign import Panels, load_campaign, selection_of
 
 BASELINES = Path("tests/baselines")

@@ -33,7 +33,7 @@ from railgrip.estimation.spec import (
 )
 from railgrip.recording.samples import knows
 from railgrip.report.console import complain, progress, remark, say, show_table
-from railgrip.report.estimation import information
+from railgrip.report.figures import information
 from railgrip.report.table import Form, ReportTable
 
 OUT = Path("build/estimate")

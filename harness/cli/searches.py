@@ -12,10 +12,9 @@ from railgrip.base.errors import EstimationError, ScenarioError
 from railgrip.base.files import write_text
 from railgrip.base.names import did_you_mean
 from railgrip.base.records import make_folder
-from railgrip.campaign import tune_control as laws
-from railgrip.campaign.calibrate import TARGETS
-from railgrip.campaign.calibrate import calibrate as fit_levels
-from railgrip.campaign.tune_control import EQUIPMENT, RANGES, Optimum, set_of, text_of
+from railgrip.campaign import searches as laws
+from railgrip.campaign.searches import EQUIPMENT, RANGES, TARGETS, Optimum, set_of, text_of
+from railgrip.campaign.searches import calibrate as fit_levels
 from railgrip.campaign.work import work
 from railgrip.campaign.workers import workers as processes
 from railgrip.cli.app import ImportFrom, Workers

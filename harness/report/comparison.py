@@ -3,18 +3,19 @@
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field, replace
 from pathlib import Path
 from string import ascii_uppercase
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
-import xarray
+import pandas
 
 from railgrip.base.errors import RecordError
 from railgrip.base.names import Element
 from railgrip.base.units import cut, short
+from railgrip.report.frame import Frame
 from railgrip.report.page import Page
-from railgrip.report.results import Results, provenance, read_results
+from railgrip.report.results import provenance, read_results
 from railgrip.report.stop import (
     CAMPAIGN_FILE,
     STOP_FILE,
@@ -23,52 +24,25 @@ from railgrip.report.stop import (
     read_stop,
     require_no_result,
 )
-from railgrip.report.table import Form, ReportTable, percent, text
+from railgrip.report.table import ReportTable, percent, text
 from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.outcome import Outcome
-from railgrip.trace.loss import Loss, SectionLoss, course_of, loss
+from railgrip.trace.loss import Loss, course_of, loss
 from railgrip.trace.metrics import FIGURES, Metrics
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 KMH = 3.6
-_ALIKE = "several"
+_SEVERAL = "several"
 _MISSING = "–"
 _LONGEST_TEXT = 40
 _MAX_DIGESTS = 20
 """Maximum number of stops of campaigns whose digests the page lists."""
 _FIGURE = "figures/comparison.png"
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ComparisonSide:
-    """A stop to compare.
-
-    Attributes:
-        name: Folder of its result, or the name of its scenario.
-        trace: Samples, or None if they were not kept.
-    """
-
-    name: str
-    stop: Stop
-    trace: xarray.Dataset | None
-
-    @classmethod
-    def of(cls, stop: Stop, name: str) -> Self:
-        """Return a stop as a side; its trace is read if it was kept."""
-        return cls(name=name, stop=stop, trace=stop.trace if stop.has_trace else None)
-
-    @property
-    def question(self) -> dict[str, Any]:
-        """All inputs of the stop by key: scenario, versions, FMUs and classes."""
-        return question_of(self.stop) | {"scenario digest": self.stop.digest}
-
-    @property
-    def headline(self) -> str:
-        """Outcome and distance, for readers."""
-        metrics = self.stop.metrics
-        return f"{self.stop.outcome.value}, {metrics.distance_travelled:.2f} m in {metrics.duration:.2f} s"
+Stops = Mapping[str, Stop]
+"""Letter → stop; A is the first one, with which the others are compared."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -107,6 +81,12 @@ class Comparison:
         """Letter → table of the distance lost in each section of the track."""
         return {letter: _sections(letter, lost) for letter, lost in self.along.items()}
 
+    @property
+    def results(self) -> ReportTable:
+        """Letter, name and outcome of each result."""
+        rows = zip(self.letters, self.names, self.headlines, strict=True)
+        return ReportTable.of(("", "result", "outcome"), rows, left=3)
+
     def to_plain(self) -> dict[str, Any]:
         """Return everything as JSON values."""
         return {
@@ -119,29 +99,26 @@ class Comparison:
         }
 
     def __repr__(self) -> str:
-        results = (f"{letter}: {name}: {line}" for letter, name, line in self._results())
-        return "\n".join([*results, *self.sentences])
+        return "\n".join([*(": ".join(row.values()) for row in self.results.rows), *self.sentences])
 
     def _repr_html_(self) -> str:
         parts = (self.question, self.overview, *self.sections.values())
         return f"<pre>{self!r}</pre>" + "".join(part.__html__() for part in parts if part)
-
-    def _results(self) -> list[tuple[str, str, str]]:
-        return list(zip(self.letters, self.names, self.headlines, strict=True))
 
     def plot(self) -> "Figure":
         """Return a figure of speeds and of the distance lost along the track.
 
         For campaigns the figure has the differences of the stops.
         """
-        from railgrip.report.comparison_figure import stops_figure, track_figure  # matplotlib takes half a second
+        # matplotlib takes half a second to load.
+        from railgrip.report.distance_figures import stops_figure
+        from railgrip.report.figures import track_figure
 
         return track_figure(self.along) if self.along else stops_figure(self.differences)
 
     def page(self) -> Page:
         """Return the page of the comparison."""
-        rows = zip(self.letters, self.names, self.headlines, strict=True)
-        results = ReportTable.of(("", "result", "outcome"), rows, left=3)
+        results = self.results
         names = [Path(name).name for name in self.names]
         if len(set(names)) < len(names):
             names = list(self.names)
@@ -198,10 +175,10 @@ def compare(*results: Comparable) -> Comparison:
             f"name a stop of the campaign, as {campaign}/NAME"
         )
     if all(campaigns):
-        return _of_campaigns(
-            [str(result) for result in results], [read_results(Path(str(result))) for result in results]
-        )
-    return _of_stops([_side(result) for result in results])
+        return _compare_campaigns([str(result) for result in results])
+    stops = [result if isinstance(result, Stop) else read_stop(_folder(result)) for result in results]
+    names = [result.scenario.name if isinstance(result, Stop) else str(_folder(result)) for result in results]
+    return _compare_stops(names, dict(zip(ascii_uppercase, stops, strict=False)))
 
 
 def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:
@@ -237,45 +214,55 @@ def _is_campaign(result: Any) -> bool:
     return False
 
 
-def _side(result: Comparable) -> ComparisonSide:
-    if isinstance(result, Stop):
-        return ComparisonSide.of(result, result.scenario.name)
-    folder = Path(result)
-    folder = folder.parent if folder.name == STOP_FILE else folder
-    return ComparisonSide.of(read_stop(folder), str(folder))
+def _folder(result: str | Path) -> Path:
+    return Path(result).parent if Path(result).name == STOP_FILE else Path(result)
+
+
+def _with_differences(values: Frame, unit: str = "") -> Frame:
+    """Return numbers in columns A, B …, followed by the differences from A, absolute and in percent of a positive A.
+
+    Args:
+        values: Numbers; NaN where one is missing.
+        unit: Text behind the names of the columns, as " [m]".
+    """
+    columns = {f"{letter}{unit}": values[letter] for letter in values}
+    for letter in values.columns[1:]:
+        columns[f"{letter} − A{unit}"] = values[letter] - values["A"]
+        columns[f"{letter} − A [%]"] = 100 * (values[letter] / values["A"].where(values["A"] > 0) - 1)
+    return pandas.DataFrame(columns)
 
 
 # ---- stops ------------------------------------------------------------------------------------------------------
 
 
-def _of_stops(sides: Sequence[ComparisonSide]) -> Comparison:
-    letters = ascii_uppercase[: len(sides)]
+def _compare_stops(names: Sequence[str], stops: Stops) -> Comparison:
     along: dict[str, Loss] = {}
-    without = [side.name for side in sides if side.trace is None]
-    if sides[0].trace is not None:
-        courses = {
-            letter: course_of(side.trace, is_standstill=side.stop.outcome is Outcome.STANDSTILL)
-            for letter, side in zip(letters, sides, strict=True)
-            if side.trace is not None
-        }
-        along = {letter: loss(courses["A"], courses[letter]) for letter in courses if letter != "A"}
-    stops = [side.stop for side in sides]
-    sentences = [_distance_sentence(letters[i], stops[0], stops[i]) for i in range(1, len(stops))]
+    if stops["A"].has_trace:
+        first, *others = (
+            (letter, course_of(stop.trace, is_standstill=stop.outcome is Outcome.STANDSTILL))
+            for letter, stop in stops.items()
+            if stop.has_trace
+        )
+        along = {letter: loss(first[1], course) for letter, course in others}
+    sentences = [_distance_sentence(letter, stops["A"], stop) for letter, stop in stops.items() if letter != "A"]
     sentences += [sentence for letter, lost in along.items() for sentence in _where(letter, lost)]
-    if without:
+    if without := [name for name, stop in zip(names, stops.values(), strict=True) if not stop.has_trace]:
         sentences.append(f"Where along the track is not known: no samples were kept of {', '.join(without)}.")
     return Comparison(
-        names=[side.name for side in sides],
-        headlines=[side.headline for side in sides],
-        question=_question([side.question for side in sides]),
-        answer=_answer(sides, Metrics.flat, "Figures of each group and wheelset"),
-        overview=_answer(sides, _means, "Differences of the results"),
+        names=names,
+        headlines=[
+            f"{stop.outcome.value}, {stop.metrics.distance_travelled:.2f} m in {stop.metrics.duration:.2f} s"
+            for stop in stops.values()
+        ],
+        question=_question(
+            {letter: question_of(stop) | {"scenario digest": stop.digest} for letter, stop in stops.items()}
+        ),
+        answer=_answer(stops, Metrics.flat, "Figures of each group and wheelset"),
+        overview=_answer(stops, _means, "Differences of the results"),
         along=along,
         sentences=sentences,
         provenance={
-            f"{letter}, {key}": value
-            for letter, stop in zip(letters, stops, strict=True)
-            for key, value in provenance(stop).items()
+            f"{letter}, {key}": value for letter, stop in stops.items() for key, value in provenance(stop).items()
         },
     )
 
@@ -315,40 +302,27 @@ def _where(letter: str, lost: Loss) -> list[str]:
 
 
 def _sections(letter: str, lost: Loss) -> ReportTable:
-    def row(section: SectionLoss) -> dict[str, Any]:
-        return {
-            "from [m]": section.begin,
-            "to [m]": section.end,
-            "at [s]": section.time,
-            "speed [km/h]": KMH * section.speed,
-            "lost [m]": section.lost,
-            "so far [m]": section.so_far,
-            f"deceleration {letter} [m/s²]": section.deceleration,
-            "of A at the same speeds [m/s²]": section.deceleration_of_first,
-        }
-
-    forms = dict.fromkeys(("from [m]", "to [m]"), "{:.0f}") | dict.fromkeys(("at [s]", "speed [km/h]"), "{:.1f}")
-    forms |= dict.fromkeys(("lost [m]", "so far [m]"), "{:+.2f}")
-    forms |= dict.fromkeys((f"deceleration {letter} [m/s²]", "of A at the same speeds [m/s²]"), "{:.3f}")
-    return ReportTable(
-        [row(section) for section in lost.sections], forms, (), f"Distance that {letter} loses against A"
+    columns = (
+        *("from [m]", "to [m]", "at [s]", "speed [km/h]", "lost [m]", "so far [m]"),
+        *(f"deceleration {letter} [m/s²]", "of A at the same speeds [m/s²]"),
+    )
+    forms = [form for form in ("{:.0f}", "{:.1f}", "{:+.2f}", "{:.3f}") for _ in range(2)]
+    rows = (astuple(replace(section, speed=KMH * section.speed)) for section in lost.sections)
+    return replace(
+        ReportTable.of(columns, rows, left=0, title=f"Distance that {letter} loses against A"),
+        forms=dict(zip(columns, forms, strict=True)),
     )
 
 
-def _question(questions: Sequence[Mapping[str, Any]]) -> ReportTable:
-    letters = ascii_uppercase[: len(questions)]
-    keys = dict.fromkeys(key for question in questions for key in question)
+def _question(questions: Mapping[str, Mapping[str, Any]]) -> ReportTable:
+    """Return the keys that differ; `questions` has all keys and values by letter."""
+    keys = dict.fromkeys(key for question in questions.values() for key in question)
     rows = [
-        {
-            "key": key,
-            **{letter: _value(question.get(key)) for letter, question in zip(letters, questions, strict=True)},
-            "unit": unit,
-        }
+        {"key": key, **{letter: _value(of.get(key)) for letter, of in questions.items()}, "unit": unit_of(key)}
         for key in keys
-        if any(question.get(key) != questions[0].get(key) for question in questions)
-        for unit in [unit_of(key)]
+        if any(of.get(key) != questions["A"].get(key) for of in questions.values())
     ]
-    return ReportTable(rows, left=("key", *letters, "unit"), title="Differences of the scenarios")
+    return ReportTable(rows, left=("key", *questions, "unit"), title="Differences of the scenarios")
 
 
 def unit_of(key: str) -> str:
@@ -373,139 +347,100 @@ def _value(value: Any) -> str:
     return f"{text_[:8]}…" if len(text_) == 64 and text_.isalnum() else cut(text_, 80)
 
 
-def _answer(
-    sides: Sequence[ComparisonSide], figures_of: Callable[[Metrics], Mapping[str, float]], title: str
-) -> ReportTable:
-    letters = ascii_uppercase[: len(sides)]
-    figures = [figures_of(side.stop.figures) for side in sides]
-    rows: list[dict[str, Any]] = []
-    if len({side.stop.outcome for side in sides}) > 1:
-        rows.append(_row("outcome", [side.stop.outcome.value for side in sides], "", letters))
-    for name in dict.fromkeys(name for figure in figures for name in figure):
-        unit = FIGURES[re.split(r"\[|, ", name)[0]].unit_text
-        values = [float(figure.get(name, math.nan)) for figure in figures]
-        if any(value != values[0] and not (math.isnan(value) and math.isnan(values[0])) for value in values):
-            rows.append(_row(name, values, unit, letters))
-    numbers = [column for column in (rows[0] if rows else ()) if column not in ("figure", "unit")]
-    forms: dict[str, Form] = {
-        column: "{:+.4g}" if column.endswith(" − A") else "{:+.1f}" if "%" in column else "{:.5g}" for column in numbers
-    }
+def _answer(stops: Stops, figures_of: Callable[[Metrics], Mapping[str, float]], title: str) -> ReportTable:
+    """Return the figures that differ with their units, and the outcomes if they do."""
+    by_letter = {letter: figures_of(stop.figures) for letter, stop in stops.items()}
+    names = dict.fromkeys(name for figures in by_letter.values() for name in figures)
+    figures = pandas.DataFrame(by_letter, index=list(names), dtype=float)
+    table = _with_differences(figures[figures.nunique(axis=1, dropna=False) > 1])
+    forms = {name: "{:+.4g}" if name.endswith(" − A") else "{:+.1f}" if "%" in name else "{:.5g}" for name in table}
+    table["unit"] = [FIGURES[re.split(r"\[|, ", name)[0]].unit_text for name in table.index]
+    outcomes = {letter: stop.outcome.value for letter, stop in stops.items()}
+    if len(set(outcomes.values())) > 1:
+        first = pandas.DataFrame({**outcomes, "unit": ""}, index=["outcome"], columns=table.columns)
+        table = pandas.concat([first, table.astype(object)])
+    rows = table.rename_axis("figure").reset_index().to_dict("records")
     return ReportTable(rows, forms, ("figure", "unit"), title)
-
-
-def _row(name: str, values: Sequence[Any], unit: str, letters: str) -> dict[str, Any]:
-    row: dict[str, Any] = {"figure": name} | dict(zip(letters, values, strict=True))
-    for letter, value in zip(letters[1:], values[1:], strict=True):
-        is_number = not isinstance(value, str)
-        row[f"{letter} − A"] = value - values[0] if is_number else math.nan
-        row[f"{letter} − A [%]"] = 100 * (value / values[0] - 1) if is_number and values[0] > 0 else math.nan
-    return row | {"unit": unit}
 
 
 def _means(metrics: Metrics) -> dict[str, float]:
     """Return figure → value, for arrays the mean; histograms are omitted, as their mean has no meaning."""
-    elements: dict[str, list[float]] = {}
-    for name, value in metrics.flat().items():
-        if name.count("[") < 2:
-            elements.setdefault(Element.of(name).array, []).append(value)
-    figures: dict[str, float] = {}
-    for name, values in elements.items():
-        known = [value for value in values if not math.isnan(value)]
-        called = name if len(values) == 1 else f"{name}, mean of {len(values)}"
-        figures[called] = sum(known) / len(known) if known else math.nan
-    return figures
+    values = pandas.Series({name: value for name, value in metrics.flat().items() if name.count("[") < 2}, dtype=float)
+    by_figure = values.groupby(lambda name: Element.of(str(name)).array, sort=False)
+    return {str(name) if len(of) == 1 else f"{name}, mean of {len(of)}": of.mean() for name, of in by_figure}
 
 
 # ---- campaigns --------------------------------------------------------------------------------------------------
 
 
-def _of_campaigns(names: Sequence[str], results: Sequence[Results]) -> Comparison:
-    letters = ascii_uppercase[: len(names)]
-    stops = [{stop.name: stop for stop in result.stops} for result in results]
-    common = [name for name in stops[0] if all(name in stop for stop in stops)]
+def _compare_campaigns(names: Sequence[str]) -> Comparison:
+    results = dict(zip(ascii_uppercase, [read_results(Path(name)) for name in names], strict=False))
+    stops = {letter: {stop.name: stop for stop in result.stops} for letter, result in results.items()}
+    common = [name for name in stops["A"] if all(name in of for of in stops.values())]
     if not common:
         raise RecordError(f"compare: {' and '.join(names)} have no stop of the same name")
-    differences = {
-        name: b - a
-        for name in common
-        if (a := stops[0][name].braking_distance) is not None and (b := stops[1][name].braking_distance) is not None
-    }
+    pairs = {name: {letter: of[name] for letter, of in stops.items()} for name in common}
+    distances = pandas.DataFrame(
+        {letter: [of[name].braking_distance for name in common] for letter, of in stops.items()}, common, dtype=float
+    )
     only = [
         f"Only {letter} has {len(lacking)} stops, {', '.join(lacking[:3])}{' …' if len(lacking) > 3 else ''}."
-        for letter, stop in zip(letters, stops, strict=True)
-        if (lacking := [name for name in stop if name not in common])
+        for letter, of in stops.items()
+        if (lacking := [name for name in of if name not in pairs])
     ]
-    distances = _distances(common, stops)
+    table = _distances(distances, pairs)
     return Comparison(
         names=names,
-        headlines=[f"campaign {result.name}, {len(result.stops)} stops" for result in results],
-        question=_common_question([[stop[name] for stop in stops] for name in common]),
-        answer=distances,
-        overview=distances,
-        sentences=[*_change_sentences(letters, common, stops), *only],
-        differences=differences,
+        headlines=[f"campaign {result.name}, {len(result.stops)} stops" for result in results.values()],
+        question=_common_question(pairs),
+        answer=table,
+        overview=table,
+        sentences=[*_change_sentences(distances, pairs), *only],
+        differences=(distances["B"] - distances["A"]).dropna().to_dict(),
         provenance={
-            f"{letter}, result of {name}": provenance(stop[name])["scenario digest"]
-            for letter, stop in zip(letters, stops, strict=True)
+            f"{letter}, result of {name}": of[name].digest
+            for letter, of in stops.items()
             for name in common[:_MAX_DIGESTS]
         },
     )
 
 
-def _distances(common: Sequence[str], stops: Sequence[Mapping[str, Stop]]) -> ReportTable:
-    letters = ascii_uppercase[: len(stops)]
-    rows: list[dict[str, Any]] = []
-    for name in common:
-        compared = [stop[name] for stop in stops]
-        first = compared[0].braking_distance
-        row: dict[str, Any] = {"stop": name}
-        row |= {
-            f"{letter} [m]": stop.outcome.value if stop.braking_distance is None else stop.braking_distance
-            for letter, stop in zip(letters, compared, strict=True)
-        }
-        for letter, stop in zip(letters[1:], compared[1:], strict=True):
-            other, difference, share = stop.braking_distance, math.nan, math.nan
-            if first is not None and other is not None:
-                difference, share = other - first, 100 * (other / first - 1)
-            row |= {f"{letter} − A [m]": difference, f"{letter} − A [%]": share}
-        rows.append(row)
-    forms = {f"{letter} [m]": "{:.2f}" for letter in letters}
-    forms |= {f"{letter} − A [m]": "{:+.2f}" for letter in letters[1:]}
-    forms |= {f"{letter} − A [%]": "{:+.1f}" for letter in letters[1:]}
+def _distances(distances: Frame, pairs: Mapping[str, Stops]) -> ReportTable:
+    table = _with_differences(distances, " [m]").astype(object)
+    for letter in distances:
+        outcomes = [pair[letter].outcome.value for pair in pairs.values()]
+        table[f"{letter} [m]"] = table[f"{letter} [m]"].where(distances[letter].notna(), outcomes)
+    forms = {name: "{:+.1f}" if "%" in name else "{:+.2f}" if "−" in name else "{:.2f}" for name in table}
+    rows = table.rename_axis("stop").reset_index().to_dict("records")
     return ReportTable(rows, forms, ("stop",), "Braking distances")
 
 
-def _change_sentences(letters: str, common: Sequence[str], stops: Sequence[Mapping[str, Stop]]) -> list[str]:
+def _change_sentences(distances: Frame, pairs: Mapping[str, Stops]) -> list[str]:
     """Return a sentence for each further campaign on the differences of all distances."""
     sentences: list[str] = []
-    for letter, stop in zip(letters[1:], stops[1:], strict=True):
-        pairs = {name: (stops[0][name].braking_distance, stop[name].braking_distance) for name in common}
-        changes = sorted((b / a - 1, name) for name, (a, b) in pairs.items() if a is not None and b is not None)
-        if not changes:
+    for letter in distances.columns[1:]:
+        changes = (distances[letter] / distances["A"] - 1).dropna().sort_index().sort_values(kind="stable")
+        if changes.empty:
             sentences.append(f"{letter} against A: no stop came to a standstill in both.")
             continue
-        longer = sum(change > 0 for change, _ in changes)
-        shorter = sum(change < 0 for change, _ in changes)
-        (least, best), (median, _), (most, worst) = changes[0], changes[len(changes) // 2], changes[-1]
+        (least, median, most), (best, worst) = changes.iloc[[0, len(changes) // 2, -1]], changes.index[[0, -1]]
         sentences.append(
-            f"{letter} against A over {len(changes)} stops: {longer} longer, {shorter} shorter, median "
-            f"{percent(median)}, from {percent(least)} ({best}) to {percent(most)} ({worst})."
+            f"{letter} against A over {len(changes)} stops: {(changes > 0).sum()} longer, {(changes < 0).sum()} "
+            f"shorter, median {percent(median)}, from {percent(least)} ({best}) to {percent(most)} ({worst})."
         )
-        different = [name for name in common if stops[0][name].outcome is not stop[name].outcome]
+        different = [name for name, pair in pairs.items() if pair["A"].outcome is not pair[letter].outcome]
         if different:
             sentences.append(f"Other outcomes in {letter}: {', '.join(different[:8])}.")
     return sentences
 
 
-def _common_question(pairs: Sequence[Sequence[Stop]]) -> ReportTable:
+def _common_question(pairs: Mapping[str, Stops]) -> ReportTable:
     """Return the keys that differ in some of the stops, with their number, and the values that all of these share."""
-    letters = ascii_uppercase[: len(pairs[0])]
     rows: dict[str, dict[str, Any]] = {}
-    for pair in pairs:
-        for row in _question([question_of(stop) for stop in pair]).rows:
+    letters = next(iter(pairs.values())).keys()
+    for pair in pairs.values():
+        for row in _question({letter: question_of(stop) for letter, stop in pair.items()}).rows:
             known = rows.setdefault(row["key"], dict(row) | {"stops": 0})
+            known |= {letter: _SEVERAL for letter in letters if known[letter] != row[letter]}
             known["stops"] += 1
-            for letter in letters:
-                if known[letter] != row[letter]:
-                    known[letter] = _ALIKE
     return ReportTable(list(rows.values()), left=("key", *letters, "unit"), title="Differences of the scenarios")

@@ -1,9 +1,7 @@
-"""The table of braking distances: one row for each stop, as JSON for programs and as text for readers.
-
-Stops that differ only in their draw are summarised as distributions, by `railgrip.report.distribution`.
-"""
+"""The results of a campaign for readers: a summary, tables of stops and draws, and the overview of published stops."""
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
 from math import isnan
 from pathlib import Path
 from types import MappingProxyType
@@ -11,13 +9,31 @@ from typing import Final
 
 from railgrip.base.files import write_json
 from railgrip.base.records import claim
-from railgrip.report.distribution import distribution_table, distributions_of, plain_distributions
-from railgrip.report.frame import IN_TABLES, SETTING, Frame, frame_of, groups_of, plain_rows, single_stops
+from railgrip.report.distribution import (
+    Change,
+    ReferenceVariant,
+    change_text,
+    distribution_table,
+    distributions_of,
+    plain_distributions,
+)
+from railgrip.report.frame import (
+    IN_TABLES,
+    PLACE,
+    SETTING,
+    Frame,
+    frame_of,
+    groups_of,
+    plain_rows,
+    short_names,
+    single_stops,
+)
 from railgrip.report.limits import SUBJECTS
 from railgrip.report.page import write_page
 from railgrip.report.reference import locked_text
 from railgrip.report.results import Results, fmu_tools, from_elsewhere, remarks_on
-from railgrip.report.table import Form, Link, ReportTable, change, names, share
+from railgrip.report.statistics import endless
+from railgrip.report.table import Form, Link, ReportTable, change, names, percent, share, text
 
 
 def write_table(results: Results, directory: Path, notes: Sequence[str] = ()) -> tuple[Path, Path]:
@@ -145,3 +161,228 @@ def _stops_table(frame: Frame) -> ReportTable:
     )
     columns = dict.fromkeys((*_COLUMNS, *IN_TABLES))
     return ReportTable.of_frame(shown[list(columns)].rename(columns=_HEADINGS), _FORMS)
+
+
+_OWN: Final = ("adhesion_literal", "adhesion_based", "ideal_bound")
+"""Controllers next to those with a published distance: the laws of the published kind, and the bound."""
+
+_LOCKED: Final = 2.0
+"""Lock of a wheelset above which it is given next to the distances of a controller [s]."""
+
+_CASES: Final = 4
+"""Maximum number of columns."""
+
+FIRST: Final = "braking distance"
+"""Heading of the column with the controllers."""
+
+
+OVERVIEW_MEANING: Final = (
+    "published and simulated braking distances, with the change against slip-based control (SBC) of the same origin; "
+    "medians where the distance of repeated stops depends on rounding."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class OverviewLine:
+    """The distances of a controller, published or of this campaign.
+
+    Attributes:
+        name: Name of the controller, with its origin.
+        kind: Kind of its law.
+        distances: Case → distance [m]; NaN without standstill.
+        changes: Case → change against slip-based control of the same origin; NaN for that itself.
+        ranges: Case → lowest and highest distance of repeats [m]; empty if all repeats agree or are published.
+        locks: Case → longest lock of a wheelset [s]; empty if none is long.
+    """
+
+    name: str
+    kind: str
+    distances: Mapping[str, float]
+    changes: Mapping[str, float]
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
+    locks: Mapping[str, float] = field(default_factory=dict[str, float])
+
+    @property
+    def is_published(self) -> bool:
+        """Whether the distances are those of the publication."""
+        return self.name.endswith(_PUBLISHED)
+
+
+_PUBLISHED: Final = ", published"
+_SIMULATED: Final = ", simulated"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Overview:
+    """Published distances and those of a campaign.
+
+    Attributes:
+        cases: Names of the columns.
+        lines: Controllers, the published distances before its own.
+    """
+
+    cases: tuple[str, ...]
+    lines: tuple[OverviewLine, ...]
+
+    def table(self) -> ReportTable:
+        """Return a row for each controller, and rows for ranges and locks where they matter."""
+        rows: list[dict[str, str]] = []
+        for line in self.lines:
+            rows.append({FIRST: line.name} | {case: _distance(line, case) for case in self.cases})
+            if line.ranges:
+                texts = {case: _range(line.ranges.get(case)) for case in self.cases}
+                rows.append({FIRST: "– range of repeated stops"} | texts)
+            if line.locks:
+                texts = {case: text(line.locks.get(case), "{:.1f} s") for case in self.cases}
+                rows.append({FIRST: "– longest lock of a wheelset"} | texts)
+        return ReportTable(rows, left=(FIRST,))
+
+
+def overview_of(frame: Frame) -> Overview | None:
+    """Return the overview of a campaign; None if it has no published distances, or too many cases for a screen."""
+    published = frame[frame["paper_distance"].notna()]
+    here = single_stops(frame).merge(published[list(PLACE)].drop_duplicates())
+    if here.empty:
+        return None
+    _, names = short_names(here)
+    here["name"] = [names[label].replace("\n", ", ") for label in here["label"]]
+    cases = tuple(here["name"].unique())
+    if len(cases) < len(here[list(PLACE)].drop_duplicates()) or len(cases) > _CASES:
+        return None
+    # The median over repeats of a distance that depends on rounding, else the distance.
+    here["middle"] = [row.distance if row.repeats is None else row.repeats[0] for row in here.itertuples()]
+    sbc = here[here["reference"] == "published"].drop_duplicates("name", keep="last").set_index("name")["middle"]
+    here["change"] = (here["middle"] / here["name"].map(sbc) - 1).where(here["reference"] != "published")
+    lines: list[OverviewLine] = []
+    for label, stops in here.groupby("controller_label", sort=False):
+        kind, by_case = stops["controller"].iloc[0], stops.drop_duplicates("name", keep="last").set_index("name")
+        known = by_case[by_case["paper_distance"].notna()]
+        if len(known):
+            changes = (-known["paper_reduction"]).to_dict()
+            line = OverviewLine(f"{label}{_PUBLISHED}", kind, known["paper_distance"].to_dict(), changes)
+            lines.append(line)
+        if len(known) or kind in _OWN:
+            locks = by_case["longest_lock"].dropna().to_dict()
+            lines.append(
+                OverviewLine(
+                    f"{label}{_SIMULATED}" if len(known) else str(label),
+                    kind,
+                    by_case["middle"].to_dict(),
+                    by_case["change"].to_dict(),
+                    ranges={case: ends[1:] for case, ends in by_case["repeats"].dropna().items()},
+                    locks=locks if max(locks.values(), default=0.0) > _LOCKED else {},
+                )
+            )
+    return Overview(cases=cases, lines=tuple(lines))
+
+
+def _distance(line: OverviewLine, case: str) -> str:
+    if case not in line.distances:
+        return ""
+    distance = line.distances[case]
+    metres = "no stop" if isnan(distance) else f"{distance:.1f} m"
+    return f"{metres} {percent(line.changes[case])}".rstrip()
+
+
+def _range(ends: tuple[float, float] | None) -> str:
+    return "" if ends is None else f"{ends[0]:.1f} – {ends[1]:.1f} m"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Contender:
+    """A controller, or a variant under some conditions.
+
+    Attributes:
+        name: Name for the sentence.
+        change: Median of its distance over that of the reference, minus 1.
+        text: The change with its range or interval, and the number of stops.
+        stops: Its stops.
+    """
+
+    name: str
+    change: float
+    text: str
+    stops: Frame
+
+    @property
+    def violations(self) -> dict[str, int]:
+        clauses = self.stops["breaks"].explode().dropna()
+        return {clause: int((clauses == clause).sum()) for clause in clauses.unique()}
+
+
+def headline(frame: Frame, reference: ReferenceVariant | None = None, changes: Sequence[Change] = ()) -> str:
+    """Return a summary with the controller, or variant, that shortens the distance most without breaking a clause.
+
+    Args:
+        frame: Stops of a campaign.
+        reference: The variant that others are compared with; without it, controllers are compared with the published
+            slip-based control.
+        changes: Changes of the other variants.
+    """
+    count = f"{frame['distance'].count()} of {len(frame)} stops come to a standstill."
+    candidates = _controllers(frame) if reference is None else _variants(changes)
+    if not candidates:
+        return count
+    against = "slip-based control with 10 and 15 %" if reference is None else f"{reference.axis} {reference.variant}"
+    kinds = "controllers" if reference is None else "variants"
+    shortest = min(candidates, key=lambda candidate: candidate.change)
+    allowed = [candidate for candidate in candidates if not candidate.violations]
+    if not allowed:
+        none = f"none of the {len(candidates)} {kinds} keeps all clauses" if len(candidates) > 1 else ""
+        breaks = f"{shortest.name} breaks {_breaks(shortest)}"
+        what = f"{none}: {breaks}" if none else breaks
+        return f"Against {against}, {what}. It changes the distance by {shortest.text} and is not recommended. {count}"
+    best = min(allowed, key=lambda candidate: candidate.change)
+    others = ""
+    if len(allowed) == 1 < len(candidates):
+        others = f"; of {len(candidates)} {kinds} it is the only one that keeps all clauses"
+    elif len(allowed) > 1 and best.change < 0:
+        others = f", the largest reduction of the {len(allowed)} of {len(candidates)} {kinds} that keep all clauses"
+    more = (
+        f" {shortest.name} changes it by {percent(shortest.change)}, but breaks {_breaks(shortest)}."
+        if shortest is not best
+        else ""
+    )
+    return f"Against {against}, {best.name} changes the distance by {best.text}{others}.{more} {count}"
+
+
+def _controllers(frame: Frame) -> list[_Contender]:
+    compared = frame[frame["controller"] != "ideal_bound"]
+    candidates: list[_Contender] = []
+    for name, own in compared.groupby("controller_label", sort=False):
+        shares = own["reduction_vs_sbc"].dropna()
+        if len(shares):
+            median, smallest, largest = map(change, (shares.median(), shares.max(), shares.min()))
+            text = f"{median} in the median of {len(shares)} stops, from {smallest} to {largest}"
+            text = text if len(shares) > 1 else f"{median} in one stop"
+            candidates.append(_Contender(name=str(name), change=-shares.median(), text=text, stops=own))
+    return candidates
+
+
+def _variants(changes: Sequence[Change]) -> list[_Contender]:
+    """Return the variants other than the reference; several conditions of one variant are several candidates."""
+    differ = {pair for change in changes for pair in change.conditions.items()}
+    differ -= {pair for pair in differ if all(pair in change.conditions.items() for change in changes)}
+
+    def name(change: Change) -> str:
+        under = ", ".join(" ".join(pair) for pair in change.conditions.items() if pair in differ)
+        return f"{change.variant} (with {under})" if under else change.variant
+
+    return [
+        _Contender(
+            name=name(change),
+            change=endless(change.paired.change),
+            text=f"{change_text(change.paired)} in the median of {change.paired.draws} pairs",
+            stops=change.stops,
+        )
+        for change in changes
+        if change.stops["controller"].iloc[0] != "ideal_bound"
+    ]
+
+
+def _breaks(candidate: _Contender) -> str:
+    count = len(candidate.stops)
+    return ", ".join(
+        f"the limit on {SUBJECTS[clause]} in {broken} of {count} stops"
+        for clause, broken in candidate.violations.items()
+    )

@@ -24,7 +24,7 @@ class Estimates(xarray.Dataset):
         Args:
             recording: Recording with the true states, which are drawn with the estimates, such as `stop.trace`.
         """
-        from railgrip.report.estimation import estimates_figure  # matplotlib takes half a second to load
+        from railgrip.report.figures import estimates_figure  # matplotlib takes half a second to load
 
         return estimates_figure(xarray.Dataset() if recording is None else recording, self, ())
 

@@ -1,68 +1,30 @@
-"""Figures of campaigns and sweeps: friction of scenarios, used adhesion, distances."""
+"""Figures of signals: friction, adhesion and all signals of stops, stops along the track, recordings and estimates."""
 
 import json
 from collections.abc import Mapping, Sequence
 from itertools import cycle
-from math import isfinite, isnan
+from math import ceil, isfinite
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
-from numpy.typing import NDArray
 
+from railgrip.base.names import Element
+from railgrip.recording.samples import knows, reading_of, truth_of, unit_of
 from railgrip.report import palette, style
-from railgrip.report.distribution import distributions_of, over_cases
-from railgrip.report.distribution_figure import distribution_figure
-from railgrip.report.frame import SETTING, Frame, groups_of, short_names
+from railgrip.report.signals import SignalLine, SignalPanel, signal_panels
 from railgrip.report.stop import Stop
-from railgrip.trace.metrics import FIGURES
-
-_CONTROLLER_COLOURS = {
-    "full_brake": palette.GREY,
-    "slip_two_state": palette.BLUE,
-    "slip_three_state": palette.SKY,
-    "slip_two_state_read": palette.GREEN,
-    "slip_three_state_read": palette.lighter(palette.GREEN, 2),
-    "slip_two_state_estimated": palette.VERMILION,
-    "slip_three_state_estimated": palette.lighter(palette.VERMILION, 2),
-    "adhesion_based": palette.ORANGE,
-    "adhesion_literal": palette.PURPLE,
-    "slope_seeking": palette.lighter(palette.ORANGE, 2),
-    "ideal_bound": palette.BLACK,
-}
-
+from railgrip.trace.loss import Loss
+from railgrip.trace.metrics import Metrics
 
 _RAIL_COLOURS = (*palette.LINES, palette.GREY)
 
+
 _SEEKING = "peak seeking"
-
-_MAX_BARS = 9
-"""Maximum number of cases with a panel each."""
-
-_COLUMNS = 3
-"""Maximum number of panels in a line."""
-
-_WIDTHS = (8.0, 10.0, 12.0)
-"""Width of a figure by its number of columns [inches]."""
-
-_BAR, _LEAST = 0.22, 1.55
-"""Height of a bar with its gap, and of the lowest panel [inches]."""
-
-_MAX_CASES = 60
-"""Maximum number of lines in a figure."""
-
-_MARKERS = "osD^v<>P*X"
-_EDGE: Mapping[str, Any] = {"markeredgecolor": palette.BLACK, "markeredgewidth": 0.5}
-_LINE, _HEADING = 0.27, 0.42  # inches
-_FEWEST = 6  # lines
-_DISTANCE_TICKS = (100, 150, 200, 300, 500, 700, 1000, 1500, 2000, 3000)  # m
-
-_MAX_TICKS = 20
-"""Maximum number of named values along the axis of a sweep."""
 
 
 def friction_figure(stops: Sequence[Stop]) -> Figure:
@@ -195,188 +157,292 @@ def draw_adhesion(panel: Axes, traces: Mapping[str, xarray.Dataset], limit: floa
     panel.set_xlim(0, max(float(trace["time"].values[-1]) for trace in traces.values()))
 
 
-def distance_figure(frame: Frame) -> Figure:
-    """Return a figure of the braking distances of each scenario and controller, with the published ones as marks.
+_STOP_MARGINS = {"left": 0.055, "right": 0.875, "wspace": 0.06, "hspace": 0.1}
 
-    A panel of bars for each case if they are few, else a line for each case, else the distribution over the cases of a
-    scenario.
+
+_MAX_COLUMNS = 8
+"""Maximum number of groups side by side, so that panels stay readable; those of a longer train follow below."""
+
+
+_SIGNALS: dict[str, dict[str, Any]] = {
+    "train": {"color": palette.BLACK, "linewidth": 1.4},
+    "optimum": {"color": palette.BLACK, "linewidth": 1.2},
+    "group": {"color": palette.BLUE, "linewidth": 0.9},
+    "estimate": {"color": palette.VERMILION, "linewidth": 1.0, "linestyle": (0, (2, 1.2))},
+}
+"""Role of a line → its style; lines of other roles are not drawn."""
+
+
+def signals_figure(trace: xarray.Dataset, metrics: Metrics, title: str) -> Figure:
+    """Return the figure of one stop: a column for each group, rows from speed to pressure.
+
+    A train of many groups continues below, in bands with the same axes. Signals that a foreign plant does not output,
+    and that are not estimated, have no row.
     """
-    cases = frame["label"].nunique()
-    if cases > _MAX_CASES:
-        return distribution_figure(distributions_of(over_cases(frame)), of="stop")
-    return (_bars_figure if cases <= _MAX_BARS else _cases_figure)(frame, _bar_colours(frame))
-
-
-def _bars_figure(frame: Frame, colours: Mapping[str, str]) -> Figure:
-    """Return a figure with a panel for each case and setting, as high as its bars, each of which has its name.
-
-    Args:
-        frame: Stops; one without standstill has no bar.
-        colours: Name of a controller → colour.
-    """
-    settings = list(groups_of(frame, SETTING))
-    axis, names = short_names(frame)
-    # Lines of panels: cases of one setting and with the same controllers, whose names are at the left of the line.
-    lines: list[tuple[str, list[str], dict[str, Frame]]] = []
-    for (actuation, sensors, polach), of_setting in settings:
-        title = f"actuation {actuation}, sensors {sensors},\ncreep curve {polach}\n" if len(settings) > 1 else ""
-        alike: dict[frozenset[str], dict[str, Frame]] = {}
-        for (label,), stops in groups_of(of_setting, ("label",)):
-            alike.setdefault(frozenset(stops["controller_label"]), {})[label] = stops
-        for controllers, of_line in alike.items():
-            order = [name for name in colours if name in controllers]
-            labels = list(of_line)
-            for first in range(0, len(labels), _COLUMNS):
-                lines.append((title, order, {label: of_line[label] for label in labels[first : first + _COLUMNS]}))
-    columns = max(len(cases) for _, _, cases in lines)
-    heights = [max(_LEAST, _BAR * len(order)) for _, order, _ in lines]
-    heading = 0.45 if len(settings) == 1 else 0.8
-    drawing = style.figure(_WIDTHS[columns - 1], sum(heights) + (0.3 + heading) * len(lines))
-    grid = drawing.subplots(len(lines), columns, squeeze=False, height_ratios=heights)
-    longest = frame["distance"].max()
-    for panels, (title, order, cases) in zip(grid, lines, strict=True):
-        for panel in panels[len(cases) :]:
-            panel.remove()
-        for panel, (label, stops) in zip(panels, cases.items(), strict=False):
-            case = names[label].replace("\n", ", ")
-            case = f"{axis} {case}" if axis and ", " not in axis else case
-            style.dress(panel, x=FIGURES["distance"].axis, title=title + case)
-            panel.grid(visible=False, axis="y")
-            panel.set_xlim(0, 1.02 * longest)
-            panel.set_ylim(len(order) - 0.5, -0.5)
-            panel.tick_params(axis="y", length=0)
-            panel.set_yticks(range(len(order)), order if panel is panels[0] else [""] * len(order), fontsize=8.5)
-            for row in stops.itertuples():
-                _draw_bar(panel, row, order.index(row.controller_label), colours[row.controller_label])
+    time = trace["time"].values
+    quantities = [panel for panel in signal_panels(trace) if any(line.role in _SIGNALS for line in panel.lines)]
+    outside = {"adhesion": metrics.adhesion_outside, "pad friction": metrics.pad_friction_outside}
+    drawing, panels = _columns(trace.sizes["group"], len(quantities))
+    for row, quantity in zip(panels, quantities, strict=True):
+        shares = outside.get(quantity.label)
+        for group, panel in enumerate(row):
+            for line in quantity.lines:
+                if line.role in _SIGNALS:
+                    _draw_signal(panel, time, line, group)
+            if shares is not None and isfinite(shares[group]):
+                panel.text(0.98, 0.96, f"{100 * shares[group]:.0f} % outside ±2σ", transform=panel.transAxes,
+                           ha="right", va="top", fontsize=8)  # fmt: skip
+            style.dress(panel, y=quantity.label if panel.get_subplotspec().is_first_col() else "")
+        _scale(row, quantity)
+        style.legend(row[_wide(len(row)) - 1], loc="center left", bbox_to_anchor=(1.0, 0.5))
+    for group in range(trace.sizes["group"]):
+        panels[0, group].set_title(f"group {group + 1}", fontsize=10)
+        panels[-1, group].set_xlabel("time [s]")
+        panels[0, group].set_xlim(0, time[-1])
+    # Smaller letters for a long title, such as that of a user's class: 150 of eleven points fill the width.
+    size = min(11.0, 1650.0 / max(len(title), 1))
+    drawing.suptitle(title, x=0.01, y=1 - 0.22 / drawing.get_figheight(), ha="left", fontsize=size)
     return drawing
 
 
-def _draw_bar(panel: Axes, row: Any, line: int, colour: str) -> None:
-    """Draw a distance with its number, and the published distance as a mark."""
-    if isfinite(row.distance):
-        panel.barh([line], [row.distance], 0.8, color=colour)
-        panel.annotate(
-            f"{row.distance:.0f}", (row.distance, line), ha="right", va="center", fontsize=8, xytext=(-3, 0),
-            textcoords="offset points", color="white" if colour in palette.DARK else palette.BLACK,
+def _draw_signal(panel: style.Axes, time: np.ndarray, line: SignalLine, group: int) -> None:
+    values = line.values if line.role == "train" else line.values[:, group]
+    if line.deviation is not None:
+        half_width = 2 * line.deviation[:, group]
+        style.band(panel, time, values - half_width, values + half_width, palette.ORANGE, 0.3, label="±2σ")
+    panel.plot(time, values, label=line.label, **_SIGNALS[line.role])
+
+
+def _scale(row: np.ndarray, quantity: SignalPanel) -> None:
+    # Setting the limits of a panel freezes them, so this comes after all lines.
+    low, high = quantity.limits or (0, max(panel.get_ylim()[1] for panel in row))
+    for panel in row:
+        if quantity.log_ticks:
+            panel.set_yscale("log")
+            panel.set_yticks(quantity.log_ticks, [f"{tick:g}" for tick in quantity.log_ticks])
+            panel.yaxis.set_minor_locator(NullLocator())
+        panel.set_ylim(low, high)
+
+
+def _wide(groups: int) -> int:
+    return ceil(groups / ceil(groups / _MAX_COLUMNS))
+
+
+def _columns(groups: int, rows: int) -> tuple[Figure, np.ndarray]:
+    """Return a figure and its panels, shape (rows, groups), in as many bands as their width requires."""
+    bands = ceil(groups / _MAX_COLUMNS)
+    wide = _wide(groups)
+    above, below, between, block = 0.77, 0.5, 0.85, 0.03 + 1.94 * rows  # inches
+    height = above + bands * block + (bands - 1) * between + below
+    drawing = style.figure(14, height, _STOP_MARGINS)
+    parts: list[np.ndarray] = []
+    for band in range(bands):
+        top = above + band * (block + between)
+        grid = drawing.add_gridspec(
+            rows, wide, top=1 - top / height, bottom=1 - (top + block) / height, **_STOP_MARGINS
+        )
+        panels = grid.subplots(sharex=True, sharey="row", squeeze=False)
+        for spare in panels[:, groups - band * wide :].flat:
+            spare.remove()
+        parts.append(panels[:, : groups - band * wide])
+    return drawing, np.hstack(parts)
+
+
+def track_figure(along: Mapping[str, Loss]) -> Figure:
+    """Return a figure of speed, its difference to the first stop, A, and the distance lost against A, over the
+    distance.
+
+    Args:
+        along: Letter of each other stop → distance that it loses against A along the track.
+    """
+    drawing, (speeds, differences, losses) = style.panels(10, 8.4, 3, 1, sharex=True)
+    first, colours = next(iter(along.values())).first, (palette.BLACK, *palette.LINES[:-1])
+    speeds.plot(first.place, style.KMH * first.speed, color=palette.BLACK, linewidth=1.4, label="A")
+    for number, (letter, lost) in enumerate(along.items(), start=1):
+        colour = colours[number % len(colours)]
+        course = lost.course
+        speeds.plot(course.place, style.KMH * course.speed, color=colour, linewidth=1.2, label=letter)
+        differences.plot(course.place, style.KMH * lost.speed_difference, color=colour, linewidth=1.2, label=letter)
+        losses.plot(course.place, lost.lost, color=colour, linewidth=1.4, label=f"{letter}, so far")
+        losses.annotate(
+            f"{lost.total:+.1f} m".replace("-", "−"), (course.place[-1], lost.total), fontsize=9, color=colour,
+            xytext=(4, 0), textcoords="offset points", va="center",
         )  # fmt: skip
-    if isfinite(row.paper_distance):
-        panel.plot([row.paper_distance] * 2, [line - 0.45, line + 0.45], color=palette.BLACK, linewidth=2.2)
-
-
-def _bar_colours(frame: Frame) -> dict[str, str]:
-    """Return name of each controller → colour: that of its kind, lighter for each further one of the same kind."""
-    kinds = dict(zip(frame["controller_label"], frame["controller"], strict=True))
-    order = [*_CONTROLLER_COLOURS, *dict.fromkeys(kinds.values())]
-    colours: dict[str, str] = {}
-    for name in sorted(kinds, key=lambda name: order.index(kinds[name])):
-        alike = sum(kinds[other] == kinds[name] for other in colours)
-        colours[name] = palette.lighter(_CONTROLLER_COLOURS.get(kinds[name], palette.GREEN), alike)
-    return colours
-
-
-def _cases_figure(frame: Frame, colours: Mapping[str, str]) -> Figure:
-    """Return a figure of the distances of each case with its friction, and their change against published SBC.
-
-    Args:
-        frame: Stops; one without standstill is a cross at the right edge of both panels.
-        colours: Name of a controller → colour.
-    """
-    has_one_scenario = frame["scenario"].nunique() == 1
-    families: dict[tuple[str, str, str], dict[str, list[Any]]] = {}
-    for setting, stops in groups_of(frame, SETTING):
-        for row in stops.itertuples():
-            name = _case_name(row.case if has_one_scenario and row.case else row.label, row.friction)
-            families.setdefault(setting, {}).setdefault(name, []).append(row)
-    # No panel is so low that a page would stretch the figure.
-    heights = [_HEADING / _LINE + max(len(cases), _FEWEST) for cases in families.values()]
-    drawing = style.figure(12, 1.4 + _LINE * sum(heights))
-    grid = drawing.subplots(len(families), 2, sharex="col", squeeze=False, height_ratios=heights, width_ratios=(3, 2))
-    looks: dict[str, dict[str, Any]] = {
-        name: {"color": colour, "marker": _MARKERS[number % len(_MARKERS)], "markersize": 6.5, "linestyle": ""}
-        for number, (name, colour) in enumerate(colours.items())
-    }
-    before = ("", "")
-    for (metres, changes), ((actuation, sensors, polach), cases) in zip(grid, families.items(), strict=True):
-        equipment = f", actuation {actuation}, sensors {sensors}" if before != (actuation, sensors) else ""
-        before = (actuation, sensors)
-        style.dress(metres, title=f"creep curve {polach.replace('_', ' ')}{equipment}")
-        style.dress(changes)
-        changes.axvline(0.0, color=palette.BLACK, linewidth=0.9)
-        for panel, names in ((metres, list(cases)), (changes, [""] * len(cases))):
-            panel.set_ylim(len(cases) - 0.5, -0.5)
-            panel.set_yticks(range(len(cases)), names, fontsize=9)
-        for line, row in ((line, row) for line, case in enumerate(cases.values()) for row in case):
-            _draw_case(row, line, metres, changes, looks[row.controller_label])
-    metres, changes = grid[-1]
-    metres.set_xscale("log")
-    metres.set_xticks(_DISTANCE_TICKS, [f"{tick}" for tick in _DISTANCE_TICKS])
-    metres.xaxis.set_minor_locator(NullLocator())
-    metres.set_xlim(0.95 * frame["distance"].min(), 1.05 * frame["distance"].max())
-    metres.set_xlabel(FIGURES["distance"].axis)
-    changes.set_xlabel("change against the published SBC [%]")
-    marks = [Line2D([], [], **look, **_EDGE) for look in looks.values()]
-    marks.append(Line2D([], [], color=palette.BLACK, marker="x", linestyle=""))
-    drawing.legend(marks, [*colours, "no standstill"], ncols=3, fontsize=9, loc="outside upper left", frameon=False)
+        if len(along) == 1:
+            widths = [section.end - section.begin for section in lost.sections]
+            losses.bar(
+                [section.begin for section in lost.sections], [section.lost for section in lost.sections], widths,
+                align="edge", color=palette.lighter(palette.SKY, 3), edgecolor="white",
+                label=f"{letter}, in the section",
+            )  # fmt: skip
+    style.dress(speeds, y="speed [km/h]", title="Speed")
+    style.dress(differences, y="difference [km/h]", title="Speed less that of A at the same place")
+    style.dress(
+        losses,
+        x="distance since the brake demand [m]",
+        y="distance lost [m]",
+        title="How far the stop is behind A at the same speed",
+    )
+    for panel in (differences, losses):
+        panel.axhline(0.0, color=palette.BLACK, linewidth=0.8)
+    furthest = max(float(lost.course.place[-1]) for lost in along.values())
+    speeds.set_xlim(0, 1.07 * max(furthest, float(first.place[-1])))
+    speeds.set_ylim(bottom=0)
+    for panel in (speeds, losses):
+        style.legend(panel, loc="best")
     return drawing
 
 
-def _draw_case(row: Any, line: int, metres: Axes, changes: Axes, look: Mapping[str, Any]) -> None:
-    if isnan(row.distance):
-        for panel in (metres, changes):
-            cross: dict[str, Any] = {**look, "transform": panel.get_yaxis_transform(), "marker": "x"}
-            panel.plot(1.0, line, clip_on=False, **cross)
-        return
-    metres.plot(row.distance, line, **look, **_EDGE)
-    if isfinite(row.reduction_vs_sbc):
-        changes.plot(-100 * row.reduction_vs_sbc, line, **look, **_EDGE)
+_ELEMENT_COLOURS = (palette.BLUE, palette.ORANGE, palette.GREEN, palette.PURPLE, palette.SKY, palette.VERMILION)
 
 
-def _case_name(case: str, friction: str) -> str:
-    name = case.replace("_", " ")
-    return f"{name}, $\\mu_0$ {friction}" if friction else name
+_STATE_COLOURS = (
+    palette.BLUE,
+    palette.BLACK,
+    palette.VERMILION,
+    palette.GREEN,
+    palette.ORANGE,
+    palette.PURPLE,
+    palette.SKY,
+)
 
 
-def sweep_figure(axes: Mapping[str, Sequence[Any]], distances: NDArray[np.float64]) -> Figure:
-    """Return a figure of distances over the longest axis, with a line for each combination of the others, or their
-    median.
+_DASHES = ("-", "--", ":", "-.")
+
+
+_WORDS = {
+    "speed": "speed [m/s]",
+    "wheelset_speed": "wheelset speed [rad/s]",
+    "pad_friction": "pad friction",
+    "group_adhesion": "adhesion",
+    "dz": "deflection [m]",
+    "ddz": "rate of deflection [m/s]",
+    "d": "disturbance [m/s²]",
+    "bias": "bias [m/s²]",
+}
+
+
+_SETTLED = 0.02
+"""Share of the time after which values determine the scale of a state.
+
+Initial estimates may be arbitrarily uncertain.
+"""
+
+
+def estimates_figure(recording: xarray.Dataset, estimates: xarray.Dataset, inputs: Sequence[str]) -> Figure:
+    """Return a figure of inputs, states ± 2 standard deviations with the truth (dashed), and innovation consistency.
 
     Args:
-        axes: Key → values.
-        distances: Distances in the shape of the axes [m]; NaN without a standstill.
+        recording: Recording that the filter was run over.
+        estimates: Estimates of the filter, see `railgrip.estimation.run.estimate`.
+        inputs: Names of readings.
     """
-    names = list(axes)
-    longest = max(names, key=lambda name: len(axes[name]))
-    others = [name for name in names if name != longest and len(axes[name]) > 1]
-    lines = np.moveaxis(distances, names.index(longest), -1).reshape(-1, len(axes[longest]))
-    drawing, panel = style.panels(9, 4.5)
-    places = np.arange(lines.shape[1])
-    if len(lines) > len(palette.LINES):
-        for line in lines:
-            panel.plot(places, line, ".", color=palette.GREY, ms=3)
-        with np.errstate(all="ignore"):
-            median = np.nanmedian(lines, axis=0)
-        panel.plot(places, median, "o-", color=palette.BLUE, label=f"median over {', '.join(others)}")
-    else:
-        labels = _line_labels([(name, axes[name]) for name in names if name != longest])
-        for line, label, colour in zip(lines, labels, palette.LINES, strict=False):
-            panel.plot(places, line, "o-", color=colour, ms=4, linewidth=1.2, label=label or None)
-    shown = places[:: 1 + (len(places) - 1) // _MAX_TICKS]
-    texts = [_value_text(axes[longest][place]) for place in shown]
-    panel.set_xticks(shown, texts, rotation=30 if max(map(len, texts)) > 8 else 0)
-    style.dress(panel, x=longest, y=FIGURES["distance"].axis)
-    if others:
-        style.legend(panel)
+    states = _families([str(state) for state in estimates["state"].values])
+    families = _families(inputs)
+    drawing = style.figure(10, 1.9 * (len(families) + len(states) + 1))
+    panels = list(np.atleast_1d(drawing.subplots(len(families) + len(states) + 1, 1, sharex=True)))
+    time = estimates["time"].values
+    for panel, (family, names) in zip(panels, families.items(), strict=False):
+        factor, unit = style.readable(unit_of(recording, names[0]))
+        for name, colour in _with_colours(names):
+            panel.plot(time, factor * reading_of(recording, name), color=colour, lw=0.9, label=_label(name, names))
+        style.dress(panel, y=f"{family.replace('_', ' ')} [{unit}]")
+        _legend(panel, len(names))
+    later = time >= time[0] + _SETTLED * (time[-1] - time[0])
+    for panel, (family, names) in zip(panels[len(families) :], states.items(), strict=False):
+        bands: list[np.ndarray] = []
+        for name, colour in _with_colours(names):
+            mean, sd = (estimates[what].sel(state=name).values for what in ("mean", "sd"))
+            style.band(panel, time, mean - 2 * sd, mean + 2 * sd, colour, min(0.15, 1.0 / len(names)))
+            panel.plot(time, mean, color=colour, lw=1.0, label=_label(name, names))
+            bands.append(mean[later])
+            if knows(recording, name):
+                panel.plot(time, truth_of(recording, name), color=colour, lw=1.0, ls="--")
+                bands.append(truth_of(recording, name)[later])
+        style.dress(panel, y=_WORDS.get(family, family))
+        panel.set_ylim(*_reach(np.concatenate(bands)))
+        _legend(panel, len(names))
+    last = panels[-1]
+    nis_of_reading = estimates["nis"].values / np.maximum(estimates["readings"].values, 1.0)
+    last.semilogy(time, nis_of_reading, ".", color=palette.GREY, ms=1.5)
+    last.axhline(1.0, color=palette.BLACK, lw=0.8, ls=":")
+    # Most samples of a filter that is lost are beyond a hundred.
+    last.set_ylim(1e-2, max(1e2, 10.0 * float(np.nanmedian(nis_of_reading))))
+    style.dress(last, x="time [s]", y="NIS per reading\n(expected: 1)")
+    truth = "; dashed: truth" if any(knows(recording, str(state)) for state in estimates["state"].values) else ""
+    nis = f"; median NIS {estimates.attrs['nis_ratio']:.2g} of the expected one"
+    names = [estimates.attrs[kind] for kind in ("estimation", "name") if estimates.attrs.get(kind)]
+    title = f"{' of '.join(names)}: " if names else ""
+    drawing.suptitle(f"{title}estimates ± 2 sd{truth}{nis}", fontsize=10)
     return drawing
 
 
-def _line_labels(axes: Sequence[tuple[str, Sequence[Any]]]) -> list[str]:
-    labels = [""]
-    for name, values in axes:
-        more = [f"{name} {_value_text(value)}" if len(values) > 1 else "" for value in values]
-        labels = [", ".join(filter(None, (label, axis))) for label in labels for axis in more]
-    return labels
+def _families(names: Sequence[str]) -> Mapping[str, list[str]]:
+    families: dict[str, list[str]] = {}
+    for name in names:
+        families.setdefault(Element.of(name).array, []).append(name)
+    return families
 
 
-def _value_text(value: Any) -> str:
-    text = f"{value:g}" if isinstance(value, float) else str(value)
-    return text if len(text) <= 24 else f"{text[:23]}…"
+def _with_colours(names: Sequence[str]) -> list[tuple[str, str]]:
+    colours = _ELEMENT_COLOURS if len(names) <= len(_ELEMENT_COLOURS) else palette.lead_to_trail(len(names))
+    return list(zip(names, colours, strict=False))
+
+
+def _label(name: str, names: Sequence[str]) -> str:
+    """Return the number of an element; of many elements only the first and the last one have a label."""
+    is_labelled = len(names) <= len(_ELEMENT_COLOURS) or name in (names[0], names[-1])
+    return Element.of(name).label if is_labelled else "_"
+
+
+def _legend(panel: Axes, count: int) -> None:
+    if count > 1:
+        # Outside the axes, where no line runs.
+        style.legend(panel, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def _reach(values: np.ndarray) -> tuple[float, float]:
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        return 0.0, 1.0
+    low, high = np.percentile(finite, (0.2, 99.8))
+    margin = 0.15 * max(high - low, 1e-6)
+    return float(low - margin), float(high + margin)
+
+
+def information(recording: xarray.Dataset, windows: xarray.Dataset, path: Path, *, inputs: tuple[str, ...]) -> Path:
+    """Draw the inputs, and below them the smallest singular value of the Gramian, for all states and for each.
+
+    A window without information on a state has no point on the logarithmic axis: the line is interrupted there.
+    """
+    drawing, (above, below) = style.panels(10, 6.5, 2, 1, sharex=True, height_ratios=(1, 2))
+    for name, color in zip(inputs, (palette.ORANGE, palette.BLUE), strict=False):
+        factor, unit = style.readable(unit_of(recording, name))
+        above.plot(
+            recording["time"], factor * reading_of(recording, name), color=color, lw=0.8, label=f"{name} [{unit}]"
+        )
+    style.dress(above, title=f"{windows.attrs['name']}: windows of {windows.attrs['window']:g} s")
+    style.legend(above, loc="upper left")
+    time = windows["time"].values
+    families: dict[str, int] = {}
+    for state in windows["state"].values:
+        # One colour per kind of state, one dash pattern per element.
+        family = Element.of(str(state)).array
+        color = _STATE_COLOURS[list(families).index(family) if family in families else len(families)]
+        families[family] = families.get(family, -1) + 1
+        values = windows["singular"].sel(state=state).values
+        below.semilogy(
+            time,
+            np.where(values > 0.0, values, np.nan),
+            color=color,
+            ls=_DASHES[families[family] % len(_DASHES)],
+            lw=1.1,
+            label=str(state),
+        )
+    smallest = windows["smallest"].values
+    positive = np.where(np.isfinite(windows["deviation"].values).all(axis=1), smallest, np.nan)
+    below.semilogy(time, positive, color="#999999", lw=2.5, alpha=0.6, label="smallest of all")
+    below.axhline(1.0, color=palette.BLACK, lw=0.7, ls=":")
+    style.dress(below, x="time [s]", y="(typical size / deviation)²")
+    style.legend(below, ncols=8, loc="lower left", bbox_to_anchor=(0.0, 1.0))
+    return style.save(drawing, path)

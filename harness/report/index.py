@@ -1,7 +1,8 @@
-"""Write the report of results: one self-contained page of table, figures and definitions for a browser."""
+"""Write the report of results: one self-contained page for a browser of a campaign, or of a stop."""
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -11,23 +12,120 @@ from railgrip.base.errors import InputError, RecordError
 from railgrip.base.records import claim
 from railgrip.report import style
 from railgrip.report.baseline import baseline_deviations
-from railgrip.report.distances import reader_tables, repeats_table, setting_tables, write_table
-from railgrip.report.distribution import distributions_of, quantile_table, worst_table
-from railgrip.report.distribution_figure import distribution_figure, exceedance_figure
-from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure
+from railgrip.report.comparison import flat, unit_of, without_numbers
+from railgrip.report.distance_figures import (
+    FIGURE_MEANING,
+    distance_figure,
+    distribution_figure,
+    exceedance_figure,
+    overview_figure,
+)
+from railgrip.report.distances import (
+    OVERVIEW_MEANING,
+    headline,
+    overview_of,
+    reader_tables,
+    repeats_table,
+    setting_tables,
+    write_table,
+)
+from railgrip.report.distribution import (
+    ReferenceVariant,
+    change_table,
+    changes_against,
+    distributions_of,
+    quantile_table,
+    worst_table,
+)
+from railgrip.report.figures import adhesion_figure, friction_figure
 from railgrip.report.frame import Frame, frame_of, single_stops
-from railgrip.report.headline import headline
 from railgrip.report.limits import describe_clauses, limits_of
-from railgrip.report.overview import OVERVIEW_MEANING, overview_of
-from railgrip.report.overview_figure import FIGURE_MEANING, overview_figure
 from railgrip.report.page import FORMATS, Page
-from railgrip.report.reference import is_published
+from railgrip.report.reference import is_published, label
 from railgrip.report.results import Results, from_elsewhere, provenance, read_results, remarks_on
-from railgrip.report.stop import CAMPAIGN_FILE, PAGE_FILES, STOP_FILE, Stop, others_like, read_stop
-from railgrip.report.stop_page import stop_page
+from railgrip.report.signals import signals_plot
+from railgrip.report.stop import (
+    CAMPAIGN_FILE,
+    PAGE_FILES,
+    STOP_FILE,
+    Stop,
+    metrics_table,
+    others_like,
+    read_stop,
+    value_text,
+)
 from railgrip.report.table import ReportTable, names
-from railgrip.report.variants import ReferenceVariant, change_table, changes_against
 from railgrip.scenario.campaign import DRAW, Panels
+from railgrip.scenario.keys import meanings_of_keys
+from railgrip.scenario.outcome import Outcome
+
+
+def stop_page(stop: Stop, *, back: str = "") -> Page:
+    """Return the page of a stop; without samples it has no figure of the signals.
+
+    Args:
+        stop: The stop.
+        back: Address of the page of its campaign.
+
+    Raises:
+        RecordError: The samples do not belong to the figures of the stop.
+    """
+    scenario = stop.inputs
+    return Page(
+        title=f"Stop {stop.name}",
+        question=question(scenario),
+        answer=answer(stop),
+        template="report/stop.md.jinja",
+        values={
+            "back": back,
+            "doubts": [*stop.metrics.doubts(), *stop.remarks, *stop.warning_sentences()],
+            "reason": stop.reason,
+            "description": scenario.get("description", ""),
+            "scenario": scenario_table(scenario),
+            "metrics": metrics_table(stop.figures),
+        },
+        plots={"signals": signals_plot(stop.trace)} if stop.has_trace else {},
+        provenance=provenance(stop),
+    )
+
+
+def question(scenario: Mapping[str, Any]) -> str:
+    """Return the question of a scenario, one sentence."""
+    estimator, speed = scenario["estimator"]["kind"], 3.6 * scenario["start"]["speed"]
+    return (
+        f"How far does the train travel from {speed:.0f} km/h on the rail “{scenario['name'].replace('_', ' ')}” under "
+        f"{label(scenario)}, with {scenario['actuation']['kind']} actuation, {scenario['sensors']['kind']} sensors and "
+        f"{'no estimator' if estimator == 'none' else f'estimator {estimator}'}?"
+    )
+
+
+def answer(stop: Stop) -> str:
+    """Return distance and duration, and the utilisation of the adhesion, in two sentences."""
+    metrics = stop.metrics
+    way = f"{metrics.distance_travelled:.1f} m in {metrics.duration:.1f} s"
+    first = (
+        f"The train stops in {way}."
+        if stop.outcome is Outcome.STANDSTILL
+        else f"The train does not come to a standstill: the stop ends with {stop.outcome.value} after {way}."
+    )
+    share = f"It uses {100 * metrics.utilisation:.1f} % of the possible adhesion, and its"
+    second = (
+        f"{share if isfinite(metrics.utilisation) else 'Its'} longest lock lasts {max(metrics.longest_lock):.2f} s."
+    )
+    if isfinite(metrics.adhesion_allowed):
+        second += f" The creep curve allows an adhesion α of {metrics.adhesion_allowed:.4f}, a mean for v²/(2 g α)."
+    return f"{first} {second}"
+
+
+def scenario_table(scenario: Mapping[str, Any]) -> ReportTable:
+    """Return every key of a scenario in SI units, with its meaning."""
+    rows = [
+        {"key": key, "value": ", ".join(map(value_text, value)) if isinstance(value, list) else value_text(value),
+         "unit": unit_of(key), "meaning": meanings_of_keys().get(without_numbers(key), "")}
+        for key, value in flat(scenario).items()
+    ]  # fmt: skip
+    return ReportTable(rows, left=("key", "value", "unit", "meaning"))
+
 
 _LEGEND: Mapping[str, str] = {
     "reduction_vs_sbc": "Changes are against slip-based control (SBC) on the same rail: with the published thresholds, "

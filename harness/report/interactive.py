@@ -20,7 +20,7 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.text import Annotation, Text
 from matplotlib.transforms import Bbox
 
-from railgrip.report.signals_plot import TICKS, array
+from railgrip.report.signals import TICKS, array
 
 Plot = dict[str, Any]
 """`data` and `layout` of plotly.js."""

@@ -1,12 +1,17 @@
-"""The signals of a stop as panels of lines, drawn by group in `signals_figure` and by wheelset in `signals_plot`."""
+"""The signals of a stop as panels of lines, and as an interactive figure of wheelsets with the axles at a cursor."""
 
-from collections.abc import Sequence
+import base64
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from math import ceil
+from typing import Any, Literal
 
 import numpy as np
 import xarray
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from railgrip.report.palette import BLACK, SHADES, lead_to_trail
+from railgrip.trace.recorder import formation_in
 
 Role = Literal["train", "group", "wheelset", "optimum", "demand", "estimate"]
 """What a line is of; optimum, demand and estimate have a value for each group."""
@@ -85,3 +90,126 @@ def signal_panels(trace: xarray.Dataset) -> list[SignalPanel]:
 def has_values(trace: xarray.Dataset, name: str) -> bool:
     """Return whether a trace has a finite value of a variable."""
     return name in trace and bool(np.isfinite(trace[name].values).any())
+
+
+_POINTS = 250_000
+"""Maximum number of points in all lines; with more a browser becomes too slow."""
+
+_ROW = 195  # pixels, a panel and the gap below it; no panel is lower than 150 on any screen
+_GAP = 0.2  # of a row
+TICKS = {"ticks": "outside", "ticklen": 5, "tickcolor": "rgba(0,0,0,0)"}
+"""Invisible ticks, which keep the labels of both axes apart in the corner."""
+
+_DASHES = {"optimum": "dash", "demand": "dash", "estimate": "dot"}
+_HIDDEN = {"maximum adhesion", "demanded", "±2σ"}
+"""Lines that are drawn after a click on their name in the legend."""
+
+
+def array(values: ArrayLike) -> dict[str, str]:
+    """Return numbers in plotly.js's binary format, with seven digits, the resolution of a screen."""
+    with np.errstate(over="ignore"):  # a diverged value is infinite
+        numbers = np.ascontiguousarray(np.ravel(values), dtype="<f4")
+    return {"dtype": "f4", "bdata": base64.b64encode(numbers.tobytes()).decode()}
+
+
+def signals_plot(trace: xarray.Dataset) -> dict[str, Any]:
+    """Return the panels of `signal_panels` over time or distance, a line for each wheelset, for plotly.js.
+
+    For a long train only each n-th sample is drawn; trace.nc has all.
+    """
+    group = formation_in(trace).group_of_wheelset
+    panels = [panel for panel in signal_panels(trace) if panel.lines]
+    curves = [
+        (number, *curve)
+        for number, panel in enumerate(panels, start=1)
+        for line in panel.lines
+        if line.role != "group" or all(other.role != "wheelset" for other in panel.lines)
+        for curve in _curves(line, group)
+    ]
+    every = max(1, ceil(len(curves) * trace.sizes["time"] / _POINTS))
+    places = np.unique(np.append(np.arange(0, trace.sizes["time"], every), trace.sizes["time"] - 1))
+    colours = lead_to_trail(trace.sizes["wheelset"])
+    named: set[str] = set()
+    data: list[dict[str, Any]] = []
+    for number, name, wheelset, dash, values in curves:
+        data.append(
+            {
+                "type": "scatter",
+                "mode": "lines",
+                "y": array(values[places]),
+                "yaxis": f"y{number}" if number > 1 else "y",
+                "name": name,
+                "legendgroup": name,
+                "showlegend": name not in named,
+                "visible": "legendonly" if name in _HIDDEN else True,
+                "line": {
+                    "color": BLACK if wheelset is None else colours[wheelset],
+                    "dash": dash,
+                    "width": 1.4 if dash == "solid" else 1.2,
+                },
+            }
+        )
+        named.add(name)
+    return {"data": data, "layout": {**_layout(panels), "meta": {"train": _train(trace, places)}}}
+
+
+def _curves(line: SignalLine, group: NDArray[np.intp]) -> Iterator[tuple[str, int | None, str, NDArray[np.float64]]]:
+    """Return name, wheelset, dash and values of each curve of a line."""
+    if line.role == "train":
+        yield line.label, None, "solid", line.values
+    elif line.role in ("group", "wheelset"):
+        columns = line.values if line.role == "wheelset" else line.values[:, group]
+        for wheelset, values in enumerate(columns.T):
+            yield f"wheelset {wheelset + 1}", wheelset, "solid", values
+    else:
+        for number, values in enumerate(line.values.T):
+            wheelset = int(np.argmax(group == number))
+            yield line.label, wheelset, _DASHES[line.role], values
+            if line.deviation is not None:
+                half_width = 2 * line.deviation[:, number]
+                yield "±2σ", wheelset, "dot", values - half_width
+                yield "±2σ", wheelset, "dot", values + half_width
+
+
+def _layout(panels: Sequence[SignalPanel]) -> dict[str, Any]:
+    axes = ["y", *(f"y{number}" for number in range(2, len(panels) + 1))]
+    layout: dict[str, Any] = {
+        "grid": {"rows": len(panels), "columns": 1, "subplots": [[f"x{axis}"] for axis in axes], "ygap": _GAP},
+        "height": _ROW * len(panels) + 55,
+        "margin": {"l": 70, "r": 10, "t": 20, "b": 50},
+        "hovermode": "x unified",
+        "hoversubplots": "axis",
+        "legend": {"groupclick": "togglegroup", "tracegroupgap": 0},
+        "xaxis": {"title": {"text": "time since the brake demand [s]"}, "anchor": axes[-1], **TICKS},
+        "shapes": [
+            {"type": "line", "xref": "x", "yref": "paper", "x0": 0, "x1": 0, "y0": 0, "y1": 1, "line": {"width": 1}}
+        ],
+    }
+    for axis, panel in zip(axes, panels, strict=True):
+        scale: dict[str, Any] = {"rangemode": "tozero"} if panel.limits is None else {"range": panel.limits}
+        if panel.log_ticks:
+            scale = {"type": "log", "range": np.log10(scale["range"]).tolist(), "tickvals": panel.log_ticks}
+        layout[axis.replace("y", "yaxis")] = {"title": {"text": panel.label}, **scale, **TICKS}
+    return layout
+
+
+def _train(trace: xarray.Dataset, places: NDArray[np.intp]) -> dict[str, Any]:
+    group, wheelsets = formation_in(trace).group_of_wheelset, trace.sizes["wheelset"]
+    signals: dict[str, Any] = {}
+    for name, low, high, factor, unit in (("slip", 0.001, 1.0, 100, "%"), ("adhesion", 0.01, 0.2, 1, "")):
+        if has_values(trace, name):
+            each = trace[name].values[places]
+            each = each if trace[name].dims[1] == "wheelset" else each[:, group]
+            values = [array(column) for column in each.T]
+            signals[name] = {"values": values, "low": low, "high": high, "unit": unit, "factor": factor,
+                             "colours": SHADES}  # fmt: skip
+    # A foreign plant may not declare the positions of its wheelsets.
+    known = trace["wheelset_position"].values if "wheelset_position" in trace else 2.5 * np.arange(wheelsets)
+    cars = trace["car_of_wheelset"].values if "car_of_wheelset" in trace else np.ones(wheelsets, dtype=int)
+    return {
+        "positions": [float(position) for position in known],
+        "cars": [int(car) for car in cars],
+        "time": array(trace["time"].values[places]),
+        "distance": array(trace["distance"].values[places]),
+        "signals": signals,
+    }

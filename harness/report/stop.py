@@ -262,7 +262,7 @@ class Stop:
 
     def plot(self) -> "Figure":
         """Return a figure (matplotlib) with a column for each group: speed, slip, adhesion, friction and pressure."""
-        from railgrip.report.signals_figure import signals_figure  # matplotlib takes half a second to load
+        from railgrip.report.figures import signals_figure  # matplotlib takes half a second to load
 
         return signals_figure(self.stored_trace, self.metrics, self.heading)
 

@@ -6,8 +6,7 @@ import pytest
 
 from railgrip.base.errors import InputError, ScenarioError
 from railgrip.studies.estimators.own import require_one_of_each_name
-from railgrip.studies.type_test.controller_digest import controller_digest
-from railgrip.studies.type_test.entrants import Entrant, entrants_named
+from railgrip.studies.type_test.entrants import Entrant, controller_digest, entrants_named
 
 
 @pytest.mark.parametrize("arguments", [("run", "plain", "--out"), ("report",)])

@@ -9,8 +9,8 @@ from command_line import done
 
 import railgrip as rg
 from railgrip.base.registry import shelf
+from railgrip.report.index import stop_page
 from railgrip.report.stop import read_stop
-from railgrip.report.stop_page import stop_page
 
 CHANGES = {
     "estimator": {"kind": "none"},

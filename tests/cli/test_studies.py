@@ -9,7 +9,7 @@ import pytest
 from one_process import one_process
 
 from railgrip.base.errors import EstimationError, InputError
-from railgrip.campaign.sources import input_versions
+from railgrip.campaign.one_stop import input_versions
 from railgrip.campaign.work import work
 from railgrip.scenario.load import load
 from railgrip.studies import names, summary

@@ -11,7 +11,7 @@ from one_process import Here, one_process
 
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
-from railgrip.campaign.tune_control import EQUIPMENT, RANGES, Optimum, parameters_of, search, set_of, text_of
+from railgrip.campaign.searches import EQUIPMENT, RANGES, Optimum, parameters_of, search, set_of, text_of
 from railgrip.cli.main import main
 from railgrip.controllers.law import GroupLaw, Law
 from railgrip.controllers.laws.slip_two_state import SlipLevels
@@ -126,7 +126,7 @@ def test_a_search_on_training_cases_does_not_change_the_set_of_the_papers(tmp_pa
             reference=(100.0,),
         )
 
-    monkeypatch.setattr("railgrip.campaign.tune_control.search", found)
+    monkeypatch.setattr("railgrip.campaign.searches.search", found)
     options = ("--cases", "1", "--budget", "5", "--out", str(tmp_path))
     with one_process(), pytest.raises(SystemExit) as end:
         main(["maintain", "tune-control", "--law", "slip_three_state", "--law", "wheel_reference", *options])

@@ -8,13 +8,23 @@ import pytest
 from railgrip.base import registry
 from railgrip.estimation.run import model_of
 from railgrip.estimators.tuning import NOISE_SETS
+from railgrip.rolling_stock.blocks import LAWS as BLOCK_LAWS
+from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, Train
 from railgrip.scenario.faults import Fault
 from railgrip.scenario.onboard import SensorModel
 from railgrip.simulate.estimator import _NOISE_PREFIX
+from railgrip.studies.type_test.case_set import VERSIONS
+from railgrip.studies.type_test.entrants import entrants
 
 DOCS = Path(__file__).parents[2] / "docs"
-PREDICTIONS = Path(__file__).parents[2] / "modelica" / "RailBraking" / "Predictions" / "package.order"
-TRAINS = [name for name in PREDICTIONS.read_text(encoding="utf-8").split() if name.startswith("TrainPrediction")]
+MODELICA = Path(__file__).parents[2] / "modelica" / "RailBraking"
+
+
+def classes_of(package):
+    return (MODELICA / package / "package.order").read_text(encoding="utf-8").split()
+
+
+TRAINS = [name for name in classes_of("Predictions") if name.startswith("TrainPrediction")]
 
 
 def kinds_of(tables, field="kind"):
@@ -25,6 +35,13 @@ FAULTS = registry.parts(registry.FAULTS, Fault)
 ON_PAGES = {
     "estimators.md": registry.modules(registry.FILTERS),
     "faults.md": [*kinds_of(FAULTS), *kinds_of(FAULTS, "part")],
+    "type_test.md": registry.modules(registry.LAWS),
+    "trains.md": [
+        *(name for name, field in Train.model_fields.items() if field.annotation is not str),
+        *kinds_of((BrakePipe, Electropneumatic)),
+        *BLOCK_LAWS,
+        *(name for package in ("Components", "Pneumatics") for name in classes_of(package) if "Brake" in name),
+    ],
     "**/*.md": [*kinds_of(registry.parts(registry.SENSORS, SensorModel)), *registry.names("studies")],
 }
 """Page, or pages of which any may have it → kinds."""
@@ -33,8 +50,16 @@ ON_PAGES = {
 @pytest.mark.parametrize(("page", "kind"), [(page, kind) for page, kinds in ON_PAGES.items() for kind in kinds])
 def test_each_kind_is_on_its_page(page, kind):
     text = "".join(path.read_text(encoding="utf-8") for path in DOCS.glob(page))
-    written = (f"`{kind}`", f'"{kind}"', f"study {kind}", f"`{kind}:")
+    # A law is a row of the table of controllers; a table of a train file is [kind], [kind.NAME] or [[kind]].
+    written = (f"`{kind}`", f'"{kind}"', f"study {kind}", f"`{kind}:", f"| {kind} |", f"[{kind}]", f"[{kind}.")
+    written = (*written, f".{kind}`")  # a class of Modelica after its package
     assert any(form in text for form in written), f"docs/{page} does not mention '{kind}'; add a sentence on it"
+
+
+@pytest.mark.parametrize("law", registry.modules(registry.LAWS))
+def test_each_law_takes_part_in_the_type_test(law):
+    kinds = {entrant.tables["controller"]["kind"] for entrant in entrants(max(VERSIONS)).values()}
+    assert law in kinds, f"add an entrant with kind = '{law}' to harness/studies/type_test/library/entrants.toml"
 
 
 @pytest.mark.parametrize("model", TRAINS)

@@ -10,7 +10,7 @@ from railgrip.estimation.run import estimate, prediction_of, units_of
 from railgrip.estimation.sources import recording_of_stop
 from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification, settings_for
 from railgrip.recording.samples import reading_of, truth_of
-from railgrip.report.estimation import estimates_figure
+from railgrip.report.figures import estimates_figure
 
 PRINTED = {"adhesion_share": 0.5, "resistance_transfer": 1.0, "adhesion_transfer": 0.0}
 

@@ -8,11 +8,11 @@ import pytest
 from scipy.stats import binom, norm
 
 from railgrip.base.errors import InputError
+from railgrip.cli.trains import trains as shipped
 from railgrip.rolling_stock import schema
 from railgrip.rolling_stock.dispersion import Failures, Normal
 from railgrip.rolling_stock.schema import load_train, train_of
 from railgrip.rolling_stock.stopping import by_hand
-from railgrip.scenario import trains as shipped
 from railgrip.scenario.quantity import Magnitude
 from railgrip.supervision import trains
 from railgrip.supervision.curve import braking_curve

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import binom, norm
 
-from railgrip.studies.k_factors.specification import KFactorSpecification
+from railgrip.studies.k_factors.k_dry import KFactorSpecification
 
 
 class LinearBrake:

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from sampling import FUZZ
 
 from railgrip.simulate.run import braking_distance, run_stop
-from railgrip.studies.k_factors import brake as brake_module
-from railgrip.studies.k_factors.k_dry import brake_of_scenario, quasi_static, scenario_of_draw
-from railgrip.studies.k_factors.specification import load_specification
+from railgrip.studies.k_factors import k_dry as brake_module
+from railgrip.studies.k_factors.k_dry import brake_of_scenario, load_specification, quasi_static, scenario_of_draw
 from railgrip.supervision.rare import estimates
 
 PER_DRAW = 0.01

@@ -7,7 +7,7 @@ import pytest
 from command_line import exit_code
 
 from railgrip.report.marked import END
-from railgrip.studies.k_factors.specification import LIBRARY
+from railgrip.studies.k_factors.k_dry import LIBRARY
 
 LITTLE = ["--set", "estimate.samples=20", "--set", "estimate.runs=2"]
 

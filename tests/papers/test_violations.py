@@ -8,7 +8,7 @@ import pytest
 from railgrip.report.style import save
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.studies.papers import lyapunov
+from railgrip.studies.papers import courses
 from railgrip.studies.papers.adhesion_based import (
     IDENTIFIED,
     LAWS,
@@ -16,8 +16,7 @@ from railgrip.studies.papers.adhesion_based import (
     block_diagram,
     rail_figure,
 )
-from railgrip.studies.papers.creep_curves import causes, figure_1, rails
-from railgrip.studies.papers.lyapunov import (
+from railgrip.studies.papers.courses import (
     GROUP,
     course_of,
     inequalities,
@@ -26,6 +25,7 @@ from railgrip.studies.papers.lyapunov import (
     violations,
     violations_table,
 )
+from railgrip.studies.papers.creep_curves import causes, figure_1, rails
 from railgrip.studies.papers.table1 import SCENARIOS, read_fits, stop_of
 
 
@@ -110,4 +110,4 @@ def test_violations_are_shares_of_the_evaluated_samples(course):
     assert (found["samples"], found["∂²α/∂s² < 0"]) == (10, 0.3)
     table = violations_table({"a law": found}).texts
     assert {"violated in": "(9) u has the sign of σ", "a law": "no such u"} in table
-    assert lyapunov.share_or_none(0.3) == "30.0 %"
+    assert courses.share_or_none(0.3) == "30.0 %"

@@ -12,8 +12,8 @@ from synthetic_runner import DECELERATION, run_stop
 import railgrip as rg
 from railgrip.base.errors import RecordError
 from railgrip.report.comparison import compare, flat
+from railgrip.report.index import scenario_table
 from railgrip.report.stop import write_stop
-from railgrip.report.stop_page import scenario_table
 from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
@@ -170,7 +170,8 @@ def test_the_command_prints_tables_or_json_and_writes_a_page(slip, adhesion, tmp
 
 def test_comparing_loads_matplotlib_only_for_drawing(slip, adhesion, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    monkeypatch.delitem(sys.modules, "railgrip.report.comparison_figure", raising=False)
+    for name in ("figures", "distance_figures"):
+        monkeypatch.delitem(sys.modules, f"railgrip.report.{name}", raising=False)
     comparison = compare(slip, adhesion)
     with pytest.raises(ImportError):
         comparison.plot()

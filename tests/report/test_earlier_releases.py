@@ -11,7 +11,7 @@ from synthetic_runner import run_stop
 
 import railgrip as rg
 from railgrip.base.errors import RecordError
-from railgrip.campaign.load import csv_of
+from railgrip.campaign.sweep import csv_of
 from railgrip.report.distances import write_table
 from railgrip.report.results import read_results
 from railgrip.report.stop import read_stop, write_stop

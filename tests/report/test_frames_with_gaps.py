@@ -16,7 +16,7 @@ from test_distributions import frame, row
 
 import railgrip as rg
 import railgrip.report.table
-from railgrip.campaign.load import write_table as write_frame
+from railgrip.campaign.sweep import write_table as write_frame
 from railgrip.report.distances import write_table
 from railgrip.report.distribution import distributions_of, plain_distributions
 from railgrip.report.frame import frame_of, groups_of, plain_rows

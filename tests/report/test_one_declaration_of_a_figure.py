@@ -35,7 +35,7 @@ from synthetic import LIBRARY
 from synthetic_runner import run_stop
 from test_distributions import DRAWS
 import railgrip as rg
-from railgrip.campaign.load import csv_of, write_table as write_frame
+from railgrip.campaign.sweep import csv_of, write_table as write_frame
 from railgrip.campaign.run import write_description
 from railgrip.report.distances import write_table
 from railgrip.report.results import read_results

@@ -5,9 +5,9 @@ import math
 import pandas
 import pytest
 
+from railgrip.report.distance_figures import overview_figure
+from railgrip.report.distances import overview_of
 from railgrip.report.frame import frame_of
-from railgrip.report.overview import overview_of
-from railgrip.report.overview_figure import overview_figure
 from railgrip.report.results import read_results
 
 # Schwarz, Posielek and Goetjes (2021), Table 1.

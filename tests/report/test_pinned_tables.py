@@ -17,17 +17,14 @@ from test_variants import DRAWS as EIGHT
 from test_variants import SAND, SEEDS
 
 import railgrip as rg
-from railgrip.campaign.load import csv_of
-from railgrip.report.distances import write_table
-from railgrip.report.distribution import distributions_of, quantile_table, worst_table
+from railgrip.campaign.sweep import csv_of
+from railgrip.report.distances import headline, overview_of, write_table
+from railgrip.report.distribution import change_table, changes_against, distributions_of, quantile_table, worst_table
 from railgrip.report.frame import frame_of
-from railgrip.report.headline import headline
 from railgrip.report.index import reference_of
-from railgrip.report.overview import overview_of
 from railgrip.report.results import read_results
 from railgrip.report.stop import metrics_table
 from railgrip.report.table import ReportTable
-from railgrip.report.variants import change_table, changes_against
 from railgrip.scenario.load import load
 
 PINNED = Path(__file__).parent / "pinned"

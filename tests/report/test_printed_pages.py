@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 import railgrip.studies
-from railgrip.report.distances import setting_tables
+from railgrip.report.distances import overview_of, setting_tables
 from railgrip.report.frame import frame_of
 from railgrip.report.index import write_report
-from railgrip.report.overview import overview_of
 from railgrip.report.page import Page
 from railgrip.report.results import read_results
 from railgrip.report.style import panels

@@ -10,8 +10,7 @@ from railgrip.base.errors import RecordError, ScenarioError
 from railgrip.report.baseline import AcceptedValue, Baseline, load_baseline, write_baseline
 from railgrip.report.marked import END, write_tables
 from railgrip.report.style import save
-from railgrip.report.validation import TABLES, tables, tables_of_cases
-from railgrip.report.validation_figure import BASELINE, FILE, distances_figure
+from railgrip.report.validation import BASELINE, FILE, TABLES, distances_figure, tables, tables_of_cases
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import ConditioningFile, RepeatedDistances, text_of
 

@@ -9,12 +9,12 @@ from synthetic import LIBRARY
 
 from railgrip.base.errors import InputError
 from railgrip.cli.main import main
+from railgrip.report.distances import headline
+from railgrip.report.distribution import ReferenceVariant, change_table, changes_against
 from railgrip.report.frame import frame_of
-from railgrip.report.headline import headline
 from railgrip.report.index import write_report
 from railgrip.report.limits import limits_of
 from railgrip.report.results import read_results
-from railgrip.report.variants import ReferenceVariant, change_table, changes_against
 
 SAND = """
 name = "sand"

@@ -13,8 +13,8 @@ from railgrip.base.errors import RecordError
 from railgrip.base.files import replacing, write_text
 from railgrip.base.units import unit
 from railgrip.campaign.sweep import Result, Sweep
-from railgrip.report.signals_figure import signals_figure
-from railgrip.report.signals_plot import signals_plot
+from railgrip.report.figures import signals_figure
+from railgrip.report.signals import signals_plot
 from railgrip.report.stop import read_stop, write_stop
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome

@@ -10,7 +10,7 @@ import pytest
 from railgrip.base.registry import shelf
 from railgrip.rolling_stock.schema import load_train, train_of
 from railgrip.rolling_stock.stopping import by_hand
-from railgrip.studies.trains import sanders, stops
+from railgrip.studies.trains import stops as of_trains
 from railgrip.studies.trains.stops import DryStop, Filling, protected_stop, repeat_cars
 from railgrip.studies.trains.study import page_of, table_of_sanders
 
@@ -23,16 +23,16 @@ def laid(scenario):
 
 
 def test_the_trial_is_the_published_one():
-    trial = sanders.trial_of()
+    trial = of_trains.trial_of()
     assert [row.measured for row in trial.rows] == [1200, 800, 650, 600, 400]
     assert trial.speed == pytest.approx(24.587, abs=1e-3)
     assert [row.sanders for row in trial.rows if row.at_least] == ["none"]
 
 
 def test_one_distance_is_fitted_and_the_others_follow(monkeypatch):
-    monkeypatch.setattr(sanders, "braking_distance", laid)
-    trial = sanders.trial_of()
-    density, rows = sanders.compare(trial)
+    monkeypatch.setattr(of_trains, "braking_distance", laid)
+    trial = of_trains.trial_of()
+    density, rows = of_trains.compare(trial)
     assert density == pytest.approx(0.01 / np.log(1300 / 800), rel=0.01)
     assert [row["sanders"] for row in rows if row["fitted"]] == ["one fixed"]
     one, two = rows[1], rows[2]
@@ -44,8 +44,8 @@ def test_one_distance_is_fitted_and_the_others_follow(monkeypatch):
 
 def test_the_demand_gives_the_deceleration_of_the_trial():
     """By hand, with the pressures of the scenario instead of the maximum ones."""
-    trial = sanders.trial_of()
-    pressures = sanders.scenario_tables(trial)["demand"]["phases"][0]["pressure"]
+    trial = of_trains.trial_of()
+    pressures = of_trains.scenario_tables(trial)["demand"]["phases"][0]["pressure"]
     tables = tomllib.loads(shelf("trains")[str(trial.train)].read_text(encoding="utf-8"))
     train = load_train(Path(trial.train))
     for group, pressure in enumerate(pressures):
@@ -74,7 +74,7 @@ def test_the_files_state_the_fit_and_the_source_of_the_reference(tmp_path):
     ]
     protected = {"estimator_period_s": 0.01, "simulated_s": 30.0, "processor_s": 1.2, "times_real_time": 25.0}
     stops = [stop_of(train, filling=filling)]
-    page = page_of(stops, series, [protected], sanders.trial_of(), 0.011, rows).write(tmp_path)
+    page = page_of(stops, series, [protected], of_trains.trial_of(), 0.011, rows).write(tmp_path)
     written = json.loads((tmp_path / "trains.json").read_text(encoding="utf-8"))
     trains = written["trains"]
     assert [one["times_real_time"] for one in written["protected_stop"]] == [pytest.approx(25.0)]
@@ -94,12 +94,12 @@ def test_the_files_state_the_fit_and_the_source_of_the_reference(tmp_path):
 def test_the_stop_with_estimator_and_valves_ends(monkeypatch, tmp_path):
     """With two of its four cars, connected by a coupler: half of the train takes a quarter of the build time."""
     for name in ("dry.toml", "protected.toml"):
-        text = (stops.LIBRARY / name).read_text(encoding="utf-8")
+        text = (of_trains.LIBRARY / name).read_text(encoding="utf-8")
         (tmp_path / name).write_text(text.replace('"emu387"', f'"{tmp_path}/half.toml"'), encoding="utf-8")
     whole = shelf("trains")["emu387"].read_text(encoding="utf-8")
     (tmp_path / "half.toml").write_text(repeat_cars(whole, 2), encoding="utf-8")
-    monkeypatch.setattr(stops, "LIBRARY", tmp_path)
-    monkeypatch.setattr(stops, "_ROUNDS", 1)  # more would only cost time
+    monkeypatch.setattr(of_trains, "LIBRARY", tmp_path)
+    monkeypatch.setattr(of_trains, "_ROUNDS", 1)  # more would only cost time
     stop = protected_stop(0.01)
     assert 20.0 < stop["simulated_s"] < 60.0  # the rail supports 0.08 g from 80 km/h: 28 s or longer
     assert stop["processor_s"] > 0

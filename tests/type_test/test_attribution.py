@@ -6,8 +6,17 @@ import numpy as np
 import pytest
 
 from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.studies.attribution.informed import informed_distance, without_dead_time
-from railgrip.studies.attribution.study import AS_IS, LAW, distance_with, gains_table, losses, scenario_with, table_of
+from railgrip.studies.attribution import (
+    AS_IS,
+    LAW,
+    distance_with,
+    gains_table,
+    informed_distance,
+    losses,
+    scenario_with,
+    table_of,
+    without_dead_time,
+)
 from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of
 from railgrip.studies.type_test.track_case import HEADLINES
 

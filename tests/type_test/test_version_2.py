@@ -14,11 +14,17 @@ from railgrip.rolling_stock.schema import load_train
 from railgrip.studies.study import conduct
 from railgrip.studies.type_test import study
 from railgrip.studies.type_test.case_set import SEALED, VERSIONS, CaseSet, case_named, count_look
-from railgrip.studies.type_test.controller_digest import controller_digest
-from railgrip.studies.type_test.entrants import Entrant, campaign_of, entrants, train_of, training, training_cases
+from railgrip.studies.type_test.entrants import (
+    Entrant,
+    campaign_of,
+    controller_digest,
+    entrants,
+    train_of,
+    training,
+    training_cases,
+)
 from railgrip.studies.type_test.family import AXES, FEWEST, families, losses
-from railgrip.studies.type_test.judge import frame_of_rows, judgements, summaries
-from railgrip.studies.type_test.shipped import digest_of, read_shipped
+from railgrip.studies.type_test.judge import digest_of, frame_of_rows, judgements, read_shipped, summaries
 from railgrip.studies.type_test.study import TypeTest, page_of
 from railgrip.studies.type_test.track_case import (
     CLEANING,

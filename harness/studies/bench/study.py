@@ -10,12 +10,12 @@ from railgrip.base.units import quantity
 from railgrip.campaign.work import Work
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable
-from railgrip.studies.bench import Row, filters, fmi, machine, stop
+from railgrip.studies.bench import Row, filters, machine, stop
 from railgrip.studies.study import Study
 
 CASES: Final[Mapping[str, Callable[[], Iterator[Row]]]] = {
     "cold build of all FMUs": stop.of_recipes,
-    **{f"steps of {name}": partial(fmi.steps_of, name) for name in ("TwoPartTrain", "TwoPartTrainPneumatic")},
+    **{f"steps of {name}": partial(stop.steps_of, name) for name in ("TwoPartTrain", "TwoPartTrainPneumatic")},
     "trains of 1 to 16 cars": stop.of_consists,
     "filter over TrainPrediction": partial(filters.of_train, "TrainPrediction", "train_ideal", "15 µs"),
     "filter over TrainPredictionReduced": partial(filters.of_train, "TrainPredictionReduced", "reduced_ideal", "5 µs"),

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from typer import Argument, Option
 
 from railgrip.base.errors import ScenarioError
-from railgrip.campaign.sources import input_versions
+from railgrip.campaign.one_stop import input_versions
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables
@@ -25,15 +25,16 @@ from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.named_models import plant_description
 from railgrip.simulate.run import braking_distance
-from railgrip.studies.k_factors.brake import QuasiStaticBrake
 from railgrip.studies.k_factors.k_dry import (
+    KFactorSpecification,
+    QuasiStaticBrake,
     brake_of,
     in_the_loop,
+    load_specification,
     plain,
     quasi_static,
     scenario_of_draw,
 )
-from railgrip.studies.k_factors.specification import KFactorSpecification, load_specification
 from railgrip.studies.study import Study
 from railgrip.supervision.dispersed import DispersedBrake
 from railgrip.supervision.k_dry import PROBABILITIES, QuasiStatic

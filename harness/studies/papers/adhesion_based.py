@@ -13,9 +13,17 @@ from railgrip.report.figures import draw_adhesion, draw_wheelsets
 from railgrip.report.stop import Stop
 from railgrip.report.table import ReportTable
 from railgrip.simulate.run import run_stop
+from railgrip.studies.papers.courses import (
+    COUPLED,
+    LAST_RISE,
+    LIMIT,
+    LOCK_SPEED,
+    course_of,
+    course_of_adhesion,
+    offset_of,
+    violations,
+)
 from railgrip.studies.papers.creep_curves import CreepCurve
-from railgrip.studies.papers.figure_4 import COUPLED, LAST_RISE, LIMIT, LOCK_SPEED, course_of_adhesion
-from railgrip.studies.papers.lyapunov import course_of, offset_of, violations
 from railgrip.studies.papers.pages import PaperRow, arrow, box, canvas
 from railgrip.studies.papers.table1 import (
     ABC,

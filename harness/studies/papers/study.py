@@ -14,11 +14,16 @@ from railgrip.report.page import Page
 from railgrip.report.table import ReportTable
 from railgrip.studies.papers import adhesion_based, printed
 from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED
+from railgrip.studies.papers.courses import (
+    offset_table,
+    used_by_wheelset,
+    used_table,
+    violations_table,
+    wheelset_figure,
+)
 from railgrip.studies.papers.creep_curves import causes, figure_1, rails
-from railgrip.studies.papers.deflection import deflection_table, deflections
-from railgrip.studies.papers.figure_4 import used_by_wheelset, used_table, wheelset_figure
-from railgrip.studies.papers.lyapunov import offset_table, violations_table
 from railgrip.studies.papers.pages import comparison, write_results
+from railgrip.studies.papers.printed import deflection_table, deflections
 from railgrip.studies.papers.table1 import (
     BOUNDS,
     FINAL,

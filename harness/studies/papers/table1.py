@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 
 from railgrip.api import Scenario
 from railgrip.base.files import replacing
-from railgrip.campaign.calibrate import TARGETS
+from railgrip.campaign.searches import TARGETS
 from railgrip.campaign.work import Work, call
 from railgrip.report.stop import Stop
 from railgrip.simulate.run import braking_distance, run_stop
 from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.studies.papers.figure_4 import LIMIT, course_of_adhesion
+from railgrip.studies.papers.courses import LIMIT, course_of_adhesion
 
 SCENARIOS: tuple[str, ...] = ("trapezoid", "sine_sweep", "random")
 SBC = TARGETS

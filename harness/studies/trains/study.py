@@ -21,15 +21,20 @@ from railgrip.rolling_stock.schema import NAMED
 from railgrip.scenario.file import locate
 from railgrip.simulate.run import braking_distance
 from railgrip.studies.study import Study
-from railgrip.studies.trains.sanders import Comparison, SanderTrial, compare, scenario_of_row, scenario_tables, trial_of
 from railgrip.studies.trains.stops import (
     FILLING,
     PROPAGATION,
+    Comparison,
     DryStop,
+    SanderTrial,
+    compare,
     dry_scenario,
     dry_stop,
     protected_stop,
     repeat_cars,
+    scenario_of_row,
+    scenario_tables,
+    trial_of,
 )
 
 PAGE = Path("docs/train_models.md")

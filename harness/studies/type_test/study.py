@@ -43,12 +43,12 @@ from railgrip.studies.type_test.case_set import (
     count_look,
     table_of_looks,
 )  # fmt: skip
-from railgrip.studies.type_test.controller_digest import controller_digest
 from railgrip.studies.type_test.design import VALIDATION_SEED
 from railgrip.studies.type_test.entrants import (
     LIBRARY,
     Entrant,
     campaign_of,
+    controller_digest,
     entrants,
     entrants_named,
     task_of,
@@ -56,7 +56,15 @@ from railgrip.studies.type_test.entrants import (
     training_cases,
     trains_of,
 )
-from railgrip.studies.type_test.family import by_axis, families, losses, table_of_controller, table_of_families
+from railgrip.studies.type_test.family import (
+    by_axis,
+    families,
+    losses,
+    recommendation,
+    table_of_controller,
+    table_of_families,
+    verdict,
+)
 from railgrip.studies.type_test.judge import (
     EQUAL,
     JUDGED,
@@ -66,11 +74,11 @@ from railgrip.studies.type_test.judge import (
     measure,
     over_best,
     plain_rows,
+    read_shipped,
     summaries,
+    write_shipped,
 )
-from railgrip.studies.type_test.shipped import read_shipped, write_shipped
 from railgrip.studies.type_test.track_case import HEADLINES, TrackCase
-from railgrip.studies.type_test.verdict import recommendation, verdict
 
 PAGE: Final = Path("docs/type_test.md")
 """Folder relative to that of the project, in which the command runs."""

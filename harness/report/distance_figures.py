@@ -1,0 +1,481 @@
+"""Figures of braking distances: of campaigns and sweeps, over draws, next to published ones, and of two campaigns."""
+
+import math
+import textwrap
+from collections.abc import Mapping, Sequence
+from math import isfinite, isnan, nan
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullLocator
+from numpy.typing import NDArray
+
+from railgrip.report import palette, style
+from railgrip.report.distances import Overview
+from railgrip.report.distribution import distributions_of, over_cases
+from railgrip.report.frame import PLACE, SETTING, Frame, groups_of, short_names
+from railgrip.trace.metrics import FIGURES
+
+_CONTROLLER_COLOURS = {
+    "full_brake": palette.GREY,
+    "slip_two_state": palette.BLUE,
+    "slip_three_state": palette.SKY,
+    "slip_two_state_read": palette.GREEN,
+    "slip_three_state_read": palette.lighter(palette.GREEN, 2),
+    "slip_two_state_estimated": palette.VERMILION,
+    "slip_three_state_estimated": palette.lighter(palette.VERMILION, 2),
+    "adhesion_based": palette.ORANGE,
+    "adhesion_literal": palette.PURPLE,
+    "slope_seeking": palette.lighter(palette.ORANGE, 2),
+    "ideal_bound": palette.BLACK,
+}
+
+
+_MAX_BARS = 9
+"""Maximum number of cases with a panel each."""
+
+
+_COLUMNS = 3
+"""Maximum number of panels in a line."""
+
+
+_WIDTHS = (8.0, 10.0, 12.0)
+"""Width of a figure by its number of columns [inches]."""
+
+
+_BAR, _LEAST = 0.22, 1.55
+"""Height of a bar with its gap, and of the lowest panel [inches]."""
+
+
+_MAX_CASES = 60
+"""Maximum number of lines in a figure."""
+
+
+_MARKERS = "osD^v<>P*X"
+
+
+_EDGE: Mapping[str, Any] = {"markeredgecolor": palette.BLACK, "markeredgewidth": 0.5}
+
+
+_LINE, _HEADING = 0.27, 0.42  # inches
+
+
+_FEWEST = 6  # lines
+
+
+_DISTANCE_TICKS = (100, 150, 200, 300, 500, 700, 1000, 1500, 2000, 3000)  # m
+
+
+_MAX_TICKS = 20
+"""Maximum number of named values along the axis of a sweep."""
+
+
+def distance_figure(frame: Frame) -> Figure:
+    """Return a figure of the braking distances of each scenario and controller, with the published ones as marks.
+
+    A panel of bars for each case if they are few, else a line for each case, else the distribution over the cases of a
+    scenario.
+    """
+    cases = frame["label"].nunique()
+    if cases > _MAX_CASES:
+        return distribution_figure(distributions_of(over_cases(frame)), of="stop")
+    return (_bars_figure if cases <= _MAX_BARS else _cases_figure)(frame, _bar_colours(frame))
+
+
+def _bars_figure(frame: Frame, colours: Mapping[str, str]) -> Figure:
+    """Return a figure with a panel for each case and setting, as high as its bars, each of which has its name.
+
+    Args:
+        frame: Stops; one without standstill has no bar.
+        colours: Name of a controller → colour.
+    """
+    settings = list(groups_of(frame, SETTING))
+    axis, names = short_names(frame)
+    # Lines of panels: cases of one setting and with the same controllers, whose names are at the left of the line.
+    lines: list[tuple[str, list[str], dict[str, Frame]]] = []
+    for (actuation, sensors, polach), of_setting in settings:
+        title = f"actuation {actuation}, sensors {sensors},\ncreep curve {polach}\n" if len(settings) > 1 else ""
+        alike: dict[frozenset[str], dict[str, Frame]] = {}
+        for (label,), stops in groups_of(of_setting, ("label",)):
+            alike.setdefault(frozenset(stops["controller_label"]), {})[label] = stops
+        for controllers, of_line in alike.items():
+            order = [name for name in colours if name in controllers]
+            labels = list(of_line)
+            for first in range(0, len(labels), _COLUMNS):
+                lines.append((title, order, {label: of_line[label] for label in labels[first : first + _COLUMNS]}))
+    columns = max(len(cases) for _, _, cases in lines)
+    heights = [max(_LEAST, _BAR * len(order)) for _, order, _ in lines]
+    heading = 0.45 if len(settings) == 1 else 0.8
+    drawing = style.figure(_WIDTHS[columns - 1], sum(heights) + (0.3 + heading) * len(lines))
+    grid = drawing.subplots(len(lines), columns, squeeze=False, height_ratios=heights)
+    longest = frame["distance"].max()
+    for panels, (title, order, cases) in zip(grid, lines, strict=True):
+        for panel in panels[len(cases) :]:
+            panel.remove()
+        for panel, (label, stops) in zip(panels, cases.items(), strict=False):
+            case = names[label].replace("\n", ", ")
+            case = f"{axis} {case}" if axis and ", " not in axis else case
+            style.dress(panel, x=FIGURES["distance"].axis, title=title + case)
+            panel.grid(visible=False, axis="y")
+            panel.set_xlim(0, 1.02 * longest)
+            panel.set_ylim(len(order) - 0.5, -0.5)
+            panel.tick_params(axis="y", length=0)
+            panel.set_yticks(range(len(order)), order if panel is panels[0] else [""] * len(order), fontsize=8.5)
+            for row in stops.itertuples():
+                _draw_bar(panel, row, order.index(row.controller_label), colours[row.controller_label])
+    return drawing
+
+
+def _draw_bar(panel: Axes, row: Any, line: int, colour: str) -> None:
+    """Draw a distance with its number, and the published distance as a mark."""
+    if isfinite(row.distance):
+        panel.barh([line], [row.distance], 0.8, color=colour)
+        panel.annotate(
+            f"{row.distance:.0f}", (row.distance, line), ha="right", va="center", fontsize=8, xytext=(-3, 0),
+            textcoords="offset points", color="white" if colour in palette.DARK else palette.BLACK,
+        )  # fmt: skip
+    if isfinite(row.paper_distance):
+        panel.plot([row.paper_distance] * 2, [line - 0.45, line + 0.45], color=palette.BLACK, linewidth=2.2)
+
+
+def _bar_colours(frame: Frame) -> dict[str, str]:
+    """Return name of each controller → colour: that of its kind, lighter for each further one of the same kind."""
+    kinds = dict(zip(frame["controller_label"], frame["controller"], strict=True))
+    order = [*_CONTROLLER_COLOURS, *dict.fromkeys(kinds.values())]
+    colours: dict[str, str] = {}
+    for name in sorted(kinds, key=lambda name: order.index(kinds[name])):
+        alike = sum(kinds[other] == kinds[name] for other in colours)
+        colours[name] = palette.lighter(_CONTROLLER_COLOURS.get(kinds[name], palette.GREEN), alike)
+    return colours
+
+
+def _cases_figure(frame: Frame, colours: Mapping[str, str]) -> Figure:
+    """Return a figure of the distances of each case with its friction, and their change against published SBC.
+
+    Args:
+        frame: Stops; one without standstill is a cross at the right edge of both panels.
+        colours: Name of a controller → colour.
+    """
+    has_one_scenario = frame["scenario"].nunique() == 1
+    families: dict[tuple[str, str, str], dict[str, list[Any]]] = {}
+    for setting, stops in groups_of(frame, SETTING):
+        for row in stops.itertuples():
+            name = _case_name(row.case if has_one_scenario and row.case else row.label, row.friction)
+            families.setdefault(setting, {}).setdefault(name, []).append(row)
+    # No panel is so low that a page would stretch the figure.
+    heights = [_HEADING / _LINE + max(len(cases), _FEWEST) for cases in families.values()]
+    drawing = style.figure(12, 1.4 + _LINE * sum(heights))
+    grid = drawing.subplots(len(families), 2, sharex="col", squeeze=False, height_ratios=heights, width_ratios=(3, 2))
+    looks: dict[str, dict[str, Any]] = {
+        name: {"color": colour, "marker": _MARKERS[number % len(_MARKERS)], "markersize": 6.5, "linestyle": ""}
+        for number, (name, colour) in enumerate(colours.items())
+    }
+    before = ("", "")
+    for (metres, changes), ((actuation, sensors, polach), cases) in zip(grid, families.items(), strict=True):
+        equipment = f", actuation {actuation}, sensors {sensors}" if before != (actuation, sensors) else ""
+        before = (actuation, sensors)
+        style.dress(metres, title=f"creep curve {polach.replace('_', ' ')}{equipment}")
+        style.dress(changes)
+        changes.axvline(0.0, color=palette.BLACK, linewidth=0.9)
+        for panel, names in ((metres, list(cases)), (changes, [""] * len(cases))):
+            panel.set_ylim(len(cases) - 0.5, -0.5)
+            panel.set_yticks(range(len(cases)), names, fontsize=9)
+        for line, row in ((line, row) for line, case in enumerate(cases.values()) for row in case):
+            _draw_case(row, line, metres, changes, looks[row.controller_label])
+    metres, changes = grid[-1]
+    metres.set_xscale("log")
+    metres.set_xticks(_DISTANCE_TICKS, [f"{tick}" for tick in _DISTANCE_TICKS])
+    metres.xaxis.set_minor_locator(NullLocator())
+    metres.set_xlim(0.95 * frame["distance"].min(), 1.05 * frame["distance"].max())
+    metres.set_xlabel(FIGURES["distance"].axis)
+    changes.set_xlabel("change against the published SBC [%]")
+    marks = [Line2D([], [], **look, **_EDGE) for look in looks.values()]
+    marks.append(Line2D([], [], color=palette.BLACK, marker="x", linestyle=""))
+    drawing.legend(marks, [*colours, "no standstill"], ncols=3, fontsize=9, loc="outside upper left", frameon=False)
+    return drawing
+
+
+def _draw_case(row: Any, line: int, metres: Axes, changes: Axes, look: Mapping[str, Any]) -> None:
+    if isnan(row.distance):
+        for panel in (metres, changes):
+            cross: dict[str, Any] = {**look, "transform": panel.get_yaxis_transform(), "marker": "x"}
+            panel.plot(1.0, line, clip_on=False, **cross)
+        return
+    metres.plot(row.distance, line, **look, **_EDGE)
+    if isfinite(row.reduction_vs_sbc):
+        changes.plot(-100 * row.reduction_vs_sbc, line, **look, **_EDGE)
+
+
+def _case_name(case: str, friction: str) -> str:
+    name = case.replace("_", " ")
+    return f"{name}, $\\mu_0$ {friction}" if friction else name
+
+
+def sweep_figure(axes: Mapping[str, Sequence[Any]], distances: NDArray[np.float64]) -> Figure:
+    """Return a figure of distances over the longest axis, with a line for each combination of the others, or their
+    median.
+
+    Args:
+        axes: Key → values.
+        distances: Distances in the shape of the axes [m]; NaN without a standstill.
+    """
+    names = list(axes)
+    longest = max(names, key=lambda name: len(axes[name]))
+    others = [name for name in names if name != longest and len(axes[name]) > 1]
+    lines = np.moveaxis(distances, names.index(longest), -1).reshape(-1, len(axes[longest]))
+    drawing, panel = style.panels(9, 4.5)
+    places = np.arange(lines.shape[1])
+    if len(lines) > len(palette.LINES):
+        for line in lines:
+            panel.plot(places, line, ".", color=palette.GREY, ms=3)
+        with np.errstate(all="ignore"):
+            median = np.nanmedian(lines, axis=0)
+        panel.plot(places, median, "o-", color=palette.BLUE, label=f"median over {', '.join(others)}")
+    else:
+        labels = _line_labels([(name, axes[name]) for name in names if name != longest])
+        for line, label, colour in zip(lines, labels, palette.LINES, strict=False):
+            panel.plot(places, line, "o-", color=colour, ms=4, linewidth=1.2, label=label or None)
+    shown = places[:: 1 + (len(places) - 1) // _MAX_TICKS]
+    texts = [_value_text(axes[longest][place]) for place in shown]
+    panel.set_xticks(shown, texts, rotation=30 if max(map(len, texts)) > 8 else 0)
+    style.dress(panel, x=longest, y=FIGURES["distance"].axis)
+    if others:
+        style.legend(panel)
+    return drawing
+
+
+def _line_labels(axes: Sequence[tuple[str, Sequence[Any]]]) -> list[str]:
+    labels = [""]
+    for name, values in axes:
+        more = [f"{name} {_value_text(value)}" if len(values) > 1 else "" for value in values]
+        labels = [", ".join(filter(None, (label, axis))) for label in labels for axis in more]
+    return labels
+
+
+def _value_text(value: Any) -> str:
+    text = f"{value:g}" if isinstance(value, float) else str(value)
+    return text if len(text) <= 24 else f"{text[:23]}…"
+
+
+_MAX_BINS = 60
+
+
+_JITTER = 0.26  # of the height of a row, to either side
+
+
+def distribution_figure(distributions: Frame, *, of: str = "draw") -> Figure:
+    """Return a row of panels for each set of conditions, a line for each controller.
+
+    On the left the distances, with median and the range from 5 to 95 %; to their right the change draw by draw against
+    the published slip-based control and against the best tuned one, if they exist, with the median and its interval.
+    Draws without standstill are counted in the name of the line; they have no point. `of` is the noun for a draw.
+    """
+    settings = [list(here.itertuples()) for _, here in groups_of(distributions, PLACE)]
+    sides = [
+        (f"change against the {title} SBC [%]", against)
+        for title, against in (("published", "vs_sbc"), ("best tuned", "vs_tuned"))
+        if distributions[against].notna().any()
+    ]
+    most = max(map(len, settings))
+    drawing = style.figure(6.5 + 4 * len(sides), (0.42 * most + 1.2) * len(settings))
+    grid = drawing.subplots(len(settings), 1 + len(sides), sharex="col", squeeze=False)
+    for panels, here in zip(grid, settings, strict=True):
+        for panel, _ in zip(panels, range(1 + len(sides)), strict=True):
+            panel.set_ylim(len(here) - 0.5, -0.5)
+            panel.set_yticks([])
+        style.dress(
+            panels[0],
+            x=FIGURES["distance"].axis,
+            title=f"{here[0].label.replace('_', ' ')}, actuation {here[0].actuation}, sensors {here[0].sensors}, "
+            f"creep curve {here[0].polach}",
+        )
+        panels[0].set_yticks(range(len(here)), [_name_of_draws(one, of) for one in here])
+        for line, one in enumerate(here):
+            _points(panels[0], line, one.distances[np.isfinite(one.distances)].tolist())
+            _range(panels[0], line, one.low, one.median, one.high)
+        for panel, (title, against) in zip(panels[1:], sides, strict=True):
+            style.dress(panel, x=title)
+            panel.axvline(0.0, color=palette.BLACK, linewidth=0.9)
+            for line, one in enumerate(here):
+                paired = getattr(one, against)
+                if paired is not None:
+                    _points(panel, line, [100 * change for change in paired.changes if math.isfinite(change)])
+                    low, high = paired.change_interval or (math.nan, math.nan)
+                    _range(panel, line, 100 * low, 100 * paired.change, 100 * high)
+        for panel in panels:
+            panel.grid(visible=False, axis="y")
+    for panel in grid[:-1].flat:
+        panel.set_xlabel("")
+    keys = [
+        (f"a {of}", palette.SKY, "."),
+        ("median", palette.VERMILION, "|"),
+        (f"5 to 95 % of the {of}s", palette.BLUE, "_"),
+    ]
+    keys += [("right: 95 % interval of the median", palette.BLUE, "_")] if sides else []
+    marks = [Line2D([], [], color=colour, marker=mark, markersize=9, linestyle="") for _, colour, mark in keys]
+    drawing.legend(marks, [name for name, _, _ in keys], ncols=4, fontsize=8, loc="outside lower right", frameon=False)
+    return drawing
+
+
+def exceedance_figure(distributions: Frame, permitted: float | None) -> Figure:
+    """Return a figure of histogram and exceedance share, in a row of panels for each set of conditions.
+
+    Args:
+        distributions: A line for each; draws without standstill remain in the share up to the right end.
+        permitted: Maximum permitted distance of a stop [m], drawn as a line.
+    """
+    settings = [list(here.itertuples()) for _, here in groups_of(distributions, PLACE)]
+    drawing = style.figure(11, 3.6 * len(settings))
+    grid = drawing.subplots(len(settings), 2, squeeze=False, sharex="row")
+    for (counts, shares), here in zip(grid, settings, strict=True):
+        ends = np.concatenate([one.distances[np.isfinite(one.distances)] for one in here])
+        # The same bins for all, so that the bars of two controllers can be compared (Freedman and Diaconis, 1981).
+        edges = np.histogram_bin_edges(ends, "fd" if ends.size > 1 else 1) if ends.size else np.array([0.0, 1.0])
+        edges = np.linspace(edges[0], edges[-1], min(edges.size, _MAX_BINS))
+        for number, one in enumerate(here):
+            values = np.sort(one.distances.to_numpy())
+            colour = palette.LINES[number % len(palette.LINES)]
+            height = np.histogram(values[np.isfinite(values)], edges)[0] / values.size
+            look: dict[str, Any] = {"drawstyle": "steps-post", "color": colour, "label": one.controller_label}
+            counts.plot(edges, [*(100 * height), 0.0], **look)
+            stood = np.isfinite(values)
+            above = 100 * (1 - np.arange(1, values.size + 1) / values.size)
+            shares.plot(values[stood], above[stood], **look)
+        for panel in (counts, shares):
+            if permitted is not None:
+                panel.axvline(permitted, color=palette.GREY, linestyle="--", label=f"permitted, {permitted:g} m")
+        axis, setting = FIGURES["distance"].axis, f"{here[0].actuation}, {here[0].sensors}, {here[0].polach}"
+        style.dress(counts, x=axis, y="share of the draws [%]", title=here[0].label.replace("_", " "))
+        style.dress(shares, x=axis, y="draws that go further [%]", title=setting)
+        shares.set_yscale("log")
+        shares.set_ylim(max(50 / max(one.draws for one in here), 0.01), 100)
+        shares.set_yticks(
+            [percentage for percentage in (0.1, 1, 5, 50, 100) if percentage >= shares.get_ylim()[0]], minor=False
+        )
+        shares.yaxis.set_major_formatter("{x:g}")
+        shares.yaxis.set_minor_locator(NullLocator())
+    style.legend(grid[0, 1], loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return drawing
+
+
+def _points(panel: style.Axes, line: int, values: Sequence[float]) -> None:
+    # Spread over the height of the row by a golden ratio, so that equal values do not hide each other.
+    offsets = _JITTER * (2 * ((np.arange(len(values)) * 0.6180339887) % 1.0) - 1)
+    panel.plot(values, line + offsets, ".", color=palette.SKY, markersize=3.5, zorder=1)
+
+
+def _range(panel: style.Axes, line: int, low: float, middle: float, high: float) -> None:
+    if math.isfinite(low) and math.isfinite(high):
+        panel.plot([low, high], [line, line], color=palette.BLUE, linewidth=2.2, zorder=2, solid_capstyle="butt")
+    if math.isfinite(middle):
+        panel.plot([middle, middle], [line - 0.32, line + 0.32], color=palette.VERMILION, linewidth=2.2, zorder=3)
+
+
+def _name_of_draws(one: Any, of: str) -> str:
+    missing = one.draws - one.stood
+    return one.controller_label + (
+        f"\n{missing} {of}{'s' if missing > 1 else ''} without standstill" if missing else ""
+    )
+
+
+_TICK: Final = 50
+"""Distance of ticks [m]."""
+
+
+_ROW: Final = 0.34
+"""Height of a row [inches]."""
+
+
+_LOWEST: Final = 1.7
+"""Height of the rows of a panel below which a page would draw it lower than 150 pixels [inches]."""
+
+
+FIGURE_MEANING: Final = (
+    "In the figure, dots are simulated distances, solid lines ranges of repeated stops, and dashed lines published "
+    "distances; the further left, the shorter the stop."
+)
+
+
+def overview_figure(overview: Overview, *, is_narrow: bool = False) -> Figure:
+    """Return a figure with a panel for each case, and in it a row for each law.
+
+    A dot is the distance, a line the range of repeats, a dashed line the published distance of the row's law.
+
+    Args:
+        is_narrow: Whether panels are below each other, for a screen of the width of a hand.
+    """
+    own = [line for line in overview.lines if not line.is_published]
+    published = {line.kind: line for line in overview.lines if line.is_published}
+    count = len(overview.cases)
+    height = max(_LOWEST, _ROW * len(own))
+    if is_narrow:
+        drawing, grid = style.panels(3.2, count * (height + 0.85), count, 1, squeeze=False)
+    else:
+        drawing, grid = style.panels(10.9, height + 0.85, 1, count, sharey=True, squeeze=False)
+    low, high = _ends(overview)
+    for panel, case in zip(grid.flat, overview.cases, strict=True):
+        style.dress(
+            panel, title=case, x=FIGURES["distance"].axis if not is_narrow or case == overview.cases[-1] else ""
+        )
+        panel.grid(visible=False, axis="y")
+        panel.set_xlim(low, high)
+        # Round numbers that are not cut off at the right edge.
+        ticks = [tick for tick in range(0, int(high), _TICK) if low <= tick <= high - 0.1 * (high - low)]
+        panel.set_xticks(ticks, [f"{tick}" for tick in ticks])
+        panel.set_ylim(len(own) - 0.5, -0.5)
+        panel.tick_params(axis="y", length=0)
+        for row, line in enumerate(own):
+            distance = line.distances.get(case, nan)
+            reference = published.get(line.kind)
+            metres = nan if reference is None else reference.distances.get(case, nan)
+            if isfinite(metres):
+                panel.plot([metres, metres], [row - 0.42, row + 0.42], "--", color=palette.BLACK, linewidth=1.4)
+            if not isfinite(distance):
+                continue
+            ends = line.ranges.get(case)
+            if ends is not None:
+                panel.plot(ends, [row, row], "-", color=palette.BLUE, linewidth=1.6)
+            panel.plot([distance], [row], "o", color=palette.BLUE, markersize=5.5)
+            panel.annotate(
+                f"{distance:.0f}", (max(ends or (distance,)), row), ha="left", va="center", fontsize=8, xytext=(7, 0),
+                textcoords="offset points", color=palette.BLUE,
+            )  # fmt: skip
+        if is_narrow or panel is grid.flat[0]:
+            panel.set_yticks(
+                range(len(own)),
+                [textwrap.fill(line.name.removesuffix(", simulated"), 18) for line in own],
+                fontsize=8.5,
+            )
+    return drawing
+
+
+def _ends(overview: Overview) -> tuple[float, float]:
+    distances = [metres for line in overview.lines for metres in line.distances.values()]
+    ends = [end for line in overview.lines for pair in line.ranges.values() for end in pair]
+    values = [value for value in (*distances, *ends) if isfinite(value)]
+    margin = 0.08 * (max(values) - min(values)) or 1.0
+    return min(values) - margin, max(values) + 2.5 * margin  # room for a number behind the last dot
+
+
+_MAX_STOPS = 40
+"""Maximum number of stops of two campaigns that are compared in a figure."""
+
+
+def stops_figure(differences: Mapping[str, float]) -> Figure:
+    """Return a figure of the differences of the stops of two campaigns [m]; only the largest if there are many."""
+    largest = sorted(differences, key=lambda name: -abs(differences[name]))[:_MAX_STOPS]
+    names = [name for name in differences if name in set(largest)]
+    values = np.array([differences[name] for name in names])
+    drawing, panel = style.panels(10, 1.2 + 0.24 * len(names))
+    places = np.arange(len(names))
+    panel.barh(places, values, color=np.where(values > 0, palette.VERMILION, palette.BLUE).tolist(), height=0.7)
+    panel.set_yticks(places, names, fontsize=8)
+    panel.invert_yaxis()
+    panel.axvline(0.0, color=palette.BLACK, linewidth=0.8)
+    few = f" (the {len(names)} largest of {len(differences)})" if len(names) < len(differences) else ""
+    style.dress(panel, x="braking distance of B less that of A [m]", title=f"Difference of each stop{few}")
+    panel.grid(visible=False, axis="y")
+    return drawing
