@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import xarray
 
 from railgrip.estimation.judge import Judgement
-from railgrip.estimation.run import units_of
+from railgrip.estimation.models import units_of
 from railgrip.estimation.spec import ModelParameter, Specification, model_parameters, settings_with_origins
 from railgrip.report.estimation import estimates_figure
 from railgrip.report.page import Page

@@ -6,7 +6,7 @@ from typing import get_args
 import pytest
 
 from railgrip.base import registry
-from railgrip.estimation.run import model_of
+from railgrip.estimation.models import model_of
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.scenario.faults import Fault
 from railgrip.scenario.sensors import SensorModel

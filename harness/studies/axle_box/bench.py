@@ -11,7 +11,7 @@ import numpy as np
 from railgrip.campaign.work import Work, call
 from railgrip.estimation.judge import NORMAL_95, rms
 from railgrip.estimators.belief import Array, Matrix, Vector
-from railgrip.estimators.learned.ensemble import QUANTILE, Ensemble
+from railgrip.estimators.learned.network import QUANTILE, Ensemble
 from railgrip.report.table import Form, ReportTable
 from railgrip.scenario.seed import generator
 from railgrip.studies.axle_box.evaluate import ScaledNetwork, TrainingRecipe
