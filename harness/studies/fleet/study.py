@@ -14,8 +14,8 @@ import numpy as np
 from typer import Option
 
 from railgrip.campaign.work import Work
-from railgrip.estimation.judge import NORMAL_95
-from railgrip.estimators.belief import Matrix
+from railgrip.estimation.judge import error_figures, rms
+from railgrip.estimators.belief import Matrix, Vector
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
@@ -173,12 +173,11 @@ class FleetStudy(Study):
         trains = simulate(work, {"each group in turn": IN_TURN}, *HEADLINES)["each group in turn"]
         groups, estimate = formation().groups, fleet_estimate(trains, HEADLINES[1])
         pads, radii = estimate.trains[:, :groups], estimate.trains[:, -groups:]
-        error = np.sqrt(np.mean((pads - np.array([train.pads for train in trains])) ** 2))
-        of_radii = np.sqrt(np.mean((radii - np.array([train.radii for train in trains])) ** 2))
+        error, of_radii = rms(pads - [train.pads for train in trains]), rms(radii - [train.radii for train in trains])
         return [
-            mean("fleet: pad friction RMSE", float(error)),
+            mean("fleet: pad friction RMSE", error),
             mean("fleet: claimed deviation of pad friction", float(estimate.train_deviation[:, :groups].mean())),
-            mean("fleet: wheel radius RMSE", float(of_radii)),
+            mean("fleet: wheel radius RMSE", of_radii),
             # 2 % of the geometric mean of the variances of four groups.
             Finding("fleet: log det of the information of a stop", log_determinant(IN_TURN), "1", 0.08),
         ]
@@ -216,27 +215,25 @@ def extra_metres(found: Mapping[str, Sequence[TrainStops]], name: str) -> float:
     return float(np.mean(of_design - without))
 
 
+def _errors(estimated: Matrix, deviation: Matrix, true: Sequence[Vector]) -> dict[str, float]:
+    """Return RMSE, mean claimed deviation and coverage of estimates of each train, shapes (trains, n)."""
+    figures = error_figures(estimated - np.array(true), deviation)
+    return {"RMSE": figures["RMSE"], "claimed": float(deviation.mean()), "coverage of 95 %": figures["coverage"]}
+
+
 def learned(found: Mapping[str, Sequence[TrainStops]], stops: int) -> ReportTable:
     """Return errors and claimed deviations of the pads by design and number of stops."""
     groups = formation().groups
     rows: list[dict[str, object]] = []
-    for name, trains in found.items():
-        true = np.array([train.pads for train in trains])
-        for count in (count for count in COUNTS if count <= stops):
-            estimate = fleet_estimate(trains, count)
-            alone = pad_deviation(trains, count).mean(axis=0)
-            error, deviation = estimate.trains[:, :groups] - true, estimate.train_deviation[:, :groups]
-            rows.append(
-                {
-                    "releases": name,
-                    "stops of each train": count,
-                    "longer stop": f"{extra_metres(found, name):.1f} m",
-                    "RMSE": float(np.sqrt(np.mean(error**2))),
-                    "claimed": float(deviation.mean()),
-                    "coverage of 95 %": float(np.mean(np.abs(error) < NORMAL_95 * deviation)),
-                    **{f"group {g + 1} without lot": float(alone[g]) for g in range(groups)},
-                }
-            )
+    for (name, trains), count in product(found.items(), (count for count in COUNTS if count <= stops)):
+        estimate = fleet_estimate(trains, count)
+        of_pads = estimate.trains[:, :groups], estimate.train_deviation[:, :groups]
+        alone = pad_deviation(trains, count).mean(axis=0)
+        rows.append(
+            {"releases": name, "stops of each train": count, "longer stop": f"{extra_metres(found, name):.1f} m"}
+            | _errors(*of_pads, [train.pads for train in trains])
+            | {f"group {g + 1} without lot": float(alone[g]) for g in range(groups)}
+        )
     numbers = ("RMSE", "claimed", *(f"group {g + 1} without lot" for g in range(groups)))
     forms = {**dict.fromkeys(numbers, "{:.3f}"), "coverage of 95 %": share}
     return ReportTable(rows, forms, ("releases",), title="Pads of single groups over nominal friction")
@@ -244,39 +241,29 @@ def learned(found: Mapping[str, Sequence[TrainStops]], stops: int) -> ReportTabl
 
 def radii(found: Mapping[str, Sequence[TrainStops]], stops: int) -> ReportTable:
     """Return errors and claimed deviations of the wheel radii by number of stops, from stops without releases."""
-    trains = found["none"]
-    true = np.array([train.radii for train in trains])
+    trains, groups = found["none"], formation().groups
     rows: list[dict[str, object]] = []
     for count in (count for count in COUNTS if count <= stops):
         estimate = fleet_estimate(trains, count)
-        error = estimate.trains[:, -true.shape[1] :] - true
-        deviation = estimate.train_deviation[:, -true.shape[1] :]
-        rows.append(
-            {
-                "stops of each train": count,
-                "RMSE": f"{100 * float(np.sqrt(np.mean(error**2))):.3f} %",
-                "claimed": f"{100 * float(deviation.mean()):.3f} %",
-                "coverage of 95 %": float(np.mean(np.abs(error) < NORMAL_95 * deviation)),
-            }
-        )
+        of_radii = estimate.trains[:, -groups:], estimate.train_deviation[:, -groups:]
+        errors = _errors(*of_radii, [train.radii for train in trains])
+        percent = {name: f"{100 * errors[name]:.3f} %" for name in ("RMSE", "claimed")}
+        rows.append({"stops of each train": count} | errors | percent)
     return ReportTable(rows, {"coverage of 95 %": share}, title="Wheel radii over nominal")
 
 
 def designs_table(designs: Mapping[str, Releases]) -> ReportTable:
     """Return the information that one stop has on the pads, by design of the releases, expected before the stop."""
-    groups = formation().groups
-    by_hand = np.linalg.slogdet(expected_information(IN_TURN))[1]
+    groups, by_hand = formation().groups, log_determinant(IN_TURN)
     rows: list[dict[str, object]] = []
     for name, releases in designs.items():
-        information = expected_information(releases)
-        deviation = np.sqrt(np.diag(np.linalg.inv(information)))
-        ratio = np.exp((by_hand - np.linalg.slogdet(information)[1]) / groups)
-        row: dict[str, object] = {
-            "releases": name,
-            "log det of the information": float(np.linalg.slogdet(information)[1]),
-        }
-        row |= {f"group {g + 1}": float(deviation[g]) for g in range(groups)}
-        rows.append(row | {"variance over that by hand": float(ratio)})
+        deviation = np.sqrt(np.diag(np.linalg.inv(expected_information(releases))))
+        ratio = np.exp((by_hand - log_determinant(releases)) / groups)
+        rows.append(
+            {"releases": name, "log det of the information": log_determinant(releases)}
+            | {f"group {g + 1}": float(deviation[g]) for g in range(groups)}
+            | {"variance over that by hand": float(ratio)}
+        )
     forms = {f"group {g + 1}": "{:.3f}" for g in range(groups)}
     forms |= {"log det of the information": "{:.2f}", "variance over that by hand": "{:.3g}"}
     return ReportTable(rows, forms, ("releases",), title="Expected standard deviation of the pads from one stop")
