@@ -313,8 +313,7 @@ def estimate(
         ScenarioError: The file is not an estimation.
         EstimationError: The recording lacks signals that the model requires, or its signals contradict each other.
     """
-    from railgrip.estimation.check import require_consistent
-    from railgrip.estimation.sources import recording_of_estimation, recording_of_trace
+    from railgrip.estimation.sources import recording_of_estimation, recording_of_trace, require_consistent
     from railgrip.estimation.spec import estimate_of, load_specification
 
     specification = load_specification(_path(model, "model"), _changes(changes))

@@ -1,7 +1,7 @@
 """The cubature Kalman filter in numpy."""
 
 from railgrip.estimators.design import FilterKind
-from railgrip.estimators.sigma_points import CubatureKalmanFilter
+from railgrip.estimators.filters.unscented import CubatureKalmanFilter
 
 
 class Cubature(FilterKind):

@@ -13,7 +13,7 @@ from railgrip.estimators.belief import Matrix
 from railgrip.estimators.compiled import StepInC
 from railgrip.estimators.consist import Consist, part_equations
 from railgrip.estimators.design import FilterContext, FilterDesign, FilterKind, Gate, index
-from railgrip.estimators.generated import LANES, places, table
+from railgrip.estimators.model_in_c import LANES, places, table
 from railgrip.fmus.native import Model
 from railgrip.fmus.native.functions import in_c
 

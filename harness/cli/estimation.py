@@ -18,9 +18,9 @@ from railgrip.cli.app import AsJson, ImportFrom, Overrides, complete, fail, prin
 from railgrip.cli.library import write_schema
 from railgrip.estimation.inspection import inspect_recording
 from railgrip.estimation.judge import Judgement, judge
+from railgrip.estimation.models import units_of
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.page import errors_table, estimate_page, parameters_table
-from railgrip.estimation.run import units_of
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import (
     ModelParameter,

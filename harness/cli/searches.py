@@ -20,11 +20,19 @@ from railgrip.campaign.workers import workers as processes
 from railgrip.cli.app import ImportFrom, Workers
 from railgrip.controllers.parameters import SlipSource, file_of
 from railgrip.report.console import progress, say
-from railgrip.studies.field_test.filtering import divergence_time, equations, filter_of, follow, save_noise, task_of
-from railgrip.studies.field_test.runs import TUNING, runs
-from railgrip.studies.field_test.runs import cases as field_cases
-from railgrip.studies.field_test.tune import DIVERGED, Search
-from railgrip.studies.field_test.tune import tune as search_for
+from railgrip.studies.field_test.filtering import (
+    TUNING,
+    divergence_time,
+    equations,
+    filter_of,
+    follow,
+    runs,
+    save_noise,
+    task_of,
+)
+from railgrip.studies.field_test.filtering import cases as field_cases
+from railgrip.studies.field_test.score import DIVERGED, Search
+from railgrip.studies.field_test.score import tune as search_for
 from railgrip.studies.type_test.entrants import training
 
 

@@ -6,7 +6,8 @@ file, and has the inputs and outputs of a prediction under the prediction's name
 only.
 
     from railgrip.recording.samples import recording_of
-    from railgrip.estimation.run import Settings, estimate, prediction_of
+    from railgrip.estimation.models import of_class
+    from railgrip.estimation.run import Settings, estimate
     from railgrip.estimation.judge import judge
 
     recorded = recording_of(
@@ -14,7 +15,7 @@ only.
         period=0.01,
         truth={"pad_friction": (mu, "1"), "group_adhesion": (alpha, "1")},
     )
-    prediction = prediction_of("RollerRigPrediction", {"load": 98.1e3})       # any class of RailBraking.Predictions
+    prediction = of_class("RollerRigPrediction").prediction({"load": 98.1e3})  # any class of RailBraking.Predictions
     settings = Settings(
         # Densities, (unit of state)²/s.
         process={"speed": 1e-6, "wheelset_speed": 1e-4, "pad_friction": 2.5e-5, "group_adhesion": 1e-2},

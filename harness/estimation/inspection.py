@@ -17,7 +17,7 @@ from scipy.optimize import linear_sum_assignment
 from railgrip.base.errors import EstimationError, UnitError
 from railgrip.base.names import Element, did_you_mean
 from railgrip.base.units import conversion, short, turning_of, unit
-from railgrip.estimation.check import ACCELERATION, UNITS_OF_RUN, signals_of
+from railgrip.estimation.sources import ACCELERATION, UNITS_OF_RUN, signals_of
 from railgrip.estimation.spec import ModelParameter, Specification, load_specification, model_parameters
 from railgrip.fmi.draft import OTHER_NAMES, bare_name, likeness
 from railgrip.recording.files import (

@@ -4,18 +4,20 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from pathlib import Path
-from typing import Final
+from typing import Final, Literal
 
+import casadi as ca
 import numpy as np
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.names import Element, did_you_mean
 from railgrip.base.system import Variable
-from railgrip.estimation.run import READ_STATES, Kind, file_of, model_of, select_outputs
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC, with_state_names
 from railgrip.fmi import Description, FmuPrediction, describe
+from railgrip.fmus.build import build_class, fmu
 from railgrip.fmus.native import Model, lower
-from railgrip.fmus.native.library import library_of
+from railgrip.fmus.native.library import LIBRARY, library_of
+from railgrip.fmus.recipe import read_recipes
 from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.modelica import nominal_data
 from railgrip.scenario.file import NamedFile
@@ -29,6 +31,12 @@ from railgrip.simulate.train_prediction import (
     units_of_predictions,
 )
 from railgrip.vehicle.formation import Formation
+
+Kind = Literal["fmu", "compiled"]
+"""Form of the prediction in a filter: its FMU through FMI 2.0, or the equations of its class as C in the filter."""
+
+READ_STATES = frozenset({"speed", "wheelset_speed"})
+"""States that are measured directly; if `start` omits them they are initialised with the first reading."""
 
 DEFAULT: Final = "library default"
 """Origin of a parameter that neither a file nor an option sets."""
@@ -130,6 +138,65 @@ class PredictionModel:
         groups = sum(variable.name.startswith("wheelset_speed[") for variable in self.model.states)
         values = self.values(given)
         return max(release_pressure(values, group, pad_force) for group in range(groups)) if groups else np.nan
+
+
+@cache
+def file_of(model: str) -> Path:
+    """Return the FMU of a class of RailBraking.Predictions, built if it is out of date."""
+    name = model.rpartition(".")[2]
+    entry = read_recipes().recipes.get(name)
+    if entry is not None and entry.class_name in (model, f"RailBraking.Predictions.{model}"):
+        return fmu(name)
+    return build_class(model if "." in model else f"RailBraking.Predictions.{model}", LIBRARY, "me").path
+
+
+@cache
+def select_outputs(source: Model, model: str, outputs: tuple[str, ...]) -> Model:
+    """Return a model with some of its outputs, in their order; `wheelset_speed` selects all its elements.
+
+    Args:
+        source: The model.
+        model: Its name in messages.
+        outputs: Names of outputs.
+
+    Raises:
+        EstimationError: An output does not exist.
+    """
+    names = [variable.name for variable in source.outputs]
+    places = [i for output in outputs for i, name in enumerate(names) if output in (name, Element.of(name).array)]
+    missing = [output for output in outputs if not any(output in (n, Element.of(n).array) for n in names)]
+    if missing:
+        raise EstimationError(
+            f"{model} has no output {', '.join(missing)}; it has {', '.join(names)}"
+            + did_you_mean(missing[0], names, before="; ")
+        )
+    arguments = [ca.SX.sym(f"a{i}", *source.output.size_in(i)) for i in range(source.output.n_in())]
+    selection = ca.Function("output", arguments, [ca.densify(source.output(*arguments))[places]])
+    return replace(source, outputs=tuple(source.outputs[i] for i in places), output=selection)
+
+
+@cache
+def model_of(model: str, outputs: tuple[str, ...] | None = None) -> Model:
+    """Return a class of RailBraking.Predictions as functions, with all outputs or some; cached in the process.
+
+    Raises:
+        EstimationError: The class or an output does not exist.
+    """
+    if outputs is not None:
+        return select_outputs(model_of(model), model, outputs)
+    if "." in model:
+        return with_state_names(lower(model))
+    classes = (LIBRARY / "Predictions" / "package.order").read_text(encoding="utf-8").split()
+    if model not in classes:
+        hint = did_you_mean(model, classes) or f"there is {', '.join(classes)}."
+        raise EstimationError(f"there is no prediction '{model}'; {hint}")
+    return with_state_names(lower(f"RailBraking.Predictions.{model}"))
+
+
+def units_of(model: str | Model) -> dict[str, str]:
+    """Return the unit of every state, input and output of a prediction, a model or a class by its name."""
+    source = model_of(model) if isinstance(model, str) else model
+    return {v.name: v.unit for v in (*source.states, *source.inputs, *source.outputs)}
 
 
 def of_class(name: str, library: NamedFile | None = None) -> PredictionModel:

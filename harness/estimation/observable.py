@@ -4,7 +4,8 @@ import numpy as np
 import xarray
 
 from railgrip.base.errors import EstimationError
-from railgrip.estimation.run import by_name, units_of
+from railgrip.estimation.models import units_of
+from railgrip.estimation.run import by_name
 from railgrip.estimation.spec import Specification, equations_for, estimate_of, settings_for
 from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.observability import Observability, along, observability

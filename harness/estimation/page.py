@@ -6,7 +6,7 @@ import xarray
 
 from railgrip.base.names import Element
 from railgrip.estimation.judge import Judgement
-from railgrip.estimation.run import units_of
+from railgrip.estimation.models import units_of
 from railgrip.estimation.spec import ModelParameter, Specification, model_parameters, settings_with_origins
 from railgrip.report.figures import estimates_figure
 from railgrip.report.page import Page

@@ -1,39 +1,35 @@
-"""Run a filter over a recording: mean and standard deviation of every state, and innovations, at every sample."""
+"""Run filters over a recording: mean and standard deviation of every state, and innovations, at every sample.
+
+Filters start from a released brake, so with adhesion and deflections of zero. Where the recording begins inside a
+braking, the balance of each wheelset and frame determines both:
+
+    dω/dt (α, z, μ_b, u) = slope of the wheelset speed,    d²z/dt² (α, z, μ_b, u) = 0
+
+Their covariance follows from that of the pad friction, to first order, and from the deviations of [start].
+"""
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cache
-from pathlib import Path
+from dataclasses import dataclass
+from time import process_time
 from typing import Literal
 
-import casadi as ca
 import numpy as np
 import xarray
 from numpy.typing import NDArray
 from scipy.ndimage import binary_closing
 
+from railgrip.base import registry
 from railgrip.base.errors import EstimationError, FilterDiverged
 from railgrip.base.names import Element, did_you_mean, state_name
-from railgrip.estimation.beginning import start_in_braking
+from railgrip.estimation.models import READ_STATES
 from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter, FilterRecord
 from railgrip.estimators.consistency import FAR, loss_step, nis_ratio
-from railgrip.estimators.design import Gate
-from railgrip.estimators.prediction import CasadiPrediction, PredictionInC, with_state_names
-from railgrip.fmi import FmuPrediction, describe
-from railgrip.fmus.build import build_class, fmu
-from railgrip.fmus.native import Model, lower
-from railgrip.fmus.native.library import LIBRARY
-from railgrip.fmus.recipe import read_recipes
+from railgrip.estimators.design import FilterContext, FilterKind, Gate
+from railgrip.estimators.prediction import Prediction, PredictionInC
 from railgrip.recording.flag import intervals
 from railgrip.recording.samples import period_of, samples
-
-Kind = Literal["fmu", "compiled"]
-"""Form of the prediction in a filter: its FMU through FMI 2.0, or the equations of its class as C in the filter."""
-
-READ_STATES = frozenset({"speed", "wheelset_speed"})
-"""States that are measured directly; if `start` omits them they are initialised with the first reading."""
 
 STANDSTILL = 1.0
 """Speed below which rejected readings are not reported [m/s]."""
@@ -78,117 +74,9 @@ class Settings:
     between: Literal["held", "mean"] = "held"
 
 
-def prediction_of(
-    model: str,
-    parameters: Mapping[str, float] | None = None,
-    outputs: Sequence[str] | None = None,
-    kind: Kind = "fmu",
-) -> PredictionInC:
-    """Return the prediction of a class of RailBraking.Predictions; parameters that are not given have their defaults.
-
-    An FMU is built if it is out of date; only one thread may use it at a time.
-
-    Args:
-        model: Name such as `RollerRigPrediction`, or a full class name.
-        parameters: Values by name, SI.
-        outputs: Expected readings, in that order, `wheelset_speed` for all its elements; None for all outputs.
-        kind: Form of the prediction.
-
-    Raises:
-        EstimationError: A parameter or output does not exist.
-        railgrip.base.errors.InputError: The class does not exist.
-    """
-    equations = equations_of(model, parameters, outputs)
-    if kind == "compiled":
-        return equations
-    description = describe(file_of(model))
-    return FmuPrediction(
-        description,
-        parameters=parameters or {},
-        states=equations.states,
-        inputs=equations.inputs,
-        outputs=equations.outputs,
-    ).open()
-
-
-def equations_of(
-    model: str, parameters: Mapping[str, float] | None = None, outputs: Sequence[str] | None = None
-) -> CasadiPrediction:
-    """Return the prediction as equations, which can be differentiated further and shared by threads."""
-    source = model_of(model, None if outputs is None else tuple(outputs))
-    values = dict(parameters or {})
-    defaults = {variable.name: variable.start for variable in source.parameters}
-    strange = [name for name in values if name not in defaults]
-    if strange:
-        raise EstimationError(
-            f"{model} has no parameter {', '.join(strange)}; it has {', '.join(defaults)}"
-            + did_you_mean(strange[0], defaults, before="; ")
-        )
-    return CasadiPrediction(source, defaults | values)
-
-
-@cache
-def file_of(model: str) -> Path:
-    """Return the FMU of a class of RailBraking.Predictions, built if it is out of date."""
-    name = model.rpartition(".")[2]
-    entry = read_recipes().recipes.get(name)
-    if entry is not None and entry.class_name in (model, f"RailBraking.Predictions.{model}"):
-        return fmu(name)
-    return build_class(model if "." in model else f"RailBraking.Predictions.{model}", LIBRARY, "me").path
-
-
-@cache
-def select_outputs(source: Model, model: str, outputs: tuple[str, ...]) -> Model:
-    """Return a model with some of its outputs, in their order; `wheelset_speed` selects all its elements.
-
-    Args:
-        source: The model.
-        model: Its name in messages.
-        outputs: Names of outputs.
-
-    Raises:
-        EstimationError: An output does not exist.
-    """
-    names = [variable.name for variable in source.outputs]
-    places = [i for output in outputs for i, name in enumerate(names) if output in (name, Element.of(name).array)]
-    missing = [output for output in outputs if not any(output in (n, Element.of(n).array) for n in names)]
-    if missing:
-        raise EstimationError(
-            f"{model} has no output {', '.join(missing)}; it has {', '.join(names)}"
-            + did_you_mean(missing[0], names, before="; ")
-        )
-    arguments = [ca.SX.sym(f"a{i}", *source.output.size_in(i)) for i in range(source.output.n_in())]
-    selection = ca.Function("output", arguments, [ca.densify(source.output(*arguments))[places]])
-    return replace(source, outputs=tuple(source.outputs[i] for i in places), output=selection)
-
-
-@cache
-def model_of(model: str, outputs: tuple[str, ...] | None = None) -> Model:
-    """Return a class of RailBraking.Predictions as functions, with all outputs or some; cached in the process.
-
-    Raises:
-        EstimationError: The class or an output does not exist.
-    """
-    if outputs is not None:
-        return select_outputs(model_of(model), model, outputs)
-    if "." in model:
-        return with_state_names(lower(model))
-    classes = (LIBRARY / "Predictions" / "package.order").read_text(encoding="utf-8").split()
-    if model not in classes:
-        hint = did_you_mean(model, classes) or f"there is {', '.join(classes)}."
-        raise EstimationError(f"there is no prediction '{model}'; {hint}")
-    return with_state_names(lower(f"RailBraking.Predictions.{model}"))
-
-
 def start_by_reading(states: Sequence[str], outputs: Sequence[str]) -> dict[str, str]:
     """Return state → reading for the states that may be initialised with their first reading."""
     return {state: state for state in states if Element.of(state).array in READ_STATES and state in outputs}
-
-
-def units_of(model: str | Model) -> dict[str, str]:
-    """Return the unit of every state, input and output of a prediction, a model or a class by its name."""
-    source = model_of(model) if isinstance(model, str) else model
-    return {v.name: v.unit for v in (*source.states, *source.inputs, *source.outputs)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -441,3 +329,187 @@ def _start(start: Mapping[str, float], states: Sequence[str], outputs: Sequence[
     if problems:
         raise EstimationError("\n".join(problems))
     return by_name("[start] mean", {**first, **start}, states)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FilterRun:
+    """Estimates of a filter at every sample of a recording of k steps, NaN from where it diverged.
+
+    Attributes:
+        mean, variance: Shape (k + 1, n), the start first.
+        squared_innovation: Normalised innovation squared of each step, shape (k,).
+        degrees: Number of readings of each step, shape (k,).
+        ended: Sentence on where and why it diverged; empty if it did not.
+        microseconds: Processor time of a step [µs].
+    """
+
+    mean: Matrix
+    variance: Matrix
+    squared_innovation: Vector
+    degrees: Vector
+    ended: str
+    microseconds: float
+
+
+def run_kind(kind: str, context: FilterContext, data: FilterData) -> FilterRun:
+    """Return the estimates of a kind of `railgrip.estimators.filters`.
+
+    Raises:
+        EstimationError: The kind does not exist, or takes a train in parts.
+    """
+    known = [name for name in registry.modules(registry.FILTERS) if _kind(name).prediction != "parts"]
+    if kind not in known:
+        hint = did_you_mean(kind, known) or f"there are {', '.join(known)}."
+        raise EstimationError(f"there is no filter '{kind}' for a recording; {hint}")
+    filter_ = _kind(kind).start(context)
+    count, n = len(data.readings), data.mean.size
+    mean, variance = np.full((count + 1, n), np.nan), np.full((count + 1, n), np.nan)
+    nis, degrees = np.zeros(count), np.zeros(count)
+    mean[0], variance[0] = filter_.mean, np.diagonal(filter_.covariance)
+    ended, begin = "", process_time()
+    readings = data.readings_by_step
+    for step in range(count * data.steps):
+        filter_.inputs[:], filter_.readings[:] = data.inputs[step], readings[step]
+        k = step // data.steps
+        try:
+            filter_.advance()
+        except FilterDiverged as problem:
+            ended = f"{problem} At step {k + 1}."
+            break
+        if (step + 1) % data.steps:
+            continue
+        mean[k + 1], variance[k + 1] = filter_.mean, np.diagonal(filter_.covariance)
+        nis[k], degrees[k] = filter_.squared_innovation, filter_.selection.sum()
+    return FilterRun(
+        mean=mean,
+        variance=variance,
+        squared_innovation=nis,
+        degrees=degrees,
+        ended=ended,
+        microseconds=1e6 * (process_time() - begin) / count,
+    )
+
+
+def context_of(prediction: PredictionInC, settings: Settings, data: FilterData) -> FilterContext:
+    """Return the model, noises and start of a filter.
+
+    Raises:
+        EstimationError: The noises do not match the states and outputs.
+    """
+    limit = settings.outlier_limit
+    return FilterContext(
+        prediction=prediction,
+        process_noise=by_name("[noise] process", settings.process, prediction.states),
+        reading_noise=by_name("[noise] readings", settings.readings, prediction.outputs),
+        period=data.step,
+        gate=settings.gate,
+        outlier_limit=None if limit is None else [limit] * len(prediction.outputs),
+        mean=data.mean,
+        covariance=data.covariance,
+    )
+
+
+def estimate_several(
+    recording: xarray.Dataset,
+    prediction: PredictionInC,
+    settings: Settings,
+    filters: Sequence[str],
+    *,
+    units: Mapping[str, str] | None = None,
+) -> xarray.Dataset:
+    """Return the estimates of several kinds of filters, with the same prediction, noises and start.
+
+    Arguments are those of `railgrip.estimation.run.estimate`.
+
+    Returns:
+        `mean` and `sd` (filter, time, state), `nis` (filter, time) with its degrees of freedom `readings`, and `ended`
+        (filter), empty for a valid filter.
+
+    Raises:
+        EstimationError: A filter does not exist, or as `railgrip.estimation.run.estimate`.
+    """
+    data = filter_data(recording, prediction, settings, units)
+    context = context_of(prediction, settings, data)
+    runs = [run_kind(kind, context, data) for kind in filters]
+    dimensions = ("filter", "time", "state")
+    return xarray.Dataset(
+        {
+            "mean": (dimensions, np.stack([run.mean for run in runs])),
+            "sd": (dimensions, np.sqrt(np.stack([run.variance for run in runs]))),
+            "nis": (dimensions[:2], np.stack([np.append(np.nan, run.squared_innovation) for run in runs])),
+            "readings": (dimensions[:2], np.stack([np.append(0.0, run.degrees) for run in runs])),
+            "ended": (dimensions[:1], [run.ended for run in runs]),
+        },
+        coords={"filter": list(filters), "time": recording["time"], "state": list(prediction.states)},
+        attrs={"period": data.period, "name": recording.attrs.get("name", "")},
+    )
+
+
+def _kind(name: str) -> type[FilterKind]:
+    return registry.part(registry.FILTERS, name, FilterKind)
+
+
+WINDOW = 0.5
+"""Time over which the slope of a wheelset speed is taken [s]; a slide changes it within some tenths of a second."""
+ITERATIONS = 5
+"""Of Newton's method; the balances are nearly linear in adhesion and deflection."""
+
+
+def start_in_braking(
+    prediction: Prediction, mean: Vector, deviation: Vector, inputs: Vector, readings: Matrix, period: float
+) -> tuple[Vector, Matrix]:
+    """Return mean and covariance of the states at the first sample, shapes (n,) and (n, n).
+
+    They are those that are given unless the brakes act: unless adhesion of a steady braking differs from that of `mean`
+    by more than its deviation.
+
+    Args:
+        prediction: The model.
+        mean: Mean of the states for a released brake, shape (n,).
+        deviation: Standard deviations, shape (n,).
+        inputs: Inputs at the first sample, shape (nu,).
+        readings: Readings from the first sample on, NaN where missing, shape (k, m).
+        period: Time between samples [s].
+    """
+    states, covariance = prediction.states, np.diag(deviation**2)
+    rotating, adhesion, pads, moving = (
+        _places(states, base) for base in ("wheelset_speed", "group_adhesion", "pad_friction", "ddz")
+    )
+    unknown = [*adhesion, *_places(states, "dz")]
+    rates = [*rotating, *moving]
+    if not adhesion or not rotating or not pads:
+        return mean, covariance
+    count = max(2, round(WINDOW / period) + 1)
+    slopes = np.zeros(len(rates))
+    for place, state in enumerate(states[k] for k in rotating):
+        values = readings[:count, prediction.outputs.index(state)] if state in prediction.outputs else np.zeros(0)
+        slopes[place] = _slope(values, period)
+    steady = mean.copy()
+    for _ in range(ITERATIONS):
+        missing = slopes - prediction.derivative(steady, inputs)[rates]
+        by_unknown = prediction.derivative_jacobian(steady, inputs)[np.ix_(rates, unknown)]
+        if not (np.isfinite(missing).all() and np.isfinite(by_unknown).all()):
+            return mean, covariance
+        steady[unknown] += np.linalg.lstsq(by_unknown, missing, rcond=None)[0]
+    if not np.any(np.abs(steady - mean)[adhesion] > deviation[adhesion]):
+        return mean, covariance
+    jacobian = prediction.derivative_jacobian(steady, inputs)
+    by_friction = -np.linalg.lstsq(jacobian[np.ix_(rates, unknown)], jacobian[np.ix_(rates, pads)], rcond=None)[0]
+    friction = covariance[np.ix_(pads, pads)]
+    covariance[np.ix_(unknown, pads)] = by_friction @ friction
+    covariance[np.ix_(pads, unknown)] = (by_friction @ friction).T
+    covariance[np.ix_(unknown, unknown)] += by_friction @ friction @ by_friction.T
+    return steady, covariance
+
+
+def _places(states: Sequence[str], base: str) -> list[int]:
+    return [k for k, state in enumerate(states) if Element.of(state).array == base]
+
+
+def _slope(values: Vector, period: float) -> float:
+    """Return the slope of a signal by Theil and Sen, which outliers do not tilt; 0 for fewer than two samples."""
+    at = np.flatnonzero(np.isfinite(values))
+    if at.size < 2:
+        return 0.0
+    first, second = np.triu_indices(at.size, 1)
+    return float(np.median((values[at[second]] - values[at[first]]) / (period * (at[second] - at[first]))))

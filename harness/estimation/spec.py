@@ -45,10 +45,9 @@ from pydantic import Field, PrivateAttr, StrictBool, ValidationInfo, field_seria
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.names import Element, did_you_mean, state_name
-from railgrip.estimation.models import DEFAULT, PredictionModel, of_class, of_train
-from railgrip.estimation.plausible import check_estimates, check_signals
-from railgrip.estimation.run import READ_STATES, Kind, Settings, estimate, units_of
-from railgrip.estimation.several import estimate_several
+from railgrip.estimation.judge import check_estimates, check_signals
+from railgrip.estimation.models import DEFAULT, READ_STATES, Kind, PredictionModel, of_class, of_train, units_of
+from railgrip.estimation.run import Settings, estimate, estimate_several
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
 from railgrip.recording.samples import period_of

@@ -1,18 +1,19 @@
 """Errors of the filters of the two-part train and their claimed deviations, under each load and each fault."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated
 
 import numpy as np
+import pandas
 from typer import Option
 
 import railgrip.scenario
 from railgrip.campaign.work import Work
 from railgrip.estimation.judge import rms
 from railgrip.report.baseline import Finding, mean
+from railgrip.report.frame import Frame, groups_of
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable, whole_percent
@@ -39,28 +40,21 @@ SEEDS = (1, 2, 3)
 _ROOT = Path(railgrip.scenario.__file__).parent
 
 
+AXES = ("scenario", "load", "fault", "seed", "filter")
+COLUMNS = (*AXES, "rmse", "bias", "nees")
+
 Case = tuple[str, float, str, int, str]
 """Name of the rail, mass relative to the assumed one, key of the type test's faults, seed of sensors and rail, and key
 of `FILTERS`: a stop with valves and service sensors, under slip control without estimates, so that no filter affects
 it."""
 
 
-class Errors(NamedTuple):
-    """Errors of adhesion in a stop above 10 km/h.
+def errors_of(case: Case) -> dict[str, float]:
+    """Run a case and return the errors of adhesion above 10 km/h.
 
-    Attributes:
-        rmse: RMS error of the filter over all groups.
-        bias: Mean of estimate minus truth.
-        nees: Mean squared error over variance, mean of the groups.
+    `rmse`: RMS error of the filter over all groups; `bias`: mean of estimate minus truth; `nees`: mean squared error
+    over variance, mean of the groups.
     """
-
-    rmse: float
-    bias: float
-    nees: float
-
-
-def errors_of(case: Case) -> Errors:
-    """Run a case."""
     scenario, load, fault, seed, name = case
     rail = read_toml(_ROOT / "library" / f"{scenario}.toml")
     table = merge(rail, read_toml(_ROOT / "equipment" / "service.toml"))
@@ -70,49 +64,36 @@ def errors_of(case: Case) -> Errors:
     moving = trace["speed"].values > SLOWEST
     error = (trace["estimate_adhesion"].values - trace["group_adhesion"].values)[moving]
     squares = (error / trace["estimate_adhesion_sd"].values[moving]) ** 2
-    return Errors(rms(error), float(np.mean(error)), float(np.mean(squares)))
+    return {"rmse": rms(error), "bias": float(np.mean(error)), "nees": float(np.mean(squares))}
 
 
-Results = Mapping[Case, Errors]
-
-
-def by_load(results: Results) -> ReportTable:
-    """Return the errors of each filter under each load, without a fault."""
-    rows: list[dict[str, Any]] = []
-    for load, name in product(LOADS, FILTERS):
-        errors = _of(results, name, [load], "none")
-        if errors:
-            rmse, bias, _ = zip(*errors, strict=True)
-            row = {"load": load, "filter": name, "stops": len(errors), "α RMSE": rms(np.array(rmse))}
-            rows.append(row | {"α bias": float(np.mean(bias))} | _nees(errors))
+def by_load(frame: Frame) -> ReportTable:
+    """Return the errors of each filter under each load; the frame has a row for each case, of `AXES` and its errors."""
+    rows = [
+        {"load": load, "filter": name, "stops": len(stops), "α RMSE": rms(stops["rmse"].to_numpy())}
+        | {"α bias": float(np.mean(stops["bias"].to_numpy()))}
+        | _nees(stops)
+        for (load, name), stops in groups_of(frame, ("load", "filter"))
+    ]
     return ReportTable(rows, _FORMS, ("filter",), title="Adhesion by load")
 
 
-def by_fault(results: Results) -> ReportTable:
+def by_fault(frame: Frame) -> ReportTable:
     """Return the consistency of each filter under each fault, over the same loads."""
-    rows: list[dict[str, Any]] = []
-    for fault in FAULTS:
-        of_filters = {name: _of(results, name, LADEN, fault) for name in FILTERS}
-        if all(of_filters.values()):
-            texts = {
-                name: " / ".join(f"{nees:.2g}" for nees in _nees(errors).values())
-                for name, errors in of_filters.items()
-            }
-            rows.append({"fault": fault, "stops": len(next(iter(of_filters.values())))} | texts)
+    rows = [
+        {"fault": fault, "stops": len(stops) // len(FILTERS)}
+        | {
+            name: " / ".join(f"{nees:.2g}" for nees in _nees(part).values())
+            for (name,), part in groups_of(stops, ["filter"])
+        }
+        for (fault,), stops in groups_of(frame, ["fault"])
+    ]
     return ReportTable(rows, left=("fault",), title="NEES by fault: 10 %, median, 90 %")
 
 
-def _of(results: Results, name: str, loads: Sequence[float], fault: str) -> list[Errors]:
-    return [
-        errors
-        for (_, load, case_fault, _, case_name), errors in results.items()
-        if (case_name, case_fault) == (name, fault) and load in loads
-    ]
-
-
-def _nees(errors: Sequence[Errors]) -> dict[str, float]:
+def _nees(stops: Frame) -> dict[str, float]:
     quantiles = {"NEES 10 %": 0.1, "NEES 50 %": 0.5, "NEES 90 %": 0.9}
-    return {title: float(np.quantile([one.nees for one in errors], q)) for title, q in quantiles.items()}
+    return {title: float(np.quantile(stops["nees"], share)) for title, share in quantiles.items()}
 
 
 @dataclass(frozen=True)
@@ -128,17 +109,18 @@ class FilterConsistency(Study):
         loads = list(product(rails, LOADS, ("none",), seeds, FILTERS))
         faults = [] if self.quick else list(product(rails, LADEN, FAULTS, seeds[:1], FILTERS))
         cases = list(dict.fromkeys([*loads, *faults]))
-        results = dict(zip(cases, work.map(errors_of, cases), strict=True))
-        tables = {
-            "loads": by_load({case: results[case] for case in loads}),
-            "faults": by_fault({case: results[case] for case in faults}),
-        }
+        errors = dict(zip(cases, work.map(errors_of, cases), strict=True))
+        of_loads, of_faults = (
+            pandas.DataFrame([dict(zip(AXES, case, strict=True)) | errors[case] for case in part], columns=COLUMNS)
+            for part in (loads, faults)
+        )
+        tables = {"loads": by_load(of_loads), "faults": by_fault(of_faults)}
         if self.write:
             write_tables(PAGE, tables)
         return Page(
             title="What the filters of the train claim, by load and by fault",
             question="Are the filters of the train as sure of adhesion as they are right, if the load is another one?",
-            answer=_answer({case: results[case] for case in loads}),
+            answer=_answer(of_loads),
             template="studies/filter_consistency.md.jinja",
             values=tables,
             screen=tuple(tables.values()),
@@ -148,7 +130,7 @@ class FilterConsistency(Study):
         """Return the errors of two filters in a train that is lighter by a fifth."""
         cases = [("trapezoid", 0.8, "none", 1, name) for name in ("disturbed", "loaded")]
         return [
-            mean(f"{name}, a fifth lighter: adhesion RMSE", errors.rmse)
+            mean(f"{name}, a fifth lighter: adhesion RMSE", errors["rmse"])
             for (*_, name), errors in zip(cases, work.map(errors_of, cases), strict=True)
         ]
 
@@ -165,13 +147,10 @@ _FORMS = {
 }
 
 
-def _answer(results: Results) -> str:
-    medians: list[str] = []
-    errors: list[str] = []
-    for name in FILTERS:
-        rmse, _, nees = zip(*_of(results, name, LOADS, "none"), strict=True)
-        medians.append(f"{np.median(nees):.2g} ({name})")
-        errors.append(f"{rms(np.array(rmse)):.4f}")
+def _answer(frame: Frame) -> str:
+    by_filter = frame.groupby("filter", sort=False)
+    medians = [f"{nees:.2g} ({name})" for name, nees in by_filter["nees"].median().items()]
+    errors = [f"{rms(values.to_numpy()):.4f}" for _, values in by_filter["rmse"]]
     return (
         f"A consistent filter has a NEES of 1; the median over all loads is {', '.join(medians)}. "
         f"In the same order the RMSE of adhesion is {', '.join(errors)}."

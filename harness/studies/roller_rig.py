@@ -14,7 +14,8 @@ from typer import Option
 
 from railgrip.campaign.work import Work
 from railgrip.estimation.judge import errors, judge
-from railgrip.estimation.run import by_name, estimate, units_of
+from railgrip.estimation.models import units_of
+from railgrip.estimation.run import by_name, estimate
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import (
     LIBRARY,

@@ -6,7 +6,7 @@ from typing import get_args
 import pytest
 
 from railgrip.base import registry
-from railgrip.estimation.run import model_of
+from railgrip.estimation.models import model_of
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.rolling_stock.blocks import LAWS as BLOCK_LAWS
 from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, Train

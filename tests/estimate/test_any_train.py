@@ -12,10 +12,9 @@ import railgrip as rg
 from railgrip import cli
 from railgrip.base.errors import EstimationError, ScenarioError
 from railgrip.cli.main import app
-from railgrip.estimation.check import require_consistent
-from railgrip.estimation.models import of_train
-from railgrip.estimation.run import estimate, prediction_of, units_of
-from railgrip.estimation.sources import complete_trace
+from railgrip.estimation.models import of_class, of_train, units_of
+from railgrip.estimation.run import estimate
+from railgrip.estimation.sources import complete_trace, require_consistent
 from railgrip.estimation.spec import load_specification, model_parameters, settings_for
 from railgrip.estimators.discretisation import advance
 from railgrip.estimators.tuning import NOISE_SETS
@@ -58,7 +57,8 @@ def test_a_class_of_the_library_has_the_estimates_of_its_prediction():
     specification = load_specification(Path("stop"))
     recording = complete_trace(specification, stop.trace)
     settings = settings_for(specification, recording.attrs["period"])
-    direct = estimate(recording, prediction_of("TrainPrediction"), settings, units=units_of("TrainPrediction"))
+    prediction = of_class("TrainPrediction").prediction({})
+    direct = estimate(recording, prediction, settings, units=units_of("TrainPrediction"))
     found = rg.estimate(stop.trace, "stop")
     assert all(found[name].values.tobytes() == direct[name].values.tobytes() for name in direct.data_vars)
 

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from railgrip.base.errors import ScenarioError
 from railgrip.cli.main import app
 from railgrip.estimation.inspection import inspect_recording
-from railgrip.estimation.run import model_of
+from railgrip.estimation.models import model_of
 from railgrip.estimation.spec import load_specification, parameters_for
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, solve_discrete_are
 
-from railgrip.estimation.run import prediction_of
+from railgrip.estimation.models import of_class
 from railgrip.estimation.spec import LIBRARY, load_specification
 
 NOISE = load_specification(LIBRARY / "rig_paper.toml").noise
@@ -12,7 +12,7 @@ NOISE = load_specification(LIBRARY / "rig_paper.toml").noise
 
 def stationary(period, force):
     """Return the stationary gain, the transition matrix of a period and that of the filter error."""
-    rig = prediction_of("RollerRigPrediction", {"A_drag": 0.0})
+    rig = of_class("RollerRigPrediction").prediction({"A_drag": 0.0})
     phi = expm(rig.derivative_jacobian(np.array([60.0, 30.0, 0.35, 0.05]), np.array([force])) * period)
     H = np.eye(2, 4)
     Q = np.diag([NOISE.process[name] for name in rig.states])

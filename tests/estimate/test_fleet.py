@@ -6,9 +6,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from railgrip.studies.fleet.joint import Hierarchy, StopEstimate, estimate_fleet
-from railgrip.studies.fleet.releases import CANDIDATES, STARTS, Releases, design, in_order, log_determinant
-from railgrip.studies.fleet.trains import stop_estimate
+from railgrip.studies.fleet.study import CANDIDATES, STARTS, Releases, design, in_order, log_determinant
+from railgrip.studies.fleet.trains import Hierarchy, StopEstimate, estimate_fleet, stop_estimate
 from railgrip.studies.pad_monitor.evidence import evidence_of
 from railgrip.studies.pad_monitor.life import Life, Release, braking_pressures, demand_table, live
 

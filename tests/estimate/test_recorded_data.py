@@ -14,7 +14,7 @@ from scipy.io import savemat
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.units import unit
-from railgrip.estimation.plausible import check_signals
+from railgrip.estimation.judge import check_signals
 from railgrip.recording.cleaning import find_repeats, spikes
 from railgrip.recording.flag import Flag, summary
 from railgrip.recording.grid import input_on_grid, on_grid

@@ -8,7 +8,8 @@ from scipy.linalg import expm
 
 from railgrip.base.errors import EstimationError, EstimatorError
 from railgrip.estimation.judge import judge
-from railgrip.estimation.run import Settings, by_name, estimate, prediction_of, units_of
+from railgrip.estimation.models import of_class, units_of
+from railgrip.estimation.run import Settings, by_name, estimate
 from railgrip.recording.samples import recording_of
 
 PERIOD = 0.01
@@ -48,7 +49,7 @@ def braked(samples=60, force=2e4, alpha=0.08, mu_b=0.35, seed=3):
 
 @pytest.fixture(scope="module")
 def undragged():
-    return prediction_of(MODEL, {"A_drag": 0.0})
+    return of_class(MODEL).prediction({"A_drag": 0.0})
 
 
 def test_without_drag_the_filter_is_the_kalman_filter_with_q_and_r_as_printed(undragged):
@@ -177,9 +178,9 @@ def test_missing_and_unknown_names_are_refused(undragged):
     with pytest.raises(EstimatorError, match="not positive definite"):
         estimate(braked(), undragged, replace(SETTINGS, readings={"wheelset_speed": 0.0, "speed": 1.0}))
     with pytest.raises(EstimationError, match="RollerRigPrediction has no parameter mass"):
-        prediction_of(MODEL, {"mass": 1.0})
+        of_class(MODEL).prediction({"mass": 1.0})
     with pytest.raises(EstimationError, match="RollerRigPrediction has no output yaw; it has wheelset_speed, speed"):
-        prediction_of(MODEL, outputs=("speed", "yaw"))
+        of_class(MODEL).prediction({}, ("speed", "yaw"))
 
 
 def test_an_element_takes_precedence_over_its_array():

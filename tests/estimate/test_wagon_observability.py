@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from railgrip.estimation.models import of_class
 from railgrip.estimation.observable import observe
-from railgrip.estimation.run import equations_of
 from railgrip.estimation.spec import LIBRARY, load_specification
 from railgrip.estimators.observability import observability, readings_and_rates
 from railgrip.recording.samples import recording_of
@@ -38,7 +38,7 @@ def inverse(z, u, variant):
 
 @pytest.mark.parametrize("variant", [CORRECTED, PRINTED], ids=["corrected", "printed"])
 def test_the_closed_form_inverts_readings_and_rates(variant):
-    wagon = equations_of("WagonPrediction", variant)
+    wagon = of_class("WagonPrediction").equations(variant)
     u = np.array([2e4, 1.5e4, -800.0, -50.0, -60.0])
     z, _ = readings_and_rates(wagon, 1, X, u)
     # Differences of torques of 1e4 N.m lose three of sixteen digits.
@@ -49,7 +49,7 @@ def test_the_printed_factor_is_half_the_force_balance():
     """(1), (2) and (4) of the paper give a force of mu m g; (5) has half of it."""
     u = np.array([0.0, 0.0, 0.0, 0.0, 0.0])
     decelerations = [
-        equations_of("WagonPrediction", v | {"A_drag": 0.0}).derivative(X, u)[2] for v in (CORRECTED, PRINTED)
+        of_class("WagonPrediction").equations(v | {"A_drag": 0.0}).derivative(X, u)[2] for v in (CORRECTED, PRINTED)
     ]
     assert decelerations == pytest.approx([-0.07 * G, -0.07 * G / 2], rel=1e-12)
 
@@ -65,7 +65,7 @@ def test_the_printed_factor_is_half_the_force_balance():
     ],
 )
 def test_only_pads_without_force_are_undetermined(variant, forces, lost):
-    wagon = equations_of("WagonPrediction", variant)
+    wagon = of_class("WagonPrediction").equations(variant)
     information = observability(wagon, X, np.array([*forces, -800.0, 0.0, 0.0]), SCALE)
     assert (information.complete, information.rank, information.undetermined) == (not lost, 6 - len(lost), lost)
     assert lost or information.order == 1
@@ -73,7 +73,7 @@ def test_only_pads_without_force_are_undetermined(variant, forces, lost):
 
 def test_a_relaxing_pad_without_force_is_also_undetermined():
     """Equation (9) gives friction separate dynamics on which no reading depends."""
-    wagon = equations_of("WagonPrediction", CORRECTED | {"mu_b_relaxes": 1.0})
+    wagon = of_class("WagonPrediction").equations(CORRECTED | {"mu_b_relaxes": 1.0})
     information = observability(wagon, X, np.array([0.0, 1.5e4, 0.0, 0.0, 0.0]), SCALE)
     assert information.undetermined == ("pad_friction[1]",)
 

@@ -6,7 +6,8 @@ import pytest
 import railgrip as rg
 from railgrip.base.errors import ScenarioError
 from railgrip.estimation.judge import judge
-from railgrip.estimation.run import estimate, prediction_of, units_of
+from railgrip.estimation.models import of_class, units_of
+from railgrip.estimation.run import estimate
 from railgrip.estimation.sources import recording_of_stop
 from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification, settings_for
 from railgrip.recording.samples import reading_of, truth_of
@@ -29,7 +30,7 @@ def stop():
 
 def estimates_for(recorded, **parameters):
     specification = load_specification(LIBRARY / "wagon.toml")
-    prediction = prediction_of("WagonPrediction", parameters)
+    prediction = of_class("WagonPrediction").prediction(parameters)
     return estimate(
         recorded, prediction, settings_for(specification, recorded.attrs["period"]), units=units_of("WagonPrediction")
     )

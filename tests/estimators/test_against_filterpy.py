@@ -22,22 +22,23 @@ from railgrip.estimators.belief import GaussianEstimate
 from railgrip.estimators.design import FilterContext, Gate
 from railgrip.estimators.discretisation import advance, transition
 from railgrip.estimators.ekf import ExtendedKalmanFilter, NumpyFilter
+from railgrip.estimators.filters.disturbance_observer import DisturbanceEstimator
+from railgrip.estimators.filters.force_balance import ForceBalanceEstimator
 from railgrip.estimators.filters.interacting import InteractingFilters
 from railgrip.estimators.filters.iterated import IteratedKalmanFilter
 from railgrip.estimators.filters.moving_horizon import HorizonFilter, MovingHorizonEstimator
 from railgrip.estimators.filters.particle import ParticleFilter, systematic_resample
 from railgrip.estimators.filters.sage_husa import SageHusaFilter
-from railgrip.estimators.observability import linearised_bound, posterior_bound
-from railgrip.estimators.prediction import CasadiPrediction
-from railgrip.estimators.references import DisturbanceEstimator, ForceBalanceEstimator
-from railgrip.estimators.sigma_points import (
+from railgrip.estimators.filters.unscented import (
     ALPHA,
     BETA,
     CubatureKalmanFilter,
     UnscentedKalmanFilter,
     sigma_points,
 )
-from railgrip.estimators.slope import estimate_slope
+from railgrip.estimators.observability import linearised_bound, posterior_bound
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.rail import estimate_slope
 from railgrip.estimators.smoother import iterate_smoother, smooth
 
 LINEAR = {"density": np.array([0.0, 0.0, 1e-2, 1e-2]), "noise": np.array([1e-8, 1e-3])}

@@ -18,7 +18,7 @@ from railgrip.base.errors import FilterDiverged
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.design import Gate
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.generated import generate
+from railgrip.estimators.model_in_c import generate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native.toolchain import shared_library
 

@@ -9,6 +9,6 @@ from railgrip.studies.filter_consistency import errors_of
 def test_an_unknown_load_is_learned_during_a_stop(load):
     """Adhesion is unbiased and consistent; the noises were not chosen on this seed."""
     own, other = (errors_of(("sine_sweep", load, "none", 4, name)) for name in ("loaded", "disturbed"))
-    assert own.rmse < 0.8 * other.rmse
-    assert abs(own.bias) < 0.25 * abs(other.bias)
-    assert 0.3 < own.nees < 2.0 < other.nees
+    assert own["rmse"] < 0.8 * other["rmse"]
+    assert abs(own["bias"]) < 0.25 * abs(other["bias"])
+    assert 0.3 < own["nees"] < 2.0 < other["nees"]

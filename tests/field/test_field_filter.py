@@ -8,7 +8,7 @@ import pytest
 
 from railgrip.base.errors import EstimationError, EstimatorError, ScenarioError
 from railgrip.campaign.work import work
-from railgrip.estimation.braking import brake_mask, braking_of, traction_mask
+from railgrip.estimation.motion import brake_mask, braking_of, traction_mask
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import estimate_of
@@ -16,22 +16,21 @@ from railgrip.recording.samples import reading_of, truth_of, with_signals
 from railgrip.report.style import save
 from railgrip.rolling_stock.schema import load_train
 from railgrip.studies.field_test import figures, filtering
+from railgrip.studies.field_test.figures import oscillation
 from railgrip.studies.field_test.filtering import (
     NOISES,
     PHYSICAL,
     Noise,
+    cases,
     divergence_time,
     follow,
     load_noise,
     save_noise,
     task_of,
 )
-from railgrip.studies.field_test.published import oscillation
-from railgrip.studies.field_test.runs import cases
-from railgrip.studies.field_test.runs import run as run_case
-from railgrip.studies.field_test.score import common_factor, score, terms_of, track_score
+from railgrip.studies.field_test.filtering import run as run_case
+from railgrip.studies.field_test.score import Search, common_factor, limits, score, terms_of, track_score, tune, value
 from railgrip.studies.field_test.study import noise_table
-from railgrip.studies.field_test.tune import Search, limits, tune, value
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native import lower
 from railgrip.studies.lateral import run
+from railgrip.studies.lateral.information import errors_of_filter
 from railgrip.studies.lateral.judge import beliefs_about, measure
 from railgrip.studies.lateral.run import (
     INTEGRALS,
@@ -22,7 +23,6 @@ from railgrip.studies.lateral.run import (
     prediction,
     simulate,
 )
-from railgrip.studies.lateral.stiffness import errors_of_filter
 from railgrip.studies.lateral.wheelset import (
     DRY,
     INPUTS,
@@ -118,10 +118,10 @@ def test_friction_is_estimated_with_a_wrong_creep_stiffness(plant):
     trace = simulate(LateralCase(test=worst, speed=25.0, plant=plant, seed=3), STIFFNESS_NAMES)
     errors = {name: errors_of_filter(trace, name) for name in STIFFNESS_NAMES}
     for name in ("known_track_stiffness", "unknown_track_stiffness"):
-        assert errors[name].rmse < 0.02, name
-        assert errors[name].stiffness < 0.005, name
-    assert errors["known_track_stiffness"].coverage > 0.9
-    assert errors["known_track"].coverage < 0.1
+        assert errors[name]["rmse"] < 0.02, name
+        assert errors[name]["stiffness"] < 0.005, name
+    assert errors["known_track_stiffness"]["coverage"] > 0.9
+    assert errors["known_track"]["coverage"] < 0.1
     force, true = beliefs_about(trace, "known_track_stiffness")["creep_force"], trace.truth["creep_force"]
     late = trace.time > 0.5
     assert np.sqrt(np.mean((force.mean - true)[late] ** 2)) < 0.01 * np.sqrt(np.mean(true[late] ** 2))
@@ -130,11 +130,11 @@ def test_friction_is_estimated_with_a_wrong_creep_stiffness(plant):
 def test_an_interval_of_friction_says_that_the_linear_part_of_the_curve_does_not_determine_it():
     case = LateralCase(test=TESTS[0].shorten(1.5), speed=25.0, plant="service sensors, 0.1 of the irregularity", seed=1)
     errors = errors_of_filter(simulate(case, ["known_track_stiffness"]), "known_track_stiffness")
-    assert errors.used < 0.05
-    assert errors.known == 0.0
-    assert errors.coverage_unknown > 0.9
-    assert np.isnan(errors.coverage_known)
-    assert errors.deviation > 0.5  # that of the start is 0.6
+    assert errors["used"] < 0.05
+    assert errors["known"] == 0.0
+    assert errors["coverage_unknown"] > 0.9
+    assert np.isnan(errors["coverage_known"])
+    assert errors["deviation"] > 0.5  # that of the start is 0.6
 
 
 def test_the_reconstruction_keeps_its_friction_when_the_rail_changes():

@@ -9,13 +9,13 @@ from scipy.stats import norm
 
 from railgrip.base.errors import EstimatorError
 from railgrip.campaign.work import work
-from railgrip.estimators.condition import UNDECIDED, ConditionDetector, confusion
+from railgrip.estimators.rail import UNDECIDED, ConditionDetector, confusion
 from railgrip.studies.lateral.judge import QUANTITIES
 from railgrip.studies.lateral.run import NAMES, LateralCase
 from railgrip.studies.lateral.study import LateralPlan, page_of
 from railgrip.studies.lateral.tables import (
-    LateralResult,
     confidence_of,
+    frame_of,
     friction_errors,
     levels,
     median_interval,
@@ -77,7 +77,7 @@ def test_the_interval_of_ten_seeds_is_second_to_ninth():
 
 
 def test_runs_without_a_value_count_as_infinite():
-    result = median_interval([1.0, 2.0, None, None, None])
+    result = median_interval([1.0, 2.0, math.nan, math.nan, math.nan])
     assert math.isinf(result.median)
     assert math.isinf(result.high)
     assert result.low == 1.0
@@ -106,15 +106,15 @@ def test_a_repeated_study_reads_its_runs_from_the_cache_and_writes_a_page(tmp_pa
 
 def test_the_page_names_the_conditions_that_a_filter_estimates_wrongly():
     right, wrong = (
-        LateralResult(case=case("paper"), measures=levels_of(0.46)),
-        LateralResult(case=case("softer"), measures=levels_of(0.11)),
+        (case("paper"), levels_of(0.46)),
+        (case("softer"), levels_of(0.11)),
     )
-    sentences = {sentence for _, _, sentence in levels([right, wrong])}
+    sentences = {sentence for _, _, sentence in levels(frame_of([right, wrong]))}
     assert sentences == {
         "Tells μ0 within 0.05 rms in dry, worst.",
         "Tells μ0 within 0.05 rms in worst; takes dry, 0.46, for 0.11.",
     }
-    ((*_, sentence),) = levels([LateralResult(case=case("paper"), measures=levels_of(1e37))])
+    ((*_, sentence),) = levels(frame_of([(case("paper"), levels_of(1e37))]))
     assert sentence.endswith("in worst; is lost in dry.")
 
 
@@ -122,28 +122,25 @@ def test_errors_are_relative_to_those_of_the_best_constant():
     errors = {name: {quantity: {"rmse": 3.0} for quantity in QUANTITIES} for name in NAMES}
     errors["reconstruction"]["creep"] = {"rmse": None}
     measures = {"errors": errors, "constant": dict.fromkeys(QUANTITIES, 2.0)}
-    table = skill([LateralResult(case=case("paper"), measures=measures)], speed=25.0)
+    table = skill(frame_of([(case("paper"), measures)]), speed=25.0)
     assert [row["quantity"] for row in table.texts] == ["lateral velocity", "yaw rate", "creep", "creep force"]
     assert {row["well posed, track known"] for row in table.texts} == {"1.5"}
     assert [row["reconstruction"] for row in table.texts] == ["1.5", "1.5", "∞", "1.5"]
 
 
 def test_errors_of_friction_are_listed_by_condition():
-    (row,) = friction_errors([LateralResult(case=case("softer"), measures=levels_of(0.11))], speed=25.0).texts
+    (row,) = friction_errors(frame_of([(case("softer"), levels_of(0.11))]), speed=25.0).texts
     assert (row["dry 0.46"], row["worst 0.1"]) == ("0.35", "0.001")
 
 
 def test_a_typical_run_has_the_median_error_and_diverged_runs_count_as_the_worst():
     errors = {1: 5.0, 2: None, 3: 1.0, 4: 7.0, 5: 2.0}
-    results = [
-        LateralResult(
-            case=case("paper", seed),
-            measures={"errors": {"reconstruction": {"creep_force": {"rmse": error}}}},
-        )
+    frame = frame_of(
+        (case("paper", seed), {"errors": {"reconstruction": {"creep_force": {"rmse": error}}}})
         for seed, error in errors.items()
-    ]
-    assert typical(results, "paper", 25.0, "change").case.seed == 1
-    assert typical(results[:4], "paper", 25.0, "change").case.seed == 1  # the lower of 5 and 7
+    )
+    assert typical(frame).case.seed == 1
+    assert typical(frame[:4]).case.seed == 1  # the lower of 5 and 7
 
 
 def case(plant, seed=1):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railgrip.studies.lateral.reconstruction import information_of, observability_by_condition, surface_change_table
+from railgrip.studies.lateral.information import information_of, observability_by_condition, surface_change_table
 from railgrip.studies.lateral.run import LateralCase, simulate
 from railgrip.studies.lateral.wheelset import CONDITIONS, PERIOD, TESTS
 

@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from railgrip.estimators.learned import online
-from railgrip.estimators.learned.ensemble import Ensemble
-from railgrip.estimators.learned.network import Network
-from railgrip.estimators.learned.preprocessing import AntiAlias, Chain, Scale, motions
-from railgrip.estimators.learned.spectral import Spectral
+from railgrip.estimators.learned import trained as online
+from railgrip.estimators.learned.network import Ensemble, Network
+from railgrip.estimators.learned.preprocessing import AntiAlias, Chain, Scale, Spectral, motions
 
 ROUNDING = 1e-9
 """Relative: thousands of recursive filter steps with additions in another order, then a network of slope about 1."""

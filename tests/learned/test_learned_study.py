@@ -11,7 +11,7 @@ from railgrip.estimators.learned.preprocessing import COMBINATIONS
 from railgrip.report.page import render
 from railgrip.report.style import save
 from railgrip.studies.axle_box.evaluate import TrainingRecipe
-from railgrip.studies.axle_box.reduction import LabelledRun
+from railgrip.studies.axle_box.reduction import OTHER_CHAINS, LabelledRun
 from railgrip.studies.axle_box.results import compare_with_paper, draw, tables_of
 from railgrip.studies.axle_box.training import QUICK, dry_or_not, estimators_of, passes, train_and_judge
 
@@ -24,7 +24,8 @@ def made_up(run, number):
     level = draw.uniform(0, 3, 20)
     return LabelledRun(
         name=run.name, group=60, speed=26.8, friction=run.friction,
-        blocks=np.abs(level + 0.02 * draw.standard_normal((100, 20))), settled=draw.uniform(0, 3, (100, 20)),
+        blocks=np.abs(level + 0.02 * draw.standard_normal((100, 20))),
+        other_blocks={name: draw.uniform(0, 3, (100, 20)) for name in OTHER_CHAINS},
         slow=np.column_stack([draw.standard_normal((1000, 8)), np.full(1000, 26.8)]), slope=0.4,
         slip_rate=0.1 / run.friction,
     )  # fmt: skip

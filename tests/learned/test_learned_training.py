@@ -6,11 +6,10 @@ from scipy.optimize import approx_fprime, least_squares
 
 from railgrip.base.errors import EstimatorError
 from railgrip.estimators.learned import network as nn
-from railgrip.estimators.learned.ensemble import fit
-from railgrip.estimators.learned.preprocessing import BLOCKS, COMBINATIONS, Chain, Scale, motions
-from railgrip.estimators.learned.spectral import Spectral
+from railgrip.estimators.learned.network import fit
+from railgrip.estimators.learned.preprocessing import BLOCKS, COMBINATIONS, Chain, Scale, Spectral, motions
 from railgrip.studies.axle_box.evaluate import TrainingRecipe, exchange_labels, within_runs, without_each
-from railgrip.studies.axle_box.reduction import CHANNELS, LabelledRun
+from railgrip.studies.axle_box.reduction import CHANNELS, OTHER_CHAINS, RATE, LabelledRun, Readings, reduce
 
 
 def test_the_high_pass_keeps_the_offset_of_the_first_sample():
@@ -90,7 +89,8 @@ def run(name, friction, blocks, generator, slow=None):
     return LabelledRun(
         name=name, group=60, speed=26.8, friction=friction,
         blocks=np.abs(np.tile(blocks, (100, 5)) + 0.05 * generator.standard_normal((100, 20))),
-        settled=np.abs(generator.standard_normal((100, 20))), slow=np.zeros((3, 9)) if slow is None else slow,
+        other_blocks={name: np.abs(generator.standard_normal((100, 20))) for name in OTHER_CHAINS},
+        slow=np.zeros((3, 9)) if slow is None else slow,
     )  # fmt: skip
 
 
@@ -200,6 +200,30 @@ def test_a_recipe_uses_the_motions_of_its_combination(inputs):
     blocks = TrainingRecipe(inputs=inputs).blocks(one)
     expected = [one.blocks[:, CHANNELS[motion]] for motion in COMBINATIONS[inputs]]
     assert np.array_equal(blocks, np.hstack(expected))
+
+
+@pytest.mark.parametrize("wheelsets", [1, 3])
+def test_a_recipe_of_fewer_wheelsets_has_the_first_of_each_motion(wheelsets):
+    one = run("run", 0.2, np.ones(4), np.random.default_rng(0))
+    blocks = TrainingRecipe(inputs="longitudinal, yaw", wheelsets=wheelsets).blocks(one)
+    assert np.array_equal(blocks, one.blocks[:, [*range(wheelsets), *range(8, 8 + wheelsets)]])
+
+
+def test_the_other_chains_differ_in_drift_offset_and_blocks():
+    """A constant plus a drift: the low-pass follows both, and delays the drift by √2/(2πf) of its corner frequency."""
+    time = np.arange(20 * RATE) / RATE
+    boxes = np.tile((270.0 + 0.5 * time)[:, np.newaxis], (1, 12))
+    reduced = reduce("run", 0.2, Readings(boxes=boxes, speed=np.full(time.size, 26.8), backwards=False))
+    last = 0.5 * (time[-1] - np.sqrt(2.0) / (2.0 * np.pi))
+    # The mean of the last block is that in its middle, 5 ms earlier, and five times that for long blocks.
+    assert reduced.other_blocks["without the high-pass"][-1, 0] == pytest.approx(last, abs=0.02)
+    assert reduced.other_blocks["offset kept"][-1, 0] == pytest.approx(270.0 + last, abs=0.02)
+    # A high-pass of 1e-4 Hz leaves a share of 1 - 20 s / (2 · 1592 s) of a drift of 20 s.
+    assert reduced.blocks[-1, 0] == pytest.approx((1.0 - 20.0 * np.pi * 1e-4) * last, abs=0.02)
+    short, long = reduced.other_blocks["blocks a fifth as long"], reduced.other_blocks["blocks five times as long"]
+    np.testing.assert_allclose(short.reshape(-1, 5, 20).mean(axis=1), reduced.blocks, rtol=1e-12)
+    count = len(long)
+    np.testing.assert_allclose(reduced.blocks[: 5 * count].reshape(count, 5, 20).mean(axis=1), long, rtol=1e-12)
 
 
 def test_decay_is_part_of_the_minimised_cost():

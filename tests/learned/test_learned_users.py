@@ -8,8 +8,7 @@ from scipy.io import savemat
 
 from railgrip.base.errors import EstimationError, ScenarioError
 from railgrip.campaign.work import work
-from railgrip.estimators.learned.online import BOXES
-from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
+from railgrip.estimators.learned.trained import BOXES, GeneralEstimator, PaperEstimator
 from railgrip.recording.table import DataTable
 from railgrip.report.page import render
 from railgrip.studies.axle_box.evaluate import TrainingRecipe

@@ -7,17 +7,14 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from railgrip.base.errors import EstimatorError, FmuError, ScenarioError
-from railgrip.estimators.learned.ensemble import Ensemble
-from railgrip.estimators.learned.network import Network
-from railgrip.estimators.learned.preprocessing import AntiAlias, Chain, Scale
-from railgrip.estimators.learned.spectral import Spectral
+from railgrip.estimators.learned.network import Ensemble, Network
+from railgrip.estimators.learned.preprocessing import AntiAlias, Chain, Scale, Spectral
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, load, save
 from railgrip.fmi import describe
 from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import pack
-from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.instrumented_car import Pass, Ride, held_speed, in_axes_of_car, ride
-from railgrip.studies.axle_box.reduction import measure_run
+from railgrip.studies.axle_box.reduction import RATE, measure_run
 from railgrip.studies.axle_box.ride import (
     INPUTS,
     LIBRARY,

@@ -12,7 +12,7 @@ from railgrip.base.arrays import generator
 from railgrip.campaign.work import Work, call
 from railgrip.estimation.judge import NORMAL_95, rms
 from railgrip.estimators.belief import Array, Matrix, Vector
-from railgrip.estimators.learned.ensemble import QUANTILE, Ensemble
+from railgrip.estimators.learned.network import QUANTILE, Ensemble
 from railgrip.report.table import Form, ReportTable
 from railgrip.studies.axle_box.evaluate import ScaledNetwork, TrainingRecipe
 from railgrip.studies.axle_box.instrumented_car import Pass

@@ -9,8 +9,7 @@ import numpy as np
 from railgrip.base.arrays import generator
 from railgrip.estimation.judge import rms
 from railgrip.estimators.belief import Array
-from railgrip.estimators.learned.ensemble import Ensemble
-from railgrip.estimators.learned.network import Bias, Network, train
+from railgrip.estimators.learned.network import Bias, Ensemble, Network, train
 from railgrip.estimators.learned.preprocessing import COMBINATIONS, Scale
 from railgrip.studies.axle_box.reduction import CHANNELS, LabelledRun, spectral_features
 
@@ -71,7 +70,8 @@ class TrainingRecipe:
     Attributes:
         inputs: Key of `preprocessing.COMBINATIONS`.
         bias: Reading of equation (4).
-        settled: Whether the high-pass starts at the mean of the first second instead of the first sample.
+        chain: Key of `reduction.OTHER_CHAINS`; empty for the paper's chain.
+        wheelsets: Number of wheelsets with accelerometers, from the first.
         starts: Random initialisations.
         steps: Number of Levenberg-Marquardt steps.
         decay: Weight of the squared weights, see `network.train`.
@@ -80,7 +80,8 @@ class TrainingRecipe:
 
     inputs: str = "longitudinal"
     bias: Bias = "inside"
-    settled: bool = False
+    chain: str = ""
+    wheelsets: int = 4
     starts: int = 15
     steps: int = 100
     decay: float = DECAY
@@ -88,8 +89,8 @@ class TrainingRecipe:
 
     def blocks(self, run: LabelledRun) -> Array:
         """Return the inputs of the network for a run, before scaling."""
-        blocks = run.settled if self.settled else run.blocks
-        return np.hstack([blocks[:, CHANNELS[motion]] for motion in COMBINATIONS[self.inputs]])
+        blocks = run.other_blocks[self.chain] if self.chain else run.blocks
+        return np.hstack([blocks[:, CHANNELS[motion]][:, : self.wheelsets] for motion in COMBINATIONS[self.inputs]])
 
     def data(self, runs: Sequence[LabelledRun]) -> list[Labelled]:
         """Return the inputs of the network and their labels for each run."""

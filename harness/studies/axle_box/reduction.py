@@ -1,24 +1,119 @@
-"""Reduction of the recordings of loggers to the data that estimators are trained on.
+"""Recordings of axle-box accelerometers for a true acceleration, and their reduction to the data of estimators.
+
+Effects of the sensors are offset, drift and noise, the resonance of the plate, and the vibration of rolling wheels,
+which a rigid-body vehicle does not have. Values are estimates for a DC-coupled sensor of the class of the 7533A4; the
+range of offsets is that of Abduraxman et al. (2024).
 
 A run at the rate of the loggers has some hundred megabytes. A reduced run has the block means of the paper's chain and
 lateral and yaw acceleration at 128 samples a second, some hundred kilobytes.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.signal import butter, lfilter, sosfilt
 
 from railgrip.base.arrays import generator
 from railgrip.campaign.work import Work
 from railgrip.estimation.judge import rms
 from railgrip.estimators.belief import Array
-from railgrip.estimators.learned.preprocessing import BLOCKS, AntiAlias, Chain, Motion, lateral_and_yaw, motions
-from railgrip.estimators.learned.spectral import Spectral
-from railgrip.studies.axle_box.accelerometer import AXLE_BOX, RATE, measure
+from railgrip.estimators.learned.preprocessing import (
+    BLOCKS,
+    AntiAlias,
+    Chain,
+    Motion,
+    Spectral,
+    lateral_and_yaw,
+    motions,
+)
 from railgrip.studies.axle_box.instrumented_car import MPH, Pass, Ride, ride, slope
 from railgrip.studies.axle_box.instrumented_car import RATE as CAR_RATE
+
+RATE: Final = 5120
+"""Sampling rate of the paper's loggers [Hz]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AxleBoxAccelerometer:
+    """An accelerometer on its plate.
+
+    Attributes:
+        offset: Lowest and highest offset, m/s².
+        drift: Standard deviation of the drift within a run, m/s² a second.
+        walk: Random walk of the offset, m/s² a square root of a second.
+        noise: Density of white noise, m/s²/√Hz.
+        gain_error: Relative standard deviation of the gain.
+        plate_frequency: Resonance of the plate, Hz; plate_damping: its damping ratio.
+        rolling: Vibration of rolling wheels above 50 Hz, m/s² a m/s of speed.
+    """
+
+    offset: tuple[float, float] = (266.0, 272.0)
+    drift: float = 5e-3
+    walk: float = 2e-3
+    noise: float = 5e-3
+    gain_error: float = 0.01
+    plate_frequency: float = 640.0
+    plate_damping: float = 0.05
+    rolling: float = 0.1
+
+
+AXLE_BOX: Final = AxleBoxAccelerometer()
+
+
+def measure(
+    true: Array,
+    true_rate: int,
+    speed: float,
+    sensor: AxleBoxAccelerometer,
+    vehicle: np.random.Generator,
+    run: np.random.Generator,
+) -> Array:
+    """Return the recording of the loggers at `RATE`, m/s².
+
+    Args:
+        true: Accelerations, m/s², shape (n, channels).
+        true_rate: Of `true`, samples a second; `RATE` is a multiple of it.
+        speed: m/s.
+        vehicle: Draws the properties of the sensors: offsets and gains.
+        run: Draws what varies from run to run: drift and noise.
+    """
+    fine = _fine(true, true_rate)
+    channels = fine.shape[1]
+    rolling = run.standard_normal(fine.shape) * sensor.rolling * speed
+    gain = 1 + sensor.gain_error * vehicle.standard_normal(channels)
+    time = np.arange(len(fine)) / RATE
+    after = vehicle.uniform(*sensor.offset, channels) + time[:, None] * (sensor.drift * run.standard_normal(channels))
+    after += np.cumsum(run.standard_normal(fine.shape), axis=0) * (sensor.walk / np.sqrt(RATE))
+    after += run.standard_normal(fine.shape) * (sensor.noise * np.sqrt(RATE / 2))
+    before = np.asarray(sosfilt(butter(2, 50, "highpass", fs=RATE, output="sos"), rolling, axis=0), dtype=np.float64)
+    return _plate(fine + before, sensor) * gain + after
+
+
+def _fine(true: Array, rate: int) -> Array:
+    if RATE % rate:
+        raise ValueError(f"accelerometers sample {RATE} times a second, which is not a multiple of {rate}.")
+    fine = np.arange((len(true) - 1) * (RATE // rate) + 1) / (RATE // rate)
+    return np.asarray(CubicSpline(np.arange(len(true)), true)(fine), dtype=np.float64)
+
+
+def plate(sensor: AxleBoxAccelerometer) -> tuple[Array, Array]:
+    """Return numerator and denominator of a plate with one resonance and a gain of 1 at rest (bilinear)."""
+    w = np.tan(np.pi * sensor.plate_frequency / RATE)
+    a = np.array([1 + 2 * sensor.plate_damping * w + w**2, 2 * (w**2 - 1), 1 - 2 * sensor.plate_damping * w + w**2])
+    b = np.array([1.0, 2.0, 1.0]) * w**2
+    return b / a[0], a / a[0]
+
+
+def _plate(signal: Array, sensor: AxleBoxAccelerometer) -> Array:
+    b, a = plate(sensor)
+    # The plate starts settled at the first sample; its gain at rest is 1.
+    last = b[2] - a[2]
+    rest = np.array([b[1] - a[1] + last, last])[:, None] * signal[0]
+    return np.asarray(lfilter(b, a, signal, axis=0, zi=rest)[0], dtype=np.float64)
+
 
 SLOW: Final = AntiAlias(rate=RATE, keep=40)
 SPECTRAL: Final = Spectral(rate=SLOW.slow_rate)
@@ -27,6 +122,15 @@ CHANNELS: Final[Mapping[Motion, slice]] = {
     "right": slice(16, 20),
 }  # fmt: skip
 """Columns of `LabelledRun.blocks` by motion."""
+
+OTHER_CHAINS: Final[Mapping[str, Callable[[Chain], Mapping[str, Any]]]] = {
+    "first second is zero": lambda _: {"start": "first second"},
+    "without the high-pass": lambda _: {"high_pass": 0.0},
+    "offset kept": lambda _: {"high_pass": 0.0, "start": "offset"},
+    "blocks a fifth as long": lambda chain: {"block": chain.block // 5},
+    "blocks five times as long": lambda chain: {"block": 5 * chain.block},
+}
+"""Variants of the paper's chain by name → their values of `Chain`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,7 +158,7 @@ class LabelledRun:
         speed: Mean, m/s.
         friction: The label.
         blocks: Of the paper's chain, columns as in `CHANNELS`, m/s², shape (n, 20).
-        settled: The same with the high-pass started at the mean of the first second.
+        other_blocks: The same by each of `OTHER_CHAINS`.
         slow: Lateral and yaw acceleration at the rate of `SLOW`, the leading wheelset first, m/s², and the speed, m/s,
             shape (m, 9).
         slope: Slope of the creep curve relative to that of a clean contact; known for simulated runs only.
@@ -67,7 +171,7 @@ class LabelledRun:
     speed: float
     friction: float
     blocks: Array
-    settled: Array
+    other_blocks: Mapping[str, Array]
     slow: Array
     slope: float | None = None
     slip_rate: float | None = None
@@ -90,7 +194,7 @@ def reduce(name: str, friction: float, readings: Readings) -> LabelledRun:
         speed=speed,
         friction=friction,
         blocks=chain.process(raw),
-        settled=replace(chain, start="first second").process(raw),
+        other_blocks={name: replace(chain, **changes(chain)).process(raw) for name, changes in OTHER_CHAINS.items()},
         slow=np.column_stack([lateral, yaw, SLOW.every(readings.speed)]),
     )
 

@@ -13,9 +13,8 @@ from railgrip.estimators.learned.network import Network
 from railgrip.estimators.learned.preprocessing import BLOCKS
 from railgrip.report import palette, style
 from railgrip.report.table import ReportTable
-from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.evaluate import Score, TrainingRecipe, average, exchange_labels, parts_of
-from railgrip.studies.axle_box.reduction import CHANNELS, LabelledRun, spectral_features
+from railgrip.studies.axle_box.reduction import CHANNELS, RATE, LabelledRun, spectral_features
 from railgrip.studies.axle_box.training import PUBLISHED, PUBLISHED_BEST, SPEEDS, AxleBoxResults, Rows
 from railgrip.studies.papers.pages import PaperRow, comparison
 
@@ -41,6 +40,7 @@ def tables_of(results: AxleBoxResults) -> dict[str, Any]:
         "inputs": _scores(results.inputs, speeds),
         "input_starts": _starts(results.inputs),
         "neurons": _scores({f"{name} hidden neurons": row for name, row in results.neurons.items()}, speeds),
+        "statements": _scores(results.statements, speeds),
         "slip_rate": _slip_rates(results.slip_rates, speeds),
         "honest": _scores(results.honest, speeds, with_mean=True),
         "general": _general(results.general, speeds),

@@ -30,19 +30,17 @@ from pydantic import Field
 
 from railgrip.base.errors import FmuError, ScenarioError
 from railgrip.estimators.belief import Array
-from railgrip.estimators.learned.ensemble import QUANTILE
-from railgrip.estimators.learned.online import run
+from railgrip.estimators.learned.network import QUANTILE
 from railgrip.estimators.learned.preprocessing import BOXES
-from railgrip.estimators.learned.trained import Trained, load
+from railgrip.estimators.learned.trained import Trained, load, run
 from railgrip.fmi import Binding, Description, Port, bind, describe, open_plant
 from railgrip.report.palette import GREEN
 from railgrip.report.style import band, dress, panels
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, one_of
 from railgrip.scenario.track_geometry import TRACKS
-from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.instrumented_car import SURFACES, Pass, held_speed, ride
-from railgrip.studies.axle_box.reduction import measure_run
+from railgrip.studies.axle_box.reduction import RATE, measure_run
 
 LIBRARY = Path(__file__).parent / "library"
 INPUTS: Final = dict.fromkeys(BOXES, "m/s2") | {"speed": "m/s", "direction": "1"}

@@ -40,7 +40,7 @@ from railgrip.studies.axle_box.training import (
 from railgrip.studies.papers.pages import write_results
 from railgrip.studies.study import Study
 
-WRITTEN: Final = ("compared", "table3", "inputs", "neurons", "apart", "slip_rate", "honest", "general")
+WRITTEN: Final = ("compared", "table3", "inputs", "neurons", "statements", "apart", "slip_rate", "honest", "general")
 """Tables of the page in docs/papers."""
 COMPARED: Final = Path("docs/estimators_compared.md")
 """Page of the comparison of estimators, from the folder of the project."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from railgrip.base.arrays import generator
 from railgrip.campaign.work import Work, call
-from railgrip.estimators.learned.ensemble import Ensemble, fit
+from railgrip.estimators.learned.network import Ensemble, fit
 from railgrip.estimators.learned.preprocessing import BLOCKS, COMBINATIONS, Chain
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, Trained
 from railgrip.studies.axle_box.evaluate import (
@@ -25,7 +25,7 @@ from railgrip.studies.axle_box.evaluate import (
     without_each,
 )
 from railgrip.studies.axle_box.instrumented_car import MPH, Pass
-from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, LabelledRun, gather, spectral_features
+from railgrip.studies.axle_box.reduction import OTHER_CHAINS, SLOW, SPECTRAL, LabelledRun, gather, spectral_features
 
 SPEEDS: Final = (16, 26, 40, 60)
 """mph."""
@@ -125,6 +125,15 @@ DECAYS: Final = (0.0, 1e-9, 1e-8, 1e-7, 1e-6)
 NEURONS: Final = (2, 4, 6, 9)
 """Sizes of the hidden layer that are compared; the paper chose 6."""
 
+STATEMENTS: Final[Mapping[str, Mapping[str, Any]]] = {
+    "four wheelsets, the chain of the paper": {},
+    **{f"{name} wheelset{'s' if count > 1 else ''}": {"wheelsets": count}
+       for count, name in ((3, "three"), (2, "two"), (1, "one"))},
+    **{name: {"chain": name} for name in OTHER_CHAINS if name != "first second is zero"},
+}  # fmt: skip
+"""Variants by which statements of the paper are tested → their values of the recipe: at least four states are
+necessary, signals drift without the high-pass, and the length of the blocks has almost no effect."""
+
 Rows = Mapping[str, Mapping[int, Score]]
 """Row of a table → speed [mph] → score."""
 
@@ -164,6 +173,7 @@ class AxleBoxResults:
         decays: Trained on the first 64 % of each run, judged on the following 16 %: source of `evaluate.DECAY`.
         inputs: The paper's split with each combination of motions.
         neurons: The paper's split with each size of the hidden layer.
+        statements: The paper's split with each of `STATEMENTS`.
         honest: Rows of the paper's networks on runs outside of their training.
         general: Rows of the general estimator on the same runs.
         ensemble: The general estimator.
@@ -177,6 +187,7 @@ class AxleBoxResults:
     decays: Rows
     inputs: Rows
     neurons: Rows
+    statements: Rows
     honest: Rows
     general: Rows
     ensemble: Ensemble
@@ -237,6 +248,7 @@ def train_and_judge(
         decays=tables["decays"],
         inputs=tables["inputs"],
         neurons=tables["neurons"],
+        statements=tables["statements"],
         honest=tables["honest"],
         general={
             name: {
@@ -277,10 +289,11 @@ def _judgements(
             "bias inside, weights kept small": partial(within_runs, runs, recipe),
             "bias outside, weights kept small": partial(within_runs, runs, replace(recipe, bias="outside")),
             "labels exchanged": partial(within_runs, exchange_labels(runs), recipe),
-            "first second is zero": partial(within_runs, runs, replace(recipe, settled=True)),
+            "first second is zero": partial(within_runs, runs, replace(recipe, chain="first second is zero")),
         },
         "decays": {f"{decay:g}": partial(inside_training, runs, replace(few, decay=decay)) for decay in DECAYS},
         "inputs": {name: partial(within_runs, runs, replace(few, inputs=name)) for name in COMBINATIONS},
+        "statements": {name: partial(within_runs, runs, replace(few, **each)) for name, each in STATEMENTS.items()},
         "neurons": {f"{count}": partial(within_runs, runs, replace(few, hidden=count)) for count in NEURONS},
         "honest": {"a run left out": partial(without_each, runs, few)},
     }

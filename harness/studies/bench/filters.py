@@ -5,8 +5,9 @@ from time import process_time
 
 import numpy as np
 
-from railgrip.estimation.braking import braking_of
-from railgrip.estimation.run import by_name, prediction_of
+from railgrip.estimation.models import of_class
+from railgrip.estimation.motion import braking_of
+from railgrip.estimation.run import by_name
 from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification, prediction_for, settings_for
 from railgrip.estimators.belief import GaussianEstimate, Vector
 from railgrip.estimators.compiled import CompiledFilter
@@ -18,9 +19,18 @@ from railgrip.fmi import SteppedFmuPrediction
 from railgrip.simulate.named_models import compile_class, prediction_description
 from railgrip.simulate.train_prediction import central_of, consist_of, start_of
 from railgrip.studies.bench import Row, microseconds
-from railgrip.studies.field_test.filtering import PHYSICAL, filter_of, follow, prediction, specification, task_of
-from railgrip.studies.field_test.runs import TEST, cases, run
-from railgrip.studies.field_test.tune import evaluate
+from railgrip.studies.field_test.filtering import (
+    PHYSICAL,
+    TEST,
+    cases,
+    filter_of,
+    follow,
+    prediction,
+    run,
+    specification,
+    task_of,
+)
+from railgrip.studies.field_test.score import evaluate
 from railgrip.vehicle.formation import Formation
 
 
@@ -40,7 +50,7 @@ def of_train(model: str, noise: str, target: str) -> Iterator[Row]:
     on_values = microseconds(lambda: compiled.step(first, inputs, readings), count=2000)
     reference = microseconds(lambda: plain.step(first, inputs, readings), count=100)
     what = f"compiled filter, {len(prediction.states)} states, a step in place as in the loop"
-    by_fmu = prediction_of(model)
+    by_fmu = of_class(model).prediction({})
     stepped = CompiledFilter(by_fmu, *noises, 1e-3)
     fmu = in_place(stepped, first, inputs, readings, count=2000)
     yield what, f"{advance:.1f} µs", target

@@ -1,7 +1,6 @@
 """Errors of the adhesion available, where the slope of the creep curve determines it."""
 
 import math
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -9,8 +8,8 @@ import xarray
 from scipy.ndimage import maximum_filter1d
 
 from railgrip.estimation.judge import rms
-from railgrip.estimators.belief import Matrix, Vector
-from railgrip.estimators.slope import estimate_slope
+from railgrip.estimators.belief import Array, Matrix, Vector
+from railgrip.estimators.rail import estimate_slope
 from railgrip.studies.estimators.recordings import PERIOD
 from railgrip.trace.estimation import SLOWEST
 
@@ -19,29 +18,6 @@ TRUTH: Final = "peak_adhesion"
 
 RECENT: Final = 1.0
 """Time over which the reference takes the largest adhesion [s]."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AvailableErrors:
-    """Errors of the available adhesion of an estimator in one recording above 10 km/h, over all groups.
-
-    All but `known` are of the samples in which the estimator knows it, NaN without any.
-
-    Attributes:
-        known: Share of samples in which it is known; NaN without estimates of adhesion and slip.
-        rmse: Root mean square error.
-        bias: Mean error.
-        coverage: Share of samples within the claimed 95 % interval of adhesion; NaN without a claim.
-        recent: Root mean square error of the largest estimated adhesion of the last `RECENT`.
-        constant: Root mean square error of the best constant.
-    """
-
-    known: float
-    rmse: float = math.nan
-    bias: float = math.nan
-    coverage: float = math.nan
-    recent: float = math.nan
-    constant: float = math.nan
 
 
 def with_slip(
@@ -63,16 +39,22 @@ def with_slip(
     return trace.assign(estimate_slip=(groups, 1.0 - ratio), estimate_slip_sd=(groups, np.abs(deviation)))
 
 
-def available_errors(trace: xarray.Dataset, constant: float, quantile: float) -> AvailableErrors:
-    """Return the errors of a recording with estimates of adhesion and slip.
+def available_errors(trace: xarray.Dataset, constant: float, quantile: float) -> dict[str, float]:
+    """Return the errors of the available adhesion in a recording with estimates of adhesion and slip, over all groups.
+
+    `known` is the share of samples above 10 km/h in which the estimator knows it; NaN without estimates of adhesion and
+    slip. All others are of these samples, NaN without any: `rmse` and `bias`; `coverage`, the share of samples within
+    the claimed 95 % interval of adhesion, NaN without a claim; `recent`, the root mean square error of the largest
+    estimated adhesion of the last `RECENT`; `constant`, that of the best constant.
 
     Args:
         trace: The recording.
         constant: Mean of the available adhesion in the training set.
         quantile: Half of the claimed interval, in standard deviations.
     """
+    errors = dict.fromkeys(("known", "rmse", "bias", "coverage", "recent", "constant"), math.nan)
     if "estimate_slip" not in trace or "estimate_adhesion" not in trace:
-        return AvailableErrors(known=math.nan)
+        return errors
     moving = trace["speed"].values > SLOWEST
     adhesion, slip, truth = (trace[name].values[moving] for name in ("estimate_adhesion", "estimate_slip", TRUTH))
     deviation, slip_deviation = (
@@ -80,23 +62,28 @@ def available_errors(trace: xarray.Dataset, constant: float, quantile: float) ->
         for name in ("estimate_adhesion_sd", "estimate_slip_sd")
     )
     if not np.isfinite(slip).any():
-        return AvailableErrors(known=math.nan)
+        return errors
     columns = zip(adhesion.T, slip.T, np.nan_to_num(slip_deviation).T, strict=True)
     found = np.stack([estimate_slope(a, s, PERIOD, slip_deviation=sd).available for a, s, sd in columns], axis=1)
     is_known = np.isfinite(found)
+    errors["known"] = float(np.mean(is_known))
     if not is_known.any():
-        return AvailableErrors(known=0.0)
+        return errors
     error, claimed = (found - truth)[is_known], deviation[is_known]
     recent = largest_of_last(adhesion, round(RECENT / PERIOD))
-    is_claimed = bool(np.isfinite(claimed).all())
-    return AvailableErrors(
-        known=float(np.mean(is_known)),
-        rmse=rms(error),
-        bias=float(np.mean(error)),
-        coverage=float(np.mean(np.abs(error) <= quantile * claimed)) if is_claimed else math.nan,
-        recent=rms((recent - truth)[is_known]),
-        constant=rms((constant - truth)[is_known]),
-    )
+    return errors | {
+        "rmse": rms(error),
+        "bias": float(np.mean(error)),
+        "coverage": coverage(error, claimed, quantile),
+        "recent": rms((recent - truth)[is_known]),
+        "constant": rms((constant - truth)[is_known]),
+    }
+
+
+def coverage(error: Array, deviation: Array, quantile: float) -> float:
+    """Return the share of errors within `quantile` claimed deviations; NaN without errors or without a claim."""
+    is_claimed = deviation.size > 0 and bool(np.isfinite(deviation).all())
+    return float(np.mean(np.abs(error) <= quantile * deviation)) if is_claimed else math.nan
 
 
 def largest_of_last(values: Matrix, count: int) -> Matrix:

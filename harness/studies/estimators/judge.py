@@ -3,7 +3,6 @@
 import hashlib
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
 from typing import Any, Final
 
 import numpy as np
@@ -15,20 +14,24 @@ from railgrip.base.names import Element
 from railgrip.estimation.judge import NORMAL_95, rms
 from railgrip.estimators.belief import Array, Vector
 from railgrip.simulate.estimator import RELEASED_PADS
-from railgrip.studies.estimators.available import TRUTH, AvailableErrors, available_errors, with_slip
+from railgrip.studies.estimators.available import TRUTH, available_errors, coverage, with_slip
 from railgrip.studies.estimators.own import is_class, trace_with_class
 from railgrip.studies.estimators.recordings import RecordingCase, recording_of_case
-from railgrip.studies.estimators.replay import Replay, bound_of, columns, radii, replay, states, with_estimates
+from railgrip.studies.estimators.replay import (
+    CONSTANT,
+    Replay,
+    bound_of,
+    columns,
+    radii,
+    replay,
+    states,
+    with_estimates,
+)
 from railgrip.trace.estimation import SLOWEST, adhesion_errors, innovations
 from railgrip.vehicle.signals import READINGS
 
 TARGETS: Final[Mapping[str, str]] = {"adhesion": "group_adhesion", "pad_friction": "pad_friction", "speed": "speed"}
 """Estimated quantity → true variable of the trace."""
-
-CONSTANT: Final = "constant"
-"""Name of the best constant of the training set."""
-
-FORCE_BALANCE: Final = "force_balance"
 
 LOST: Final = 0.03
 """Error of adhesion above which an estimate is lost: the adhesion of a very slippery rail."""
@@ -40,73 +43,38 @@ STEP, STEP_TIME, LONGEST_DELAY = 0.02, 0.1, 0.5
 """A step of adhesion [1], the time in which it happens [s], and the longest delay after it [s]."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CaseErrors:
-    """Errors of an estimator in one recording above 10 km/h.
-
-    Attributes:
-        digest: SHA-256 of the readings, equal for all estimators.
-        diverged: Whether the filter diverged; errors are NaN then.
-        rmse: Target → root mean square error over all groups.
-        bias: Mean error of adhesion over all groups.
-        delay: Delay of adhesion, mean of the groups [s].
-        step_delay: Median delay after a step of adhesion, see `step_delay` [s]; NaN without steps.
-        lost: Share of samples in which the error of adhesion is above `LOST`.
-        admitted: Share of these samples within the claimed 95 % interval; NaN without such samples or without a claim.
-        coverage: Target → share of samples within the claimed 95 % interval; NaN without a claim.
-        width: Median width of the claimed 95 % interval of adhesion.
-        pads: Root mean square error of the pad friction of each group where identifiable; NaN without such samples.
-        available: Errors of the available adhesion.
-        nees: Mean squared error of adhesion over its variance, mean of the groups.
-        nis: Median of the normalised innovation squared over its expected one; NaN without innovations.
-        microseconds: Processor time of a step [µs].
-    """
-
-    digest: str
-    diverged: bool
-    rmse: Mapping[str, float]
-    bias: float
-    delay: float
-    step_delay: float
-    lost: float
-    admitted: float
-    coverage: Mapping[str, float]
-    width: float
-    pads: tuple[float, ...]
-    available: AvailableErrors
-    nees: float
-    nis: float
-    microseconds: float
-
-
 EstimatorCase = tuple[RecordingCase, str, tuple[tuple[str, float], ...]]
 """A recording, the name of an estimator, and the best constants: target → value."""
 
 
-def errors_of(case: EstimatorCase) -> CaseErrors:
-    """Run an estimator over a recording and return its errors."""
+def errors_of(case: EstimatorCase) -> dict[str, Any]:
+    """Run an estimator over a recording and return its errors above 10 km/h, those in brackets by target.
+
+    `digest`: SHA-256 of the readings, equal for all estimators; `diverged`: whether the filter diverged, which then has
+    no errors; `rmse[]`: root mean square error over all groups; `bias`, `delay` [s], `nees`: of adhesion, means of the
+    groups; `step_delay`: see `step_delay` [s]; `lost`: share of samples in which the error of adhesion is above `LOST`;
+    `admitted`: share of these within the claimed 95 % interval; `coverage[]`: share of all samples within it; `width`:
+    median width of that of adhesion; `pads`: root mean square error of the pad friction of each group where
+    identifiable; `available[]`: see `available_errors`; `nis`: median of the normalised innovation squared over its
+    expected one; `microseconds`: processor time of a step [µs]. Errors that do not exist are NaN.
+    """
     recording_case, estimator, constants = case
     if is_class(estimator):
         trace = trace_with_class(recording_case, estimator)
-        return _judge(case, trace, _digest(trace), nis=innovations(trace)[0], microseconds=math.nan)
+        return _judge(case, trace, nis=innovations(trace)[0], microseconds=math.nan)
     recording = recording_of_case(recording_case)
-    digest = _digest(recording)
+    names = states("" if estimator == CONSTANT else estimator, recording_case.train)
     try:
         if estimator == CONSTANT:
-            found = _constant(recording, states("", recording_case.train), dict(constants))
+            found = _constant(recording, names, dict(constants))
         else:
             found = replay(recording_case, estimator)
     except FilterDiverged:
-        nothing = dict.fromkeys(TARGETS, math.nan)
-        unknown: dict[str, Any] = dict.fromkeys((field.name for field in fields(CaseErrors)), math.nan)
-        unknown.update(digest=digest, diverged=True, rmse=nothing, coverage=nothing)
-        unknown.update(available=AvailableErrors(known=math.nan), pads=(math.nan,) * recording_case.groups)
-        return CaseErrors(**unknown)
-    names = states(estimator, recording_case.train)
+        return {"digest": _digest(recording), "diverged": True, "pads": (math.nan,) * recording_case.groups}
     trace = with_estimates(recording, names, found.mean, found.variance)
     trace = _with_slip(trace, names, found, radii(estimator, recording_case.train))
-    errors = _judge(case, trace, digest, nis=found.nis_ratio, microseconds=found.microseconds)
-    return replace(errors, step_delay=math.nan) if estimator == CONSTANT else errors
+    errors = _judge(case, trace, nis=found.nis_ratio, microseconds=found.microseconds)
+    return errors | ({"step_delay": math.nan} if estimator == CONSTANT else {})
 
 
 def _with_slip(trace: xarray.Dataset, names: Sequence[str], found: Replay, radius: Vector) -> xarray.Dataset:
@@ -130,35 +98,28 @@ def _constant(recording: xarray.Dataset, names: Sequence[str], constants: Mappin
     return Replay(mean=mean, variance=np.full(mean.shape, math.nan), nis_ratio=None, microseconds=0.0)
 
 
-def _judge(
-    case: EstimatorCase, trace: xarray.Dataset, digest: str, nis: float | None, microseconds: float
-) -> CaseErrors:
+def _judge(case: EstimatorCase, trace: xarray.Dataset, nis: float | None, microseconds: float) -> dict[str, Any]:
     adhesion = adhesion_errors(trace)
     errors = {target: errors_of_target(trace, target) for target in TARGETS}
     error, deviation = errors["adhesion"]
     is_lost = np.abs(error) > LOST
-    return CaseErrors(
-        digest=digest,
-        diverged=False,
-        rmse={target: rms(error) if error.size else math.nan for target, (error, _) in errors.items()},
-        bias=_mean(adhesion["adhesion_bias"]),
-        delay=_mean(adhesion["adhesion_delay"]),
-        step_delay=step_delay(trace),
-        lost=float(np.mean(is_lost)) if error.size else math.nan,
-        admitted=_coverage(error[is_lost], deviation[is_lost]),
-        coverage={target: _coverage(*pair) for target, pair in errors.items()},
-        width=2.0 * NORMAL_95 * float(np.median(deviation)) if deviation.size else math.nan,
-        pads=_errors_of_groups(trace, case[0]),
-        available=available_errors(trace, dict(case[2]).get("available", math.nan), NORMAL_95),
-        nees=_mean(adhesion["adhesion_nees"]),
-        nis=math.nan if nis is None else nis,
-        microseconds=microseconds,
-    )
-
-
-def _coverage(error: Array, deviation: Array) -> float:
-    is_claimed = deviation.size > 0 and bool(np.isfinite(deviation).all())
-    return float(np.mean(np.abs(error) <= NORMAL_95 * deviation)) if is_claimed else math.nan
+    return {
+        "digest": _digest(trace),
+        "diverged": False,
+        "rmse": {target: rms(error) if error.size else math.nan for target, (error, _) in errors.items()},
+        "bias": _mean(adhesion["adhesion_bias"]),
+        "delay": _mean(adhesion["adhesion_delay"]),
+        "step_delay": step_delay(trace),
+        "lost": float(np.mean(is_lost)) if error.size else math.nan,
+        "admitted": coverage(error[is_lost], deviation[is_lost], NORMAL_95),
+        "coverage": {target: coverage(*pair, NORMAL_95) for target, pair in errors.items()},
+        "width": 2.0 * NORMAL_95 * float(np.median(deviation)) if deviation.size else math.nan,
+        "pads": _errors_of_groups(trace, case[0]),
+        "available": available_errors(trace, dict(case[2]).get("available", math.nan), NORMAL_95),
+        "nees": _mean(adhesion["adhesion_nees"]),
+        "nis": math.nan if nis is None else nis,
+        "microseconds": microseconds,
+    }
 
 
 def step_delay(trace: xarray.Dataset) -> float:
@@ -226,30 +187,18 @@ def truths_of(case: RecordingCase) -> dict[str, tuple[float, int]]:
     return {target: (float(np.sum(each)), each.size) for target, each in values.items()}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CaseBound:
-    """Posterior Cramér-Rao bound of a recording.
-
-    Attributes:
-        adhesion: Root mean square of the bound of adhesion over groups and time.
-        identifiable: Share of the samples with pressing pads above 10 km/h in which the pad friction of each group is
-            identifiable; NaN without such samples.
-    """
-
-    adhesion: float
-    identifiable: tuple[float, ...]
+CaseBound = tuple[float, tuple[float, ...]]
+"""Posterior Cramér-Rao bound of a recording: root mean square of that of adhesion over groups and time; and the share
+of the samples with pressing pads above 10 km/h in which the pad friction of each group is identifiable, NaN without
+such samples."""
 
 
 def bounds_of(case: RecordingCase) -> CaseBound:
     """Return the bound of a recording."""
     recording, adhesions = recording_of_case(case), columns(states("", case.train), "group_adhesion")
     columns_of_groups = zip(pads_are_identifiable(case).T, _pads_press(recording).T, strict=True)
-    return CaseBound(
-        adhesion=float(np.sqrt(np.mean(bound_of(case)[:, adhesions]))),
-        identifiable=tuple(
-            float(np.mean(known[judged])) if judged.any() else math.nan for known, judged in columns_of_groups
-        ),
-    )
+    identifiable = (float(np.mean(known[judged])) if judged.any() else math.nan for known, judged in columns_of_groups)
+    return float(np.sqrt(np.mean(bound_of(case)[:, adhesions]))), tuple(identifiable)
 
 
 def pads_are_identifiable(case: RecordingCase) -> NDArray[np.bool_]:

@@ -24,8 +24,7 @@ from railgrip.scenario import schema
 from railgrip.simulate.assembly import assemble
 from railgrip.simulate.loop.interfaces import Parts, StateEstimator
 from railgrip.simulate.loop.loop import Ending, Loop
-from railgrip.studies.estimators.noises import OUTLIER_LIMITS, noise_of
-from railgrip.studies.estimators.replay import MODEL, OTHER_MODELS
+from railgrip.studies.estimators.replay import OUTLIER_LIMITS, entry_of, noise_of
 from railgrip.studies.type_test.case_set import VERSIONS
 from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of
 from railgrip.studies.type_test.judge import EQUAL
@@ -131,7 +130,7 @@ def scenario_of_case(case: LoopCase) -> schema.Scenario:
         changes["estimator"] = {"free_wheels": False}
     elif case.estimates != "present":
         name, _, period = case.estimates.partition(", ")
-        model = OTHER_MODELS.get(name, MODEL)
+        model = entry_of(name).model
         changes["estimator"] = {"model": model, "noise": "service", "outlier_limit": dict(OUTLIER_LIMITS)}
         if period:
             changes["periods"] = {"estimator": period}

@@ -1,9 +1,15 @@
-"""Estimators over a recording: every one gets the same inputs and readings, through the same prediction FMU."""
+"""Estimators over a recording: every one gets the same inputs and readings, through the same prediction FMU.
+
+Noises are those of sensors and physics, times factors that were searched on training cases. Deviations include those by
+errors that are in no equation of the predictions: load, inertia, radar scale, pressure transducers.
+"""
 
 import math
-from collections.abc import Sequence
+import tomllib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
+from importlib.resources import files
 from pathlib import Path
 from time import process_time
 from typing import Final
@@ -13,9 +19,8 @@ import xarray
 
 from railgrip.base.errors import FilterDiverged, InputError
 from railgrip.base.names import Element, state_name
-from railgrip.estimation.models import PredictionModel, of_class, of_train
-from railgrip.estimation.run import READ_STATES, FilterData, Settings, by_name, filter_data
-from railgrip.estimation.several import run_kind
+from railgrip.estimation.models import READ_STATES, PredictionModel, of_class, of_train
+from railgrip.estimation.run import FilterData, Settings, by_name, filter_data, run_kind
 from railgrip.estimators.belief import Array, Matrix, Vector
 from railgrip.estimators.consistency import nis_ratio
 from railgrip.estimators.design import FilterContext
@@ -23,36 +28,233 @@ from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.observability import posterior_bound
 from railgrip.estimators.prediction import PredictionInC
 from railgrip.estimators.smoother import smooth
-from railgrip.estimators.tuning import NoiseSet, pad_gate
+from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
 from railgrip.fmi import FmuPrediction, describe
+from railgrip.fmus.native import Model
 from railgrip.recording.samples import knows, truth_of
 from railgrip.scenario.file import NamedFile, locate
 from railgrip.simulate.estimator import RELEASED_PADS
-from railgrip.simulate.train_prediction import radius_of
-from railgrip.studies.estimators.claims import with_unmodelled
-from railgrip.studies.estimators.noises import OUTLIER_LIMITS, noise_of
+from railgrip.simulate.train_prediction import radius_of, release_pressure
 from railgrip.studies.estimators.own import is_fmu
-from railgrip.studies.estimators.recordings import RecordingCase, recording_of_case
+from railgrip.studies.estimators.recordings import PERIOD, RecordingCase, Sensors, recording_of_case
+
+FILE: Final = "noises.toml"
+"""Factors of each estimator, in the folder `library` of this package; written by `--tune`."""
+
+READINGS: Final[Mapping[Sensors, Mapping[str, float]]] = {
+    "ideal": {"speed": 1e-3, "wheelset_speed": 1e-2, "acceleration": 1e-2, "deflection": 1e-5},
+    "service": {"speed": 0.1, "wheelset_speed": 0.15, "acceleration": 0.05, "deflection": 2e-4},
+    "worn": {"speed": 0.2, "wheelset_speed": 0.3, "acceleration": 0.08, "deflection": 4e-4},
+}
+"""Sensors → standard deviation of each reading, in its unit. A wheelset speed has the error of a tooth pitch at
+50 rad/s; the bias of the accelerometer is a state."""
+
+OUTLIER_LIMITS: Final[Mapping[str, float]] = {"wheelset_speed": 20.0}
+"""Reading → largest innovation that is used, in standard deviations; all other readings are always used.
+
+A sensor that reads 0 is far beyond this limit, the beginning of a slide is not; on the training cases a limit of 5
+rejects slides. The radar has no limit: a stuck one moves the estimate before it is rejected, and then the correct
+readings that follow are rejected."""
 
 MODEL: Final = "TrainPredictionReducedDisturbed"
-"""Prediction of all estimators but those of `OTHER_MODELS`: 15 states, so that a step in numpy takes milliseconds."""
+"""Prediction of most estimators: 15 states, so that a step in numpy takes milliseconds."""
 
-OTHER_MODELS: Final = {
-    "reduced": "TrainPredictionReduced",
-    "disturbed": "TrainPredictionDisturbed",
-    "loaded": "TrainPredictionLoaded",
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """An estimator of the comparison; by default a kind of `railgrip.estimators.filters` over `MODEL`.
+
+    Attributes:
+        model: Prediction of the two-part train; another one than `MODEL` is in an extended Kalman filter.
+        of_train: Class of the prediction of a train file, and whether it has the suspension; None without one.
+        later: Number of later samples that a smoother uses, None for all; 0 for a filter on board.
+        is_reference: Whether others are compared with it, so that it is always run.
+        is_fast: Whether it is part of a quick run; a step of the others takes up to ten times as long.
+        is_searched: Whether the factors of its noises are searched; all others contain an extended Kalman filter over
+            the prediction of `fmu`, or equal it there, and have its noises.
+    """
+
+    model: str = MODEL
+    of_train: tuple[str, bool] | None = ("ConsistPredictionDisturbed", False)
+    later: int | None = 0
+    is_reference: bool = False
+    is_fast: bool = False
+    is_searched: bool = False
+
+
+CONSTANT: Final = "constant"
+"""Name of the best constant of the training set."""
+
+FORCE_BALANCE: Final = "force_balance"
+
+ESTIMATORS: Final[Mapping[str, Entry]] = {
+    CONSTANT: Entry(is_reference=True),
+    FORCE_BALANCE: Entry(is_reference=True, is_searched=True),
+    "fmu": Entry(is_fast=True, is_searched=True),
+    "iterated": Entry(),
+    "unscented": Entry(),
+    "cubature": Entry(),
+    "particle": Entry(),
+    "moving_horizon": Entry(),
+    "sage_husa": Entry(is_fast=True),
+    "interacting": Entry(is_fast=True),
+    "disturbance_observer": Entry(is_fast=True, is_searched=True),
+    "reduced": Entry(
+        model="TrainPredictionReduced", of_train=("ConsistPrediction", False), is_fast=True, is_searched=True
+    ),
+    "disturbed": Entry(
+        model="TrainPredictionDisturbed", of_train=("ConsistPredictionDisturbed", True), is_fast=True, is_searched=True
+    ),
+    "loaded": Entry(model="TrainPredictionLoaded", of_train=None, is_fast=True, is_searched=True),
+    "smoother": Entry(later=None, is_fast=True),
+    "fixed_lag": Entry(later=10, is_fast=True),
 }
-"""Extended Kalman filters on other predictions: without track force and bias, with suspension, with load too."""
+"""Estimators of the study by name. `reduced` has neither track force nor bias, `disturbed` has the suspension, `loaded`
+the load too."""
 
-OF_TRAINS: Final = {
-    "fmu": ("ConsistPredictionDisturbed", False),
-    "reduced": ("ConsistPrediction", False),
-    "disturbed": ("ConsistPredictionDisturbed", True),
+REFERENCES: Final = tuple(name for name, entry in ESTIMATORS.items() if entry.is_reference)
+SEARCHED: Final = tuple(name for name, entry in ESTIMATORS.items() if entry.is_searched)
+
+
+def entry_of(estimator: str) -> Entry:
+    """Return the declaration of an estimator; kinds and FMUs that are not in the table are as `unscented`."""
+    return ESTIMATORS.get(estimator, Entry())
+
+
+PROCESS_FACTORS: Final = {"group_adhesion": "alpha", "pad_friction": "mu_b", "wheelset_speed": "w", "d": "d"}
+READING_FACTORS: Final = {"wheelset_speed": "wheelset_speed", "acceleration": "acceleration"}
+ALL: Final = "all"
+FACTORS: Final = (ALL, *PROCESS_FACTORS.values(), *READING_FACTORS.values())
+"""Factors of standard deviations that are searched; those of process noises have the symbol of the state.
+
+`all` multiplies every one: the gains of a Kalman filter remain, its deviations change.
+"""
+
+
+def noise_of(estimator: str, sensors: Sensors, factors: Mapping[str, float] | None = None) -> NoiseSet:
+    """Return the noises of an estimator for a class of sensors.
+
+    Args:
+        estimator: Name in the study; an unknown one has the noises of `fmu`.
+        sensors: Class of sensors.
+        factors: Factors by name, 1 where omitted; None for those of the file.
+    """
+    chosen = factors_of(estimator, sensors) if factors is None else factors
+    physical, common = NOISE_SETS["loaded_service"], chosen.get(ALL, 1.0)
+    # The process noise of adhesion of a prediction with a track force, see noises.toml.
+    process = {**physical.process, "group_adhesion": NOISE_SETS["disturbed_service"].process["group_adhesion"]}
+
+    def scaled(values: Mapping[str, float], keys: Mapping[str, str]) -> dict[str, float]:
+        return {
+            name: value * common * (chosen.get(keys[name], 1.0) if name in keys else 1.0)
+            for name, value in values.items()
+        }
+
+    return NoiseSet(
+        name=f"{estimator}, {sensors} sensors",
+        process=scaled(process, PROCESS_FACTORS),
+        readings=scaled(READINGS[sensors], READING_FACTORS),
+        start=scaled(physical.start, {}),
+    )
+
+
+def factors_of(estimator: str, sensors: Sensors) -> Mapping[str, float]:
+    """Return the factors of an estimator from the file; empty if the file lacks it."""
+    text = (files("railgrip.studies.estimators") / "library" / FILE).read_text(encoding="utf-8")
+    return tomllib.loads(text).get(estimator if estimator in SEARCHED else "fmu", {}).get(sensors, {})
+
+
+LOAD_DEVIATION: Final = NOISE_SETS["loaded_service"].start["payload"]
+"""Relative standard deviation of the load, from empty to laden: adhesion is a force over a load that is not read."""
+
+INERTIA_DEVIATION: Final = 0.1 / math.sqrt(3.0)
+"""Relative standard deviation of the inertia of the wheelsets, even within 10 %: wheels wear by some 10 % of it."""
+
+RATE_TIME: Final = 0.1
+"""Time over which the acceleration of the wheelsets is taken [s]; noise of their speeds gives it a few rad/s²."""
+
+
+def force_over_load_deviation() -> float:
+    """Return √E(1/ℓ − 1)², the relative deviation of a known force over a load ℓ that is even within 1 ± √3 σ_load.
+
+    It exceeds σ_load, as a load of 1 − h changes the ratio more than one of 1 + h.
+    """
+    half = math.sqrt(3.0) * LOAD_DEVIATION
+    mean, square = math.log((1.0 + half) / (1.0 - half)) / (2.0 * half), 1.0 / (1.0 - half**2)
+    return math.sqrt(square - 2.0 * mean + 1.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UnmodelledErrors:
+    """Standard deviations of constant errors of a class of sensors, as in equipment/service.toml.
+
+    Attributes:
+        speed_scale: Relative error of the radar [1].
+        pressure: Offset of a pressure transducer [Pa].
+    """
+
+    speed_scale: float
+    pressure: float
+
+
+UNMODELLED: Final[Mapping[Sensors, UnmodelledErrors]] = {
+    "ideal": UnmodelledErrors(speed_scale=0.0, pressure=0.0),
+    "service": UnmodelledErrors(speed_scale=0.003, pressure=5e3),
+    "worn": UnmodelledErrors(speed_scale=0.006, pressure=1e4),
 }
-"""The same for a train file: class, and whether it has the suspension."""
 
-LAGS: Final[dict[str, int | None]] = {"smoother": None, "fixed_lag": 10}
-"""Offline estimators → number of later samples that they use; None for all."""
+
+def with_unmodelled(
+    recording: xarray.Dataset,
+    states: Sequence[str],
+    mean: Matrix,
+    variance: Matrix,
+    sensors: Sensors,
+    model: Model | PredictionModel,
+    effect: Vector,
+) -> Matrix:
+    """Return the variances of an estimator plus those of the errors in no equation, shape (k, n).
+
+    Adhesion α is (τ + J dω/dt)/(r N). It has α² E(1/ℓ − 1)² by the load ℓ, unless that is a state, and
+    (σ_J/g dω/dt)² by the inertia J, g = r N/J. Pad friction μ has (μ σ_p/(p − p₀))², with the pressure p₀
+    of the return spring, as the torque determines μ (p − p₀). Speed v has (v σ_scale)². All are independent of the
+    errors of the estimator, and of first order but for the load.
+
+    Args:
+        recording: Samples of the estimates, at `PERIOD`.
+        states: Names of the states.
+        mean, variance: Estimates, shape (k, n).
+        sensors: Class of sensors.
+        model: Prediction with the parameters of the pads.
+        effect: g = ∂(dω/dt)/∂α of each group [rad/s²], shape (groups,).
+    """
+    bases = [Element.of(name).array for name in states]
+    of = {
+        base: [k for k, name in enumerate(bases) if name == base]
+        for base in ("speed", "wheelset_speed", "group_adhesion", "pad_friction")
+    }
+    errors, values = UNMODELLED[sensors], {variable.name: variable.start for variable in model.parameters}
+    threshold, spring = (
+        np.array([release_pressure(values, group, force) for group in range(len(of["pad_friction"]))])
+        for force in (RELEASED_PADS, 0.0)
+    )
+    pressure = np.nan_to_num(recording["reading_cylinder_pressure"].values)
+    offset = errors.pressure / (np.maximum(pressure, threshold) - spring)
+    total = variance.copy()
+    total[:, of["speed"]] += (mean[:, of["speed"]] * errors.speed_scale) ** 2
+    if "payload" not in states:
+        total[:, of["group_adhesion"]] += (mean[:, of["group_adhesion"]] * force_over_load_deviation()) ** 2
+    total[:, of["group_adhesion"]] += (INERTIA_DEVIATION * _rate(mean[:, of["wheelset_speed"]]) / effect) ** 2
+    total[:, of["pad_friction"]] += (mean[:, of["pad_friction"]] * offset) ** 2
+    return total
+
+
+def _rate(speeds: Matrix) -> Matrix:
+    """Return the mean derivative of the last `RATE_TIME`, 0 before it, shape (k, groups)."""
+    steps = round(RATE_TIME / PERIOD)
+    rate = np.zeros_like(speeds)
+    rate[steps:] = (speeds[steps:] - speeds[:-steps]) / RATE_TIME
+    return rate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,19 +277,15 @@ class Replay:
 def model_of_estimator(estimator: str, train: str = "") -> PredictionModel:
     """Return the prediction model of an estimator on board of a train, or of the two-part train for an empty name.
 
-    Those of other trains are `ConsistPredictionDisturbed`, for `disturbed` with the suspension, and for `reduced`
-    `ConsistPrediction`.
-
     Raises:
         InputError: The estimator has no prediction for a train file.
     """
+    entry = entry_of(estimator)
     if not train:
-        return of_class(OTHER_MODELS.get(estimator, MODEL))
-    if estimator not in (*OTHER_MODELS, *OF_TRAINS):
-        estimator = "fmu"
-    if estimator not in OF_TRAINS:
+        return of_class(entry.model)
+    if entry.of_train is None:
         raise InputError(f"{estimator} has no prediction for a train file; leave out --train, or this estimator.")
-    class_name, has_suspension = OF_TRAINS[estimator]
+    class_name, has_suspension = entry.of_train
     path = locate(train, "trains")
     return of_train(NamedFile(entry=train, path=path), class_name, has_suspension=has_suspension)
 
@@ -108,8 +306,9 @@ def _own_prediction(file: str) -> tuple[FmuPrediction, dict[str, float]]:
 
 
 def _prediction_of(estimator: str, train: str) -> PredictionInC:
-    own = is_fmu(estimator)
-    return _own_prediction(estimator)[0] if own else _prediction(estimator if estimator in OTHER_MODELS else "", train)
+    if is_fmu(estimator):
+        return _own_prediction(estimator)[0]
+    return _prediction("" if entry_of(estimator).model == MODEL else estimator, train)
 
 
 def radii(estimator: str, train: str) -> Vector:
@@ -154,22 +353,23 @@ def _task(case: RecordingCase, estimator: str, noise: NoiseSet) -> tuple[FilterC
 
 
 def replay(case: RecordingCase, estimator: str, noise: NoiseSet | None = None) -> Replay:
-    """Return the estimates of a kind of `railgrip.estimators.filters`, of `LAGS`, `OTHER_MODELS`, or an FMU.
+    """Return the estimates of one of `ESTIMATORS`, another kind of `railgrip.estimators.filters`, or an FMU.
 
     Args:
         case: The recording.
         estimator: Name of the estimator.
-        noise: Its noises; None for those of `railgrip.studies.estimators.noises`.
+        noise: Its noises; None for those of `railgrip.studies.estimators.replay`.
 
     Raises:
         FilterDiverged: The filter diverged.
         ScenarioError: The kind does not exist.
     """
     context, data = _task(case, estimator, noise_of(estimator, case.sensors) if noise is None else noise)
-    if estimator in LAGS:
-        found = _smoothed(context, data, LAGS[estimator])
+    entry = entry_of(estimator)
+    if entry.later != 0:
+        found = _smoothed(context, data, entry.later)
     else:
-        is_kind = estimator not in OTHER_MODELS and not is_fmu(estimator)
+        is_kind = entry.model == MODEL and not is_fmu(estimator)
         found = _filtered(context, data, estimator if is_kind else "fmu")
     model = model_of_estimator(estimator, case.train)
     recording, names = recording_of_case(case), context.prediction.states

@@ -14,9 +14,8 @@ from railgrip.base.files import write_text
 from railgrip.estimation.judge import NORMAL_95
 from railgrip.estimators.belief import Vector
 from railgrip.studies.estimators.judge import errors_of_target
-from railgrip.studies.estimators.noises import FACTORS, SEARCHED, noise_of
 from railgrip.studies.estimators.recordings import SENSORS, RecordingCase, Sensors, recording_of_case
-from railgrip.studies.estimators.replay import replay, states, with_estimates
+from railgrip.studies.estimators.replay import FACTORS, SEARCHED, noise_of, replay, states, with_estimates
 
 BUDGET: Final = 48
 """Evaluations of an estimator for a class of sensors, each over all of its training cases."""

@@ -1,11 +1,12 @@
 """How well adhesion can be known: the options, page, tables and headline numbers of the study."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Final
 
 import numpy as np
+import pandas
 from typer import Option
 
 from railgrip.base.errors import InputError
@@ -19,7 +20,6 @@ from railgrip.report.table import ReportTable
 from railgrip.scenario.file import is_file, locate
 from railgrip.studies.estimators.judge import bounds_of, errors_of, truths_of
 from railgrip.studies.estimators.loop import BEST, compare, compare_table_1, stops_of_table_1, stops_of_type_test
-from railgrip.studies.estimators.noises import FACTORS, SEARCHED
 from railgrip.studies.estimators.own import is_class, is_fmu, name_of, require_file, require_one_of_each_name
 from railgrip.studies.estimators.recordings import (
     COUNT,
@@ -31,35 +31,27 @@ from railgrip.studies.estimators.recordings import (
     family_of,
     recording_cases,
 )  # fmt: skip
-from railgrip.studies.estimators.replay import LAGS, OF_TRAINS, OTHER_MODELS, model_of_estimator
+from railgrip.studies.estimators.replay import ESTIMATORS, FACTORS, REFERENCES, SEARCHED, model_of_estimator
 from railgrip.studies.estimators.search import SearchCase, read_factors, search, search_cases, write_factors
 from railgrip.studies.estimators.tables import (
-    REFERENCES,
-    Results,
+    ESTIMATIONS,
     available,
     by_family,
     consistency,
     leaderboard,
     others,
     pads_by_group,
+    rows_of_estimation,
+    rows_of_lateral,
     targets,
-)  # fmt: skip
-from railgrip.studies.estimators.vehicles import ESTIMATIONS, rows_of_estimation, rows_of_lateral, vehicles
+    vehicles,
+)
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.case_set import VERSIONS
 
 PAGE: Final = Path("docs/estimators_compared.md")
 FACTORS_FILE: Final = Path("harness/studies/estimators/library/noises.toml")
 """From the folder of the project, where the command runs, as `PAGE`."""
-
-ESTIMATORS: Final = (
-    "fmu", "iterated", "unscented", "cubature", "particle", "moving_horizon", "sage_husa", "interacting",
-    "disturbance_observer", *OTHER_MODELS, *LAGS,
-)  # fmt: skip
-"""Estimators besides the references: kinds of a scenario, other predictions, and smoothers."""
-
-FAST: Final = ("fmu", "sage_husa", "interacting", "disturbance_observer", *OTHER_MODELS, *LAGS)
-"""Estimators of a quick run: a step of the others takes up to ten times as long."""
 
 
 @dataclass(frozen=True)
@@ -97,18 +89,18 @@ class Estimators(Study):
             raise InputError("--write is for all estimators; leave out --estimator.")
         count, train = self.count or (QUICK if self.quick else COUNT), self._train()
         design = recording_cases(count, SEEDS["sealed" if self.sealed else "test"], train)
-        results = results_of(work, design, recording_cases(count, SEEDS["training"], train), names)
+        rows = rows_of(work, design, recording_cases(count, SEEDS["training"], train), names)
         bounds = work.map(bounds_of, design)
-        bound = float(np.median([one.adhesion for one in bounds]))
+        bound, frame = float(np.median([adhesion for adhesion, _ in bounds])), pandas.json_normalize(rows)
         tables = {
-            "leaderboard": leaderboard(results),
-            "claims": consistency(results),
-            "families": by_family(results, design),
-            "coverage": by_family(results, design, "coverage"),
-            "available": available(results),
-            "pads": pads_by_group(results, bounds),
-            "others": others(results),
-            "targets": targets(results, design, bound),
+            "leaderboard": leaderboard(frame),
+            "claims": consistency(frame),
+            "families": by_family(frame),
+            "coverage": by_family(frame, "coverage"),
+            "available": available(frame),
+            "pads": pads_by_group(frame, bounds),
+            "others": others(frame),
+            "targets": targets(frame, bound),
         }
         if not (self.estimator or self.quick or train):
             tables["vehicles"] = vehicles_of(work)
@@ -128,7 +120,7 @@ class Estimators(Study):
             | {"count": count, "bound": f"{bound:.4f}", "train": Path(train).stem if train else ""}
             | {"limits": model_of_estimator("fmu", train).limits},
             tables={f"{name}.csv": table for name, table in tables.items()},
-            data={"estimators.json": _data(results, design)},
+            data={"estimators.json": rows},
             screen=tuple(tables.values()),
         )
 
@@ -208,8 +200,7 @@ class Estimators(Study):
         Raises:
             InputError: An estimator does not exist.
         """
-        without = () if self.train is None else tuple(name for name in OTHER_MODELS if name not in OF_TRAINS)
-        known = tuple(name for name in (*REFERENCES, *ESTIMATORS) if name not in without)
+        known = [name for name, entry in ESTIMATORS.items() if self.train is None or entry.of_train is not None]
         for name in self.estimator or ():
             if is_class(name) or is_fmu(name):
                 require_file(name)
@@ -217,20 +208,20 @@ class Estimators(Study):
                 hint = did_you_mean(name, known) or f"there are {', '.join(known)}."
                 raise InputError(f"--estimator {name}: is unknown; {hint}")
         require_one_of_each_name(self.estimator or ())
-        chosen = self.estimator or [name for name in (FAST if self.quick else ESTIMATORS) if name not in without]
+        chosen = self.estimator or [name for name in known if ESTIMATORS[name].is_fast or not self.quick]
         return tuple(dict.fromkeys((*REFERENCES, *chosen)))
 
     def headlines(self, work: Work) -> list[Finding]:
         """Return errors of adhesion of references and fast filters in two recordings, and the coverage of the EKF."""
         names = (*REFERENCES, "fmu", "interacting", "disturbance_observer", "disturbed")
         design = recording_cases(2, SEEDS["test"])
-        results = results_of(work, design, recording_cases(2, SEEDS["training"]), names)
-        errors = [
-            mean(f"{name}: adhesion RMSE", float(np.mean([one.rmse["adhesion"] for one in cases])))
-            for name, cases in results.items()
+        frame = pandas.json_normalize(rows_of(work, design, recording_cases(2, SEEDS["training"]), names))
+        errors = frame.groupby("estimator", sort=False)["rmse.adhesion"].mean()
+        coverage = float(frame["coverage.adhesion"][frame["estimator"] == "fmu"].mean())
+        return [
+            *(mean(f"{name}: adhesion RMSE", error) for name, error in errors.items()),
+            mean("fmu: adhesion coverage", coverage),
         ]
-        coverage = float(np.mean([one.coverage["adhesion"] for one in results["fmu"]]))
-        return [*errors, mean("fmu: adhesion coverage", coverage)]
 
 
 def vehicles_of(work: Work) -> ReportTable:
@@ -239,9 +230,9 @@ def vehicles_of(work: Work) -> ReportTable:
     return vehicles([row for rows in found for row in rows])
 
 
-def results_of(
+def rows_of(
     work: Work, design: Sequence[RecordingCase], training: Sequence[RecordingCase], names: Sequence[str]
-) -> Results:
+) -> list[dict[str, Any]]:
     """Return the errors of each estimator in each case; the best constants are those of the training set.
 
     Raises:
@@ -258,19 +249,16 @@ def results_of(
     errors = [*work.map(errors_of, built_in), *work.map(errors_of, own, keep=False)]
     found = dict(zip([(case, name) for case, name, _ in (*built_in, *own)], errors, strict=True))
     for case in design:
-        if len({found[case, name].digest for name in names}) > 1:
+        if len({found[case, name]["digest"] for name in names}) > 1:
             raise InputError(f"case {case.stop.name}: the estimators did not get the same readings.")
-    return {name_of(name): [found[case, name] for case in design] for name in names}
-
-
-def _data(results: Results, design: Sequence[RecordingCase]) -> list[dict[str, Any]]:
-    """Return a row for each case and estimator."""
-    rows: list[dict[str, Any]] = []
-    for name, cases in results.items():
-        for case, errors in zip(design, cases, strict=True):
-            about = {"case": case.stop.name, "over": case.over} | {field: family_of(case, field) for field in FAMILIES}
-            rows.append(about | {"estimator": name} | asdict(errors))
-    return rows
+    return [
+        {"case": case.stop.name, "over": case.over}
+        | {field: family_of(case, field) for field in FAMILIES}
+        | {"estimator": name_of(name)}
+        | found[case, name]
+        for name in names
+        for case in design
+    ]
 
 
 STUDY = Estimators

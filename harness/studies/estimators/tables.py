@@ -1,153 +1,155 @@
-"""Tables of the errors of estimators: leaderboard, claims, families, and other targets."""
+"""Tables of the errors of estimators: leaderboard, claims, families, other targets, and other vehicles."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import Any, Final, Literal
 
 import numpy as np
+import pandas
 
+from railgrip.estimation.judge import error_figures, rms
+from railgrip.estimation.run import context_of, filter_data, run_kind
+from railgrip.estimation.sources import recording_of_estimation
+from railgrip.estimation.spec import load_specification, prediction_for, settings_for
 from railgrip.estimators.belief import Matrix
+from railgrip.recording.samples import period_of, truth_of
+from railgrip.report.frame import Frame, groups_of
 from railgrip.report.statistics import bootstrap_interval, median_interval
-from railgrip.report.table import ReportTable, share
-from railgrip.studies.estimators.judge import CONSTANT, FORCE_BALANCE, CaseBound, CaseErrors
-from railgrip.studies.estimators.recordings import FAMILIES, RecordingCase, family_of
-from railgrip.studies.estimators.replay import LAGS
+from railgrip.report.table import Form, ReportTable, share
+from railgrip.studies.estimators.judge import CaseBound
+from railgrip.studies.estimators.recordings import FAMILIES
+from railgrip.studies.estimators.replay import CONSTANT, FORCE_BALANCE, bound_along, columns, entry_of
+from railgrip.studies.lateral.judge import beliefs_about
+from railgrip.studies.lateral.run import STIFFNESS_NAMES, LateralCase, bound_of_run, simulate
+from railgrip.studies.lateral.wheelset import TESTS
 
 Measure = Literal["rmse", "coverage"]
 
-REFERENCES: Final = (CONSTANT, FORCE_BALANCE)
+ESTIMATIONS: Final = ("wagon", "rig_own", "rig_paper")
+"""Estimations of the library with the scenario of their recording; the last two have the same."""
 
-Results = Mapping[str, Sequence[CaseErrors]]
-"""Estimator → errors by case, in the same order of cases."""
+KINDS: Final = ("fmu", "unscented", "sage_husa", "interacting")
+"""Filters over the prediction of one of `ESTIMATIONS`."""
+
+SETTLED: Final = 0.5
+"""Time after which errors are judged [s]: the filters do not know adhesion at the start."""
+
+STATES: Final = ("group_adhesion", "pad_friction")
 
 
-def leaderboard(results: Results) -> ReportTable:
+def leaderboard(frame: Frame) -> ReportTable:
     """Return the errors of adhesion of every estimator, the smallest median first.
 
     Skill is 1 minus the mean squared error over that of the reference, over all cases.
+
+    Args:
+        frame: A row for each estimator and case: `estimator`, `case`, and the errors of `judge.errors_of`, nested names
+            joined by a dot.
     """
-    rows: list[dict[str, Any]] = []
-    for name, cases in results.items():
-        values = [one.rmse["adhesion"] for one in cases if not one.diverged]
-        interval = median_interval(values) or (math.nan, math.nan)
-        rows.append(
-            {
-                "estimator": name,
-                "cases": len(cases),
-                "median RMSE": float(np.median(values)) if values else math.nan,
-                "from": interval[0],
-                "to": interval[1],
-                "bias": _middle(cases, "bias"),
-                "delay": _middle(cases, "delay"),
-                "after a step": _middle(cases, "step_delay"),
-                "over constant": skill(cases, results.get(CONSTANT)),
-                "over force balance": skill(cases, results.get(FORCE_BALANCE)),
-                "95 %": skill_interval(cases, results.get(FORCE_BALANCE)),
-                "diverged": sum(one.diverged for one in cases),
-                "step": _middle(cases, "microseconds"),
-            }
-        )
-    rows.sort(key=lambda row: (math.isnan(row["median RMSE"]), row["median RMSE"]))
+    by_estimator = frame.groupby("estimator", sort=False)
+    medians = by_estimator[["rmse.adhesion", "bias", "delay", "step_delay", "microseconds"]].median()
+    intervals = [median_interval(cases.dropna()) or (math.nan,) * 2 for _, cases in by_estimator["rmse.adhesion"]]
+    names = list(medians.index)
+    table = pandas.DataFrame(
+        {
+            "estimator": names,
+            "cases": by_estimator.size().values,
+            "median RMSE": medians["rmse.adhesion"].values,
+            "from": [low for low, _ in intervals],
+            "to": [high for _, high in intervals],
+            "bias": medians["bias"].values,
+            "delay": medians["delay"].values,
+            "after a step": medians["step_delay"].values,
+            "over constant": [skill(squares_of(frame, name, CONSTANT)) for name in names],
+            "over force balance": [skill(squares_of(frame, name, FORCE_BALANCE)) for name in names],
+            "95 %": [_interval(squares_of(frame, name, FORCE_BALANCE)) for name in names],
+            "diverged": by_estimator["diverged"].sum().values,
+            "step": medians["microseconds"].values,
+        }
+    )
     forms = dict.fromkeys(("median RMSE", "from", "to"), "{:.4f}") | {"bias": "{:+.4f}"}
     forms |= dict.fromkeys(("delay", "after a step"), "{:.2f} s")
     forms |= dict.fromkeys(("over constant", "over force balance"), "{:.2f}") | {"step": "{:.0f} µs"}
-    return ReportTable(rows, forms, title="Adhesion")
+    return _table(table.sort_values("median RMSE", kind="stable"), forms, title="Adhesion")
 
 
-def consistency(results: Results) -> ReportTable:
+def consistency(frame: Frame) -> ReportTable:
     """Return coverage, width, NEES and NIS with quantiles over the cases, of estimators that claim a deviation."""
     rows: list[dict[str, Any]] = []
-    for name, cases in results.items():
-        nees = np.array([one.nees for one in cases])
-        if np.isnan(nees).all():
+    for (name,), cases in groups_of(frame, ["estimator"]):
+        if cases["nees"].isna().all():
             continue
-        quantiles = np.nanquantile(nees, (0.1, 0.5, 0.9))
+        quantiles = np.nanquantile(cases["nees"], (0.1, 0.5, 0.9)).tolist()
         rows.append(
-            {
-                "estimator": name,
-                "coverage": float(np.nanmean([one.coverage["adhesion"] for one in cases])),
-                "width": _middle(cases, "width"),
-                **dict(zip(("NEES 10 %", "NEES 50 %", "NEES 90 %"), map(float, quantiles), strict=True)),
-                "NIS": _middle(cases, "nis"),
-                "lost": float(np.nanmean([one.lost for one in cases])),
-                "admitted": _middle(cases, "admitted"),
-            }
+            {"estimator": name, "coverage": cases["coverage.adhesion"].mean(), "width": cases["width"].median()}
+            | dict(zip(("NEES 10 %", "NEES 50 %", "NEES 90 %"), quantiles, strict=True))
+            | {"NIS": cases["nis"].median(), "lost": cases["lost"].mean(), "admitted": cases["admitted"].median()}
         )
     forms = {"coverage": "{:.2f}", "width": "{:.4f}", "NIS": "{:.2g}", "lost": share, "admitted": share}
     return ReportTable(rows, forms | dict.fromkeys(("NEES 10 %", "NEES 50 %", "NEES 90 %"), "{:.2g}"), title="Claims")
 
 
-def others(results: Results) -> ReportTable:
+def others(frame: Frame) -> ReportTable:
     """Return errors and coverage of pad friction and speed, and the skill of pad friction over the constant."""
     rows: list[dict[str, Any]] = []
-    for name, cases in results.items():
+    for (name,), cases in groups_of(frame, ["estimator"]):
         row: dict[str, Any] = {"estimator": name}
         for target, title in (("pad_friction", "pad friction"), ("speed", "speed")):
-            errors = np.array([one.rmse[target] for one in cases])
-            claims = np.array([one.coverage[target] for one in cases])
-            row[f"{title} RMSE"] = math.nan if np.isnan(errors).all() else float(np.nanmedian(errors))
-            row[f"{title} coverage"] = math.nan if np.isnan(claims).all() else float(np.nanmean(claims))
-        row["pads over constant"] = skill(cases, results.get(CONSTANT), "pad_friction")
-        rows.append(row)
+            row[f"{title} RMSE"] = cases[f"rmse.{target}"].median()
+            row[f"{title} coverage"] = cases[f"coverage.{target}"].mean()
+        rows.append(row | {"pads over constant": skill(squares_of(frame, name, CONSTANT, "pad_friction"))})
     forms = {"pad friction RMSE": "{:.4f}", "speed RMSE": "{:.3f} m/s"}
     shares = ("pad friction coverage", "speed coverage", "pads over constant")
     return ReportTable(rows, forms | dict.fromkeys(shares, "{:.2f}"))
 
 
-def available(results: Results) -> ReportTable:
+def available(frame: Frame) -> ReportTable:
     """Return the errors of the available adhesion of every estimator that knows it somewhere.
 
     Errors are root mean squares over the cases of those where an estimator knows it; the references are judged there
     too.
     """
+    errors = {
+        "available.rmse": "RMSE",
+        "available.recent": "RMSE of the last second",
+        "available.constant": "RMSE of the constant",
+    }
     rows: list[dict[str, Any]] = []
-    for name, cases in results.items():
-        errors = [one.available for one in cases]
-        squares = np.array([(one.rmse, one.recent, one.constant) for one in errors]) ** 2
-        squares = squares[np.isfinite(squares).all(axis=1)]
-        if not squares.size:
-            continue
-        own, recent, constant = np.sqrt(np.mean(squares, axis=0)).tolist()
-        rows.append(
-            {
-                "estimator": name,
-                "known": float(np.nanmean([one.known for one in errors])),
-                "RMSE": own,
-                "bias": float(np.nanmean([one.bias for one in errors])),
-                "coverage": float(np.nanmean([one.coverage for one in errors])),
-                "RMSE of the last second": recent,
-                "RMSE of the constant": constant,
-                "over the last second": _skill(squares[:, :2]),
-                "95 %": _interval(squares[:, :2]),
-            }
-        )
+    for (name,), cases in groups_of(frame, ["estimator"]):
+        squares = _finite(cases[list(errors)])
+        if squares.size:
+            roots = np.sqrt(np.mean(squares, axis=0)).tolist()
+            known, bias, covered = (cases[f"available.{figure}"].mean() for figure in ("known", "bias", "coverage"))
+            own, *of_references = zip(errors.values(), roots, strict=True)
+            rows.append(
+                {"estimator": name, "known": known}
+                | dict([own, ("bias", bias), ("coverage", covered), *of_references])
+                | {"over the last second": skill(squares[:, :2]), "95 %": _interval(squares[:, :2])}
+            )
     forms = {"known": share, "bias": "{:+.4f}", "coverage": "{:.2f}", "over the last second": "{:.2f}"}
-    errors = ("RMSE", "RMSE of the last second", "RMSE of the constant")
-    return ReportTable(rows, forms | dict.fromkeys(errors, "{:.4f}"), title="Available adhesion")
+    return ReportTable(rows, forms | dict.fromkeys(errors.values(), "{:.4f}"), title="Available adhesion")
 
 
-def by_family(results: Results, design: Sequence[RecordingCase], measure: Measure = "rmse") -> ReportTable:
+def by_family(frame: Frame, measure: Measure = "rmse") -> ReportTable:
     """Return the median RMSE of adhesion, or its mean coverage, of each estimator in each family of cases."""
-    middle = np.nanmedian if measure == "rmse" else np.nanmean
-    values = {name: np.array([getattr(one, measure)["adhesion"] for one in cases]) for name, cases in results.items()}
-    claiming = {name: errors for name, errors in values.items() if not np.isnan(errors).all()}
-    rows: list[dict[str, Any]] = []
-    for field in FAMILIES:
-        families = [family_of(case, field) for case in design]
-        for family in sorted(set(families)):
-            inside = [one == family for one in families]
-            row: dict[str, Any] = {"family": family, "cases": sum(inside)}
-            for name, errors in claiming.items():
-                row[name] = math.nan if np.isnan(errors[inside]).all() else float(middle(errors[inside]))
-            rows.append(row)
+    errors = _by_case(frame, f"{measure}.adhesion").dropna(axis="columns", how="all")
+    cases = frame.drop_duplicates("case").set_index("case")
+    middle = "median" if measure == "rmse" else "mean"
+    rows = [
+        {"family": family, "cases": len(inside), **{name: getattr(inside[name], middle)() for name in inside}}
+        for field in FAMILIES
+        for family, inside in errors.groupby(cases[field])
+    ]
     form, title = ("{:.4f}", "Median RMSE") if measure == "rmse" else ("{:.2f}", "Coverage")
-    return ReportTable(rows, dict.fromkeys(claiming, form), ("family",), title=f"{title} by family")
+    return ReportTable(rows, dict.fromkeys(errors, form), ("family",), title=f"{title} by family")
 
 
-def pads_by_group(results: Results, bounds: Sequence[CaseBound]) -> ReportTable:
+def pads_by_group(frame: Frame, bounds: Sequence[CaseBound]) -> ReportTable:
     """Return the root mean square error of the pad friction of each group over the cases, where it is identifiable."""
-    shares = np.array([bound.identifiable for bound in bounds])
-    errors = {name: np.array([one.pads for one in cases]) for name, cases in results.items()}
+    shares = np.array([identifiable for _, identifiable in bounds])
+    errors = {name: _pads(cases) for (name,), cases in groups_of(frame, ["estimator"])}
     rows = [
         {"group": group + 1, "identifiable": float(np.nanmean(shares[:, group]))}
         | {name: float(np.sqrt(np.nanmean(values[:, group] ** 2))) for name, values in errors.items()}
@@ -159,31 +161,31 @@ def pads_by_group(results: Results, bounds: Sequence[CaseBound]) -> ReportTable:
     )
 
 
-def skill_of_groups(cases: Sequence[CaseErrors], reference: Sequence[CaseErrors]) -> list[float]:
+def _pads(cases: Frame) -> Matrix:
+    return np.array(cases["pads"].tolist(), dtype=np.float64)
+
+
+def skill_of_groups(own: Frame, reference: Frame) -> list[float]:
     """Return the skill of the pad friction of each group where it is identifiable; NaN where it never is."""
-    pairs = np.array([(one.pads, other.pads) for one, other in zip(cases, reference, strict=True)]) ** 2
-    finite = (pairs[:, :, group] for group in range(pairs.shape[2]))
-    return [_skill(squares[np.isfinite(squares).all(axis=1)]) for squares in finite]
+    groups = zip(_pads(own).T, _pads(reference).T, strict=True)
+    return [skill(_finite(np.column_stack(pair))) for pair in groups]
 
 
-def targets(results: Results, design: Sequence[RecordingCase], bound: float) -> ReportTable:
+def targets(frame: Frame, bound: float) -> ReportTable:
     """Return the targets and the values of the estimator on board with the smallest median RMSE.
 
     Args:
-        results: Errors by estimator.
-        design: The cases.
+        frame: As for `leaderboard`.
         bound: Median over the cases of the Cramér-Rao bound of adhesion for the prediction of `fmu`.
     """
-    rows = {str(row["estimator"]): row for row in leaderboard(results).rows}
-    name = next(each for each in rows if each not in (*REFERENCES, *LAGS))
-    coverage = [row[name] for row in by_family(results, design, "coverage").rows if name in row]
-    groups = [math.nan, *skill_of_groups(results[name], results[CONSTANT])]
+    rows = {str(row["estimator"]): row for row in leaderboard(frame).rows}
+    name = next(each for each in rows if not entry_of(each).is_reference and entry_of(each).later == 0)
+    coverage = [row[name] for row in by_family(frame, "coverage").rows if name in row]
+    own, constant = (frame[frame["estimator"] == each] for each in (name, CONSTANT))
+    groups = [math.nan, *skill_of_groups(own, constant)]
+    ratio = rows["fmu"]["median RMSE"] / bound if "fmu" in rows else math.nan
     found = [
-        (
-            "RMSE of fmu over the bound",
-            "at most 1.2",
-            rows["fmu"]["median RMSE"] / bound if "fmu" in rows else math.nan,
-        ),
+        ("RMSE of fmu over the bound", "at most 1.2", ratio),
         ("skill over the force balance", "at least 0.6", rows[name]["over force balance"]),
         ("lowest coverage of a family", "at least 0.90", min(coverage, default=math.nan)),
         ("highest coverage of a family", "at most 0.98", max(coverage, default=math.nan)),
@@ -193,32 +195,85 @@ def targets(results: Results, design: Sequence[RecordingCase], bound: float) -> 
     return ReportTable.of(("target", "required", name), found, "{:.2f}", left=2, title="Targets")
 
 
-def skill(cases: Sequence[CaseErrors], reference: Sequence[CaseErrors] | None, target: str = "adhesion") -> float:
-    """Return 1 − mean squared error over that of a reference in the same cases; NaN without one."""
-    return _skill(_squares(cases, reference, target))
-
-
-def skill_interval(cases: Sequence[CaseErrors], reference: Sequence[CaseErrors] | None) -> str:
-    """Return the percentile bootstrap interval of the skill for adhesion over the cases; empty with fewer than two."""
-    return _interval(_squares(cases, reference, "adhesion"))
-
-
-def _skill(squares: Matrix) -> float:
+def skill(squares: Matrix) -> float:
+    """Return 1 − mean squared error over that of a reference in the same cases, shape (k, 2); NaN without cases."""
     return 1.0 - float(np.divide(*squares.sum(axis=0))) if squares.size else math.nan
 
 
 def _interval(squares: Matrix) -> str:
+    """Return the percentile bootstrap interval of the skill over the cases; empty with fewer than two."""
     interval = bootstrap_interval(squares, lambda draws: 1.0 - np.divide(*draws.sum(axis=1).T))
     return "" if interval is None else "{:.2f} to {:.2f}".format(*interval).replace("-", "−")
 
 
-def _squares(cases: Sequence[CaseErrors], reference: Sequence[CaseErrors] | None, target: str) -> Matrix:
+def squares_of(frame: Frame, estimator: str, reference: str, target: str = "adhesion") -> Matrix:
     """Return the mean squared errors of an estimator and of a reference in the cases that have both, shape (k, 2)."""
-    pairs = [(one.rmse[target], other.rmse[target]) for one, other in zip(cases, reference or (), strict=False)]
-    squares = np.array(pairs, dtype=np.float64).reshape(-1, 2) ** 2
+    errors = _by_case(frame, f"rmse.{target}")
+    return _finite(errors[[estimator, reference]]) if reference in errors else np.empty((0, 2))
+
+
+def _by_case(frame: Frame, figure: str) -> Frame:
+    """Return a figure with a row for each case and a column for each estimator, in the order of the frame."""
+    table = frame.pivot(index="case", columns="estimator", values=figure)
+    return table.reindex(index=frame["case"].unique(), columns=frame["estimator"].unique())
+
+
+def _finite(errors: Any) -> Matrix:
+    """Return the squares of the rows in which all errors exist."""
+    squares = np.array(errors, dtype=np.float64, order="C") ** 2
     return squares[np.isfinite(squares).all(axis=1)]
 
 
-def _middle(cases: Sequence[CaseErrors], field: str) -> float:
-    values = np.array([getattr(one, field) for one in cases], dtype=np.float64)
-    return math.nan if np.isnan(values).all() else float(np.nanmedian(values))
+def _table(frame: Frame, forms: dict[str, Form], title: str) -> ReportTable:
+    return ReportTable(frame.to_dict("records"), forms, title=title)
+
+
+def rows_of_estimation(name: str) -> list[dict[str, Any]]:
+    """Return the errors of `KINDS` on the recording of an estimation of the library, a row for each state.
+
+    The bound is that of the prediction linearised along the true states, with the noises of the estimation and without
+    its gate.
+    """
+    specification = load_specification(Path(name))
+    recording = recording_of_estimation(specification)
+    prediction, settings = prediction_for(specification), settings_for(specification, period_of(recording))
+    data = filter_data(recording, prediction, settings)
+    context = context_of(prediction, settings, data)
+    names = context.prediction.states
+    truth = np.column_stack([truth_of(recording, state) for state in names])
+    judged = recording["time"].values >= SETTLED
+    smallest = np.sqrt(bound_along(context, data, truth))
+    rows: list[dict[str, Any]] = []
+    for kind in KINDS:
+        run = run_kind(kind, context, data)
+        for state in STATES:
+            of = columns(names, state)
+            error, deviation = (run.mean - truth)[judged][:, of], np.sqrt(run.variance)[judged][:, of]
+            about = {"family": name, "estimator": kind, "quantity": state, "bound": rms(smallest[judged][:, of])}
+            rows.append(about | error_figures(error, deviation))
+    return rows
+
+
+def rows_of_lateral(seed: int) -> list[dict[str, Any]]:
+    """Return the errors of friction of the lateral filters in the first test of the study, on the plant of the paper.
+
+    The bound is that of each filter's own prediction, without and with the creep stiffness.
+    """
+    case = LateralCase(test=TESTS[0], speed=20.0, plant="paper", seed=seed)
+    trace = simulate(case, STIFFNESS_NAMES)
+    judged = trace.time >= SETTLED
+    rows: list[dict[str, Any]] = []
+    for name in STIFFNESS_NAMES:
+        belief = beliefs_about(trace, name)["friction"]
+        smallest = beliefs_about(replace(trace, beliefs={name: bound_of_run(case, name)}), name)["friction"].deviation
+        error = (belief.mean - trace.truth["friction"])[judged]
+        about = {"family": "lateral", "estimator": name, "quantity": "friction", "bound": rms(smallest[judged])}
+        rows.append(about | error_figures(error, belief.deviation[judged]))
+    return rows
+
+
+def vehicles(rows: Sequence[dict[str, Any]]) -> ReportTable:
+    """Return the errors of all families as a table."""
+    frame = pandas.DataFrame(rows)[["family", "estimator", "quantity", "RMSE", "bound", "coverage", "NEES"]]
+    forms = {"RMSE": "{:.4f}", "bound": "{:.4f}", "coverage": "{:.2f}", "NEES": "{:.2g}"}
+    return ReportTable.of_frame(frame, forms, ("family", "estimator", "quantity"), title="Other vehicles")

@@ -1,18 +1,27 @@
-"""The filter of the field test, with 13 states, and its twelve tuning parameters, the noises of equation (13)."""
+"""The field test's runs, stops of the scenarios of a campaign, and its filter of 13 states with twelve parameters.
 
+The parameters are the noises of equation (13).
+"""
+
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
+import xarray
 from numpy.typing import ArrayLike
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.files import replacing
-from railgrip.estimation.braking import Braking
-from railgrip.estimation.run import FilterData, by_name, filter_data, units_of
+from railgrip.campaign.work import Work
+from railgrip.estimation.models import units_of
+from railgrip.estimation.motion import Braking, braking_of
+from railgrip.estimation.run import FilterData, by_name, filter_data
+from railgrip.estimation.sources import stop_read
 from railgrip.estimation.spec import (
     LIBRARY,
+    CourseTable,
     NoiseTable,
     Specification,
     equations_for,
@@ -25,7 +34,87 @@ from railgrip.estimators.compiled import CompiledFilter, FilterRecord
 from railgrip.estimators.consistency import loss_step
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
 from railgrip.recording.samples import knows, period_of, truth_of
+from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import read_toml, validate_table
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.track import Plan
+from railgrip.simulate.vehicle_data import VehicleData
+
+TUNING = ("c1", "c2", "c3", "c4", "c5")
+TEST = "c6"
+"""Case that is never used for tuning."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FieldRun:
+    """A run from rest to the stop.
+
+    Attributes:
+        recording: The whole run.
+        braking: Its part for the filter.
+        plan: Plan of the track, with the position at which the run begins.
+    """
+
+    recording: xarray.Dataset
+    braking: Braking
+    plan: Plan
+
+    def plan_geometry(self, distance: Array) -> tuple[Array, Array]:
+        """Return slope and curvature [1/m] of the plan in the direction of travel, at distances from the start [m]."""
+        track, place = self.plan.alignment(), self.plan.place(distance)
+        return self.plan.way * track.slope(place), self.plan.way * track.curvature(place)
+
+
+def cases(file: Path | None = None) -> dict[str, Scenario]:
+    """Return the scenarios of a campaign by their variant of its axis `case`, those of field_test.toml when None.
+
+    Raises:
+        ScenarioError: The file is missing or not a campaign.
+        EstimationError: It has no such axis, or a scenario has no [track.plan].
+    """
+    campaign = load_campaign(file or Path("field_test"))
+    unlaid = next((stop.name for stop in campaign.stops if stop.scenario.track.plan is None), None)
+    if unlaid is not None:
+        raise EstimationError(f"{campaign.name}: the field test needs a [track.plan]; {unlaid} has none.")
+    if any("case" not in stop.variants for stop in campaign.stops):
+        raise EstimationError(f"{campaign.name}: the field test needs its cases as [axes.case.NAME].")
+    return {stop.variants["case"]: stop.scenario for stop in campaign.stops}
+
+
+def run(case: tuple[str, Scenario], import_from: Sequence[Path] = ()) -> FieldRun:
+    """Return the run of a case by its name; classes that its scenario names are imported from `import_from`.
+
+    Raises:
+        EstimationError: See `braking_of`.
+        ScenarioError: The stop fails.
+    """
+    name, scenario = case
+    track = scenario.track
+    assert track.plan is not None  # of every scenario of `cases`
+    recording = stop_read(scenario, f"{scenario.name} {name}", import_from)
+    return FieldRun(
+        recording=recording,
+        braking=braking_of(recording, CourseTable(mass=VehicleData(scenario).mass, curve_law=track.curve_law)),
+        plan=track.plan,
+    )
+
+
+def runs(
+    scenarios: Mapping[str, Scenario], names: Sequence[str], work: Work, import_from: Sequence[Path] = ()
+) -> dict[str, FieldRun]:
+    """Return the run of each case; `import_from` as for `run`.
+
+    Raises:
+        EstimationError: The case does not exist; see also `run`.
+    """
+    missing = [name for name in names if name not in scenarios]
+    if missing:
+        raise EstimationError(f"the field test needs the cases {', '.join(names)}; there is no {', '.join(missing)}.")
+    one_run = partial(run, import_from=tuple(import_from))
+    return dict(
+        zip(names, work.map(one_run, [(name, scenarios[name]) for name in names], keep=not import_from), strict=True)
+    )
+
 
 NOISES = Path(__file__).parent / "library"
 """Folder of the tuned noises."""

@@ -20,6 +20,7 @@ from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.track import CurveLaw, curve_coefficient
 from railgrip.studies.field_test.figures import (
     GROUP_NAMES,
+    compare_with_paper,
     degeneracy_figure,
     friction_figure,
     readings_figure,
@@ -31,29 +32,32 @@ from railgrip.studies.field_test.filtering import (
     NAMES,
     NOISES,
     PHYSICAL,
+    TEST,
+    TUNING,
     UNITS,
+    FieldRun,
     FilterTask,
     Noise,
+    cases,
     divergence_time,
     filter_of,
     follow,
     load_noise,
     prediction,
+    runs,
     task_of,
 )
-from railgrip.studies.field_test.published import compare_with_paper
-from railgrip.studies.field_test.runs import TEST, TUNING, FieldRun, cases, runs
 from railgrip.studies.field_test.score import (
     Figures,
     case_6,
     common_factor,
+    limits,
     over_seeds,
     readings_trusted,
     score,
     terms_of,
     track_score,
 )
-from railgrip.studies.field_test.tune import limits
 from railgrip.studies.papers.pages import write_results
 from railgrip.studies.study import Study
 

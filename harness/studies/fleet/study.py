@@ -1,7 +1,12 @@
-"""What a fleet learns from many stops: pads, wheel radii, and the metres that releases of single groups cost."""
+"""What a fleet learns from many stops: pads, wheel radii, and the metres that releases of single groups cost.
 
-from collections.abc import Mapping, Sequence
+Releases of single groups are made by hand, as a small modulation, and designed for information on the pads (D-optimal).
+"""
+
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Annotated
 
@@ -9,16 +14,97 @@ import numpy as np
 from typer import Option
 
 from railgrip.campaign.work import Work
-from railgrip.estimation.judge import NORMAL_95
+from railgrip.estimation.judge import error_figures, rms
+from railgrip.estimators.belief import Matrix, Vector
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable, share
-from railgrip.studies.fleet.releases import MODULATION, Releases, designed, expected_information, log_determinant
-from railgrip.studies.fleet.trains import TrainCase, TrainStops, fleet_estimate, train_stops
-from railgrip.studies.pad_monitor.evidence import formation
-from railgrip.studies.pad_monitor.life import IN_TURN
+from railgrip.studies.fleet.trains import Releases, TrainCase, TrainStops, fleet_estimate, train_stops
+from railgrip.studies.pad_monitor.evidence import evidence_of, formation
+from railgrip.studies.pad_monitor.life import FIRST_SLOT, IN_TURN, SLOT, Life, Release, live
 from railgrip.studies.study import Study
+
+PULSE = 0.2e5
+"""Drop of the pressure in the modulation [Pa]."""
+PULSE_DURATION = 1.0
+"""Duration of a pulse [s]."""
+CYCLES = 4
+"""Pulses of each group in a stop."""
+
+MODULATION: Releases = tuple(
+    Release(group=g, start=FIRST_SLOT + (cycle * formation().groups + g) * PULSE_DURATION, duration=PULSE_DURATION,
+            drop=PULSE)
+    for cycle, g in product(range(CYCLES), range(formation().groups))
+)  # fmt: skip
+"""Small pulses of each group in turn."""
+
+STARTS = tuple(FIRST_SLOT + slot * SLOT for slot in range(6))
+DROPS = (1e5, float("inf"))
+CANDIDATES: Releases = tuple(
+    Release(group=g, start=start, duration=SLOT, drop=drop)
+    for g, start, drop in product(range(formation().groups), STARTS, DROPS)
+)
+"""Releases from which a design is chosen: each as long as those by hand."""
+
+DESIGN_SEEDS = (901, 902)
+"""Trains whose first stop gives the expected information."""
+
+Criterion = Callable[[Releases], float]
+
+
+@cache
+def expected_information(releases: Releases) -> Matrix:
+    """Return the Fisher information on the health of each group's pads in a stop, shape (groups, groups).
+
+    It is the mean over a stop of each of the trains in `DESIGN_SEEDS`. A stop's information is the inverse of the
+    covariance that the filter of the monitor propagates with the Jacobians of the prediction, without its prior.
+    """
+    covariances = [
+        evidence_of(*next(live(Life(stops=1, seed=seed, releases=releases)))).covariance for seed in DESIGN_SEEDS
+    ]
+    return np.asarray(np.mean([np.linalg.inv(covariance) for covariance in covariances], axis=0), dtype=np.float64)
+
+
+def log_determinant(releases: Releases) -> float:
+    """Return the logarithm of the determinant of the expected information."""
+    return float(np.linalg.slogdet(expected_information(releases))[1])
+
+
+def design(candidates: Sequence[Release], count: int, criterion: Criterion = log_determinant) -> Releases:
+    """Return `count` of the candidates that maximise a criterion, in the order of time.
+
+    Greedy choice, then exchanges of single releases until none improves the criterion: a local maximum.
+
+    Source: Fedorov, Theory of Optimal Experiments (1972), ch. 3; Cook and Nachtsheim, Technometrics 22 (1980) 315.
+    """
+    chosen: Releases = ()
+    for _ in range(count):
+        chosen = _best(chosen, candidates, criterion)
+    value = criterion(chosen)
+    while True:
+        for release in chosen:
+            chosen = _best(tuple(other for other in chosen if other is not release), candidates, criterion)
+        improved = criterion(chosen)
+        if improved <= value + 1e-9 * abs(value):
+            return chosen
+        value = improved
+
+
+def _best(chosen: Releases, candidates: Sequence[Release], criterion: Criterion) -> Releases:
+    sets = (in_order((*chosen, candidate)) for candidate in candidates if candidate not in chosen)
+    return max(sets, key=criterion)
+
+
+def in_order(releases: Sequence[Release]) -> Releases:
+    """Return releases in the order of time and group."""
+    return tuple(sorted(releases, key=lambda release: (release.start, release.group, release.drop)))
+
+
+def designed() -> Releases:
+    """Return the design with the number of releases that are made by hand."""
+    return design(CANDIDATES, len(IN_TURN))
+
 
 PAGE = Path("docs/papers.md")
 """Relative to the folder of the project, in which the command runs."""
@@ -87,12 +173,11 @@ class FleetStudy(Study):
         trains = simulate(work, {"each group in turn": IN_TURN}, *HEADLINES)["each group in turn"]
         groups, estimate = formation().groups, fleet_estimate(trains, HEADLINES[1])
         pads, radii = estimate.trains[:, :groups], estimate.trains[:, -groups:]
-        error = np.sqrt(np.mean((pads - np.array([train.pads for train in trains])) ** 2))
-        of_radii = np.sqrt(np.mean((radii - np.array([train.radii for train in trains])) ** 2))
+        error, of_radii = rms(pads - [train.pads for train in trains]), rms(radii - [train.radii for train in trains])
         return [
-            mean("fleet: pad friction RMSE", float(error)),
+            mean("fleet: pad friction RMSE", error),
             mean("fleet: claimed deviation of pad friction", float(estimate.train_deviation[:, :groups].mean())),
-            mean("fleet: wheel radius RMSE", float(of_radii)),
+            mean("fleet: wheel radius RMSE", of_radii),
             # 2 % of the geometric mean of the variances of four groups.
             Finding("fleet: log det of the information of a stop", log_determinant(IN_TURN), "1", 0.08),
         ]
@@ -130,27 +215,25 @@ def extra_metres(found: Mapping[str, Sequence[TrainStops]], name: str) -> float:
     return float(np.mean(of_design - without))
 
 
+def _errors(estimated: Matrix, deviation: Matrix, true: Sequence[Vector]) -> dict[str, float]:
+    """Return RMSE, mean claimed deviation and coverage of estimates of each train, shapes (trains, n)."""
+    figures = error_figures(estimated - np.array(true), deviation)
+    return {"RMSE": figures["RMSE"], "claimed": float(deviation.mean()), "coverage of 95 %": figures["coverage"]}
+
+
 def learned(found: Mapping[str, Sequence[TrainStops]], stops: int) -> ReportTable:
     """Return errors and claimed deviations of the pads by design and number of stops."""
     groups = formation().groups
     rows: list[dict[str, object]] = []
-    for name, trains in found.items():
-        true = np.array([train.pads for train in trains])
-        for count in (count for count in COUNTS if count <= stops):
-            estimate = fleet_estimate(trains, count)
-            alone = pad_deviation(trains, count).mean(axis=0)
-            error, deviation = estimate.trains[:, :groups] - true, estimate.train_deviation[:, :groups]
-            rows.append(
-                {
-                    "releases": name,
-                    "stops of each train": count,
-                    "longer stop": f"{extra_metres(found, name):.1f} m",
-                    "RMSE": float(np.sqrt(np.mean(error**2))),
-                    "claimed": float(deviation.mean()),
-                    "coverage of 95 %": float(np.mean(np.abs(error) < NORMAL_95 * deviation)),
-                    **{f"group {g + 1} without lot": float(alone[g]) for g in range(groups)},
-                }
-            )
+    for (name, trains), count in product(found.items(), (count for count in COUNTS if count <= stops)):
+        estimate = fleet_estimate(trains, count)
+        of_pads = estimate.trains[:, :groups], estimate.train_deviation[:, :groups]
+        alone = pad_deviation(trains, count).mean(axis=0)
+        rows.append(
+            {"releases": name, "stops of each train": count, "longer stop": f"{extra_metres(found, name):.1f} m"}
+            | _errors(*of_pads, [train.pads for train in trains])
+            | {f"group {g + 1} without lot": float(alone[g]) for g in range(groups)}
+        )
     numbers = ("RMSE", "claimed", *(f"group {g + 1} without lot" for g in range(groups)))
     forms = {**dict.fromkeys(numbers, "{:.3f}"), "coverage of 95 %": share}
     return ReportTable(rows, forms, ("releases",), title="Pads of single groups over nominal friction")
@@ -158,39 +241,29 @@ def learned(found: Mapping[str, Sequence[TrainStops]], stops: int) -> ReportTabl
 
 def radii(found: Mapping[str, Sequence[TrainStops]], stops: int) -> ReportTable:
     """Return errors and claimed deviations of the wheel radii by number of stops, from stops without releases."""
-    trains = found["none"]
-    true = np.array([train.radii for train in trains])
+    trains, groups = found["none"], formation().groups
     rows: list[dict[str, object]] = []
     for count in (count for count in COUNTS if count <= stops):
         estimate = fleet_estimate(trains, count)
-        error = estimate.trains[:, -true.shape[1] :] - true
-        deviation = estimate.train_deviation[:, -true.shape[1] :]
-        rows.append(
-            {
-                "stops of each train": count,
-                "RMSE": f"{100 * float(np.sqrt(np.mean(error**2))):.3f} %",
-                "claimed": f"{100 * float(deviation.mean()):.3f} %",
-                "coverage of 95 %": float(np.mean(np.abs(error) < NORMAL_95 * deviation)),
-            }
-        )
+        of_radii = estimate.trains[:, -groups:], estimate.train_deviation[:, -groups:]
+        errors = _errors(*of_radii, [train.radii for train in trains])
+        percent = {name: f"{100 * errors[name]:.3f} %" for name in ("RMSE", "claimed")}
+        rows.append({"stops of each train": count} | errors | percent)
     return ReportTable(rows, {"coverage of 95 %": share}, title="Wheel radii over nominal")
 
 
 def designs_table(designs: Mapping[str, Releases]) -> ReportTable:
     """Return the information that one stop has on the pads, by design of the releases, expected before the stop."""
-    groups = formation().groups
-    by_hand = np.linalg.slogdet(expected_information(IN_TURN))[1]
+    groups, by_hand = formation().groups, log_determinant(IN_TURN)
     rows: list[dict[str, object]] = []
     for name, releases in designs.items():
-        information = expected_information(releases)
-        deviation = np.sqrt(np.diag(np.linalg.inv(information)))
-        ratio = np.exp((by_hand - np.linalg.slogdet(information)[1]) / groups)
-        row: dict[str, object] = {
-            "releases": name,
-            "log det of the information": float(np.linalg.slogdet(information)[1]),
-        }
-        row |= {f"group {g + 1}": float(deviation[g]) for g in range(groups)}
-        rows.append(row | {"variance over that by hand": float(ratio)})
+        deviation = np.sqrt(np.diag(np.linalg.inv(expected_information(releases))))
+        ratio = np.exp((by_hand - log_determinant(releases)) / groups)
+        rows.append(
+            {"releases": name, "log det of the information": log_determinant(releases)}
+            | {f"group {g + 1}": float(deviation[g]) for g in range(groups)}
+            | {"variance over that by hand": float(ratio)}
+        )
     forms = {f"group {g + 1}": "{:.3f}" for g in range(groups)}
     forms |= {"log det of the information": "{:.2f}", "variance over that by hand": "{:.3g}"}
     return ReportTable(rows, forms, ("releases",), title="Expected standard deviation of the pads from one stop")

@@ -12,9 +12,9 @@ import numpy as np
 from railgrip.base.units import GRAVITY
 from railgrip.estimation.judge import rms
 from railgrip.estimators.belief import Array
-from railgrip.estimators.condition import ConditionDetector, confusion
 from railgrip.estimators.consistency import delay, loss_step, nis_ratio
 from railgrip.estimators.observability import along
+from railgrip.estimators.rail import ConditionDetector, confusion
 from railgrip.fmus.native import lower
 from railgrip.studies.lateral.run import EVERY, Beliefs, Name, Trace, prediction
 from railgrip.studies.lateral.wheelset import CONDITIONS, PAPER_SENSORS, READINGS, SERVICE_SENSORS, Condition
@@ -238,8 +238,13 @@ def _detection(trace: Trace, mu0: Belief) -> dict[str, Any]:
     return {"confusion": confusion(trace.condition, labels, len(CONDITIONS)).tolist(), "delays": delays}
 
 
+def time_since_change(trace: Trace) -> Array:
+    """Return the time since the start or the last change of the surface at every instant, shape (k,) [s]."""
+    return trace.time - np.array(trace.changes)[np.searchsorted(trace.changes, trace.time, side="left") - 1]
+
+
 def _levels(trace: Trace, mu0: Belief) -> dict[str, tuple[float | None, float | None]]:
-    since = trace.time - np.array(trace.changes)[np.searchsorted(trace.changes, trace.time, side="left") - 1]
+    since = time_since_change(trace)
     levels: dict[str, tuple[float | None, float | None]] = {}
     for number, condition in enumerate(CONDITIONS):
         part = (trace.condition == number) & (since >= WINDOW)

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.errors import FilterDiverged
-from railgrip.estimation.run import Kind, prediction_of
+from railgrip.estimation.models import Kind, of_class
 from railgrip.estimators.belief import Array, GaussianEstimate, Vector, seal
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.observability import linearised_bound
@@ -111,7 +111,7 @@ INTEGRALS: Final[Mapping[Name, Mapping[str, str]]] = {
 @cache
 def prediction(name: Name, kind: Kind = "fmu") -> PredictionInC:
     """Return the model inside a filter, with the parameters of Table 1."""
-    return prediction_of(CLASSES[name], kind=kind)
+    return of_class(CLASSES[name]).prediction({}, kind=kind)
 
 
 def paper_density(condition: Condition) -> Vector:

@@ -1,17 +1,31 @@
 """The lateral study: its runs, its page with a figure of each test, and headline numbers."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Annotated, Any, Final
 
+import pandas
 from typer import Option
 
 from railgrip.base.errors import ScenarioError
 from railgrip.campaign.work import Work
-from railgrip.estimation.run import Kind
+from railgrip.estimation.models import Kind
 from railgrip.report.baseline import Finding
+from railgrip.report.frame import Frame, groups_of
 from railgrip.report.page import Page
 from railgrip.studies.lateral.figures import FIRST_FIGURES, creep_curves, spike_figure, test_figure
+from railgrip.studies.lateral.information import (
+    KNOWN,
+    SHORT,
+    Information,
+    errors_of_run,
+    information,
+    known_table,
+    observability_by_condition,
+    stiffness_cases,
+    stiffness_table,
+    surface_change_table,
+)
 from railgrip.studies.lateral.judge import (
     DETECTOR,
     FRICTION_TOLERANCE,
@@ -19,26 +33,18 @@ from railgrip.studies.lateral.judge import (
     WINDOW,
     measure,
 )
-from railgrip.studies.lateral.reconstruction import (
-    SHORT,
-    Information,
-    information,
-    observability_by_condition,
-    surface_change_table,
-)
 from railgrip.studies.lateral.run import LateralCase, simulate
-from railgrip.studies.lateral.stiffness import KNOWN, errors_of_run, known_table, stiffness_cases, stiffness_table
 from railgrip.studies.lateral.tables import (
+    GROUP,
     TITLES,
-    LateralResult,
     compare_with_paper,
     confidence_of,
     detections,
     error_rows,
     error_tables,
     flat,
+    frame_of,
     friction_errors,
-    groups,
     innovation_table,
     levels,
     longitudinal,
@@ -119,25 +125,24 @@ def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
     simulate(LateralCase(test=TESTS[0].shorten(0.01), speed=25.0, plant="paper", seed=0, prediction=plan.prediction))
     measures = work.map(measure_case, plan.cases)
     runs = information_runs(plan, work)
-    results = [LateralResult(case=case, measures=errors) for case, errors in zip(plan.cases, measures, strict=True)]
-    rows, speed = error_rows(results), plan.middle_speed
-    drawn = [typical(results, *group) for group in groups(results) if group[1] == speed]
+    frame, speed = frame_of(zip(plan.cases, measures, strict=True)), plan.middle_speed
+    errors, middle = error_rows(frame), frame[frame["speed"] == speed]
+    drawn = [typical(group) for _, group in groups_of(middle, GROUP)]
     files = {
         f"{case.test.name}{'' if case.plant == 'paper' else '_' + case.plant}.png": case
-        for case in (result.case for result in drawn)
+        for case in (run.case for run in drawn)
     }
     transition = simulate(drawn[len(plan.tests) - 1].case)
     drawings = dict(zip(files, work.map(test_figure, files.values(), keep=False), strict=True))
+    last = middle[middle["test"] == plan.tests[-1].name]
     tables = {
         "compared": compare_with_paper(transition),
         "typical": typical_table(drawn[: len(plan.tests)]),
-        "spikes": spikes(groups(results)["paper", speed, plan.tests[-1].name]),
-        "skill": skill(results, speed),
-        "friction": friction_errors(results, speed),
-        "transition": innovation_table(
-            [result for result in results if result.case.test is plan.tests[-1] and result.case.speed == speed]
-        ).without(("speed [m/s]", "test")),
-        "longitudinal": longitudinal(results, speed),
+        "spikes": spikes(last[last["plant"] == "paper"]),
+        "skill": skill(frame, speed),
+        "friction": friction_errors(frame, speed),
+        "transition": innovation_table(last).without(("speed [m/s]", "test")),
+        "longitudinal": longitudinal(frame, speed),
         "observed": observability_by_condition(runs),
         "refused": surface_change_table(runs),
     }
@@ -151,7 +156,7 @@ def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
     return Page(
         title="Wheelset with lateral and yaw dynamics",
         question="Can friction be estimated from lateral and yaw acceleration of a wheelset, and what has to be known?",
-        answer=_answer(rows),
+        answer=_answer(errors),
         template="studies/lateral/lateral.md.jinja",
         values={
             "seeds": plan.seeds,
@@ -163,25 +168,25 @@ def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
             "speed": f"{speed:g}",
             "detector": DETECTOR,
             "announced": f"{100 * DETECTOR.confidence:.0f} %",
-            "errors": error_tables(rows),
-            "innovations": innovation_table(results),
+            "errors": error_tables(errors),
+            "innovations": innovation_table(frame),
             **tables,
             "short": SHORT,
             "mirrored": max(run.mirrored for run in runs),
-            "observability": observability_table(results),
-            "levels": levels(results),
-            "detections": detections(results),
+            "observability": observability_table(frame),
+            "levels": levels(frame),
+            "detections": detections(frame),
             "pictures": {name: case.test.name for name, case in files.items()},
         },
         figures=drawings,
-        tables={"errors.csv": flat(rows)},
+        tables={"errors.csv": flat(errors)},
     )
 
 
 def _page_of_stiffness(seeds: int, duration: float, work: Work, *, write: bool) -> Page:
     cases = stiffness_cases(seeds, duration)
-    runs = list(zip(cases, work.map(errors_of_run, cases), strict=True))
-    tables = {"stiffness": stiffness_table(runs), "known": known_table(runs)}
+    frame = pandas.DataFrame(row for rows in work.map(errors_of_run, cases) for row in rows)
+    tables = {"stiffness": stiffness_table(frame), "known": known_table(frame)}
     if write:
         write_results("lateral_wheelset.md", tables, {})
     return Page(
@@ -196,12 +201,10 @@ def _page_of_stiffness(seeds: int, duration: float, work: Work, *, write: bool) 
     )
 
 
-def _answer(rows: Sequence[Mapping[str, Any]]) -> str:
-    errors: dict[str, list[float]] = {}
-    for row in rows:
-        if row["plant"] == "paper" and row["quantity"] == "friction":
-            errors.setdefault(TITLES[row["filter"]], []).append(row["rmse"].median)
-    words = [f"{min(values):.2g} to {max(values):.2g} ({name})" for name, values in errors.items()]
+def _answer(errors: Frame) -> str:
+    known = errors[(errors["plant"] == "paper") & (errors["quantity"] == "friction")]
+    medians = known["rmse"].map(attrgetter("median")).groupby(known["filter"], sort=False)
+    words = [f"{values.min():.2g} to {values.max():.2g} ({TITLES[name]})" for name, values in medians]
     return (
         f"With the exact model the median RMSE of friction over tests and speeds is {', '.join(words)}. "
         "Friction is between 0 and 1: a filter with a larger error has diverged."

@@ -4,16 +4,19 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from operator import attrgetter
 from typing import Any, Final
 
 import numpy as np
+import pandas
 from scipy.stats import binom
 
 from railgrip.report import statistics
+from railgrip.report.frame import Frame, groups_of
 from railgrip.report.table import ReportTable, share
 from railgrip.studies.lateral.judge import QUANTITIES, SPIKE, adhesion, beliefs_about
 from railgrip.studies.lateral.run import NAMES, LateralCase, Trace
-from railgrip.studies.lateral.wheelset import CONDITIONS, PLANTS, ROLLING
+from railgrip.studies.lateral.wheelset import CONDITIONS, PLANTS, ROLLING, Condition
 from railgrip.studies.papers.pages import PaperRow, comparison
 
 FIGURES: Final = {"rmse": "RMSE", "bias": "bias", "nees": "NEES", "settling": "settling [s]", "peak": "peak error"}
@@ -28,14 +31,8 @@ TITLES: Final = {
     "known_track_stiffness": "stiffness estimated, track known",
     "unknown_track_stiffness": "stiffness estimated, track unknown",
 }
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LateralResult:
-    """Case of one run, and its measures by `judge.measure`."""
-
-    case: LateralCase
-    measures: dict[str, Any]
+GROUP: Final = ("plant", "speed", "test")
+"""Columns that are equal for all seeds of a group of runs."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,15 +47,30 @@ class MedianInterval:
     high: float
 
     def __str__(self) -> str:
-        return f"{_digits(self.median)} [{_digits(self.low)}, {_digits(self.high)}]"
+        return f"{digits(self.median)} [{digits(self.low)}, {digits(self.high)}]"
 
 
-def median_interval(values: Iterable[float | None]) -> MedianInterval:
-    """Return median and interval of values, one for each seed; None (not finite, never settled) counts as infinity.
+def frame_of(runs: Iterable[tuple[LateralCase, Mapping[str, Any]]]) -> Frame:
+    """Return a row for each run: `plant`, `speed` [m/s], `test`, `seed`, `case`, and its measures by `judge.measure`.
+
+    Nested names of measures are joined by a dot, as in `errors.known_track.friction.rmse`; figures without a value are
+    NaN.
+    """
+    return pandas.json_normalize(
+        [
+            {"plant": case.plant, "speed": case.speed, "test": case.test.name, "seed": case.seed, "case": case}
+            | dict(measures)
+            for case, measures in runs
+        ]
+    )
+
+
+def median_interval(values: Iterable[float]) -> MedianInterval:
+    """Return median and interval of values, one for each seed; NaN (not finite, never settled) counts as infinity.
 
     With fewer than six seeds the interval is their range.
     """
-    found = sorted(math.inf if value is None else value for value in values)
+    found = sorted(math.inf if math.isnan(value) else value for value in values)
     low, high = statistics.median_interval(found) or (found[0], found[-1])
     return MedianInterval(median=(found[(len(found) - 1) // 2] + found[len(found) // 2]) / 2, low=low, high=high)
 
@@ -69,115 +81,93 @@ def confidence_of(seeds: int) -> float:
     return float(1 - 2 * binom.cdf(rank, seeds, 0.5))
 
 
-def _digits(value: float) -> str:
+def digits(value: float) -> str:
+    """Return a number of two digits, ∞ for infinity."""
     return "∞" if math.isinf(value) else f"{value:.2g}"
 
 
-def groups(results: Sequence[LateralResult]) -> dict[tuple[str, float, str], list[LateralResult]]:
-    """Return the results of all seeds by (plant, speed, test)."""
-    by_case: dict[tuple[str, float, str], list[LateralResult]] = {}
-    for result in results:
-        case = result.case
-        by_case.setdefault((case.plant, case.speed, case.test.name), []).append(result)
-    return by_case
+def _median(values: Iterable[float]) -> str:
+    return digits(median_interval(values).median)
 
 
-def typical(results: Sequence[LateralResult], plant: str, speed: float, test: str) -> LateralResult:
-    """Return the run whose RMSE of the creep force by the reconstruction is the median over the seeds.
+_FORCE_ERROR: Final = "errors.reconstruction.creep_force.rmse"
+
+
+def typical(runs: Frame) -> Any:
+    """Return the run of a group whose RMSE of the creep force by the reconstruction is the median over the seeds.
 
     With an even number of seeds it is the lower of the two middle ones; a filter that diverged has an infinite error.
     """
-    runs = sorted(groups(results)[plant, speed, test], key=_force_error)
-    return runs[(len(runs) - 1) // 2]
+    ranked = runs.sort_values(_FORCE_ERROR, kind="stable")
+    return ranked.iloc[(len(ranked) - 1) // 2]
 
 
-def _force_error(result: LateralResult) -> float:
-    error = result.measures["errors"]["reconstruction"]["creep_force"]["rmse"]
-    return math.inf if error is None else error
-
-
-def typical_table(runs: Sequence[LateralResult]) -> ReportTable:
+def typical_table(runs: Sequence[Any]) -> ReportTable:
     """Return test, seed and RMSE of the creep force of each run of `typical`."""
     columns = ("test", "seed", "RMSE of the creep force, reconstruction [N]")
-    return ReportTable.of(columns, [(r.case.test.name, str(r.case.seed), _digits(_force_error(r))) for r in runs], str)
+    return ReportTable.of(columns, [(run.test, str(run.seed), _median([run[_FORCE_ERROR]])) for run in runs], str)
 
 
-def spikes(runs: Sequence[LateralResult]) -> ReportTable:
+def spikes(runs: Frame) -> ReportTable:
     """Return the largest error of the creep force of each filter before and after the first change of the surface.
 
     Args:
         runs: All seeds of one test with changes of the surface.
     """
     columns = ("filter", f"largest error in {SPIKE:g} s before [N]", f"largest error in {SPIKE:g} s after [N]")
-    pairs = {name: [run.measures["spike"][name] for run in runs] for name in NAMES}
-    rows = [(TITLES[name], *(median_interval(pair[k] for pair in pairs[name]) for k in (0, 1))) for name in NAMES]
-    return ReportTable.of(columns, rows, str)
+    pairs = {name: np.array(runs[f"spike.{name}"].tolist(), dtype=np.float64) for name in NAMES}
+    return ReportTable.of(columns, [(TITLES[name], *map(median_interval, pairs[name].T)) for name in NAMES], str)
 
 
-def longitudinal(results: Sequence[LateralResult], speed: float) -> ReportTable:
+def longitudinal(frame: Frame, speed: float) -> ReportTable:
     """Return errors relative to the rms of the true values with and without motor torque, medians over the seeds."""
     rows: list[dict[str, Any]] = []
-    for (plant, of_speed, _), runs in groups(results).items():
-        for name in NAMES if plant in ROLLING and of_speed == speed else ():
-            creep = median_interval(run.measures["size"]["creep"] for run in runs).median
-            lost = sum(run.measures["lost"][name] is not None for run in runs)
-            row = {"plant": PLANTS[plant].title, "rms creep": f"{100 * creep:.2g} %", "filter": TITLES[name]}
-            for quantity in ("lateral_velocity", "creep", "creep_force", "friction"):
-                errors = ((run.measures["errors"][name][quantity]["rmse"], run.measures["size"]) for run in runs)
-                shares = (None if error is None else error / size[quantity] for error, size in errors)
-                row[f"{quantity.replace('_', ' ')}"] = _digits(median_interval(shares).median)
-            rows.append({**row, "lost, of runs": f"{lost} of {len(runs)}"})
+    for (plant, *_), runs in groups_of(frame[frame["plant"].isin(ROLLING) & (frame["speed"] == speed)], GROUP):
+        creep = median_interval(runs["size.creep"]).median
+        for name in NAMES:
+            shares = {
+                quantity.replace("_", " "): _median(runs[f"errors.{name}.{quantity}.rmse"] / runs[f"size.{quantity}"])
+                for quantity in ("lateral_velocity", "creep", "creep_force", "friction")
+            }
+            about = {"plant": PLANTS[plant].title, "rms creep": f"{100 * creep:.2g} %", "filter": TITLES[name]}
+            rows.append(about | shares | {"lost, of runs": f"{runs[f'lost.{name}'].count()} of {len(runs)}"})
     return ReportTable(rows, left=("plant", "filter"))
 
 
-def error_rows(results: Sequence[LateralResult]) -> list[dict[str, Any]]:
-    """Return one row for each plant, speed, test, filter and quantity, with a `MedianInterval` for each figure."""
-    return [
-        {
-            "plant": plant,
-            "speed": speed,
-            "test": test,
-            "filter": name,
-            "quantity": quantity,
-            "unit": unit,
-            "seeds": len(runs),
-            **{f: median_interval(run.measures["errors"][name][quantity][f] for run in runs) for f in FIGURES},
-        }
-        for (plant, speed, test), runs in groups(results).items()
+def error_rows(frame: Frame) -> Frame:
+    """Return a row for each plant, speed, test, filter and quantity, with a `MedianInterval` for each figure."""
+    return pandas.DataFrame(
+        {"plant": plant, "speed": speed, "test": test, "filter": name, "quantity": quantity, "unit": unit}
+        | {"seeds": len(runs)}
+        | {figure: median_interval(runs[f"errors.{name}.{quantity}.{figure}"]) for figure in FIGURES}
+        for (plant, speed, test), runs in groups_of(frame, GROUP)
         for name in NAMES
         for quantity, unit in QUANTITIES.items()
-    ]
-
-
-def flat(rows: Sequence[Mapping[str, Any]]) -> ReportTable:
-    """Return error rows with median, low and high in separate columns."""
-    return ReportTable(
-        [
-            {
-                key: value
-                for name, cell in row.items()
-                for key, value in (
-                    ((name, cell.median), (f"{name}_low", cell.low), (f"{name}_high", cell.high))
-                    if isinstance(cell, MedianInterval)
-                    else ((name, cell),)
-                )
-            }
-            for row in rows
-        ]
     )
 
 
-def error_tables(rows: Sequence[Mapping[str, Any]]) -> dict[str, ReportTable]:
+def flat(errors: Frame) -> ReportTable:
+    """Return `error_rows` with median, low and high in separate columns."""
+    table = errors.drop(columns=list(FIGURES))
+    for figure in FIGURES:
+        for end, attribute in (("", "median"), ("_low", "low"), ("_high", "high")):
+            table[f"{figure}{end}"] = errors[figure].map(attrgetter(attribute))
+    return ReportTable(table.to_dict("records"))
+
+
+def error_tables(errors: Frame) -> dict[str, ReportTable]:
     """Return plant and speed → table of every test, quantity and filter."""
-    tables: dict[str, list[tuple[Any, ...]]] = {}
-    for row in rows:
-        unit = "" if row["unit"] == "1" else f" [{row['unit']}]"
-        what = f"{row['quantity'].replace('_', ' ')}{unit}"
-        tables.setdefault(f"{row['speed']:g} m/s, {PLANTS[row['plant']].title}", []).append(
-            (row["test"], what, TITLES[row["filter"]], *(row[figure] for figure in FIGURES))
+    units = errors["unit"].map(lambda unit: "" if unit == "1" else f" [{unit}]")
+    errors = errors.rename(columns=FIGURES).assign(
+        quantity=errors["quantity"].str.replace("_", " ") + units, filter=errors["filter"].map(TITLES)
+    )
+    columns = ["test", "quantity", "filter", *FIGURES.values()]
+    return {
+        f"{speed:g} m/s, {PLANTS[plant].title}": ReportTable(
+            rows[columns].to_dict("records"), dict.fromkeys(columns, str), columns[:3]
         )
-    columns = ("test", "quantity", "filter", *FIGURES.values())
-    return {title: ReportTable.of(columns, table, str, left=3) for title, table in tables.items()}
+        for (speed, plant), rows in groups_of(errors, ("speed", "plant"))
+    }
 
 
 def compare_with_paper(trace: Trace) -> ReportTable:
@@ -206,57 +196,70 @@ def compare_with_paper(trace: Trace) -> ReportTable:
     return comparison(rows)
 
 
-def skill(results: Sequence[LateralResult], speed: float) -> ReportTable:
+def skill(frame: Frame, speed: float) -> ReportTable:
     """Return RMSE over that of the best constant, medians over seeds, by test, quantity and filter.
 
     Args:
+        frame: Runs; see `frame_of`.
         speed: Speed of the runs [m/s], on the plant that the filters know.
     """
-    rows: list[dict[str, Any]] = []
-    for (plant, of_speed, test), runs in groups(results).items():
-        if plant != "paper" or of_speed != speed:
-            continue
-        for quantity in PUBLISHED:
-            row: dict[str, Any] = {"test": test, "quantity": quantity.replace("_", " ")}
-            for name in NAMES:
-                errors = ((run.measures["errors"][name][quantity]["rmse"], run.measures["constant"]) for run in runs)
-                shares = [None if error is None else error / constant[quantity] for error, constant in errors]
-                row[TITLES[name]] = _digits(median_interval(shares).median)
-            rows.append(row)
+    part = frame[(frame["plant"] == "paper") & (frame["speed"] == speed)]
+    rows = [
+        {"test": test, "quantity": quantity.replace("_", " ")}
+        | {
+            TITLES[name]: _median(runs[f"errors.{name}.{quantity}.rmse"] / runs[f"constant.{quantity}"])
+            for name in NAMES
+        }
+        for (test,), runs in groups_of(part, ["test"])
+        for quantity in PUBLISHED
+    ]
     return ReportTable(rows, left=("test", "quantity"))
 
 
-def friction_errors(results: Sequence[LateralResult], speed: float) -> ReportTable:
+def _with_changes(frame: Frame) -> Frame:
+    return frame[[len(case.test.changes) > 1 for case in frame["case"]]]
+
+
+def _level(runs: Frame, name: str, rail: Condition, place: int) -> list[float]:
+    """Return mean (0) or rms error (1) of the estimated friction of a rail in each run; NaN without a finite one."""
+    levels = f"levels.{name}.{rail.name}"
+    pairs = runs[levels] if levels in runs else [math.nan] * len(runs)
+    return [math.nan if isinstance(pair, float) or pair[place] is None else pair[place] for pair in pairs]
+
+
+def _estimating(frame: Frame, measure: str) -> list[str]:
+    """Return the filters that have a measure of `judge.measure`."""
+    return [name for name in NAMES if any(column.startswith(f"{measure}.{name}.") for column in frame)]
+
+
+def friction_errors(frame: Frame, speed: float) -> ReportTable:
     """Return rms errors of mu0 by condition in runs of several, medians over seeds, by plant and filter."""
-    rows: list[dict[str, Any]] = []
-    for (plant, of_speed, _), runs in groups(results).items():
-        for name in NAMES if of_speed == speed and len(runs[0].case.test.changes) > 1 else ():
-            if name in runs[0].measures["levels"]:
-                row = {"plant": PLANTS[plant].title, "filter": TITLES[name]}
-                for rail in CONDITIONS:
-                    errors = [run.measures["levels"][name].get(rail.name, (None, None))[1] for run in runs]
-                    row[f"{rail.name} {rail.mu0:g}"] = _digits(median_interval(errors).median)
-                rows.append(row)
+    rows = [
+        {"plant": PLANTS[plant].title, "filter": TITLES[name]}
+        | {f"{rail.name} {rail.mu0:g}": _median(_level(runs, name, rail, 1)) for rail in CONDITIONS}
+        for (plant, *_), runs in groups_of(_with_changes(frame[frame["speed"] == speed]), GROUP)
+        for name in _estimating(frame, "levels")
+    ]
     return ReportTable(rows, left=("plant", "filter"))
 
 
-def innovation_table(results: Sequence[LateralResult]) -> ReportTable:
+def innovation_table(frame: Frame) -> ReportTable:
     """Return the number of runs in which each filter was lost, its NIS, and its friction against the best constant."""
     rows: list[dict[str, Any]] = []
-    for (plant, speed, test), runs in groups(results).items():
+    for (plant, speed, test), runs in groups_of(frame, GROUP):
         for name in NAMES:
-            instants = [instant for run in runs if (instant := run.measures["lost"][name]) is not None]
+            lost = runs[f"lost.{name}"]
             rows.append(
                 {
                     "plant": PLANTS[plant].title,
                     "speed [m/s]": speed,
                     "test": test,
                     "filter": TITLES[name],
-                    "lost, of runs": f"{len(instants)} of {len(runs)}",
-                    "first [s]": f"{min(instants):.2g}" if instants else "–",
-                    "NIS": median_interval(run.measures["nis"][name] for run in runs),
-                    "friction RMSE": median_interval(run.measures["errors"][name]["friction"]["rmse"] for run in runs),
-                    "of the best constant": median_interval(run.measures["constant"]["friction"] for run in runs),
+                    "lost, of runs": f"{lost.count()} of {len(runs)}",
+                    "first [s]": f"{lost.min():.2g}" if lost.count() else "–",
+                    "NIS": median_interval(runs[f"nis.{name}"]),
+                    "friction RMSE": median_interval(runs[f"errors.{name}.friction.rmse"]),
+                    "of the best constant": median_interval(runs["constant.friction"]),
                 }
             )
     return ReportTable(
@@ -264,24 +267,20 @@ def innovation_table(results: Sequence[LateralResult]) -> ReportTable:
     )
 
 
-def observability_table(results: Sequence[LateralResult]) -> ReportTable:
+def observability_table(frame: Frame) -> ReportTable:
     """Return the standard deviation of mu0 given windows of readings, by speed and condition."""
-    ranks: dict[tuple[float, int], list[tuple[float, float]]] = {}
-    for result in results:
-        windows = result.measures["observability"]
-        if windows is not None:
-            for number, *deviations in zip(windows["condition"], windows["paper"], windows["service"], strict=True):
-                paper, service = (math.inf if deviation is None else deviation for deviation in deviations)
-                ranks.setdefault((result.case.speed, number), []).append((paper, service))
+    columns = ["condition", "paper", "service"]
+    runs = frame.dropna(subset="observability.condition").rename(columns=lambda name: name.split("observability.")[-1])
+    windows = runs[["speed", *columns]].explode(columns)
     rows: list[dict[str, Any]] = []
-    for (speed, number), pairs in sorted(ranks.items()):
-        paper, service = np.array(pairs).T
+    for (speed, number), part in windows.groupby(["speed", "condition"]):
+        paper, service = (part[name].astype(float).fillna(math.inf).to_numpy() for name in ("paper", "service"))
         low, high = np.quantile(service, (0.1, 0.9), method="nearest")
         rows.append(
             {
                 "speed [m/s]": speed,
                 "condition": CONDITIONS[number].name,
-                "windows": len(pairs),
+                "windows": len(part),
                 "σ(μ0), paper's sensors": f"{np.median(paper):.1e}",
                 "σ(μ0), service sensors: median [10 %, 90 %]": f"{np.median(service):.2g} [{low:.2g}, {high:.2g}]",
                 "σ < 0.02": f"{100 * np.mean(service < 0.02):.0f} %",
@@ -291,13 +290,13 @@ def observability_table(results: Sequence[LateralResult]) -> ReportTable:
     return ReportTable(rows, {"speed [m/s]": "{:g}"}, ("condition",))
 
 
-def detections(results: Sequence[LateralResult]) -> list[tuple[str, ReportTable, ReportTable]]:
+def detections(frame: Frame) -> list[tuple[str, ReportTable, ReportTable]]:
     """Return filter and plant, confusion matrix of the condition detector in shares of time, and its delays."""
     tables: list[tuple[str, ReportTable, ReportTable]] = []
     for plant, variant in PLANTS.items():
-        runs = [result for result in results if result.case.plant == plant]
-        for name in [name for name in NAMES if runs and name in runs[0].measures["detection"]]:
-            counts = np.sum([run.measures["detection"][name]["confusion"] for run in runs], axis=0)
+        runs = frame[frame["plant"] == plant]
+        for name in _estimating(frame, "detection") if len(runs) else ():
+            counts = np.sum(runs[f"detection.{name}.confusion"].tolist(), axis=0)
             shares = [
                 (condition.name, *(row / max(row.sum(), 1))) for condition, row in zip(CONDITIONS, counts, strict=True)
             ]
@@ -306,26 +305,29 @@ def detections(results: Sequence[LateralResult]) -> list[tuple[str, ReportTable,
     return tables
 
 
-def levels(results: Sequence[LateralResult]) -> list[tuple[str, ReportTable, str]]:
+def levels(frame: Frame) -> list[tuple[str, ReportTable, str]]:
     """Return filter and plant, the estimates of mu0 in runs of several conditions, and a sentence about them."""
     tables: list[tuple[str, ReportTable, str]] = []
     for plant, variant in PLANTS.items():
-        several = [run for run in results if run.case.plant == plant and len(run.case.test.changes) > 1]
-        speeds = sorted({run.case.speed for run in several})
-        runs = [run for run in several if run.case.speed == speeds[len(speeds) // 2]]
-        for name in [name for name in NAMES if runs and name in runs[0].measures["levels"]]:
-            tables.append((f"{TITLES[name]}, {variant.title}", *_level([run.measures["levels"][name] for run in runs])))
+        several = _with_changes(frame[frame["plant"] == plant])
+        speeds = sorted(several["speed"].unique())
+        runs = several[several["speed"] == speeds[len(speeds) // 2]] if speeds else several
+        tables += [
+            (f"{TITLES[name]}, {variant.title}", *_levels(runs, name))
+            for name in _estimating(frame, "levels")
+            if speeds
+        ]
     return tables
 
 
-def _level(runs: Sequence[dict[str, tuple[float | None, float | None]]]) -> tuple[ReportTable, str]:
-    conditions = [condition for condition in CONDITIONS if condition.name in runs[0]]
-    spreads = {c: [median_interval(run[c.name][k] for run in runs) for k in (0, 1)] for c in conditions}
+def _levels(runs: Frame, name: str) -> tuple[ReportTable, str]:
+    conditions = [rail for rail in CONDITIONS if f"levels.{name}.{rail.name}" in runs]
+    spreads = {rail: [median_interval(_level(runs, name, rail, k)) for k in (0, 1)] for rail in conditions}
     columns = ("condition", "true μ0", "estimated: median [interval]", "rms error")
     table = ReportTable.of(columns, [(c.name, f"{c.mu0:g}", *spreads[c]) for c in conditions], str)
     right = [c.name for c in conditions if spreads[c][1].median < LEVEL_TOLERANCE]
     far = [
-        f"takes {c.name}, {c.mu0:g}, for {_digits(mean.median)}" if mean.median <= 1 else f"is lost in {c.name}"
+        f"takes {c.name}, {c.mu0:g}, for {digits(mean.median)}" if mean.median <= 1 else f"is lost in {c.name}"
         for c, (mean, error) in spreads.items()
         if error.median >= LEVEL_TOLERANCE
     ]
@@ -333,22 +335,20 @@ def _level(runs: Sequence[dict[str, tuple[float | None, float | None]]]) -> tupl
     return table, f"{'; '.join((within, *far))}."
 
 
-def _delays(runs: Sequence[LateralResult], name: str) -> ReportTable:
-    changes: dict[str, list[float | None]] = {}
-    for run in runs:
-        conditions = ["start", *(condition.name for _, condition in run.case.test.changes)]
-        for (before, after), delay in zip(pairwise(conditions), run.measures["detection"][name]["delays"], strict=True):
-            changes.setdefault(f"{before} → {after}", []).append(delay)
-    rows: list[dict[str, Any]] = []
-    for change, delays in changes.items():
-        finite = [delay for delay in delays if delay is not None]
-        rows.append(
-            {
-                "change": change,
-                "number": len(delays),
-                "detected": len(finite),
-                "delay: median [interval] s": str(median_interval(delays)),
-                "longest detected [s]": _digits(max(finite, default=math.inf)),
-            }
-        )
+def _delays(runs: Frame, name: str) -> ReportTable:
+    changes: dict[str, list[float]] = {}
+    for case, delays in zip(runs["case"], runs[f"detection.{name}.delays"], strict=True):
+        conditions = ["start", *(condition.name for _, condition in case.test.changes)]
+        for (before, after), delay in zip(pairwise(conditions), delays, strict=True):
+            changes.setdefault(f"{before} → {after}", []).append(math.nan if delay is None else delay)
+    rows = [
+        {
+            "change": change,
+            "number": len(delays),
+            "detected": int(np.isfinite(delays).sum()),
+            "delay: median [interval] s": str(median_interval(delays)),
+            "longest detected [s]": digits(float(np.fmax.reduce(delays)) if np.isfinite(delays).any() else math.inf),
+        }
+        for change, delays in changes.items()
+    ]
     return ReportTable(rows, left=("change",))

@@ -14,7 +14,7 @@ from scipy.ndimage import maximum_filter1d
 
 from railgrip.base.errors import EstimationError, FilterDiverged
 from railgrip.base.names import Element
-from railgrip.estimation.run import equations_of, model_of, units_of
+from railgrip.estimation.models import model_of, of_class, units_of
 from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.discretisation import advance
@@ -242,7 +242,7 @@ def model_units() -> dict[str, str]:
 
 @cache
 def _filter(period: float, parameters: tuple[tuple[str, float], ...]) -> tuple[CasadiPrediction, CompiledFilter]:
-    prediction = equations_of(MODEL, dict(parameters))
+    prediction = of_class(MODEL).equations(dict(parameters))
 
     def squares(deviations: dict[str, float], names: tuple[str, ...]) -> Vector:
         return np.array([deviations[Element.of(name).array] for name in names]) ** 2
