@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from sampling import sample
 
 from railgrip.base.errors import InputError
 from railgrip.fmus.native import lower
@@ -136,7 +137,7 @@ def test_binary_operators_of_all_shapes_equal_numpy(tmp_path):
 @pytest.mark.parametrize("operator", OPERATORS)
 def test_operands_whose_shapes_do_not_fit_are_refused(tmp_path, operator):
     """Where numpy would broadcast, the result has the shape that numpy gives it, so that only the operator is wrong."""
-    count = 0
+    wrong = []
     for other, a, b in PAIRS:
         if other != operator or is_legal(operator, SHAPES[a], SHAPES[b]):
             continue
@@ -146,11 +147,11 @@ def test_operands_whose_shapes_do_not_fit_are_refused(tmp_path, operator):
             shape = np.broadcast_shapes(SHAPES[a], SHAPES[b])
         except ValueError:
             shape = SHAPES[a]
-        if not prod(shape):
-            continue  # the front end drops an equation without elements, in which nothing can be wrong
-        count += 1
-        refusal(tmp_path, f"{a} {operator} {b}", shape)
-    assert count > 10
+        if prod(shape):  # the front end drops an equation without elements, in which nothing can be wrong
+            wrong.append((f"{a} {operator} {b}", shape))
+    assert len(wrong) > 10
+    for text, shape in sample(wrong, 5):
+        refusal(tmp_path, text, shape)
 
 
 @pytest.mark.parametrize(

@@ -23,14 +23,14 @@ LOST = {
     "the curve": ALL.replace("curve=curve,", DEFAULT_CURVE),
     "nothing": ALL,
 }
-_EACH = ", ".join(f"'r_wheel[{g}]' = '0.42 m'" for g in range(1, 5))
+_EACH = ", ".join(f"'r_wheel[{g}]' = '0.42 m'" for g in (1, 2))
 RADIUS = [f"vehicle.parameters={{ {_EACH} }}"]
 CURVE = ["adhesion.polach={ k_A = 0.6, k_S = 0.2, A = 0.3, B = '0.1 s/m' }"]
 
 
 @pytest.fixture(scope="module")
 def wrong(tmp_path_factory):
-    """Return a function that gives the FMU of the two-part train as compiled by a compiler that loses modifiers."""
+    """Return a function that gives the FMU of the wagon as compiled by a compiler that loses modifiers."""
 
     def built(lost: str) -> Path:
         library = tmp_path_factory.mktemp("lost") / "Wrong"
@@ -41,14 +41,14 @@ def wrong(tmp_path_factory):
         text = wheelsets.read_text()
         assert ALL in text
         wheelsets.write_text(text.replace(ALL, LOST[lost]))
-        return build_class("Wrong.Plants.TwoPartTrain", library, compiler="native").path
+        return build_class("Wrong.Plants.Wagon", library, compiler="native").path
 
     return built
 
 
 @pytest.fixture
 def lose(wrong, monkeypatch):
-    """Return a function that replaces the recipe of the two-part train by an FMU with lost modifiers."""
+    """Return a function that replaces the recipe of the wagon by an FMU with lost modifiers."""
     monkeypatch.setattr(bound_plant, "_read_back", set())
     return lambda lost: monkeypatch.setattr(
         "railgrip.simulate.named_models.recipe_file", lambda name, lost=lost: wrong(lost)
@@ -67,8 +67,8 @@ def lose(wrong, monkeypatch):
 def test_an_fmu_that_lost_radius_or_creep_curve_is_refused_with_both_values(lose, lost, sentence):
     lose(lost)
     changes = [*SHORT, *RADIUS, *([] if lost == "the radius" else CURVE)]
-    with pytest.raises(FmuError, match=rf"TwoPartTrain\.fmu: .*{sentence}"):
-        run_stop(load(Path("trapezoid"), changes))
+    with pytest.raises(FmuError, match=rf"Wagon\.fmu: .*{sentence}"):
+        run_stop(load(Path("wagon"), changes))
 
 
 def test_an_fmu_that_lost_nothing_runs_and_is_read_back_once(lose, monkeypatch):
@@ -76,7 +76,7 @@ def test_an_fmu_that_lost_nothing_runs_and_is_read_back_once(lose, monkeypatch):
     calls: list[str] = []
     probe_outputs = bound_plant.probe_outputs
     monkeypatch.setattr(bound_plant, "probe_outputs", lambda *a, **k: calls.append("probed") or probe_outputs(*a, **k))
-    scenario = load(Path("trapezoid"), [*SHORT, *RADIUS, *CURVE])
+    scenario = load(Path("wagon"), [*SHORT, *RADIUS, *CURVE])
     assert [run_stop(scenario).outcome for _ in range(2)] == [Outcome.HORIZON] * 2
     assert calls == ["probed"]
 
