@@ -239,7 +239,7 @@ def test_a_line_has_measures_and_files_of_its_own(tmp_path):
     file.write_text(text, encoding="utf-8")
     (tmp_path / "rail.csv").write_text("distance,mu0\n0,0.05\n9000,0.06\n", encoding="utf-8")
     line = load_study_line(file)
-    assert line.name == "leaves"
+    assert line.name == "own"
     measures = measures_of("two", line)
     (tmp_path / "trains").mkdir()
     base, two = variants_of(EMU, measures, "full_brake", tmp_path / "trains")

@@ -57,7 +57,7 @@ class Rail(Table):
 class LineOfStudy(Layout):
     """A line in the direction of travel."""
 
-    name: Name = Field(description="name of the line")
+    name: Name = Field(description="name of the line; that of its file unless given")
     rail: tuple[Rail, ...] = Field(min_length=1, max_length=50, description="rails of the line")
     cover: _Share = Field(
         default=0.95, description="share of all stops that M_NVAVADH has to cover, where national leaves it out"
@@ -94,7 +94,7 @@ def load_study_line(entry: Path) -> LineOfStudy:
     if path is entry and not entry.suffix and not is_file(entry):
         raise InputError(f"there is no line '{entry}'; there is {', '.join(sorted(ours))}, or give the path of a file")
     # Paths in it are relative to its folder, and not to that of the train, where stops are put together.
-    table = {"name": path.stem} | OtherFileString.within(read_toml(path), path.parent)
+    table = {"name": path.stem.removeprefix("line_")} | OtherFileString.within(read_toml(path), path.parent)
     return validate_table(LineOfStudy, table, directory=path.parent, origin=path.name)
 
 
