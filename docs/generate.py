@@ -31,6 +31,7 @@ from railgrip.scenario.surface import Polach
 from railgrip.scenario.table import ONE_OR_EACH, ByKind
 from railgrip.simulate.contact import compiled_contact
 from railgrip.simulate.named_models import compile_class
+from railgrip.studies.benefit.line import LineOfStudy
 from railgrip.supervision.line import Line
 from railgrip.supervision.model import TrainData
 from railgrip.supervision.national import NationalValues
@@ -311,6 +312,16 @@ def etcs_pages() -> None:
     )
 
 
+def benefit_page() -> None:
+    file_page(
+        "benefit",
+        LineOfStudy,
+        "A line file for `railgrip study benefit` is a TOML file with the rails of a line, its blocks and its "
+        "signalling. [What measures against low adhesion buy](../benefit.md) shows how to use it; "
+        "`railgrip new line FILE` writes a commented one.",
+    )
+
+
 SIGNALS = {
     "Plant outputs": signals.PLANT,
     "Further plant outputs": signals.EXTRA,
@@ -449,6 +460,7 @@ train_page()
 campaign_page()
 estimation_page()
 etcs_pages()
+benefit_page()
 signals_page()
 metrics_page()
 commands_page()

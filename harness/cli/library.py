@@ -68,6 +68,7 @@ def _estimation_schema() -> dict[str, Any]:
 
 
 _TEMPLATES = Path(__file__).parent / "templates"
+_LINE = Path(__file__).parents[1] / "studies" / "benefit" / "library" / "line_commuter.toml"
 
 _NEXT = {
     "scenario": "railgrip run {file}",
@@ -75,21 +76,24 @@ _NEXT = {
     "campaign": "railgrip campaign {file}",
     "controller": "python {file}",
     "estimator": "python {file}",
+    "line": "railgrip study benefit emu387 --line {file}",
 }
 """Next step for a new file, by its kind."""
 
 
 def new(
     kind: Annotated[
-        Literal["scenario", "train", "controller", "estimator", "campaign"], typer.Argument(help="What to write.")
+        Literal["scenario", "train", "controller", "estimator", "campaign", "line"],
+        typer.Argument(help="What to write."),
     ],
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write (.toml or .py); it must not exist yet.")],
 ) -> None:
     """Write a commented file to start from, which runs as it is.
 
-    With a TOML file comes its JSON schema, which editors with Even Better TOML or taplo use to complete and check it.
+    With a TOML file, except that of a line, comes its JSON schema, which editors with Even Better TOML or taplo use to
+    complete and check it.
     """
-    template = next(_TEMPLATES.glob(f"{kind}.*"))
+    template = _LINE if kind == "line" else next(_TEMPLATES.glob(f"{kind}.*"))
     if file.suffix != template.suffix:
         raise InputError(f"{file}: the file of a {kind} ends in {template.suffix}")
     wanted, what = r"[A-Za-z0-9][A-Za-z0-9_.-]*", "letters, digits, dots, - and _, a letter or digit first"

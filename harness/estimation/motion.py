@@ -33,8 +33,7 @@ from railgrip.estimation.spec import CourseTable, LowPass, SensorDeviations
 from railgrip.estimators.belief import Array
 from railgrip.recording.samples import has_reading, period_of, readings_in, samples, with_signals
 from railgrip.scenario.track import force_along
-from railgrip.scenario.track.geodesy import Place
-from railgrip.scenario.track_geometry import local
+from railgrip.scenario.track_geometry import Place, local
 
 GRID = 1.0
 """Spacing of a course [m]; positions that are closer are averaged."""

@@ -4,6 +4,7 @@ A named file is kept as written, found relative to the folder of its scenario, a
 are `extends`, the file, equipment, variants of a campaign, `--set` and changes in Python.
 """
 
+import json
 import os
 import re
 import tomllib
@@ -163,6 +164,20 @@ _KEY = re.compile(rf"(?:{_PART.pattern})(?:\s*\.\s*(?:{_PART.pattern}))*")
 
 
 _KINDS_OF_ONE_FILTER = ("fmu", "compiled", "python")
+
+
+def inline_toml(value: Any) -> str:
+    """Return a value of tables that were read from TOML as TOML in one line."""
+    if isinstance(value, Mapping):
+        table = cast("Mapping[str, Any]", value)
+        return f"{{ {', '.join(f'{_toml_key(key)} = {inline_toml(inner)}' for key, inner in table.items())} }}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(inline_toml, cast('Sequence[Any]', value)))}]"
+    return json.dumps(value, ensure_ascii=False)  # of texts, numbers and flags the same in TOML
+
+
+def _toml_key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else json.dumps(key, ensure_ascii=False)
 
 
 def parse_toml(text: str) -> dict[str, Any]:

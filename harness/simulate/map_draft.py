@@ -16,6 +16,7 @@ from railgrip.fmi import Description, Port, bind, open_plant, shared_budget
 from railgrip.fmi.description import Causality
 from railgrip.fmi.draft import draft_mapping, sizes_of
 from railgrip.fmi.mapping import known_unit
+from railgrip.scenario.file import inline_toml
 from railgrip.simulate.bound_plant import plant_signals
 from railgrip.simulate.controller import controller_signals
 from railgrip.simulate.loop.plausible import slowing_of
@@ -141,7 +142,7 @@ class MappingDraft:
     def map_lines(self) -> Iterator[str]:
         """Yield the entries of the map as TOML."""
         for name, entry in self.table.items():
-            yield f"{name} = {_toml(entry.plain)}"
+            yield f"{name} = {inline_toml(entry.plain)}"
 
     def _nominal_line(self, key: str, meaning: str, use: str = "required") -> str:
         """Return the line of a key of [vehicle.formation]; a comment to complete if its value is not known."""
@@ -164,7 +165,7 @@ def controller_lines(description: Description) -> Iterator[str]:
         draft.pop("command", None)
     yield "[controller]"
     yield 'kind = "fmu"'
-    yield f"file = {_toml(description.file.name)}"
+    yield f"file = {inline_toml(description.file.name)}"
     yield ""
     yield "[controller.map]"
     yield from MappingDraft(table=draft, missing=(), formation=Formation((1,))).map_lines()
@@ -434,13 +435,3 @@ def _sentence(name: str, factor: float, *, found: Sequence[SignalCheck]) -> str:
 
 def _round(value: float) -> float:
     return float(f"{value:.12g}")
-
-
-def _toml(entry: Any) -> str:
-    if isinstance(entry, str):
-        return '"' + entry.replace("\\", "\\\\").replace('"', '\\"') + '"'
-    if isinstance(entry, list):
-        return f"[{', '.join(map(_toml, entry))}]"
-    if isinstance(entry, dict):
-        return f"{{ {', '.join(f'{key} = {_toml(value)}' for key, value in entry.items())} }}"
-    return repr(entry)

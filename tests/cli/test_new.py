@@ -4,11 +4,13 @@ import json
 import re
 import runpy
 import tomllib
+from pathlib import Path
 
 import jsonschema
 import pytest
 
 from railgrip.scenario.load import load
+from railgrip.studies.benefit.line import load_study_line
 
 KINDS = ("scenario", "train", "campaign", "controller", "estimator")
 
@@ -65,6 +67,17 @@ def test_a_new_train_runs(folder, answer):
     assert "stop: standstill" in answer(
         "run", "stop.toml", "--set", "start.speed=30 km/h", "--set", "controller.kind=full_brake"
     )
+
+
+def test_a_new_line_is_one_of_study_benefit(folder, answer):
+    """Lines that are commented out are examples, and valid together."""
+    assert "railgrip study benefit emu387 --line my_line.toml" in answer("new", "line", "my_line.toml")
+    text = (folder / "my_line.toml").read_text(encoding="utf-8")
+    assert load_study_line(Path("my_line.toml")).name == "my_line"
+    in_force, count = re.subn(r"^# (\[\w+\]|\w+ = )", r"\1", text, flags=re.MULTILINE)
+    assert count == 4
+    (folder / "other.toml").write_text(in_force, encoding="utf-8")
+    assert load_study_line(Path("other.toml")).stop[0].dwell == 40.0
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,282 @@
+"""What measures against low adhesion buy on a line: metres, seconds of headway, sand, air and wear."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from typer import Argument, Option
+
+from railgrip.base.errors import InputError
+from railgrip.base.files import scratch
+from railgrip.campaign.work import Work
+from railgrip.report import palette, style
+from railgrip.report.baseline import Finding
+from railgrip.report.marked import write_tables
+from railgrip.report.page import Page
+from railgrip.report.table import ReportTable, share
+from railgrip.rolling_stock.check import checked_train
+from railgrip.rolling_stock.schema import Train
+from railgrip.rolling_stock.stopping import by_hand
+from railgrip.scenario.file import locate
+from railgrip.studies.benefit.chain import (
+    FIGURES,
+    Array,
+    Chain,
+    figures_of,
+    interval,
+    model_for,
+    scenario_for,
+    variants_of,
+)
+from railgrip.studies.benefit.line import load_study_line, measures_of
+from railgrip.studies.study import Study
+from railgrip.supervision.headway import headways
+from railgrip.supervision.trains import maximum_speed, read_train
+
+PAGE = Path("docs/benefit.md")
+"""Folder relative to that of the project, in which the command runs."""
+
+_SYSTEMS = ("fixed blocks", "moving block")
+_COLOURS = {
+    "signalling": palette.GREY, "approach": palette.BLUE, "block": palette.SKY, "clearing": palette.GREEN,
+    "dwell": palette.ORANGE,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Benefit(Study):
+    """Find out what sand, a control law or track brakes buy on a line: metres, seconds of headway, and their cost."""
+
+    train: Annotated[Path, Argument(metavar="TRAIN", help="A train file, or the name of a train.")] = Path("emu387")
+    measures: Annotated[
+        str, Option(help="Measures, separated by commas: sand, magnetic, a control law, or one of the line file.")
+    ] = "sand,two_maxima,magnetic"
+    line: Annotated[Path, Option(help="File of the line, or one of: commuter, leaves.")] = Path("commuter")
+    controller: Annotated[str, Option(help="Slide protection of the train without measures.")] = "slip_three_state"
+    draws: Annotated[int, Option(help="Stops on each rail of the line.", min=2, max=10_000)] = 10
+    quick: bool = False
+    write: Annotated[bool, Option("--write", help="Write its tables into docs/benefit.md.")] = False
+
+    def page(self, work: Work) -> Page:
+        """Return benefit and cost of each measure.
+
+        Raises:
+            InputError: A file or a name is wrong, or the train does not stop on a rail.
+        """
+        chain = chain_of(self, work)
+        gains, costs, by_rail, deciding = gain_table(chain), cost_table(chain), rail_table(chain), deciding_table(chain)
+        sentences = sentences_of(chain)
+        if self.write:
+            listed = "\n".join(f"- {sentence}" for sentence in sentences)
+            tables = {"gains": gains, "costs": costs, "rails": by_rail, "deciding": deciding, "sentences": listed}
+            write_tables(PAGE, tables)
+        return Page(
+            title=f"Benefit of measures for {self.train.stem} on the line {chain.line.name}",
+            question="How many metres and seconds of headway do measures against low adhesion buy, and at what cost?",
+            answer=sentences[0],
+            template="studies/benefit/benefit.md.jinja",
+            values={"gains": gains, "costs": costs, "rails": by_rail, "deciding": deciding, "sentences": sentences[1:]},
+            figures={"benefit.png": draw(chain)},
+            tables={"gains.csv": gains, "costs.csv": costs, "rails.csv": by_rail, "deciding.csv": deciding},
+            files={"stops.csv": partial(stop_table(chain).write_csv)},
+            screen=(gains, costs, deciding, *sentences),
+        )
+
+    def headlines(self, work: Work) -> list[Finding]:
+        """Return the headways of a train on the line `commuter` with the K_wet of its data, without stops."""
+        line = load_study_line(Path("commuter"))
+        found = headways(line, model_for(locate("vt642", "trains"), line.national), line.national)
+        # Draws are seeded: a thousandth is enough for the arithmetic of another machine.
+        return [
+            Finding(f"vt642: headway, {name}", each.seconds, "s") for name, each in zip(_SYSTEMS, found, strict=True)
+        ]
+
+
+STUDY = Benefit
+
+
+def chain_of(study: Benefit, work: Work) -> Chain:
+    """Run the stops of a study, and return what follows from them.
+
+    Raises:
+        InputError: A file or a name is wrong, or the train does not stop on a rail.
+    """
+    line = load_study_line(study.line)
+    file = locate(study.train, "trains")
+    train = read_train(file)
+    if not isinstance(train, Train):
+        raise InputError(f"{file.name}: is a file of brake curves; stops need a train file")
+    speed = min(max(section.speed for section in line.speed), maximum_speed(train))
+    draws = 2 if study.quick else study.draws
+    rails = [None, *(rail for rail in line.rail for _ in range(draws))]
+    seeds = [0, *list(range(1, draws + 1)) * len(line.rail)]
+    with scratch("study") as folder:
+        variants = variants_of(file, measures_of(study.measures, line), study.controller, folder)
+        cases = [
+            scenario_for(variant, line, rail, draw, speed)
+            for variant in variants
+            for rail, draw in zip(rails, seeds, strict=True)
+        ]
+        stops = work.map(figures_of, cases)
+        work.notify("K_dry")
+        trains = list(dict.fromkeys(variant.train for variant in variants))
+        found = work.map(partial(model_for, national=line.national), trains, keep=False)
+        times = {path: by_hand(checked_train(path), speed).equivalent_time for path in trains}
+    models = dict(zip(trains, found, strict=True))
+    values = {name: np.array([stop[name] for stop in stops]).reshape(len(variants), -1) for name in FIGURES}
+    chain = Chain(
+        line=line,
+        variants=variants,
+        speed=speed,
+        models=[models[variant.train] for variant in variants],
+        dry=values["distance"][:, 0],
+        times=np.array([times[variant.train] for variant in variants]),
+        figures={name: of[:, 1:].reshape(len(variants), len(line.rail), draws) for name, of in values.items()},
+    )
+    chain.require_stops()
+    return chain
+
+
+def gain_table(chain: Chain) -> ReportTable:
+    """Return distances, factors and headways of each variant, and what measures gain, with intervals."""
+    quantiles = {f"P{100 * level:.0f}": chain.quantile(level) for level in (0.5, 0.95)}
+    beyond = chain.beyond()
+    rows: list[dict[str, Any]] = []
+    for number, variant in enumerate(chain.variants):
+        row: dict[str, Any] = {"measure": variant.name}
+        for name, values in quantiles.items():
+            row[name] = float(values[number, 0])
+            row[f"{name} shorter by"] = _gain(values, number, "m", ".0f")
+        row |= {"K_wet": float(chain.k_wet[number, 0]), "safe factor": float(chain.factors[number, 0])}
+        row["longer stops"] = float(beyond[number])
+        for name, values in zip(_SYSTEMS, chain.seconds, strict=True):
+            row[f"headway, {name}"] = float(values[number, 0])
+            row[f"gain, {name}"] = _gain(values, number, "s", ".1f")
+        rows.append(row)
+    forms: dict[str, Any] = {**dict.fromkeys(quantiles, "{:.0f} m"), "K_wet": "{:.3f}", "safe factor": "{:.3f}"}
+    forms |= {"longer stops": share, **{f"headway, {name}": "{:.1f} s" for name in _SYSTEMS}}
+    return ReportTable(rows, forms, ("measure",), title="Gains, with intervals of 95 %")
+
+
+def _gain(values: Array, number: int, unit: str, form: str) -> str:
+    """Return by how much values are below those without measures, in pairs, with the interval."""
+    gain = values[0] - values[number]
+    if number == 0:
+        return ""
+    low, high = interval(gain)
+    return f"{gain[0]:{form}} {unit} [{low:{form}}, {high:{form}}]".replace("-", "−")
+
+
+def cost_table(chain: Chain) -> ReportTable:
+    """Return the means over a year of sand, air and energy at the wheels of a stop, with intervals."""
+    units = {"sand": (1.0, "kg", ".2f"), "air": (1e3, "l", ".0f"), "energy": (1e-6, "MJ", ".2f")}
+    names = {"sand": "sand in a stop", "air": "air in a stop", "energy": "wheel energy in a stop"}
+    means = {figure: chain.mean(figure) for figure in units}
+    rows = [
+        {"measure": variant.name}
+        | {names[figure]: _mean(means[figure][number] * units[figure][0], *units[figure][1:]) for figure in units}
+        for number, variant in enumerate(chain.variants)
+    ]
+    return ReportTable(rows, left=("measure",), title="Cost, with intervals of 95 %")
+
+
+def _mean(values: Array, unit: str, form: str) -> str:
+    low, high = interval(values)
+    return f"{values[0]:{form}} {unit} [{low:{form}}, {high:{form}}]"
+
+
+def rail_table(chain: Chain) -> ReportTable:
+    """Return the median distance of each variant on each rail."""
+    medians = np.median(chain.figures["distance"], axis=2)
+    names = [variant.name for variant in chain.variants]
+    rows = [
+        {"rail": rail.name, "share of stops": rail.probability}
+        | dict(zip(names, medians[:, number].tolist(), strict=True))
+        for number, rail in enumerate(chain.line.rail)
+    ]
+    forms = {"share of stops": share, **dict.fromkeys(names, "{:.0f} m")}
+    return ReportTable(rows, forms, ("rail",), title="Median distances")
+
+
+def deciding_table(chain: Chain) -> ReportTable:
+    """Return the parts of each headway, and place and curve of the end of authority that decides it."""
+    rows = [
+        {"measure": variant.name, "signalling system": system, "decided at": headway.place, "curve": headway.limit}
+        | {part: headway.parts[part] for part in _COLOURS}
+        | {"headway": headway.seconds}
+        for system, of_system in zip(_SYSTEMS, zip(*chain.deciding, strict=True), strict=True)
+        for variant, headway in zip(chain.variants, of_system, strict=True)
+    ]
+    forms = {"decided at": "{:.0f} m", **dict.fromkeys((*_COLOURS, "headway"), "{:.1f} s")}
+    left = ("measure", "signalling system", "curve")
+    return ReportTable(rows, forms, left, title="What decides the headway")
+
+
+def sentences_of(chain: Chain) -> list[str]:
+    """Return what the results say, a sentence each; the first one is the answer."""
+    line = chain.line
+    last, without = chain.variants[-1].name, chain.deciding[0]
+    gains = " and by ".join(
+        f"{_gain(values, len(chain.variants) - 1, 's', '.1f')} with {name}"
+        for name, values in zip(_SYSTEMS, chain.seconds, strict=True)
+    )
+    lines = [f"On the line {line.name}, from {3.6 * chain.speed:.0f} km/h, '{last}' shortens the headway by {gains}."]
+    for name, headway, now in zip(_SYSTEMS, without, chain.deciding[-1], strict=True):
+        part = max(headway.parts, key=lambda each: headway.parts[each])
+        changes = {each: headway.parts[each] - now.parts[each] for each in headway.parts}
+        most = max(changes, key=lambda each: changes[each])
+        lines.append(
+            f"{name.capitalize()}: the largest part is {part}, {headway.parts[part]:.1f} s of {headway.seconds:.1f} s, "
+            f"by the curve {headway.limit}; the part that '{last}' shortens most is {most}, by {changes[most]:.1f} s."
+        )
+    origin = "of the line file" if "M_NVAVADH" in line.national.model_fields_set else "of the train without measures"
+    low, high = interval(chain.m_nvavadh)
+    lines.append(f"M_NVAVADH {origin}: {chain.m_nvavadh[0]:.3f} [{low:.3f}, {high:.3f}], the same for all measures.")
+    return lines
+
+
+def stop_table(chain: Chain) -> ReportTable:
+    """Return a row for each stop, in SI units."""
+    rows = [
+        {"measure": variant.name, "season": rail.season, "weather": rail.weather, "draw": draw + 1}
+        | {name: float(values[number, place, draw]) for name, values in chain.figures.items()}
+        for number, variant in enumerate(chain.variants)
+        for place, rail in enumerate(chain.line.rail)
+        for draw in range(chain.figures["distance"].shape[2])
+    ]
+    return ReportTable(rows)
+
+
+def draw(chain: Chain) -> Figure:
+    """Draw the distribution of distances over a year, and the parts of both headways."""
+    drawing = style.figure(12.0, 4.6)
+    grid = drawing.add_gridspec(1, 3, width_ratios=(1.3, 1.0, 1.0))
+    left = drawing.add_subplot(grid[0])
+    for number, (variant, colour) in enumerate(zip(chain.variants, _lines(len(chain.variants)), strict=True)):
+        distances = chain.figures["distance"][number].ravel()
+        order = np.argsort(distances)
+        left.step(distances[order], np.cumsum(chain.weights[order]), where="post", color=colour, label=variant.name)
+    style.dress(left, x="braking distance [m]", y="share of the stops", title=f"from {3.6 * chain.speed:.0f} km/h")
+    style.legend(left, loc="lower right")
+    names = [variant.name.replace("_", " ") for variant in chain.variants]
+    for number, system in enumerate(_SYSTEMS):
+        panel = drawing.add_subplot(grid[number + 1])
+        begin = np.zeros(len(names))
+        for part, colour in _COLOURS.items():
+            seconds = np.array([of_variant[number].parts[part] for of_variant in chain.deciding])
+            panel.barh(names, seconds, left=begin, color=colour, label=part)
+            begin += seconds
+        panel.invert_yaxis()
+        style.dress(panel, x="headway [s]", title=system)
+        if number:
+            panel.set_yticklabels([])
+            style.legend(panel, loc="lower right")
+    return drawing
+
+
+def _lines(count: int) -> Sequence[str]:
+    return [palette.BLACK, *(palette.LINES[number % 6] for number in range(count - 1))]

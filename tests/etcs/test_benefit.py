@@ -1,0 +1,250 @@
+"""`study benefit`: from stops to seconds, on the same draws; and what it refuses."""
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from railgrip.base.errors import InputError
+from railgrip.scenario.load import read_toml
+from railgrip.scenario.surface import Sander
+from railgrip.studies.benefit import study as module
+from railgrip.studies.benefit.chain import BASE, Chain, Variant, interval, sand_mass, variants_of, weighted_quantile
+from railgrip.studies.benefit.line import LIBRARY, load_study_line, measures_of
+from railgrip.studies.benefit.study import Benefit, chain_of, gain_table
+from railgrip.supervision import trains
+from railgrip.supervision.model import EmergencyStep, ServiceStep, TrainData, model_of
+from railgrip.trace.k_wet import k_wet
+
+SPEED, TIME, DRY = 30.0, 1.0, 400.0
+LINE = (LIBRARY / "line_leaves.toml").read_text(encoding="utf-8")
+TRAM, EMU = (Path(trains.__file__).parents[1] / "scenario" / "trains" / f"{name}.toml" for name in ("tram", "emu387"))
+
+
+@pytest.fixture(scope="module")
+def commuter():
+    return load_study_line(Path("commuter"))
+
+
+@pytest.fixture(scope="module")
+def brake():
+    return model_of(
+        TrainData(
+            name="t", source="an example", length=80.0, maximum_speed=SPEED, brake_position="passenger P",
+            emergency=(EmergencyStep(above=0, deceleration=1.2, k_dry=0.8, k_wet=1.0),),
+            service=(ServiceStep(above=0, deceleration=1.0),), emergency_time=TIME, service_time=TIME,
+            traction_cut_off_time=1.0,
+        )
+    )  # fmt: skip
+
+
+def chain_with(line, brake, distances):
+    """Return the chain of variants with distances of shape (variants, rails, draws)."""
+    distances = np.asarray(distances, dtype=float)
+    variants = [Variant(name=str(number), train=Path("t.toml"), changes={}) for number in range(len(distances))]
+    return Chain(
+        line=line, variants=variants, speed=SPEED, models=[brake] * len(variants), dry=np.full(len(variants), DRY),
+        times=np.full(len(variants), TIME), figures=dict.fromkeys(("distance", "sand", "air", "energy"), distances),
+    )  # fmt: skip
+
+
+def draws_of(rails, seed=1):
+    """Return distances on the rails of a line, the last of which are more slippery, shape (rails, 8)."""
+    random = np.random.default_rng(seed)
+    return np.stack([DRY * (1 + number * random.uniform(0.1, 0.4, 8)) for number in range(rails)])
+
+
+def test_a_measure_that_changes_nothing_buys_exactly_nothing(commuter, brake):
+    same = draws_of(4)
+    chain = chain_with(commuter, brake, [same, same])
+    for values in (chain.quantile(0.95), *chain.seconds, chain.factors):
+        gain = values[0] - values[1]
+        assert gain[0] == 0.0
+        assert interval(gain) == (0.0, 0.0)
+    assert gain_table(chain).texts[1]["gain, fixed blocks"] == "0.0 s [0.0, 0.0]"
+
+
+def test_shorter_stops_never_have_a_longer_headway(commuter, brake):
+    longer = draws_of(4)
+    shares = np.random.default_rng(2).uniform(0.7, 1.0, longer.shape)
+    chain = chain_with(commuter, brake, [longer, DRY + shares * (longer - DRY)])
+    assert np.all(chain.factors[1] >= chain.factors[0])
+    assert np.all(chain.seconds[:, 1] <= chain.seconds[:, 0] + 1e-9)
+
+
+def test_k_wet_is_that_of_mean_distances_on_rails_that_are_not_dry(brake):
+    line = load_study_line(Path("leaves"))
+    stops = draws_of(2)[1:]
+    chain = chain_with(line, brake, [stops])
+    assert chain.k_wet[0, 0] == pytest.approx(k_wet([DRY, DRY], stops[0].tolist(), SPEED, TIME).value)
+    # A single rail has no stops that are better than its mean in 95 % of cases.
+    assert chain.m_nvavadh[0] == 0.0
+    assert chain.factors[0, 0] == chain.k_wet[0, 0]
+
+
+def test_m_nvavadh_covers_a_share_of_all_stops_and_is_one_for_all_measures(commuter, brake):
+    """By hand: 68 % dry and 25 % as good; 5 % with half and 2 % with a quarter of the deceleration."""
+    gone = SPEED * TIME
+    by_rail = np.array([DRY, DRY, gone + 2 * (DRY - gone), gone + 4 * (DRY - gone)])
+    distances = np.repeat(by_rail[:, None], 4, axis=1)
+    chain = chain_with(commuter, brake, [distances, np.full_like(distances, DRY)])
+    k = 0.32 / (0.25 + 2 * 0.05 + 4 * 0.02)
+    assert chain.k_wet[:, 0] == pytest.approx([k, 1.0])
+    # 95 % of the stops reach 0.5 and more, which is below K_wet: the weight is 0.
+    assert chain.m_nvavadh[0] == 0.0
+    # 90 % reach 1: the weight is that of dry rail.
+    less = chain_with(commuter.model_copy(update={"cover": 0.9}), brake, [distances])
+    assert less.m_nvavadh[0] == pytest.approx(1.0)
+    given = commuter.national.model_validate({"M_NVAVADH": 0.5})
+    fixed = chain_with(commuter.model_copy(update={"national": given}), brake, [distances])
+    assert fixed.factors[0, 0] == pytest.approx(k + 0.5 * (1 - k))
+    assert chain.beyond() == pytest.approx([0.07, 0.0])
+
+
+def test_headway_between_knots_is_that_of_the_factor(commuter, brake):
+    chain = chain_with(commuter, brake, [draws_of(4)])
+    for resample in (1, 500):
+        exact = [each.seconds for each in chain.headways_for(0, float(chain.factors[0, resample]))]
+        # A sixteenth of the range of factors, where headway is linear in 1/factor but for other corners of the curve.
+        assert chain.seconds[:, 0, resample] == pytest.approx(exact, abs=0.02)
+
+
+def test_a_weighted_quantile_is_that_of_repeated_values():
+    values, counts = np.array([3.0, 1.0, 2.0, 5.0]), np.array([1, 4, 2, 3])
+    for share in (0.05, 0.4, 0.41, 0.6, 0.95, 1.0):
+        expected = np.quantile(np.repeat(values, counts), share, method="inverted_cdf")
+        assert weighted_quantile(values, counts / 10, share) == expected
+
+
+def test_sand_is_the_rate_of_both_nozzles_and_less_at_a_set_density():
+    time = np.linspace(0, 10, 1001)
+    fixed, until = Sander(wheelset=1, rate=0.02, delay=0), Sander(wheelset=1, rate=0.02, delay=1.5, begin=2.0, end=6.0)
+    assert sand_mass([fixed], time, 0 * time) == pytest.approx(2 * 0.02 * 10)
+    assert sand_mass([until], time, 0 * time) == pytest.approx(2 * 0.02 * 4, rel=5e-3)  # edges of a sample of 10 ms
+    variable = Sander(wheelset=3, rate=0.05, density=0.004, delay=0)
+    assert sand_mass([variable], time, np.full(time.size, 10.0)) == pytest.approx(2 * 0.04 * 10)
+
+
+def test_a_measure_gives_a_train_what_it_lacks_and_takes_from_it_what_it_has(tmp_path):
+    line = load_study_line(Path("leaves"))
+    magnetic, sand = measures_of("magnetic", line), measures_of("sand", line)
+    without, own = (read_toml(variant.train) for variant in variants_of(TRAM, magnetic, "full_brake", tmp_path))
+    assert all("track_brake" not in bogie for bogie in without["bogies"].values())
+    assert own == read_toml(TRAM)
+    without, added = variants_of(EMU, magnetic, "full_brake", tmp_path)
+    assert without.train == EMU
+    table = tomllib.loads(added.train.read_text(encoding="utf-8"))
+    assert {bogie["track_brake"] for bogie in table["bogies"].values()} == {"benefit"} == set(table["track_brakes"])
+    # The trains have their own sanders, or get some.
+    assert [variant.train for variant in variants_of(EMU, sand, "full_brake", tmp_path)] == [EMU, EMU]
+    assert read_toml(variants_of(TRAM, sand, "full_brake", tmp_path)[1].train)["sanders"][0]["wheelset"] == 3
+    assert len(variants_of(EMU, magnetic | sand, "full_brake", tmp_path)) == 4
+
+
+class Here:
+    """Runs the cases of a study in this process."""
+
+    def map(self, function, cases, **_):
+        return [function(case) for case in cases]
+
+    def notify(self, doing):
+        """Ignore the progress."""
+
+
+def stop_by_hand(scenario):
+    """Return a stop of v²/(2 g µ), at most 1.2 m/s²; sand doubles the friction."""
+    adhesion = scenario.adhesion
+    mu0 = adhesion.level * (adhesion.mu0[0] if adhesion.kind == "constant" else adhesion.points[0][1])
+    deceleration = min(1.2, 9.81 * mu0 * (1 if adhesion.sand is None else 2))
+    return {"distance": scenario.start.speed**2 / (2 * deceleration), "sand": 0.0, "air": 1.0, "energy": 1e6}
+
+
+@pytest.fixture
+def few_draws(monkeypatch):
+    monkeypatch.setattr(trains, "_RUNS", 2)
+    monkeypatch.setattr(trains, "_SAMPLES", 20)
+    monkeypatch.setattr("railgrip.supervision.k_dry._RATES", 10)
+    monkeypatch.setattr(module, "figures_of", stop_by_hand)
+
+
+def test_the_question_of_an_operator_in_one_command(few_draws):
+    """Leaves at .05, level 0.8 to 1.2: all variants have the same levels, and sand halves all distances."""
+    study = Benefit(EMU, "sand, slip_two_state", Path("leaves"), draws=6)
+    chain = chain_of(study, Here())
+    plain, sand, law, both = chain.figures["distance"]
+    assert sand == pytest.approx(plain / 2)
+    assert np.array_equal(plain, law)
+    assert np.array_equal(sand, both)
+    assert len(np.unique(plain)) == 6
+    first, second, third, last = chain.seconds[:, :, 0].T
+    assert np.all(second < first)
+    assert np.array_equal(first, third)
+    assert np.array_equal(second, last)
+    page = study.page(Here())
+    assert "shortens the headway by" in page.answer
+    assert [row["measure"] for row in page.tables["gains.csv"].rows] == [BASE, "sand", "slip_two_state", "all together"]
+    assert len(page.figures["benefit.png"].axes) == 3
+
+
+def test_a_rail_on_which_the_train_does_not_stop_is_refused(few_draws, monkeypatch):
+    monkeypatch.setattr(module, "figures_of", lambda scenario: stop_by_hand(scenario) | {"distance": np.inf})
+    with pytest.raises(InputError, match="does not come to a standstill in 2 of 2 stops from 120 km/h on the rail"):
+        chain_of(Benefit(EMU, "sand", Path("leaves"), draws=2), Here())
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ("probability = 1", "probability = 0.9", "add up to 0.9; they must add up to 1"),
+        ("probability = 1", "probability = 1\ndry = true", "K_wet needs at least one that is not"),
+        ("level = [0.8, 1.2]", "level = [1.2, 0.8]", "level of autumn, leaves falls from 1.2 to 0.8"),
+        ('kind = "points"', 'level = 2, kind = "points"', "give [[rail]] level instead"),
+        ('setup = "8 s"', "", "[times] has no 'setup'"),
+        ('margin = "50 m"', 'margin = "50 s"', "[times] margin"),
+    ],
+)
+def test_a_wrong_line_is_refused_with_a_sentence(old, new, sentence, tmp_path):
+    assert old in LINE
+    file = tmp_path / "line.toml"
+    file.write_text(LINE.replace(old, new), encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        load_study_line(file)
+    assert sentence in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("measures", "sentence"),
+    [
+        ("sandd", "there is no measure 'sandd'"),
+        ("", "names no measure"),
+        ("sand,sand", "'sand' is given twice"),
+        ("slope_seeking,two_maxima", "both change [controller]"),
+    ],
+)
+def test_wrong_measures_are_refused_with_a_sentence(measures, sentence, commuter):
+    with pytest.raises(InputError) as error:
+        measures_of(measures, commuter)
+    assert sentence in str(error.value)
+
+
+def test_a_line_has_measures_and_files_of_its_own(tmp_path):
+    """Paths are relative to the folder of the line, wherever the train is."""
+    text = LINE.replace('kind = "points", polach = "leaf", over = "distance", points = [["0 m", 0.05]], scatter = 0.1, '
+                        'correlation = "20 m"', 'kind = "table", polach = "leaf", file = "rail.csv"')  # fmt: skip
+    text += '[measure.two]\ndescription = "two levels"\nsource = "an example"\n'
+    text += 'scenario.controller.kind = "slip_two_state"\n'
+    file = tmp_path / "own.toml"
+    file.write_text(text, encoding="utf-8")
+    (tmp_path / "rail.csv").write_text("distance,mu0\n0,0.05\n9000,0.06\n", encoding="utf-8")
+    line = load_study_line(file)
+    assert line.name == "own"
+    measures = measures_of("two", line)
+    (tmp_path / "trains").mkdir()
+    base, two = variants_of(EMU, measures, "full_brake", tmp_path / "trains")
+    stop = module.scenario_for(two, line, line.rail[0], 3, 20.0)
+    assert stop.adhesion.curve.mu0.max() == pytest.approx(0.06)
+    assert stop.controller.kind == "slip_two_state"
+    other = module.scenario_for(replace(base, name="x"), line, line.rail[0], 3, 20.0)
+    assert (other.adhesion.level, other.seed) == (stop.adhesion.level, stop.seed)
