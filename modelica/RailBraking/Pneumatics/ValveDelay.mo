@@ -14,9 +14,9 @@ block ValveDelay "Dead time of a fill and a vent valve that share a three-state 
     annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
 protected
   constant Integer n = 64 "Number of commands that are stored";
-  final parameter Types.Ratio weight_fill[n] = {max(0, 1 - abs(dead_fill/period - i + 1)) for i in 1:n}
+  final parameter Types.Ratio weight_fill[n] = delayWeights(dead_fill/period, n)
     "Weight of each command for the fill valve, for linear interpolation";
-  final parameter Types.Ratio weight_vent[n] = {max(0, 1 - abs(dead_vent/period - i + 1)) for i in 1:n}
+  final parameter Types.Ratio weight_vent[n] = delayWeights(dead_vent/period, n)
     "Weight of each command for the vent valve";
   discrete Real line[n](each start=0, each fixed=true) "Commands as sampled every period, the newest first";
   discrete Real fill_open(start=0, fixed=true) "1 while the fill valve is open";
