@@ -27,7 +27,6 @@ from railgrip.base.errors import (
 )
 from railgrip.base.units import short
 from railgrip.controllers.observation import Observation
-from railgrip.simulate.bound_plant import NEEDED
 from railgrip.simulate.loop.plausible import slowing_of
 from railgrip.simulate.plant_trial import findings, on_both_rails
 from railgrip.simulate.user_parts import (
@@ -165,7 +164,7 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
 
     def rows(part: Plant, vehicle: Formation) -> Iterator[Row]:
         layout, pressure = layout_of(vehicle), tuple(vehicle.pressure_max.tolist())
-        plant = CustomPlant(part, layout, speed=_SPEED, period=_PERIOD, required=NEEDED, command="pressure_command")
+        plant = CustomPlant(part, layout, speed=_SPEED, period=_PERIOD, command="pressure_command")
         release = (0.0,) * vehicle.groups
         good, poor = on_both_rails(lambda: nullcontext(plant), layout, period=_PERIOD, release=release, brake=pressure)
         slowing = slowing_of(carried_mass(sum(vehicle.wheelset_load)), is_known=False)

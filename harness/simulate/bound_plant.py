@@ -41,15 +41,12 @@ from railgrip.simulate.plant_trial import (
     reacts,
     run_orders,
 )
-from railgrip.simulate.user_parts import CustomPlant, Plant
+from railgrip.simulate.user_parts import NEEDED, CustomPlant
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.trace.contact import Contact
 from railgrip.vehicle.formation import carried_mass
 from railgrip.vehicle.parameters import COUNTS, DESCRIPTIVE
 from railgrip.vehicle.signals import CURVE, Layout, plant_inputs
-
-NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure"})
-"""Outputs that every plant must have; others, such as true adhesion, are empty in the trace if a plant lacks them."""
 
 
 def plant_signals(
@@ -203,19 +200,15 @@ def _require_compiled_parameters(vehicle: VehicleData, plant: LoopPlant, paramet
         require_curve(file, layout, rows, contacts, curve)
 
 
-def python_plant(vehicle: VehicleData, part: Plant) -> LoopPlant:
+def require_python_plant(vehicle: VehicleData, plant: CustomPlant) -> CustomPlant:
     """Return a plant in Python, after two short runs of it.
 
     Raises:
-        ScenarioError: The object lacks the methods of a plant, or the short run contradicts physics.
+        ScenarioError: The short run contradicts physics, or the track is too steep for the train.
     """
-    scenario, layout = vehicle.scenario, vehicle.layout
     _refuse_steep_track(vehicle)
-    command = "valve_command" if scenario.actuation.kind == "pneumatic" else "pressure_command"
-    speed, period = scenario.start.speed, scenario.periods.communication
-    plant = CustomPlant(part, layout, speed=speed, period=period, required=NEEDED, command=command)
     with suppress(PlantFailed):  # the stop will report the failure
-        _refuse_unfit(f"{scenario.name}: the plant {type(part).__name__} is none", vehicle, lambda: nullcontext(plant))
+        _refuse_unfit(f"{vehicle.scenario.name}: {plant.name} is not a plant", vehicle, lambda: nullcontext(plant))
     return plant
 
 
