@@ -605,6 +605,15 @@ def _file(name: str) -> str:
 _Table = TypeVar("_Table", bound=Custom)
 
 
+def part_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> Any:
+    """Return a new object of the class that a table names.
+
+    Raises:
+        ScenarioError: See `class_of`, or the class does not take these parameters.
+    """
+    return instance_of(class_of(table, role, folders), table.parameters, _table(role))
+
+
 def class_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> type:
     """Import the class that a table names.
 
@@ -809,6 +818,6 @@ class UserParts:
         if not isinstance(table, Custom):
             return None
         if given is None:
-            given = instance_of(class_of(table, role, self._objects.folders), table.parameters, _table(role))
+            given = part_of(table, role, self._objects.folders)
         self.classes[role if role == "sensors" else role.removesuffix("s")] = origin_of(given, table.parameters)
         return given
