@@ -31,16 +31,7 @@ from railgrip.scenario.vehicle_table import (
 )
 from railgrip.simulate.loop.interfaces import LoopPlant
 from railgrip.simulate.named_models import is_trusted, parameters_of
-from railgrip.simulate.plant_trial import (
-    SignalCheck,
-    Trials,
-    findings,
-    force_finding,
-    on_both_rails,
-    order_findings,
-    reacts,
-    run_orders,
-)
+from railgrip.simulate.plant_trial import SignalCheck, TrialPlant, Trials, findings, order_findings, reacts
 from railgrip.simulate.user_parts import NEEDED, CustomPlant
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.trace.contact import Contact
@@ -251,46 +242,39 @@ def _refuse_unfit(who: str, vehicle: VehicleData, opening: Callable[[], Abstract
     """Raise an error for a foreign plant that contradicts physics in short runs, on a good rail and on a poor one."""
     scenario, brakes = vehicle.scenario, vehicle.nominal.formation.brakes
     pressure, radius = tuple(g.pressure_max for g in brakes), tuple(g.wheel_radius for g in brakes)
-    ideal = scenario.actuation.kind == "ideal"
-    vent, fill = -1.0, 1.0
-    trials = on_both_rails(
-        opening,
-        vehicle.layout,
+    is_ideal, speed = scenario.actuation.kind == "ideal", scenario.start.speed
+    plant = TrialPlant(
+        opening=opening,
+        layout=vehicle.layout,
         period=scenario.periods.communication,
-        release=(0.0 if ideal else vent,) * len(brakes),
-        brake=pressure if ideal else (fill,) * len(brakes),
+        release=(0.0 if is_ideal else -1.0,) * len(brakes),
+        brake=pressure if is_ideal else (1.0,) * len(brakes),
     )
-    speed, slowing = scenario.start.speed, vehicle.slowing
-    results = findings(*trials, speed=speed, radius=radius, pressure=pressure, slowing=slowing)
+    trials = plant.trials()
+    results = findings(*trials, speed=speed, radius=radius, pressure=pressure, slowing=vehicle.slowing)
     wrong = [f"'{finding.signal}' {finding.sentence}" for finding in results if not finding.good]
     if not wrong:
         # Differences between groups are only clear in a plant that brakes and slides as a whole.
-        wrong = [f"'{f.signal}' {f.sentence}" for f in _further_findings(vehicle, trials, opening) if not f.good]
+        wrong = [f"'{f.signal}' {f.sentence}" for f in _further_findings(vehicle, trials, plant) if not f.good]
     if wrong:
         raise ScenarioError(f"{who}: in a short run before the stop {'; '.join(wrong[:4])}.")
 
 
-def _further_findings(
-    vehicle: VehicleData, trials: Trials, opening: Callable[[], AbstractContextManager[LoopPlant]]
-) -> Iterator[SignalCheck]:
+def _further_findings(vehicle: VehicleData, trials: Trials, plant: TrialPlant) -> Iterator[SignalCheck]:
     """Yield the findings of runs in which groups differ, and of one with a force on the train."""
-    scenario, layout = vehicle.scenario, vehicle.layout
-    brakes, ideal = vehicle.nominal.formation.brakes, scenario.actuation.kind == "ideal"
-    period, release = scenario.periods.communication, (0.0 if ideal else -1.0,) * len(brakes)
-    brake = tuple(group.pressure_max if ideal else 1.0 for group in brakes)
-    for run in run_orders(opening, layout, period=period, release=release, brake=brake):
+    for run in plant.orders():
         yield from order_findings(run, reacts=reacts(*trials))
     # A plant in Python may ignore a force that is always zero.
     takes_force = (
         _needs_force(vehicle)
-        if isinstance(scenario.vehicle.source, PythonClass)
+        if isinstance(vehicle.scenario.vehicle.source, PythonClass)
         else "track_force" not in binding_of(vehicle).inputs.absent
     )
     if takes_force:
         load = trials[0].output("wheelset_load")[trials[0].coasting - 1]
         known = vehicle.mass or (carried_mass(float(load.sum())) if np.isfinite(load).all() else 0.0)
         guess = carried_mass(sum(vehicle.nominal.formation.wheelset_load))
-        yield force_finding(opening, layout, period=period, release=release, mass=known or guess, is_known=bool(known))
+        yield plant.force_finding(known or guess, is_known=bool(known))
 
 
 RADIUS_TOLERANCE = 1e-3
