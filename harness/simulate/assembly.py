@@ -17,7 +17,6 @@ from railgrip.scenario.demand import driver_of
 from railgrip.scenario.onboard import KalmanFilter
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.vehicle_table import PythonClass
 from railgrip.simulate.bound_plant import fmu_plant, require_python_plant
 from railgrip.simulate.controller import ForeignController, law_states, open_controller, train_level_of, valve_logic_of
 from railgrip.simulate.estimator import state_estimator
@@ -37,7 +36,7 @@ from railgrip.simulate.user_parts import (
     UserParts,
 )
 from railgrip.simulate.value_checks import DemandLimits
-from railgrip.simulate.vehicle_data import VehicleData
+from railgrip.simulate.vehicle_data import Opening, VehicleData
 from railgrip.trace.bound import with_bound
 from railgrip.trace.measures import over_the_rail
 from railgrip.trace.metrics import measure
@@ -137,7 +136,6 @@ def assemble(
     """
     scenario = objects.declare_in(scenario)
     vehicle = VehicleData(scenario)
-    fmus = {} if isinstance(scenario.vehicle.source, PythonClass) else {vehicle.file.file.name: vehicle.file}
     formation, layout = vehicle.nominal.formation, vehicle.layout
     radius = tuple(group.wheel_radius for group in formation.brakes)
     clock, user = _clock(scenario), UserParts(objects, scenario, layout)
@@ -146,18 +144,16 @@ def assemble(
     for sentence in remarks:
         notify(sentence)
     with shared_budget(), ExitStack() as stack:
-        plant = user.plant()
-        plant = fmu_plant(vehicle, notify, stack) if plant is None else require_python_plant(vehicle, plant)
+        opening, plant = Opening(vehicle, notify, stack), user.plant()
+        plant = fmu_plant(opening) if plant is None else require_python_plant(vehicle, plant)
         filter_, estimates = user.estimator(), frozenset[str]()
         if filter_ is not None:
             estimates = frozenset(filter_.provides)
         elif isinstance(scenario.estimator, KalmanFilter):
-            filter_ = state_estimator(vehicle, scenario.estimator, fmus, stack, notify)
+            filter_ = state_estimator(opening, scenario.estimator)
             estimates = frozenset(signal.name.removeprefix("estimate_") for signal in ESTIMATES)
         law = user.controller()
-        controller, commands_valves = (
-            open_controller(vehicle, estimates, fmus, notify, stack) if law is None else (law, False)
-        )
+        controller, commands_valves = open_controller(opening, estimates) if law is None else (law, False)
         limits = DemandLimits(formation, "The controller" if law is None else law.place)
         is_limited = not commands_valves and not isinstance(controller, Sampled)
         _require_estimates(scenario, controller, estimates)
@@ -199,7 +195,7 @@ def assemble(
             recorder=Recorder(signals, formation, min(capacity or clock.samples + 1, clock.samples + 1)),
         )
         yield StopAssembly(
-            vehicle=vehicle, parts=parts, fmus=fmus, classes=user.classes, limits=limits, remarks=remarks
+            vehicle=vehicle, parts=parts, fmus=opening.fmus, classes=user.classes, limits=limits, remarks=remarks
         )
 
 

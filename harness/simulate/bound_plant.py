@@ -7,7 +7,7 @@ law at slip, speed, load and mu0.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from functools import partial
 from math import inf, isnan
 
@@ -33,7 +33,7 @@ from railgrip.simulate.loop.interfaces import LoopPlant
 from railgrip.simulate.named_models import is_trusted, parameters_of
 from railgrip.simulate.plant_trial import SignalCheck, TrialPlant, Trials, findings, order_findings, reacts
 from railgrip.simulate.user_parts import NEEDED, CustomPlant
-from railgrip.simulate.vehicle_data import VehicleData
+from railgrip.simulate.vehicle_data import Opening, VehicleData
 from railgrip.trace.contact import Contact
 from railgrip.vehicle.formation import carried_mass
 from railgrip.vehicle.parameters import COUNTS, DESCRIPTIVE
@@ -117,14 +117,14 @@ def values_of(vehicle: VehicleData, binding: Binding) -> dict[str, float]:
     return binding.translate({"start_speed": scenario.start.speed}) | shape | vehicle.changes
 
 
-def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitStack) -> LoopPlant:
+def fmu_plant(stop: Opening) -> LoopPlant:
     """Open the plant FMU of a scenario; a foreign one makes two short runs first.
 
     Raises:
         ScenarioError: The short run contradicts physics, or the track is too steep for the train.
         FmuError: The FMU does not fit.
     """
-    scenario, description = vehicle.scenario, vehicle.file
+    vehicle, scenario, description = stop.vehicle, stop.vehicle.scenario, stop.vehicle.file
     table = scenario.vehicle
     _refuse_steep_track(vehicle)
     source, binding = table.source, binding_of(vehicle)
@@ -140,7 +140,7 @@ def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitSt
         limits=scenario.limits.fmu,
     )
     if isinstance(source, FmuFile) and table.trust:
-        stack.enter_context(end_if_stuck(description.file.name))
+        stop.stack.enter_context(end_if_stuck(description.file.name))
     # The class of a train file consists of built-in parts; delays by a distributor or a long pipe would fail the trial.
     if not isinstance(source, LibraryPlant) or (isinstance(source, TrainFile) and table.map):
         # The stop will report the failure.
@@ -156,7 +156,8 @@ def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitSt
         with suppress(PlantFailed), opening(notify=lambda sentence: None) as first:
             _require_compiled_parameters(vehicle, first, parameters_of(description) | values)
             _read_back.add(key)
-    return stack.enter_context(opening(notify=notify))
+    stop.add_fmu(description, "plant")
+    return stop.stack.enter_context(opening(notify=stop.notify))
 
 
 _read_back: set[tuple[object, ...]] = set()
