@@ -21,20 +21,11 @@ from railgrip.simulate.bound_plant import fmu_plant, require_python_plant
 from railgrip.simulate.controller import ForeignController, law_states, open_controller, train_level_of, valve_logic_of
 from railgrip.simulate.estimator import state_estimator
 from railgrip.simulate.faults.site import faults_of
-from railgrip.simulate.loop.interfaces import (
-    Clock,
-    LoopController,
-    Parts,
-    StateEstimator,
-)
+from railgrip.simulate.loop.interfaces import Clock, LoopController, Parts, StateEstimator
 from railgrip.simulate.loop.loop import Ending, Loop
 from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.simulate.remarks import remarks_after, remarks_before, remarks_on_pressures
-from railgrip.simulate.user_parts import (
-    NO_CUSTOM_PARTS,
-    CustomParts,
-    UserParts,
-)
+from railgrip.simulate.user_parts import NO_CUSTOM_PARTS, CustomParts, UserParts
 from railgrip.simulate.value_checks import DemandLimits
 from railgrip.simulate.vehicle_data import Opening, VehicleData
 from railgrip.trace.bound import with_bound
@@ -213,14 +204,14 @@ def _clock(scenario: Scenario) -> Clock:
 def _signals(
     vehicle: VehicleData, of_controller: Sequence[Signal], filter_: object, estimates: Collection[str]
 ) -> tuple[Signal, ...]:
-    layout, demand = vehicle.layout, vehicle.scenario.demand
+    layout, scenario = vehicle.layout, vehicle.scenario
     return (
         *layout.signals["output"],
-        *plant_inputs(layout, pneumatic=vehicle.scenario.actuation.kind == "pneumatic"),
+        *plant_inputs(layout, pneumatic=scenario.actuation.kind == "pneumatic"),
         *layout.signals["reading"],
         *of_controller,
-        *(DRIVEN if demand is not None else ()),
-        *(TRACTION if demand is not None and demand.has_traction else ()),
+        *(DRIVEN if scenario.demand is not None else ()),
+        *(TRACTION if scenario.has_traction else ()),
         *(REFERENCE if isinstance(filter_, StateEstimator) and filter_.free_wheel else ()),
         *(signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimates),
     )

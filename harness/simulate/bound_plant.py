@@ -80,9 +80,7 @@ def binding_of(vehicle: VehicleData) -> Binding:
     """
     scenario = vehicle.scenario
     inputs, outputs, start = plant_signals(
-        vehicle.layout,
-        pneumatic=scenario.actuation.kind == "pneumatic",
-        track_force=_needs_force(vehicle),
+        vehicle.layout, pneumatic=scenario.actuation.kind == "pneumatic", track_force=_needs_force(vehicle)
     )
     return bind(
         vehicle.file,
@@ -96,8 +94,7 @@ def binding_of(vehicle: VehicleData) -> Binding:
 
 def _needs_force(vehicle: VehicleData) -> bool:
     """Return whether a force other than zero acts along the track in the stop."""
-    demand = vehicle.scenario.demand
-    return bool(np.any(vehicle.track_force.forces)) or (demand is not None and demand.has_traction)
+    return bool(np.any(vehicle.track_force.forces)) or vehicle.scenario.has_traction
 
 
 def values_of(vehicle: VehicleData, binding: Binding) -> dict[str, float]:

@@ -333,10 +333,7 @@ ANALYSES: Final[Mapping[str, Callable[[Scenario, Callable[[float], None] | None]
 
 def _full_brake(scenario: Scenario) -> Scenario:
     """Return the same train and track, fully braked on a rail without slides."""
-    changes: dict[str, Any] = {
-        "adhesion": {"kind": "constant", "mu0": _GRIPPY, "polach": "dry"},
-        "faults": [],
-    }
+    changes: dict[str, Any] = {"adhesion": {"kind": "constant", "mu0": _GRIPPY, "polach": "dry"}, "faults": []}
     return _bare(scenario, changes)
 
 

@@ -365,13 +365,7 @@ def _correct(draft: MappingDraft, run: Run, speed: float) -> MappingDraft:
     load = trials[0].output("wheelset_load")[trials[0].coasting - 1]
     if np.isfinite(load).all():
         nominal["wheelset_load"] = load.tolist()
-    return replace(
-        draft,
-        table=table,
-        nominal=nominal,
-        corrections=corrections,
-        findings=found,
-    )
+    return replace(draft, table=table, nominal=nominal, corrections=corrections, findings=found)
 
 
 def _doubt(found: Sequence[SignalCheck]) -> int:

@@ -23,14 +23,7 @@ from railgrip.fmus.native.functions import in_c
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.kernel import kernel, rate_of, texts
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate.loop.interfaces import (
-    BLOCK,
-    DirectEstimator,
-    LoopSensors,
-    Parts,
-    SensorsInC,
-    StateEstimator,
-)
+from railgrip.simulate.loop.interfaces import BLOCK, DirectEstimator, LoopSensors, Parts, SensorsInC, StateEstimator
 from railgrip.vehicle.brake import slip_of
 from railgrip.vehicle.signals import (
     BELIEVED,
