@@ -162,6 +162,7 @@ def _of_file(stop: Opening, table: KalmanFilter, file: NamedFile) -> FmuPredicti
     outputs = [name for name in description.names("output") if Element.of(name).array in layout.reading]
     if not outputs:
         raise ScenarioError(f"{where} has no output that sensors read; they read {', '.join(sorted(layout.reading))}")
+    _require_read(where, outputs, layout)
     return _open_prediction(
         stop,
         table,
@@ -252,11 +253,17 @@ def _prediction_model(table: KalmanFilter, name: str, layout: Layout) -> Model:
     pressures, inputs = [f"cylinder_pressure[{g + 1}]" for g in range(groups)], [v.name for v in model.inputs]
     if inputs[:groups] != pressures:
         raise ScenarioError(f"{where} must have {', '.join(pressures)} as first inputs; it has {', '.join(inputs)}")
-    if unread := [variable.name for variable in model.outputs if Element.of(variable.name).array not in layout.reading]:
-        raise ScenarioError(
-            f"{where} has an output {unread[0]}, which no sensor reads; they read {', '.join(sorted(layout.reading))}"
-        )
+    _require_read(where, [variable.name for variable in model.outputs], layout)
     return model
+
+
+def _require_read(where: str, outputs: Sequence[str], layout: Layout) -> None:
+    """Raise an error for outputs that are not elements of a reading, such as those of arrays that begin with 0."""
+    elements = [name.removeprefix("reading_") for name in layout.elements("reading")]
+    if unread := [name for name in outputs if name not in elements]:
+        array = Element.of(unread[0]).array
+        known = [name for name in elements if Element.of(name).array == array] or sorted(layout.reading)
+        raise ScenarioError(f"{where} has an output {unread[0]}, which no sensor reads; they read {', '.join(known)}")
 
 
 def _outlier_limits(table: KalmanFilter, prediction: Consist | _Central) -> list[float] | None:
