@@ -91,6 +91,12 @@ class _Profile(Table):
         return self
 
     @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if self.conditioning is not None and len(set(getattr(self, "mu0", ()))) > 1:
+            raise table_error("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
+        return self
+
+    @model_validator(mode="after")
     def _one_steel(self) -> Self:
         if len({(curve.temperature_loss, curve.recovery) for curve in self.curves}) > 1:
             raise table_error(
@@ -140,12 +146,6 @@ class Constant(_Profile):
     def _lowest_around(self) -> float:
         return min(self.mu0)
 
-    @model_validator(mode="after")
-    def _one_source(self) -> Self:
-        if self.conditioning is not None and len(set(self.mu0)) > 1:
-            raise table_error("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
-        return self
-
 
 class Leaves(_Profile):
     """A rail with patches of leaves at random places; drawn from the seed.
@@ -189,8 +189,6 @@ class Leaves(_Profile):
                 raise table_error(f"{low} {getattr(self, low):g} is above {high} {getattr(self, high):g}")
         if self.longest <= 0:
             raise table_error("longest must be above 0 m, got 0")
-        if self.conditioning is not None and len(set(self.mu0)) > 1:
-            raise table_error("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
         return self
 
 

@@ -37,7 +37,7 @@ from railgrip.simulate.vehicle_data import Opening, VehicleData
 from railgrip.trace.contact import Contact
 from railgrip.vehicle.formation import carried_mass
 from railgrip.vehicle.parameters import COUNTS, DESCRIPTIVE
-from railgrip.vehicle.signals import CURVE, Layout, plant_inputs
+from railgrip.vehicle.signals import CURVE, Layout, Signal, plant_inputs
 
 
 def plant_signals(
@@ -49,26 +49,16 @@ def plant_signals(
         pneumatic: Whether the plant takes valve positions; else it takes pressures.
         track_force: Whether the plant must have the input for the track force.
     """
-    formation, command = layout.formation, "valve_command" if pneumatic else "pressure_command"
+    names = {"command": "valve_command" if pneumatic else "pressure_command"}
+
+    def port(signal: Signal, *, needed: bool) -> Port:
+        size = 0 if signal.extent == "train" else layout.formation.width(signal.extent)
+        return Port(name=names.get(signal.name, signal.name), unit=signal.unit, size=size, needed=needed)
+
     # In the order of the loop's vector, so that each value arrives at the variable of its name.
-    inputs = tuple(
-        Port(
-            name=command if s.name == "command" else s.name,
-            unit=s.unit,
-            size=0 if s.extent == "train" else formation.width(s.extent),
-            needed=s.name != "track_force" or track_force,
-        )
-        for s in plant_inputs(layout, pneumatic=pneumatic)
-    )
-    outputs = tuple(
-        Port(
-            name=s.name,
-            unit=s.unit,
-            size=0 if s.extent == "train" else formation.width(s.extent),
-            needed=s.name in NEEDED,
-        )
-        for s in layout.signals["output"]
-    )
+    sent = plant_inputs(layout, pneumatic=pneumatic)
+    inputs = tuple(port(signal, needed=signal.name != "track_force" or track_force) for signal in sent)
+    outputs = tuple(port(signal, needed=signal.name in NEEDED) for signal in layout.signals["output"])
     return inputs, outputs, Port(name="start_speed", unit="m/s", size=0, needed=True)
 
 
