@@ -27,9 +27,8 @@ from railgrip.base.errors import (
 )
 from railgrip.base.units import short
 from railgrip.controllers.observation import Observation
-from railgrip.simulate.bound_plant import NEEDED
 from railgrip.simulate.loop.plausible import slowing_of
-from railgrip.simulate.plant_trial import findings, on_both_rails
+from railgrip.simulate.plant_trial import TrialPlant, findings
 from railgrip.simulate.user_parts import (
     Controller,
     CustomController,
@@ -165,15 +164,15 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
 
     def rows(part: Plant, vehicle: Formation) -> Iterator[Row]:
         layout, pressure = layout_of(vehicle), tuple(vehicle.pressure_max.tolist())
-        plant = CustomPlant(part, layout, speed=_SPEED, period=_PERIOD, required=NEEDED, command="pressure_command")
-        release = (0.0,) * vehicle.groups
-        good, poor = on_both_rails(lambda: nullcontext(plant), layout, period=_PERIOD, release=release, brake=pressure)
+        plant = CustomPlant(part, layout, speed=_SPEED, period=_PERIOD, command="pressure_command")
+        opening, release = (lambda: nullcontext(plant)), (0.0,) * vehicle.groups
+        trials = TrialPlant(opening=opening, layout=layout, period=_PERIOD, release=release, brake=pressure).trials()
         slowing = slowing_of(carried_mass(sum(vehicle.wheelset_load)), is_known=False)
         radius = tuple(vehicle.wheel_radius.tolist())
-        for finding in findings(good, poor, speed=_SPEED, radius=radius, pressure=pressure, slowing=slowing):
+        for finding in findings(*trials, speed=_SPEED, radius=radius, pressure=pressure, slowing=slowing):
             if not finding.good:
                 raise ContractBroken(f"{type(part).__name__}: {finding.signal} {finding.sentence}")
-        yield from (tuple(row) for row in np.nan_to_num(np.vstack([good.rows, poor.rows])).tolist())
+        yield from (tuple(row) for row in np.nan_to_num(np.vstack([trial.rows for trial in trials])).tolist())
 
     _require_repeatable(factory, "step", rows, None if formation is None else [formation])
 

@@ -32,9 +32,7 @@ class FmuLimits(BaseModel, frozen=True, extra="forbid", allow_inf_nan=False):
     )
     patience: float = Field(default=10.0, gt=0.0, description="maximum real time of one call, including the start [s]")
     budget: float = Field(
-        default=3600.0,
-        gt=0.0,
-        description="maximum real time of all calls of a run, including trial runs [s]",
+        default=3600.0, gt=0.0, description="maximum real time of all calls of a run, including trial runs [s]"
     )
 
 

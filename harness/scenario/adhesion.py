@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from railgrip.base.arrays import Array, generator, markov
 from railgrip.base.errors import ScenarioError
 from railgrip.kernel import kernel
-from railgrip.scenario.curve import FrictionCurve
+from railgrip.scenario.curve import TabulatedQuantity
 from railgrip.scenario.profile import (
     LONGEST_RAIL,
     Conditioning,
@@ -149,7 +149,7 @@ def _profile_friction(scenario: Scenario, places: Array, step: float, wheelsets:
         case Random():
             return _random(adhesion, places, scenario.seed)
         case FromTable(curve=curve):
-            columns = curve.mu0.shape[1]
+            columns = curve.values.shape[1]
             _check_count(scenario, f"[adhesion] file {adhesion.file.entry}", columns, wheelsets)
             return _from_curve(curve, np.broadcast_to(places, (len(places), max(places.shape[1], columns))))
         case _:
@@ -196,17 +196,13 @@ def reach_of(scenario: Scenario) -> float:
     Raises:
         ScenarioError: The distance is too long for a table.
     """
-    reach, fastest = _farthest(scenario), "any train" if _has_traction(scenario) else "[start] speed"
+    reach, fastest = _farthest(scenario), "any train" if scenario.has_traction else "[start] speed"
     _require_tabulated(scenario, reach, f"{fastest} goes until [limits] horizon")
     return reach
 
 
-def _has_traction(scenario: Scenario) -> bool:
-    return scenario.demand is not None and scenario.demand.has_traction
-
-
 def _farthest(scenario: Scenario) -> float:
-    return (FASTEST if _has_traction(scenario) else scenario.start.speed) * scenario.horizon
+    return (FASTEST if scenario.has_traction else scenario.start.speed) * scenario.horizon
 
 
 def _require_reached(scenario: Scenario) -> None:
@@ -221,7 +217,7 @@ def _require_reached(scenario: Scenario) -> None:
         if isinstance(adhesion, Points):
             places["[adhesion] points"] = list(adhesion.places)
         elif isinstance(adhesion, FromTable):
-            places[f"[adhesion] file {adhesion.file.entry}"] = adhesion.curve.axis.tolist()
+            places[f"[adhesion] file {adhesion.file.entry}"] = adhesion.curve.points.tolist()
     for key, distances in places.items():
         if distances and (min(distances) > reach or max(distances) < 0.0):
             has_origin = key.startswith("[adhesion]")
@@ -357,10 +353,10 @@ def _inside(patch: Patch, places: Array) -> Array:
     return np.clip(inside / patch.edge, 0.0, 1.0) if patch.edge else (inside >= 0.0).astype(np.float64)
 
 
-def _from_curve(curve: FrictionCurve, places: Array) -> Array:
+def _from_curve(curve: TabulatedQuantity, places: Array) -> Array:
     columns = range(places.shape[1])
-    last = curve.mu0.shape[1] - 1
-    return np.stack([np.interp(places[:, j], curve.axis, curve.mu0[:, min(j, last)]) for j in columns], axis=1)
+    last = curve.values.shape[1] - 1
+    return np.stack([np.interp(places[:, j], curve.points, curve.values[:, min(j, last)]) for j in columns], axis=1)
 
 
 def _condition_rail(mu0: Array, conditioning: Conditioning | None, formation: Formation) -> Array:

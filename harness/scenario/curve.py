@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,30 +61,7 @@ class TabulatedQuantity:
         return f"{fact}; if the column has another unit, state it in the first line, such as '{self.axis} [{other}]'"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FrictionCurve:
-    """Friction at points of an axis; linear between them, constant beyond.
-
-    Attributes:
-        over: Kind of the axis: time [s] or distance [m].
-        columns: Content of the file.
-    """
-
-    over: Literal["time", "distance"]
-    columns: TabulatedQuantity
-
-    @property
-    def axis(self) -> NDArray[np.float64]:
-        """Points of the axis [s] or [m], rising, shape (n,)."""
-        return self.columns.points
-
-    @property
-    def mu0(self) -> NDArray[np.float64]:
-        """Friction, shape (n, 1) for the first wheelset, or (n, wheelsets)."""
-        return self.columns.values
-
-
-def read_curve(path: Path, origin: float | None = None) -> FrictionCurve:
+def read_curve(path: Path, origin: float | None = None) -> TabulatedQuantity:
     """Read the columns time or distance, and mu0 or mu0_1 … mu0_n; without a unit in s, m and 1.
 
     Args:
@@ -103,7 +80,7 @@ def read_curve(path: Path, origin: float | None = None) -> FrictionCurve:
         if columns.axis == "time":
             raise ValueError("has a column time, and origin is a place on the rail; leave origin out")
         columns = replace(columns, points=along(columns.points, origin))
-    return FrictionCurve(over="time" if columns.axis == "time" else "distance", columns=columns)
+    return columns
 
 
 def along(chainages: NDArray[np.float64], origin: float) -> NDArray[np.float64]:

@@ -79,8 +79,7 @@ class KalmanFilter(Table):
         "from how many standard deviations of what was expected on a reading is left out, by its name", default={}
     )
     free_wheels: StrictBool = optional(
-        "use the speed of a rolling, unbraked wheel as that of the train while the radar is silent",
-        default=False,
+        "use the speed of a rolling, unbraked wheel as that of the train while the radar is silent", default=False
     )
     load_deviation: Annotated[float, UnitRange("1", at_least=0, at_most=1)] = optional(
         "standard deviation of the load of a wheelset over the load that the filter assumes; no reading shows it, and "

@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from railgrip.base import registry
-from railgrip.scenario.curve import FrictionCurve, along, read_curve
+from railgrip.scenario.curve import TabulatedQuantity, along, read_curve
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import Magnitude, UnitRange
 from railgrip.scenario.surface import Polach, Recovery, Sand
@@ -70,8 +70,7 @@ class _Profile(Table):
         default=(),
     )
     level: Annotated[
-        float,
-        UnitRange("1", above=0, at_most=100, usual=(0.2, 5.0), because="it scales a friction of at most 1"),
+        float, UnitRange("1", above=0, at_most=100, usual=(0.2, 5.0), because="it scales a friction of at most 1")
     ] = Field(default=1.0, description="factor on the first wheelset's friction")
     calibrated: dict[str, Annotated[float, UnitRange("1", above=0, at_most=100)]] = Field(
         default={},
@@ -89,6 +88,12 @@ class _Profile(Table):
         known = {*registry.files(registry.CREEP_CURVES), *(curve.name for curve in self.curves)}
         if unknown := sorted(self.calibrated.keys() - known):
             raise table_error(f"calibrated has a factor for {not_in(sorted(known), unknown[0])}")
+        return self
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if self.conditioning is not None and len(set(getattr(self, "mu0", ()))) > 1:
+            raise table_error("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
         return self
 
     @model_validator(mode="after")
@@ -141,12 +146,6 @@ class Constant(_Profile):
     def _lowest_around(self) -> float:
         return min(self.mu0)
 
-    @model_validator(mode="after")
-    def _one_source(self) -> Self:
-        if self.conditioning is not None and len(set(self.mu0)) > 1:
-            raise table_error("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
-        return self
-
 
 class Leaves(_Profile):
     """A rail with patches of leaves at random places; drawn from the seed.
@@ -190,8 +189,6 @@ class Leaves(_Profile):
                 raise table_error(f"{low} {getattr(self, low):g} is above {high} {getattr(self, high):g}")
         if self.longest <= 0:
             raise table_error("longest must be above 0 m, got 0")
-        if self.conditioning is not None and len(set(self.mu0)) > 1:
-            raise table_error("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
         return self
 
 
@@ -375,7 +372,7 @@ class FromTable(_Profile):
     @model_validator(mode="after")
     def _readable(self) -> Self:
         curve = self.curve
-        if curve.mu0.shape[1] > 1 and self.conditioning is not None:
+        if curve.values.shape[1] > 1 and self.conditioning is not None:
             raise table_error(
                 f"{self.file.entry} gives mu0 for each wheelset, and conditioning makes it from the first's"
             )
@@ -383,10 +380,10 @@ class FromTable(_Profile):
 
     @property
     def _lowest_around(self) -> float:
-        return float(self.curve.mu0.min())
+        return float(self.curve.values.min())
 
     @property
-    def curve(self) -> FrictionCurve:
+    def curve(self) -> TabulatedQuantity:
         """The content of the file."""
         try:
             return read_curve(self.file.path, self.origin)
@@ -396,7 +393,7 @@ class FromTable(_Profile):
     @property
     def over(self) -> Over:
         """The axis by the file's first column."""
-        return self.curve.over
+        return "time" if self.curve.axis == "time" else "distance"
 
 
 Adhesion = Annotated[

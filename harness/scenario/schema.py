@@ -93,9 +93,7 @@ class Scenario(Table):
     track: Track = Track()
     adhesion: Adhesion = Field(description="friction between wheel and rail, over time or distance")
     sensors: Sensors = Field(
-        default={"kind": "ideal"},
-        validate_default=True,
-        description="sensors between the plant and the parts on board",
+        default={"kind": "ideal"}, validate_default=True, description="sensors between the plant and the parts on board"
     )
     actuation: Actuation = Actuation(kind="ideal")
     estimator: Estimator = Field(
@@ -145,8 +143,7 @@ class Scenario(Table):
                     f"[adhesion] polach '{curve.name}', with which the wheel would use more than mu0; change both by "
                     "the same factor"
                 )
-        has_traction = self.demand is not None and self.demand.has_traction
-        if self.limits.stop_speed >= self.start.speed and not has_traction:
+        if self.limits.stop_speed >= self.start.speed and not self.has_traction:
             raise table_error(
                 f"[limits] stop_speed {self.limits.stop_speed:g} m/s is not below [start] speed "
                 f"{self.start.speed:g} m/s; a train that starts so slowly needs traction in [[demand.phases]]"
@@ -186,10 +183,8 @@ class Scenario(Table):
         needed = self.start.speed / slowing if slowing > 0.0 else _MAX_HORIZON
         most = min(_MAX_HORIZON, _MAX_ROWS * self.periods.communication)
         if self.runs_over_distance:
-            has_traction = self.demand is not None and self.demand.has_traction
-            most = min(
-                most, _MIN_HORIZON if has_traction else max(_MIN_HORIZON, LONGEST_RAIL // max(self.start.speed, 1.0))
-            )
+            tabulated = max(_MIN_HORIZON, LONGEST_RAIL // max(self.start.speed, 1.0))
+            most = min(most, _MIN_HORIZON if self.has_traction else tabulated)
         # Rounded up to seconds, so that a small change of the friction rarely changes the horizon.
         return min(float(math.ceil(max(needed, _MIN_HORIZON))), most)
 
@@ -198,6 +193,11 @@ class Scenario(Table):
         """Time of the plant at the start of the stop [s]."""
         has_valves = self.actuation.kind == "pneumatic" and isinstance(self.vehicle.source, LibraryPlant)
         return begin_off_the_samples(self.periods.communication) if has_valves else 0.0
+
+    @property
+    def has_traction(self) -> bool:
+        """Whether the demand pushes the train in one of its phases."""
+        return self.demand is not None and self.demand.has_traction
 
     @property
     def runs_over_distance(self) -> bool:

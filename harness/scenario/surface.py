@@ -50,8 +50,7 @@ class Recovery(Table):
 
 
 _Density = Annotated[
-    float,
-    UnitRange("kg/m", above=0, at_most=1, usual=(1e-4, 0.1), because="a kilogram on a metre of rail is a heap"),
+    float, UnitRange("kg/m", above=0, at_most=1, usual=(1e-4, 0.1), because="a kilogram on a metre of rail is a heap")
 ]
 
 

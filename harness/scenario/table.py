@@ -35,20 +35,11 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=
 """Name of a folder: a plain name that cannot leave the parent folder and is not too long."""
 Seed = Annotated[StrictInt, Field(ge=0, lt=2**63)]
 Friction = Annotated[
-    float,
-    UnitRange("1", above=0, at_most=1, usual=(0.01, 0.6), because="dry rail carries up to 0.5 (Polach, 2005)"),
+    float, UnitRange("1", above=0, at_most=1, usual=(0.01, 0.6), because="dry rail carries up to 0.5 (Polach, 2005)")
 ]
 Speed = Annotated[float, UnitRange("m/s", above=0, at_most=FASTEST, because=_FASTEST)]
 StartSpeed = Annotated[
-    float,
-    UnitRange(
-        "m/s",
-        at_least=0,
-        at_most=FASTEST,
-        or_zero=True,
-        usual=(2.0, 70.0),
-        because=_FASTEST,
-    ),
+    float, UnitRange("m/s", at_least=0, at_most=FASTEST, or_zero=True, usual=(2.0, 70.0), because=_FASTEST)
 ]
 Duration = Annotated[float, UnitRange("s", above=0, at_most=10800, because=_WHY_THREE_HOURS)]
 Period = Annotated[
@@ -102,8 +93,7 @@ def _elements(entry: Any) -> Any:
 
 
 Parameters = Annotated[
-    dict[str, Parameter],
-    BeforeValidator(_elements, json_schema_input_type=dict[str, Parameter | list[Parameter]]),
+    dict[str, Parameter], BeforeValidator(_elements, json_schema_input_type=dict[str, Parameter | list[Parameter]])
 ]
 
 

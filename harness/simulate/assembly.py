@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from railgrip.base.arrays import generator
 from railgrip.base.errors import PlantFailed, ScenarioError
 from railgrip.base.programs import versions
 from railgrip.controllers.sampled import Sampled
@@ -18,35 +17,17 @@ from railgrip.scenario.demand import driver_of
 from railgrip.scenario.onboard import KalmanFilter
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.table import Custom
-from railgrip.scenario.vehicle_table import PythonClass
-from railgrip.simulate.bound_plant import fmu_plant, python_plant
+from railgrip.simulate.bound_plant import fmu_plant, require_python_plant
 from railgrip.simulate.controller import ForeignController, law_states, open_controller, train_level_of, valve_logic_of
 from railgrip.simulate.estimator import state_estimator
 from railgrip.simulate.faults.site import faults_of
-from railgrip.simulate.loop.interfaces import (
-    Clock,
-    LoopController,
-    LoopPlant,
-    LoopSensors,
-    Parts,
-    SensorsInC,
-    StateEstimator,
-)
+from railgrip.simulate.loop.interfaces import Clock, LoopController, Parts, StateEstimator
 from railgrip.simulate.loop.loop import Ending, Loop
 from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.simulate.remarks import remarks_after, remarks_before, remarks_on_pressures
-from railgrip.simulate.user_parts import (
-    NO_CUSTOM_PARTS,
-    CustomController,
-    CustomEstimator,
-    CustomParts,
-    CustomSensors,
-    UserObjects,
-    table_of,
-)
+from railgrip.simulate.user_parts import NO_CUSTOM_PARTS, CustomParts, UserParts
 from railgrip.simulate.value_checks import DemandLimits
-from railgrip.simulate.vehicle_data import VehicleData
+from railgrip.simulate.vehicle_data import Opening, VehicleData
 from railgrip.trace.bound import with_bound
 from railgrip.trace.measures import over_the_rail
 from railgrip.trace.metrics import measure
@@ -146,34 +127,36 @@ def assemble(
     """
     scenario = objects.declare_in(scenario)
     vehicle = VehicleData(scenario)
-    fmus = {} if isinstance(scenario.vehicle.source, PythonClass) else {vehicle.file.file.name: vehicle.file}
     formation, layout = vehicle.nominal.formation, vehicle.layout
     radius = tuple(group.wheel_radius for group in formation.brakes)
-    clock, user_objects = _clock(scenario), UserObjects(objects)
+    clock, user = _clock(scenario), UserParts(objects, scenario, layout)
     vehicle.require_pad_friction()
     remarks = [*remarks_before(scenario), *remarks_on_pressures(vehicle)]
     for sentence in remarks:
         notify(sentence)
     with shared_budget(), ExitStack() as stack:
-        plant = _plant(vehicle, user_objects, stack, notify)
-        filter_, estimates = _estimator(vehicle, user_objects, fmus, stack, notify)
-        if (law := user_objects.part("controllers", scenario.controller, objects.controller)) is not None:
-            controller, commands_valves = CustomController(law, formation), False
-        else:
-            controller, commands_valves = open_controller(vehicle, estimates, fmus, notify, stack)
-        place = controller.place if isinstance(controller, CustomController) else "The controller"
-        limits = DemandLimits(formation, place)
+        opening, plant = Opening(vehicle, notify, stack), user.plant()
+        plant = fmu_plant(opening) if plant is None else require_python_plant(vehicle, plant)
+        filter_, estimates = user.estimator(), frozenset[str]()
+        if filter_ is not None:
+            estimates = frozenset(filter_.provides)
+        elif isinstance(scenario.estimator, KalmanFilter):
+            filter_ = state_estimator(opening, scenario.estimator)
+            estimates = frozenset(signal.name.removeprefix("estimate_") for signal in ESTIMATES)
+        law = user.controller()
+        controller, commands_valves = open_controller(opening, estimates) if law is None else (law, False)
+        limits = DemandLimits(formation, "The controller" if law is None else law.place)
         is_limited = not commands_valves and not isinstance(controller, Sampled)
         _require_estimates(scenario, controller, estimates)
         _require_demand(scenario, commands_valves=commands_valves)
-        law = law_states(controller)
-        of_controller = (*(() if commands_valves else DEMANDED), *(() if law is None else law.signals))
+        states = law_states(controller)
+        of_controller = (*(() if commands_valves else DEMANDED), *(() if states is None else states.signals))
         signals = _signals(vehicle, of_controller, filter_, estimates)
         parts = Parts(
             layout=layout,
             plant=plant,
             rail=vehicle.rail(),
-            sensors=_sensors(vehicle, user_objects, radius[0]),
+            sensors=user.sensors() or scenario.sensors.open(scenario, layout, radius[0]),
             estimator=filter_,
             controller=controller,
             limits=limits if is_limited else None,
@@ -196,14 +179,14 @@ def assemble(
                 valves=scenario.actuation.kind == "pneumatic",
             ),
             wheel_radius=radius,
-            law=law,
+            law=states,
             clock=clock,
             plausibility=Plausibility(layout, clock.period, scenario.start.speed, vehicle.slowing),
             stop_speed=scenario.limits.stop_speed,
             recorder=Recorder(signals, formation, min(capacity or clock.samples + 1, clock.samples + 1)),
         )
         yield StopAssembly(
-            vehicle=vehicle, parts=parts, fmus=fmus, classes=user_objects.classes, limits=limits, remarks=remarks
+            vehicle=vehicle, parts=parts, fmus=opening.fmus, classes=user.classes, limits=limits, remarks=remarks
         )
 
 
@@ -218,55 +201,17 @@ def _clock(scenario: Scenario) -> Clock:
     )
 
 
-def _plant(
-    vehicle: VehicleData, user_objects: UserObjects, stack: ExitStack, notify: Callable[[str], None]
-) -> LoopPlant:
-    source, plant = vehicle.scenario.vehicle.source, user_objects.objects.plant
-    if not isinstance(source, PythonClass):
-        return fmu_plant(vehicle, notify, stack)
-    arguments = {key: value.entry for key, value in vehicle.scenario.vehicle.parameters.items()}
-    table = Custom(kind=source.name, parameters=arguments) if plant is None else table_of(plant)
-    return python_plant(vehicle, user_objects.part("plants", table, plant))
-
-
-def _estimator(
-    vehicle: VehicleData,
-    user_objects: UserObjects,
-    fmus: dict[str, Description],
-    stack: ExitStack,
-    notify: Callable[[str], None],
-) -> tuple[StateEstimator | CustomEstimator | None, frozenset[str]]:
-    scenario = vehicle.scenario
-    if (estimator := user_objects.part("estimators", scenario.estimator, user_objects.objects.estimator)) is not None:
-        custom_estimator = CustomEstimator(estimator, vehicle.nominal.formation)
-        return custom_estimator, frozenset(custom_estimator.provides)
-    if isinstance(scenario.estimator, KalmanFilter):
-        filter_ = state_estimator(vehicle, scenario.estimator, fmus, stack, notify)
-        return filter_, frozenset(signal.name.removeprefix("estimate_") for signal in ESTIMATES)
-    return None, frozenset()
-
-
-def _sensors(vehicle: VehicleData, user_objects: UserObjects, radius: float) -> LoopSensors | SensorsInC:
-    """Return the sensors of a stop; `radius` is that of the leading wheels [m]."""
-    scenario = vehicle.scenario
-    if (instruments := user_objects.part("sensors", scenario.sensors, user_objects.objects.sensors)) is None:
-        return scenario.sensors.open(scenario, vehicle.layout, radius)
-    noise = generator(scenario.seed, "sensors.custom")
-    period = scenario.periods.communication
-    return CustomSensors(instruments, vehicle.layout, vehicle.nominal.formation, period, noise)
-
-
 def _signals(
     vehicle: VehicleData, of_controller: Sequence[Signal], filter_: object, estimates: Collection[str]
 ) -> tuple[Signal, ...]:
-    layout, demand = vehicle.layout, vehicle.scenario.demand
+    layout, scenario = vehicle.layout, vehicle.scenario
     return (
         *layout.signals["output"],
-        *plant_inputs(layout, pneumatic=vehicle.scenario.actuation.kind == "pneumatic"),
+        *plant_inputs(layout, pneumatic=scenario.actuation.kind == "pneumatic"),
         *layout.signals["reading"],
         *of_controller,
-        *(DRIVEN if demand is not None else ()),
-        *(TRACTION if demand is not None and demand.has_traction else ()),
+        *(DRIVEN if scenario.demand is not None else ()),
+        *(TRACTION if scenario.has_traction else ()),
         *(REFERENCE if isinstance(filter_, StateEstimator) and filter_.free_wheel else ()),
         *(signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimates),
     )

@@ -7,7 +7,7 @@ law at slip, speed, load and mu0.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from functools import partial
 from math import inf, isnan
 
@@ -31,25 +31,13 @@ from railgrip.scenario.vehicle_table import (
 )
 from railgrip.simulate.loop.interfaces import LoopPlant
 from railgrip.simulate.named_models import is_trusted, parameters_of
-from railgrip.simulate.plant_trial import (
-    SignalCheck,
-    Trials,
-    findings,
-    force_finding,
-    on_both_rails,
-    order_findings,
-    reacts,
-    run_orders,
-)
-from railgrip.simulate.user_parts import CustomPlant, Plant
-from railgrip.simulate.vehicle_data import VehicleData
+from railgrip.simulate.plant_trial import SignalCheck, TrialPlant, Trials, findings, order_findings, reacts
+from railgrip.simulate.user_parts import NEEDED, CustomPlant
+from railgrip.simulate.vehicle_data import Opening, VehicleData
 from railgrip.trace.contact import Contact
 from railgrip.vehicle.formation import carried_mass
 from railgrip.vehicle.parameters import COUNTS, DESCRIPTIVE
-from railgrip.vehicle.signals import CURVE, Layout, plant_inputs
-
-NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure"})
-"""Outputs that every plant must have; others, such as true adhesion, are empty in the trace if a plant lacks them."""
+from railgrip.vehicle.signals import CURVE, Layout, Signal, plant_inputs
 
 
 def plant_signals(
@@ -61,26 +49,16 @@ def plant_signals(
         pneumatic: Whether the plant takes valve positions; else it takes pressures.
         track_force: Whether the plant must have the input for the track force.
     """
-    formation, command = layout.formation, "valve_command" if pneumatic else "pressure_command"
+    names = {"command": "valve_command" if pneumatic else "pressure_command"}
+
+    def port(signal: Signal, *, needed: bool) -> Port:
+        size = 0 if signal.extent == "train" else layout.formation.width(signal.extent)
+        return Port(name=names.get(signal.name, signal.name), unit=signal.unit, size=size, needed=needed)
+
     # In the order of the loop's vector, so that each value arrives at the variable of its name.
-    inputs = tuple(
-        Port(
-            name=command if s.name == "command" else s.name,
-            unit=s.unit,
-            size=0 if s.extent == "train" else formation.width(s.extent),
-            needed=s.name != "track_force" or track_force,
-        )
-        for s in plant_inputs(layout, pneumatic=pneumatic)
-    )
-    outputs = tuple(
-        Port(
-            name=s.name,
-            unit=s.unit,
-            size=0 if s.extent == "train" else formation.width(s.extent),
-            needed=s.name in NEEDED,
-        )
-        for s in layout.signals["output"]
-    )
+    sent = plant_inputs(layout, pneumatic=pneumatic)
+    inputs = tuple(port(signal, needed=signal.name != "track_force" or track_force) for signal in sent)
+    outputs = tuple(port(signal, needed=signal.name in NEEDED) for signal in layout.signals["output"])
     return inputs, outputs, Port(name="start_speed", unit="m/s", size=0, needed=True)
 
 
@@ -92,9 +70,7 @@ def binding_of(vehicle: VehicleData) -> Binding:
     """
     scenario = vehicle.scenario
     inputs, outputs, start = plant_signals(
-        vehicle.layout,
-        pneumatic=scenario.actuation.kind == "pneumatic",
-        track_force=_needs_force(vehicle),
+        vehicle.layout, pneumatic=scenario.actuation.kind == "pneumatic", track_force=_needs_force(vehicle)
     )
     return bind(
         vehicle.file,
@@ -108,8 +84,7 @@ def binding_of(vehicle: VehicleData) -> Binding:
 
 def _needs_force(vehicle: VehicleData) -> bool:
     """Return whether a force other than zero acts along the track in the stop."""
-    demand = vehicle.scenario.demand
-    return bool(np.any(vehicle.track_force.forces)) or (demand is not None and demand.has_traction)
+    return bool(np.any(vehicle.track_force.forces)) or vehicle.scenario.has_traction
 
 
 def values_of(vehicle: VehicleData, binding: Binding) -> dict[str, float]:
@@ -129,14 +104,14 @@ def values_of(vehicle: VehicleData, binding: Binding) -> dict[str, float]:
     return binding.translate({"start_speed": scenario.start.speed}) | shape | vehicle.changes
 
 
-def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitStack) -> LoopPlant:
+def fmu_plant(stop: Opening) -> LoopPlant:
     """Open the plant FMU of a scenario; a foreign one makes two short runs first.
 
     Raises:
         ScenarioError: The short run contradicts physics, or the track is too steep for the train.
         FmuError: The FMU does not fit.
     """
-    scenario, description = vehicle.scenario, vehicle.file
+    vehicle, scenario, description = stop.vehicle, stop.vehicle.scenario, stop.vehicle.file
     table = scenario.vehicle
     _refuse_steep_track(vehicle)
     source, binding = table.source, binding_of(vehicle)
@@ -152,7 +127,7 @@ def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitSt
         limits=scenario.limits.fmu,
     )
     if isinstance(source, FmuFile) and table.trust:
-        stack.enter_context(end_if_stuck(description.file.name))
+        stop.stack.enter_context(end_if_stuck(description.file.name))
     # The class of a train file consists of built-in parts; delays by a distributor or a long pipe would fail the trial.
     if not isinstance(source, LibraryPlant) or (isinstance(source, TrainFile) and table.map):
         # The stop will report the failure.
@@ -168,7 +143,8 @@ def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitSt
         with suppress(PlantFailed), opening(notify=lambda sentence: None) as first:
             _require_compiled_parameters(vehicle, first, parameters_of(description) | values)
             _read_back.add(key)
-    return stack.enter_context(opening(notify=notify))
+    stop.add_fmu(description, "plant")
+    return stop.stack.enter_context(opening(notify=stop.notify))
 
 
 _read_back: set[tuple[object, ...]] = set()
@@ -203,19 +179,15 @@ def _require_compiled_parameters(vehicle: VehicleData, plant: LoopPlant, paramet
         require_curve(file, layout, rows, contacts, curve)
 
 
-def python_plant(vehicle: VehicleData, part: Plant) -> LoopPlant:
+def require_python_plant(vehicle: VehicleData, plant: CustomPlant) -> CustomPlant:
     """Return a plant in Python, after two short runs of it.
 
     Raises:
-        ScenarioError: The object lacks the methods of a plant, or the short run contradicts physics.
+        ScenarioError: The short run contradicts physics, or the track is too steep for the train.
     """
-    scenario, layout = vehicle.scenario, vehicle.layout
     _refuse_steep_track(vehicle)
-    command = "valve_command" if scenario.actuation.kind == "pneumatic" else "pressure_command"
-    speed, period = scenario.start.speed, scenario.periods.communication
-    plant = CustomPlant(part, layout, speed=speed, period=period, required=NEEDED, command=command)
     with suppress(PlantFailed):  # the stop will report the failure
-        _refuse_unfit(f"{scenario.name}: the plant {type(part).__name__} is none", vehicle, lambda: nullcontext(plant))
+        _refuse_unfit(f"{vehicle.scenario.name}: {plant.name} is not a plant", vehicle, lambda: nullcontext(plant))
     return plant
 
 
@@ -258,46 +230,39 @@ def _refuse_unfit(who: str, vehicle: VehicleData, opening: Callable[[], Abstract
     """Raise an error for a foreign plant that contradicts physics in short runs, on a good rail and on a poor one."""
     scenario, brakes = vehicle.scenario, vehicle.nominal.formation.brakes
     pressure, radius = tuple(g.pressure_max for g in brakes), tuple(g.wheel_radius for g in brakes)
-    ideal = scenario.actuation.kind == "ideal"
-    vent, fill = -1.0, 1.0
-    trials = on_both_rails(
-        opening,
-        vehicle.layout,
+    is_ideal, speed = scenario.actuation.kind == "ideal", scenario.start.speed
+    plant = TrialPlant(
+        opening=opening,
+        layout=vehicle.layout,
         period=scenario.periods.communication,
-        release=(0.0 if ideal else vent,) * len(brakes),
-        brake=pressure if ideal else (fill,) * len(brakes),
+        release=(0.0 if is_ideal else -1.0,) * len(brakes),
+        brake=pressure if is_ideal else (1.0,) * len(brakes),
     )
-    speed, slowing = scenario.start.speed, vehicle.slowing
-    results = findings(*trials, speed=speed, radius=radius, pressure=pressure, slowing=slowing)
+    trials = plant.trials()
+    results = findings(*trials, speed=speed, radius=radius, pressure=pressure, slowing=vehicle.slowing)
     wrong = [f"'{finding.signal}' {finding.sentence}" for finding in results if not finding.good]
     if not wrong:
         # Differences between groups are only clear in a plant that brakes and slides as a whole.
-        wrong = [f"'{f.signal}' {f.sentence}" for f in _further_findings(vehicle, trials, opening) if not f.good]
+        wrong = [f"'{f.signal}' {f.sentence}" for f in _further_findings(vehicle, trials, plant) if not f.good]
     if wrong:
         raise ScenarioError(f"{who}: in a short run before the stop {'; '.join(wrong[:4])}.")
 
 
-def _further_findings(
-    vehicle: VehicleData, trials: Trials, opening: Callable[[], AbstractContextManager[LoopPlant]]
-) -> Iterator[SignalCheck]:
+def _further_findings(vehicle: VehicleData, trials: Trials, plant: TrialPlant) -> Iterator[SignalCheck]:
     """Yield the findings of runs in which groups differ, and of one with a force on the train."""
-    scenario, layout = vehicle.scenario, vehicle.layout
-    brakes, ideal = vehicle.nominal.formation.brakes, scenario.actuation.kind == "ideal"
-    period, release = scenario.periods.communication, (0.0 if ideal else -1.0,) * len(brakes)
-    brake = tuple(group.pressure_max if ideal else 1.0 for group in brakes)
-    for run in run_orders(opening, layout, period=period, release=release, brake=brake):
+    for run in plant.orders():
         yield from order_findings(run, reacts=reacts(*trials))
     # A plant in Python may ignore a force that is always zero.
     takes_force = (
         _needs_force(vehicle)
-        if isinstance(scenario.vehicle.source, PythonClass)
+        if isinstance(vehicle.scenario.vehicle.source, PythonClass)
         else "track_force" not in binding_of(vehicle).inputs.absent
     )
     if takes_force:
         load = trials[0].output("wheelset_load")[trials[0].coasting - 1]
         known = vehicle.mass or (carried_mass(float(load.sum())) if np.isfinite(load).all() else 0.0)
         guess = carried_mass(sum(vehicle.nominal.formation.wheelset_load))
-        yield force_finding(opening, layout, period=period, release=release, mass=known or guess, is_known=bool(known))
+        yield plant.force_finding(known or guess, is_known=bool(known))
 
 
 RADIUS_TOLERANCE = 1e-3

@@ -6,9 +6,8 @@ slide. If it lowers that of another group instead, its map has groups in another
 """
 
 from collections.abc import Callable, Collection, Generator, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import replace
-from functools import partial
 from typing import Final
 
 import numpy as np
@@ -33,7 +32,7 @@ from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.loop.interfaces import LawStates, LoopController, LoopPlant
 from railgrip.simulate.named_models import description_of, require_role, units_of
-from railgrip.simulate.vehicle_data import VehicleData
+from railgrip.simulate.vehicle_data import Opening, VehicleData
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.parameters import units_of_nominal_data
 from railgrip.vehicle.signals import DEMANDED, OBSERVED, ONLY_ESTIMATED, Signal, of_law
@@ -238,71 +237,44 @@ def binding_of(
     return binding, decisions[0]
 
 
-@contextmanager
-def foreign_controller(
-    scenario: Scenario,
-    table: ControllerFmu,
-    description: Description,
-    parameters: dict[str, float],
-    groups: int,
-    estimates: Collection[str],
-    notify: Callable[[str], None],
-) -> Generator[tuple[ForeignController, bool]]:
-    """Open the FMU of a scenario's controller; yield the law and whether it commands the valves directly.
-
-    Inputs without a source, such as an adhesion that is not estimated, are reported.
-
-    Raises:
-        FmuError: The FMU does not fit.
-        PlantFailed: The FMU does not load.
-    """
-    binding, gives = binding_of(scenario, table, description, groups, estimates)
-    if binding.unused:
-        names = ", ".join(dict.fromkeys(Element.of(name).array for name in binding.unused))
-        notify(
-            f"{description.file.name}: nothing drives its {names} ([estimator] kind is '{scenario.estimator.kind}'): "
-            "the start value remains."
-        )
-    context = open_plant(
-        description,
-        binding,
-        period=scenario.periods.controller,
-        parameters=parameters,
-        trusted=table.trust,
-        notify=notify,
-        limits=scenario.limits.fmu,
-        table="[controller]",
-    )
-    with end_if_stuck(description.file.name) if table.trust else nullcontext(), context as fmu:
-        yield ForeignController(fmu, binding, gives, description), gives == "command"
-
-
-def open_controller(
-    vehicle: VehicleData,
-    estimates: Collection[str],
-    fmus: dict[str, Description],
-    notify: Callable[[str], None],
-    stack: ExitStack,
-) -> tuple[LoopController, bool]:
+def open_controller(stop: Opening, estimates: Collection[str]) -> tuple[LoopController, bool]:
     """Open the controller of a scenario; also return whether it commands the valves directly.
 
-    The description of a controller FMU is added to `fmus`.
+    Inputs of a controller FMU without a source, such as an adhesion that is not estimated, are reported.
 
     Raises:
         ScenarioError: A parameter is wrong, or the controller requires something that the scenario does not provide.
         FmuError: An FMU does not fit.
+        PlantFailed: An FMU does not load.
     """
-    scenario, table = vehicle.scenario, vehicle.scenario.controller
+    vehicle, scenario, table = stop.vehicle, stop.vehicle.scenario, stop.vehicle.scenario.controller
     if not isinstance(table, ControllerFmu):
         return controller_of(vehicle), False
     description = description_of(table.file.path, scenario.limits.fmu)
     name = description.file.name
-    fmus[f"controller: {name}" if name in fmus else name] = description
+    stop.add_fmu(description, "controller")
     values = in_units("[controller.parameters]", table.parameters, units_of(description))
-    groups = vehicle.formation.groups
-    opening = partial(foreign_controller, scenario, table, description, values, groups, estimates)
-    _try_controller(vehicle, opening, description, estimates, notify)
-    controller, commands_valves = stack.enter_context(opening(notify))
+    binding, gives = binding_of(scenario, table, description, vehicle.formation.groups, estimates)
+
+    @contextmanager
+    def opening(notify: Callable[[str], None]) -> Generator[ForeignController]:
+        period, limits = scenario.periods.controller, scenario.limits.fmu
+        context = open_plant(
+            description, binding, period=period, parameters=values, trusted=table.trust, notify=notify, limits=limits,
+            table="[controller]",
+        )  # fmt: skip
+        with end_if_stuck(name) if table.trust else nullcontext(), context as fmu:
+            yield ForeignController(fmu, binding, gives, description)
+
+    with suppress(ControllerFailed, PlantFailed), opening(lambda sentence: None) as law:  # the stop reports these
+        _try_controller(stop, law, name, {*estimates} >= ONLY_ESTIMATED)
+    if binding.unused:
+        names = ", ".join(dict.fromkeys(Element.of(unused).array for unused in binding.unused))
+        stop.notify(
+            f"{name}: nothing drives its {names} ([estimator] kind is '{scenario.estimator.kind}'): the start value "
+            "remains."
+        )
+    controller, commands_valves = stop.stack.enter_context(opening(stop.notify)), gives == "command"
     if commands_valves and table.redistribute:
         raise ScenarioError(
             f"{scenario.name}: [controller] redistribute shares out pressures, but {name} commands the valves; "
@@ -311,30 +283,22 @@ def open_controller(
     return controller, commands_valves
 
 
-def _try_controller(
-    vehicle: VehicleData,
-    opening: Callable[[Callable[[str], None]], AbstractContextManager[tuple[ForeignController, bool]]],
-    description: Description,
-    estimates: Collection[str],
-    notify: Callable[[str], None],
-) -> None:
+def _try_controller(stop: Opening, law: ForeignController, name: str, has_estimates: bool) -> None:
     """Refuse a controller FMU whose groups are in another order, and report one that ignores slides.
 
     Raises:
         ScenarioError: It lowers the pressure of another group than the one that slides.
     """
-    scenario = vehicle.scenario
-    with suppress(ControllerFailed, PlantFailed), opening(lambda sentence: None) as (law, _):  # the stop reports these
-        brakes, period = vehicle.nominal.formation.brakes, scenario.periods.controller
-        changes = responses(law.decide, brakes, period, estimates={*estimates} >= ONLY_ESTIMATED)
-        where = f"{scenario.name}: [controller.map]"
-        if words := order_mistake(changes):
-            raise ScenarioError(f"{where} does not fit {description.file.name}: in a short run it {words}.")
-        if is_deaf(changes):
-            notify(
-                f"{where}: in a short run {description.file.name} changed no pressure while wheels slid by 60 %; if it "
-                "protects from sliding, look at units and signs of its inputs."
-            )
+    scenario, brakes = stop.vehicle.scenario, stop.vehicle.nominal.formation.brakes
+    changes = responses(law.decide, brakes, scenario.periods.controller, estimates=has_estimates)
+    where = f"{scenario.name}: [controller.map]"
+    if words := order_mistake(changes):
+        raise ScenarioError(f"{where} does not fit {name}: in a short run it {words}.")
+    if is_deaf(changes):
+        stop.notify(
+            f"{where}: in a short run {name} changed no pressure while wheels slid by 60 %; if it protects from "
+            "sliding, look at units and signs of its inputs."
+        )
 
 
 def controller_of(vehicle: VehicleData) -> LoopController:

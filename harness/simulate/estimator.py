@@ -1,7 +1,6 @@
 """The Kalman filter of a scenario, with a prediction from nominal data, a Modelica class or a user's FMU."""
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Mapping, Sequence
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -42,7 +41,7 @@ from railgrip.simulate.train_prediction import (
     start_of,
     units_of_predictions,
 )
-from railgrip.simulate.vehicle_data import VehicleData
+from railgrip.simulate.vehicle_data import Opening
 from railgrip.vehicle.signals import Layout
 
 _Central = CasadiPrediction | FmuPrediction
@@ -60,32 +59,23 @@ _NOISE_PREFIX = {
 }
 
 
-def state_estimator(
-    vehicle: VehicleData,
-    table: KalmanFilter,
-    fmus: dict[str, Description],
-    stack: ExitStack,
-    notify: Callable[[str], None],
-) -> StateEstimator:
-    """Return the estimator of a scenario in its initial state; the description of a prediction FMU is added to `fmus`.
-
-    Args:
-        notify: Called with a sentence for the user if an FMU lacks directional derivatives.
+def state_estimator(stop: Opening, table: KalmanFilter) -> StateEstimator:
+    """Return the estimator of a scenario in its initial state; an FMU without directional derivatives is reported.
 
     Raises:
         ScenarioError: The noise set or a parameter does not exist, or the prediction is for another vehicle.
     """
-    layout, period = vehicle.layout, vehicle.scenario.periods.estimator
+    vehicle, layout, period = stop.vehicle, stop.vehicle.layout, stop.vehicle.scenario.periods.estimator
     noise = _noise(table, has_ideal_sensors=vehicle.scenario.sensors.kind == "ideal")
     groups = range(1, layout.formation.groups + 1)
     if table.model is None:
-        prediction, readings, gate, mean, radius = _of_nominal_data(vehicle, table, fmus, stack)
+        prediction, readings, gate, mean, radius = _of_nominal_data(stop, table)
     else:
-        prediction, gate, mean, radius = _of_class(vehicle, table, table.model, fmus, stack)
+        prediction, gate, mean, radius = _of_class(stop, table, table.model)
         readings = prediction.outputs
     if isinstance(prediction, FmuPrediction) and not prediction.has_directional_derivatives:
         name = prediction.file.name
-        notify(f"[estimator]: {name} offers no directional derivatives; the filter takes central differences")
+        stop.notify(f"[estimator]: {name} offers no directional derivatives; the filter takes central differences")
     states = prediction.states
     filter_ = _kind_of(table).start(
         FilterContext(
@@ -122,9 +112,9 @@ def _kind_of(table: KalmanFilter) -> type[FilterKind]:
 
 
 def _of_nominal_data(
-    vehicle: VehicleData, table: KalmanFilter, fmus: dict[str, Description], stack: ExitStack
+    stop: Opening, table: KalmanFilter
 ) -> tuple[Consist | _Central, Sequence[str], Gate, Vector, tuple[float, ...]]:
-    formation = vehicle.nominal.formation
+    vehicle, formation = stop.vehicle, stop.vehicle.nominal.formation
     groups, wheelsets = range(formation.groups), range(1, formation.wheelsets + 1)
     data = data_of(vehicle.declared, formation)
     if table.file is None:
@@ -136,28 +126,27 @@ def _of_nominal_data(
         prediction = consist_of(formation, data)
         readings = prediction.outputs
     elif table.file is not None:
-        prediction = _of_file(vehicle, table, table.file, fmus, stack)
+        prediction = _of_file(stop, table, table.file)
         readings = prediction.outputs
     else:
         train = central_of(formation, data)
-        prediction = _prepare_model(vehicle, table, train.model, train.parameters, train.source, fmus, stack)
+        prediction = _prepare_model(stop, table, train.model, train.parameters, train.source)
         readings = train.readings
     gate = pad_gate(max(release_pressure(data, g, RELEASED_PADS) for g in groups), formation.groups)
     mean = start_of(prediction.states, formation, data, vehicle.scenario.start.speed)
     return prediction, readings, gate, mean, tuple(radius_of(data, g) for g in groups)
 
 
-def _of_file(
-    vehicle: VehicleData, table: KalmanFilter, file: NamedFile, fmus: dict[str, Description], stack: ExitStack
-) -> FmuPrediction:
+def _of_file(stop: Opening, table: KalmanFilter, file: NamedFile) -> FmuPrediction:
     """Return the prediction of a user's FMU.
 
     Raises:
         ScenarioError: The FMU lacks a state or an input, or has an input that the loop does not provide.
         FmuError: It is not a prediction.
     """
-    layout, description = vehicle.layout, description_of(file.path, vehicle.scenario.limits.fmu)
-    require_role(description, "prediction", f"{vehicle.scenario.name}: [estimator] file")
+    layout, scenario = stop.vehicle.layout, stop.vehicle.scenario
+    description = description_of(file.path, scenario.limits.fmu)
+    require_role(description, "prediction", f"{scenario.name}: [estimator] file")
     if table.interface == "model_exchange" and description.model_exchange is None:
         raise ScenarioError(
             f"[estimator] file {file.entry} offers only Co-Simulation; set interface = 'co_simulation', or export it "
@@ -167,22 +156,17 @@ def _of_file(
     pressures = [f"cylinder_pressure[{g}]" for g in groups]
     inputs, others = description.names("input"), {"track_force"}
     states = tuple(map(state_name, description.states))
-    needs = {
-        "state": (_required_states(layout), states),
-        "input": (pressures, inputs),
-    }
-    _require_names(where, needs)
+    _require_names(where, {"state": (_required_states(layout), states), "input": (pressures, inputs)})
     if unknown := [name for name in inputs if name not in others.union(pressures)]:
         raise ScenarioError(f"{where} has an input {unknown[0]}; a prediction takes cylinder_pressure and track_force")
     outputs = [name for name in description.names("output") if Element.of(name).array in layout.reading]
     if not outputs:
         raise ScenarioError(f"{where} has no output that sensors read; they read {', '.join(sorted(layout.reading))}")
+    _require_read(where, outputs, layout)
     return _open_prediction(
-        vehicle,
+        stop,
         table,
         description,
-        fmus,
-        stack,
         parameters=in_units("[estimator.parameters]", table.parameters, units_of(description)),
         states=states,
         inputs=[*pressures, *(name for name in inputs if name in others)],
@@ -190,20 +174,12 @@ def _of_file(
     )
 
 
-def _open_prediction(
-    vehicle: VehicleData,
-    table: KalmanFilter,
-    description: Description,
-    fmus: dict[str, Description],
-    stack: ExitStack,
-    **names: Any,
-) -> FmuPrediction:
-    name = description.file.name
-    fmus[f"prediction: {name}" if name in fmus else name] = description
+def _open_prediction(stop: Opening, table: KalmanFilter, description: Description, **names: Any) -> FmuPrediction:
+    stop.add_fmu(description, "prediction")
     if table.interface == "co_simulation":
-        period = vehicle.scenario.periods.estimator
-        return stack.enter_context(SteppedFmuPrediction(description, period=period, **names))
-    return stack.enter_context(FmuPrediction(description, **names))
+        period = stop.vehicle.scenario.periods.estimator
+        return stop.stack.enter_context(SteppedFmuPrediction(description, period=period, **names))
+    return stop.stack.enter_context(FmuPrediction(description, **names))
 
 
 def _required_states(layout: Layout) -> list[str]:
@@ -217,15 +193,14 @@ def _require_names(where: str, needs: Mapping[str, tuple[Sequence[str], Sequence
             raise ScenarioError(f"{where} has no {kind} {', '.join(missing[:4])}; it has {', '.join(available)}")
 
 
-def _of_class(
-    vehicle: VehicleData, table: KalmanFilter, name: str, fmus: dict[str, Description], stack: ExitStack
-) -> tuple[_Central, Gate, Vector, tuple[float, ...]]:
-    model, groups = _prediction_model(table, name, vehicle.layout), vehicle.layout.formation.groups
+def _of_class(stop: Opening, table: KalmanFilter, name: str) -> tuple[_Central, Gate, Vector, tuple[float, ...]]:
+    layout, groups = stop.vehicle.layout, stop.vehicle.layout.formation.groups
+    model = _prediction_model(table, name, layout)
     values = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
     parameters = {v.name: v.start for v in model.parameters} | values
-    prediction = _prepare_model(vehicle, table, model, parameters, None, fmus, stack)
+    prediction = _prepare_model(stop, table, model, parameters, None)
     gate = pad_gate(release_pressure(parameters, 0, RELEASED_PADS), groups)
-    radius, speed = parameters["r_wheel"], vehicle.scenario.start.speed
+    radius, speed = parameters["r_wheel"], stop.vehicle.scenario.start.speed
     start = {"speed": speed} | {f"wheelset_speed[{g + 1}]": speed / radius for g in range(groups)}
     start |= {
         state_name(f"{symbol}[{g + 1}]"): parameters[f"{symbol}_start[{g + 1}]"]
@@ -237,13 +212,7 @@ def _of_class(
 
 
 def _prepare_model(
-    vehicle: VehicleData,
-    table: KalmanFilter,
-    model: Model,
-    parameters: Mapping[str, float],
-    consist: Path | None,
-    fmus: dict[str, Description],
-    stack: ExitStack,
+    stop: Opening, table: KalmanFilter, model: Model, parameters: Mapping[str, float], consist: Path | None
 ) -> _Central:
     """Return a model with its parameters, as an FMU if the estimator requires one, else in CasADi."""
     if _kind_of(table).prediction != "fmu":
@@ -255,7 +224,7 @@ def _prepare_model(
     else:
         assert table.model is not None  # otherwise the prediction is a ConsistPrediction
         description = prediction_description(table.model, table.library, interface)
-    return _open_prediction(vehicle, table, description, fmus, stack, parameters=parameters, **groups)
+    return _open_prediction(stop, table, description, parameters=parameters, **groups)
 
 
 def _prediction_model(table: KalmanFilter, name: str, layout: Layout) -> Model:
@@ -284,11 +253,17 @@ def _prediction_model(table: KalmanFilter, name: str, layout: Layout) -> Model:
     pressures, inputs = [f"cylinder_pressure[{g + 1}]" for g in range(groups)], [v.name for v in model.inputs]
     if inputs[:groups] != pressures:
         raise ScenarioError(f"{where} must have {', '.join(pressures)} as first inputs; it has {', '.join(inputs)}")
-    if unread := [variable.name for variable in model.outputs if Element.of(variable.name).array not in layout.reading]:
-        raise ScenarioError(
-            f"{where} has an output {unread[0]}, which no sensor reads; they read {', '.join(sorted(layout.reading))}"
-        )
+    _require_read(where, [variable.name for variable in model.outputs], layout)
     return model
+
+
+def _require_read(where: str, outputs: Sequence[str], layout: Layout) -> None:
+    """Raise an error for outputs that are not elements of a reading, such as those of arrays that begin with 0."""
+    elements = [name.removeprefix("reading_") for name in layout.elements("reading")]
+    if unread := [name for name in outputs if name not in elements]:
+        array = Element.of(unread[0]).array
+        known = [name for name in elements if Element.of(name).array == array] or sorted(layout.reading)
+        raise ScenarioError(f"{where} has an output {unread[0]}, which no sensor reads; they read {', '.join(known)}")
 
 
 def _outlier_limits(table: KalmanFilter, prediction: Consist | _Central) -> list[float] | None:

@@ -11,9 +11,9 @@ the plant:
 
 - peak adhesion from `RailBraking.FMUs.ContactPoint`, at the scenario's friction;
 - pad friction from `RailBraking.Components.GroupBrake`, the highest that a controller can have;
-- running resistance as a function of speed, and the transfer of load between wheelsets as a multiple of the
-  deceleration, from a stop of the same plant with full brake on a rail with friction 0.6, where nothing slides. Pad
-  friction of other plants than those of this library is from the same stop.
+- running resistance and the torque of other brakes on the wheelsets as functions of speed, and the transfer of load
+  between wheelsets as a multiple of the deceleration, from a stop of the same plant with full brake on a rail with
+  friction 0.6, where nothing slides. Pad friction of other plants than those of this library is from the same stop.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -39,7 +39,7 @@ from railgrip.simulate.contact import SLIPS_OF_TWO_MAXIMA, CleanedContact, with_
 from railgrip.simulate.loop.loop import Ending
 from railgrip.simulate.pads import pads_of
 from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.trace.bound import contact_at, regained_adhesion, with_bound
+from railgrip.trace.bound import contact_at, regained_adhesion, torque_beyond_pads, with_bound
 from railgrip.trace.contact import Contact, peak
 from railgrip.trace.recorder import Recorder
 from railgrip.vehicle.signals import CURVE, PLANT
@@ -63,13 +63,15 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     _require_known_rail(scenario)
     vehicle = VehicleData(scenario)
     formation, load, mass = vehicle.formation, vehicle.true.load, sum(vehicle.true.masses.tolist())
-    speeds, friction, resistance, transfer = full_braking(scenario, vehicle, progress)
+    speeds, friction, resistance, other, transfer = full_braking(scenario, vehicle, progress)
     period = scenario.periods.communication
     count = round(scenario.horizon / period) + 1
     time = np.arange(count, dtype=np.float64) * period
     profile, force = profile_of(scenario, formation), vehicle.track_force
     groups = formation.group_of_wheelset
     rotating_mass = np.array([0.0 if b is None else b.inertia / b.wheel_radius**2 for b in vehicle.true.brakes])
+    lever = np.array([0.0 if b is None else b.units * b.friction_radius for b in vehicle.true.brakes])
+    pad_force = np.array([0.0 if b is None else b.pad_force(b.pressure_max) for b in vehicle.true.brakes])
     recorder = Recorder((*PLANT, *vehicle.layout.signals["input"]), formation, count)
     recorder.rows[:] = np.nan  # most signals of a train do not exist for a point mass
     speed, distance, acceleration = _first_guess(scenario, time)
@@ -84,6 +86,11 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
                 rows[:, at[signal.name]] = vehicle.curves[curve_numbers, i]
         rows[:, at["wheelset_load"]] = load - transfer * acceleration[:, None]
         rows[:, at["pad_friction"]] = pads.friction(speed, bound)
+        if other.any():
+            # The torques that full brake draws, of which the bound takes what adhesion allows.
+            rows[:, at["pad_force"]] = pad_force
+            beyond_pads = np.stack([np.interp(speed, speeds, each) for each in other.T], axis=1)
+            rows[:, at["brake_torque"]] = lever * rows[:, at["pad_friction"]] * pad_force + beyond_pads
         end = _end(speed, scenario.limits.stop_speed)
         moving = end or count
         bound = of_rail(recorder.trace(moving, period))
@@ -158,12 +165,13 @@ def _rail(vehicle: VehicleData) -> tuple[Contact, Callable[[xarray.Dataset], xar
 
 def full_braking(
     scenario: Scenario, vehicle: VehicleData, progress: Callable[[float], None] | None = None
-) -> tuple[Array, Array, Array, Array]:
+) -> tuple[Array, Array, Array, Array, Array]:
     """Return brakes, resistance and load transfer of a train, from a stop on its track without slides.
 
     Returns:
         Speeds, rising, shape (k,) [m/s]; pad friction of each group there, shape (k, groups); running resistance
-        there, shape (k,) [N]; load that a wheelset gains with the deceleration, shape (wheelsets,) [kg].
+        there, shape (k,) [N]; torque of other brakes on the wheelsets of each group there, shape (k, groups) [N.m];
+        load that a wheelset gains with the deceleration, shape (wheelsets,) [kg].
     """
     with assemble(_full_brake(scenario)) as parts:
         reference = parts.stop(parts.run(progress))
@@ -179,7 +187,8 @@ def full_braking(
     resistance = vehicle.track_force.at(truth["distance"].values) - mass * truth["acceleration"].values - rail_force
     deceleration = -truth["acceleration"].values
     transfer = deceleration @ (truth["wheelset_load"].values - load) / (deceleration @ deceleration)
-    return truth["speed"].values[order], truth["pad_friction"].values[order], resistance[order], transfer
+    other = torque_beyond_pads(truth, vehicle.true.brakes)
+    return truth["speed"].values[order], truth["pad_friction"].values[order], resistance[order], other[order], transfer
 
 
 class KnownRail:
@@ -324,10 +333,7 @@ ANALYSES: Final[Mapping[str, Callable[[Scenario, Callable[[float], None] | None]
 
 def _full_brake(scenario: Scenario) -> Scenario:
     """Return the same train and track, fully braked on a rail without slides."""
-    changes: dict[str, Any] = {
-        "adhesion": {"kind": "constant", "mu0": _GRIPPY, "polach": "dry"},
-        "faults": [],
-    }
+    changes: dict[str, Any] = {"adhesion": {"kind": "constant", "mu0": _GRIPPY, "polach": "dry"}, "faults": []}
     return _bare(scenario, changes)
 
 

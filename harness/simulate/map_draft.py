@@ -21,7 +21,7 @@ from railgrip.simulate.bound_plant import plant_signals
 from railgrip.simulate.controller import controller_signals
 from railgrip.simulate.loop.plausible import slowing_of
 from railgrip.simulate.named_models import parameters_of
-from railgrip.simulate.plant_trial import SignalCheck, Trial, Trials, findings, on_both_rails
+from railgrip.simulate.plant_trial import SignalCheck, Trial, TrialPlant, Trials, findings
 from railgrip.simulate.vehicle_data import catalogue_brakes, catalogue_counts
 from railgrip.vehicle.formation import Formation, carried_mass
 from railgrip.vehicle.parameters import (
@@ -297,7 +297,8 @@ def _run(
         trusted=False, notify=lambda sentence: None,
     )  # fmt: skip
     full = tuple(group.pressure_max for group in catalogue_brakes(formation.groups))
-    return on_both_rails(opening, layout, period=period, release=(0.0,) * formation.groups, brake=full)
+    release = (0.0,) * formation.groups
+    return TrialPlant(opening=opening, layout=layout, period=period, release=release, brake=full).trials()
 
 
 def _rescale(trials: Trials, factors: Mapping[str, float]) -> Trials:
@@ -365,13 +366,7 @@ def _correct(draft: MappingDraft, run: Run, speed: float) -> MappingDraft:
     load = trials[0].output("wheelset_load")[trials[0].coasting - 1]
     if np.isfinite(load).all():
         nominal["wheelset_load"] = load.tolist()
-    return replace(
-        draft,
-        table=table,
-        nominal=nominal,
-        corrections=corrections,
-        findings=found,
-    )
+    return replace(draft, table=table, nominal=nominal, corrections=corrections, findings=found)
 
 
 def _doubt(found: Sequence[SignalCheck]) -> int:

@@ -14,7 +14,6 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -84,63 +83,149 @@ class Trial:
         return float((speed[self.coasting - 1] - speed[-1]) / ((len(speed) - self.coasting) * self.period))
 
 
-def run_trial(
-    layout: Layout,
-    plant: LoopPlant,
-    *,
-    period: float,
-    release: tuple[float, ...],
-    brake: tuple[float, ...],
-    friction: float = GOOD_RAIL,
-) -> Trial:
-    """Let a plant coast and brake fully, until it has lost half of its speed or after 5 s.
-
-    Args:
-        layout: Layout of the plant's vectors.
-        plant: Plant that has not been started.
-        period: Its communication period [s].
-        release: Command of each group that releases the brakes.
-        brake: Full brake command of each group.
-        friction: Friction of the rail.
-
-    Raises:
-        PlantFailed: The plant refused a step.
-    """
-    command = layout.input["command"]
-    inputs = np.zeros(layout.inputs)
-    inputs[command], inputs[layout.input["mu0"]] = release, friction
-    set_curve(layout, inputs)
-    rows = [plant.start(inputs)]
-    coasting = max(round(_COAST / period), 2)
-    rows += [plant.step(inputs) for _ in range(coasting)]
-    inputs[command] = brake
-    speed = layout.output["speed"].start
-    for _ in range(max(round(_BRAKE / period), 2)):
-        rows.append(plant.step(inputs))
-        if abs(rows[-1][speed]) < 0.5 * abs(rows[0][speed]):
-            break
-    return Trial(layout=layout, rows=np.array(rows), coasting=coasting + 1, period=period)
-
-
-def set_curve(layout: Layout, inputs: Matrix) -> None:
-    """Set the inputs for the creep curve, if the plant has them, to that of a dry rail."""
-    for name, place in layout.input.items():
-        if name in _CURVE:
-            inputs[place] = _CURVE[name]
-
-
 Trials = tuple[Trial, Trial]
 """Trials on a good rail and on a poor one."""
 
 
-def on_both_rails(opening: Callable[[], AbstractContextManager[LoopPlant]], layout: Layout, **how: Any) -> Trials:
-    """Return the trials of a plant on a good rail and on a poor one, opened for each; `how` as for `run_trial`."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class OrderRun:
+    """Outputs of a run in which groups differ.
 
-    def on(friction: float) -> Trial:
-        with opening() as plant:
-            return run_trial(layout, plant, friction=friction, **how)
+    Attributes:
+        layout: Layout of the plant's vectors.
+        selected: Groups that were braked alone, and then were on a poor rail, shape (groups,).
+        rolling: Outputs at the end of coasting.
+        braked: Outputs at the end of the part in which only selected groups were braked, on a good rail.
+        alone: Outputs at the end of the part in which only selected groups were braked, on a poor rail.
+        sliding: Outputs at the end of the part in which only selected groups were on a poor rail.
+    """
 
-    return on(GOOD_RAIL), on(POOR_RAIL)
+    layout: Layout
+    selected: Mask
+    rolling: Vector
+    braked: Vector
+    alone: Vector
+    sliding: Vector
+
+    def output(self, row: Vector, name: str) -> Vector:
+        """Return the elements of an output in a row."""
+        return row[self.layout.output[name]]
+
+    def slip(self, row: Vector) -> Vector:
+        """Return the slip of each group by speeds, shape (groups,), with radii by the speeds at the end of coasting."""
+        rolling, now = (self.output(r, "wheelset_speed") / self.output(r, "speed") for r in (self.rolling, row))
+        return 1.0 - now / rolling
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TrialPlant:
+    """A plant for short runs, each of which opens it; all raise `PlantFailed` if it refuses a step.
+
+    Attributes:
+        opening: Function that opens the plant, not started.
+        layout: Layout of its vectors.
+        period: Its communication period [s].
+        release: Command of each group that releases the brakes.
+        brake: Full brake command of each group.
+    """
+
+    opening: Callable[[], AbstractContextManager[LoopPlant]]
+    layout: Layout
+    period: float
+    release: tuple[float, ...]
+    brake: tuple[float, ...]
+
+    def trials(self) -> Trials:
+        """Return the trials on a good rail and on a poor one."""
+        return self.run(GOOD_RAIL), self.run(POOR_RAIL)
+
+    def run(self, friction: float) -> Trial:
+        """Let the plant coast and brake fully on a rail, until it has lost half of its speed or after 5 s."""
+        inputs, coasting = self._released(friction), max(round(_COAST / self.period), 2)
+        speed = self.layout.output["speed"].start
+        with self.opening() as plant:
+            rows = [plant.start(inputs)]
+            rows += [plant.step(inputs) for _ in range(coasting)]
+            inputs[self.layout.input["command"]] = self.brake
+            for _ in range(max(round(_BRAKE / self.period), 2)):
+                rows.append(plant.step(inputs))
+                if abs(rows[-1][speed]) < 0.5 * abs(rows[0][speed]):
+                    break
+        return Trial(layout=self.layout, rows=np.array(rows), coasting=coasting + 1, period=self.period)
+
+    def orders(self) -> Iterator[OrderRun]:
+        """Yield the runs that identify each group."""
+        groups = self.layout.formation.groups
+        for bit in range((groups - 1).bit_length()):
+            with self.opening() as plant:
+                yield self._order(plant, (np.arange(groups) >> bit & 1).astype(bool))
+
+    def force_finding(self, mass: float, *, is_known: bool) -> SignalCheck:
+        """Return the finding of a run in which a force pushes the rolling train.
+
+        The force is 5 % of the weight of a train of this mass; acceleration with and without it gives the mass.
+
+        Args:
+            mass: Mass of the train [kg].
+            is_known: Whether it is that of this train; else a guess, and any mass of a vehicle is right.
+        """
+        inputs, steps = self._released(GOOD_RAIL), max(round(1.0 / self.period), 2)
+        speed, force = self.layout.output["speed"].start, _FORCE * 9.81 * mass
+        with self.opening() as plant:
+            speeds = [plant.start(inputs)[speed]]
+            speeds += [plant.step(inputs)[speed] for _ in range(steps)]
+            inputs[self.layout.input["track_force"]] = force
+            speeds += [plant.step(inputs)[speed] for _ in range(steps)]
+        gained = (speeds[-1] - 2.0 * speeds[steps] + speeds[0]) / (steps * self.period)
+        found = float(force / gained) if gained else np.inf
+        low, high = _LIGHTEST, _HEAVIEST
+        if is_known:
+            low, high = (1.0 - _MASS_TOLERANCE) * mass, (1.0 + _MASS_TOLERANCE) * mass
+        return SignalCheck(
+            signal="track_force",
+            good=bool(low <= found <= high),
+            sentence=f"of {force:.4g} N forward accelerates the train by {gained:.4g} m/s2, as one of {found:.4g} kg; "
+            f"{low:.3g} to {high:.3g} kg are expected: look at its unit and sign",
+            ratio=float(mass / found),
+        )
+
+    def _released(self, friction: float) -> Vector:
+        """Return inputs that release the brakes, on a rail with this friction and the creep curve of a dry rail."""
+        inputs = np.zeros(self.layout.inputs)
+        for name, value in ({"command": self.release, "mu0": friction} | _CURVE).items():
+            if name in self.layout.input:
+                inputs[self.layout.input[name]] = value
+        return inputs
+
+    def _order(self, plant: LoopPlant, selected: Mask) -> OrderRun:
+        layout, places, inputs = self.layout, self.layout.input, self._released(GOOD_RAIL)
+        plant.start(inputs)
+
+        def hold(duration: float, ended: Callable[[Vector], bool] = lambda row: False) -> Vector:
+            row = plant.step(inputs).copy()
+            for _ in range(round(duration / self.period)):
+                if ended(row):
+                    break
+                row = plant.step(inputs).copy()
+            return row
+
+        rolling = hold(_COAST_BEFORE_ORDERS)
+        inputs[places["command"]] = np.where(selected, self.brake, self.release)
+        pressure, speed = layout.output["cylinder_pressure"], layout.output["speed"].start
+        enough = _FILLED * np.array(self.brake)[selected]
+        braked = hold(_SELECTED, lambda row: bool(np.all(row[pressure][selected] > enough) and np.all(enough > 1.0)))
+        run = OrderRun(layout=layout, selected=selected, rolling=rolling, braked=braked, alone=braked, sliding=braked)
+
+        def slides(row: Vector) -> bool:
+            return bool(np.all(run.slip(row)[selected] > _SLIDES) or row[speed] < 0.5 * rolling[speed])
+
+        inputs[places["mu0"]] = POOR_RAIL
+        alone = hold(_ALL, slides)
+        inputs[places["command"]] = self.brake
+        inputs[places["mu0"]] = np.where(selected[layout.formation.group_of_wheelset], POOR_RAIL, GOOD_RAIL)
+        # Wheels of the selected groups slide at once; pressures of the others have to build up.
+        sliding = hold(_ALL, lambda row: slides(row) and bool(row[pressure].min() > _FILLED * row[pressure].max()))
+        return replace(run, alone=alone, sliding=sliding)
 
 
 def findings(
@@ -173,7 +258,7 @@ def _of_train(trial: Trial, poor: Trial, speed: float, slowing: Slowing) -> Iter
     wheels = trial.output("wheelset_speed")
     if np.all(wheels[-1] < _LOCKED * wheels[last] * (v[-1] / v[last])):
         sentence = f"locks all wheels on a rail with friction of {GOOD_RAIL:g}; full brakes of a train do not"
-        yield SignalCheck(signal="pressure_command", good=False, sentence=sentence)
+        yield _wrong("pressure_command", sentence)
     most = POOR_RAIL * GRAVITY + slowing.maximum(speed) + _CLOSE
     sentence = (
         f"does not bound the brakes: they slow the train by {braking:.3g} m/s2 with friction of {GOOD_RAIL:g} and by "
@@ -209,7 +294,7 @@ def _of_group(trial: Trial, g: int, radius: float, pressure: float) -> Iterator[
             f"is {released:.6g} Pa with the brake released, as an absolute pressure is; pressures here are those above "
             "the air's: subtract it in the FMU"
         )
-        yield SignalCheck(signal=f"cylinder_pressure[{g + 1}]", good=False, sentence=sentence)
+        yield _wrong(f"cylinder_pressure[{g + 1}]", sentence)
     yield _ratio(f"cylinder_pressure[{g + 1}]", full, pressure, 0.5, "Pa of")
 
 
@@ -255,94 +340,6 @@ _CREEP = 0.05
 """Difference of two definitions of slip at small slip, from the speed at which they are regularised."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class OrderRun:
-    """Outputs of a run in which groups differ.
-
-    Attributes:
-        layout: Layout of the plant's vectors.
-        selected: Groups that were braked alone, and then were on a poor rail, shape (groups,).
-        rolling: Outputs at the end of coasting.
-        braked: Outputs at the end of the part in which only selected groups were braked, on a good rail.
-        alone: Outputs at the end of the part in which only selected groups were braked, on a poor rail.
-        sliding: Outputs at the end of the part in which only selected groups were on a poor rail.
-    """
-
-    layout: Layout
-    selected: Mask
-    rolling: Vector
-    braked: Vector
-    alone: Vector
-    sliding: Vector
-
-    def output(self, row: Vector, name: str) -> Vector:
-        """Return the elements of an output in a row."""
-        return row[self.layout.output[name]]
-
-    def slip(self, row: Vector) -> Vector:
-        """Return the slip of each group by speeds, shape (groups,), with radii by the speeds at the end of coasting."""
-        rolling, now = (self.output(r, "wheelset_speed") / self.output(r, "speed") for r in (self.rolling, row))
-        return 1.0 - now / rolling
-
-
-def run_orders(
-    opening: Callable[[], AbstractContextManager[LoopPlant]],
-    layout: Layout,
-    *,
-    period: float,
-    release: tuple[float, ...],
-    brake: tuple[float, ...],
-) -> list[OrderRun]:
-    """Return the runs that identify each group, of plants opened for each; arguments as of `trial.run_trial`.
-
-    Raises:
-        PlantFailed: The plant refused a step.
-    """
-    groups = layout.formation.groups
-    runs: list[OrderRun] = []
-    for bit in range((groups - 1).bit_length()):
-        selected = (np.arange(groups) >> bit & 1).astype(bool)
-        with opening() as plant:
-            runs.append(_run(layout, plant, selected, period=period, release=release, brake=brake))
-    return runs
-
-
-def _run(
-    layout: Layout, plant: LoopPlant, selected: Mask, *, period: float, release: tuple[float, ...],
-    brake: tuple[float, ...],
-) -> OrderRun:  # fmt: skip
-    places, inputs = layout.input, np.zeros(layout.inputs)
-    inputs[places["command"]], inputs[places["mu0"]] = release, GOOD_RAIL
-    set_curve(layout, inputs)
-    plant.start(inputs)
-
-    def hold(duration: float, ended: Callable[[Vector], bool] = lambda row: False) -> Vector:
-        row = plant.step(inputs).copy()
-        for _ in range(round(duration / period)):
-            if ended(row):
-                break
-            row = plant.step(inputs).copy()
-        return row
-
-    rolling = hold(_COAST_BEFORE_ORDERS)
-    inputs[places["command"]] = np.where(selected, brake, release)
-    pressure, speed = layout.output["cylinder_pressure"], layout.output["speed"].start
-    enough = _FILLED * np.array(brake)[selected]
-    braked = hold(_SELECTED, lambda row: bool(np.all(row[pressure][selected] > enough) and np.all(enough > 1.0)))
-    run = OrderRun(layout=layout, selected=selected, rolling=rolling, braked=braked, alone=braked, sliding=braked)
-
-    def slides(row: Vector) -> bool:
-        return bool(np.all(run.slip(row)[selected] > _SLIDES) or row[speed] < 0.5 * rolling[speed])
-
-    inputs[places["mu0"]] = POOR_RAIL
-    alone = hold(_ALL, slides)
-    inputs[places["command"]] = brake
-    inputs[places["mu0"]] = np.where(selected[layout.formation.group_of_wheelset], POOR_RAIL, GOOD_RAIL)
-    # Wheels of the selected groups slide at once; pressures of the others have to build up.
-    sliding = hold(_ALL, lambda row: slides(row) and bool(row[pressure].min() > _FILLED * row[pressure].max()))
-    return replace(run, alone=alone, sliding=sliding)
-
-
 def reacts(good: Trial, poor: Trial) -> bool:
     """Return whether all wheels slide in a trial on a poor rail, and none do in one on a good rail."""
 
@@ -361,42 +358,35 @@ def order_findings(run: OrderRun, *, reacts: bool) -> Iterator[SignalCheck]:
         reacts: Whether wheels on a poor rail slide, and those on a good one do not, when all are braked.
     """
     selected = ", ".join(str(group + 1) for group in np.flatnonzero(run.selected))
+    remedy = "look at the order of {}, from the leading one on"
     if not any(count > 1 for count in run.layout.formation.groups_per_valve):
         for name, unit in (("cylinder_pressure", "Pa"), ("brake_torque", "N.m")):
             values = run.output(run.braked, name)
             if _are_exchanged(values, run.selected):
-                yield SignalCheck(
-                    signal=name,
-                    good=False,
-                    sentence=f"is {_list(values)} {unit} while only group {selected} is braked; look at the order of "
-                    "groups, from the leading one on",
-                )
+                found = f"is {_list(values)} {unit} while only group {selected} is braked"
+                yield _wrong(name, f"{found}; {remedy.format('groups')}")
     torque = run.output(run.braked, "brake_torque")[run.selected]
     if np.any(torque < 0.0):
-        yield SignalCheck(
-            signal="brake_torque",
-            good=False,
-            sentence=f"is {_list(torque)} N.m on the braked group {selected}; a torque that brakes is positive",
-        )
+        found = f"is {_list(torque)} N.m on the braked group {selected}"
+        yield _wrong("brake_torque", f"{found}; a torque that brakes is positive")
     slip = run.slip(run.alone)
     if reacts and _are_exchanged(slip, run.selected):
-        yield SignalCheck(
-            signal="wheelset_speed",
-            good=False,
-            sentence=f"gives slips of {_list(slip)} while only group {selected} is braked on a poor rail; look at the "
-            "order of groups, from the leading one on",
-        )
+        found = f"gives slips of {_list(slip)} while only group {selected} is braked on a poor rail"
+        yield _wrong("wheelset_speed", f"{found}; {remedy.format('groups')}")
     slip = run.slip(run.sliding)
     if reacts and _are_exchanged(slip, run.selected):
-        yield SignalCheck(
-            signal="mu0",
-            good=False,
-            sentence=f"and wheelset_speed: slips are {_list(slip)} while only group {selected} is on a poor rail; look "
-            "at the order of wheelsets, from the leading one on",
-        )
+        found = f"and wheelset_speed: slips are {_list(slip)} while only group {selected} is on a poor rail"
+        yield _wrong("mu0", f"{found}; {remedy.format('wheelsets')}")
     elif reacts:
         yield from _slip(run, slip)
-        yield from _adhesion(run, selected)
+        adhesion, poor = run.output(run.sliding, "adhesion"), run.selected[run.layout.formation.group_of_wheelset]
+        if np.isfinite(adhesion).all() and np.any(np.abs(adhesion[poor]) > _APART * POOR_RAIL):
+            found = f"is {_list(adhesion)} while the wheelsets of group {selected} are on a rail with friction of"
+            yield _wrong("adhesion", f"{found} {POOR_RAIL:g}; {remedy.format('wheelsets')}")
+
+
+def _wrong(signal: str, sentence: str) -> SignalCheck:
+    return SignalCheck(signal=signal, good=False, sentence=sentence)
 
 
 def _slip(run: OrderRun, slip: Vector) -> Iterator[SignalCheck]:
@@ -405,24 +395,8 @@ def _slip(run: OrderRun, slip: Vector) -> Iterator[SignalCheck]:
     other = slip / np.maximum(1.0 - slip, _CREEP)
     near = [np.abs(shown - expected) <= _CREEP + 0.1 * np.abs(expected) for expected in (slip, other)]
     if np.isfinite(shown).all() and not np.all(near[0] | near[1]):
-        yield SignalCheck(
-            signal="slip",
-            good=False,
-            sentence=f"is {_list(shown)}, by speed and wheel speeds it is {_list(slip)}; look at unit, sign and order "
-            "of groups",
-        )
-
-
-def _adhesion(run: OrderRun, selected: str) -> Iterator[SignalCheck]:
-    adhesion = run.output(run.sliding, "adhesion")
-    poor = run.selected[run.layout.formation.group_of_wheelset]
-    if np.isfinite(adhesion).all() and np.any(np.abs(adhesion[poor]) > _APART * POOR_RAIL):
-        yield SignalCheck(
-            signal="adhesion",
-            good=False,
-            sentence=f"is {_list(adhesion)} while the wheelsets of group {selected} are on a rail with friction of "
-            f"{POOR_RAIL:g}; look at the order of wheelsets, from the leading one on",
-        )
+        found = f"is {_list(shown)}, by speed and wheel speeds it is {_list(slip)}"
+        yield _wrong("slip", f"{found}; look at unit, sign and order of groups")
 
 
 def _are_exchanged(values: Vector, selected: Mask) -> bool:
@@ -433,51 +407,6 @@ def _are_exchanged(values: Vector, selected: Mask) -> bool:
     # Values that hardly differ do not identify a group, as of one command for the whole train.
     spread = values.max() > _APART * max(values.min(), 0.0) and values.max() > 0.0
     return bool(spread and high.min() < low.max())
-
-
-def force_finding(
-    opening: Callable[[], AbstractContextManager[LoopPlant]],
-    layout: Layout,
-    *,
-    period: float,
-    release: tuple[float, ...],
-    mass: float,
-    is_known: bool,
-) -> SignalCheck:
-    """Return the finding of a run in which a force pushes the rolling train.
-
-    The force is 5 % of the weight of a train of this mass; acceleration with and without it gives the mass.
-
-    Args:
-        opening: Function that opens the plant, not started.
-        layout: Layout of its vectors.
-        period: Its communication period [s].
-        release: Command of each group that releases the brakes.
-        mass: Mass of the train [kg].
-        is_known: Whether it is that of this train; else a guess, and any mass of a vehicle is right.
-
-    Raises:
-        PlantFailed: The plant refused a step.
-    """
-    inputs, steps = np.zeros(layout.inputs), max(round(1.0 / period), 2)
-    inputs[layout.input["command"]], inputs[layout.input["mu0"]] = release, GOOD_RAIL
-    set_curve(layout, inputs)
-    speed, force = layout.output["speed"].start, _FORCE * 9.81 * mass
-    with opening() as plant:
-        speeds = [plant.start(inputs)[speed]]
-        speeds += [plant.step(inputs)[speed] for _ in range(steps)]
-        inputs[layout.input["track_force"]] = force
-        speeds += [plant.step(inputs)[speed] for _ in range(steps)]
-    gained = (speeds[-1] - 2.0 * speeds[steps] + speeds[0]) / (steps * period)
-    found = float(force / gained) if gained else np.inf
-    low, high = ((1.0 - _MASS_TOLERANCE) * mass, (1.0 + _MASS_TOLERANCE) * mass) if is_known else (_LIGHTEST, _HEAVIEST)
-    return SignalCheck(
-        signal="track_force",
-        good=bool(low <= found <= high),
-        sentence=f"of {force:.4g} N forward accelerates the train by {gained:.4g} m/s2, as one of {found:.4g} kg; "
-        f"{low:.3g} to {high:.3g} kg are expected: look at its unit and sign",
-        ratio=float(mass / found),
-    )
 
 
 def _list(values: Vector) -> str:

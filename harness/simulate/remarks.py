@@ -61,10 +61,9 @@ def remarks_before(scenario: Scenario) -> list[str]:
 def doubts(scenario: Scenario) -> list[str]:
     """Return a sentence for each file of a scenario whose axis appears to have another unit than declared."""
     adhesion, demand, speed = scenario.adhesion, scenario.demand, scenario.start.speed
-    has_traction = demand is not None and demand.has_traction
     sentences: list[str] = []
     if isinstance(adhesion, FromTable):
-        columns = adhesion.curve.columns
+        columns = adhesion.curve
         strongest = GRAVITY * adhesion.factor * float(columns.values.max())
         if adhesion.over == "distance":
             sentences += _late_begin(f"[adhesion] file {adhesion.file.entry}", float(columns.points[0]))
@@ -75,7 +74,7 @@ def doubts(scenario: Scenario) -> list[str]:
     if isinstance(adhesion, Points) and adhesion.over == "distance":
         sentences += _late_begin("[adhesion] points", adhesion.places[0])
     if demand is not None and demand.file is not None:
-        doubt = demand.profile().doubt(0.0 if has_traction else speed / GRAVITY, scenario.horizon)
+        doubt = demand.profile().doubt(0.0 if scenario.has_traction else speed / GRAVITY, scenario.horizon)
         sentences += [f"[demand] file {demand.file.entry} {doubt}"] if doubt else []
     return [f"{scenario.name}: {sentence}." for sentence in sentences]
 

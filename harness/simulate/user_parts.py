@@ -11,18 +11,18 @@ import os
 import sys
 import traceback
 import warnings
-from collections.abc import Callable, Collection, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from importlib import import_module, invalidate_caches
 from importlib.machinery import PathFinder
 from pathlib import Path
-from typing import Any, Protocol, TypeVar, runtime_checkable
+from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from railgrip.base.arrays import Array
+from railgrip.base.arrays import Array, generator
 from railgrip.base.errors import (
     ControllerFailed,
     EstimatorFailed,
@@ -38,7 +38,7 @@ from railgrip.controllers.observation import Observation
 from railgrip.scenario.onboard import CustomLaw, OwnSensors
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Custom
-from railgrip.scenario.vehicle_table import Vehicle
+from railgrip.scenario.vehicle_table import PythonClass, Vehicle
 from railgrip.simulate.value_checks import PATIENCE, SMALLEST_RECOGNISED, SignCheck, UnitCheck, at_time, not_demands
 from railgrip.vehicle.brake import BRAKE, Brake
 from railgrip.vehicle.formation import Extent, Formation
@@ -193,8 +193,120 @@ def _guard_formation(formation: Formation) -> Formation:
     return replace(formation, brakes=tuple(_KnownBrake(**data) for data in brakes))
 
 
-class CustomController:
+_METHODS: Mapping[Role, tuple[str, str, str]] = {
+    "controllers": ("a controller", "start", "decide"),
+    "estimators": ("an estimator", "start", "step"),
+    "sensors": ("a sensor model", "start", "read"),
+    "plants": ("a plant", "start", "step"),
+}
+
+
+def require_methods(part: object, name: str, role: Role) -> None:
+    """Check that a class or an object has the methods of its role.
+
+    Raises:
+        ScenarioError: Methods are missing; the message names them.
+    """
+    what, *names = _METHODS[role]
+    missing = call_user_code(
+        lambda: [method for method in names if not callable(getattr(part, method, None))],
+        lambda problem: ScenarioError(f"{name}: its methods cannot be looked at: {problem}"),
+    )
+    if missing:
+        raise ScenarioError(f"{name}: has no method {' and '.join(missing)}; {what} has {' and '.join(names)}")
+
+
+class _Adapter:
+    """A user's object in its role: what it raises, or wrongly returns, becomes an error of the role.
+
+    Attributes:
+        role: Role of the object.
+        failed: Error of the role.
+        name: Name of the object's class.
+    """
+
+    role: ClassVar[Role]
+    failed: ClassVar[type[RailgripError]]
+
+    def __init__(self, part: object) -> None:
+        """Check the methods of an object.
+
+        Raises:
+            ScenarioError: It lacks those of its role.
+        """
+        self.name, self._part = type(part).__name__, part
+        require_methods(part, self.name, self.role)
+
+    def _place(self, method: str) -> str:
+        name = f"{self.name}.{method}"
+        code = getattr(getattr(self._part, method, None), "__code__", None)
+        return name if code is None else f"{name} ({_file(code.co_filename)}, line {code.co_firstlineno})"
+
+    def _error(self, method: str, words: str, time: float | None = None) -> RailgripError:
+        """Return the error of a method, with the time [s] if there is one; `words` follow its name and place."""
+        return self.failed(f"{self._place(method)} {words}.{at_time(time)}")
+
+    def _call(
+        self, method: str, *arguments: object, time: float | None = None, failed: type[RailgripError] | None = None
+    ) -> Any:
+        """Call a method and return its result; on an exception raise `failed`, that of the role without it."""
+        try:
+            return getattr(self._part, method)(*arguments)
+        except (KeyboardInterrupt, Interrupted):
+            raise
+        except BaseException as problem:  # SystemExit ends a component, not the program
+            raise (failed or self.failed)(self._failure(method, problem) + at_time(time)) from problem
+
+    def _failure(self, method: str, problem: BaseException) -> str:
+        frames = traceback.extract_tb(problem.__traceback__)[1:]  # the first one is the call from here
+        try:
+            file = inspect.getsourcefile(type(self._part))
+        except (OSError, TypeError):
+            file = None
+        theirs = [frame for frame in frames if frame.filename == file] or frames[:1]
+        what = _text_of(problem)
+        if not theirs:  # it could not even be called
+            return f"{self._place(method)} failed: {what}."
+        return f"{self.name}.{method} failed in {_file(theirs[-1].filename)}, line {theirs[-1].lineno}: {what}."
+
+    def _names(self, attribute: str) -> tuple[str, ...]:
+        """Return an attribute that holds names of estimates; empty if the attribute is missing.
+
+        Raises:
+            ScenarioError: The attribute is not a collection of such names.
+        """
+
+        def refusal(found: str) -> ScenarioError:
+            return ScenarioError(
+                f"{self.name}: `{attribute}` is {found}; expected are names of {', '.join(PROVIDED)}, "
+                f'as in {attribute} = ("adhesion",)'
+            )
+
+        value = call_user_code(lambda: getattr(self._part, attribute, ()), refusal)
+        if not isinstance(value, tuple | list) or not all(isinstance(name, str) and name in PROVIDED for name in value):
+            raise refusal(short(value))
+        return tuple(dict.fromkeys(value))
+
+    def _require_numbers(
+        self,
+        method: str,
+        name: str,
+        value: Any,
+        shape: tuple[int, ...],
+        time: float | None = None,
+        *,
+        nan: bool = False,
+    ) -> None:
+        """Raise an error unless a returned value is an array of finite numbers of a shape; with `nan`, or of NaN."""
+        if problem := problem_with(value, shape, nan=nan):
+            kind = "numbers" if nan else "finite numbers"
+            raise self._error(method, f"gave {name} as {problem}, not {kind} of shape {shape}", time)
+
+
+class CustomController(_Adapter):
     """Puts a user's control law into the loop."""
+
+    role, failed = "controllers", ControllerFailed
 
     def __init__(self, controller: Controller, formation: Formation) -> None:
         """Start the law.
@@ -202,16 +314,15 @@ class CustomController:
         Raises:
             ScenarioError: It lacks the methods of a controller, or fails to start.
         """
-        require_methods(controller, type(controller).__name__, "controllers")
-        self._part, self._shape = controller, (formation.groups,)
-        self.needs = _names(controller, "needs", PROVIDED)
-        _call_method(ScenarioError, controller, "start", _guard_formation(formation))
+        super().__init__(controller)
+        self._shape, self.needs = (formation.groups,), self._names("needs")
+        self._call("start", _guard_formation(formation), failed=ScenarioError)
         self._decide = controller.decide
 
     @property
     def place(self) -> str:
         """Class and method that decide, with file and line."""
-        return _place(self._part, "decide")
+        return self._place("decide")
 
     def decide(self, observation: Observation) -> Array:
         """Return the demanded pressure of each group [Pa].
@@ -224,21 +335,22 @@ class CustomController:
         except (KeyboardInterrupt, Interrupted):
             raise
         except BaseException as problem:
-            raise ControllerFailed(_failure(self._part, "decide", problem) + at_time(observation.time)) from problem
+            raise ControllerFailed(self._failure("decide", problem) + at_time(observation.time)) from problem
         if type(demands) is np.ndarray and demands.dtype == np.float64 and demands.shape == self._shape:
             return demands
-        wrong = problem_with(demands, self._shape)
-        if wrong:
+        if wrong := problem_with(demands, self._shape):
             raise not_demands(self.place, wrong, self._shape[0], observation.time)
         return np.asarray(demands, dtype=np.float64)
 
 
-class CustomEstimator:
+class CustomEstimator(_Adapter):
     """Puts a user's estimator into the loop.
 
     Attributes:
         provides: Names of the estimates that it provides.
     """
+
+    role, failed = "estimators", EstimatorFailed
 
     def __init__(self, estimator: Estimator, formation: Formation) -> None:
         """Check the estimator; the first step starts it.
@@ -246,16 +358,15 @@ class CustomEstimator:
         Raises:
             ScenarioError: It lacks the methods of an estimator, or provides no estimates.
         """
-        require_methods(estimator, type(estimator).__name__, "estimators")
-        self.provides = _names(estimator, "provides", PROVIDED)
+        super().__init__(estimator)
+        self.provides = self._names("provides")
         if not self.provides:
-            raise ScenarioError(
-                f"{type(estimator).__name__}: `provides` is empty; an estimator names there what its steps give"
-            )
-        self._part, self._formation, self._has_started = estimator, _guard_formation(formation), False
+            raise ScenarioError(f"{self.name}: `provides` is empty; an estimator names there what its steps give")
+        self._formation, self._has_started = _guard_formation(formation), False
         self._checks = {name: UnitCheck(SMALLEST_RECOGNISED.get(name, 0.0)) for name in self.provides}
-        radius = np.array([brake.wheel_radius for brake in formation.brakes])
-        self._signs = {name: SignCheck(name, radius) for name in self.provides if not name.endswith("_sd")}
+        self._signs = {
+            name: SignCheck(name, formation.wheel_radius) for name in self.provides if not name.endswith("_sd")
+        }
         extent: dict[str, Extent] = {signal.name.removeprefix("estimate_"): signal.extent for signal in ESTIMATES}
         self._shapes = {
             name: () if extent[name] == "train" else (formation.width(extent[name]),) for name in self.provides
@@ -267,26 +378,20 @@ class CustomEstimator:
         Raises:
             EstimatorFailed: The estimator raised an exception, or returned anything but these estimates.
         """
-        estimator = self._part
         if not self._has_started:
-            _call_method(EstimatorFailed, estimator, "start", observation, self._formation)
+            self._call("start", observation, self._formation)
             self._has_started = True
-        estimate = _call_method(EstimatorFailed, estimator, "step", observation)
+        estimate = self._call("step", observation)
         if not isinstance(estimate, Estimate):
-            raise EstimatorFailed(f"{_place(estimator, 'step')} returned {_short(estimate)}, not an Estimate.")
+            raise self._error("step", f"returned {_short(estimate)}, not an Estimate")
         values = {name: value for name in PROVIDED if (value := getattr(estimate, name)) is not None}
         if values.keys() != set(self.provides):
-            raise EstimatorFailed(
-                f"{_place(estimator, 'step')} gave {', '.join(values) or 'nothing'}; "
-                f"it provides {', '.join(self.provides)}."
-            )
+            given = ", ".join(values) or "nothing"
+            raise self._error("step", f"gave {given}; it provides {', '.join(self.provides)}")
         for name, value in values.items():
-            _require_numbers(EstimatorFailed, estimator, "step", name, value, self._shapes[name])
-            words = self._mistake(name, value, observation)
-            if words:
-                raise EstimatorFailed(
-                    f"{_place(estimator, 'step')} gave {name} as {np.asarray(value).tolist()}{words}."
-                )
+            self._require_numbers("step", name, value, self._shapes[name])
+            if words := self._mistake(name, value, observation):
+                raise self._error("step", f"gave {name} as {np.asarray(value).tolist()}{words}")
         return {name: np.array(value, dtype=np.float64, ndmin=1) for name, value in values.items()}
 
     def _mistake(self, name: str, value: ArrayLike, observation: Observation) -> str:
@@ -298,8 +403,10 @@ class CustomEstimator:
         return "" if name.endswith("_sd") else self._checks[name].mistake_of_ratio(observation.time, value)
 
 
-class CustomSensors:
+class CustomSensors(_Adapter):
     """Puts a user's sensors into the loop."""
+
+    role, failed = "sensors", SensorsFailed
 
     def __init__(
         self, sensors: Sensors, layout: Layout, formation: Formation, period: float, random: np.random.Generator
@@ -309,13 +416,12 @@ class CustomSensors:
         Raises:
             ScenarioError: They lack the methods of sensors, or fail to start.
         """
-        require_methods(sensors, type(sensors).__name__, "sensors")
-        self._part, self._layout, self._period = sensors, layout, period
+        super().__init__(sensors)
+        self._layout, self._period, self._has_read = layout, period, False
         self._truth, self._truth_by_name = _by_name(layout.outputs, layout.output)
         self._shapes = _shapes(layout.reading)
         self._checks = {name: UnitCheck(least) for name, least in SMALLEST_RECOGNISED.items()}
-        self._has_read = False
-        _call_method(ScenarioError, sensors, "start", _guard_formation(formation), random)
+        self._call("start", _guard_formation(formation), random, failed=ScenarioError)
 
     def read(self, sample: int, truth: Array) -> Array:
         """Return the readings of a sample as a vector; NaN where a reading is not new.
@@ -325,47 +431,46 @@ class CustomSensors:
         """
         self._truth[:] = truth
         time = sample * self._period
-        readings = _call_method(SensorsFailed, self._part, "read", time, self._truth_by_name, time=time)
+        readings = self._call("read", time, self._truth_by_name, time=time)
         by_name = _by_its_names(readings)
         if by_name is None or not by_name.keys() <= self._shapes.keys():
-            raise SensorsFailed(
-                f"{_place(self._part, 'read')} returned {_short(readings)}, not readings of {', '.join(self._shapes)} "
-                f"by name.{at_time(time)}"
-            )
+            expected = f"readings of {', '.join(self._shapes)} by name"
+            raise self._error("read", f"returned {_short(readings)}, not {expected}", time)
         reading = np.full(self._layout.readings, np.nan)
         for name, value in by_name.items():
-            _require_numbers(SensorsFailed, self._part, "read", name, value, self._shapes[name], time=time, nan=True)
+            self._require_numbers("read", name, value, self._shapes[name], time, nan=True)
             reading[self._layout.reading[name]] = value
-            truth_of_it = self._truth_by_name.get(name)
-            if name in self._checks and (words := self._checks[name].mistake(time, value, truth_of_it)):
-                raise SensorsFailed(
-                    f"{_place(self._part, 'read')} gave {name} as {np.asarray(value).tolist()}, which is "
-                    f"{np.asarray(truth_of_it).tolist()}{words}.{at_time(time)}"
-                )
+            expected = self._truth_by_name.get(name)
+            if name in self._checks and (words := self._checks[name].mistake(time, value, expected)):
+                found = f"gave {name} as {np.asarray(value).tolist()}, which is {np.asarray(expected).tolist()}"
+                raise self._error("read", f"{found}{words}", time)
         self._has_read = self._has_read or bool(np.isfinite(reading).any())
         if not self._has_read and time >= PATIENCE:
-            raise SensorsFailed(f"{_place(self._part, 'read')} gives no reading at all.{at_time(time)}")
+            raise self._error("read", "gives no reading at all", time)
         return reading
 
 
-class CustomPlant:
+NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure"})
+"""Outputs that every plant must have; others, such as true adhesion, are empty in the trace if a plant lacks them."""
+
+
+class CustomPlant(_Adapter):
     """Puts a user's plant into the loop."""
 
-    def __init__(
-        self, plant: Plant, layout: Layout, *, speed: float, period: float, required: Collection[str], command: str
-    ) -> None:
+    role, failed = "plants", PlantFailed
+
+    def __init__(self, plant: Plant, layout: Layout, *, speed: float, period: float, command: str) -> None:
         """Check the plant; the loop starts it.
 
         Args:
-            required: Names of the outputs that the plant must return.
             command: Name by which the plant gets its brake command.
 
         Raises:
             ScenarioError: It lacks the methods of a plant.
         """
-        require_methods(plant, type(plant).__name__, "plants")
-        self._part, self._layout, self._speed, self._period = plant, layout, speed, period
-        self._required, self._output_names, self._steps = frozenset(required), frozenset[str](), 0
+        super().__init__(plant)
+        self._layout, self._speed, self._period = layout, speed, period
+        self._output_names, self._steps = frozenset[str](), 0
         self._inputs, inputs = _by_name(layout.inputs, layout.input)
         self._inputs_by_name = {command if name == "command" else name: value for name, value in inputs.items()}
         self._shapes = _shapes(layout.output)
@@ -378,14 +483,12 @@ class CustomPlant:
         """
         self._steps = 0
         formation = _guard_formation(self._layout.formation)
-        outputs = _call_method(PlantFailed, self._part, "start", formation, self._speed, self._period, time=self._time)
+        outputs = self._call("start", formation, self._speed, self._period, time=self._time)
         by_name = _by_its_names(outputs)
-        if by_name is None or not self._required <= by_name.keys() <= self._shapes.keys():
-            raise PlantFailed(
-                f"{_place(self._part, 'start')} returned {_short(outputs)}; a plant outputs "
-                f"{', '.join(sorted(self._required))}, and may output "
-                f"{', '.join(sorted(self._shapes.keys() - self._required))}."
-            )
+        if by_name is None or not NEEDED <= by_name.keys() <= self._shapes.keys():
+            others = ", ".join(sorted(self._shapes.keys() - NEEDED))
+            expected = f"a plant outputs {', '.join(sorted(NEEDED))}, and may output {others}"
+            raise self._error("start", f"returned {_short(outputs)}; {expected}")
         self._output_names = frozenset(by_name)
         return self._vector("start", by_name)
 
@@ -393,13 +496,11 @@ class CustomPlant:
         """Step the plant and return its outputs, as `start`."""
         self._inputs[:] = inputs
         self._steps += 1
-        outputs = _call_method(PlantFailed, self._part, "step", self._inputs_by_name, time=self._time)
+        outputs = self._call("step", self._inputs_by_name, time=self._time)
         by_name = _by_its_names(outputs)
         if by_name is None or self._output_names.symmetric_difference(by_name):
-            raise PlantFailed(
-                f"{_place(self._part, 'step')} returned {_short(outputs)}, at the start it returned "
-                f"{', '.join(sorted(self._output_names))}.{at_time(self._time)}"
-            )
+            before = ", ".join(sorted(self._output_names))
+            raise self._error("step", f"returned {_short(outputs)}, at the start it returned {before}", self._time)
         return self._vector("step", by_name)
 
     @property
@@ -409,7 +510,7 @@ class CustomPlant:
     def _vector(self, method: str, outputs: Mapping[str, ArrayLike]) -> Array:
         truth = np.full(self._layout.outputs, np.nan)
         for name, value in outputs.items():
-            _require_numbers(PlantFailed, self._part, method, name, value, self._shapes[name], time=self._time)
+            self._require_numbers(method, name, value, self._shapes[name], self._time)
             truth[self._layout.output[name]] = value
         return truth
 
@@ -473,29 +574,6 @@ def _short(value: object) -> str:
     return f"{type(value).__name__} {short(value)}"
 
 
-_METHODS: Mapping[Role, tuple[str, str, str]] = {
-    "controllers": ("a controller", "start", "decide"),
-    "estimators": ("an estimator", "start", "step"),
-    "sensors": ("a sensor model", "start", "read"),
-    "plants": ("a plant", "start", "step"),
-}
-
-
-def require_methods(part: object, name: str, role: Role) -> None:
-    """Check that a class or an object has the methods of its role.
-
-    Raises:
-        ScenarioError: Methods are missing; the message names them.
-    """
-    what, *names = _METHODS[role]
-    missing = call_user_code(
-        lambda: [method for method in names if not callable(getattr(part, method, None))],
-        lambda problem: ScenarioError(f"{name}: its methods cannot be looked at: {problem}"),
-    )
-    if missing:
-        raise ScenarioError(f"{name}: has no method {' and '.join(missing)}; {what} has {' and '.join(names)}")
-
-
 def call_user_code(call: Callable[[], T], failed: Callable[[str], RailgripError]) -> T:
     """Call a user's code and return its result.
 
@@ -509,55 +587,6 @@ def call_user_code(call: Callable[[], T], failed: Callable[[str], RailgripError]
         raise failed(_text_of(problem)) from problem
 
 
-def _names(part: object, attribute: str, choice: Collection[str]) -> tuple[str, ...]:
-    """Return an attribute of a user's object that holds names of estimates; empty if the attribute is missing.
-
-    Raises:
-        ScenarioError: The attribute is not a collection of such names.
-    """
-
-    def refusal(found: str) -> ScenarioError:
-        return ScenarioError(
-            f"{type(part).__name__}: `{attribute}` is {found}; expected are names of {', '.join(choice)}, as in "
-            f'{attribute} = ("adhesion",)'
-        )
-
-    value = call_user_code(lambda: getattr(part, attribute, ()), refusal)
-    if not isinstance(value, tuple | list) or not all(isinstance(name, str) and name in choice for name in value):
-        raise refusal(short(value))
-    return tuple(dict.fromkeys(value))
-
-
-def _call_method(
-    failed: type[RailgripError], part: object, method: str, *arguments: object, time: float | None = None
-) -> Any:
-    """Call a method of the user's class and return its result; on an exception raise `failed`, with the time [s]."""
-    try:
-        return getattr(part, method)(*arguments)
-    except (KeyboardInterrupt, Interrupted):
-        raise
-    except BaseException as problem:  # SystemExit ends a component, not the program
-        raise failed(_failure(part, method, problem) + at_time(time)) from problem
-
-
-def _require_numbers(
-    failed: type[RailgripError],
-    part: object,
-    method: str,
-    name: str,
-    value: Any,
-    shape: tuple[int, ...],
-    *,
-    time: float | None = None,
-    nan: bool = False,
-) -> None:
-    """Raise `failed` unless a returned value is an array of finite numbers of a shape; with `nan`, NaN is allowed."""
-    problem = problem_with(value, shape, nan=nan)
-    if problem:
-        kind = "numbers" if nan else "finite numbers"
-        raise failed(f"{_place(part, method)} gave {name} as {problem}, not {kind} of shape {shape}.{at_time(time)}")
-
-
 def _text_of(problem: BaseException) -> str:
     if isinstance(problem, RailgripError):
         return str(problem)
@@ -566,24 +595,6 @@ def _text_of(problem: BaseException) -> str:
     except Exception:
         text = "its text cannot be read"
     return f"{type(problem).__name__}: {text or 'without a message'}"
-
-
-def _place(part: object, method: str) -> str:
-    name, code = f"{type(part).__name__}.{method}", getattr(getattr(part, method, None), "__code__", None)
-    return name if code is None else f"{name} ({_file(code.co_filename)}, line {code.co_firstlineno})"
-
-
-def _failure(part: object, method: str, problem: BaseException) -> str:
-    frames = traceback.extract_tb(problem.__traceback__)[1:]  # the first one is the call from here
-    try:
-        file = inspect.getsourcefile(type(part))
-    except (OSError, TypeError):
-        file = None
-    theirs = [frame for frame in frames if frame.filename == file] or frames[:1]
-    what = _text_of(problem)
-    if not theirs:  # it could not even be called
-        return f"{_place(part, method)} failed: {what}."
-    return f"{type(part).__name__}.{method} failed in {_file(theirs[-1].filename)}, line {theirs[-1].lineno}: {what}."
 
 
 def _file(name: str) -> str:
@@ -761,22 +772,52 @@ NO_CUSTOM_PARTS = CustomParts()
 """Only the parts that the scenario names."""
 
 
-@dataclass(frozen=True, slots=True)
-class UserObjects:
-    """The user-defined objects among the parts of a stop.
+class UserParts:
+    """The user-defined parts of a stop: objects that the caller gives, or of the classes that the scenario names.
 
     Attributes:
-        objects: Objects that the caller provided.
-        classes: Origin of each, by part; see `origin_of`.
+        classes: Origin of each that has been opened, by part; see `origin_of`.
     """
 
-    objects: CustomParts
-    classes: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
+    def __init__(self, objects: CustomParts, scenario: Scenario, layout: Layout) -> None:
+        """Take the tables of a scenario, in which `objects` are declared, and the layout of its vehicle."""
+        self.classes: dict[str, dict[str, Any]] = {}
+        self._objects, self._scenario, self._layout = objects, scenario, layout
 
-    def part(self, role: Role, table: object, instance: object) -> Any:
+    def controller(self) -> CustomController | None:
+        """Return the controller; None for a built-in law or an FMU."""
+        law = self._part("controllers", self._scenario.controller, self._objects.controller)
+        return None if law is None else CustomController(law, self._layout.formation)
+
+    def estimator(self) -> CustomEstimator | None:
+        """Return the estimator; None for a built-in one or none."""
+        part = self._part("estimators", self._scenario.estimator, self._objects.estimator)
+        return None if part is None else CustomEstimator(part, self._layout.formation)
+
+    def sensors(self) -> CustomSensors | None:
+        """Return the sensors; None for built-in ones."""
+        if (part := self._part("sensors", self._scenario.sensors, self._objects.sensors)) is None:
+            return None
+        noise, period = generator(self._scenario.seed, "sensors.custom"), self._scenario.periods.communication
+        return CustomSensors(part, self._layout, self._layout.formation, period, noise)
+
+    def plant(self) -> CustomPlant | None:
+        """Return the plant; None for an FMU."""
+        scenario, given, source = self._scenario, self._objects.plant, self._scenario.vehicle.source
+        if not isinstance(source, PythonClass):
+            return None
+        arguments = {key: value.entry for key, value in scenario.vehicle.parameters.items()}
+        table = Custom(kind=source.name, parameters=arguments) if given is None else table_of(given)
+        command = "valve_command" if scenario.actuation.kind == "pneumatic" else "pressure_command"
+        speed, period = scenario.start.speed, scenario.periods.communication
+        part = self._part("plants", table, given)
+        return CustomPlant(part, self._layout, speed=speed, period=period, command=command)
+
+    def _part(self, role: Role, table: object, given: object) -> Any:
         """Return the given object, or else one of the class that a table names; None for a table of a built-in kind."""
         if not isinstance(table, Custom):
             return None
-        user_object = part_of(table, role, self.objects.folders) if instance is None else instance
-        self.classes[role if role == "sensors" else role.removesuffix("s")] = origin_of(user_object, table.parameters)
-        return user_object
+        if given is None:
+            given = part_of(table, role, self._objects.folders)
+        self.classes[role if role == "sensors" else role.removesuffix("s")] = origin_of(given, table.parameters)
+        return given

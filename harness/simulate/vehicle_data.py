@@ -4,9 +4,9 @@ Nominal data come from the plant's Modelica class through its FMU; a scenario ch
 [controller.parameters] and for the plant in [vehicle.parameters], so that the two may differ on purpose.
 """
 
-from collections.abc import Mapping
-from contextlib import suppress
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import isclose
 
@@ -18,6 +18,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.base.names import Element
 from railgrip.base.units import unit
 from railgrip.controllers.law import FULL_PRESSURE, GroupLaw
+from railgrip.fmi import Description
 from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.adhesion import TabulatedRail, rail_of
 from railgrip.scenario.faults import TRUTH_KEYS
@@ -463,6 +464,28 @@ class VehicleData:
             {name: value for name, value in parameters.items() if name in names},
             {name: parameters[name] for name in shape},
         )
+
+
+@dataclass(frozen=True, slots=True)
+class Opening:
+    """A stop whose parts are being opened.
+
+    Attributes:
+        vehicle: Vehicle of the stop.
+        notify: Called with sentences for the user.
+        stack: Closes the parts.
+        fmus: Description of each FMU by a unique name, added when it is opened.
+    """
+
+    vehicle: VehicleData
+    notify: Callable[[str], None]
+    stack: ExitStack
+    fmus: dict[str, Description] = field(default_factory=dict[str, Description])
+
+    def add_fmu(self, description: Description, role: str) -> None:
+        """Add an FMU; a name that is taken gets the role in front."""
+        name = description.file.name
+        self.fmus[f"{role}: {name}" if name in self.fmus else name] = description
 
 
 def catalogue_counts() -> tuple[int, ...]:

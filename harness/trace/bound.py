@@ -2,8 +2,9 @@
 
 For each group it is the minimum of three limits: peak adhesion, which the rail gives at the best slip; brake limit,
 which full brake pressure draws, or the pressure that the driver demands; and α_max, which the operator allows. The
-brake limit includes bearing and rolling resistance, which act through the contact as a brake does. It holds for a
-constant slip: a wheelset that regains speed draws more for a moment, which `regained_adhesion` gives.
+brake limit includes bearing and rolling resistance and other brakes on the wheelsets, which act through the contact as
+a friction brake does. It holds for a constant slip: a wheelset that regains speed draws more for a moment, which
+`regained_adhesion` gives.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,6 +30,7 @@ def brake_limit(
     deceleration: Array,
     pressure: Array | None = None,
     resistance_lever: float = 0.0,
+    other_torque: Array | float = 0.0,
 ) -> Array:
     """Return the adhesion at which full pressure, or another, holds the slip of a group, shape (n,).
 
@@ -39,11 +41,28 @@ def brake_limit(
         deceleration: Of the train, shape (n,) [m/s2]; some torque goes into slowing the wheelsets.
         pressure: Highest pressure of the group, shape (n,) [Pa]; None for full.
         resistance_lever: Torque of bearings and rolling over the load [m].
+        other_torque: Torque of other brakes, see `torque_beyond_pads`, shape (n,) [N.m].
     """
     most = brake.pressure_max if pressure is None else np.minimum(pressure, brake.pressure_max)
     torque = brake.units * pad_friction * brake.pad_force(most) * brake.friction_radius
     rotation = brake.inertia * deceleration / brake.wheel_radius
-    return np.maximum(torque + resistance_lever * load - rotation, 0) / (brake.wheel_radius * load)
+    return np.maximum(torque + other_torque + resistance_lever * load - rotation, 0) / (brake.wheel_radius * load)
+
+
+def torque_beyond_pads(trace: xarray.Dataset, brakes: Sequence[Brake | None]) -> Array:
+    """Return the torque of other brakes on the wheelsets of each group, shape (n, groups) [N.m].
+
+    Electrodynamic and rotating eddy-current brakes use adhesion as friction brakes do. Theirs is the torque by which
+    `brake_torque` exceeds that of the pads; 0 where the plant does not output both, or the friction brake is isolated.
+    Brakes on the rail itself need no adhesion and are not included.
+    """
+    torque = np.zeros(trace["brake_torque"].shape)
+    for group, brake in enumerate(brakes):
+        if brake is not None:
+            friction, force = (trace[name].values[:, group] for name in ("pad_friction", "pad_force"))
+            pads = brake.units * friction * force * brake.friction_radius
+            torque[:, group] = np.nan_to_num(np.maximum(trace["brake_torque"].values[:, group] - pads, 0.0))
+    return torque
 
 
 def regained_adhesion(
@@ -135,12 +154,18 @@ def with_bound(
         demanded = trace["driver_demand"].values[np.minimum(np.arange(len(time)) + 1, len(time) - 1)]
     force = "full" if demanded is None else "the demanded"
     pad_friction, deceleration = trace["pad_friction"].values, -trace["acceleration"].values
-    limit = np.zeros(group_load.shape)
+    limit, other = np.zeros(group_load.shape), torque_beyond_pads(trace, brakes)
     for group, brake in enumerate(brakes):
         if brake is not None:
             pressure = None if demanded is None else demanded[:, group]
             limit[:, group] = brake_limit(
-                brake, pad_friction[:, group], group_load[:, group], deceleration, pressure, resistance_lever
+                brake,
+                pad_friction[:, group],
+                group_load[:, group],
+                deceleration,
+                pressure,
+                resistance_lever,
+                other[:, group],
             )
     ideal = np.minimum(np.minimum(peak_adhesion, limit), alpha_max)
     share = peak_each * (ideal / peak_adhesion)[:, groups]

@@ -307,9 +307,9 @@ class Metrics:
         if self.utilisation <= _FULL:
             return share
         return (
-            f"{share}; more than 100 %, because the bound has the friction brakes and the resistance of each group: "
-            "wheelsets that regain speed after a slide exceed it, and so does any other brake on the wheelsets, such "
-            "as an electrodynamic or a rotating eddy-current brake"
+            f"{share}; more than 100 %, because the bound has the brakes and the resistance of each group: wheelsets "
+            "that regain speed after a slide exceed it, and so does a brake on the wheelsets whose torque the plant "
+            "does not include in brake_torque"
         )
 
     def of_train(self, name: str) -> float:

@@ -40,10 +40,7 @@ OF_BRAKES = MappingProxyType(
 )
 """Datum of a `Brake` → parameter of the plant. `rigging` is the product of the two in `_OF_RIGGING`."""
 
-_OF_RIGGING = {
-    "i_rigging": ("1", "lever ratio of both pads"),
-    "eta_rigging": ("1", "efficiency of the rigging"),
-}
+_OF_RIGGING = {"i_rigging": ("1", "lever ratio of both pads"), "eta_rigging": ("1", "efficiency of the rigging")}
 _OF_GROUPS = {parameter: BRAKE[datum][0] for datum, parameter in OF_BRAKES.items()} | dict.fromkeys(_OF_RIGGING, "1")
 _MASS = "m_wheelset"
 

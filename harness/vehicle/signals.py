@@ -84,12 +84,7 @@ EXTRA = (
 """Outputs that follow those of `PLANT` in the trace of a plant that has them."""
 
 SENT = (
-    Signal(
-        "command",
-        "group",
-        "1",
-        "command to the plant: cylinder pressure [Pa] or valve (-1 vent, 0 hold, 1 fill)",
-    ),
+    Signal("command", "group", "1", "command to the plant: cylinder pressure [Pa] or valve (-1 vent, 0 hold, 1 fill)"),
     Signal("mu0", "wheelset", "1", "maximum friction at the wheelset"),
     Signal("track_force", "train", "N", "force of the track, forward positive"),
 )

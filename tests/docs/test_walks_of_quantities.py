@@ -8,8 +8,10 @@ ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "architecture.md"
 FOLDERS = (ROOT, ROOT / "harness", ROOT / "harness/kernel")
 KERNELS = (ROOT / "harness/kernel", ROOT / "harness/fmi/kernel")
-MOST_NAMES, MOST_FILES, MOST_COPIES = 4, 15, 7
-"""Largest numbers of any walk on the page, headers in C included."""
+MOST_NAMES, MOST_FILES, MOST_COPIES = 4, 14, 5
+"""Largest numbers of a walk on the page, headers in C included."""
+MORE_FOR_A_FILTER = 2
+"""Files and copies that the walk through a filter has in addition: a filter is used without the loop, too."""
 
 
 def walks():
@@ -57,9 +59,10 @@ def test_each_file_has_the_quantity_in_its_code():
 
 def test_a_quantity_passes_few_files_under_few_names():
     for names, files, copies in walks():
-        assert len(set(files)) == len(files) <= MOST_FILES, names
+        more = MORE_FOR_A_FILTER * ("estimators/kernel/step.h" in files)
+        assert len(set(files)) == len(files) <= MOST_FILES + more, names
         assert len(names) <= MOST_NAMES, names
-        assert len(copies) <= MOST_COPIES, names
+        assert len(copies) <= MOST_COPIES + more, names
 
 
 def declared(kind):

@@ -1,6 +1,7 @@
 """A mapping for a foreign FMU is found by names of many kinds, and corrected where a short run contradicts it."""
 
 import tomllib
+from contextlib import nullcontext
 from pathlib import Path
 from types import MappingProxyType
 
@@ -13,7 +14,7 @@ from railgrip.fmi import Description, Port, bind, describe
 from railgrip.fmi.description import FmuVariable
 from railgrip.fmi.draft import arrays_of, draft_mapping
 from railgrip.simulate.map_draft import MappingDraft, SignalMapping, _correct, find_mapping
-from railgrip.simulate.plant_trial import GOOD_RAIL, POOR_RAIL, run_trial
+from railgrip.simulate.plant_trial import TrialPlant
 from railgrip.simulate.vehicle_data import catalogue_brakes
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import layout_of
@@ -153,10 +154,8 @@ def corrected(factors) -> MappingDraft:
     }
 
     def run(now):
-        return tuple(
-            run_trial(LAYOUT, Train(factors, now), period=PERIOD, release=(0.0, 0.0), brake=FULL, friction=friction)
-            for friction in (GOOD_RAIL, POOR_RAIL)
-        )
+        opening = lambda: nullcontext(Train(factors, now))
+        return TrialPlant(opening=opening, layout=LAYOUT, period=PERIOD, release=(0.0, 0.0), brake=FULL).trials()
 
     return _correct(MappingDraft(table=table, missing=(), formation=FORMATION), run, START)
 

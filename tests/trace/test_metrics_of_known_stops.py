@@ -101,6 +101,19 @@ def test_the_bound_is_the_minimum_of_rail_brake_and_limit():
     assert bound["peak_slip"].values == pytest.approx(0.05, abs=1e-3)
 
 
+def test_other_brakes_on_the_wheelsets_are_in_the_bound_and_need_adhesion():
+    """Pads draw 3.5 kN.m of each wheelset, and other brakes 1.2 kN.m, which is 0.03 of 100 kN at 0.4 m."""
+    wheelsets = np.array([2.0, 1.0, 1.0, 2.0])
+    pads = wheelsets * 0.35 * 4e4 * 0.25
+    mu0 = np.array([0.2, 0.2, 0.2, 0.1, 0.2, 0.2])
+    stop = {"pad_force": 4e4, "brake_torque": pads + 1.2e3 * wheelsets, "mu0": mu0}
+    bound = with_bound(uniform_stop(**stop), parabola, BRAKES, alpha_max=0.15)
+    assert bound["brake_limit"].values[0] == pytest.approx(0.0875 + 0.03)
+    assert bound["ideal_adhesion"].values[0, 2] == pytest.approx(0.1, abs=1e-9)  # the rail limits other brakes, too
+    less = with_bound(uniform_stop(**stop | {"brake_torque": pads / 2}), parabola, BRAKES, alpha_max=0.15)
+    assert less["brake_limit"].values[0] == pytest.approx(0.0875)  # as of a locked wheelset
+
+
 def test_coupled_wheelsets_share_the_limit_of_their_group():
     mu0 = np.array([0.05, 0.10, 0.2, 0.2, 0.2, 0.2])
     bound = with_bound(uniform_stop(mu0=mu0), parabola, BRAKES, alpha_max=0.15)

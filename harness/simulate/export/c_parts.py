@@ -1,6 +1,6 @@
 """Export parts of a stop as FMUs or a static library: the C code of the loop, with its initial state."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -80,15 +80,7 @@ def part_in_c(scenario: Scenario, kind: Kind) -> SampledSystem:
     scenario = _with_filter_in_c(scenario)
     with assemble(scenario) as opened:
         parts, structs = opened.parts, Loop(opened.parts).structs
-        match kind:
-            case "onboard":
-                role = _onboard(scenario, parts, structs)
-            case "estimator":
-                role = _estimator(scenario, parts, structs)
-            case "sensors":
-                role = _sensors(scenario, parts, structs)
-            case "track":
-                role = _track(parts, structs)
+        role = _ROLES[kind](scenario, parts, structs)
         return _system(scenario, parts, kind, role)
 
 
@@ -219,7 +211,7 @@ def _write_call(name: str, formula: Sampled) -> str:
     )
 
 
-def _track(parts: Parts, structs: Structs) -> _Role:
+def _track(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:  # pyright: ignore[reportUnusedParameter]
     recovers = parts.rail.slip_energy is not None
     needed = ("distance", "speed", *(("slip", "adhesion", "wheelset_load", "wheelset_speed") if recovers else ()))
     given, places = _select_outputs(parts.layout, structs, needed)
@@ -291,11 +283,11 @@ def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
     formulas["onboard->law"] = law
     given = [*_of(parts.layout.signals["reading"], parts.layout), *_of(DRIVEN, parts.layout, parts.full)]
     parameters = law_parameters(law, given)
-    commands = started_at(law.formula.outputs, [0.0] * len(law.formula.outputs))
+    commands = started_at(law.formula.outputs)
     if valves is not None:
         formulas["onboard->valves"] = valves
         parameters += started_at(valves.formula.parameters, valves.parameters, "valves.")
-        commands = started_at(valves.formula.outputs, [0.0] * len(valves.formula.outputs))
+        commands = started_at(valves.formula.outputs)
     onboard = {_name(field): formula for field, formula in formulas.items() if field.startswith("onboard")}
     struct.target("onboard").set(
         **{name: kernel(parts.layout).struct("Formula", state=formula.state) for name, formula in onboard.items()}
@@ -313,6 +305,11 @@ def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
             "OUTPUT_PLACES": _positions("estimate", states, parts.layout) or 0,
         },
     )
+
+
+_ROLES: Mapping[Kind, Callable[[Scenario, Parts, Structs], _Role]] = {
+    "onboard": _onboard, "estimator": _estimator, "sensors": _sensors, "track": _track,
+}  # fmt: skip
 
 
 def _plant_data(layout: Layout, structs: Structs) -> Struct:

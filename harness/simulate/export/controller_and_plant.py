@@ -65,24 +65,17 @@ def controller_fmu(
         parameters += started_at(valves.formula.parameters, valves.parameters, _VALVES)
         outputs, step = valves.formula.outputs, _in_series(law, limited, valves, vehicle.layout)
     full = {f"driver_demand[{g}]": group.pressure_max for g, group in enumerate(groups, start=1)}
-    return sources(
-        convert(
-            SampledSystem(
-                name=law.formula.name,
-                description=law.formula.description,
-                period=scenario.periods.controller,
-                states=states,
-                inputs=started_at(
-                    law.formula.inputs, [full.get(variable.name, 0.0) for variable in law.formula.inputs]
-                ),
-                parameters=parameters,
-                outputs=started_at(outputs, [0.0] * len(outputs)),
-                step=step,
-            )
-        ),
-        waits=int(scenario.start.speed > 0.0),
-        hidden=PERIODS,
+    system = SampledSystem(
+        name=law.formula.name,
+        description=law.formula.description,
+        period=scenario.periods.controller,
+        states=states,
+        inputs=started_at(law.formula.inputs, [full.get(variable.name, 0.0) for variable in law.formula.inputs]),
+        parameters=parameters,
+        outputs=started_at(outputs),
+        step=step,
     )
+    return sources(convert(system), waits=int(scenario.start.speed > 0.0), hidden=PERIODS)
 
 
 def valves_fmu(scenario: Scenario, convert: Conversion = lambda system: system) -> Source | None:
@@ -94,23 +87,18 @@ def valves_fmu(scenario: Scenario, convert: Conversion = lambda system: system) 
     if valves is None:
         return None
     formula = valves.formula
-    return sources(
-        convert(
-            SampledSystem(
-                name=formula.name,
-                description=formula.description,
-                period=scenario.periods.controller,
-                states=started_at(formula.states, valves.state, _MEMORY),
-                inputs=started_at(formula.inputs, [0.0] * len(formula.inputs)),
-                parameters=started_at(formula.parameters, valves.parameters),
-                outputs=started_at(formula.outputs, [0.0] * len(formula.outputs)),
-                step=valves.step,
-            )
-        ),
-        # Without it, an instant without a demand would be held for the minimum pulse.
-        waits=len(formula.inputs),
-        hidden=PERIODS,
+    system = SampledSystem(
+        name=formula.name,
+        description=formula.description,
+        period=scenario.periods.controller,
+        states=started_at(formula.states, valves.state, _MEMORY),
+        inputs=started_at(formula.inputs),
+        parameters=started_at(formula.parameters, valves.parameters),
+        outputs=started_at(formula.outputs),
+        step=valves.step,
     )
+    # Without waiting for all inputs, an instant without a demand would be held for the minimum pulse.
+    return sources(convert(system), waits=len(formula.inputs), hidden=PERIODS)
 
 
 def _limit_demands(law: Sampled, layout: Layout) -> ca.Function:
@@ -152,11 +140,13 @@ def law_parameters(law: Sampled, inputs: Iterable[Variable]) -> tuple[Variable, 
     )
 
 
-def started_at(variables: Sequence[Variable], starts: Iterable[float], prefix: str = "") -> tuple[Variable, ...]:
-    """Return variables with other start values, and a prefix to their names."""
+def started_at(
+    variables: Sequence[Variable], starts: Iterable[float] | None = None, prefix: str = ""
+) -> tuple[Variable, ...]:
+    """Return variables with other start values, without them with 0, and a prefix to their names."""
     return tuple(
         replace(variable, name=prefix + variable.name, start=float(start))
-        for variable, start in zip(variables, starts, strict=True)
+        for variable, start in zip(variables, [0.0] * len(variables) if starts is None else starts, strict=True)
     )
 
 

@@ -23,14 +23,7 @@ from railgrip.fmus.native.functions import in_c
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.kernel import kernel, rate_of, texts
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate.loop.interfaces import (
-    BLOCK,
-    DirectEstimator,
-    LoopSensors,
-    Parts,
-    SensorsInC,
-    StateEstimator,
-)
+from railgrip.simulate.loop.interfaces import BLOCK, DirectEstimator, LoopSensors, Parts, SensorsInC, StateEstimator
 from railgrip.vehicle.brake import slip_of
 from railgrip.vehicle.signals import (
     BELIEVED,
@@ -282,14 +275,12 @@ class Loop:
                 if due != controller_due:
                     self._end(*self._outcome(due))
                     return
-            except SensorsFailed as failed:
-                self._end(Outcome.SENSORS_FAILED, str(failed))
+            except (SensorsFailed, ControllerFailed) as failed:
+                is_sensor = isinstance(failed, SensorsFailed)
+                self._end(Outcome.SENSORS_FAILED if is_sensor else Outcome.CONTROLLER_FAILED, str(failed))
                 return
             except EstimatorFailed as failed:
                 self._end(Outcome.DIVERGED, f"{failed} At {self._time:.3f} s.")
-                return
-            except ControllerFailed as failed:
-                self._end(Outcome.CONTROLLER_FAILED, str(failed))
                 return
             except BaseException:
                 # A failed plant and Ctrl-C, too: the rows that were written remain usable.

@@ -30,8 +30,7 @@ AccelerationError = Annotated[float, UnitRange("m/s2", at_least=0, at_most=1000,
 TravelError = Annotated[float, UnitRange("m", at_least=0, at_most=1, usual=(0.0, 0.01), because=_OFF)]
 
 Tick = Annotated[
-    float,
-    UnitRange("s", above=0, at_most=1, usual=(1e-9, 1e-3), because="a clock that ticks so rarely times no pulse"),
+    float, UnitRange("s", above=0, at_most=1, usual=(1e-9, 1e-3), because="a clock that ticks so rarely times no pulse")
 ]
 
 
@@ -100,8 +99,7 @@ class PressureTransducer(Table):
     """Cylinder pressure of each group."""
 
     full_scale: Annotated[
-        float,
-        UnitRange("Pa", at_least=1e3, at_most=1e8, usual=(3e5, 5e7), because="brake cylinders hold some bar"),
+        float, UnitRange("Pa", at_least=1e3, at_most=1e8, usual=(3e5, 5e7), because="brake cylinders hold some bar")
     ] = Field(description="highest pressure that it can show")
     error: Deviation = Field(description="1σ of the offset over full scale, drawn once a stop")
     bits: Annotated[StrictInt, Field(ge=4, le=24)] = Field(description="of the converter, over full scale")
