@@ -360,7 +360,7 @@ def distances_figure(campaign: Campaign, baseline: Baseline) -> tuple[Figure, st
     """
     cells = [cell for cell in cells_of(campaign, baseline) if cell.distance is not None]
     scenarios = list(dict.fromkeys(cell.column for cell in cells))
-    controllers = list(dict.fromkeys(_name(cell) for cell in cells))
+    controllers = list(dict.fromkeys(label(cell.scenario) for cell in cells))
     equipment = list(dict.fromkeys(cell.line[0] for cell in cells))
     drawing, panels = style.panels(12, 0.37 * len(controllers) + 1.3, 1, len(scenarios), sharey=True, squeeze=False)
     drawing.set_layout_engine("constrained", rect=(0.0, 0.0, 0.985, 1.0), w_pad=0.12)
@@ -375,7 +375,14 @@ def distances_figure(campaign: Campaign, baseline: Baseline) -> tuple[Figure, st
         panel.set_xlim(low, high)
         _draw_published(panel, here)
         for cell in here:
-            _draw(panel, cell, controllers.index(_name(cell)), equipment.index(cell.line[0]), len(equipment), high)
+            _draw(
+                panel,
+                cell,
+                controllers.index(label(cell.scenario)),
+                equipment.index(cell.line[0]),
+                len(equipment),
+                high,
+            )
         for number, name in enumerate(equipment):
             _write(panel, number, name, (1.0, 1.01), "axes fraction", va="bottom")
     panels[0, 0].set_yticks(range(len(controllers)), [textwrap.fill(name, 26) for name in controllers], fontsize=8.5)
@@ -392,10 +399,6 @@ def distances_figure(campaign: Campaign, baseline: Baseline) -> tuple[Figure, st
         frameon=False,
     )
     return drawing, "\n".join(_words(cell) for cell in cells)
-
-
-def _name(cell: Cell) -> str:
-    return label(cell.scenario)
 
 
 def _mark(number: int) -> dict[str, Any]:
@@ -445,7 +448,7 @@ def _draw_published(panel: Axes, cells: Sequence[Cell]) -> None:
             panel.axvline(cell.paper, color=palette.BLACK, linestyle=(0, (4, 3)), linewidth=1.0, zorder=1)
             panel.text(
                 *(cell.paper, 1.01),
-                f"published,\n{_name(cell).partition(',')[0]}\n{cell.paper:.1f}",
+                f"published,\n{label(cell.scenario).partition(',')[0]}\n{cell.paper:.1f}",
                 transform=panel.get_xaxis_transform(),
                 ha="center",
                 va="bottom",

@@ -224,28 +224,23 @@ class TypeTest(Study):
             write_tables(PAGE, {f"sealed set of {name}": f"{of}{table}" for name, table in results.items()})
             return
         write_shipped(found, design, train_of(None), LIBRARY)
-        controllers = page.values["controllers"].without(("results",))
-        leaders = page.values["leaders"].without(["K_wet (10 %)", *(["compared"] if self._version == 1 else [])])
-        tables: dict[str, ReportTable | str] = {"controllers": controllers, "leaderboard": f"{of}{leaders}"}
-        suffix = "" if self._version == 1 else f" of version {self._version}"
+        values, suffix = page.values, "" if self._version == 1 else f" of version {self._version}"
+        leaders = values["leaders"].without(["K_wet (10 %)", *(["compared"] if self._version == 1 else [])])
+        tables: dict[str, ReportTable | str] = {"leaderboard": f"{of}{leaders}"}
         if self._version > 1:
-            of_laws = page.values["of_controller"]
-            run = " ".join(page.values["unranked"]) or "All laws were run in at least half of the cases."
-            best = page.values["losses"].rows[0]["controller"]
-            by_rail: dict[str, ReportTable | str] = {
-                "verdict": f"{of}{page.values['verdict']}",
-                "recommendation": f"{of}{page.values['recommendation']}",
-                "leaderboard": tables["leaderboard"],
+            tables |= {name: f"{of}{values[name]}" for name in ("verdict", "recommendation")}
+        if self._version > 1 and not self.quick:
+            best = values["losses"].rows[0]["controller"]
+            tables |= {
+                "run": " ".join(values["unranked"]) or "All laws were run in at least half of the cases.",
+                "losses": f"{of}{values['losses']}",
+                "looks": values["looks"],
+                "families": f"{of}{best}:\n\n{values['of_controller'][best]}",
             }
-            if self.quick:
-                tables, suffix = by_rail, f"{suffix}, quick set"
-            else:
-                tables |= by_rail | {
-                    "run": run,
-                    "losses": f"{of}{page.values['losses']}",
-                    "looks": page.values["looks"],
-                }
-                tables["families"] = f"{of}{best}:\n\n{of_laws[best]}"
+        if self._version == 1 or not self.quick:
+            tables["controllers"] = values["controllers"].without(("results",))
+        else:
+            suffix += ", quick set"
         write_tables(PAGE, {f"{name}{suffix}": table for name, table in tables.items()})
 
     def _again(self, candidates: Iterable[str]) -> dict[str, str]:
