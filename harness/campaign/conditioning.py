@@ -59,9 +59,14 @@ def repeats_of(stop: PlannedStop, *, count: int, lots: int, relative: float) -> 
         FmuError: The other compiler cannot build the plant.
     """
     nudges = [Nudge(relative=relative, seed=seed) for seed in range(1, count + 1)]
+    sensors = stop.scenario.sensors
     return Repeats(
         perturbed=[_with_vehicle(stop, str(nudge.seed), nudge=nudge) for nudge in nudges],
-        lots=[_with_lot(stop, seed) for seed in range(1, lots + 1)] if _has_lots(stop) else [],
+        lots=[
+            _repeat(stop, f"lot-{seed}", sensors=sensors.model_copy(update={"seed": seed}))
+            for seed in range(1, lots + 1)
+            if isinstance(sensors, SampledSensors)
+        ],
         compilers=_other_compiler(stop),
     )
 
@@ -147,8 +152,7 @@ def with_refinement(
     Returns:
         Repeats by stop; and for each other stop the reason.
     """
-    values: tuple[float, ...] = DIVISORS if of == "steps" else TOLERANCES
-    refine = _divide_step if of == "steps" else _with_tolerance
+    values, refine = (DIVISORS, _divide_step) if of == "steps" else (TOLERANCES, _with_tolerance)
     cases: list[tuple[str, float, Scenario]] = []
     without: dict[str, str] = {}
     for stop in campaign.stops:
@@ -197,15 +201,6 @@ def _other_compiler(stop: PlannedStop) -> dict[str, PlannedStop]:
     path = fmu(source.name, _OTHER)
     plant = NamedFile(entry=str(path), path=path)
     return {_OTHER: _with_vehicle(stop, _OTHER, plant=plant, trust=True)}
-
-
-def _has_lots(stop: PlannedStop) -> bool:
-    return isinstance(stop.scenario.sensors, SampledSensors)
-
-
-def _with_lot(stop: PlannedStop, seed: int) -> PlannedStop:
-    sensors = stop.scenario.sensors.model_copy(update={"seed": seed})
-    return _repeat(stop, f"lot-{seed}", sensors=sensors)
 
 
 def _with_vehicle(stop: PlannedStop, suffix: str, **vehicle: object) -> PlannedStop:

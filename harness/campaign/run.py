@@ -137,12 +137,7 @@ def _running(
             perform = _perform if scheduler is None else _perform_far
             running = {pool.submit(perform, order, runner): order for order in orders}
             yield (
-                (
-                    order,
-                    _failure_report(order, result)
-                    if isinstance(result, RailgripError)
-                    else _store_report(order, *result),
-                )
+                (order, _failure(order, result) if isinstance(result, RailgripError) else _stored(order, *result))
                 for order, result in processes.collect(running, check)
             )
     finally:
@@ -153,13 +148,11 @@ def _running(
 
 def _perform(order: _StopOrder, runner: Runner) -> tuple[Report, Mapping[str, bytes]]:
     """Run one stop in this process; return its report, and no files, which are already in their folder."""
-    planned_stop = order.stop
-    stop = processes.answer(
-        lambda: run(planned_stop.scenario, order.folder, runner, keep_trace=planned_stop.keep_trace)
-    )
+    planned = order.stop
+    stop = processes.answer(lambda: run(planned.scenario, order.folder, runner, keep_trace=planned.keep_trace))
     if isinstance(stop, RailgripError):
-        return _failure_report(order, stop), {}
-    return _report(planned_stop, "done", stop.outcome, stop.reason), {}
+        return _failure(order, stop), {}
+    return _report(planned, "done", stop.outcome, stop.reason), {}
 
 
 def _report(stop: PlannedStop, state: Literal["found", "done"], outcome: Outcome, reason: str) -> Report:
@@ -177,7 +170,7 @@ def _perform_far(order: _StopOrder, runner: Runner) -> tuple[Report, Mapping[str
     return report, files
 
 
-def _store_report(order: _StopOrder, report: Report, files: Mapping[str, bytes]) -> Report:
+def _stored(order: _StopOrder, report: Report, files: Mapping[str, bytes]) -> Report:
     """Write the files of a stop that was run elsewhere, stop.json last, which marks a complete result.
 
     Return the report.
@@ -191,10 +184,9 @@ def _store_report(order: _StopOrder, report: Report, files: Mapping[str, bytes])
     return report
 
 
-def _failure_report(order: _StopOrder, problem: RailgripError) -> Report:
-    return Report(
-        stop=order.stop, state="refused" if isinstance(problem, InputError) else "failed", sentence=str(problem)
-    )
+def _failure(order: _StopOrder, problem: RailgripError) -> Report:
+    state = "refused" if isinstance(problem, InputError) else "failed"
+    return Report(stop=order.stop, state=state, sentence=str(problem))
 
 
 def find_result(stop: PlannedStop, directory: Path) -> Stop | None:

@@ -96,17 +96,17 @@ class Sweep:
         return grid
 
     def __repr__(self) -> str:
-        combinations = self.combinations
+        combinations, outcomes = self.combinations, Counter(result.outcome for result in self.results)
         distances = [math.nan if result.metrics is None else result.metrics.distance for result in self.results]
-        known = sorted((d, i) for i, d in enumerate(distances) if math.isfinite(d))
-        outcomes = Counter(result.outcome for result in self.results)
+        known = pandas.Series(distances, dtype=float).dropna().sort_values(kind="stable")
 
         def line(rank: int) -> str:
-            if not known:
+            if known.empty:
                 return "none"
-            distance, number = known[rank]
-            values = zip(self.axes, combinations[number], strict=True)
-            return f"{distance:.2f} m with {', '.join(f'{key} = {value}' for key, value in values) or 'no axis'}"
+            values = zip(self.axes, combinations[known.index[rank]], strict=True)
+            return (
+                f"{known.iloc[rank]:.2f} m with {', '.join(f'{key} = {value}' for key, value in values) or 'no axis'}"
+            )
 
         lines = (
             f"Sweep of {len(self.results)} stops over "
@@ -157,23 +157,16 @@ class Sweep:
             name: (tuple(self.axes), self._on_axes(np.array([getattr(result, name) for result in self.results]), ""))
             for name in ("outcome", "reason")
         }
-        metrics = [result.metrics.to_plain() for result in self.results if result.metrics]
         for name, figure in FIGURES.items():
-            sample = next((plain[name] for plain in metrics if plain[name] is not None), None)
-            if sample is None:
+            found = [result.metrics and getattr(result.metrics, name) for result in self.results]
+            known = [np.asarray(value, dtype=np.float64) for value in found if value is not None]
+            if not known:
                 continue
-            first = np.asarray(sample, dtype=np.float64)
-            values = [
-                np.full(first.shape, np.nan)
-                if result.metrics is None or (value := result.metrics.to_plain()[name]) is None
-                else np.asarray(value, dtype=np.float64)
-                for result in self.results
-            ]
-            if figure.extent == "train":  # speed_rmse is a list of one
-                first, values = first.reshape(()), [value.reshape(()) for value in values]
-            further = (figure.extent, "slip_class")[: first.ndim]
-            stacked = self._on_axes(np.stack(values), np.nan)
-            variables[name] = ((*self.axes, *further), stacked, {"units": figure.unit, "long_name": figure.meaning})
+            shape = () if figure.extent == "train" else known[0].shape  # speed_rmse is a tuple of one
+            values = [np.broadcast_to(np.nan, shape) if value is None else np.reshape(value, shape) for value in found]
+            dimensions = (*self.axes, *(figure.extent, "slip_class")[: len(shape)])
+            about = {"units": figure.unit, "long_name": figure.meaning}
+            variables[name] = dimensions, self._on_axes(np.array(values, dtype=np.float64), np.nan), about
         return xarray.Dataset(variables, coords={axis: list(values) for axis, values in self.axes.items()})
 
 
@@ -201,15 +194,11 @@ def swept(
     results: dict[int, Result] = {}
     is_portable = workers > 1 and all(_portable(objects) for _, objects in stops)
     with progress(name, len(stops), is_count=True) as bar:
-        for number, result in _in_processes(stops, workers) if is_portable else _here(stops):
+        here = ((number, _result(*stop)) for number, stop in enumerate(stops))
+        for number, result in _in_processes(stops, workers) if is_portable else here:
             results[number] = result
             bar.advance()
     return Sweep({axis: tuple(values) for axis, values in axes.items()}, tuple(results[n] for n in range(len(stops))))
-
-
-def _here(stops: Sequence[tuple[Scenario, CustomParts]]) -> Iterator[tuple[int, Result]]:
-    for number, (scenario, objects) in enumerate(stops):
-        yield number, _result(scenario, objects)
 
 
 def _in_processes(stops: Sequence[tuple[Scenario, CustomParts]], workers: int) -> Iterator[tuple[int, Result]]:
@@ -261,25 +250,17 @@ def load_results(folder: Path) -> Stop | Sweep:
         RecordError: The folder has no result, a result is unreadable, or the samples of the stop were not kept.
         ScenarioError: A file that the scenario of the stop names is missing.
     """
-    if (folder / CAMPAIGN_FILE).exists():
-        return _campaign(folder)
-    if (folder / STOP_FILE).exists():
-        return _stop(folder)
-    like = others_like(folder) or "; name the folder of a run or campaign"
-    raise RecordError(f"{folder}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}{like}")
-
-
-def _stop(folder: Path) -> Stop:
-    stop = read_stop(folder)
-    if stop.trace_digest is None:
-        raise RecordError(
-            f"{folder}: the samples of this stop were not kept; load its campaign for the metrics, or run the stop "
-            "again with `railgrip run`"
-        )
-    return replace(stop, parsed=stop.scenario, samples=stop.trace)
-
-
-def _campaign(folder: Path) -> Sweep:
+    if not (folder / CAMPAIGN_FILE).exists():
+        if not (folder / STOP_FILE).exists():
+            like = others_like(folder) or "; name the folder of a run or campaign"
+            raise RecordError(f"{folder}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}{like}")
+        stop = read_stop(folder)
+        if stop.trace_digest is None:
+            raise RecordError(
+                f"{folder}: the samples of this stop were not kept; load its campaign for the metrics, or run the stop "
+                "again with `railgrip run`"
+            )
+        return replace(stop, parsed=stop.scenario, samples=stop.trace)
     results = read_results(folder)
     if results.missing:
         remark(f"{folder}: {len(results.missing)} stops have no result: {names(results.missing)}")

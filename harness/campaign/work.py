@@ -114,13 +114,7 @@ class Work:
             self.advance()
         return results
 
-    def stops(
-        self,
-        runs: Sequence[CampaignRun],
-        runner: Runner,
-        *,
-        is_any_outcome: bool = False,
-    ) -> int:
+    def stops(self, runs: Sequence[CampaignRun], runner: Runner, *, is_any_outcome: bool = False) -> int:
         """Run the stops of campaigns into their folders; print errors, and return the exit code.
 
         Args:
@@ -140,14 +134,7 @@ class Work:
                 is_refused = report.state == "refused" or code == InputError.exit_code
                 code = InputError.exit_code if is_refused else RailgripError.exit_code
 
-        run_campaigns(
-            runs,
-            runner,
-            workers=self.count,
-            scheduler=self.scheduler,
-            fresh=self.fresh,
-            notify=notify,
-        )
+        run_campaigns(runs, runner, workers=self.count, scheduler=self.scheduler, fresh=self.fresh, notify=notify)
         return code
 
 

@@ -16,7 +16,14 @@ from railgrip.cli.runs import runner
 from railgrip.report.baseline import baseline_deviations
 from railgrip.report.comparison import compare as compared
 from railgrip.report.console import complain, progress, remark, say, show_all
-from railgrip.report.distances import OVERVIEW_MEANING, documentation_tables, headline, overview_of, reader_tables
+from railgrip.report.distances import (
+    OVERVIEW_MEANING,
+    documentation_tables,
+    headline,
+    overview_of,
+    overview_table,
+    reader_tables,
+)
 from railgrip.report.distribution import ReferenceVariant, change_table, changes_against
 from railgrip.report.frame import Frame, frame_of
 from railgrip.report.index import reference_of, write_report
@@ -86,7 +93,7 @@ def campaign(
             show_all(reader_tables(frame, hidden=_NOT_ON_SCREEN) or ["no results"])
         else:
             say(textwrap.fill(f"{run.campaign.name}: {OVERVIEW_MEANING}", _SCREEN))
-            show_all([overview.table()])
+            show_all([overview_table(overview)])
         _show_result(results, frame, against)
         for sentence in by_compiler(results.stops):
             say(textwrap.fill(sentence, _SCREEN))

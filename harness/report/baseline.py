@@ -211,12 +211,14 @@ class BaselineComparison:
             `gone` without a result; `no value` for a stop without standstill or a figure that does not exist.
         accepted: Baseline; None for a new number.
         current: Number found, or None.
+        moved_figures: Further figures that are missing or outside their tolerance, with accepted value and value found.
     """
 
     name: str
     state: State
     accepted: AcceptedValue | None
     current: Finding | None
+    moved_figures: tuple[str, ...] = ()
 
     @property
     def value(self) -> float | None:
@@ -227,11 +229,6 @@ class BaselineComparison:
     def change(self) -> float | None:
         """Value found minus accepted value."""
         return None if self.accepted is None or self.value is None else self.value - self.accepted.value
-
-    @property
-    def moved_figures(self) -> tuple[str, ...]:
-        """Further figures that are missing or outside their tolerance, with accepted value and value found."""
-        return _moved_figures(self.accepted, self.current)
 
     @property
     def unit(self) -> str:
@@ -313,15 +310,8 @@ def read_findings(directory: Path) -> Findings:
 def compare(baseline: Baseline, findings: Findings) -> tuple[BaselineComparison, ...]:
     """Return every number of baseline and findings, starting with those that require attention."""
     current = {finding.name: finding for finding in findings.values}
-    comparisons = [
-        BaselineComparison(
-            name=name,
-            state=_state(baseline.accepted.get(name), current.get(name)),
-            accepted=baseline.accepted.get(name),
-            current=current.get(name),
-        )
-        for name in dict.fromkeys([*current, *baseline.accepted])
-    ]
+    names = dict.fromkeys([*current, *baseline.accepted])
+    comparisons = [_compare(name, baseline.accepted.get(name), current.get(name)) for name in names]
     return tuple(sorted(comparisons, key=lambda comparison: comparison.state == "kept"))
 
 
@@ -449,26 +439,25 @@ def _value_and_range(before: AcceptedValue | None, form: str) -> str:
     return form.format(before.value) + ends
 
 
-def _state(before: AcceptedValue | None, finding: Finding | None) -> State:
+def _compare(name: str, before: AcceptedValue | None, finding: Finding | None) -> BaselineComparison:
+    moved: list[str] = []
+    if before is not None and finding is not None:
+        moved = [
+            f"{figure} {accepted.value:.6g} → {finding.figures.get(figure, math.nan):.6g}"
+            for figure, accepted in before.figures.items()
+            if not abs(finding.figures.get(figure, math.nan) - accepted.value) <= accepted.tolerance
+        ]
     if finding is None:
-        return "gone"
-    if finding.value is None:
-        return "no value"
-    if before is None:
-        return "new"
-    lowest, highest = before.ends
-    is_within = lowest - before.tolerance <= finding.value <= highest + before.tolerance
-    return "kept" if is_within and not _moved_figures(before, finding) else "moved"
-
-
-def _moved_figures(before: AcceptedValue | None, finding: Finding | None) -> tuple[str, ...]:
-    if before is None or finding is None:
-        return ()
-    return tuple(
-        f"{name} {accepted.value:.6g} → {finding.figures.get(name, math.nan):.6g}"
-        for name, accepted in before.figures.items()
-        if not abs(finding.figures.get(name, math.nan) - accepted.value) <= accepted.tolerance
-    )
+        state = "gone"
+    elif finding.value is None:
+        state = "no value"
+    elif before is None:
+        state = "new"
+    else:
+        lowest, highest = before.ends
+        is_within = lowest - before.tolerance <= finding.value <= highest + before.tolerance
+        state = "kept" if is_within and not moved else "moved"
+    return BaselineComparison(name=name, state=state, accepted=before, current=finding, moved_figures=tuple(moved))
 
 
 def _magnitude(number: float) -> int:

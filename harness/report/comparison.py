@@ -306,12 +306,10 @@ def _sections(letter: str, lost: Loss) -> ReportTable:
         *("from [m]", "to [m]", "at [s]", "speed [km/h]", "lost [m]", "so far [m]"),
         *(f"deceleration {letter} [m/s²]", "of A at the same speeds [m/s²]"),
     )
-    forms = [form for form in ("{:.0f}", "{:.1f}", "{:+.2f}", "{:.3f}") for _ in range(2)]
+    forms = (form for form in ("{:.0f}", "{:.1f}", "{:+.2f}", "{:.3f}") for _ in range(2))
     rows = (astuple(replace(section, speed=KMH * section.speed)) for section in lost.sections)
-    return replace(
-        ReportTable.of(columns, rows, left=0, title=f"Distance that {letter} loses against A"),
-        forms=dict(zip(columns, forms, strict=True)),
-    )
+    title = f"Distance that {letter} loses against A"
+    return ReportTable.of(dict(zip(columns, forms, strict=True)), rows, left=0, title=title)
 
 
 def _question(questions: Mapping[str, Mapping[str, Any]]) -> ReportTable:

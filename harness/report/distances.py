@@ -1,11 +1,13 @@
 """The results of a campaign for readers: a summary, tables of stops and draws, and the overview of published stops."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
-from math import isnan
+from dataclasses import dataclass
+from math import isnan, nan
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
+
+import pandas
 
 from railgrip.base.files import write_json
 from railgrip.base.records import claim
@@ -182,110 +184,76 @@ OVERVIEW_MEANING: Final = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class OverviewLine:
-    """The distances of a controller, published or of this campaign.
+def overview_of(frame: Frame) -> Frame | None:
+    """Return published distances next to those of a campaign: a row for each controller, origin and case.
 
-    Attributes:
-        name: Name of the controller, with its origin.
-        kind: Kind of its law.
-        distances: Case → distance [m]; NaN without standstill.
-        changes: Case → change against slip-based control of the same origin; NaN for that itself.
-        ranges: Case → lowest and highest distance of repeats [m]; empty if all repeats agree or are published.
-        locks: Case → longest lock of a wheelset [s]; empty if none is long.
+    None if the campaign has no published distances, or too many cases for a screen. The published distances of a
+    controller are before its own.
+
+    Columns, besides those of the campaign:
+
+    - `line`: name of the controller, with the origin of the distances; `is_published`: whether they are published
+    - `place`: name of the case, with all cases as categories
+    - `distance`: distance [m], the median over repeats that depend on rounding; NaN without standstill
+    - `change`: change against slip-based control of the same origin; NaN for that itself
+    - `ends`: lowest and highest distance of repeats [m]; None if all repeats agree or are published
+    - `lock`: longest lock of a wheelset [s]; NaN if none of the line is long
     """
-
-    name: str
-    kind: str
-    distances: Mapping[str, float]
-    changes: Mapping[str, float]
-    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
-    locks: Mapping[str, float] = field(default_factory=dict[str, float])
-
-    @property
-    def is_published(self) -> bool:
-        """Whether the distances are those of the publication."""
-        return self.name.endswith(_PUBLISHED)
-
-
-_PUBLISHED: Final = ", published"
-_SIMULATED: Final = ", simulated"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Overview:
-    """Published distances and those of a campaign.
-
-    Attributes:
-        cases: Names of the columns.
-        lines: Controllers, the published distances before its own.
-    """
-
-    cases: tuple[str, ...]
-    lines: tuple[OverviewLine, ...]
-
-    def table(self) -> ReportTable:
-        """Return a row for each controller, and rows for ranges and locks where they matter."""
-        rows: list[dict[str, str]] = []
-        for line in self.lines:
-            rows.append({FIRST: line.name} | {case: _distance(line, case) for case in self.cases})
-            if line.ranges:
-                texts = {case: _range(line.ranges.get(case)) for case in self.cases}
-                rows.append({FIRST: "– range of repeated stops"} | texts)
-            if line.locks:
-                texts = {case: text(line.locks.get(case), "{:.1f} s") for case in self.cases}
-                rows.append({FIRST: "– longest lock of a wheelset"} | texts)
-        return ReportTable(rows, left=(FIRST,))
-
-
-def overview_of(frame: Frame) -> Overview | None:
-    """Return the overview of a campaign; None if it has no published distances, or too many cases for a screen."""
-    published = frame[frame["paper_distance"].notna()]
-    here = single_stops(frame).merge(published[list(PLACE)].drop_duplicates())
+    here = single_stops(frame).merge(frame.loc[frame["paper_distance"].notna(), list(PLACE)].drop_duplicates())
     if here.empty:
         return None
     _, names = short_names(here)
-    here["name"] = [names[label].replace("\n", ", ") for label in here["label"]]
-    cases = tuple(here["name"].unique())
+    here["place"] = [names[label].replace("\n", ", ") for label in here["label"]]
+    cases = here["place"].unique()
     if len(cases) < len(here[list(PLACE)].drop_duplicates()) or len(cases) > _CASES:
         return None
-    # The median over repeats of a distance that depends on rounding, else the distance.
-    here["middle"] = [row.distance if row.repeats is None else row.repeats[0] for row in here.itertuples()]
-    sbc = here[here["reference"] == "published"].drop_duplicates("name", keep="last").set_index("name")["middle"]
-    here["change"] = (here["middle"] / here["name"].map(sbc) - 1).where(here["reference"] != "published")
-    lines: list[OverviewLine] = []
-    for label, stops in here.groupby("controller_label", sort=False):
-        kind, by_case = stops["controller"].iloc[0], stops.drop_duplicates("name", keep="last").set_index("name")
-        known = by_case[by_case["paper_distance"].notna()]
-        if len(known):
-            changes = (-known["paper_reduction"]).to_dict()
-            line = OverviewLine(f"{label}{_PUBLISHED}", kind, known["paper_distance"].to_dict(), changes)
-            lines.append(line)
-        if len(known) or kind in _OWN:
-            locks = by_case["longest_lock"].dropna().to_dict()
-            lines.append(
-                OverviewLine(
-                    f"{label}{_SIMULATED}" if len(known) else str(label),
-                    kind,
-                    by_case["middle"].to_dict(),
-                    by_case["change"].to_dict(),
-                    ranges={case: ends[1:] for case, ends in by_case["repeats"].dropna().items()},
-                    locks=locks if max(locks.values(), default=0.0) > _LOCKED else {},
-                )
-            )
-    return Overview(cases=cases, lines=tuple(lines))
+    here["distance"] = [row.distance if row.repeats is None else row.repeats[0] for row in here.itertuples()]
+    here["ends"] = [None if repeats is None else repeats[1:] for repeats in here["repeats"]]
+    sbc = here[here["reference"] == "published"].drop_duplicates("place", keep="last").set_index("place")["distance"]
+    here["change"] = (here["distance"] / here["place"].map(sbc) - 1).where(here["reference"] != "published")
+    here["place"] = pandas.Categorical(here["place"], cases)
+    here = here.drop_duplicates(["controller_label", "place"], keep="last")
+    of_law, label = here.groupby("controller_label"), here["controller_label"]
+    is_compared = of_law["paper_distance"].transform("count") > 0
+    own = here.assign(
+        line=label.where(~is_compared, label + ", simulated"),
+        is_published=False,
+        lock=here["longest_lock"].where(of_law["longest_lock"].transform("max") > _LOCKED),
+    )[is_compared | here["controller"].isin(_OWN)]
+    known = own[own["paper_distance"].notna()]
+    published = known.assign(
+        line=known["controller_label"] + ", published",
+        is_published=True,
+        distance=known["paper_distance"],
+        change=-known["paper_reduction"],
+        ends=None,
+        lock=nan,
+    )
+    order = {name: number for number, name in enumerate(label.unique())}
+    lines = pandas.concat([published, own])
+    return lines.sort_values("controller_label", key=lambda names: names.map(order), kind="stable")
 
 
-def _distance(line: OverviewLine, case: str) -> str:
-    if case not in line.distances:
-        return ""
-    distance = line.distances[case]
-    metres = "no stop" if isnan(distance) else f"{distance:.1f} m"
-    return f"{metres} {percent(line.changes[case])}".rstrip()
-
-
-def _range(ends: tuple[float, float] | None) -> str:
-    return "" if ends is None else f"{ends[0]:.1f} – {ends[1]:.1f} m"
+def overview_table(overview: Frame) -> ReportTable:
+    """Return a row for each controller, and rows for ranges and locks where they matter."""
+    metres = ["no stop" if isnan(distance) else f"{distance:.1f} m" for distance in overview["distance"]]
+    shown = overview.assign(
+        text=[f"{each} {percent(change)}".rstrip() for each, change in zip(metres, overview["change"], strict=True)],
+        range=["" if ends is None else f"{ends[0]:.1f} – {ends[1]:.1f} m" for ends in overview["ends"]],
+        locked=[text(lock, "{:.1f} s") for lock in overview["lock"]],
+    )
+    rows = [
+        {FIRST: name, **dict.fromkeys(overview["place"].cat.categories, "")}
+        | dict(zip(own["place"], own[column], strict=True))
+        for line, own in shown.groupby("line", sort=False)
+        for name, column in (
+            (line, "text"),
+            ("– range of repeated stops", "range"),
+            ("– longest lock of a wheelset", "locked"),
+        )
+        if any(own[column])
+    ]
+    return ReportTable(rows, left=(FIRST,))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

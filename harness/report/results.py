@@ -12,8 +12,7 @@ from pydantic import Field, FiniteFloat, ValidationError, field_validator
 
 from railgrip.base.errors import RecordError
 from railgrip.base.records import inside, read_json, words_of
-from railgrip.report.stop import CAMPAIGN_FILE, STOP_FILE, Stop, read_stop
-from railgrip.report.stored import Digest, Stored
+from railgrip.report.stop import CAMPAIGN_FILE, STOP_FILE, Digest, Stop, Stored, read_stop
 from railgrip.scenario.campaign import DRAW
 from railgrip.scenario.conditioning import RepeatedDistances
 from railgrip.scenario.table import Name, table_error
@@ -138,9 +137,9 @@ def require_campaign(directory: Path, name: str) -> None:
 
 
 OURS = "railgrip"
+"""Prefix of the built-in compiler's name in FMUs and results."""
 _MOST_REMARKS = 20
 """Number of remarks that a page of a campaign lists."""
-"""Prefix of the built-in compiler's name in FMUs and results."""
 
 
 def fmu_tools(versions: Mapping[str, str]) -> dict[str, str]:

@@ -10,21 +10,22 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import isfinite, isnan, nan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self, cast
 
 import xarray
-from pydantic import ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, create_model
 
-from railgrip.base.errors import RecordError, WriteFailed
+from railgrip.base.errors import RecordError, UnitError, WriteFailed
 from railgrip.base.files import finite, write_json
 from railgrip.base.records import LARGEST_TRACE, claim, discard, read_bounded, read_json, require_free, words_of
+from railgrip.base.units import to_si
 from railgrip.report.reference import label
-from railgrip.report.stored import StoredScenario, StoredStop
 from railgrip.report.table import ReportTable
 from railgrip.scenario.conditioning import RepeatedDistances
 from railgrip.scenario.load import Tables
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
+from railgrip.scenario.table import Name, Seed, table_error
 from railgrip.trace.metrics import FIGURES, Metrics
 from railgrip.trace.netcdf import FILE_NAME as TRACE_FILE
 from railgrip.trace.netcdf import read_trace, write_trace
@@ -44,6 +45,89 @@ CAMPAIGN_FILE = "campaign.json"
 
 _DIGEST = "sha256"
 _TRACE_DIGEST = "trace_sha256"
+
+
+Digest = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
+
+
+class Stored(BaseModel):
+    """A table of a result file: no value is converted to another type, and keys that reports do not use are kept."""
+
+    model_config = ConfigDict(strict=True, frozen=True, extra="allow", allow_inf_nan=False)
+
+
+def _table(base: type[Stored] = Stored, **keys: Any) -> Any:
+    """Return a table that has further keys: each is a type, or a type and the value of a missing one."""
+    fields = {name: key if isinstance(key, tuple) else (key, ...) for name, key in keys.items()}
+    return create_model("StoredTable", __base__=base, **cast("Any", fields))
+
+
+def _ratios(parameters: dict[str, Any]) -> dict[str, Any]:
+    """Check the slips of slip-based control, which its name in tables contains."""
+    for name in ("low", "high"):
+        value = parameters.get(name, 0.0)
+        try:
+            is_ratio = isinstance(to_si(value, "1") if isinstance(value, str) else value, int | float)
+        except UnitError:
+            is_ratio = False
+        if not is_ratio:
+            raise table_error(f"{name} is not a ratio")
+    return parameters
+
+
+_KIND = _table(kind=str)
+_CURVE = _table(name=str)
+_PATCH = _table(mu0=(list[FiniteFloat], []), polach=(_CURVE | None, None))
+_ADHESION = _table(
+    _KIND,
+    polach=_CURVE,
+    polach_of_wheelset=(list[_CURVE], []),
+    patch=(list[_PATCH], []),
+    calibrated=(dict[str, FiniteFloat], {}),
+)
+_CONSTANT = _table(_ADHESION, mu0=list[FiniteFloat])
+_CONTROLLER = _table(_KIND, tuning=(str, "paper"), parameters=(dict[str, Any], {}))
+_SLIP_CONTROLLER = _table(_CONTROLLER, parameters=(Annotated[dict[str, Any], AfterValidator(_ratios)], {}))
+_SCENARIO = _table(
+    name=Name,
+    description=(str, ""),
+    seed=Seed,
+    vehicle=_table(**dict.fromkeys(("train", "model", "plant"), (str | None, None))),
+    start=_table(speed=Annotated[FiniteFloat, Field(ge=0, le=1e6)]),
+    adhesion=_ADHESION,
+    sensors=_KIND,
+    actuation=_KIND,
+    estimator=_table(_KIND, model=(str, "")),
+    controller=_CONTROLLER,
+    limits=_table(alpha_max=FiniteFloat),
+)
+"""The keys of a resolved scenario that reports use."""
+
+
+def _check_scenario(table: dict[str, Any]) -> None:
+    """Check a resolved scenario, and its tables whose keys depend on their kind."""
+    scenario = _SCENARIO.model_validate(table)
+    if scenario.adhesion.kind == "constant":
+        _CONSTANT.model_validate(table["adhesion"])
+    if scenario.controller.kind.startswith("slip_"):
+        _SLIP_CONTROLLER.model_validate(table["controller"])
+
+
+class StoredStop(Stored):
+    """The keys of stop.json."""
+
+    outcome: str
+    reason: str
+    scenario: dict[str, Any]
+    scenario_digest: Digest
+    metrics: dict[str, Any]
+    versions: dict[str, str]
+    fmus: dict[str, str]
+    classes: dict[str, dict[str, Any]] = {}
+    fmu_warnings: dict[str, dict[str, int]] = {}
+    remarks: list[str] = []
+    trace_sha256: Digest | None
+    sha256: Digest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -420,7 +504,7 @@ def read_stop(directory: Path) -> Stop:
     try:
         content = read_json(directory, STOP_FILE)
         stored = StoredStop.model_validate(content)
-        StoredScenario.check(stored.scenario)
+        _check_scenario(stored.scenario)
         stop = Stop(
             name=stored.scenario["name"],
             inputs=stored.scenario,

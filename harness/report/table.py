@@ -77,11 +77,26 @@ class ReportTable:
 
     @classmethod
     def of(
-        cls, columns: Sequence[str], rows: Iterable[Sequence[Any]], form: Form = "{}", *, left: int = 1, title: str = ""
+        cls,
+        columns: Sequence[str] | Mapping[str, Form],
+        rows: Iterable[Sequence[Any]],
+        form: Form = "{}",
+        *,
+        left: int = 1,
+        title: str = "",
     ) -> Self:
-        """Return a table of rows as sequences, one form for all numbers; the `left` first columns are texts."""
+        """Return a table of rows as sequences.
+
+        Args:
+            columns: Names of the columns; or column → form of its numbers.
+            rows: Values in the order of the columns.
+            form: Form of all numbers, if columns have none.
+            left: Number of the first columns that are texts.
+            title: Title on a screen.
+        """
+        forms = columns if isinstance(columns, Mapping) else dict.fromkeys(columns, form)
         records = [dict(zip(columns, row, strict=True)) for row in rows]
-        return cls(records, dict.fromkeys(columns, form), list(columns)[:left], title)
+        return cls(records, forms, list(columns)[:left], title)
 
     @classmethod
     def of_frame(

@@ -3,7 +3,7 @@
 import itertools
 import math
 import textwrap
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any, Final
@@ -96,30 +96,40 @@ def tables(campaign: Campaign, baseline: Baseline) -> dict[str, ReportTable]:
     cells = cells_of(campaign, baseline)
     _require_lots(campaign, cells)
     compared_with = references(cells, lambda cell: cell.scenario, lambda cell: cell.distance)
-    lines: _Lines = {}
-    texts: dict[tuple[str, str], dict[str, str]] = {}
-    for cell, others in zip(cells, compared_with, strict=True):
-        lines.setdefault(cell.line, {})[cell.column] = cell
-        texts.setdefault(cell.line, {})[cell.column] = _text(cell, [other for other in others if other is not cell])
+    texts = {
+        (cell.line, cell.column): _text(cell, [other for other in others if other is not cell])
+        for cell, others in zip(cells, compared_with, strict=True)
+    }
+    lines = _lines_of(cells)
     columns = list(dict.fromkeys(cell.column for cell in cells))
     rows = _published_rows(lines.values(), columns)
     for line, stops in lines.items():
         known = [cell.accepted for cell in stops.values() if cell.accepted]
-        peaks = [accepted.adhesion_peak for accepted in known if accepted.adhesion_peak is not None]
-        locks = [accepted.longest_lock for accepted in known if accepted.longest_lock is not None]
-        strokes = [accepted.valve_strokes for accepted in known if accepted.valve_strokes is not None]
         rows.append(
             {_FIRST: f"{_EQUIPMENT.get(line[0], line[0])}: {_name(line, lines)}"}
-            | {column: texts[line].get(column, "") for column in columns}
-            | {"greatest adhesion": max(peaks, default=None)}
-            | {"longest lock": max(locks, default=None), "valve strokes": max(strokes, default=None)}
+            | {column: texts.get((line, column), "") for column in columns}
+            | {
+                column: max((value for one in known if (value := getattr(one, key)) is not None), default=None)
+                for column, key in _MAXIMA.items()
+            }
         )
     distances = ReportTable(rows, {"greatest adhesion": "{:.3f}", "longest lock": "{:.1f} s"}, left=(_FIRST,))
-    return {
-        "distances": distances,
-        "orders": _orders(lines, columns),
-        "discretisation": steps_table(campaign),
-    }
+    return {"distances": distances, "orders": _orders(lines, columns), "discretisation": steps_table(campaign)}
+
+
+_MAXIMA: Final = {
+    "greatest adhesion": "adhesion_peak",
+    "longest lock": "longest_lock",
+    "valve strokes": "valve_strokes",
+}
+"""Column → key of an accepted value, of which a row has the maximum."""
+
+
+def _lines_of(cells: Iterable[Cell]) -> _Lines:
+    lines: _Lines = {}
+    for cell in cells:
+        lines.setdefault(cell.line, {})[cell.column] = cell
+    return lines
 
 
 def cells_of(campaign: Campaign, baseline: Baseline) -> list[Cell]:
@@ -194,21 +204,16 @@ def steps_table(campaign: Campaign) -> ReportTable:
     repeats at divided steps are left out.
     """
     repeats = read_conditioning(campaign.conditioning).stops if campaign.conditioning else {}
-    texts: dict[tuple[str, str], dict[str, str]] = {}
-    lines: dict[tuple[str, str], dict[str, Cell]] = {}
-    for stop in campaign.stops:
-        if "equipment" not in stop.variants:
-            continue
-        cell = Cell(stop, stop.scenario.resolved(), None)
-        lines.setdefault(cell.line, {})[cell.column] = cell
-        repeated = repeats.get(stop.name)
-        if repeated is not None and repeated.steps:
-            texts.setdefault(cell.line, {})[cell.column] = _moved_by_steps(repeated)
-    columns = list(dict.fromkeys(cell.column for stops in lines.values() for cell in stops.values()))
-    rows = [
-        {"half, quarter step": f"{line[0]}: {_name(line, lines)}"} | {column: by.get(column, "") for column in columns}
-        for line, by in texts.items()
-    ]
+    equipped = (stop for stop in campaign.stops if "equipment" in stop.variants)
+    lines = _lines_of(Cell(stop, stop.scenario.resolved(), None) for stop in equipped)
+    columns = dict.fromkeys(column for stops in lines.values() for column in stops)
+    rows: list[dict[str, str]] = []
+    for line, stops in lines.items():
+        found = {column: repeats.get(cell.stop.name) for column, cell in stops.items()}
+        texts = {column: _moved_by_steps(one) for column, one in found.items() if one is not None and one.steps}
+        if texts:
+            name = {"half, quarter step": f"{line[0]}: {_name(line, lines)}"}
+            rows.append(name | dict.fromkeys(columns, "") | texts)
     return ReportTable(rows, left=("half, quarter step",))
 
 
@@ -296,7 +301,7 @@ def _published_rows(lines: Collection[Mapping[str, Cell]], columns: Sequence[str
             rows.append(
                 {_FIRST: f"*published: {label(next(iter(stops.values())).scenario)}*"}
                 | {column: f"{distances[column]:.1f} m" + _brackets([changes[column]]) for column in columns}
-                | {"greatest adhesion": "", "longest lock": "", "valve strokes": ""}
+                | dict.fromkeys(_MAXIMA, "")
             )
     return rows
 
@@ -355,7 +360,7 @@ def distances_figure(campaign: Campaign, baseline: Baseline) -> tuple[Figure, st
     """
     cells = [cell for cell in cells_of(campaign, baseline) if cell.distance is not None]
     scenarios = list(dict.fromkeys(cell.column for cell in cells))
-    controllers = list(dict.fromkeys(_name(cell) for cell in cells))
+    controllers = list(dict.fromkeys(label(cell.scenario) for cell in cells))
     equipment = list(dict.fromkeys(cell.line[0] for cell in cells))
     drawing, panels = style.panels(12, 0.37 * len(controllers) + 1.3, 1, len(scenarios), sharey=True, squeeze=False)
     drawing.set_layout_engine("constrained", rect=(0.0, 0.0, 0.985, 1.0), w_pad=0.12)
@@ -370,7 +375,14 @@ def distances_figure(campaign: Campaign, baseline: Baseline) -> tuple[Figure, st
         panel.set_xlim(low, high)
         _draw_published(panel, here)
         for cell in here:
-            _draw(panel, cell, controllers.index(_name(cell)), equipment.index(cell.line[0]), len(equipment), high)
+            _draw(
+                panel,
+                cell,
+                controllers.index(label(cell.scenario)),
+                equipment.index(cell.line[0]),
+                len(equipment),
+                high,
+            )
         for number, name in enumerate(equipment):
             _write(panel, number, name, (1.0, 1.01), "axes fraction", va="bottom")
     panels[0, 0].set_yticks(range(len(controllers)), [textwrap.fill(name, 26) for name in controllers], fontsize=8.5)
@@ -387,10 +399,6 @@ def distances_figure(campaign: Campaign, baseline: Baseline) -> tuple[Figure, st
         frameon=False,
     )
     return drawing, "\n".join(_words(cell) for cell in cells)
-
-
-def _name(cell: Cell) -> str:
-    return label(cell.scenario)
 
 
 def _mark(number: int) -> dict[str, Any]:
@@ -440,7 +448,7 @@ def _draw_published(panel: Axes, cells: Sequence[Cell]) -> None:
             panel.axvline(cell.paper, color=palette.BLACK, linestyle=(0, (4, 3)), linewidth=1.0, zorder=1)
             panel.text(
                 *(cell.paper, 1.01),
-                f"published,\n{_name(cell).partition(',')[0]}\n{cell.paper:.1f}",
+                f"published,\n{label(cell.scenario).partition(',')[0]}\n{cell.paper:.1f}",
                 transform=panel.get_xaxis_transform(),
                 ha="center",
                 va="bottom",

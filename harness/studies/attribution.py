@@ -20,7 +20,6 @@ from railgrip.report.statistics import bootstrap_interval
 from railgrip.report.table import ReportTable
 from railgrip.scenario.faults import READ_BY
 from railgrip.scenario.file import merge
-from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.assembly import StopAssembly, assemble
 from railgrip.simulate.ideal import KnownRail
@@ -87,8 +86,7 @@ def informed_distance(scenario: Scenario, knowledge: Knowledge) -> float:
     """Return the distance of a stop whose law is given a piece of the truth [m]; NaN without standstill."""
     with assemble(scenario) as stop:
         stop = replace(stop, parts=replace(stop.parts, controller=InformedLaw(stop, knowledge)))
-        result = stop.stop(stop.run())
-    return result.metrics.distance if result.outcome is Outcome.STANDSTILL else np.nan
+        return stop.stop(stop.run()).metrics.distance
 
 
 def without_dead_time(scenario: Scenario) -> Scenario:
@@ -168,7 +166,7 @@ def distance_with(case: tuple[Scenario, bool, bool]) -> float:
     sensors = TruthSensors()
     objects = CustomParts(sensors=sensors, estimator=TruthEstimator(sensors.truth)) if truth else NO_CUSTOM_PARTS
     stop = run_stop(scenario_with(scenario, truth=truth, ideal_actuation=ideal_actuation), objects=objects)
-    return stop.metrics.distance if stop.outcome is Outcome.STANDSTILL else np.nan
+    return stop.metrics.distance
 
 
 def losses(distances: Array) -> dict[str, Array]:
@@ -210,9 +208,8 @@ def table_of(distances: Array) -> ReportTable:
 
 def cases_table(names: Sequence[str], distances: Array) -> ReportTable:
     """Return the distances of each case."""
-    columns = ("as it is", "ideal actuation", "truth", "both", "bound")
-    rows = [{"case": name, **dict(zip(columns, row, strict=True))} for name, row in zip(names, distances, strict=True)]
-    return ReportTable(rows, dict.fromkeys(columns, "{:.1f} m"), left=("case",))
+    rows = [(name, *row) for name, row in zip(names, distances, strict=True)]
+    return ReportTable.of(("case", "as it is", "ideal actuation", "truth", "both", "bound"), rows, "{:.1f} m")
 
 
 def gains_table(cleans: NDArray[np.bool_], distances: Mapping[str, Mapping[str, Array]]) -> ReportTable:

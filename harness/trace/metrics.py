@@ -4,6 +4,7 @@ A new figure is one field of `Metrics`. Result files, tables, the Python interfa
 follow from its declaration.
 """
 
+import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
@@ -341,7 +342,7 @@ class Metrics:
 
     def to_plain(self) -> dict[str, Any]:
         """Return the figures as JSON values."""
-        return {name: _to_lists(value) for name, value in asdict(self).items()}
+        return json.loads(json.dumps(asdict(self)))
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> Self:
@@ -401,12 +402,6 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
     stop = MeasuredStop(trace=braking, outcome=outcome, alpha_max=alpha_max, actuation=actuation)
     values: dict[str, Any] = {name: figure.formula(stop) for name, figure in FIGURES.items()}
     return Metrics(**values)
-
-
-def _to_lists(value: Any) -> Any:
-    if not isinstance(value, tuple):
-        return value
-    return [_to_lists(element) for element in cast("tuple[Any, ...]", value)]
 
 
 def _to_tuples(value: Any) -> Any:

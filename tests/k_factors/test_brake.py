@@ -10,7 +10,7 @@ from sampling import FUZZ
 
 from railgrip.simulate.run import braking_distance, run_stop
 from railgrip.studies.k_factors import k_dry as brake_module
-from railgrip.studies.k_factors.k_dry import brake_of_scenario, load_specification, quasi_static, scenario_of_draw
+from railgrip.studies.k_factors.k_dry import brake_of, load_specification, quasi_static, scenario_of_draw
 from railgrip.supervision.rare import estimates
 
 PER_DRAW = 0.01
@@ -20,7 +20,7 @@ PER_DRAW = 0.01
 @pytest.fixture(scope="module")
 def vt642():
     specification, scenario = load_specification(Path("vt642"))
-    return specification, scenario, brake_of_scenario(specification, scenario)
+    return specification, scenario, brake_of(specification, scenario)
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +65,7 @@ def test_brute_force_finds_the_same_k_at_one_in_ten_thousand(vt642, monkeypatch)
     specification, scenario, _ = vt642
     monkeypatch.setattr(brake_module, "PARTS", 1)
     specification = specification.model_copy(update={"speed_steps": ()})
-    brake = brake_of_scenario(specification, scenario)
+    brake = brake_of(specification, scenario)
     result = quasi_static(specification, brake)
     random, count, chunk, share = np.random.default_rng(11), 10**7 if FUZZ else 10**6, 4_000, 8
     failures = specification.failures
@@ -108,7 +108,7 @@ def test_a_draw_without_deviation_is_the_nominal_train(vt642):
     specification, scenario, brake = vt642
     # All values are nominal at zero, except the wheels, which are nominal when new.
     around = [one for one in specification.dispersion if one.quantity != "wheel_radius"]
-    same = brake_of_scenario(specification.model_copy(update={"dispersion": tuple(around)}), scenario)
+    same = brake_of(specification.model_copy(update={"dispersion": tuple(around)}), scenario)
     assert same.ratios(same.units, np.zeros((1, same.dimension))) == pytest.approx(np.ones((1, 4)), rel=1e-12)
     assert same.nominal == pytest.approx(brake.nominal)
 

@@ -15,9 +15,18 @@ from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.campaign import load_campaign
 from railgrip.simulate.run import trace_of
 from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED, LAWS, median_seed, sentences
 from railgrip.studies.papers.pages import FOLDER, measures_of
-from railgrip.studies.papers.study import PAGE, VALIDATION, tables_of, validation_tables
+from railgrip.studies.papers.study import (
+    FITS,
+    IDENTIFIED,
+    LAWS,
+    PAGE,
+    VALIDATION,
+    median_seed,
+    sentences,
+    tables_of,
+    validation_tables,
+)
 from railgrip.studies.papers.table1 import (
     ABC,
     BOUNDS,

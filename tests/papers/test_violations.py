@@ -9,13 +9,6 @@ from railgrip.report.style import save
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.papers import courses
-from railgrip.studies.papers.adhesion_based import (
-    IDENTIFIED,
-    LAWS,
-    adhesion_figure,
-    block_diagram,
-    rail_figure,
-)
 from railgrip.studies.papers.courses import (
     GROUP,
     course_of,
@@ -26,6 +19,13 @@ from railgrip.studies.papers.courses import (
     violations_table,
 )
 from railgrip.studies.papers.creep_curves import causes, figure_1, rails
+from railgrip.studies.papers.study import (
+    IDENTIFIED,
+    LAWS,
+    adhesion_figure,
+    block_diagram,
+    rail_figure,
+)
 from railgrip.studies.papers.table1 import SCENARIOS, read_fits, stop_of
 
 

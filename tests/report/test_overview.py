@@ -6,7 +6,7 @@ import pandas
 import pytest
 
 from railgrip.report.distance_figures import overview_figure
-from railgrip.report.distances import overview_of
+from railgrip.report.distances import overview_of, overview_table
 from railgrip.report.frame import frame_of
 from railgrip.report.results import read_results
 
@@ -35,9 +35,9 @@ def at(frame, controller, case):
 
 def test_published_distances_precede_those_of_the_same_law(frame):
     overview = overview_of(frame)
-    assert overview.cases == ("trapezoid", "sine sweep", "random")
-    lines = [(line.kind, line.is_published) for line in overview.lines]
-    assert lines == [
+    assert list(overview["place"].cat.categories) == ["trapezoid", "sine sweep", "random"]
+    lines = overview.drop_duplicates("line")
+    assert list(zip(lines["controller"], lines["is_published"], strict=True)) == [
         ("slip_two_state", True),
         ("slip_two_state", False),
         ("adhesion_literal", True),
@@ -45,23 +45,23 @@ def test_published_distances_precede_those_of_the_same_law(frame):
         ("adhesion_based", False),
         ("ideal_bound", False),
     ]
-    for line in overview.lines:
-        for case in overview.cases:
-            if line.is_published:
-                metres = PUBLISHED[line.kind][case]
-                change = metres / PUBLISHED["slip_two_state"][case] - 1
-            else:
-                metres = at(frame, line.kind, case).distance
-                change = metres / at(frame, "slip_two_state", case).distance - 1
-            assert line.distances[case] == metres
-            expected = math.nan if line.kind == "slip_two_state" else change
-            assert line.changes[case] == pytest.approx(expected, nan_ok=True)
+    assert len(overview) == 3 * len(lines)
+    for row in overview.itertuples():
+        if row.is_published:
+            metres = PUBLISHED[row.controller][row.place]
+            change = metres / PUBLISHED["slip_two_state"][row.place] - 1
+        else:
+            metres = at(frame, row.controller, row.place).distance
+            change = metres / at(frame, "slip_two_state", row.place).distance - 1
+        assert row.distance == metres
+        expected = math.nan if row.controller == "slip_two_state" else change
+        assert row.change == pytest.approx(expected, nan_ok=True)
 
 
 def test_a_law_that_depends_on_rounding_has_its_median_range_and_lock(frame):
     changed, place = frame.copy(), at(frame, "adhesion_literal", "trapezoid").Index
     changed.at[place, "repeats"], changed.at[place, "longest_lock"] = (300.0, 280.0, 324.0), 17.25
-    texts = [list(row.values()) for row in overview_of(changed).table().texts]
+    texts = [list(row.values()) for row in overview_table(overview_of(changed)).texts]
     place = next(number for number, row in enumerate(texts) if row[0].endswith("simulated") and "ABC" in row[0])
     assert texts[place][1].startswith("300.0 m")
     assert texts[place + 1] == ["– range of repeated stops", "280.0 – 324.0 m", "", ""]
@@ -71,14 +71,16 @@ def test_a_law_that_depends_on_rounding_has_its_median_range_and_lock(frame):
 def test_a_stop_without_standstill_has_no_distance_and_no_change(frame):
     changed = frame.copy()
     changed.at[at(frame, "adhesion_based", "random").Index, "distance"] = math.nan
-    row = next(row for row in overview_of(changed).table().texts if row["braking distance"].startswith("peak seeking"))
+    row = next(
+        row for row in overview_table(overview_of(changed)).texts if row["braking distance"].startswith("peak seeking")
+    )
     assert row["random"] == "no stop"
     overview_figure(overview_of(changed))
 
 
 def test_a_screen_has_the_table(frame):
     """25 lines of 100 characters: with sentences, a path and other targets below, the table has at most 15."""
-    table = overview_of(frame).table()
+    table = overview_table(overview_of(frame))
     widths = [max(len(column), *(len(row[column]) for row in table.texts)) for column in table.columns]
     assert sum(width + 2 for width in widths) <= 100
     assert len(table.rows) <= 15

@@ -18,7 +18,7 @@ from test_variants import SAND, SEEDS
 
 import railgrip as rg
 from railgrip.campaign.sweep import csv_of
-from railgrip.report.distances import headline, overview_of, write_table
+from railgrip.report.distances import headline, overview_of, overview_table, write_table
 from railgrip.report.distribution import change_table, changes_against, distributions_of, quantile_table, worst_table
 from railgrip.report.frame import frame_of
 from railgrip.report.index import reference_of
@@ -60,7 +60,7 @@ def test_the_table_of_a_campaign(results):
     folder, found = results("table1", keep=lambda stop: stop.variants["scenario"] == "trapezoid")
     check("table1.md", write_table(found, folder)[1].read_text(encoding="utf-8"))
     rows = frame_of(found)
-    check("table1_overview.md", f"{headline(rows)}\n\n{overview_of(rows).table()}\n")
+    check("table1_overview.md", f"{headline(rows)}\n\n{overview_table(overview_of(rows))}\n")
 
 
 def test_the_tables_of_draws(results):

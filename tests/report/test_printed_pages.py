@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import railgrip.studies
-from railgrip.report.distances import overview_of, setting_tables
+from railgrip.report.distances import overview_of, overview_table, setting_tables
 from railgrip.report.frame import frame_of
 from railgrip.report.index import write_report
 from railgrip.report.page import Page
@@ -64,7 +64,7 @@ def test_all_columns_of_a_campaign_are_on_paper(folder, tmp_path):
         (first,) = [text for text in texts if bare(f"All stops with {name}") in text]
         assert bare(sentence) in first
         assert [column for column in table.columns if bare(column) not in first] == []
-    tables = [overview.table(), *(table for _, table in settings.values())]
+    tables = [overview_table(overview), *(table for _, table in settings.values())]
     assert max(len(table.columns) for table in tables) >= 14
     assert [
         cell for table in tables for row in table.texts for cell in row.values() if bare(cell) not in everything
@@ -75,7 +75,7 @@ def test_the_figure_of_the_answer_is_printed_as_on_a_wide_screen(folder, tmp_pat
     """Its panels are next to each other on paper although the window is narrow, and large enough to be read."""
     texts, _ = printed(folder / "index.html", tmp_path)
     everything = "".join(texts[:2])
-    (rail,) = overview_of(frame_of(read_results(folder))).cases
+    (rail,) = overview_of(frame_of(read_results(folder)))["place"].cat.categories
     assert bare(rail) in everything
     assert bare("braking distance [m]") in everything
 

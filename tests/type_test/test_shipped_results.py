@@ -13,7 +13,7 @@ from railgrip.studies.type_test.case_set import case_named
 from railgrip.studies.type_test.design import CASES, QUICK, cases
 from railgrip.studies.type_test.entrants import LIBRARY, Entrant, campaign_of, entrants, train_of
 from railgrip.studies.type_test.judge import judgements, read_shipped, write_shipped
-from railgrip.studies.type_test.study import page_of
+from railgrip.studies.type_test.page import page_of
 
 TRAIN = train_of(None)
 DOCUMENTATION = Path(__file__).parents[2] / "docs/type_test.md"

@@ -4,6 +4,7 @@ import csv
 import json
 from pathlib import Path
 
+import pandas
 import pytest
 from command_line import exit_code
 from one_process import one_process
@@ -11,7 +12,7 @@ from pages import needs_nothing_else, plots_of
 
 from railgrip.base.errors import ScenarioError
 from railgrip.studies.type_test.entrants import entrants, entrants_named, train_of
-from railgrip.studies.type_test.study import compare_controllers
+from railgrip.studies.type_test.page import compare_controllers
 
 OWN = """
 name = "own"
@@ -107,7 +108,10 @@ def test_redistribution_shortens_a_service_brake_on_a_rail_cleaned_by_wheels(tmp
     assert "Distance over that of slip_three_state, case by case" in capsys.readouterr().out
     folder = tmp_path / "service_brake"
     distances = {case["controller"]: case["distance_m"] for case in content_of(folder)["cases"]}
-    rows = {row["controller"]: row for row in compare_controllers(content_of(folder)["cases"], "slip_three_state").rows}
+    rows = {
+        row["controller"]: row
+        for row in compare_controllers(pandas.DataFrame(content_of(folder)["cases"]), "slip_three_state").rows
+    }
     other = "slip_three_state_redistributed"
     assert set(rows) == {"ideal_bound", other}
     assert rows[other]["mean"] == pytest.approx(distances[other] / distances["slip_three_state"])

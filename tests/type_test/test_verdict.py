@@ -10,7 +10,8 @@ from railgrip.studies.type_test.case_set import VERSIONS
 from railgrip.studies.type_test.entrants import entrants
 from railgrip.studies.type_test.family import losses_of, rail_of, recommendation, verdict
 from railgrip.studies.type_test.judge import frame_of_rows, judgements, summaries
-from railgrip.studies.type_test.study import TypeTest, ranked
+from railgrip.studies.type_test.page import ranked
+from railgrip.studies.type_test.study import TypeTest
 from railgrip.studies.type_test.track_case import TABLE_1
 
 DESIGN = VERSIONS[2].design(60, VERSIONS[2].test)

@@ -25,7 +25,8 @@ from railgrip.studies.type_test.entrants import (
 )
 from railgrip.studies.type_test.family import AXES, FEWEST, families, losses
 from railgrip.studies.type_test.judge import digest_of, frame_of_rows, judgements, read_shipped, summaries
-from railgrip.studies.type_test.study import TypeTest, page_of
+from railgrip.studies.type_test.page import page_of
+from railgrip.studies.type_test.study import TypeTest
 from railgrip.studies.type_test.track_case import (
     CLEANING,
     FASTEST,

@@ -275,34 +275,20 @@ def brake_of(specification: KFactorSpecification, subject: Scenario | Train) -> 
             is not full brake.
         InputError: A train file is wrong, or its train does not stop.
     """
+    speed = maximum_speed(subject) if isinstance(subject, Train) else subject.start.speed
+    speeds = (speed, *reversed(specification.speed_steps), 0.0)
     if isinstance(subject, Train):
-        return TrainBrake(subject, specification.dispersion, _speeds(specification, maximum_speed(subject)))
+        return TrainBrake(subject, specification.dispersion, speeds)
     if subject.vehicle.train is not None:
-        train = checked_train(subject.vehicle.train.path)
-        return TrainBrake(train, specification.dispersion, _speeds(specification, subject.start.speed))
-    return brake_of_scenario(specification, subject)
-
-
-def _speeds(specification: KFactorSpecification, speed: float) -> tuple[float, ...]:
-    return (speed, *reversed(specification.speed_steps), 0.0)
-
-
-def brake_of_scenario(specification: KFactorSpecification, scenario: Scenario) -> QuasiStaticBrake:
-    """Return the quasi-static brake of a scenario's plant.
-
-    Raises:
-        ScenarioError: The plant is not such a train, its cylinders are not filled by valves, or the demand is not full
-            brake.
-    """
-    if scenario.actuation.kind != "pneumatic":
+        return TrainBrake(checked_train(subject.vehicle.train.path), specification.dispersion, speeds)
+    if subject.actuation.kind != "pneumatic":
         raise ScenarioError(
-            f"{scenario.name}: [actuation] kind is '{scenario.actuation.kind}'; K factors need 'pneumatic', because "
+            f"{subject.name}: [actuation] kind is '{subject.actuation.kind}'; K factors need 'pneumatic', because "
             "pressures and fill times of the cylinders disperse."
         )
-    if scenario.demand is not None:
-        raise ScenarioError(f"{scenario.name}: K factors are of full brake from the start on: leave out [demand]")
-    vehicle = VehicleData(scenario)
-    speeds = _speeds(specification, scenario.start.speed)
+    if subject.demand is not None:
+        raise ScenarioError(f"{subject.name}: K factors are of full brake from the start on: leave out [demand]")
+    vehicle = VehicleData(subject)
     return QuasiStaticBrake(vehicle.true.parameters, vehicle.formation, specification.dispersion, speeds)
 
 
@@ -311,14 +297,8 @@ def quasi_static(
 ) -> QuasiStatic:
     """Return K of the quasi-static brake for all EBCL; the same specification gives the same numbers."""
     effort = specification.estimate
-    return k_factors(
-        brake,
-        specification.failures,
-        seed=specification.seed,
-        runs=effort.runs,
-        samples=effort.samples,
-        notify=notify,
-    )
+    seed, runs, samples = specification.seed, effort.runs, effort.samples
+    return k_factors(brake, specification.failures, seed=seed, runs=runs, samples=samples, notify=notify)
 
 
 def scenario_of_draw(

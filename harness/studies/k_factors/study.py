@@ -1,7 +1,7 @@
 """K factors of a brake: results as JSON, as a page with a figure, and as rows for the screen."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -150,16 +150,10 @@ def assumptions(specification: KFactorSpecification) -> dict[str, ReportTable]:
          one.common_cause.source)
         for name, one in specification.failures
     ]  # fmt: skip
+    columns = ("component", "probability", "error factor", "source", "β", "source of β")
     return {
         "dispersion": ReportTable.of(("quantity", "drawn for each", "distribution", "source"), dispersion, left=4),
-        "failures": ReportTable(
-            [
-                dict(zip(("component", "probability", "error factor", "source", "β", "source of β"), row, strict=True))
-                for row in failures
-            ],
-            dict.fromkeys(("probability", "error factor", "β"), "{:g}"),
-            left=("component", "source", "source of β"),
-        ),
+        "failures": replace(ReportTable.of(columns, failures, "{:g}"), left=("component", "source", "source of β")),
     }
 
 

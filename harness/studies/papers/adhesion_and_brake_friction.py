@@ -125,15 +125,8 @@ def rig_figure() -> Figure:
     axes.plot([3.1, 4.1], [4.38, 4.38], color=palette.BLACK, linewidth=4)
     axes.text(1.95, 3.28, "longitudinal cylinder,\nload cell: $F_x$", ha="center", fontsize=9)
     axes.text(3.9, 4.05, "vertical cylinder, load cell: $F_z$", fontsize=9)
-    arrow(
-        axes,
-        (4.75, 3.02),
-        (3.92, 3.02),
-        "pads on the disc: $F_\\perp$, $\\mu_B$",
-        (4.85, 3.02),
-        palette.BLUE,
-        "left",
-    )
+    pads = "pads on the disc: $F_\\perp$, $\\mu_B$"
+    arrow(axes, (4.75, 3.02), (3.92, 3.02), pads, (4.85, 3.02), palette.BLUE, "left")
     arrow(axes, (3.6, 2.45), (2.9, 2.45), "adhesion $\\mu_W = F_x / F_z$", (2.8, 2.35), palette.VERMILION, "right")
     axes.text(4.3, 2.6, "wheelset: $\\omega_W$", fontsize=9)
     axes.text(3.6, 0.95, "roller:\n$v_x = \\omega_{Roller}\\, r_{Roller}$", ha="center", va="center", fontsize=9)
@@ -301,9 +294,7 @@ def measures(
         found[test]["settling"] = {name: settling(recording, estimate) for name, estimate in estimates.items()}
         found[test]["response"] = response(recording)
         found[test]["late"] = {name: late_errors(recording, estimate) for name, estimate in estimates.items()}
-        found[test]["oscillation"] = _oscillation(
-            estimates["rig-paper"]["mean"].sel(state="pad_friction").values, recording
-        )
+        found[test]["oscillation"] = _oscillation(courses["rig-paper"], recording)
         found[test]["filters"] = {
             row["filter"]: {key: row[key] for key in ("alpha_outside", "longest", "excursions")}
             for row in scores
@@ -342,11 +333,7 @@ def brakings(recording: xarray.Dataset) -> dict[str, Any]:
     # The stop braking begins after the last long pause: those of the protection take some seconds.
     stop = float(begins[int(np.argmax(gaps)) + 1]) if gaps.max() > 8 else float(begins[0])
     short = [(float(begin), float(end)) for begin, end in zip(begins, ends, strict=False) if begin < stop]
-    return {
-        "short": short,
-        "stop": stop,
-        "applications": float(np.sum(begins >= stop) / (time[-1] - stop)),
-    }
+    return {"short": short, "stop": stop, "applications": float(np.sum(begins >= stop) / (time[-1] - stop))}
 
 
 def settling(recording: xarray.Dataset, estimates: xarray.Dataset) -> float:
@@ -411,85 +398,43 @@ def _adhesion_of_slide(recording: xarray.Dataset) -> list[float]:
 def compare_with_paper(found: Mapping[str, Any]) -> list[PaperRow]:
     """Return published and reproduced quantities; `found` are `measures`."""
     words = {"1": "greatest adhesion", "2": "brake released", "3": "rolling"}
-    points = [
+    rows = [
         PaperRow("Fig. 3", f"point {number}, {words[number]}", "no numbers",
                  f"adhesion {adhesion:.3f} at {100 * slip:.1f} % slip")
         for number, (slip, adhesion) in found["points"].items()
     ]  # fmt: skip
     slide, sand = found["rig_slide"], found["rig_sand"]
-    peaks = [
+    rows += [*_compare_slide(slide), *_compare_sand(sand, slide)]
+    for name, judged in sand["filters"].items():
+        outside = f"error of adhesion outside protection events, {NAMES[name]}"
+        longest = f"longest error above {LIMIT:g}, {NAMES[name]}"
+        rows += [
+            PaperRow("Fig. 6", outside, (-np.inf, LIMIT), judged["alpha_outside"], "{:.4f}"),
+            PaperRow("Fig. 6", longest, (-np.inf, RECOVERY), judged["longest"], "{:.3f} s"),
+        ]
+    rows += [
         PaperRow("Fig. 6", f"peaks above {LIMIT:g} as drawn / in all of the test, {NAMES[name]}", "one",
                  f"{count} / {sand['filters'][name]['excursions']}")
         for name, count in sand["peaks"].items()
     ]  # fmt: skip
-    answer = PaperRow("Fig. 6", "response of the protection, slide / sand", f"about {RESPONSE:g} s",
-                      f"{slide['response']:.2f} / {sand['response']:.2f} s")  # fmt: skip
-    errors_of_sand = _compare_errors("Fig. 6", sand)
-    return [*points, *_compare_slide(slide), *_compare_sand(sand, slide), *errors_of_sand, *peaks, answer]
+    response = f"{slide['response']:.2f} / {sand['response']:.2f} s"
+    return [*rows, PaperRow("Fig. 6", "response of the protection, slide / sand", f"about {RESPONSE:g} s", response)]
 
 
 def _compare_slide(slide: Mapping[str, Any]) -> list[PaperRow]:
     low, short = STATEMENTS["rig_slide"][1], slide["short"]
-    return [
+    rows = [
         PaperRow("Fig. 4", "initial speed", START_SPEED["rig_slide"], slide["speed"], "{:.0f} km/h", is_chosen=True),
         PaperRow("Fig. 4", "short brakings", 3.0, float(len(short)), "{:.0f}", is_chosen=True),
         PaperRow("Fig. 4", "begin of the first short braking", 18.0, short[0][0], "{:.1f} s", is_chosen=True),
         PaperRow("Fig. 4", "end of the last short braking", 33.0, short[-1][1], "{:.1f} s"),
         PaperRow("Fig. 4", "begin of the stop braking", low.begin, slide["stop"], "{:.1f} s", is_chosen=True),
-        *(
-            PaperRow(
-                "Fig. 4",
-                f"adhesion until {low.end:g} s, {name} quantile",
-                (0.02, 0.05),
-                adhesion,
-                "{:.3f}",
-                is_chosen=True,
-            )
-            for name, adhesion in zip(("5 %", "95 %"), slide["adhesion"], strict=True)
-        ),
-        *_compare_start("Fig. 4", slide),
-        *_compare_friction("Fig. 4", slide),
-        *_compare_late(slide),
     ]
-
-
-def _compare_sand(sand: Mapping[str, Any], slide: Mapping[str, Any]) -> list[PaperRow]:
-    names = ("first peak", "after the fall", "after the release", "at last")
-    return [
-        PaperRow("Fig. 5", "initial speed", START_SPEED["rig_sand"], sand["speed"], "{:.0f} km/h", is_chosen=True),
-        *(
-            PaperRow("Fig. 5", f"adhesion, 4 to 11 s, {name}", published, ours, "{:.3f}", is_chosen=published > 0)
-            for name, published, ours in zip(names, (0.1, 0.05, 0.1, 0.0), sand["adhesion"], strict=True)
-        ),
-        PaperRow("Fig. 5", f"slides with more than {100 * SLIDING:g} % slip, 4 to 11 s", 1, sand["slides"], "{:d}",
-                 is_chosen=True),
-        *_compare_start("Fig. 5", sand),
-        *_compare_friction("Fig. 5", sand),
-        PaperRow("Fig. 5", "applications of the brake a second, slide / sand", "fewer in the sanding test",
-                 f"{slide['applications']:.2f} / {sand['applications']:.2f}"),
-        PaperRow("Fig. 5", "the same with one protection in both tests", "fewer in the sanding test",
-                 f"{slide['applications']:.2f} / {sand['applications, same protection']:.2f}"),
-        PaperRow("Fig. 5", "rms oscillation of estimated pad friction, slide / sand", "larger in the sanding test",
-                 f"{slide['oscillation']:.4f} / {sand['oscillation']:.4f}"),
-    ]  # fmt: skip
-
-
-def _compare_errors(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
-    rows: list[PaperRow] = []
-    for name, judged in test["filters"].items():
-        outside = f"error of adhesion outside protection events, {NAMES[name]}"
-        longest = f"longest error above {LIMIT:g}, {NAMES[name]}"
-        rows += [
-            PaperRow(figure, outside, (-np.inf, LIMIT), judged["alpha_outside"], "{:.4f}"),
-            PaperRow(figure, longest, (-np.inf, RECOVERY), judged["longest"], "{:.3f} s"),
-        ]
-    return rows
-
-
-def _compare_late(slide: Mapping[str, Any]) -> list[PaperRow]:
-    """Return errors in the sliding test, of which the paper publishes words only."""
-    rows: list[PaperRow] = []
-    for name, late in slide["late"].items():
+    for name, adhesion in zip(("5 %", "95 %"), slide["adhesion"], strict=True):
+        quantity = f"adhesion until {low.end:g} s, {name} quantile"
+        rows.append(PaperRow("Fig. 4", quantity, (0.02, 0.05), adhesion, "{:.3f}", is_chosen=True))
+    rows += _compare_estimates("Fig. 4", slide)
+    for name, late in slide["late"].items():  # of these errors the paper publishes words only
         outside = slide["filters"][name]["alpha_outside"]
         rows += [
             PaperRow("Fig. 4", f"largest error of adhesion outside protection events, {NAMES[name]}",
@@ -502,17 +447,35 @@ def _compare_late(slide: Mapping[str, Any]) -> list[PaperRow]:
     return rows
 
 
-def _compare_start(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
+def _compare_sand(sand: Mapping[str, Any], slide: Mapping[str, Any]) -> list[PaperRow]:
+    names, expected = ("first peak", "after the fall", "after the release", "at last"), (0.1, 0.05, 0.1, 0.0)
+    rates = [test["applications"] for test in (slide, sand)] + [sand["applications, same protection"]]
     return [
+        PaperRow("Fig. 5", "initial speed", START_SPEED["rig_sand"], sand["speed"], "{:.0f} km/h", is_chosen=True),
+        *(
+            PaperRow("Fig. 5", f"adhesion, 4 to 11 s, {name}", published, ours, "{:.3f}", is_chosen=published > 0)
+            for name, published, ours in zip(names, expected, sand["adhesion"], strict=True)
+        ),
+        PaperRow("Fig. 5", f"slides with more than {100 * SLIDING:g} % slip, 4 to 11 s", 1, sand["slides"], "{:d}",
+                 is_chosen=True),
+        *_compare_estimates("Fig. 5", sand),
+        PaperRow("Fig. 5", "applications of the brake a second, slide / sand", "fewer in the sanding test",
+                 f"{rates[0]:.2f} / {rates[1]:.2f}"),
+        PaperRow("Fig. 5", "the same with one protection in both tests", "fewer in the sanding test",
+                 f"{rates[0]:.2f} / {rates[2]:.2f}"),
+        PaperRow("Fig. 5", "rms oscillation of estimated pad friction, slide / sand", "larger in the sanding test",
+                 f"{slide['oscillation']:.4f} / {sand['oscillation']:.4f}"),
+    ]  # fmt: skip
+
+
+def _compare_estimates(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
+    rows = [
         PaperRow(figure, f"wrong start of adhesion corrected in, {NAMES[name]}", "first few tenths of a second",
                  f"{seconds:.3f} s")
         for name, seconds in test["settling"].items()
     ]  # fmt: skip
-
-
-def _compare_friction(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
     published = f"rises from {test['rises']:g} s on"
-    return [
+    return rows + [
         PaperRow(figure, f"pad friction, {NAMES.get(name, name)}", published, f"{begin:.3f} to {end:.3f}",
                  difference="" if end > begin else "does not rise")
         for name, (begin, end) in test["pad friction"].items()

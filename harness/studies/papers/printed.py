@@ -11,6 +11,7 @@ from railgrip.base.registry import shelf
 from railgrip.campaign.work import Work
 from railgrip.controllers.laws.adhesion_based import AdhesionBased
 from railgrip.report.reference import locked_text
+from railgrip.report.statistics import endless
 from railgrip.report.table import ReportTable
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import read_conditioning
@@ -70,8 +71,7 @@ def guards(work: Work) -> dict[str, dict[str, Guarded]]:
 def distance_and_lock(scenario: Scenario) -> tuple[float, float]:
     """Return braking distance [m], infinite without standstill, and longest lock of a group [s] of a stop."""
     stop = run_stop(scenario)
-    distance = stop.braking_distance
-    return math.inf if distance is None else distance, max(stop.metrics.longest_lock)
+    return endless(stop.braking_distance), max(stop.metrics.longest_lock)
 
 
 def _summary(stops: Sequence[tuple[float, float]]) -> Guarded:
@@ -165,21 +165,19 @@ def excess(scenario: Scenario) -> dict[str, float]:
 
 def limit_table(found: list[dict[str, Any]]) -> ReportTable:
     """Return the stops of `excesses` whose adhesion exceeds the limit."""
-    forms = {
-        "greatest adhesion": "{:.3f}", "estimated then": "{:.3f}", "for brake and bearings": "{:.3f}",
-        "for inertia": "{:.3f}", "train speed then": "{:.1f} m/s", f"above {LIMIT:g}": "{:.2f} s",
-    }  # fmt: skip
     rows = [
-        {
-            "law": each["controller"].replace("_", " "), "equipment": each["equipment"],
-            "rail": each["scenario"].replace("_", " "), "greatest adhesion": each["peak"],
-            "estimated then": each["estimate"], "for brake and bearings": each["peak"] - each["inertia"],
-            "for inertia": each["inertia"], "train speed then": each["speed"], f"above {LIMIT:g}": each["over"],
-        }
+        (
+            *(each[name].replace("_", " ") for name in ("controller", "equipment", "scenario")),
+            *(each["peak"], each["estimate"], each["peak"] - each["inertia"]),
+            *(each["inertia"], each["speed"], each["over"]),
+        )
         for each in found
         if each["peak"] > LIMIT
-    ]  # fmt: skip
-    return ReportTable(rows, forms, left=("law", "equipment", "rail"))
+    ]
+    adhesions = ("greatest adhesion", "estimated then", "for brake and bearings", "for inertia")
+    columns = dict.fromkeys(("law", "equipment", "rail"), "") | dict.fromkeys(adhesions, "{:.3f}")
+    columns |= {"train speed then": "{:.1f} m/s", f"above {LIMIT:g}": "{:.2f} s"}
+    return ReportTable.of(columns, rows, left=3)
 
 
 LAWS: Final[Mapping[str, str]] = {"adhesion_based": "peak seeking (railgrip)", "slope_seeking": "slope-seeking control"}

@@ -7,21 +7,22 @@ published distances. Candidates are judged by the three distances of the law as 
 that must hold in most of the same stops. The law chatters, so that each stop is repeated with perturbed parameters.
 """
 
-import csv
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas
 from numpy.typing import NDArray
 
 from railgrip.api import Scenario
-from railgrip.base.files import replacing
+from railgrip.base.files import write_text
 from railgrip.campaign.searches import TARGETS
 from railgrip.campaign.work import Work, call
+from railgrip.report.statistics import endless
 from railgrip.report.stop import Stop
 from railgrip.simulate.run import braking_distance, run_stop
 from railgrip.simulate.vehicle_data import VehicleData
@@ -120,11 +121,9 @@ class CandidateFit:
     @property
     def shortfalls(self) -> dict[str, float]:
         """Violation of each constraint by its name: 0 if it is met, infinite if it is unknown."""
-        curve = {
-            f"adhesion at 15 % slip ≥ {100 * SHARE:.0f} % of the greatest": SHARE - self.share,
-        }
-        sentences = {name: HOLDS - self.holds[name] for name in REQUIRED}
-        return {name: math.inf if math.isnan(value) else max(0.0, value) for name, value in (curve | sentences).items()}
+        lacking = {f"adhesion at 15 % slip ≥ {100 * SHARE:.0f} % of the greatest": SHARE - self.share}
+        lacking |= {name: HOLDS - self.holds[name] for name in REQUIRED}
+        return {name: math.inf if math.isnan(value) else max(0.0, value) for name, value in lacking.items()}
 
     @property
     def is_admissible(self) -> bool:
@@ -280,12 +279,8 @@ def _conditioning(name: str) -> dict[str, Any]:
 
 def law_of(candidate: Candidate) -> dict[str, Any]:
     """Return the parameters of the law as printed with a candidate's numbers, without the guard at low speed."""
-    return {
-        "filter_time": candidate.filter_time,
-        "slip_small": candidate.slip_small,
-        "adhesion_small": ADHESION_SMALL,
-        "speed_min": 0.0,
-    }
+    searched = {name: getattr(candidate, name) for name in ("filter_time", "slip_small")}
+    return searched | {"adhesion_small": ADHESION_SMALL, "speed_min": 0.0}
 
 
 ADHESION_SMALL = 0.015
@@ -330,8 +325,8 @@ def mean_friction(candidate: Candidate, level: float) -> float:
 
 def median_distance(name: str, candidate: Candidate, level: float, controller: str, repeats: int) -> float:
     """Return the median distance of perturbed stops [m]; a stop without standstill counts as infinite."""
-    distances = [braking_distance(stop_of(name, candidate, level, controller, seed)) for seed in range(1, repeats + 1)]
-    return float(np.median([math.inf if distance is None else distance for distance in distances]))
+    stops = (stop_of(name, candidate, level, controller, seed) for seed in range(1, repeats + 1))
+    return float(np.median([endless(braking_distance(stop)) for stop in stops]))
 
 
 def fit(candidate: Candidate) -> CandidateFit:
@@ -473,32 +468,34 @@ def refine(work: Work, fits: Sequence[CandidateFit], count: int = 4) -> Candidat
 
 def write_fits(path: Path, fits: Sequence[CandidateFit]) -> None:
     """Write fits as CSV, one per line."""
-    with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        distances = (f"{kind}_{name}" for kind in ("level", "sbc", "abc") for name in SCENARIOS)
-        writer.writerow([*_NUMBERS, *distances, "share", *REQUIRED])
-        for fit in fits:
-            numbers = [getattr(fit.candidate, name) for name in _NUMBERS]
-            distances = [round(values[name], 2) for values in (fit.sbc, fit.abc) for name in SCENARIOS]
-            holds = [round(fit.holds[name], 4) for name in REQUIRED]
-            levels = [fit.levels[name] for name in SCENARIOS]
-            writer.writerow([*numbers, *levels, *distances, round(fit.share, 4), *holds])
+    rows = [
+        {name: getattr(fit.candidate, name) for name in _NUMBERS}
+        | {f"level_{name}": fit.levels[name] for name in SCENARIOS}
+        | {f"sbc_{name}": round(fit.sbc[name], 2) for name in SCENARIOS}
+        | {f"abc_{name}": round(fit.abc[name], 2) for name in SCENARIOS}
+        | {"share": round(fit.share, 4)}
+        | {name: round(fit.holds[name], 4) for name in REQUIRED}
+        for fit in fits
+    ]
+    write_text(path, pandas.DataFrame(rows).to_csv(index=False, lineterminator="\n", na_rep="nan"))
 
 
 def read_fits(path: Path) -> list[CandidateFit]:
     """Return the fits in a file that `write_fits` wrote."""
-    with path.open(newline="", encoding="utf-8") as file:
-        rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+
+    def by_name(row: Mapping[str, float], names: Iterable[str], kind: str = "") -> dict[str, float]:
+        return {name: row[kind + name] for name in names}
+
     return [
         CandidateFit(
-            candidate=Candidate(**{name: row[name] for name in _NUMBERS}),
-            levels={name: row[f"level_{name}"] for name in SCENARIOS},
-            sbc={name: row[f"sbc_{name}"] for name in SCENARIOS},
-            abc={name: row[f"abc_{name}"] for name in SCENARIOS},
+            candidate=Candidate(**by_name(row, _NUMBERS)),
+            levels=by_name(row, SCENARIOS, "level_"),
+            sbc=by_name(row, SCENARIOS, "sbc_"),
+            abc=by_name(row, SCENARIOS, "abc_"),
             share=row["share"],
-            holds={name: row[name] for name in REQUIRED},
+            holds=by_name(row, REQUIRED),
         )
-        for row in rows
+        for row in pandas.read_csv(path, dtype=float).to_dict("records")
     ]
 
 

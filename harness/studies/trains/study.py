@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -174,39 +174,35 @@ def page_of(
         },
         data={
             "trains.json": {"trains": [row_of(stop) for stop in (*stops, *series)], "protected_stop": protected_stops},
-            "sanders.json": _sanders_as_data(trial, density, comparisons),
+            "sanders.json": {
+                "rows": comparisons,
+                "law": {"mu0": trial.law.mu0, "left": trial.law.left, "density_kg_m": density, "source": trial.source},
+            },
         },
         screen=(distances, protected, sanders),
     )
 
 
-def _sanders_as_data(trial: SanderTrial, density: float, comparisons: Sequence[Comparison]) -> dict[str, Any]:
-    law = {"mu0": trial.law.mu0, "left": trial.law.left, "density_kg_m": density, "source": trial.source}
-    return {"rows": comparisons, "law": law}
-
-
 def _answer(stops: Sequence[DryStop]) -> str:
-    differences = [100 * (stop.distance / stop.hand.distance - 1) for stop in stops]
+    differences = [_difference_by_hand(stop) for stop in stops]
     return (
         f"{len(stops)} dry emergency stops differ from the calculation by hand of EN 14531-1 by "
         f"{min(differences):+.1f} to {max(differences):+.1f} %. The tables below also have published distances."
     )
 
 
+def _difference_by_hand(stop: DryStop) -> float:
+    return 100 * (stop.distance / stop.hand.distance - 1)
+
+
 def table_of(stops: Sequence[DryStop]) -> ReportTable:
     """Return the dry stops and the calculation by hand."""
     rows = [
-        {
-            "train": stop.train.name,
-            "from": 3.6 * stop.speed,
-            "simulated": stop.distance,
-            "by hand": stop.hand.distance,
-            "difference": 100 * (stop.distance / stop.hand.distance - 1),
-        }
+        (stop.train.name, 3.6 * stop.speed, stop.distance, stop.hand.distance, _difference_by_hand(stop))
         for stop in stops
     ]
-    forms = {"from": "{:.0f} km/h", "simulated": "{:.1f} m", "by hand": "{:.1f} m", "difference": "{:+.1f} %"}
-    return ReportTable(rows, forms, ("train",))
+    metres = dict.fromkeys(("simulated", "by hand"), "{:.1f} m")
+    return ReportTable.of({"train": "", "from": "{:.0f} km/h", **metres, "difference": "{:+.1f} %"}, rows)
 
 
 def table_of_protected(stops: Sequence[Mapping[str, float]]) -> ReportTable:
@@ -264,51 +260,46 @@ def _published_table(stops: Sequence[DryStop]) -> ReportTable:
 def _filling(stops: Sequence[DryStop]) -> ReportTable:
     least, most = FILLING
     rows = [
-        {
-            "train": stop.train.name,
-            "filling to 95 %": f"{stop.filling.filling.min():.2f} to {stop.filling.filling.max():.2f} s",
-            "UIC 540, P": f"{least:g} to {most:g} s",
-            "front": f"{stop.filling.propagation:.0f} m/s",
-            "UIC 540": f"≥ {PROPAGATION:g} m/s",
-            "last car begins": f"{stop.filling.begin[-1]:.2f} s",
-        }
+        (
+            stop.train.name,
+            f"{filling.filling.min():.2f} to {filling.filling.max():.2f} s",
+            f"{least:g} to {most:g} s",
+            f"{filling.propagation:.0f} m/s",
+            f"≥ {PROPAGATION:g} m/s",
+            f"{filling.begin[-1]:.2f} s",
+        )
         for stop in stops
-        if stop.filling is not None
+        if (filling := stop.filling) is not None
     ]
-    return ReportTable(rows, {}, ("train",))
+    return ReportTable.of(("train", "filling to 95 %", "UIC 540, P", "front", "UIC 540", "last car begins"), rows)
 
 
 def _forces(stops: Sequence[DryStop]) -> ReportTable:
     rows = [
-        {
-            "train": stop.train.name,
-            "largest in a coupler": stop.coupler_force.max() / 1e3,
-            "quasi-static": np.abs(stop.hand.coupler_force).max() / 1e3,
-            "chain": stop.chain.max() / 1e3,
-            "strength": min(coupler.strength for coupler in stop.train.couplers.values()) / 1e3,
-        }
+        (
+            stop.train.name,
+            stop.coupler_force.max() / 1e3,
+            np.abs(stop.hand.coupler_force).max() / 1e3,
+            stop.chain.max() / 1e3,
+            min(coupler.strength for coupler in stop.train.couplers.values()) / 1e3,
+        )
         for stop in stops
         if stop.coupler_force.size
     ]
-    return ReportTable(
-        rows, dict.fromkeys(("largest in a coupler", "quasi-static", "chain", "strength"), "{:.1f} kN"), ("train",)
-    )
+    columns = ("train", "largest in a coupler", "quasi-static", "chain", "strength")
+    return ReportTable.of(columns, rows, "{:.1f} kN")
 
 
 def _costs(stops: Sequence[DryStop]) -> ReportTable:
     rows = [
-        {
-            "train": stop.train.name,
-            "cars": len(stop.train.cars),
-            "axles": len(stop.train.axles),
-            "states": stop.states,
-            "build": stop.build_s,
-            "plant step": stop.plant_step_us,
-            "cycle": stop.cycle_us,
-        }
+        (
+            *(stop.train.name, len(stop.train.cars), len(stop.train.axles)),
+            *(stop.states, stop.build_s, stop.plant_step_us, stop.cycle_us),
+        )
         for stop in stops
     ]
-    return ReportTable(rows, {"build": "{:.1f} s", "plant step": "{:.1f} µs", "cycle": "{:.1f} µs"}, ("train",))
+    times = {"build": "{:.1f} s", "plant step": "{:.1f} µs", "cycle": "{:.1f} µs"}
+    return ReportTable.of(dict.fromkeys(("train", "cars", "axles", "states"), "{}") | times, rows)
 
 
 def _distance_figure(stops: Sequence[DryStop]) -> Figure:

@@ -17,14 +17,13 @@ from railgrip.report.table import ReportTable
 from railgrip.studies.type_test import design
 from railgrip.studies.type_test.design import Case
 from railgrip.studies.type_test.track_case import (
-    PublishedRail,
     TrackCase,
     passage_cases,
     published_rails,
     track_cases,
 )
 
-AnyCase = Case | TrackCase | PublishedRail
+AnyCase = Case | TrackCase
 
 
 Draw = Callable[[int, int], tuple[AnyCase, ...]]

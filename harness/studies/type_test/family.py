@@ -63,7 +63,7 @@ def losses(rows: Frame, board: Frame) -> ReportTable:
             "longer than best": worst.lost,
             "median": with_interval(worst.median, worst.median_interval),
             "95 %": with_interval(worst.p95, worst.p95_interval),
-            "median of all": with_interval(summary.median, (None, None)),
+            "median of all": with_interval(summary.median),
         }
         for summary in board.itertuples()
         if (worst := max(by_controller.get(summary.controller, ()), key=_badness, default=None))
@@ -75,9 +75,9 @@ def _badness(row: Any) -> tuple[float, float, float]:
     return endless(row.median), row.lost or 0.0, endless(row.p95)
 
 
-def with_interval(value: float | None, interval: Interval) -> str:
-    """Return a ratio with its interval in brackets; None is a train that does not stop."""
-    text = "no stop" if value is None else f"{value:.3f}"
+def with_interval(value: float | None, interval: Interval = (None, None), missing: str = "no stop") -> str:
+    """Return a ratio with its interval in brackets; None is `missing`, by default a train that does not stop."""
+    text = missing if value is None else f"{value:.3f}"
     low, high = interval
     return text if low is None else f"{text} [{low:.3f}, {'no stop' if high is None else f'{high:.3f}'}]"
 
@@ -89,8 +89,7 @@ def by_axis(rows: Frame, board: Frame) -> dict[str, ReportTable]:
         cells: dict[str, dict[str, object]] = {}
         counts = dict(zip(of_axis["value"], of_axis["compared"], strict=True))
         for row in of_axis.itertuples():
-            unknown = (None, None)
-            text = f"{with_interval(row.median, unknown)} / {with_interval(row.p95, unknown)}" if row.compared else ""
+            text = f"{with_interval(row.median)} / {with_interval(row.p95)}" if row.compared else ""
             of_controller = cells.setdefault(row.controller, {"controller": row.controller})
             of_controller[f"{row.value} ({counts[row.value]})"] = text
         order = [name for name in board["controller"] if name in cells]
@@ -102,31 +101,22 @@ def by_axis(rows: Frame, board: Frame) -> dict[str, ReportTable]:
 
 def table_of_controller(rows: Frame, summary: Any) -> ReportTable:
     """Return the results of one controller: a row for all cases, then one for each family."""
+    own = [row for row in rows.itertuples() if row.controller == summary.controller]
     table: list[dict[str, object]] = [
         {
-            "family": "all cases",
-            "compared": f"{summary.compared} of {summary.cases}",
-            "stops": summary.stops,
-            "median": with_interval(summary.median, summary.median_interval),
-            "95 %": with_interval(summary.p95, summary.p95_interval),
-            "longer than best": "",
-            "over bound": summary.over_bound,
+            "family": family,
+            "compared": f"{row.compared} of {row.cases}",
+            "stops": row.stops,
+            "median": with_interval(row.median, row.median_interval) if row.compared else "",
+            "95 %": with_interval(row.p95, row.p95_interval) if row.compared else "",
+            "longer than best": None if row is summary else row.lost,
+            "over bound": row.over_bound,
         }
+        for family, row in (("all cases", summary), *((f"{row.axis}: {row.value}", row) for row in own))
     ]
-    for row in rows.itertuples():
-        if row.controller == summary.controller:
-            table.append(
-                {
-                    "family": f"{row.axis}: {row.value}",
-                    "compared": f"{row.compared} of {row.cases}",
-                    "stops": row.stops,
-                    "median": with_interval(row.median, row.median_interval) if row.compared else "",
-                    "95 %": with_interval(row.p95, row.p95_interval) if row.compared else "",
-                    "longer than best": "" if row.lost is None else share(row.lost),
-                    "over bound": row.over_bound,
-                }
-            )
-    return ReportTable(table, {"stops": share, "over bound": "{:.3f}"}, ("family",))
+    return ReportTable(
+        table, dict.fromkeys(("stops", "longer than best"), share) | {"over bound": "{:.3f}"}, ("family",)
+    )
 
 
 def table_of_families(rows: Frame) -> ReportTable:

@@ -343,26 +343,20 @@ def _faults(faults: Sequence[str], count: int, first: float, second: float) -> t
     return (one, _at(others, second))[:count]
 
 
+TABLE_1: Final = "Table 1"
+"""Kind of rail of `PublishedRail`."""
+_PUBLISHED: Final = ("trapezoid", "sine_sweep", "random")
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PublishedRail:
+class PublishedRail(TrackCase):
     """A rail of Table 1 of the papers in its scenario of the library, with the valves and sensors of the type test.
 
     Attributes:
-        name: Its number and its set.
         scenario: Name of the scenario.
-        speed: At the brake demand [m/s].
-        train: '', the train of the command.
     """
 
-    name: str
     scenario: str
-    speed: float
-    train: str = ""
-
-    @property
-    def has_bound(self) -> bool:
-        """Whether the bound is pointwise: slip does not change these rails."""
-        return True
 
     @property
     def mechanics(self) -> str:
@@ -371,65 +365,42 @@ class PublishedRail:
 
     def variants(self) -> dict[str, str]:
         """Return its values as people read them."""
-        adhesion = self._adhesion()
-        mean = adhesion.get("mean") or 0.5 * (adhesion["minimum"] + adhesion["maximum"])
-        passed = adhesion["conditioning"]
-        return {
-            "case": self.name,
-            "curve": adhesion["polach"],
-            "blend": "none",
-            "over": adhesion["over"],
-            "rail": TABLE_1,
-            "scale": self.scenario,
-            "cleaning": "none",
-            "passage": f"by {passed['by']}",
-            "strength": f"{passed['fraction']:.2f} to {passed['recovered']:.3f}",
-            "friction": f"{adhesion['calibrated'][adhesion['polach']] * mean:.3f}",
-            "speed": f"{KMH * self.speed:.0f} km/h",
-            "train": self.train or "default",
-            "load": "1.000",
-            "radius": "± 0.0 %",
-            "pads": "1.000",
-            "gradient": "+0 ‰",
-            "mechanics": self.mechanics,
-            "number of faults": "0",
-            "fault": "none",
-        }
+        # A dataclass with slots is another class than the one that super() without arguments refers to.
+        shown = TrackCase.variants(self)
+        return shown | {"over": self._table()["adhesion"]["over"], "scale": self.scenario}
 
     def tables(self, groups: int) -> dict[str, Any]:
         """Return the overrides for the scenario of a train with a number of groups."""
-        scenario = self._scenario()
+        table = self._table()
         return {
-            "seed": scenario["seed"],
+            "seed": table["seed"],
             "start": {"speed": self.speed},
             "truth": {"mechanics": self.mechanics},
-            "adhesion": self._adhesion(),
-            "limits": {"horizon": scenario["limits"]["horizon"]},
+            "adhesion": dict(table["adhesion"]),
+            "limits": {"horizon": table["limits"]["horizon"]},
         }
 
-    def fault_tables(self, groups: int) -> dict[str, Any]:
-        """Return no tables: there is no fault."""
-        return {}
-
-    def _scenario(self) -> dict[str, Any]:
+    def _table(self) -> dict[str, Any]:
         return read_toml(registry.shelf("scenarios")[self.scenario])
-
-    def _adhesion(self) -> dict[str, Any]:
-        return dict(self._scenario()["adhesion"])
-
-
-TABLE_1: Final = "Table 1"
-"""Kind of rail of `PublishedRail`."""
-_PUBLISHED: Final = ("trapezoid", "sine_sweep", "random")
-_PUBLISHED_SPEED: Final = 80 / KMH
 
 
 def published_rails(count: int, seed: int) -> tuple[PublishedRail, ...]:
     """Return the rails of Table 1 of the papers; only the first ones for a smaller count."""
     return tuple(
-        PublishedRail(name=f"{number}of{count}v2t-{seed}", scenario=scenario, speed=_PUBLISHED_SPEED)
+        _published_rail(f"{number}of{count}v2t-{seed}", scenario)
         for number, scenario in enumerate(_PUBLISHED[:count], start=1)
     )
+
+
+def _published_rail(name: str, scenario: str) -> PublishedRail:
+    adhesion = read_toml(registry.shelf("scenarios")[scenario])["adhesion"]
+    mean, passed = adhesion.get("mean") or 0.5 * (adhesion["minimum"] + adhesion["maximum"]), adhesion["conditioning"]
+    return PublishedRail(
+        name=name, scenario=scenario, speed=80 / KMH, train="", rail=TABLE_1, scale=0.0, cleaning="none",
+        curve=adhesion["polach"], other="", share=0.0, friction=adhesion["calibrated"][adhesion["polach"]] * mean,
+        passage=f"by {passed['by']}", fraction=passed["fraction"], recovered=passed["recovered"],
+        load=1.0, radius=0.0, pads=1.0, gradient=0.0, faults=(), lot=0,
+    )  # fmt: skip
 
 
 _PATCHES: Final = TrackCase(
