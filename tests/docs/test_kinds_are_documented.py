@@ -7,7 +7,7 @@ import pytest
 
 from railgrip.base import registry
 from railgrip.estimation.models import model_of
-from railgrip.estimators.tuning import NOISE_SETS
+from railgrip.estimators.design import NOISE_SETS
 from railgrip.scenario.faults import Fault
 from railgrip.scenario.sensors import SensorModel
 from railgrip.simulate.estimator import _NOISE_PREFIX

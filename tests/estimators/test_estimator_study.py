@@ -21,10 +21,12 @@ from railgrip.fmus.build import fmu
 from railgrip.simulate.estimator import RELEASED_PADS
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.estimators import replay as own_replay
-from railgrip.studies.estimators.available import TRUTH, available_errors, largest_of_last
 from railgrip.studies.estimators.judge import (
+    TRUTH,
+    available_errors,
     bounds_of,
     errors_of,
+    largest_of_last,
     pads_are_identifiable,
     step_delay,
     truths_of,
