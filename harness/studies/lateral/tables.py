@@ -271,6 +271,8 @@ def innovation_table(frame: Frame) -> ReportTable:
 def observability_table(frame: Frame) -> ReportTable:
     """Return the standard deviation of mu0 given windows of readings, by speed and condition."""
     columns = ["condition", "paper", "service"]
+    if "observability.condition" not in frame:  # no run on the plant of the paper
+        return ReportTable([])
     runs = frame.dropna(subset="observability.condition").rename(columns=lambda name: name.split("observability.")[-1])
     windows = runs[["speed", *columns]].explode(columns)
     rows: list[dict[str, Any]] = []
