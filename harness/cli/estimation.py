@@ -19,8 +19,7 @@ from railgrip.cli.library import write_schema
 from railgrip.estimation.inspection import inspect_recording
 from railgrip.estimation.judge import Judgement, judge
 from railgrip.estimation.models import units_of
-from railgrip.estimation.observable import observe, with_estimates_as_truth
-from railgrip.estimation.page import errors_table, estimate_page, parameters_table
+from railgrip.estimation.results import errors_table, estimate_page, observe, parameters_table, with_estimates_as_truth
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import (
     ModelParameter,

@@ -105,13 +105,14 @@ BEYOND = 2.0
 EVALUATED = 1500
 """Maximum number of samples at which the model is evaluated."""
 
+_OTHER_LOGGER = "Does one of them come through a filter or from another logger?"
 _SPEEDS = ("m/s", "km/h", "mph", "knot", "km/min")
 _ROTATIONS = ("rad/s", "rev/min", "rev/s", "deg/s")
 _FORCES = ("N", "kN", "MN", "lbf")
 _PRESSURES = ("Pa", "hPa", "kPa", "bar", "MPa", "psi", "mbar")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Disagreement:
     """Signals of a recording that contradict each other or the model.
 
@@ -127,7 +128,7 @@ class Disagreement:
     signals: tuple[str, ...]
     value: float
     sentence: str
-    is_impossible: bool
+    is_impossible: bool = False
 
 
 def require_agreement(
@@ -272,13 +273,7 @@ class _RecordingComparison:
             if not is_impossible:
                 cause = f"Is r_wheel that of your vehicle? {(self._radius(first) or 0.0) / ratio:.3g} m would fit."
                 cause += "" if is_rolling else " Or is one of the columns late?"
-        return Disagreement(
-            kind="scale",
-            signals=("speed", *names),
-            value=ratio,
-            sentence=f"{what}. {cause}",
-            is_impossible=is_impossible,
-        )
+        return Disagreement("scale", ("speed", *names), ratio, f"{what}. {cause}", is_impossible)
 
     def _slowing(self) -> Vector:
         # Too few samples for a derivative: zero.
@@ -326,22 +321,18 @@ class _RecordingComparison:
             what += f", {abs(begin):.2g} s at {time[0]:.1f} s and {abs(end):.2g} s at {time[-1]:.1f} s"
             cause = f"Does one of their clocks run {100 * abs(end) / elapsed:.1g} % slow?"
         else:
-            cause = "Does one of them come through a filter or from another logger?"
-        return Disagreement(
-            kind="timing",
-            signals=("speed", *names),
-            value=delay,
-            sentence=f"{what} while the train slows. {cause} Shift the column in the file.",
-            is_impossible=False,
-        )
+            cause = _OTHER_LOGGER
+        sentence = f"{what} while the train slows. {cause} Shift the column in the file."
+        return Disagreement("timing", ("speed", *names), delay, sentence)
 
     # ---- brake force --------------------------------------------------------------------------------------------
 
     def forces(self) -> list[Disagreement]:
         """Compare the momentum that a train loses in braking with the brake force that the model computes."""
-        mass, inertias = self._mass(), self._inertias()
-        if self._speed is None or not self._wheels or mass is None or inertias is None or not self._brakes:
+        parts = self._momentum()
+        if self._speed is None or parts is None:
             return []
+        mass, weights, momentum = parts
         rims = np.stack([self._rim(name) for name in self._wheels], axis=1)
         applied = self._brake_mask()
         is_braked = self._is_long(applied)
@@ -352,8 +343,6 @@ class _RecordingComparison:
         steps = usable[:-1] & usable[1:]
         if not self._is_long(steps):
             return []
-        weights = np.array([inertias[name] / (self._radius(name) or 1.0) for name in self._wheels])
-        momentum = mass * self._speed + np.stack(list(self._wheels.values()), axis=1) @ weights
         brake, other = self._model_forces(mass, weights, np.flatnonzero(usable))
         duration = float(steps.sum() * self._period)
         lost = -float(np.diff(momentum)[steps].sum()) / duration
@@ -381,15 +370,8 @@ class _RecordingComparison:
             f"the {observed / 1e3:.3g} kN that slow {mass / 1e3:.3g} t in {self._describe(['speed'])}. "
             f"{cause}"
         )
-        return [
-            Disagreement(
-                kind="brake force",
-                signals=("speed", *names),
-                value=ratio,
-                sentence=sentence,
-                is_impossible=(is_braked or self._follows_the_brakes()) and excess > BEYOND,
-            )
-        ]
+        is_impossible = (is_braked or self._follows_the_brakes()) and excess > BEYOND
+        return [Disagreement("brake force", ("speed", *names), ratio, sentence, is_impossible)]
 
     def _pressure_unit(self, names: Sequence[str]) -> str:
         """Return a question for the unit in which the largest pressure would be that of a brake, or an empty text.
@@ -433,15 +415,7 @@ class _RecordingComparison:
             cause = f"Is it an absolute pressure? Write offset = {offset:.6g} with the column in [data.columns]."
         else:
             cause = "Does the transducer have an offset, or did a brake not release? Correct it with offset."
-        return [
-            Disagreement(
-                kind="release",
-                signals=tuple(pressures),
-                value=low,
-                sentence=f"{what}. {cause}",
-                is_impossible=False,
-            )
-        ]
+        return [Disagreement("release", tuple(pressures), low, f"{what}. {cause}")]
 
     def accelerations(self) -> list[Disagreement]:
         """Compare accelerometers along the vehicle with the derivative of the speed."""
@@ -482,30 +456,19 @@ class _RecordingComparison:
             elif fit > FITS and abs(lag) > LAG:
                 direction, value = "behind" if lag > 0.0 else "ahead of", lag
                 sentence = (
-                    f"{own} is about {abs(lag):.2g} s {direction} the derivative of {others}. Does one of them come "
-                    "through a filter or from another logger? Shift the column in the file."
+                    f"{own} is about {abs(lag):.2g} s {direction} the derivative of {others}. {_OTHER_LOGGER} "
+                    "Shift the column in the file."
                 )
             if sentence:
-                found.append(
-                    Disagreement(
-                        kind="acceleration",
-                        signals=("speed", name),
-                        value=value,
-                        sentence=sentence,
-                        is_impossible=is_impossible,
-                    )
-                )
+                found.append(Disagreement("acceleration", ("speed", name), value, sentence, is_impossible))
         return found
 
     def brake_delays(self) -> list[Disagreement]:
         """Compare the instants of the brake force that the model computes and of the momentum that the train loses."""
-        mass, inertias = self._mass(), self._inertias()
-        if self._speed is None or not self._wheels or mass is None or inertias is None or not self._brakes:
+        parts = self._momentum()
+        if self._speed is None or parts is None or self._time.size < 3 * self._smoothed or self._period > LAG:
             return []
-        if self._time.size < 3 * self._smoothed or self._period > LAG:
-            return []
-        weights = np.array([inertias[name] / (self._radius(name) or 1.0) for name in self._wheels])
-        momentum = mass * self._speed + np.stack(list(self._wheels.values()), axis=1) @ weights
+        mass, weights, momentum = parts
         rows = np.arange(self._time.size)
         step = _stride(rows.size)
         brake, _ = self._model_forces(mass, weights, rows)
@@ -525,31 +488,23 @@ class _RecordingComparison:
         if fit < FITS or abs(lag) <= LAG:
             return []
         names, direction = list(self._brakes), "behind" if lag > 0.0 else "ahead of"
-        return [
-            Disagreement(
-                kind="brake delay",
-                signals=("speed", *names),
-                value=lag,
-                sentence=(
-                    f"{self._describe(names)} is about {abs(lag):.2g} s {direction} the deceleration in "
-                    f"{self._describe(['speed'])} and the wheelset speeds. Does one of them come through a filter or "
-                    "from another logger? Shift the column in the file."
-                ),
-                is_impossible=False,
-            )
-        ]
+        sentence = (
+            f"{self._describe(names)} is about {abs(lag):.2g} s {direction} the deceleration in "
+            f"{self._describe(['speed'])} and the wheelset speeds. {_OTHER_LOGGER} Shift the column in the file."
+        )
+        return [Disagreement("brake delay", ("speed", *names), lag, sentence)]
 
-    def _mass(self) -> float | None:
+    def _momentum(self) -> tuple[float, Vector, Vector] | None:
+        """Return mass [kg], inertia over radius of each wheelset, and momentum at each sample [kg m/s], if known."""
         masses = [value for name, value in self._parameters.items() if _base(name) == "m_wheelset"]
-        return self._parameters.get("m", self._parameters.get("m_imitated", sum(masses) or None))
-
-    def _inertias(self) -> dict[str, float] | None:
-        found = {
-            name: self._parameters.get(f"J[{name.partition('[')[2]}", self._parameters.get("J"))
-            for name in self._wheels
-        }
-        values = {name: value for name, value in found.items() if value is not None}
-        return values if len(values) == len(found) else None
+        mass = self._parameters.get("m", self._parameters.get("m_imitated", sum(masses) or None))
+        common = self._parameters.get("J")
+        inertias = [self._parameters.get(f"J[{name.partition('[')[2]}", common) for name in self._wheels]
+        if self._speed is None or not self._wheels or not self._brakes or mass is None or None in inertias:
+            return None
+        radii = [self._radius(name) or 1.0 for name in self._wheels]
+        weights = np.array([inertia or 0.0 for inertia in inertias]) / radii
+        return mass, weights, mass * self._speed + np.stack(list(self._wheels.values()), axis=1) @ weights
 
     def _friction(self) -> Vector:
         prediction = equations_for(self._specification)

@@ -10,7 +10,7 @@ Their covariance follows from that of the pad friction, to first order, and from
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from time import process_time
 from typing import Literal
 
@@ -337,7 +337,7 @@ class FilterRun:
 
     Attributes:
         mean, variance: Shape (k + 1, n), the start first.
-        squared_innovation: Normalised innovation squared of each step, shape (k,).
+        squared_innovation: Normalised innovation squared of each step, shape (k,); empty without innovations.
         degrees: Number of readings of each step, shape (k,).
         ended: Sentence on where and why it diverged; empty if it did not.
         microseconds: Processor time of a step [µs].
@@ -345,10 +345,15 @@ class FilterRun:
 
     mean: Matrix
     variance: Matrix
-    squared_innovation: Vector
-    degrees: Vector
-    ended: str
-    microseconds: float
+    squared_innovation: Vector = field(default_factory=lambda: np.zeros(0))
+    degrees: Vector = field(default_factory=lambda: np.zeros(0))
+    ended: str = ""
+    microseconds: float = 0.0
+
+    @property
+    def nis_ratio(self) -> float | None:
+        """Median of the normalised innovation squared over its expected one; None without innovations."""
+        return nis_ratio(self.squared_innovation, self.degrees) if self.squared_innovation.any() else None
 
 
 def run_kind(kind: str, context: FilterContext, data: FilterData) -> FilterRun:

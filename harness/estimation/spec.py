@@ -542,7 +542,7 @@ def settings_for(specification: Specification, period: float) -> Settings:
 def estimate_of(specification: Specification, recording: xarray.Dataset, filters: Sequence[str] = ()) -> xarray.Dataset:
     """Return the estimates of an estimation's filter at every sample of a recording; see `run.estimate`.
 
-    With names of kinds in `filters`, those of several filters; see `several.estimate_several`. The attributes
+    With names of kinds in `filters`, those of several filters; see `run.estimate_several`. The attributes
     `parameters` and `settings` are JSON: name, value, unit and origin of each parameter of the model, and of noises,
     start, gate and constant inputs. `problems` has a line for each reason for which the estimates are not to be used:
     signals or estimates that no vehicle has, and a filter that is lost. It is empty for valid estimates.

@@ -72,7 +72,12 @@ def order_interval(values: Sequence[float], share: float) -> tuple[float, float]
 
 
 def bootstrap_interval(
-    cases: Sequence[Any] | Array, statistic: Callable[[Array], Array], *, interpolate: bool = True
+    cases: Sequence[Any] | Array,
+    statistic: Callable[[Array], Array],
+    *,
+    interpolate: bool = True,
+    resamples: int = _RESAMPLES,
+    generator: np.random.Generator | None = None,
 ) -> tuple[float, float] | None:
     """Return the percentile bootstrap interval of a statistic over cases; None with fewer than two cases.
 
@@ -82,6 +87,8 @@ def bootstrap_interval(
         cases: Values of each case, shape (n, …).
         statistic: Function of resampled cases, shape (m, n, …), that returns m values.
         interpolate: Whether ends are interpolated between resamples; the mean of two infinite distances is undefined.
+        resamples: Number of resamples.
+        generator: Generator of the draws; None for that of all published intervals of stops.
 
     Raises:
         ValueError: A value is NaN, or infinite although ends are interpolated.
@@ -93,7 +100,8 @@ def bootstrap_interval(
         raise ValueError("a bootstrap interval needs a number for each case; leave out the cases without one")
     if len(values) < 2:
         return None
-    draws = np.random.default_rng(_SEED).integers(len(values), size=(_RESAMPLES, len(values)))
+    random = np.random.default_rng(_SEED) if generator is None else generator
+    draws = random.integers(len(values), size=(resamples, len(values)))
     method = "linear" if interpolate else "inverted_cdf"
     low, high = np.quantile(statistic(values[draws]), _ENDS, method=method)
     return float(low), float(high)

@@ -13,10 +13,9 @@ from railgrip.base.arrays import Vector
 from railgrip.base.errors import ScenarioError
 from railgrip.base.names import Element, did_you_mean, state_name
 from railgrip.controllers.free_wheel import FreeWheel
-from railgrip.estimators.consist import Consist
-from railgrip.estimators.design import FilterContext, FilterKind, Gate
+from railgrip.estimators.design import NOISE_SETS, FilterContext, FilterKind, Gate, NoiseSet, pad_gate
+from railgrip.estimators.filters.decentralised import Consist
 from railgrip.estimators.prediction import CasadiPrediction, with_state_names
-from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
 from railgrip.fmi import Description, FmuPrediction, SteppedFmuPrediction
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.native.library import library_of

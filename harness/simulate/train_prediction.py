@@ -14,7 +14,7 @@ from railgrip.base.cache import keep
 from railgrip.base.errors import ScenarioError
 from railgrip.base.names import Element
 from railgrip.base.system import Variable
-from railgrip.estimators.consist import Consist, Part
+from railgrip.estimators.filters.decentralised import Consist, Part
 from railgrip.estimators.prediction import with_state_names
 from railgrip.fmus.native import Model, lower
 from railgrip.vehicle.brake import pressure_of

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from typer import Option
 
 from railgrip.campaign.work import Work
-from railgrip.estimation.judge import errors, judge
+from railgrip.estimation.judge import errors, judge, rms
 from railgrip.estimation.models import units_of
 from railgrip.estimation.run import by_name, estimate
 from railgrip.estimation.sources import recording_of_estimation
@@ -181,7 +181,7 @@ def fit_of(case: tuple[str, float]) -> Row:
     """Return errors of equation (20) as printed on a test of the rig at a period, with each encoder of the roller.
 
     For an encoder: median of the errors outside protection events over `DRAWS`, and the number of draws within the
-    claim. `known` is the deviation to which `RECOVERY` seconds of readings with the noises of R determine adhesion at
+    claim. The bound is the deviation to which `RECOVERY` seconds of readings with the noises of R determine adhesion at
     their
     start, with an exact model: the Cramér-Rao bound of a filter that corrects an error in that time, median over
     windows.
@@ -191,15 +191,15 @@ def fit_of(case: tuple[str, float]) -> Row:
     recording = recording_of_rig(resample(name, period, 1e-9))
     speed, settings = recording["reading_speed"], settings_for(specification, period)
     prediction, equations = prediction_for(specification), equations_for(specification)
-    row: Row = {"scenario": name, "period": period}
+    row: Row = {"test": name, "period": f"{1e3 * period:g} ms"}
     for encoder in ENCODERS:
         found: list[dict[str, float]] = []
         for draw in range(1 if encoder == ENCODERS[0] else DRAWS):
             read = with_signals(recording, {"speed": (encode(speed.values, encoder, draw), "m/s")})
             estimates = estimate(read, prediction, settings, units=units_of(specification.model.prediction.model))
             found.append(excursions(read, estimates, SETTLED))
-        row[encoder] = float(np.median([found_["alpha_outside"] for found_ in found]))
-        row[f"{encoder}, kept"] = f"{sum(bool(found_['kept']) for found_ in found)} of {len(found)}"
+        kept = sum(bool(each["kept"]) for each in found)
+        row[encoder] = f"{np.median([each['alpha_outside'] for each in found]):.4f}, kept {kept} of {len(found)}"
     states = np.stack([truth_of(recording, state) for state in equations.states], axis=1)
     inputs = samples(recording, equations.inputs)
     window = round(RECOVERY / period)
@@ -207,8 +207,8 @@ def fit_of(case: tuple[str, float]) -> Row:
     _, _, deviation = along(
         equations, states, inputs, period, noise, np.ones(len(equations.states)), window, 10 * window
     )
-    row["known"] = float(np.median(deviation[:, equations.states.index("group_adhesion")]))
-    return row
+    known = float(np.median(deviation[:, equations.states.index("group_adhesion")]))
+    return row | {"bound of 0.1 s": known}
 
 
 TRUSTS: tuple[tuple[float, float], ...] = ((1e-9, 1e1), (1e1, 1e1), (1e-9, 1e-9), (1e1, 1e-9), (1e-9, 1e-5))
@@ -219,7 +219,7 @@ and for both, and a value between."""
 def trust_of(case: tuple[float, float]) -> Row:
     """Return errors of adhesion in the sanding test with R11 and Q11 of `TRUSTS` in equation (20), else as printed.
 
-    `slide`, `all`: rms error of adhesion in the range of figure 6, and after the start; `largest`: error in the slide.
+    They are the rms error and the largest in the slide, the range of figure 6, and the rms error after the start.
     """
     reading, process = case
     changes = (f"noise.readings.wheelset_speed={reading}", f"noise.process.w={process}")
@@ -227,25 +227,18 @@ def trust_of(case: tuple[float, float]) -> Row:
     recording = recording_of_rig(load(Path("rig_sand")))
     error = errors(recording, estimate_of(specification, recording), "alpha")
     time = recording["time"].values
-    slide = (time >= published.DEEP_SLIDE[0]) & (time <= published.DEEP_SLIDE[1])
-    return {
-        "R11": reading,
-        "Q11": process,
-        "slide": float(np.sqrt(np.mean(error[slide] ** 2))),
-        "largest": float(np.max(np.abs(error[slide]))),
-        "all": float(np.sqrt(np.mean(error[time >= time[0] + SETTLED] ** 2))),
-    }
+    slide = error[(time >= published.DEEP_SLIDE[0]) & (time <= published.DEEP_SLIDE[1])]
+    found = rms(slide), float(np.max(np.abs(slide))), rms(error[time >= time[0] + SETTLED])
+    return {"R11": reading, "Q11": process} | dict(zip(TRUST_ERRORS, found, strict=True))
+
+
+TRUST_ERRORS: Final = ("α rms, 4 to 11 s", "α largest, 4 to 11 s", "α rms, whole test")
 
 
 def trust_table(rows: Sequence[Row]) -> ReportTable:
     """Return the errors of `trust_of`."""
-    named = [
-        {"R11": row["R11"], "Q11": row["Q11"], "α rms, 4 to 11 s": row["slide"], "α largest, 4 to 11 s": row["largest"],
-         "α rms, whole test": row["all"]}
-        for row in rows
-    ]  # fmt: skip
-    forms: dict[str, Form] = dict.fromkeys(("α rms, 4 to 11 s", "α largest, 4 to 11 s", "α rms, whole test"), "{:.4f}")
-    return ReportTable(named, forms | dict.fromkeys(("R11", "Q11"), "{:.0e}"))
+    forms: dict[str, Form] = dict.fromkeys(TRUST_ERRORS, "{:.4f}")
+    return ReportTable(rows, forms | dict.fromkeys(("R11", "Q11"), "{:.0e}"))
 
 
 WAGONS: Mapping[str, Mapping[str, float]] = {
@@ -286,18 +279,9 @@ def encode(speed: NDArray[np.float64], encoder: str, draw: int) -> NDArray[np.fl
 
 
 def fit_table(rows: Sequence[Row]) -> ReportTable:
-    """Return the errors of adhesion outside protection events at each period with each encoder."""
-    return ReportTable(
-        [
-            {"test": row["scenario"], "period": f"{1e3 * row['period']:g} ms"}
-            | {name: f"{row[name]:.4f}, kept {row[f'{name}, kept']}" for name in ENCODERS}
-            | {"bound of 0.1 s": row["known"]}
-            for row in rows
-        ],
-        {"bound of 0.1 s": "±{:.1e}"},
-        left=("test",),
-        title="Equation (20) as printed: adhesion error outside protection events",
-    )
+    """Return the errors of `fit_of`, for each test and period."""
+    title = "Equation (20) as printed: adhesion error outside protection events"
+    return ReportTable(rows, {"bound of 0.1 s": "±{:.1e}"}, ("test",), title)
 
 
 def _filters() -> dict[str, Specification]:

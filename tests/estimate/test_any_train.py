@@ -16,8 +16,8 @@ from railgrip.estimation.models import of_class, of_train, units_of
 from railgrip.estimation.run import estimate
 from railgrip.estimation.sources import complete_trace, require_consistent
 from railgrip.estimation.spec import load_specification, model_parameters, settings_for
+from railgrip.estimators.design import NOISE_SETS
 from railgrip.estimators.discretisation import advance
-from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.recording.samples import recording_of
 from railgrip.rolling_stock.modelica import nominal_data
 from railgrip.rolling_stock.schema import load_train

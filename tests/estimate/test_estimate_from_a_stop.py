@@ -11,7 +11,7 @@ import railgrip as rg
 from railgrip.base.errors import EstimationError, InputError
 from railgrip.cli.main import app
 from railgrip.estimation.spec import LIBRARY
-from railgrip.estimators.tuning import NOISE_SETS
+from railgrip.estimators.design import NOISE_SETS
 from railgrip.recording.samples import reading_of, readings_in, unit_of
 from railgrip.trace.netcdf import read_trace, write_trace
 

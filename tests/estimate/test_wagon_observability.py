@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railgrip.estimation.models import of_class
-from railgrip.estimation.observable import observe
+from railgrip.estimation.results import observe
 from railgrip.estimation.spec import LIBRARY, load_specification
 from railgrip.estimators.observability import observability, readings_and_rates
 from railgrip.recording.samples import recording_of

@@ -16,11 +16,9 @@ from small_models import runge_kutta
 from railgrip.base.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import GaussianEstimate
 from railgrip.estimators.compiled import CompiledFilter
-from railgrip.estimators.consist import Consist, Part, part_equations
-from railgrip.estimators.design import Gate
-from railgrip.estimators.filters.decentralised import DecentralisedFilter
+from railgrip.estimators.design import NOISE_SETS, Gate
+from railgrip.estimators.filters.decentralised import Consist, DecentralisedFilter, Part, part_equations
 from railgrip.estimators.prediction import CasadiPrediction, with_state_names
-from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.fmus.native import lower
 from railgrip.simulate.train_prediction import CentralPrediction, central_of, consist_of, start_of
 from railgrip.vehicle.formation import Formation

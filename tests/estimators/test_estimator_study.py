@@ -1,6 +1,7 @@
 """Recordings of the study of estimators are balanced, equal for all estimators, and evaluated by known errors."""
 
 import json
+import math
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -21,10 +22,12 @@ from railgrip.fmus.build import fmu
 from railgrip.simulate.estimator import RELEASED_PADS
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.estimators import replay as own_replay
-from railgrip.studies.estimators.available import TRUTH, available_errors, largest_of_last
 from railgrip.studies.estimators.judge import (
+    TRUTH,
+    available_errors,
     bounds_of,
     errors_of,
+    largest_of_last,
     pads_are_identifiable,
     step_delay,
     truths_of,
@@ -59,6 +62,7 @@ from railgrip.studies.estimators.search import BUDGET, interval_score, read_fact
 from railgrip.studies.estimators.study import FACTORS_FILE, Estimators
 from railgrip.studies.estimators.tables import (
     SETTLED,
+    by_family,
     leaderboard,
     pads_by_group,
     rows_of_estimation,
@@ -198,6 +202,43 @@ def test_the_skill_of_groups_leaves_out_cases_in_which_they_are_not_identifiable
     assert skill_of_groups(own, reference) == [0.75, pytest.approx(np.nan, nan_ok=True)]
     (row,) = pads_by_group(own, [(0.1, (0.5, 0.0))] * 2).rows
     assert row == {"group": 1, "identifiable": 0.5, "own": pytest.approx(np.sqrt(5.0))}
+
+
+def frame_of(errors, coverage=math.nan):
+    """A row for each estimator and case with these errors of adhesion; NaN has diverged."""
+    return pandas.DataFrame(
+        {"estimator": name, "case": f"case {k}", "rmse.adhesion": error, "diverged": math.isnan(error)}
+        | dict.fromkeys(("bias", "delay", "step_delay", "microseconds", "lost", "admitted", "width", "nees", "nis"))
+        | {f"{figure}.{target}": coverage for figure, target in (("coverage", "adhesion"), ("coverage", "speed"))}
+        | {"pads": (error,) * 2}
+        | {field: "all" for field in FAMILIES}
+        for name, row in errors.items()
+        for k, error in enumerate(row)
+    ).astype({"bias": float, "delay": float, "step_delay": float, "microseconds": float})
+
+
+def test_the_leaderboard_has_medians_and_skills_of_numpy_in_any_order_of_cases():
+    draw = np.random.default_rng(1)
+    errors = {name: draw.uniform(0.01, 0.1, 12) for name in ("fmu", CONSTANT, FORCE_BALANCE)}
+    for order in (np.arange(12), draw.permutation(12)):
+        rows = leaderboard(frame_of({name: values[order] for name, values in errors.items()})).rows
+        assert [row["estimator"] for row in rows] == sorted(errors, key=lambda name: np.median(errors[name]))
+        for row in rows:
+            own = errors[row["estimator"]]
+            assert row["median RMSE"] == pytest.approx(np.median(own), rel=1e-12)
+            for column, reference in (("over constant", CONSTANT), ("over force balance", FORCE_BALANCE)):
+                skill_of_all = 1.0 - np.sum(own**2) / np.sum(errors[reference] ** 2)
+                assert row[column] == pytest.approx(skill_of_all, abs=1e-12)
+
+
+@pytest.mark.filterwarnings("error")
+def test_an_estimator_that_diverged_in_every_case_has_empty_cells():
+    frame = frame_of({CONSTANT: [0.1, 0.2], FORCE_BALANCE: [0.1, 0.1], "lost": [math.nan, math.nan]})
+    last = leaderboard(frame).texts[-1]
+    assert (last["estimator"], last["diverged"], last["cases"]) == ("lost", "2", "2")
+    assert {last[name] for name in ("median RMSE", "from", "over constant", "95 %")} == {""}
+    assert "lost" not in by_family(frame).columns
+    assert [row["lost"] for row in pads_by_group(frame, [(0.1, (0.5, 0.5))] * 2).texts] == ["", ""]
 
 
 @pytest.mark.usefixtures("in_process")

@@ -44,8 +44,8 @@ from small_models import runge_kutta
 
 from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.design import NOISE_SETS, pad_gate
 from railgrip.estimators.prediction import CasadiPrediction, with_state_names
-from railgrip.estimators.tuning import NOISE_SETS, pad_gate
 from railgrip.fmus.native import lower
 from railgrip.vehicle.brake import pressure_of
 

@@ -9,7 +9,7 @@ import pytest
 from railgrip.base.errors import EstimationError, EstimatorError, ScenarioError
 from railgrip.campaign.work import work
 from railgrip.estimation.motion import brake_mask, braking_of, traction_mask
-from railgrip.estimation.observable import observe, with_estimates_as_truth
+from railgrip.estimation.results import observe, with_estimates_as_truth
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import estimate_of
 from railgrip.recording.samples import reading_of, truth_of, with_signals

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railgrip.studies.axle_box.bench import FrictionErrors, elasticity, family_rows, family_table
+from railgrip.studies.axle_box.bench import elasticity, family_rows, family_table
 from railgrip.studies.axle_box.instrumented_car import MPH, Pass, ride
 
 RUN = Pass(
@@ -37,11 +37,11 @@ def test_an_exponent_is_found_with_its_interval():
 def test_skill_is_over_the_constant_and_a_missing_claim_is_left_out():
     error = np.array([0.1, -0.1, 0.1, -0.1])
     errors = {
-        "learned": FrictionErrors(error=0.5 * error, deviation=np.full(4, 0.05)),
-        "constant": FrictionErrors(error=error, deviation=np.full(4, np.nan)),
+        "learned": (0.5 * error, np.full(4, 0.05)),
+        "constant": (error, np.full(4, np.nan)),
     }
     learned, constant = family_rows("axle box", errors)
     assert learned["skill over constant"] == pytest.approx(0.75)
     assert (learned["coverage"], learned["NEES"]) == (1.0, pytest.approx(1.0))
-    assert "coverage" not in constant
-    assert len(family_table([learned, constant]).rows) == 2
+    texts = family_table([learned, constant]).texts
+    assert [texts[1][name] for name in ("coverage", "NEES", "skill over constant")] == ["", "", ""]

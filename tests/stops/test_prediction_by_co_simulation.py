@@ -13,10 +13,10 @@ from table_1 import table_1_scenario
 import railgrip.scenario
 from railgrip.base.errors import FmuError, ScenarioError
 from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.design import NOISE_SETS
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.filters.moving_horizon import HorizonFilter
 from railgrip.estimators.prediction import CasadiPrediction, with_state_names
-from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.fmi import SteppedFmuPrediction, describe
 from railgrip.report.stop import Stop
 from railgrip.scenario.load import load, scenario_of

@@ -7,16 +7,18 @@ from functools import partial
 from typing import Any, Final
 
 import numpy as np
+import pandas
 
 from railgrip.base.arrays import generator
 from railgrip.campaign.work import Work, call
-from railgrip.estimation.judge import NORMAL_95, rms
+from railgrip.estimation.judge import error_figures
 from railgrip.estimators.belief import Array, Matrix, Vector
 from railgrip.estimators.learned.network import QUANTILE, Ensemble
-from railgrip.report.table import Form, ReportTable
-from railgrip.studies.axle_box.evaluate import ScaledNetwork, TrainingRecipe
+from railgrip.report.statistics import bootstrap_interval
+from railgrip.report.table import ReportTable
+from railgrip.studies.axle_box.evaluate import ScaledNetwork, TrainingRecipe, estimates_of
 from railgrip.studies.axle_box.instrumented_car import Pass
-from railgrip.studies.axle_box.reduction import LabelledRun, gather, spectral_features
+from railgrip.studies.axle_box.reduction import LabelledRun, gather
 from railgrip.studies.axle_box.training import Size, dry_or_not, general, passes
 
 JUDGED: Final = ("other irregularities", "one surface for all")
@@ -32,15 +34,8 @@ QUANTITIES: Final[Mapping[str, str]] = {"slip_acceleration": "ẍ − ω̇r", "s
 """Field of `LabelledRun` → its name in the table."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FrictionErrors:
-    """Errors of friction over all estimates in a set of runs, and the claimed deviations, NaN without a claim.
-
-    Both have the shape (n,).
-    """
-
-    error: Array
-    deviation: Array
+FrictionErrors = tuple[Array, Array]
+"""Errors of friction over all estimates in a set of runs, and claimed deviations, NaN without a claim, shape (n,)."""
 
 
 def bench_tables(size: Size, recipe: TrainingRecipe, work: Work) -> dict[str, ReportTable]:
@@ -75,14 +70,10 @@ def _train(
 
 
 def _of_ensemble(ensemble: Ensemble, runs: Sequence[LabelledRun]) -> FrictionErrors:
-    estimates = [ensemble(spectral_features(run)) for run in runs]
-    labels = np.repeat([run.friction for run in runs], [len(each.friction) for each in estimates])
-    friction, lower, upper = (
-        np.concatenate([getattr(each, name) for each in estimates]) for name in ("friction", "lower", "upper")
-    )
+    friction, lower, upper, labels, _ = estimates_of(ensemble, runs)
     # Ends are limited to 0 and 1, so the longer half is the complete one.
     half = np.maximum(upper - friction, friction - lower)
-    return FrictionErrors(error=friction - labels, deviation=half / QUANTILE)
+    return friction - labels, half / QUANTILE
 
 
 def _of_networks(
@@ -102,39 +93,25 @@ def _of_constants(estimates: Sequence[float], runs: Sequence[LabelledRun]) -> Fr
 
 
 def _without_claim(error: Array) -> FrictionErrors:
-    return FrictionErrors(error=error, deviation=np.full(error.shape, np.nan))
+    return error, np.full(error.shape, np.nan)
 
 
 def family_rows(family: str, errors: Mapping[str, FrictionErrors]) -> list[dict[str, Any]]:
     """Return RMSE, bias, coverage of the 95 % interval, NEES and skill over `constant` of each estimator."""
-    reference = rms(errors["constant"].error)
-    rows: list[dict[str, Any]] = []
-    for name, each in errors.items():
-        row: dict[str, Any] = {"family": family, "estimator": name, "RMSE": rms(each.error)}
-        row["bias"] = float(np.mean(each.error))
-        if np.isfinite(each.deviation).all():
-            row["coverage"] = float(np.mean(np.abs(each.error) <= NORMAL_95 * each.deviation))
-            row["NEES"] = float(np.mean((each.error / each.deviation) ** 2))
-        if name != "constant":
-            row["skill over constant"] = 1 - (row["RMSE"] / reference) ** 2
-        rows.append(row)
-    return rows
+    rows = [{"family": family, "estimator": name, **error_figures(*each)} for name, each in errors.items()]
+    reference = rows[list(errors).index("constant")]["RMSE"]
+    return [
+        {name: None if name == "coverage" and np.isnan(row["NEES"]) else value for name, value in row.items()}
+        | {"skill over constant": None if row["estimator"] == "constant" else 1 - (row["RMSE"] / reference) ** 2}
+        for row in rows
+    ]
 
 
-def family_table(rows: Sequence[Mapping[str, Any]]) -> ReportTable:
+def family_table(rows: Sequence[dict[str, Any]]) -> ReportTable:
     """Return the rows of all families; cells without a value are empty."""
-    columns = ("family", "estimator", "RMSE", "bias", "coverage", "NEES", "skill over constant")
-    forms: dict[str, Form] = {
-        "RMSE": "{:.4f}", "bias": _blank("{:+.4f}"), "coverage": _blank("{:.2f}"), "NEES": _blank("{:.2g}"),
-        "skill over constant": _blank("{:+.2f}"),
-    }  # fmt: skip
-    return ReportTable(
-        [{column: row.get(column, "") for column in columns} for row in rows], forms, left=("family", "estimator")
-    )
-
-
-def _blank(form: str) -> Any:
-    return lambda value: value if isinstance(value, str) else form.format(value).replace("-", "−")
+    forms = dict(zip(("RMSE", "bias", "coverage", "NEES"), ("{:.4f}", "{:+.4f}", "{:.2f}", "{:.2g}"), strict=True))
+    frame = pandas.DataFrame(rows)
+    return ReportTable.of_frame(frame, forms | {"skill over constant": "{:+.2f}"}, ("family", "estimator"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -160,12 +137,15 @@ def elasticity(quantity: Vector, friction: Vector, others: Matrix) -> Elasticity
         others: Other variables, shape (n, p).
     """
     y, x = np.log(quantity), np.column_stack([np.log(friction), others, np.ones(len(friction))])
-    draws = generator(0, "axle_box.elasticity")
-    count = len(y)
-    samples = [_slope(y[rows], x[rows]) for rows in draws.integers(0, count, (RESAMPLES, count))]
-    low, high = np.quantile(samples, (0.025, 0.975))
+    interval = bootstrap_interval(
+        np.column_stack([y, x]),
+        lambda draws: np.array([_slope(rows[:, 0], rows[:, 1:]) for rows in draws]),
+        resamples=RESAMPLES,
+        generator=generator(0, "axle_box.elasticity"),
+    )
+    low, high = interval or (math.nan, math.nan)
     with_friction, without = (float(np.sum((y - part @ np.linalg.lstsq(part, y)[0]) ** 2)) for part in (x, x[:, 1:]))
-    return Elasticity(value=_slope(y, x), low=float(low), high=float(high), explained=1 - with_friction / without)
+    return Elasticity(value=_slope(y, x), low=low, high=high, explained=1 - with_friction / without)
 
 
 def _slope(y: Vector, x: Matrix) -> float:

@@ -167,6 +167,16 @@ def evaluate_elsewhere(
     return {name: score(networks, training, recipe.data(runs)) for name, runs in away.items()}
 
 
+def estimates_of(ensemble: Ensemble, runs: Sequence[LabelledRun]) -> tuple[Array, Array, Array, Array, list[int]]:
+    """Return friction, ends of its interval and label at all estimates over runs, and their number in each run."""
+    estimates = [ensemble(spectral_features(run)) for run in runs]
+    counts = [len(estimate.friction) for estimate in estimates]
+    friction, lower, upper = (
+        np.concatenate([getattr(estimate, name) for estimate in estimates]) for name in ("friction", "lower", "upper")
+    )
+    return friction, lower, upper, np.repeat([run.friction for run in runs], counts), counts
+
+
 def judge(
     ensemble: Ensemble, mean_label: float, runs: Sequence[LabelledRun], rule: Sequence[float] | None = None
 ) -> Score:
@@ -176,12 +186,7 @@ def judge(
         mean_label: Of its training.
         rule: For each run, the mean label of training on dry, or on other rails, whichever the run has.
     """
-    estimates = [ensemble(spectral_features(run)) for run in runs]
-    friction, lower, upper = (
-        np.concatenate([getattr(estimate, name) for estimate in estimates]) for name in ("friction", "lower", "upper")
-    )
-    counts = [len(estimate.friction) for estimate in estimates]
-    y = np.repeat([run.friction for run in runs], counts)
+    friction, lower, upper, y, counts = estimates_of(ensemble, runs)
     return replace(
         _figures([friction - y], y - mean_label),
         coverage=float(((lower <= y) & (y <= upper)).mean()),

@@ -1,7 +1,7 @@
 """Runs of the instrumented car over a friction-modified stretch of straight track, after Abduraxman et al. (2024).
 
 A run is one pass over 400 m at constant speed: a `Pass` has its inputs, a `Ride` the true accelerations of the axle
-boxes, before any accelerometer (see `accelerometer`).
+boxes, before any accelerometer (see `reduction`).
 """
 
 from collections.abc import Callable, Mapping

@@ -11,10 +11,10 @@ from railgrip.estimation.run import by_name
 from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification, prediction_for, settings_for
 from railgrip.estimators.belief import GaussianEstimate, Vector
 from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.design import NOISE_SETS
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.filters.decentralised import DecentralisedFilter
 from railgrip.estimators.prediction import CasadiPrediction, FilterVariables
-from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.fmi import SteppedFmuPrediction
 from railgrip.simulate.named_models import compile_class, prediction_description
 from railgrip.simulate.train_prediction import central_of, consist_of, start_of

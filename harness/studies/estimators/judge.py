@@ -1,4 +1,7 @@
-"""Errors of estimators by case, and their leaderboard."""
+"""Errors of estimators by case: of adhesion used and available, pad friction and speed, and bounds of them.
+
+Errors of the adhesion available are those where the slope of the creep curve determines it.
+"""
 
 import hashlib
 import math
@@ -8,18 +11,19 @@ from typing import Any, Final
 import numpy as np
 import xarray
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 
 from railgrip.base.errors import FilterDiverged
 from railgrip.base.names import Element
 from railgrip.estimation.judge import NORMAL_95, rms
-from railgrip.estimators.belief import Array, Vector
+from railgrip.estimation.run import FilterRun
+from railgrip.estimators.belief import Array, Matrix, Vector
+from railgrip.estimators.rail import estimate_slope
 from railgrip.simulate.estimator import RELEASED_PADS
-from railgrip.studies.estimators.available import TRUTH, available_errors, coverage, with_slip
 from railgrip.studies.estimators.own import is_class, trace_with_class
-from railgrip.studies.estimators.recordings import RecordingCase, recording_of_case
+from railgrip.studies.estimators.recordings import PERIOD, RecordingCase, recording_of_case
 from railgrip.studies.estimators.replay import (
     CONSTANT,
-    Replay,
     bound_of,
     columns,
     radii,
@@ -29,6 +33,65 @@ from railgrip.studies.estimators.replay import (
 )
 from railgrip.trace.estimation import SLOWEST, adhesion_errors, innovations
 from railgrip.vehicle.signals import READINGS
+
+TRUTH: Final = "peak_adhesion"
+"""Variable of the recordings: maximum of the creep curve of a group at its place and instant."""
+
+RECENT: Final = 1.0
+"""Time over which the reference takes the largest adhesion [s]."""
+
+
+def available_errors(trace: xarray.Dataset, constant: float, quantile: float) -> dict[str, float]:
+    """Return the errors of the available adhesion in a recording with estimates of adhesion and slip, over all groups.
+
+    `known` is the share of samples above 10 km/h in which the estimator knows it; NaN without estimates of adhesion and
+    slip. All others are of these samples, NaN without any: `rmse` and `bias`; `coverage`, the share of samples within
+    the claimed 95 % interval of adhesion, NaN without a claim; `recent`, the root mean square error of the largest
+    estimated adhesion of the last `RECENT`; `constant`, that of the best constant.
+
+    Args:
+        trace: The recording.
+        constant: Mean of the available adhesion in the training set.
+        quantile: Half of the claimed interval, in standard deviations.
+    """
+    errors = dict.fromkeys(("known", "rmse", "bias", "coverage", "recent", "constant"), math.nan)
+    if "estimate_slip" not in trace or "estimate_adhesion" not in trace:
+        return errors
+    moving = trace["speed"].values > SLOWEST
+    adhesion, slip, truth = (trace[name].values[moving] for name in ("estimate_adhesion", "estimate_slip", TRUTH))
+    deviation, slip_deviation = (
+        trace[name].values[moving] if name in trace else np.full(slip.shape, math.nan)
+        for name in ("estimate_adhesion_sd", "estimate_slip_sd")
+    )
+    if not np.isfinite(slip).any():
+        return errors
+    columns = zip(adhesion.T, slip.T, np.nan_to_num(slip_deviation).T, strict=True)
+    found = np.stack([estimate_slope(a, s, PERIOD, slip_deviation=sd).available for a, s, sd in columns], axis=1)
+    is_known = np.isfinite(found)
+    errors["known"] = float(np.mean(is_known))
+    if not is_known.any():
+        return errors
+    error, claimed = (found - truth)[is_known], deviation[is_known]
+    recent = largest_of_last(adhesion, round(RECENT / PERIOD))
+    return errors | {
+        "rmse": rms(error),
+        "bias": float(np.mean(error)),
+        "coverage": coverage(error, claimed, quantile),
+        "recent": rms((recent - truth)[is_known]),
+        "constant": rms((constant - truth)[is_known]),
+    }
+
+
+def coverage(error: Array, deviation: Array, quantile: float) -> float:
+    """Return the share of errors within `quantile` claimed deviations; NaN without errors or without a claim."""
+    is_claimed = deviation.size > 0 and bool(np.isfinite(deviation).all())
+    return float(np.mean(np.abs(error) <= quantile * deviation)) if is_claimed else math.nan
+
+
+def largest_of_last(values: Matrix, count: int) -> Matrix:
+    """Return the largest of the last `count` rows at each row, shape as `values`."""
+    return maximum_filter1d(values, count, axis=0, mode="nearest", origin=(count - 1) // 2)
+
 
 TARGETS: Final[Mapping[str, str]] = {"adhesion": "group_adhesion", "pad_friction": "pad_friction", "speed": "speed"}
 """Estimated quantity → true variable of the trace."""
@@ -77,13 +140,22 @@ def errors_of(case: EstimatorCase) -> dict[str, Any]:
     return errors | ({"step_delay": math.nan} if estimator == CONSTANT else {})
 
 
-def _with_slip(trace: xarray.Dataset, names: Sequence[str], found: Replay, radius: Vector) -> xarray.Dataset:
-    """Return the recording with the slip of estimated speeds."""
-    (speed,), wheels = columns(names, "speed"), columns(names, "wheelset_speed")
-    deviation = np.sqrt(found.variance)
-    return with_slip(
-        trace, found.mean[:, speed], found.mean[:, wheels], (deviation[:, speed], deviation[:, wheels]), radius
-    )
+def _with_slip(trace: xarray.Dataset, names: Sequence[str], run: FilterRun, radius: Vector) -> xarray.Dataset:
+    """Return the recording with the slip 1 − rω/v of estimated speeds, and its deviation, as a trace has them.
+
+    Args:
+        trace: The recording, k samples.
+        names: States of the estimator.
+        run: Its estimates.
+        radius: Nominal radius of each group, shape (groups,) [m].
+    """
+    (place,), wheels, deviation = columns(names, "speed"), columns(names, "wheelset_speed"), np.sqrt(run.variance)
+    speed, of_speed = run.mean[:, [place]], deviation[:, [place]]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = radius * run.mean[:, wheels] / speed
+        of_slip = np.hypot(radius * deviation[:, wheels], ratio * of_speed) / speed
+    groups = ("time", "group")
+    return trace.assign(estimate_slip=(groups, 1.0 - ratio), estimate_slip_sd=(groups, np.abs(of_slip)))
 
 
 def _digest(trace: xarray.Dataset) -> str:
@@ -91,11 +163,11 @@ def _digest(trace: xarray.Dataset) -> str:
     return hashlib.sha256(b"".join(trace[signal.name].values.tobytes() for signal in READINGS)).hexdigest()
 
 
-def _constant(recording: xarray.Dataset, names: Sequence[str], constants: Mapping[str, float]) -> Replay:
+def _constant(recording: xarray.Dataset, names: Sequence[str], constants: Mapping[str, float]) -> FilterRun:
     bases = {"group_adhesion": "adhesion", "pad_friction": "pad_friction"}
     row = [constants.get(bases.get(Element.of(name).array, ""), math.nan) for name in names]
     mean = np.tile(row, (recording.sizes["time"], 1))
-    return Replay(mean=mean, variance=np.full(mean.shape, math.nan), nis_ratio=None, microseconds=0.0)
+    return FilterRun(mean=mean, variance=np.full(mean.shape, math.nan))
 
 
 def _judge(case: EstimatorCase, trace: xarray.Dataset, nis: float | None, microseconds: float) -> dict[str, Any]:

@@ -20,15 +20,13 @@ import xarray
 from railgrip.base.errors import FilterDiverged, InputError
 from railgrip.base.names import Element, state_name
 from railgrip.estimation.models import READ_STATES, PredictionModel, of_class, of_train
-from railgrip.estimation.run import FilterData, Settings, by_name, filter_data, run_kind
+from railgrip.estimation.run import FilterData, FilterRun, Settings, by_name, filter_data, run_kind
 from railgrip.estimators.belief import Array, Matrix, Vector
-from railgrip.estimators.consistency import nis_ratio
-from railgrip.estimators.design import FilterContext
+from railgrip.estimators.design import NOISE_SETS, FilterContext, NoiseSet, pad_gate
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.observability import posterior_bound
 from railgrip.estimators.prediction import PredictionInC
 from railgrip.estimators.smoother import smooth
-from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
 from railgrip.fmi import FmuPrediction, describe
 from railgrip.fmus.native import Model
 from railgrip.recording.samples import knows, truth_of
@@ -257,23 +255,6 @@ def _rate(speeds: Matrix) -> Matrix:
     return rate
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Replay:
-    """Estimates at every sample of a recording.
-
-    Attributes:
-        mean: Shape (k + 1, n), in the order of the prediction's states; the first row is the start.
-        variance: Variance of each state, errors in no equation included, shape (k + 1, n).
-        nis_ratio: Median of the normalised innovation squared over its expected one; None without innovations.
-        microseconds: Processor time of a step [µs].
-    """
-
-    mean: Matrix
-    variance: Matrix
-    nis_ratio: float | None
-    microseconds: float
-
-
 def model_of_estimator(estimator: str, train: str = "") -> PredictionModel:
     """Return the prediction model of an estimator on board of a train, or of the two-part train for an empty name.
 
@@ -352,7 +333,7 @@ def _task(case: RecordingCase, estimator: str, noise: NoiseSet) -> tuple[FilterC
     return context, data
 
 
-def replay(case: RecordingCase, estimator: str, noise: NoiseSet | None = None) -> Replay:
+def replay(case: RecordingCase, estimator: str, noise: NoiseSet | None = None) -> FilterRun:
     """Return the estimates of one of `ESTIMATORS`, another kind of `railgrip.estimators.filters`, or an FMU.
 
     Args:
@@ -370,7 +351,9 @@ def replay(case: RecordingCase, estimator: str, noise: NoiseSet | None = None) -
         found = _smoothed(context, data, entry.later)
     else:
         is_kind = entry.model == MODEL and not is_fmu(estimator)
-        found = _filtered(context, data, estimator if is_kind else "fmu")
+        found = run_kind(estimator if is_kind else "fmu", context, data)
+    if found.ended:
+        raise FilterDiverged(found.ended)
     model = model_of_estimator(estimator, case.train)
     recording, names = recording_of_case(case), context.prediction.states
     effect = effect_of(context.prediction, data)
@@ -384,29 +367,12 @@ def effect_of(prediction: PredictionInC, data: FilterData) -> Vector:
     return prediction.derivative_jacobian(data.mean, data.inputs[0])[wheels, adhesions]
 
 
-def _filtered(context: FilterContext, data: FilterData, kind: str) -> Replay:
-    run = run_kind(kind, context, data)
-    if run.ended:
-        raise FilterDiverged(run.ended)
-    nis = run.squared_innovation
-    return Replay(
-        mean=run.mean,
-        variance=run.variance,
-        nis_ratio=nis_ratio(nis, run.degrees) if nis.any() else None,
-        microseconds=run.microseconds,
-    )
-
-
-def _smoothed(context: FilterContext, data: FilterData, lag: int | None) -> Replay:
+def _smoothed(context: FilterContext, data: FilterData, lag: int | None) -> FilterRun:
     filter_ = ExtendedKalmanFilter.without_estimate(context)
     begin = process_time()
     found = smooth(filter_, filter_.start(data.mean, data.covariance), data.inputs, data.readings, lag)
-    return Replay(
-        mean=found.mean,
-        variance=np.einsum("kii->ki", found.covariance),
-        nis_ratio=None,
-        microseconds=1e6 * (process_time() - begin) / len(data.readings),
-    )
+    time = 1e6 * (process_time() - begin) / len(data.readings)
+    return FilterRun(mean=found.mean, variance=np.einsum("kii->ki", found.covariance), microseconds=time)
 
 
 @lru_cache(maxsize=16)  # every estimator of a case is judged by it

@@ -152,7 +152,7 @@ def pads_by_group(frame: Frame, bounds: Sequence[CaseBound]) -> ReportTable:
     errors = {name: _pads(cases) for (name,), cases in groups_of(frame, ["estimator"])}
     rows = [
         {"group": group + 1, "identifiable": float(np.nanmean(shares[:, group]))}
-        | {name: float(np.sqrt(np.nanmean(values[:, group] ** 2))) for name, values in errors.items()}
+        | {name: float(np.sqrt(pandas.Series(values[:, group] ** 2).mean())) for name, values in errors.items()}
         for group in range(shares.shape[1])
         if not all(np.isnan(values[:, group]).all() for values in errors.values())
     ]

@@ -13,7 +13,6 @@ from railgrip.estimation.models import Kind
 from railgrip.report.baseline import Finding
 from railgrip.report.frame import Frame, groups_of
 from railgrip.report.page import Page
-from railgrip.studies.lateral.figures import FIRST_FIGURES, creep_curves, spike_figure, test_figure
 from railgrip.studies.lateral.information import (
     KNOWN,
     SHORT,
@@ -35,10 +34,12 @@ from railgrip.studies.lateral.judge import (
 )
 from railgrip.studies.lateral.run import LateralCase, simulate
 from railgrip.studies.lateral.tables import (
+    FIRST_FIGURES,
     GROUP,
     TITLES,
     compare_with_paper,
     confidence_of,
+    creep_curves,
     detections,
     error_rows,
     error_tables,
@@ -50,7 +51,9 @@ from railgrip.studies.lateral.tables import (
     longitudinal,
     observability_table,
     skill,
+    spike_figure,
     spikes,
+    test_figure,
     typical,
     typical_table,
 )
