@@ -22,7 +22,7 @@ gc.set_threshold(50_000, 20, 50)
 
 # A slow example is not a failure: the machine may be busy, or the first example loads a registry of units.
 # `make fuzz` draws as many examples as Hypothesis does unless told otherwise.
-settings.register_profile("busy", deadline=None, max_examples=100 if "RAILGRIP_FUZZ" in os.environ else 30)
+settings.register_profile("busy", deadline=None, max_examples=100 if "RAILGRIP_FUZZ" in os.environ else 15)
 settings.load_profile("busy")
 
 LONGEST = {

@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
+from sampling import FUZZ
 
 from railgrip.fmus.build import fmu
 
@@ -99,18 +100,22 @@ def plant_runs(place, _):
 
 
 RUN, CAMPAIGN = ("run", "foreign.toml", "--out", "out"), ("campaign", "pair.toml", "--out", "out")
+MORE = [
+    (RUN, loading, signal.SIGTERM, False),
+    (CAMPAIGN, workers_start, signal.SIGINT, True),
+    (CAMPAIGN, plant_runs, signal.SIGTERM, False),
+] if FUZZ else []  # fmt: skip
+"""The other signal at the same moments."""
 
 
 @pytest.mark.parametrize(
     ("arguments", "moment", "number", "to_all"),
     [
         (RUN, loading, signal.SIGINT, True),
-        (RUN, loading, signal.SIGTERM, False),
         (RUN, plant_runs, signal.SIGTERM, True),
-        (CAMPAIGN, workers_start, signal.SIGINT, True),
         (CAMPAIGN, workers_start, signal.SIGTERM, False),
         (CAMPAIGN, plant_runs, signal.SIGINT, True),
-        (CAMPAIGN, plant_runs, signal.SIGTERM, False),
+        *MORE,
     ],
 )
 def test_a_signal_ends_the_program_with_a_sentence_and_no_leftovers(place, arguments, moment, number, to_all):

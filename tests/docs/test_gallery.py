@@ -15,6 +15,7 @@ SCRIPTS = sorted((Path(__file__).parents[2] / "docs/gallery").glob("*.py"))
 LONG = {
     *("brake_pipe", "k_dry", "own_controller", "friction_level", "random_draws", "thresholds", "lateral_wheelset"),
     *("field_test", "wheel_diameter", "sampling_period", "sanding", "ideal_bound", "slip_cleans", "k_wet", "gradient"),
+    "consistency",
 }
 """Scripts that take seconds or minutes, for a train to compile or for many stops: for `make fuzz` and `make docs`."""
 LINES = 30

@@ -449,7 +449,7 @@ def test_the_corner_is_that_of_the_stationary_kalman_filter(wheel):
     reference.F, reference.H = np.array([[1.0, effect * fine], [0.0, 1.0]]), np.array([[1.0, 0.0]])
     reference.Q = np.diag([0.0, 1e-2 * fine])
     reference.R = np.array([[1e-4 * 0.01 / fine]])  # the same noise density of the reading
-    for _ in range(50_000):
+    for _ in range(5_000):  # some 80 time constants of the poles
         reference.predict()
         reference.update(0.0)
     closed = (np.eye(2) - reference.K @ reference.H) @ reference.F

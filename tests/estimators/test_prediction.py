@@ -2,7 +2,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from contracts.prediction import has_jacobians_that_are_slopes, prediction_contract
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from small_models import OSCILLATOR, WHEELSET, Name, SmallModel, oscillator, small_model, wheelset
 
@@ -44,7 +44,6 @@ def test_it_satisfies_the_contract_of_a_prediction(name):
 
 @pytest.mark.parametrize("name", list(CASES))
 @given(data=st.data())
-@settings(max_examples=25)
 def test_jacobians_are_slopes_everywhere(name, data):
     prediction, middle, held = CASES[name]
     factor = st.floats(0.3, 1.7)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from onboard import FAR, case_of, train_data
 from scipy.integrate import solve_ivp
@@ -35,7 +35,6 @@ steps_of_speed = st.lists(st.tuples(st.floats(1, 80), st.floats(0.3, 1.5)), max_
 steps_of_place = st.lists(st.tuples(st.floats(-4000, 1000), st.floats(-0.25, 0.3)), max_size=6)
 
 
-@settings(max_examples=25)
 @given(first=st.floats(0.3, 1.5), brake=steps_of_speed, level=st.floats(-0.25, 0.3), gradient=steps_of_place,
        speed=st.floats(5, 40))  # fmt: skip
 def test_a_curve_solves_the_equation_of_motion(first, brake, level, gradient, speed):

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from sampling import FUZZ
 
@@ -113,7 +113,6 @@ def test_a_draw_without_deviation_is_the_nominal_train(vt642):
     assert same.nominal == pytest.approx(brake.nominal)
 
 
-@settings(max_examples=30)
 @given(seed=st.integers(0, 2**32), group=st.integers(0, 3))
 def test_fewer_units_brake_less_and_draws_together_equal_single_ones(brake, seed, group):
     standard = np.random.default_rng(seed).standard_normal((5, brake.dimension))
@@ -128,7 +127,6 @@ def test_fewer_units_brake_less_and_draws_together_equal_single_ones(brake, seed
 SENSE = {"pad_friction": 1, "pressure": 1, "efficiency": 1, "friction_radius": 1, "wheel_radius": -1, "mass": -1}
 
 
-@settings(max_examples=30)
 @given(seed=st.integers(0, 2**32))
 def test_each_deviation_has_the_right_sign(vt642, seed):
     specification, _, brake = vt642
@@ -163,7 +161,7 @@ def test_a_brake_without_any_units_is_slowed_by_resistance(brake):
 @pytest.mark.usefixtures("few_rates")
 def test_intervals_shrink_with_the_runs(vt642):
     specification, _, brake = vt642
-    effort = specification.estimate.model_copy(update={"runs": 20, "samples": 60})
+    effort = specification.estimate.model_copy(update={"runs": 12, "samples": 60})
     runs = quasi_static(specification.model_copy(update={"estimate": effort}), brake).runs[-1]
     few, many = (estimates(of, [1e-9], 1e-12)[0] for of in (runs[:4], runs))
     assert many.high - many.low < few.high - few.low

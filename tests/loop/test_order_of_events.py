@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from kernel_calls import along_track, holds, phase_of, service_sensors
 from reference import brake
@@ -402,7 +402,6 @@ broken_brakes = st.builds(
 )  # fmt: skip
 
 
-@settings(max_examples=30)
 @given(
     broken=st.tuples(st.lists(broken_sensors, max_size=5), st.lists(broken_brakes, max_size=4)),
     sensors=st.sampled_from(["ideal", "white", "service"]),
@@ -438,7 +437,6 @@ def driven(draw):
     return np.concatenate(phases)
 
 
-@settings(max_examples=40)
 @given(phases=driven(), every=st.sampled_from([(1, 1), (2, 3)]))
 def test_commands_never_exceed_the_driver_demand(phases, every):
     """For any phases."""
@@ -611,7 +609,6 @@ def test_the_initial_speed_is_that_of_the_scenario_to_0_1_percent(share, fits):
     assert holds(plausibility, 0, outputs_of(20.0 * share, 0.0, 0.0), np.zeros(LAYOUT.inputs)) is fits
 
 
-@settings(max_examples=30)
 @given(scale=st.floats(-1e3, 1e3).filter(lambda scale: abs(scale - 1) > 0.004), offset=st.floats(-20, 20))
 def test_a_wrong_distance_never_yields_a_braking_distance(scale, offset):
     """A stop of 25 m from 20 m/s: 0.1 %, one sample of travel and a centimetre add up to 5.5 cm."""

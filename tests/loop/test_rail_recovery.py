@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 from rails import constant_rail, outputs
@@ -79,7 +79,6 @@ def test_the_product_of_shares_is_the_sum_of_energies():
     assert track.mu0 == pytest.approx(expected, rel=1e-9)
 
 
-@settings(max_examples=30)
 @given(st.lists(st.tuples(st.floats(0.0, 3.0), st.floats(0.0, 1.0)), min_size=2, max_size=60))
 def test_the_rail_stores_all_the_energy(moves):
     """For every wheel the integral of F s over its path, in strides from zero to thirty cells."""

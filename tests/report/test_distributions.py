@@ -144,13 +144,18 @@ def test_controllers_are_compared_with_the_published_and_the_best_tuned_sbc(fold
     assert distributions[low].vs_tuned.change == pytest.approx(0.85 / 0.8 - 1, abs=1e-3)
 
 
-def test_a_page_of_draws_lists_controllers_instead_of_stops(folder):
+@pytest.fixture(scope="module")
+def page(folder):
+    """The page of the campaign, with those of its longest stops."""
+    return write_report(folder, panels="none")
+
+
+def test_a_page_of_draws_lists_controllers_instead_of_stops(folder, page):
     as_json, as_markdown = write_table(read_results(folder), folder)
     text = as_markdown.read_text(encoding="utf-8")
     assert text.count("| random |") == 4
     assert "change vs best tuned SBC" in text
     assert '"worst_draw"' in as_json.read_text(encoding="utf-8")
-    page = write_report(folder, panels="none")
     assert list(plots_of(page)) == [f"figures/{name}.png" for name in ("exceedance", "distributions", "friction")]
     html = page.read_text(encoding="utf-8")
     # For the scenarios; the other tables state it above their rows.
@@ -214,10 +219,9 @@ def test_quantiles_and_exceedance_of_many_draws_agree_with_their_distribution(fo
     assert np.interp(340.0, *shares.lines[0].get_data()) == pytest.approx(100 * norm.sf(2.0), rel=0.02)
 
 
-def test_the_longest_of_all_draws_have_pages(folder):
-    write_report(folder, panels="none")
+def test_the_longest_of_all_draws_have_pages(folder, page):
     rows = [row for row in each(frame_of(read_results(folder))) if row.controller != "ideal_bound"]
     longest = sorted(rows, key=lambda row: -row.distance)[:10]
-    text = (folder / "index.html").read_text(encoding="utf-8")
+    text = page.read_text(encoding="utf-8")
     assert [row.stop for row in longest if f'href="{row.stop}/index.html"' not in text] == []
     assert all((folder / row.stop / "index.html").exists() for row in longest)

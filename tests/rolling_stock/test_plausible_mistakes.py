@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from sampling import FUZZ
 
 from railgrip.base.errors import InputError, ScenarioError
 from railgrip.base.registry import shelf
@@ -145,8 +146,15 @@ def correct_distance(name: str) -> float:
     return by_hand(train, fastest_stop(train)).distance
 
 
-@pytest.mark.parametrize("name", NAMED)
-@pytest.mark.parametrize("mistake", sorted(MISTAKES))
+@pytest.mark.parametrize(
+    ("mistake", "name"),
+    [
+        (mistake, name)
+        for number, mistake in enumerate(sorted(MISTAKES))
+        for place, name in enumerate(NAMED)
+        if FUZZ or (number + place) % len(NAMED) == 0  # one train after the other
+    ],
+)
 def test_a_mistake_in_all_parts_is_noticed(mistake: str, name: str) -> None:
     tables = tables_of(name)
     MISTAKES[mistake](tables)

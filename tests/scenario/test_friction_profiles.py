@@ -141,7 +141,6 @@ def test_a_level_beyond_all_friction_is_refused():
     name=st.sampled_from(["trapezoid", "sine_sweep", "random"]),
     times=st.lists(st.floats(0, 200), min_size=1, max_size=20),
 )
-@settings(max_examples=30)
 def test_single_and_vectorised_look_ups_agree(name, times):
     found = profile(name, "limits.horizon=30 s")
     times = np.array(times)

@@ -18,6 +18,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
+from sampling import FUZZ
 
 from railgrip.base.errors import InputError, ScenarioError
 from railgrip.base.registry import shelf
@@ -344,7 +345,7 @@ def verdict(tables: Tables, correct: Scenario) -> str:
 def test_a_mistake_is_noticed(name: str) -> None:
     mistake = MISTAKES[name]
 
-    @settings(max_examples=12, deadline=None, database=None, derandomize=True)
+    @settings(max_examples=12 if FUZZ else 4, deadline=None, database=None, derandomize=True)
     @given(mistake.correct)
     def check(value: Any) -> None:
         base = _base(mistake.base)

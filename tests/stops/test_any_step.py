@@ -2,6 +2,7 @@
 
 import runpy
 from functools import cache
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -49,7 +50,7 @@ def median_with_valves(step):
 
 @pytest.mark.parametrize(
     ("step", "error"),
-    sample([("0.5 ms", 6e-3), ("0.25 ms", 6e-3), ("2 ms", 6e-3), ("5 ms", 6e-3), ("4 ms", 1.5e-2)], 3),
+    sample([("0.5 ms", 6e-3), ("0.25 ms", 6e-3), ("2 ms", 6e-3), ("5 ms", 6e-3), ("4 ms", 1.5e-2)], 2),
 )
 def test_stops_with_valves_hardly_depend_on_the_step(step, error):
     """Last digits change a stop by some 0.3 %. At 4 ms the controller decides every 12 and 8 ms, up to 2 ms late."""
@@ -65,8 +66,12 @@ def test_half_a_step_hardly_changes_stops_of_slope_seeking():
     assert abs(half.mean()) < 0.05
 
 
-@pytest.mark.parametrize("controller", ["slip_two_state", "slip_three_state", "adhesion_based", "full_brake"])
-@pytest.mark.parametrize("mechanics", ["simple", "detailed"])
+@pytest.mark.parametrize(
+    ("mechanics", "controller"),
+    sample(
+        [*product(("simple", "detailed"), ("slip_two_state", "slip_three_state", "adhesion_based", "full_brake"))], 4
+    ),
+)
 def test_the_longest_step_of_a_built_in_plant_ends_at_standstill(controller, mechanics):
     """A plant of the library is never implausible for the length of a step; longer ones are refused."""
     step = "50 ms" if controller == "full_brake" else "10 ms"

@@ -17,6 +17,8 @@ LEAF = "{ begin = '20 m', length = '30 m', mu0 = 0.07, polach = 'leaf' }"
 PATCH = f"adhesion.patch=[{LEAF}]"
 WITHOUT = ("estimator.kind=none", "controller.kind=slip_two_state")
 ALL_LEAF = f"adhesion.polach_of_wheelset={['leaf'] * 6}"
+COARSE = tuple(f"periods.{part}=10 ms" for part in ("communication", "estimator", "controller", "trace"))
+"""For the ideal bound, whose distance hardly depends on the grid (test_ideal_bound.py)."""
 
 
 def scenario(*overrides):
@@ -78,9 +80,8 @@ def test_parts_in_python_with_an_estimator(rail):
 
 
 def test_valves_service_sensors_and_a_train_file():
-    parts = ("actuation.kind=pneumatic", "vehicle.plant=TwoPartTrainPneumatic", "sensors.kind=white")
-    run_stop(scenario(*WITHOUT, *parts, PATCH, "limits.horizon=6 s"))
-    table = scenario(*WITHOUT, PATCH, "limits.horizon=4 s").resolved() | {"vehicle": {"train": "tram"}}
+    parts = ("actuation.kind=pneumatic", "sensors.kind=white", "limits.horizon=4 s")
+    table = scenario(*WITHOUT, *parts, PATCH).resolved() | {"vehicle": {"train": "tram"}}
     assert run_stop(scenario_of(table, directory=Path(), origin="tram")).trace["curve_k_A"].values.min() == 0.04
 
 
@@ -101,7 +102,7 @@ def test_slip_cleans_a_patch_by_the_law_of_its_curve():
 
 
 def test_the_best_stop_uses_the_curves_along_the_track():
-    ideal = ("controller.kind=ideal_bound", "estimator.kind=none")
+    ideal = ("controller.kind=ideal_bound", "estimator.kind=none", *COARSE)
     half = f"adhesion.polach_of_wheelset={['leaf'] * 3 + ['dry'] * 3}"
     lying = ("adhesion.polach=leaf", ALL_LEAF, "adhesion.polach=dry", half)
     leaf, sent, dry, mixed = (run_stop(scenario(*ideal, one)).metrics.distance for one in lying)
@@ -111,8 +112,10 @@ def test_the_best_stop_uses_the_curves_along_the_track():
 
 def test_a_controller_with_the_truth_has_the_curves():
     mixed = (PATCH, "adhesion.polach_of_wheelset=['leaf', 'leaf', 'dry', 'dry', 'dry', 'dry']")
-    kinds = ("ideal_tracking", "ideal_bound")
-    control, bound = (run_stop(scenario(f"controller.kind={kind}", "estimator.kind=none", *mixed)) for kind in kinds)
+    control, bound = (
+        run_stop(scenario(f"controller.kind={kind}", "estimator.kind=none", *mixed, *periods))
+        for kind, periods in (("ideal_tracking", ()), ("ideal_bound", COARSE))
+    )
     assert control.outcome is Outcome.STANDSTILL
     assert 1.0 < control.metrics.distance / bound.metrics.distance < 1.05
 

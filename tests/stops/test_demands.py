@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from python_parts import same_stop
 from synthetic import LIBRARY
 
 import railgrip as rg
@@ -19,7 +18,7 @@ GRIPPY = {
 
 @pytest.fixture(scope="module")
 def steps():
-    return same_stop(load(LIBRARY / "service_steps.toml"))
+    return run_stop(load(LIBRARY / "service_steps.toml"))
 
 
 def at(stop, time):

@@ -183,7 +183,7 @@ def test_cases_of_the_type_test_are_detailed_only_with_a_suitable_plant():
 
 @pytest.fixture(scope="module")
 def locomotive(tmp_path_factory):
-    """Return the scenario of the six-axle locomotive alone, with detailed mechanics, on a dry rail."""
+    """Return a stop of the six-axle locomotive alone, with detailed mechanics, on a dry rail."""
     text = shelf("trains")["loco_coaches"].read_text(encoding="utf-8")
     only = text[: text.index('[[cars]]\nname = "Bpmz-1"')].replace('\ncoupler = "screw"\n', "\n")
     command = only[only.index("[command]") : only.index("[resistance]")]
@@ -199,12 +199,12 @@ def locomotive(tmp_path_factory):
         "actuation": {"kind": "ideal"},
         "sensors": {"kind": "ideal"},
     }
-    return scenario_of(merge(train_of(str(file)), changes), directory=Path(), origin="test")
+    return rg.run(scenario_of(merge(train_of(str(file)), changes), directory=Path(), origin="test"))
 
 
 def test_the_loads_of_three_axles_return_to_their_static_values(locomotive):
     """Without a force on the pattern +1, -2, +1 of the deflections of a bogie, they must not drift apart."""
-    trace = rg.run(locomotive).trace
+    trace = locomotive.trace
     time, load = trace["time"].values, trace["wheelset_load"].values
     static = 114e3 * GRAVITY / 6
     assert (load > 0.5 * static).all()
@@ -218,4 +218,4 @@ def test_the_loads_of_three_axles_return_to_their_static_values(locomotive):
 
 
 def test_the_energy_of_three_axles_on_an_uneven_rail_closes(locomotive):
-    assert energy_error(rg.run(locomotive)) < 1e-5
+    assert energy_error(locomotive) < 1e-5

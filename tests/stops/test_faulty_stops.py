@@ -27,7 +27,9 @@ def healthy():
 
 
 def test_the_faulty_train_of_the_library_stops():
-    stop = same_stop(load(LIBRARY / "degraded.toml"))
+    """Parts in Python have the same faults while the radar is dead and after."""
+    stop = run_stop(load(LIBRARY / "degraded.toml"))
+    same_stop(load(LIBRARY / "degraded.toml", ["limits.horizon=6 s"]))
     assert stop.outcome is Outcome.STANDSTILL
     radar = stop.trace["reading_speed"].values
     assert np.isnan(radar[3000:5000]).all()

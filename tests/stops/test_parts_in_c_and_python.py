@@ -84,7 +84,8 @@ def test_wheels_that_replace_a_silent_radar():
     }
     alone = Scenario.model_validate(merge(scenario.resolved(), changes))
     helped = Scenario.model_validate(merge(alone.resolved(), {"estimator": {"free_wheels": True}}))
-    one = same_stop(helped)
+    one = run_stop(helped)
+    same_stop(Scenario.model_validate(merge(helped.resolved(), {"limits": {"horizon": "10 s"}})))
 
     def error(stop):
         return np.abs(stop.trace["estimate_speed"] - stop.trace["speed"]).values[-5000:].max()
@@ -101,6 +102,12 @@ def test_wheels_that_replace_a_silent_radar():
     assert np.all(np.isnan(trace["reading_speed"].values))
     # A rolling wheel reads the train's speed, apart from reading noise and the lag of the last spin-up.
     assert np.abs(trace["reference_speed"] - trace["speed"]).values[given].max() < 0.4
+
+
+def test_the_demands_of_a_driver():
+    """Traction up to a speed, coasting, and two steps of the brake."""
+    stop = stop_of("service_steps", "start.speed=98 km/h", "limits.horizon=16 s")
+    assert len(np.unique(stop.trace["driver_demand"].values[:, 0])) == 3
 
 
 def test_friction_and_forces_along_the_track():

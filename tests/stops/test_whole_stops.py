@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from sampling import sample
 from skill import error_95_of_constant
 from synthetic import LIBRARY
 from table_1 import table_1_scenario
@@ -167,7 +168,7 @@ def test_a_pressure_offset_leaves_the_brake_torque_known():
         assert np.mean((error / deviation) ** 2) < 6.0
 
 
-@pytest.mark.parametrize("seed", [9, 30, 79])
+@pytest.mark.parametrize("seed", sample([9, 30, 79], 1))
 def test_a_speed_read_too_high_is_not_mistaken_for_slip(seed):
     """Radar 0.4 to 0.6 % and accelerometer 0.09 to 0.12 m/s² too high.
 
