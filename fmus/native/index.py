@@ -101,6 +101,7 @@ class _Pantelides:
         symbols: Symbols of the model, then derivatives of some.
         derivative_of: Place of a symbol → place of its derivative.
         contains: Places of the symbols in each equation.
+        place: Hash of a symbol → its place.
         derivative_of_equation: Place of an equation → place of its derivative.
         match: Place of a symbol → place of the equation that determines it.
     """
@@ -112,10 +113,12 @@ class _Pantelides:
     inputs: SX
     owner: str
     contains: list[set[int]] = field(init=False)
+    place: dict[int, int] = field(init=False)
     derivative_of_equation: dict[int, int] = field(default_factory=dict[int, int])
     match: dict[int, int] = field(default_factory=dict[int, int])
 
     def __post_init__(self) -> None:
+        self.place = {symbol.element_hash(): place for place, symbol in enumerate(self.symbols)}
         self.contains = self._incidence([e.residual for e in self.equations])
 
     def assign(self, first: int) -> None:
@@ -133,6 +136,7 @@ class _Pantelides:
             for v in sorted(seen_variables):
                 self.derivative_of[v] = len(self.symbols)
                 self.symbols.append(SX.sym(f"der({self.symbols[v].name()})"))
+                self.place[self.symbols[-1].element_hash()] = self.derivative_of[v]
             for q in sorted(seen_equations):
                 self._differentiate(q)
             for v in sorted(seen_variables):
@@ -190,9 +194,11 @@ class _Pantelides:
 
     def _incidence(self, residuals: Sequence[SX]) -> list[set[int]]:
         found = [set[int]() for _ in residuals]
-        pattern = ca.jacobian_sparsity(ca.vertcat(*residuals), ca.vertcat(*self.symbols))
-        for i, j in zip(*pattern.get_triplet(), strict=True):
-            found[i].add(j)
+        column = ca.vertcat(*residuals)
+        used = [s for s in ca.symvar(column) if s.element_hash() in self.place]
+        if used:  # a derivative has few of all symbols
+            for i, j in zip(*ca.jacobian_sparsity(column, ca.vertcat(*used)).get_triplet(), strict=True):
+                found[i].add(self.place[used[j].element_hash()])
         return found
 
 
