@@ -15,7 +15,7 @@ from railgrip.estimators.consist import Consist, part_equations
 from railgrip.estimators.design import FilterContext, FilterDesign, FilterKind, Gate, index
 from railgrip.estimators.generated import LANES, places, table
 from railgrip.fmus.native import Model
-from railgrip.fmus.native.functions import in_c
+from railgrip.fmus.native.c_source import in_c
 
 RANK = 9
 """Number of common unknowns: on the two-part train, deviations are within 0.1 % of those of the central filter."""

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from railgrip.fmus.native import Model
-from railgrip.fmus.native.functions import in_c
+from railgrip.fmus.native.c_source import in_c
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.trace.contact import Array, Contact
 

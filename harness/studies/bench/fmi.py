@@ -6,9 +6,9 @@ from statistics import median
 
 import numpy as np
 
-from railgrip.fmi.comparison import seconds_in_c, seconds_of_fmpy, seconds_of_railgrip
 from railgrip.fmi.description import Description, describe
 from railgrip.fmi.mapping import Binding, Port, bind
+from railgrip.fmi.survey import seconds_in_c, seconds_of_fmpy, seconds_of_railgrip
 from railgrip.fmus.build import fmu
 from railgrip.studies.bench import Row
 
