@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.estimators.discretisation import Order
-from railgrip.fmus.native.functions import in_c
+from railgrip.fmus.native.c_source import in_c
 
 Pattern = tuple[tuple[int, ...], ...]
 """For each row of a sparse matrix the columns that may differ from zero, ascending."""

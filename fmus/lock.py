@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from railgrip.fmus.native.code import layout_of
-from railgrip.fmus.native.lowering import output_scalars
+from railgrip.fmus.native.equations import output_scalars
 from railgrip.fmus.native.system import System
 from railgrip.fmus.native.variables import Scalar
 from railgrip.fmus.recipe import Cookbook, Recipe

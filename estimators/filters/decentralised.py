@@ -19,7 +19,7 @@ from railgrip.estimators.compiled import StepInC
 from railgrip.estimators.design import FilterContext, FilterDesign, FilterKind, Gate, index
 from railgrip.estimators.model_in_c import LANES, places, table
 from railgrip.fmus.native import Model
-from railgrip.fmus.native.functions import in_c
+from railgrip.fmus.native.c_source import in_c
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

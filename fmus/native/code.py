@@ -8,9 +8,7 @@ from pathlib import Path
 import casadi as ca
 
 from railgrip.fmus.native.arrays import SX
-from railgrip.fmus.native.c_source import string_literal, strings, table
-from railgrip.fmus.native.elimination import eliminate
-from railgrip.fmus.native.functions import fits, interpreter, straight, tape
+from railgrip.fmus.native.c_source import eliminate, fits, interpreter, straight, string_literal, strings, table, tape
 from railgrip.fmus.native.structure import Loops
 from railgrip.fmus.native.system import WHEN, Assertion, System, column
 from railgrip.fmus.native.variables import Scalar, vector

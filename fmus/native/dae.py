@@ -11,13 +11,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import rumoca
 
 from railgrip.base.errors import InputError, TranslationError
 from railgrip.base.files import read_bytes, read_text, scratch
-from railgrip.fmus.native.classes import Sources, read_tree
+from railgrip.fmus.native.classes import Node, Sources, Tree, read_tree
 from railgrip.fmus.native.error_places import (
     code_of,
     explain,
@@ -30,8 +29,7 @@ from railgrip.fmus.native.error_places import (
 )
 from railgrip.fmus.native.language import findings, refuse, require_strict, require_values
 from railgrip.fmus.native.library import LIBRARY, is_trusted, library_of, sources_digest
-from railgrip.fmus.native.namesakes import Call
-from railgrip.fmus.native.outer import connect_outer, outer_variables
+from railgrip.fmus.native.names import Call
 from railgrip.fmus.native.rewriting import rewrite
 from railgrip.fmus.native.used_libraries import VARIABLE, name_of, used_libraries
 
@@ -42,9 +40,6 @@ _CACHE_OF_RUMOCA = "XDG_CACHE_HOME"
 _SECTION = re.compile(r"\b(initial\s+)?(?:equation|algorithm)\b")
 
 SCHEMA = ("rumoca.checked-dae-template", 6)
-
-Node = dict[str, Any]
-"""A node of the DAE as rumoca writes it, with its field names."""
 
 Binding = Mapping[tuple[int, int], int]
 """Values of loop variables: (domain, ordinal of the binder) → value."""
@@ -428,3 +423,72 @@ def _new_session(further: Path | None, *own: Path) -> rumoca.Session:
     # One folder with all further libraries: as several roots, rumoca 0.10 does not find one from the other.
     folders = {LIBRARY, *(() if further is None else (further,)), *(p for p in own if p.parent != further)}
     return rumoca.Session(roots=[str(folder) for folder in sorted(folders)])
+
+
+Names = Mapping[str, str]
+"""Name of each outer variable → name of its inner one."""
+
+
+def outer_variables(tree: Tree, flat: Mapping[str, Node]) -> Names:
+    """Return the outer variables of a class.
+
+    Args:
+        tree: Declarations of the class and of those that it uses.
+        flat: Variables of the flat class by name.
+    """
+    found: dict[str, str] = {}
+    for name, variable in flat.items():
+        parts = (variable.get("component_ref") or {}).get("parts") or []
+        if parts and _declared(tree, parts[-1], "outer"):
+            instance = name.rpartition(".")[0]
+            while instance:
+                instance = instance.rpartition(".")[0]
+                inner = f"{instance}.{parts[-1]['ident']}" if instance else parts[-1]["ident"]
+                candidate = (flat.get(inner, {}).get("component_ref") or {}).get("parts")
+                if candidate and _declared(tree, candidate[-1], "inner"):
+                    found[name] = inner
+                    break
+    return found
+
+
+def _declared(tree: Tree, part: Node, prefix: str) -> bool:
+    owner = tree.component_of_id.get(part["def_id"])
+    return owner is not None and bool(owner[0].components[owner[1]][prefix])
+
+
+def connect_outer(content: Node, outer: Names) -> list[str]:
+    """Give each outer variable of a DAE the value of its inner one, and return those for which that is impossible.
+
+    Args:
+        content: rumoca's checked DAE, which is changed.
+        outer: See `outer_variables`.
+    """
+    variables = {v["name"]: v for v in content["variables"]}
+    impossible: list[str] = []
+    for name, inner in outer.items():
+        if name not in variables:
+            continue
+        mine, other = variables[name], variables.get(inner)
+        if other is None or mine["value_type"] != other["value_type"]:
+            impossible.append(name)
+            continue
+        expression = {
+            "operation": {"kind": "coordinate", "coordinate": {"kind": other["role"], "id": other["id"]}},
+            "binder_domain": None,
+            "provenance": mine["declaration"],
+        }
+        content["expressions"].append(expression)
+        number = len(content["expressions"]) - 1
+        if mine["role"] in ("parameter", "constant"):
+            mine["attributes"] |= {"binding": number, "binding_values": None, "start": None, "start_values": None}
+        elif not _define(content, mine["id"], number):
+            impossible.append(name)
+    return impossible
+
+
+def _define(content: Node, variable: int, expression: int) -> bool:
+    for owner in content["systems"]["discrete_values"]["owners"]:
+        if owner["targets"] == [variable] and len(owner["branches"]) == 1:
+            owner["branches"][0]["values"][0]["expression"] = expression
+            return True
+    return False

@@ -14,10 +14,9 @@ import casadi as ca
 
 from railgrip.base.errors import InputError
 from railgrip.base.system import SampledSystem
-from railgrip.fmus.native.c_source import string_literal, table
+from railgrip.fmus.native.c_source import straight, string_literal, table
 from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.description import Writer, document
-from railgrip.fmus.native.functions import straight
 from railgrip.fmus.native.package import Source, c_identifier
 
 PARTS = ("discrete.c", "instance.c", "status.c")

@@ -1,9 +1,11 @@
 """Places of errors in Modelica code, for which the front end often names only the element, without file and line."""
 
 import re
+import tomllib
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import rumoca
 
@@ -14,6 +16,12 @@ from railgrip.fmus.native.library import LIBRARY
 
 _MAXIMUM_PLACES = 3
 """Maximum number of places in a message."""
+
+
+@cache
+def _messages(kind: str) -> list[dict[str, Any]]:
+    # A table of messages.toml, which describes its keys.
+    return tomllib.loads(Path(__file__).with_name("messages.toml").read_text(encoding="utf-8"))[kind]
 
 
 def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
@@ -56,43 +64,15 @@ def _body(name: str, texts: dict[str, str]) -> Iterator[tuple[str, str]]:
             return
 
 
-_EXPLANATIONS = (
-    (
-        r"unbalanced model: (\d+) equations, (\d+) unknowns",
-        r"the class has \1 equations for \2 unknowns (section 4.7 of the Modelica specification)",
-    ),
-    (
-        "depends on a runtime coordinate",
-        "a constant or parameter, the size of an array or the condition of a component depends on a variable that "
-        "changes (4.4.4)",
-    ),
-    ("component binding type compatibility", "the value of a component is not of its type (6.7)"),
-    ("expandable", "expandable connectors are not supported by the built-in compiler"),
-    (
-        "unsupported model algorithm",
-        "an algorithm section of this form is not supported by the built-in compiler; write equations, or a function "
-        "with the algorithm",
-    ),
-    ("external C function", "external functions are not supported by the built-in compiler; write them in Modelica"),
-    (
-        r"semantic owner|canonical|internal|missing source context|structured identity|typed owner|lowering slice|"
-        r"flat variable|resolve/parse failed|proof|cyclic class",
-        "a construct of this class is not supported by the built-in compiler; simplify it, or build the class with "
-        "OpenModelica (--compiler openmodelica)",
-    ),
-)
-"""Pattern in a message of the front end → its meaning for the user."""
-
-
 def explain(message: str) -> str:
     """Return a message of the front end without repetitions, after a sentence on its meaning if it is internal."""
     message, _, related = message.partition("\nRelated failures")
     others = [line for line in related.splitlines()[1:] if line.rpartition("]: ")[2] not in message]
     message = "\n".join([message, *others[:_MAXIMUM_PLACES]])
-    for pattern, sentence in _EXPLANATIONS:
-        match = re.search(pattern, message)
+    for row in _messages("explanations"):
+        match = re.search(row["pattern"], message)
         if match:
-            return f"{match.expand(sentence)}. The front end reports: {message}"
+            return f"{match.expand(row['sentence'])}. The front end reports: {message}"
     return message
 
 
@@ -176,117 +156,6 @@ def nested_arrays(message: str, path: Path, class_name: str) -> tuple[str, ...]:
     return tuple((not_in_comprehension or every)[:_MAXIMUM_PLACES])
 
 
-@dataclass(frozen=True, slots=True)
-class _Limit:
-    """A failure of the front end whose message has neither file nor line nor words of the Modelica language.
-
-    Attributes:
-        message: Pattern of its message; group `function` is the name of a function, `operator` that of an operator.
-        source: Pattern of what causes it; `{operator}` stands for that group. If empty, the statement is searched for.
-        sentence: What is not supported, and what to write instead.
-        in_functions: Whether the cause may be in a function.
-    """
-
-    message: str
-    source: str
-    sentence: str
-    in_functions: bool = True
-
-
-_FIXED_LOOP = "write a for loop with a fixed range and put its statements into an if statement"
-_LIMITS = (
-    _Limit(
-        r"`function statement`: `(?P<function>[\w.]+)`",
-        r"(?<!end )\bwhile\b",
-        f"a while loop whose number of repetitions is not known at build time is not supported; {_FIXED_LOOP}",
-    ),
-    _Limit(
-        r"`function loop reduction`: `(?P<function>[\w.]+)`",
-        r"\bbreak\b|(?<!end )\bwhile\b",
-        f"break, or a while loop that does not count, is not supported; {_FIXED_LOOP}",
-    ),
-    _Limit(
-        r"`function return`",
-        r"\breturn\b",
-        "return inside a loop is not supported; keep the result in a variable and put the later statements into an "
-        "if statement",
-    ),
-    _Limit(
-        r"`function loop domain`: `(?P<function>[\w.]+)`",
-        r"\bfor\b[^;]*?\bin\b",
-        "the range of this for loop must be Integer numbers that are known at build time; for the elements of an array "
-        "v write `for i in 1:size(v, 1)` and v[i]",
-    ),
-    _Limit(
-        r"for-equation range must be a constant range",
-        r"\bfor\b[^;]*?\bin\s*(?!\d+\s*:)\S",
-        "the range of this for must be Integer numbers that are known at build time; for the elements of an array v "
-        "write `for i in 1:size(v, 1)` and v[i]",
-        in_functions=False,
-    ),
-    _Limit(
-        r"multi-output algorithm|unsupported model algorithm",
-        r"\balgorithm\b",
-        "this algorithm section of a model is not supported; write equations, or a function with the algorithm",
-        in_functions=False,
-    ),
-    _Limit(
-        r"missing source scope for imports",
-        r"\(\s*,|,\s*[,)]\s*=",
-        "an output of a function that is left out in front of others is not supported; assign it to a variable",
-    ),
-    _Limit(
-        r"`function shape proof`",
-        "",
-        "the sizes of an argument differ from those that the function declares",
-    ),
-    _Limit(
-        r"missing function value definition",
-        r"\bprotected\b",
-        "a variable of a function is used before it has a value; assign it a value first",
-    ),
-    _Limit(
-        r"unsupported runtime operator `(?P<operator>\w+)`|unsupported operator `(?P<operator2>\w+)`",
-        r"\b{operator}\s*\(",
-        "{operator} is not supported here with these arguments; write its value or its formula",
-    ),
-    _Limit(
-        r"expression shape mismatch",
-        "",
-        "the sizes of the arrays do not fit (10.6), or this array constructor has several iterators, instead of which "
-        "nested constructors are supported",
-    ),
-    _Limit(
-        r"expression type mismatch: expected (?P<operator>\w+)",
-        "",
-        "the types do not fit, {operator} is expected; write real numbers with a decimal point",
-    ),
-    _Limit(
-        r"`empty array`",
-        "",
-        "an empty array in this place, or an iterator without a range, is not supported; write the range",
-    ),
-    _Limit(
-        r"equality comparison on Real values",
-        "",
-        "Real values are compared by == or <> outside functions, which the language does not allow (3.5)",
-    ),
-    _Limit(
-        r"exact comprehension occurrence",
-        r"\bfor\s+\w+\s+in\b",
-        "an array or reduction with an iterator inside a for equation or a when clause is not supported; declare a "
-        "variable that equals it, and use that",
-    ),
-    _Limit(r"invalid array subscript", "", "subscripts are Integers or ranges of Integers"),
-    _Limit(r"array extent must be", "", "sizes are whole numbers that are known at build time"),
-    _Limit(
-        r"failed in (?:ToDae|Flatten): (?!unbalanced|.*:\d+:\d+)",
-        "",
-        "the built-in compiler does not support this form",
-    ),
-)
-
-
 def limits(message: str, path: Path, class_name: str) -> tuple[str, ...]:
     """Return sentences with file and line for failures of the front end on valid or invalid forms that it cannot name.
 
@@ -297,17 +166,19 @@ def limits(message: str, path: Path, class_name: str) -> tuple[str, ...]:
     """
     if re.search(r":\d+:\d+\]", message):
         return ()
-    for limit in _LIMITS:
-        match = re.search(limit.message, message)
+    for limit in _messages("limits"):
+        match = re.search(limit["message"], message)
         if match is None:
             continue
         groups = match.groupdict()
         operator = groups.get("operator") or groups.get("operator2") or ""
-        sentence = limit.sentence.format(operator=operator)
+        sentence = limit["sentence"].format(operator=operator)
         texts = _texts(path)
-        if not limit.in_functions:
+        if not limit.get("in_functions", True):
             texts = {name: _FUNCTION.sub(_blank, text) for name, text in texts.items()}
-        found = list(_statements(limit.source.replace("{operator}", operator), groups.get("function"), texts))
+        found = list(
+            _statements(limit.get("source", "").replace("{operator}", operator), groups.get("function"), texts)
+        )
         if not found and path.name != "package.mo":
             (name, text), *_ = texts.items()
             found = _culprits(name, text, class_name, message)

@@ -110,6 +110,7 @@ class ExpressionBuilder:
         self.conditions: Any = None
         self.required = {when: Evaluation() for when in ("running", "watched", "start", "event")}
         self._top = Frame()
+        self._numbers: dict[float, Array] = {}
         self._user, self._only_if = self.required["running"], None
         self._calls: list[str] = []
         self._is_guarded = False  # by a relation that keeps its value until an event
@@ -225,7 +226,9 @@ class ExpressionBuilder:
         ((kind, value),) = operation["value"].items()
         if kind == "string":
             raise self._refusal("a String in an equation", node)
-        return array([SX(float(value))])
+        if value not in self._numbers:  # a third of all expressions, of which few differ
+            self._numbers[value] = array([SX(float(value))])
+        return self._numbers[value]
 
     def _coordinate(self, operation: Node, node: Node, frame: Frame) -> Array:
         coordinate = operation["coordinate"]
@@ -330,11 +333,12 @@ class ExpressionBuilder:
         return [*found, *(list(range(size)) for size in base.shape[len(found) :])]
 
     def _require_index(self, index: SX, size: int, axis: int, node: Node) -> None:
+        if is_number(index) and 1 <= float(index) <= size:  # most are; comparing expressions would take much longer
+            return
         inside = SX(ca.logic_and(index >= 1, index <= size))
-        if not (is_number(inside) and float(inside)):
-            text, where = self.dae.text(node["provenance"], subscripts=True), self.dae.where(node["provenance"])
-            sentence = f"{text}: subscript {axis + 1} must be from 1 to {size}, but it is "
-            self._user.requirements.append(Requirement(inside, sentence, SX(index), where))
+        text, where = self.dae.text(node["provenance"], subscripts=True), self.dae.where(node["provenance"])
+        sentence = f"{text}: subscript {axis + 1} must be from 1 to {size}, but it is "
+        self._user.requirements.append(Requirement(inside, sentence, SX(index), where))
 
     def _index(self, operation: Node, node: Node, frame: Frame) -> Array:
         out = self._value(operation["base"], frame)

@@ -2,7 +2,7 @@
 
 Section numbers are those of the Modelica Language Specification, version 3.6. Rules that rumoca 0.10 enforces itself
 are not repeated here; tests/fmus/test_strict_modelica.py lists them. This module has the rules of declarations; `names`
-has those of expressions, `connections` those of connect equations, and `namesakes` names that rumoca confuses.
+has those of expressions and names that rumoca confuses, `connections` those of connect equations.
 """
 
 import re
@@ -13,7 +13,7 @@ from itertools import chain
 from typing import Any
 
 from railgrip.base.errors import TranslationError
-from railgrip.fmus.native import connections, names, namesakes
+from railgrip.fmus.native import connections, names
 from railgrip.fmus.native.classes import (
     KINDS,
     SIMPLE,
@@ -66,12 +66,11 @@ def findings(tree: Tree, class_name: str, flat: Mapping[str, Node]) -> list[str]
         _Checker(tree, class_name).findings(),
         names.findings(tree),
         connections.findings(tree, flat),
-        namesakes.findings(tree),
     )
     return list(dict.fromkeys(every))
 
 
-def require_strict(tree: Tree, class_name: str, flat: Mapping[str, Node], calls: Iterable[namesakes.Call] = ()) -> None:
+def require_strict(tree: Tree, class_name: str, flat: Mapping[str, Node], calls: Iterable[names.Call] = ()) -> None:
     """Raise an error for constructs that Modelica compilers interpret differently, or rumoca confuses.
 
     Args:
@@ -84,7 +83,7 @@ def require_strict(tree: Tree, class_name: str, flat: Mapping[str, Node], calls:
         TranslationError: The class has such constructs; the message lists them with file and line.
     """
     refuse(f"{class_name} does not conform to the Modelica language", findings(tree, class_name, flat))
-    refuse(f"{class_name} would call the wrong function", namesakes.confused_calls(tree, calls))
+    refuse(f"{class_name} would call the wrong function", names.confused_calls(tree, calls))
 
 
 def require_values(

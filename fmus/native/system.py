@@ -9,12 +9,10 @@ import numpy as np
 
 from railgrip.base.errors import TranslationError
 from railgrip.fmus.native.arrays import SX, Array, choose, is_number
-from railgrip.fmus.native.conditions import EventConditions, Relations, find_relations, includes_initial
+from railgrip.fmus.native.conditions import EventConditions, Relations, TimeEvents, find_relations, includes_initial
 from railgrip.fmus.native.dae import Dae, Node
 from railgrip.fmus.native.expressions import ExpressionBuilder
-from railgrip.fmus.native.index import RELUCTANCE, IndexOne, reduce_index
-from railgrip.fmus.native.instants import TimeEvents
-from railgrip.fmus.native.structure import Equation, Loops, solve
+from railgrip.fmus.native.structure import RELUCTANCE, Equation, IndexOne, Loops, reduce_index, solve
 from railgrip.fmus.native.variables import ModelVariables, Scalar, declare, settle, vector
 
 Message = tuple[str | SX, ...]

@@ -11,8 +11,7 @@ from railgrip.base.names import did_you_mean
 from railgrip.base.records import make_folder, require_own
 from railgrip.cli.app import RUN_FAILED, File, Overrides, With
 from railgrip.fmi import describe
-from railgrip.fmus.native.fmi3 import as_fmi_3
-from railgrip.fmus.native.package import pack
+from railgrip.fmus.native.package import as_fmi_3, pack
 from railgrip.fmus.native.toolchain import TARGETS
 from railgrip.report.console import remark, say
 from railgrip.scenario.load import load

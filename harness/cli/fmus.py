@@ -11,8 +11,7 @@ import typer
 
 from railgrip.base.errors import InputError
 from railgrip.cli.app import fail
-from railgrip.fmi.comparison import validation_problems
-from railgrip.fmi.survey import SurveyResult, survey
+from railgrip.fmi.survey import SurveyResult, survey, validation_problems
 from railgrip.fmus.build import OUTPUT, Compiler, build, build_class, translate
 from railgrip.fmus.lock import LOCK, Entry, differences, read_lock, write_lock
 from railgrip.fmus.recipe import read_recipes

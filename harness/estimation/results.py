@@ -170,7 +170,7 @@ def parameters_table(parameters: Sequence[ModelParameter], title: str = "") -> R
     """Return parameters with value, unit and origin; elements of an array with the same origin are in one row."""
     rows: dict[tuple[str, str], list[ModelParameter]] = {}
     for each in parameters:
-        rows.setdefault((each.Element.of(each.name).array, each.origin), []).append(each)
+        rows.setdefault((Element.of(each.name).array, each.origin), []).append(each)
     table = [
         {
             "parameter": name if len(elements) > 1 else elements[0].name,

@@ -6,11 +6,11 @@
 while it runs raises `PlantFailed`.
 """
 
-from railgrip.fmi.cosimulation import CoSimulation
 from railgrip.fmi.description import Description, FmuVariable, describe
 from railgrip.fmi.exchange import FmuPrediction
 from railgrip.fmi.isolation import IsolatedCoSimulation, open_plant, shared_budget
 from railgrip.fmi.mapping import Binding, Port, SignalVector, bind
+from railgrip.fmi.plant import CoSimulation
 from railgrip.fmi.stepped import SteppedFmuPrediction
 
 __all__ = [

@@ -12,12 +12,10 @@ from fmpy.fmi1 import FMICallException
 
 from railgrip.base.arrays import Vector
 from railgrip.base.errors import FmuError, PlantFailed
-from railgrip.fmi.cosimulation import CoSimulation
 from railgrip.fmi.description import Description
-from railgrip.fmi.instance import Instance, Way
+from railgrip.fmi.instance import Instance, Way, start_values
 from railgrip.fmi.mapping import Channel
-from railgrip.fmi.parameters import start_values
-from railgrip.fmi.plant import LoadedPlant
+from railgrip.fmi.plant import CoSimulation, LoadedPlant
 
 TOLERANCE: Final = 1e-6
 """Relative error of a step of CVODE, as in the built-in plants; the absolute error is that times nominal values."""

@@ -23,8 +23,7 @@ from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.base.names import state_name
 from railgrip.estimators.model_in_c import ModelInC, Pattern
 from railgrip.fmi.description import Description, FmuVariable, Interface
-from railgrip.fmi.instance import Instance, unpack
-from railgrip.fmi.parameters import Values, assignments
+from railgrip.fmi.instance import Instance, Values, assignments, unpack
 from railgrip.fmus.native.c_library import Struct, kernel_library
 
 KERNEL: Final = ("railgrip.fmi", "prediction")

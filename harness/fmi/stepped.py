@@ -21,8 +21,7 @@ from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.estimators.model_in_c import Pattern, transition_pattern
 from railgrip.fmi.description import Description, Interface
 from railgrip.fmi.exchange import KERNEL, FmuPrediction, references_of
-from railgrip.fmi.instance import Instance
-from railgrip.fmi.parameters import Assignment, Values
+from railgrip.fmi.instance import Assignment, Instance, Values
 from railgrip.fmus.native.c_library import Struct, kernel_library
 
 TOLERANCE: Final = 1e-8

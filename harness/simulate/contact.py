@@ -19,7 +19,7 @@ import xarray
 
 from railgrip.base.arrays import Array
 from railgrip.fmus.native import Model
-from railgrip.fmus.native.functions import in_c
+from railgrip.fmus.native.c_source import in_c
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.scenario.surface import Recovery
 from railgrip.trace.bound import contact_at

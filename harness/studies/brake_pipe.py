@@ -11,9 +11,9 @@ from typer import Option
 from railgrip.base.files import scratch
 from railgrip.campaign.work import Work
 from railgrip.fmi import Description
-from railgrip.fmi.cosimulation import CoSimulation
 from railgrip.fmi.description import describe
 from railgrip.fmi.mapping import Port, bind
+from railgrip.fmi.plant import CoSimulation
 from railgrip.fmus.build import build_class
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables

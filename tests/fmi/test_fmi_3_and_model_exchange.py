@@ -15,7 +15,7 @@ from railgrip.fmi.by_fmpy import IntegratedModel
 from railgrip.fmi.plant import LoadedPlant
 from railgrip.fmus.native import package
 from railgrip.fmus.native.dae import read
-from railgrip.fmus.native.fmi3 import as_fmi_3
+from railgrip.fmus.native.package import as_fmi_3
 from railgrip.fmus.native.system import System, explicit
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.report.stop import Stop

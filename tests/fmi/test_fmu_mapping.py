@@ -8,7 +8,7 @@ from tiny_fmu import tiny, xml
 
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.fmi import Binding, CoSimulation, Description, Port, bind, describe
-from railgrip.fmi.parameters import assignments
+from railgrip.fmi.instance import assignments
 
 WHERE = "city.toml: [vehicle.map]"
 

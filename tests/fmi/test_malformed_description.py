@@ -13,7 +13,7 @@ from tiny_fmu import tiny, xml
 from railgrip.base.errors import FmuError, RailgripError
 from railgrip.fmi import Description, Port, bind, describe
 from railgrip.fmi.draft import draft_mapping
-from railgrip.fmi.parameters import assignments
+from railgrip.fmi.instance import assignments
 
 FUZZ = int(os.environ.get("RAILGRIP_FUZZ", "30"))
 TEXT = xml(state_unit="km/h", input_unit="bar", output_unit="degC", indicators=1)

@@ -8,13 +8,23 @@ import sys
 import casadi as ca
 import numpy as np
 import pytest
+from scipy.linalg import solve_banded
 from small_fmus import FEATURES
 
 from railgrip.base.errors import BuildFailed, CompilerMissing
 from railgrip.fmus.native import equations, lower, toolchain
+from railgrip.fmus.native.c_source import (
+    LARGEST,
+    LONGEST,
+    MAX_ENTRIES,
+    MAX_PRODUCTS,
+    eliminate,
+    fits,
+    interpreter,
+    straight,
+    tape,
+)
 from railgrip.fmus.native.code import RUNTIME
-from railgrip.fmus.native.elimination import MAX_ENTRIES, MAX_PRODUCTS, eliminate
-from railgrip.fmus.native.functions import LONGEST, interpreter, straight, tape
 
 LARGEST_REAL = sys.float_info.max
 
@@ -64,6 +74,41 @@ def test_sparse_elimination_agrees_with_numpy(seed, n, density):
     assert library.factor(at(values), shift, at(factors)) == 0
     library.solve(at(factors), at(solution))
     assert solution == pytest.approx(np.linalg.solve(shift * np.eye(n) - dense, right), abs=1e-11)
+
+
+def test_elimination_of_a_long_chain_stays_sparse():
+    """A band matrix with more entries than a full one may have; dense elimination would take a thousand times as long.
+
+    The shift makes pivoting unnecessary and the condition below 10, so 1e-11 is ample.
+    """
+    n, width = MAX_ENTRIES // 5 + 50, 2
+    rng = np.random.default_rng(4)
+    pattern = [(i, j) for j in range(n) for i in range(max(j - width, 0), min(j + width + 1, n))]
+    values, right, shift = rng.uniform(-1, 1, len(pattern)), rng.normal(size=n), 10.0
+    library, factors = elimination_library(n, pattern)
+    assert factors.size > MAX_ENTRIES
+    bands = np.zeros((2 * width + 1, n))
+    bands[width] = shift
+    for (i, j), value in zip(pattern, values, strict=True):
+        bands[width + i - j, j] -= value
+    solution = right.copy()
+    assert library.factor(at(values), shift, at(factors)) == 0
+    library.solve(at(factors), at(solution))
+    assert solution == pytest.approx(solve_banded((width, width), bands, right), abs=1e-11)
+
+
+def test_a_function_may_have_more_operations_than_its_tape_has_places():
+    """A sum of squares of ten values, again and again: many operations, few values at once."""
+    x = ca.SX.sym("x", 10)
+    total = ca.SX(0)
+    for _ in range(LARGEST // 20 + 100):
+        total = ca.sin(total + ca.sumsqr(x))
+    function = ca.Function("f_total", [x], [total])
+    assert function.n_instructions() > LARGEST
+    assert fits(function)
+    given = [np.linspace(0.1, 1, 10)]
+    (found,) = played(function, interpreter(), tape(function), given)
+    assert found == np.asarray(function(*given)).ravel()
 
 
 def test_a_cancelled_pivot_is_reported():

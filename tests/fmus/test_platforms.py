@@ -20,8 +20,7 @@ from fmpy.validation import validate_fmu
 
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.fmus.native.discrete import sources
-from railgrip.fmus.native.fmi3 import as_fmi_3
-from railgrip.fmus.native.package import FMU_FLAGS, pack
+from railgrip.fmus.native.package import FMU_FLAGS, as_fmi_3, pack
 from railgrip.fmus.native.package import HEADERS as INCLUDED
 from railgrip.fmus.native.toolchain import TARGETS, binary
 

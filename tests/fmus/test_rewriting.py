@@ -7,7 +7,7 @@ import pytest
 
 from railgrip.base.errors import InputError
 from railgrip.fmus.native.dae import read
-from railgrip.fmus.native.lowering import model_of
+from railgrip.fmus.native.equations import model_of
 from railgrip.fmus.native.rewriting import rewrite
 from railgrip.fmus.native.system import explicit
 

@@ -15,9 +15,8 @@ from hypothesis import strategies as st
 from railgrip.base.errors import InputError, TranslationError
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native import lower
-from railgrip.fmus.native.c_source import strings
+from railgrip.fmus.native.c_source import in_c, strings
 from railgrip.fmus.native.dae import read
-from railgrip.fmus.native.functions import in_c
 from railgrip.fmus.native.package import HEADERS, Source, archive_bytes, c_identifier, sources
 from railgrip.fmus.native.system import System, explicit
 from railgrip.fmus.native.toolchain import binary, shared_library

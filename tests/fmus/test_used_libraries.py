@@ -12,8 +12,7 @@ from railgrip.fmus.build import build_class
 from railgrip.fmus.native import lower
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.library import LARGEST_WHOLE
-from railgrip.fmus.native.used_classes import UsedClasses, scan
-from railgrip.fmus.native.used_libraries import file_digest, used_libraries
+from railgrip.fmus.native.used_libraries import UsedClasses, file_digest, scan, used_libraries
 from railgrip.fmus.recipe import Recipe
 
 

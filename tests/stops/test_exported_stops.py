@@ -15,8 +15,7 @@ from fmpy.validation import validate_fmu
 from synthetic import LIBRARY
 
 from railgrip.base.errors import ScenarioError
-from railgrip.fmus.native.fmi3 import as_fmi_3
-from railgrip.fmus.native.package import archive_bytes
+from railgrip.fmus.native.package import archive_bytes, as_fmi_3
 from railgrip.scenario.load import load
 from railgrip.simulate.export.c_parts import part_fmu
 from railgrip.simulate.export.controller_and_plant import plant_fmu

@@ -14,10 +14,9 @@ from railgrip.base.records import claim
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
-from railgrip.fmus.native import memory
 from railgrip.fmus.native.c_library import Struct
 from railgrip.fmus.native.discrete import WrittenStep, sources, straight_step
-from railgrip.fmus.native.embedded import sources_of_library
+from railgrip.fmus.native.embedded import memory_in_c, sources_of_library
 from railgrip.fmus.native.package import Source, c_identifier
 from railgrip.fmus.native.toolchain import FMU_FLAGS, static_library
 from railgrip.kernel import headers, kernel, texts
@@ -156,7 +155,7 @@ def _system(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> Sample
     text = [
         *(f"#define {name} {value}" for name, value in macros.items()),
         *(f'#include "{name}"' for name in _UNITS),
-        memory.in_c(role.struct, headers(layout).values()),
+        memory_in_c(role.struct, headers(layout).values()),
         *(_write_call(_name(field), formula) for field, formula in role.formulas.items()),
         "int step_plain(double *block);",
         "static int sample(unsigned long long *memory, long long k, const double *input, const double *parameter,",

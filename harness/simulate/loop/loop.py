@@ -19,7 +19,7 @@ from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
 from railgrip.fmi import CoSimulation
 from railgrip.fmus.native.c_library import Struct
-from railgrip.fmus.native.functions import in_c
+from railgrip.fmus.native.c_source import in_c
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.kernel import kernel, rate_of, texts
 from railgrip.scenario.outcome import Outcome

@@ -15,9 +15,9 @@ from railgrip.base.names import Element
 from railgrip.campaign.run import CampaignRun, run_campaigns
 from railgrip.campaign.workers import environment
 from railgrip.controllers.observation import Observation
-from railgrip.fmi.comparison import seconds_in_c, seconds_of_fmpy, seconds_of_railgrip
 from railgrip.fmi.description import Description, describe
 from railgrip.fmi.mapping import Binding, Port, bind
+from railgrip.fmi.survey import seconds_in_c, seconds_of_fmpy, seconds_of_railgrip
 from railgrip.fmus.build import build, build_class, fmu
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
