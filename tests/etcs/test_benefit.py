@@ -202,6 +202,16 @@ def test_a_rail_on_which_the_train_does_not_stop_is_refused(few_draws, monkeypat
         ("level = [0.8, 1.2]", "level = [1.2, 0.8]", "level of autumn, leaves falls from 1.2 to 0.8"),
         ('kind = "points"', 'level = 2, kind = "points"', "give [[rail]] level instead"),
         ('setup = "8 s"', "", "[times] has no 'setup'"),
+        (
+            "[times]",
+            "[measure.m]\ndescription = 'abc'\nsource = 'abc'\nscenario.start.speed = 9\n[times]",
+            "scenario has start, which is the same with and without a measure",
+        ),
+        (
+            "[times]",
+            "[measure.m]\ndescription = 'abc'\nsource = 'abc'\nscenario.adhesion.level = 9\n[times]",
+            "scenario has adhesion.level",
+        ),
         ('margin = "50 m"', 'margin = "50 s"', "[times] margin"),
     ],
 )

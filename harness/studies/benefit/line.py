@@ -19,6 +19,9 @@ from railgrip.supervision.national import NationalValues
 
 LIBRARY = Path(__file__).parent / "library"
 
+_OF_ALL = ("name", "seed", "vehicle", "start", "limits")
+"""Keys of a scenario that are the same in all stops on a rail, so that these can be compared."""
+
 _Share = Annotated[float, UnitRange("1", above=0, at_most=1)]
 _Level = Annotated[float, UnitRange("1", above=0, at_most=10)]
 
@@ -33,6 +36,14 @@ class Measure(Table):
         default={}, description="keys of every bogie; bogies that have them lose them without the measure"
     )
     train: dict[str, Any] = Field(default={}, description="tables of the train file, unless the train has its own")
+
+    @model_validator(mode="after")
+    def _leaves_stops_alike(self) -> Self:
+        taken = [key for key in self.scenario if key in _OF_ALL]
+        taken += ["adhesion.level"] if "level" in self.scenario.get("adhesion", {}) else []
+        if taken:
+            raise table_error(f"scenario has {', '.join(taken)}, which is the same with and without a measure; omit it")
+        return self
 
 
 class Rail(Table):
