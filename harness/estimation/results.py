@@ -9,6 +9,7 @@ import numpy as np
 import xarray
 
 from railgrip.base.errors import EstimationError
+from railgrip.base.names import Element
 from railgrip.estimation.judge import Judgement
 from railgrip.estimation.models import units_of
 from railgrip.estimation.run import by_name
