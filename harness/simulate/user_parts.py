@@ -306,7 +306,8 @@ class _Adapter:
 class CustomController(_Adapter):
     """Puts a user's control law into the loop."""
 
-    role, failed = "controllers", ControllerFailed
+    role = "controllers"
+    failed = ControllerFailed
 
     def __init__(self, controller: Controller, formation: Formation) -> None:
         """Start the law.
@@ -350,7 +351,8 @@ class CustomEstimator(_Adapter):
         provides: Names of the estimates that it provides.
     """
 
-    role, failed = "estimators", EstimatorFailed
+    role = "estimators"
+    failed = EstimatorFailed
 
     def __init__(self, estimator: Estimator, formation: Formation) -> None:
         """Check the estimator; the first step starts it.
@@ -406,7 +408,8 @@ class CustomEstimator(_Adapter):
 class CustomSensors(_Adapter):
     """Puts a user's sensors into the loop."""
 
-    role, failed = "sensors", SensorsFailed
+    role = "sensors"
+    failed = SensorsFailed
 
     def __init__(
         self, sensors: Sensors, layout: Layout, formation: Formation, period: float, random: np.random.Generator
@@ -457,7 +460,8 @@ NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cyli
 class CustomPlant(_Adapter):
     """Puts a user's plant into the loop."""
 
-    role, failed = "plants", PlantFailed
+    role = "plants"
+    failed = PlantFailed
 
     def __init__(self, plant: Plant, layout: Layout, *, speed: float, period: float, command: str) -> None:
         """Check the plant; the loop starts it.
