@@ -162,7 +162,8 @@ def _cases_figure(frame: Frame, colours: Mapping[str, str]) -> Figure:
     families: dict[tuple[str, str, str], dict[str, list[Any]]] = {}
     for setting, stops in groups_of(frame, SETTING):
         for row in stops.itertuples():
-            name = _case_name(row.case if has_one_scenario and row.case else row.label, row.friction)
+            name = (row.case if has_one_scenario and row.case else row.label).replace("_", " ")
+            name = f"{name}, $\\mu_0$ {row.friction}" if row.friction else name
             families.setdefault(setting, {}).setdefault(name, []).append(row)
     # No panel is so low that a page would stretch the figure.
     heights = [_HEADING / _LINE + max(len(cases), _FEWEST) for cases in families.values()]
@@ -206,11 +207,6 @@ def _draw_case(row: Any, line: int, metres: Axes, changes: Axes, look: Mapping[s
     metres.plot(row.distance, line, **look, **_EDGE)
     if isfinite(row.reduction_vs_sbc):
         changes.plot(-100 * row.reduction_vs_sbc, line, **look, **_EDGE)
-
-
-def _case_name(case: str, friction: str) -> str:
-    name = case.replace("_", " ")
-    return f"{name}, $\\mu_0$ {friction}" if friction else name
 
 
 def sweep_figure(axes: Mapping[str, Sequence[Any]], distances: NDArray[np.float64]) -> Figure:
