@@ -12,14 +12,16 @@ from railgrip.base.errors import InputError, RecordError
 from railgrip.base.outputs import claim
 from railgrip.report import style
 from railgrip.report.baseline import baseline_deviations
-from railgrip.report.comparison import flat, unit_of, without_numbers
-from railgrip.report.distance_figures import (
+from railgrip.report.campaign_figures import (
     FIGURE_MEANING,
+    adhesion_figure,
     distance_figure,
     distribution_figure,
     exceedance_figure,
+    friction_figure,
     overview_figure,
 )
+from railgrip.report.comparison import flat, unit_of, without_numbers
 from railgrip.report.distances import (
     OVERVIEW_MEANING,
     headline,
@@ -38,7 +40,6 @@ from railgrip.report.distribution import (
     quantile_table,
     worst_table,
 )
-from railgrip.report.figures import adhesion_figure, friction_figure
 from railgrip.report.frame import Frame, frame_of, single_stops
 from railgrip.report.limits import describe_clauses, limits_of
 from railgrip.report.page import FORMATS, Page
