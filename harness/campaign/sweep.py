@@ -123,7 +123,7 @@ class Sweep:
 
     def plot(self) -> "Figure":
         """Return a figure (matplotlib) of the braking distances over the longest axis."""
-        from railgrip.report.distance_figures import sweep_figure  # matplotlib takes half a second to load
+        from railgrip.report.campaign_figures import sweep_figure  # matplotlib takes half a second to load
 
         return sweep_figure(self.axes, self.distances)
 

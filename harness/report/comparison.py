@@ -111,7 +111,7 @@ class Comparison:
         For campaigns the figure has the differences of the stops.
         """
         # matplotlib takes half a second to load.
-        from railgrip.report.distance_figures import stops_figure
+        from railgrip.report.campaign_figures import stops_figure
         from railgrip.report.figures import track_figure
 
         return track_figure(self.along) if self.along else stops_figure(self.differences)

@@ -1,8 +1,6 @@
-"""Figures of signals: friction, adhesion and all signals of stops, stops along the track, recordings and estimates."""
+"""Figures of signals: friction and adhesion of wheelsets, all of a stop, stops along the track, and estimates."""
 
-import json
 from collections.abc import Mapping, Sequence
-from itertools import cycle
 from math import ceil, isfinite
 from pathlib import Path
 from typing import Any
@@ -17,46 +15,8 @@ from railgrip.base.names import Element
 from railgrip.recording.samples import knows, reading_of, truth_of, unit_of
 from railgrip.report import palette, style
 from railgrip.report.signals import SignalLine, SignalPanel, signal_panels
-from railgrip.report.stop import Stop
 from railgrip.trace.loss import Loss
 from railgrip.trace.metrics import Metrics
-
-_RAIL_COLOURS = (*palette.LINES, palette.GREY)
-
-
-_SEEKING = "peak seeking"
-
-
-def friction_figure(stops: Sequence[Stop]) -> Figure:
-    """Return a figure of the maximum friction over time, with a panel for each scenario.
-
-    For a scenario with one rail every wheelset is drawn, with several rails the leading wheelset on each of them.
-    Source of the layout: Schwarz, Posielek and Goetjes, Fig. 3.
-
-    Args:
-        stops: Stops, of which the longest on each rail is drawn.
-    """
-    scenarios = _rails(stops)
-    drawing = style.figure(9, sum(2.4 if len(rails) == 1 else 3.4 for rails in scenarios.values()))
-    panels = drawing.subplots(len(scenarios), 1, sharex=True, squeeze=False)[:, 0]
-    for panel, rails in zip(panels, scenarios.values(), strict=True):
-        for colour, (name, stop) in zip(cycle(_RAIL_COLOURS), rails.items(), strict=False):
-            trace = stop.trace
-            mu0, time = trace["mu0"].values, trace["time"].values
-            if len(rails) == 1:
-                draw_wheelsets(panel, time, mu0)
-            else:
-                panel.plot(time, mu0[:, 0], color=colour, linewidth=1.2, label=name)
-        titles = {stop.title for stop in rails.values()}
-        style.dress(panel, y="maximum friction $\\mu_0$", title=", ".join(sorted(titles)))
-        panel.set_ylim(bottom=0)
-        panel.set_xlim(0, None)
-        if len(rails) > 1:
-            style.legend(panel, loc="center left", bbox_to_anchor=(1.0, 0.5))
-    if all(len(rails) == 1 for rails in scenarios.values()):
-        panels[0].legend(ncols=3, fontsize=8, loc="lower right", framealpha=0.9)
-    panels[-1].set_xlabel("time since the brake demand [s]")
-    return drawing
 
 
 def draw_wheelsets(panel: Axes, time: np.ndarray, mu0: np.ndarray) -> None:
@@ -65,74 +25,6 @@ def draw_wheelsets(panel: Axes, time: np.ndarray, mu0: np.ndarray) -> None:
     for wheelsets in style.alike(list(mu0.T)):
         axles = f"wheelset{'s' if len(wheelsets) > 1 else ''} {style.one_based(wheelsets)}"
         panel.plot(time, mu0[:, wheelsets[0]], color=colours[wheelsets[0]], linewidth=1.4, label=axles)
-
-
-def _rails(stops: Sequence[Stop]) -> dict[str, dict[str, Stop]]:
-    """Return scenario → name of the rail → longest stop on it; rails are named by the variants that only they have."""
-    rails: dict[str, dict[str, list[Stop]]] = {}
-    for stop in stops:
-        scenario = stop.inputs
-        rails.setdefault(scenario["name"], {}).setdefault(_rail(scenario["adhesion"]), []).append(stop)
-    return {
-        name: {
-            _variants(here, list(of_rail.values())): max(here, key=lambda stop: stop.metrics.duration)
-            for here in of_rail.values()
-        }
-        for name, of_rail in rails.items()
-    }
-
-
-def _rail(adhesion: Mapping[str, Any]) -> str:
-    """Return the keys that determine friction, as text.
-
-    Creep curves are omitted; the level that was calibrated for one of them is included.
-    """
-    level = adhesion.get("calibrated", {}).get(adhesion["polach"].get("name"), 1.0)
-    patches = [{key: patch[key] for key in patch if key != "polach"} for patch in adhesion.get("patch", ())]
-    rest = {key: adhesion[key] for key in adhesion if not key.startswith(("polach", "calibrated"))}
-    return json.dumps([level, rest | {"patch": patches}], sort_keys=True)
-
-
-def _variants(here: Sequence[Stop], rails: Sequence[Sequence[Stop]]) -> str:
-    parts: list[str] = []
-    for axis in here[0].variants:
-        here_only = list(dict.fromkeys(stop.variants.get(axis, "") for stop in here))
-        others = {stop.variants.get(axis, "") for rail in rails if rail is not here for stop in rail}
-        if others and others.isdisjoint(here_only):
-            more = f" and {len(here_only) - 2} more" if len(here_only) > 3 else ""
-            parts.append(", ".join(here_only[: 2 if more else 3]).replace("_", " ") + more)
-    return "; ".join(parts) or here[0].title
-
-
-def adhesion_figure(sbc: Stop, seeking: Stop) -> Figure:
-    """Return a figure of the adhesion of the first wheelset: with SBC and peak seeking, estimated, and the maximum in
-    both stops.
-
-    Source of the layout: Schwarz, Posielek and Goetjes, Fig. 4.
-    """
-    slide, seek = sbc.trace, seeking.trace
-    drawing, panel = style.panels(10, 4.8)
-    draw_adhesion(panel, {"SBC, two-state": slide, _SEEKING: seek}, seeking.inputs["limits"]["alpha_max"])
-    if "estimate_adhesion" in seek:
-        panel.plot(
-            seek["time"].values,
-            seek["estimate_adhesion"].values[:, 0],
-            color=palette.VERMILION,
-            linewidth=1.2,
-            linestyle=(0, (1, 1.6)),
-            label=f"{_SEEKING}, estimated",
-        )
-    style.dress(
-        panel,
-        x="time since the brake demand [s]",
-        y="adhesion of wheelset 1",
-        title=f"{seeking.title}, actuation {seeking.inputs['actuation']['kind']}, "
-        f"sensors {seeking.inputs['sensors']['kind']}: "
-        f"{sbc.distance_text} with SBC, {seeking.distance_text} with {_SEEKING}",
-    )
-    panel.set_ylim(0, None)
-    style.legend(panel, ncols=6, loc="upper center", bbox_to_anchor=(0.5, -0.12))
-    return drawing
 
 
 def draw_adhesion(panel: Axes, traces: Mapping[str, xarray.Dataset], limit: float, wheelset: int = 0) -> None:

@@ -98,16 +98,19 @@ def single_stops(frame: Frame) -> Frame:
 
 def plain_rows(frame: Frame) -> list[dict[str, Any]]:
     """Return the rows as JSON values; None for numbers that do not exist."""
-    shown = frame.drop(columns="label", errors="ignore").rename(columns=_PLAIN)
-    rows = [{name: _plain(value) for name, value in row.items()} for row in shown.to_dict("records")]
+    rows = plain(frame.drop(columns="label", errors="ignore").rename(columns=_PLAIN))
     for row in rows:
         row["air_l"] = None if row["air_l"] is None else 1000 * row["air_l"]
         row["valve_strokes"] = None if row["valve_strokes"] is None else round(row["valve_strokes"])
     return rows
 
 
-def _plain(value: Any) -> Any:
-    return None if isinstance(value, float) and not isfinite(value) else value
+def plain(frame: Frame) -> list[dict[str, Any]]:
+    """Return the rows of a frame; None for NaN and infinity."""
+    return [
+        {name: None if isinstance(value, float) and not isfinite(value) else value for name, value in row.items()}
+        for row in frame.to_dict("records")
+    ]
 
 
 def short_names(frame: Frame) -> tuple[str, dict[str, str]]:

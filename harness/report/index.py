@@ -12,14 +12,16 @@ from railgrip.base.errors import InputError, RecordError
 from railgrip.base.records import claim
 from railgrip.report import style
 from railgrip.report.baseline import baseline_deviations
-from railgrip.report.comparison import flat, unit_of, without_numbers
-from railgrip.report.distance_figures import (
+from railgrip.report.campaign_figures import (
     FIGURE_MEANING,
+    adhesion_figure,
     distance_figure,
     distribution_figure,
     exceedance_figure,
+    friction_figure,
     overview_figure,
 )
+from railgrip.report.comparison import flat, unit_of, without_numbers
 from railgrip.report.distances import (
     OVERVIEW_MEANING,
     headline,
@@ -38,7 +40,6 @@ from railgrip.report.distribution import (
     quantile_table,
     worst_table,
 )
-from railgrip.report.figures import adhesion_figure, friction_figure
 from railgrip.report.frame import Frame, frame_of, single_stops
 from railgrip.report.limits import describe_clauses, limits_of
 from railgrip.report.page import FORMATS, Page
@@ -241,28 +242,26 @@ def campaign_page(
     """
     frame = frame_of(results)
     changes = () if reference is None else changes_against(reference, results.stops, frame)
-    drawings: dict[str, tuple[str, Callable[[], Figure]]] = {}
-    overview = overview_of(frame)
+    figures: dict[str, Figure] = {}
+    captions: dict[str, str] = {}
+
+    def draw(name: str, caption: str, figure_of: Callable[..., Figure], *of: Any) -> None:
+        notify(name)
+        figures[f"figures/{name}.png"], captions[f"figures/{name}.png"] = figure_of(*of), caption
+
+    overview, distributions, single = overview_of(frame), distributions_of(frame), single_stops(frame)
     if overview is not None:
-        drawings["overview"] = "", lambda: overview_figure(overview)
-    distributions = distributions_of(frame)
+        draw("overview", "", overview_figure, overview)
     if len(distributions):
-        permitted = results.permitted_distance
-        drawings["exceedance"] = "", lambda: exceedance_figure(distributions, permitted)
-        drawings["distributions"] = "Braking distances over the draws", lambda: distribution_figure(distributions)
-    single = single_stops(frame)
+        draw("exceedance", "", exceedance_figure, distributions, results.permitted_distance)
+        draw("distributions", "Braking distances over the draws", distribution_figure, distributions)
     if single["distance"].count():
-        drawings["distances"] = "Braking distances", lambda: distance_figure(single)
+        draw("distances", "Braking distances", distance_figure, single)
     protected = [stop for stop in results.stops if stop.has_trace and stop.inputs["controller"]["kind"] != "full_brake"]
     if protected:
-        drawings["friction"] = "Maximum friction at the wheelsets", lambda: friction_figure(protected)
+        draw("friction", "Maximum friction at the wheelsets", friction_figure, protected)
     for sbc, abc in pairs:
-        caption = f"Adhesion of the first wheelset, {abc.name}"
-        drawings[f"adhesion-{abc.name}"] = caption, lambda sbc=sbc, abc=abc: adhesion_figure(sbc, abc)
-    figures: dict[str, Figure] = {}
-    for name, (_, draw) in drawings.items():
-        notify(name)
-        figures[f"figures/{name}.png"] = draw()
+        draw(f"adhesion-{abc.name}", f"Adhesion of the first wheelset, {abc.name}", adhesion_figure, sbc, abc)
     return Page(
         title=f"Campaign {results.name}",
         question="Which braking distance does each controller need in the same conditions? " + results.description,
@@ -281,7 +280,7 @@ def campaign_page(
             "repeats": None if overview is None else repeats_table(frame, pages),
             "notes": [*remarks_on(results.stops), *from_elsewhere(results.stops), *notes],
             "missing": names(results.missing),
-            "captions": {f"figures/{name}.png": caption for name, (caption, _) in list(drawings.items())[1:]},
+            "captions": dict(list(captions.items())[1:]),
             "scenarios": _scenarios(results.stops),
         },
         figures=figures,
@@ -312,7 +311,7 @@ def _scenarios(stops: Sequence[Stop]) -> ReportTable:
             {
                 "scenario": name,
                 "description": scenarios[0].get("description", ""),
-                "train": ", ".join(sorted({_train(scenario["vehicle"]) for scenario in scenarios})),
+                "train": ", ".join(sorted({_train_of(scenario["vehicle"]) for scenario in scenarios})),
                 "start speed": ", ".join(f"{3.6 * speed:.4g} km/h" for speed in speeds),
                 "seeds": str(seeds[0]) if len(seeds) == 1 else f"{seeds[0]} to {seeds[-1]}, {len(seeds)} of them",
                 "stops": len(stops_of_name),
@@ -321,7 +320,7 @@ def _scenarios(stops: Sequence[Stop]) -> ReportTable:
     return ReportTable(rows, left=("scenario", "description", "train", "start speed", "seeds"))
 
 
-def _train(vehicle: Mapping[str, Any]) -> str:
+def _train_of(vehicle: Mapping[str, Any]) -> str:
     return str(next((vehicle[key] for key in ("train", "model", "plant") if vehicle.get(key)), "unknown"))
 
 

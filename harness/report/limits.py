@@ -18,7 +18,7 @@ _FILE: Final = Path(__file__).parent / "library" / "limits.toml"
 _AMBIENT: Final = 101325.0  # Pa
 
 
-class Clause(Table):
+class LimitClause(Table):
     """One line of the verdict: a figure, its limit, and its name in the standard."""
 
     clause: str
@@ -52,12 +52,12 @@ class BuildUp(Table):
 class AssessmentLimits(Table):
     """The limits of a type test and of a campaign's page; see library/limits.toml."""
 
-    stops: Clause
-    extension: Clause
-    lock: Clause
-    locked_distance: Clause
-    reservoir: Clause
-    utilisation: Clause
+    stops: LimitClause
+    extension: LimitClause
+    lock: LimitClause
+    locked_distance: LimitClause
+    reservoir: LimitClause
+    utilisation: LimitClause
     supply: Supply
     build_up: BuildUp
 
@@ -70,7 +70,7 @@ class AssessmentLimits(Table):
         """
         verdicts: dict[str, bool | None] = {}
         for name, value in values.items():
-            clause: Clause = getattr(self, name)
+            clause: LimitClause = getattr(self, name)
             is_quoted = clause.adhesion is None or (
                 adhesion is not None and clause.adhesion[0] <= adhesion <= clause.adhesion[1]
             )

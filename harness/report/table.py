@@ -172,7 +172,10 @@ class ReportTable:
     def __str__(self) -> str:
         """Return the table as Markdown, whose cells may have emphasis and links; see `with_texts` for users' texts."""
         rules = ("---" if column in self.left else "--:" for column in self.columns)
-        head, *lines = (_markdown_row(cells) for cells in (self.columns, *(row.values() for row in self.texts)))
+        rows = (self.columns, *(row.values() for row in self.texts))
+        # No cell ends the cell or the row.
+        safe = ((_BAR.sub(r"\1\|", _one_line(cell)) for cell in cells) for cells in rows)
+        head, *lines = (f"| {' | '.join(cells)} |" for cells in safe)
         return "\n".join((head, f"|{'|'.join(rules)}|", *lines))
 
     def __html__(self) -> str:
@@ -205,12 +208,6 @@ class ReportTable:
             writer = csv.DictWriter(file, self.columns)
             writer.writeheader()
             writer.writerows(self.rows)
-
-
-def _markdown_row(cells: Iterable[str]) -> str:
-    """Return a row of a Markdown table, in which no cell ends the cell or the row."""
-    safe = (_BAR.sub(r"\1\|", _one_line(cell)) for cell in cells)
-    return f"| {' | '.join(safe)} |"
 
 
 def text(value: Any, form: Form = "{}") -> str:

@@ -137,18 +137,13 @@ def cells_of(campaign: Campaign, baseline: Baseline) -> list[Cell]:
     repeats = read_conditioning(campaign.conditioning).stops if campaign.conditioning else {}
     cells: list[Cell] = []
     for stop in campaign.stops:
-        accepted, reference, repeated = baseline.accepted.get(stop.name), campaign.reference_for(stop), None
-        if isinstance(stop.scenario.sensors, SampledSensors) and _has_lots_of(stop, repeats.get(stop.name), accepted):
-            repeated = repeats[stop.name]
-        cells.append(
-            Cell(
-                stop,
-                stop.scenario.resolved(),
-                accepted,
-                reference.distance if reference else None,
-                repeated.lot_distances if repeated else (),
-            )
-        )
+        accepted, reference = baseline.accepted.get(stop.name), campaign.reference_for(stop)
+        repeated = repeats.get(stop.name)
+        lots: Sequence[float] = ()
+        if isinstance(stop.scenario.sensors, SampledSensors) and accepted and repeated and repeated.lots:
+            lots = repeated.lot_distances if repeated.belongs(stop.scenario.digest(), accepted.value) else ()
+        paper = reference.distance if reference else None
+        cells.append(Cell(stop, stop.scenario.resolved(), accepted, paper, lots))
     return cells
 
 
@@ -161,10 +156,6 @@ def _require_lots(campaign: Campaign, cells: Sequence[Cell]) -> None:
             f"{campaign.name}: there are no repeats with other lots of sensors of {names(stale)} as accepted; run "
             "`railgrip maintain conditioning`"
         )
-
-
-def _has_lots_of(stop: PlannedStop, repeated: RepeatedDistances | None, accepted: AcceptedValue | None) -> bool:
-    return bool(repeated and repeated.lots and accepted and repeated.belongs(stop.scenario.digest(), accepted.value))
 
 
 def _orders(lines: _Lines, columns: Sequence[str]) -> ReportTable:

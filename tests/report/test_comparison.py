@@ -170,7 +170,7 @@ def test_the_command_prints_tables_or_json_and_writes_a_page(slip, adhesion, tmp
 
 def test_comparing_loads_matplotlib_only_for_drawing(slip, adhesion, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    for name in ("figures", "distance_figures"):
+    for name in ("figures", "campaign_figures"):
         monkeypatch.delitem(sys.modules, f"railgrip.report.{name}", raising=False)
     comparison = compare(slip, adhesion)
     with pytest.raises(ImportError):

@@ -11,7 +11,7 @@ from pages import plots_of
 from scipy import stats
 from scipy.stats import norm
 
-from railgrip.report.distance_figures import distribution_figure, exceedance_figure
+from railgrip.report.campaign_figures import distribution_figure, exceedance_figure
 from railgrip.report.distances import documentation_tables, write_table
 from railgrip.report.distribution import compare_pairs, distribution_table, distributions_of, quantile_table
 from railgrip.report.frame import frame_of

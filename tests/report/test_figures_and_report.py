@@ -12,8 +12,7 @@ from pages import needs_nothing_else, numbers, plots_of
 
 from railgrip.base.errors import RecordError
 from railgrip.report import palette, style
-from railgrip.report.distance_figures import distance_figure
-from railgrip.report.figures import adhesion_figure, friction_figure
+from railgrip.report.campaign_figures import adhesion_figure, distance_figure, friction_figure
 from railgrip.report.frame import frame_of
 from railgrip.report.index import write_report
 from railgrip.report.interactive import interactive

@@ -6,10 +6,15 @@ from legible import LOWEST, WIDTHS, defects_on_screen, drawn, needs_browser
 from pages import plots_of, replace_plots
 from readable import defects_of
 
+from railgrip.report.campaign_figures import (
+    adhesion_figure,
+    distance_figure,
+    distribution_figure,
+    friction_figure,
+    sweep_figure,
+)
 from railgrip.report.comparison import compare
-from railgrip.report.distance_figures import distance_figure, distribution_figure, sweep_figure
 from railgrip.report.distribution import distributions_of, over_cases
-from railgrip.report.figures import adhesion_figure, friction_figure
 from railgrip.report.frame import frame_of
 from railgrip.report.index import write_report
 from railgrip.report.interactive import interactive

@@ -8,7 +8,7 @@ import subprocess
 import pytest
 from synthetic import LIBRARY
 
-from railgrip.report.distance_figures import distance_figure
+from railgrip.report.campaign_figures import distance_figure
 from railgrip.report.frame import frame_of
 from railgrip.report.index import write_report
 from railgrip.report.results import read_results

@@ -5,7 +5,7 @@ import math
 import pandas
 import pytest
 
-from railgrip.report.distance_figures import overview_figure
+from railgrip.report.campaign_figures import overview_figure
 from railgrip.report.distances import overview_of, overview_table
 from railgrip.report.frame import frame_of
 from railgrip.report.results import read_results

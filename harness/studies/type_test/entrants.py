@@ -235,7 +235,10 @@ def campaign_of(
     Raises:
         ScenarioError: A combination is not a valid scenario.
     """
-    known = {name: _bare(table) for name, table in {**trains, "": train}.items()}
+    known = {
+        name: scenario_of(merge(table, {"name": "train"}), directory=LIBRARY, origin="--train")
+        for name, table in {**trains, "": train}.items()
+    }
     groups = {name: _groups(scenario) for name, scenario in known.items()}
     stops: list[PlannedStop] = []
     for case in design:
@@ -265,10 +268,6 @@ def campaign_of(
                 )
             )
     return Campaign(name="type_test", description="", stops=tuple(stops), references=(), panels="none")
-
-
-def _bare(train: Mapping[str, Any]) -> Scenario:
-    return scenario_of(merge(train, {"name": "train"}), directory=LIBRARY, origin="--train")
 
 
 def _groups(train: Scenario) -> int:

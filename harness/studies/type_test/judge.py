@@ -19,7 +19,7 @@ import numpy as np
 import pandas
 
 from railgrip.base.files import write_text
-from railgrip.report.frame import Frame
+from railgrip.report.frame import Frame, plain
 from railgrip.report.limits import AssessmentLimits
 from railgrip.report.statistics import finite, quantile, quantile_interval
 from railgrip.report.stop import Stop
@@ -79,10 +79,7 @@ def frame_of_rows(rows: Any) -> Frame:
 
 def plain_rows(stops: Frame) -> list[dict[str, Any]]:
     """Return stops as JSON values, None for numbers that do not exist."""
-    rows = [
-        {name: None if isinstance(value, float) and math.isnan(value) else value for name, value in row.items()}
-        for row in stops.to_dict("records")
-    ]
+    rows = plain(stops)
     for row in rows:
         row["strokes"] = None if row["strokes"] is None else round(row["strokes"])
     return rows

@@ -1,8 +1,10 @@
-"""Figures of braking distances: of campaigns and sweeps, over draws, next to published ones, and of two campaigns."""
+"""Figures of campaigns and sweeps: friction, adhesion, and distances over cases and draws and next to others."""
 
+import json
 import math
 import textwrap
 from collections.abc import Mapping, Sequence
+from itertools import cycle
 from math import isfinite, isnan, nan
 from typing import Any, Final
 
@@ -15,8 +17,116 @@ from numpy.typing import NDArray
 
 from railgrip.report import palette, style
 from railgrip.report.distribution import distributions_of, over_cases
+from railgrip.report.figures import draw_adhesion, draw_wheelsets
 from railgrip.report.frame import PLACE, SETTING, Frame, groups_of, short_names
+from railgrip.report.stop import Stop
 from railgrip.trace.metrics import FIGURES
+
+_RAIL_COLOURS = (*palette.LINES, palette.GREY)
+
+
+_SEEKING = "peak seeking"
+
+
+def friction_figure(stops: Sequence[Stop]) -> Figure:
+    """Return a figure of the maximum friction over time, with a panel for each scenario.
+
+    For a scenario with one rail every wheelset is drawn, with several rails the leading wheelset on each of them.
+    Source of the layout: Schwarz, Posielek and Goetjes, Fig. 3.
+
+    Args:
+        stops: Stops, of which the longest on each rail is drawn.
+    """
+    scenarios = _rails(stops)
+    drawing = style.figure(9, sum(2.4 if len(rails) == 1 else 3.4 for rails in scenarios.values()))
+    panels = drawing.subplots(len(scenarios), 1, sharex=True, squeeze=False)[:, 0]
+    for panel, rails in zip(panels, scenarios.values(), strict=True):
+        for colour, (name, stop) in zip(cycle(_RAIL_COLOURS), rails.items(), strict=False):
+            trace = stop.trace
+            mu0, time = trace["mu0"].values, trace["time"].values
+            if len(rails) == 1:
+                draw_wheelsets(panel, time, mu0)
+            else:
+                panel.plot(time, mu0[:, 0], color=colour, linewidth=1.2, label=name)
+        titles = {stop.title for stop in rails.values()}
+        style.dress(panel, y="maximum friction $\\mu_0$", title=", ".join(sorted(titles)))
+        panel.set_ylim(bottom=0)
+        panel.set_xlim(0, None)
+        if len(rails) > 1:
+            style.legend(panel, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    if all(len(rails) == 1 for rails in scenarios.values()):
+        panels[0].legend(ncols=3, fontsize=8, loc="lower right", framealpha=0.9)
+    panels[-1].set_xlabel("time since the brake demand [s]")
+    return drawing
+
+
+def _rails(stops: Sequence[Stop]) -> dict[str, dict[str, Stop]]:
+    """Return scenario → name of the rail → longest stop on it; rails are named by the variants that only they have."""
+    rails: dict[str, dict[str, list[Stop]]] = {}
+    for stop in stops:
+        scenario = stop.inputs
+        rails.setdefault(scenario["name"], {}).setdefault(_rail(scenario["adhesion"]), []).append(stop)
+    return {
+        name: {
+            _variants(here, list(of_rail.values())): max(here, key=lambda stop: stop.metrics.duration)
+            for here in of_rail.values()
+        }
+        for name, of_rail in rails.items()
+    }
+
+
+def _rail(adhesion: Mapping[str, Any]) -> str:
+    """Return the keys that determine friction, as text.
+
+    Creep curves are omitted; the level that was calibrated for one of them is included.
+    """
+    level = adhesion.get("calibrated", {}).get(adhesion["polach"].get("name"), 1.0)
+    patches = [{key: patch[key] for key in patch if key != "polach"} for patch in adhesion.get("patch", ())]
+    rest = {key: adhesion[key] for key in adhesion if not key.startswith(("polach", "calibrated"))}
+    return json.dumps([level, rest | {"patch": patches}], sort_keys=True)
+
+
+def _variants(here: Sequence[Stop], rails: Sequence[Sequence[Stop]]) -> str:
+    parts: list[str] = []
+    for axis in here[0].variants:
+        here_only = list(dict.fromkeys(stop.variants.get(axis, "") for stop in here))
+        others = {stop.variants.get(axis, "") for rail in rails if rail is not here for stop in rail}
+        if others and others.isdisjoint(here_only):
+            more = f" and {len(here_only) - 2} more" if len(here_only) > 3 else ""
+            parts.append(", ".join(here_only[: 2 if more else 3]).replace("_", " ") + more)
+    return "; ".join(parts) or here[0].title
+
+
+def adhesion_figure(sbc: Stop, seeking: Stop) -> Figure:
+    """Return a figure of the adhesion of the first wheelset: with SBC and peak seeking, estimated, and the maximum in
+    both stops.
+
+    Source of the layout: Schwarz, Posielek and Goetjes, Fig. 4.
+    """
+    slide, seek = sbc.trace, seeking.trace
+    drawing, panel = style.panels(10, 4.8)
+    draw_adhesion(panel, {"SBC, two-state": slide, _SEEKING: seek}, seeking.inputs["limits"]["alpha_max"])
+    if "estimate_adhesion" in seek:
+        panel.plot(
+            seek["time"].values,
+            seek["estimate_adhesion"].values[:, 0],
+            color=palette.VERMILION,
+            linewidth=1.2,
+            linestyle=(0, (1, 1.6)),
+            label=f"{_SEEKING}, estimated",
+        )
+    style.dress(
+        panel,
+        x="time since the brake demand [s]",
+        y="adhesion of wheelset 1",
+        title=f"{seeking.title}, actuation {seeking.inputs['actuation']['kind']}, "
+        f"sensors {seeking.inputs['sensors']['kind']}: "
+        f"{sbc.distance_text} with SBC, {seeking.distance_text} with {_SEEKING}",
+    )
+    panel.set_ylim(0, None)
+    style.legend(panel, ncols=6, loc="upper center", bbox_to_anchor=(0.5, -0.12))
+    return drawing
+
 
 _CONTROLLER_COLOURS = {
     "full_brake": palette.GREY,
@@ -162,7 +272,8 @@ def _cases_figure(frame: Frame, colours: Mapping[str, str]) -> Figure:
     families: dict[tuple[str, str, str], dict[str, list[Any]]] = {}
     for setting, stops in groups_of(frame, SETTING):
         for row in stops.itertuples():
-            name = _case_name(row.case if has_one_scenario and row.case else row.label, row.friction)
+            name = (row.case if has_one_scenario and row.case else row.label).replace("_", " ")
+            name = f"{name}, $\\mu_0$ {row.friction}" if row.friction else name
             families.setdefault(setting, {}).setdefault(name, []).append(row)
     # No panel is so low that a page would stretch the figure.
     heights = [_HEADING / _LINE + max(len(cases), _FEWEST) for cases in families.values()]
@@ -206,11 +317,6 @@ def _draw_case(row: Any, line: int, metres: Axes, changes: Axes, look: Mapping[s
     metres.plot(row.distance, line, **look, **_EDGE)
     if isfinite(row.reduction_vs_sbc):
         changes.plot(-100 * row.reduction_vs_sbc, line, **look, **_EDGE)
-
-
-def _case_name(case: str, friction: str) -> str:
-    name = case.replace("_", " ")
-    return f"{name}, $\\mu_0$ {friction}" if friction else name
 
 
 def sweep_figure(axes: Mapping[str, Sequence[Any]], distances: NDArray[np.float64]) -> Figure:
