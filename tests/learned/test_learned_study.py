@@ -46,10 +46,10 @@ def report(study):
 
 
 def test_the_study_reveals_that_networks_recognise_runs(study):
-    split = {name: row[60] for name, row in study.split.items()}
+    split = {name: row[60] for name, row in study.scores["split"].items()}
     assert split["labels exchanged"].mae < 0.01
     assert split["first second is zero"].mae > 3 * split["labels exchanged"].mae
-    assert study.honest["a run left out"][60].mae > 0.03
+    assert study.scores["honest"]["a run left out"][60].mae > 0.03
 
 
 def test_the_error_next_to_figure_13_is_that_of_the_drawn_network(study):
@@ -68,8 +68,8 @@ def test_the_number_of_hidden_neurons_is_that_of_the_recipe(study):
     x = [(np.random.default_rng(0).uniform(0, 1, (30, 4)), np.full(30, 0.2))]
     network = TrainingRecipe(starts=1, steps=2, hidden=3).fit(x, "test")[0].network
     assert network.hidden_weights.shape == (3, 4)
-    assert list(study.neurons) == ["2", "4", "6", "9"]
-    scores = [row[60].mae for row in study.neurons.values()]
+    assert list(study.scores["neurons"]) == ["2", "4", "6", "9"]
+    scores = [row[60].mae for row in study.scores["neurons"].values()]
     assert len(set(scores)) == len(scores)
 
 
@@ -85,10 +85,12 @@ def test_slip_rate_is_compared_with_friction_by_ranks(study):
 
 def test_the_report_has_every_row(study):
     page = report(study)
-    for name in (*study.split, *study.honest, *COMBINATIONS, *(f"decay {decay}" for decay in study.decays)):
+    decays = [f"decay {decay}" for decay in study.scores["decays"]]
+    names = (*study.scores["split"], *study.scores["honest"], *study.scores["statements"])
+    for name in (*names, *COMBINATIONS, *decays):
         assert name in page
     assert "| paper, MAE | 0.0063 |" in page
-    for name, row in study.split.items():
+    for name, row in study.scores["split"].items():
         mark = " ✓" if row[60].mae <= 0.0063 else ""
         assert not name.startswith("bias") or f"| {name}: MAE | {row[60].mae:.4f}{mark} |" in page
 
@@ -101,7 +103,7 @@ def test_the_rule_of_dry_or_not_is_judged_like_the_estimator(study):
     rest = np.mean([p.friction for p in sets["design"] if p.condition != "dry"])
     assert sorted(set(rule["campaign"].values())) == pytest.approx([rest, dry])
     errors = [abs(run.friction - (dry if run.friction in (0.30, 0.35) else rest)) for run in study.runs[60]]
-    assert study.general["campaign"][60].mae_of_rule == pytest.approx(np.mean(errors))
+    assert study.scores["general"]["campaign"][60].mae_of_rule == pytest.approx(np.mean(errors))
     assert set(rule["one surface for all"].values()) == {rest}
     assert f"| {np.mean(errors):.4f} |" in report(study)
 

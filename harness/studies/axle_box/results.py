@@ -33,17 +33,17 @@ def tables_of(results: AxleBoxResults) -> dict[str, Any]:
     speeds = list(results.runs)
     return {
         "recipe": results.recipe,
-        "table3": _table3(results.split, speeds),
-        "decays": _scores({f"decay {name}": row for name, row in results.decays.items()}, speeds),
-        "decay_starts": _starts(results.decays),
-        "apart": _scores({name: results.split[name] for name in EXPLAINING}, speeds),
-        "inputs": _scores(results.inputs, speeds),
-        "input_starts": _starts(results.inputs),
-        "neurons": _scores({f"{name} hidden neurons": row for name, row in results.neurons.items()}, speeds),
-        "statements": _scores(results.statements, speeds),
+        "table3": _table3(results.scores["split"], speeds),
+        "decays": _scores({f"decay {name}": row for name, row in results.scores["decays"].items()}, speeds),
+        "decay_starts": _starts(results.scores["decays"]),
+        "apart": _scores({name: results.scores["split"][name] for name in EXPLAINING}, speeds),
+        "inputs": _scores(results.scores["inputs"], speeds),
+        "input_starts": _starts(results.scores["inputs"]),
+        "neurons": _scores({f"{name} hidden neurons": row for name, row in results.scores["neurons"].items()}, speeds),
+        "statements": _scores(results.scores["statements"], speeds),
         "slip_rate": _slip_rates(results.slip_rates, speeds),
-        "honest": _scores(results.honest, speeds, with_mean=True),
-        "general": _general(results.general, speeds),
+        "honest": _scores(results.scores["honest"], speeds, with_mean=True),
+        "general": _general(results.scores["general"], speeds),
     }
 
 
@@ -66,7 +66,7 @@ def compare_with_paper(results: AxleBoxResults) -> ReportTable:
     slow, fast = min(levels), max(levels)
     rows += [
         PaperRow("Table 3", f"MAE at {fast} over MAE at {slow} mph, {name}", PUBLISHED[fast][1] / PUBLISHED[slow][1],
-                 results.split[name][fast].mae / results.split[name][slow].mae, "{:.2f}")
+                 results.scores["split"][name][fast].mae / results.scores["split"][name][slow].mae, "{:.2f}")
         for name in ("bias inside, weights kept small", "first second is zero") if fast > slow
     ]  # fmt: skip
     early = {s: sum(len(labels) for _, labels in parts_of(runs, results.recipe)[0]) for s, runs in results.runs.items()}
@@ -185,9 +185,9 @@ def errors(results: AxleBoxResults) -> Figure:
     published = float(np.mean([PUBLISHED[s][1] for s in results.runs]))
     rows: list[tuple[str, float, float | None, str]] = [("paper, its split", published, None, palette.GREY)]
     for name, row, colour in (
-        *((f"4-6-1: {k}", v, palette.BLUE) for k, v in results.split.items()),
-        *((f"4-6-1: {k}", v, palette.VERMILION) for k, v in results.honest.items()),
-        *((f"all speeds: {k}", v, palette.GREEN) for k, v in results.general.items()),
+        *((f"4-6-1: {k}", v, palette.BLUE) for k, v in results.scores["split"].items()),
+        *((f"4-6-1: {k}", v, palette.VERMILION) for k, v in results.scores["honest"].items()),
+        *((f"all speeds: {k}", v, palette.GREEN) for k, v in results.scores["general"].items()),
     ):
         mean = average(row.values())
         rows.append((name, mean.mae, mean.mae_of_mean, colour))

@@ -190,7 +190,7 @@ STUDY = AxleBox
 
 def _answer(results: AxleBoxResults) -> str:
     words: list[str] = []
-    for rows in (results.honest, results.general):
+    for rows in (results.scores["honest"], results.scores["general"]):
         errors = [average(row.values()) for row in rows.values()]
         mae, of_mean = [error.mae for error in errors], [error.mae_of_mean for error in errors]
         words.append(

@@ -169,13 +169,11 @@ class AxleBoxResults:
 
     Attributes:
         recipe: Recipe of the paper's networks, unless a row has another.
-        split: Rows of the paper's split, with the variants that explain it.
-        decays: Trained on the first 64 % of each run, judged on the following 16 %: source of `evaluate.DECAY`.
-        inputs: The paper's split with each combination of motions.
-        neurons: The paper's split with each size of the hidden layer.
-        statements: The paper's split with each of `STATEMENTS`.
-        honest: Rows of the paper's networks on runs outside of their training.
-        general: Rows of the general estimator on the same runs.
+        scores: Table → its rows. `split`, the paper's split, with the variants that explain it; `decays`, trained on
+            the first 64 % of each run, judged on the following 16 %, source of `evaluate.DECAY`; `inputs`, `neurons`
+            and `statements`, the paper's split with each combination of motions, size of the hidden layer and of
+            `STATEMENTS`; `honest`, the paper's networks on runs outside of their training; `general`, the general
+            estimator on the same runs.
         ensemble: The general estimator.
         networks: Network with the best fit of the training part, by speed; exchanged: the same with exchanged labels.
         runs: The campaign, by speed.
@@ -183,13 +181,7 @@ class AxleBoxResults:
     """
 
     recipe: TrainingRecipe
-    split: Rows
-    decays: Rows
-    inputs: Rows
-    neurons: Rows
-    statements: Rows
-    honest: Rows
-    general: Rows
+    scores: Mapping[str, Rows]
     ensemble: Ensemble
     networks: Mapping[int, ScaledNetwork]
     exchanged: Mapping[int, ScaledNetwork]
@@ -242,21 +234,15 @@ def train_and_judge(
     ensemble, mean = results["all speeds", "", 0]
     sets = {"campaign": runs_of_part["campaign"], **away}
     rule = dry_or_not(passes(size))
+    tables["general"] = {
+        name: {
+            s: judge(ensemble, mean, _at(part, s), [rule[name][run.name] for run in _at(part, s)]) for s in size.speeds
+        }
+        for name, part in sets.items()
+    }
     return AxleBoxResults(
         recipe=recipe,
-        split=tables["split"],
-        decays=tables["decays"],
-        inputs=tables["inputs"],
-        neurons=tables["neurons"],
-        statements=tables["statements"],
-        honest=tables["honest"],
-        general={
-            name: {
-                s: judge(ensemble, mean, _at(runs, s), [rule[name][run.name] for run in _at(runs, s)])
-                for s in size.speeds
-            }
-            for name, runs in sets.items()
-        },
+        scores=tables,
         ensemble=ensemble,
         networks=tables["network"][""],
         exchanged=tables["exchanged"][""],

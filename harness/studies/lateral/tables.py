@@ -57,13 +57,14 @@ def frame_of(runs: Iterable[tuple[LateralCase, Mapping[str, Any]]]) -> Frame:
     Nested names of measures are joined by a dot, as in `errors.known_track.friction.rmse`; figures without a value are
     NaN.
     """
-    return pandas.json_normalize(
+    frame = pandas.json_normalize(
         [
             {"plant": case.plant, "speed": case.speed, "test": case.test.name, "seed": case.seed, "case": case}
             | dict(measures)
             for case, measures in runs
         ]
     )
+    return frame.where(frame.notna(), math.nan)  # a column without any number would keep None
 
 
 def median_interval(values: Iterable[float]) -> MedianInterval:
@@ -218,7 +219,7 @@ def skill(frame: Frame, speed: float) -> ReportTable:
 
 
 def _with_changes(frame: Frame) -> Frame:
-    return frame[[len(case.test.changes) > 1 for case in frame["case"]]]
+    return frame[frame["case"].map(lambda case: len(case.test.changes) > 1).astype(bool)]
 
 
 def _level(runs: Frame, name: str, rail: Condition, place: int) -> list[float]:
