@@ -16,10 +16,15 @@ LOWEST = 150  # pixels
 _TOUCH = 2.0
 """Overlap of the boxes of two texts that is not one of their letters: boxes are higher than letters [pixels]."""
 
-_SCRIPT = """<script>
-addEventListener("load", async () => {
+_DRAWN = """<script>
+const drawn = async () => {
   while (document.querySelector(".plot") && document.body.dataset.drawn !== "yes")
     await new Promise((done) => setTimeout(done, 50));
+};
+</script>"""
+_SCRIPT = """<script>
+addEventListener("load", async () => {
+  await drawn();
   const box = (one) => {
     const { left, right, top, bottom } = one.getBoundingClientRect();
     return { left, right, top, bottom };
@@ -47,21 +52,37 @@ addEventListener("load", async () => {
 </script>"""
 
 
-def drawn(page, folder, width, height=900):
-    """Return what a browser draws of a page in a frame of this width; a window is never narrower than 500 pixels."""
+def browse(page, folder, *options):
+    """Return the output of a browser for a page; the folder is for its profile."""
+    command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--hide-scrollbars",
+               "--disable-background-networking", "--allow-file-access-from-files", "--virtual-time-budget=20000",
+               f"--user-data-dir={folder / 'profile'}", *options, page.resolve().as_uri()]  # fmt: skip
+    return subprocess.run(command, check=True, capture_output=True, timeout=300, encoding="utf-8").stdout
+
+
+def title_of(page, folder, *options):
+    """Return the title of a page after its scripts have run."""
+    return re.search(r"<title>(.*?)</title>", browse(page, folder, "--dump-dom", *options), re.DOTALL).group(1)
+
+
+def in_frame(page, folder, script, width, height=900):
+    """Return what a script writes into the title of a frame of this size with a page.
+
+    A window is never narrower than 500 pixels.
+    """
     folder.mkdir(exist_ok=True)
-    text = page.read_text(encoding="utf-8").replace("</body>", f"{_SCRIPT}</body>")
+    text = page.read_text(encoding="utf-8").replace("</body>", f"{_DRAWN}{script}</body>")
     (folder / "measured.html").write_text(text, encoding="utf-8")
     outer = folder / "outer.html"
     outer.write_text(f'<iframe src="measured.html" style="width:{width}px;height:{height}px;border:0"></iframe>')
-    options = ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking",
-               "--hide-scrollbars", "--window-size=1400,1000")  # fmt: skip
-    command = [BROWSER, *options, "--allow-file-access-from-files", f"--user-data-dir={folder / 'profile'}",
-               "--virtual-time-budget=20000", "--dump-dom", outer.resolve().as_uri()]  # fmt: skip
-    done = subprocess.run(command, check=True, capture_output=True, timeout=300, encoding="utf-8")
-    found = json.loads(re.search(r"<title>(.*)</title>", done.stdout, re.DOTALL).group(1))
+    found = json.loads(title_of(outer, folder, "--window-size=1400,1000"))
     assert found["width"] == width
     return found
+
+
+def drawn(page, folder, width, height=900):
+    """Return what a browser draws of a page in a frame of this size."""
+    return in_frame(page, folder, _SCRIPT, width, height)
 
 
 def defects_on_screen(page, folder, width):

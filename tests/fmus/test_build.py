@@ -212,19 +212,13 @@ def house(tmp_path):
     return tmp_path
 
 
-@pytest.mark.parametrize(
-    "command",
-    [
-        ("railgrip", "build", "TwoPartTrain"),
-        ("railgrip", "run", str(ROOT / "harness/scenario/library/trapezoid.toml")),
-    ],
-    ids=["build", "run"],
-)
-def test_a_class_that_does_not_compile_is_reported_with_file_and_line(house, command):
+def test_a_class_that_does_not_compile_is_reported_with_file_and_line(house):
+    """By `build`; tests/stops/test_own_modelica.py has the same for `run`."""
     file = house / "railgrip" / "modelica" / "RailBraking" / "Vehicles" / "PartialTrain.mo"
     text = file.read_text()
     file.write_text(text.replace("der(air) = air_flow;", "der(air) = air_flwo;"))
     line = text.splitlines().index("  der(air) = air_flow;") + 1
+    command = ("railgrip", "build", "TwoPartTrain")
     done = ended(sys.executable, "-m", *command, cwd=house, env=os.environ | {"PYTHONPATH": str(house)})
     assert done.returncode == 2, done.stderr
     assert "RailBraking.Plants.TwoPartTrain does not compile" in done.stderr

@@ -170,7 +170,7 @@ def test_a_stopped_train_does_not_move(train: Train) -> None:
 def test_the_communication_step_hardly_changes_the_distance(train: Train) -> None:
     """Commands are constant: halving the step must not change the distance by more than 0.05 %."""
     constant = lambda _: FULL
-    coarse = brake(train, 80, 0.10, WET, pressure=constant, step=2e-3, keep=5)
+    coarse = brake(train, 80, 0.10, WET, pressure=constant)
     fine = brake(train, 80, 0.10, WET, pressure=constant, step=1e-3, keep=10)
     assert coarse["distance"][-1] == pytest.approx(fine["distance"][-1], rel=5e-4)
 
@@ -190,7 +190,7 @@ def test_valves_fill_hold_and_vent_after_their_dead_times(pneumatic_train: Train
         return [0.0 if t < 0.9985 else 1.0 if t < 2.9985 else 0.0 if t < 3.9985 else -1.0] * 4
 
     quiet = {"valve_command": command, "mu0": friction(0.3), "track_force": lambda _: 0.0}
-    stop = pneumatic_train.run({"start_speed": 40 / 3.6, "rate_choked": 1e8}, quiet, 5.0, keep=1)
+    stop = pneumatic_train.run({"start_speed": 40 / 3.6, "rate_choked": 1e8}, quiet, 5.0, step=1e-3, keep=1)
     time, p = stop["time"], stop["cylinder_pressure"]
     at = lambda t: p[round(t * 1000)]
     assert np.all(p[time < 1.045] == 0)
@@ -210,7 +210,7 @@ def test_a_short_pulse_keeps_its_length_through_the_dead_time(pneumatic_train: T
     """A pulse of 20 ms, shorter than the dead time of 50 ms, fills for 20 ms."""
     command = lambda t: [1.0 if 0.0985 < t < 0.1185 else 0.0] * 4
     inputs = {"valve_command": command, "mu0": friction(0.3), "track_force": lambda _: 0.0}
-    stop = pneumatic_train.run({"leak": 0.0}, inputs, 0.4, keep=1)
+    stop = pneumatic_train.run({"leak": 0.0}, inputs, 0.4, step=1e-3, keep=1)
     assert stop["cylinder_pressure"][-1] == pytest.approx(FULL * (1 - np.exp(-0.020 / 0.4)), rel=1e-3)
     assert stop["cylinder_pressure"][145, 0] == 0.0
 
@@ -227,7 +227,7 @@ def test_pad_force_is_pressure_on_the_piston_less_the_spring_times_the_rigging(t
 
 
 def test_ideal_cylinders_follow_within_their_bounds(train: Train) -> None:
-    stop = brake(train, 80, 0.3, WET, pressure=lambda t: [9e5, -1e5, 1e5, 2e5], until=1.0, keep=1)
+    stop = brake(train, 80, 0.3, WET, pressure=lambda t: [9e5, -1e5, 1e5, 2e5], until=1.0, step=1e-3, keep=1)
     at_time_constant = stop["cylinder_pressure"][20]
     assert at_time_constant == pytest.approx((1 - np.exp(-1)) * np.array([3.4e5, 0.0, 1e5, 2e5]), rel=1e-3, abs=1e-6)
     assert stop["cylinder_pressure"][-1] == pytest.approx([3.4e5, 0.0, 1e5, 2e5], abs=1.0)

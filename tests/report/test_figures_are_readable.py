@@ -1,10 +1,13 @@
 """No figure has texts that overlap or are cut off, or an empty panel; tests/conftest.py checks those that are saved."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from legible import LOWEST, WIDTHS, defects_on_screen, drawn, needs_browser
 from pages import plots_of, replace_plots
 from readable import defects_of
+from sampling import sample
 
 from railgrip.report.campaign_figures import (
     adhesion_figure,
@@ -100,8 +103,7 @@ def pages(folder, stops, tmp_path_factory):
 
 
 @needs_browser
-@pytest.mark.parametrize("width", WIDTHS)
-@pytest.mark.parametrize("name", ["figures", "campaign", "stop"])
+@pytest.mark.parametrize(("name", "width"), sample([*product(("figures", "campaign", "stop"), WIDTHS)], 5))
 def test_no_text_of_a_page_overlaps_and_no_axis_is_low(name, width, pages, tmp_path):
     assert defects_on_screen(pages[name], tmp_path, width) == []
 

@@ -2,10 +2,9 @@
 
 import json
 import re
-import shutil
-import subprocess
 
 import pytest
+from legible import in_frame, needs_browser
 from synthetic import LIBRARY
 
 from railgrip.report.campaign_figures import distance_figure
@@ -13,8 +12,6 @@ from railgrip.report.frame import frame_of
 from railgrip.report.index import write_report
 from railgrip.report.results import read_results
 
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-needs_browser = pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
 WIDTH = 390
 SPEEDS = """
 name = "speeds"
@@ -26,14 +23,13 @@ abc = {{ controller.kind = "adhesion_based" }}
 """
 BOXES = """<script>
 addEventListener("load", async () => {
-  const isOpen = () => document.querySelector(".plot") && document.body.dataset.drawn !== "yes";
-  while (isOpen()) await new Promise((done) => setTimeout(done, 50));
+  await drawn();
   if (WHAT.printed) dispatchEvent(new Event("beforeprint"));
   const boxes = (what) => [...document.querySelectorAll(what)].map((one) => {
     const { left, right, top, bottom } = one.getBoundingClientRect();
     return { left, right, top, bottom, text: one.textContent, size: parseFloat(getComputedStyle(one).fontSize) };
   });
-  document.title = JSON.stringify({ width: innerWidth, ...Object.fromEntries(
+  parent.document.title = JSON.stringify({ width: innerWidth, ...Object.fromEntries(
     Object.entries(WHAT).filter(([, what]) => what !== "").map(([name, what]) => [name, boxes(what)])) });
 });
 </script>"""
@@ -50,24 +46,8 @@ def folder(tmp_path_factory, write_campaign):
 
 
 def boxes(page, folder, **what):
-    """Return by name the boxes of elements of a page on a screen of `WIDTH` pixels, in pixels.
-
-    A window of Chromium is never narrower than 500 pixels, so the page is shown in a frame.
-    """
-    script = BOXES.replace("WHAT", json.dumps(what))
-    (folder / "measured.html").write_text(
-        page.read_text(encoding="utf-8").replace("</body>", f"{script}</body>").replace(
-            "document.title", "parent.document.title"), encoding="utf-8"
-    )  # fmt: skip
-    outer = folder / "outer.html"
-    outer.write_text(f'<iframe src="measured.html" style="width:{WIDTH}px;height:900px;border:0"></iframe>')
-    options = ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking")
-    command = [BROWSER, *options, "--allow-file-access-from-files", f"--user-data-dir={folder / 'profile'}",
-               "--virtual-time-budget=20000", "--dump-dom", outer.resolve().as_uri()]  # fmt: skip
-    done = subprocess.run(command, check=True, capture_output=True, timeout=300, encoding="utf-8")
-    measured = json.loads(re.search(r"<title>(.*)</title>", done.stdout, re.DOTALL).group(1))
-    assert measured["width"] == WIDTH
-    return measured
+    """Return by name the boxes of elements of a page on a screen of `WIDTH` pixels, in pixels."""
+    return in_frame(page, folder, BOXES.replace("WHAT", json.dumps(what)), WIDTH)
 
 
 @needs_browser

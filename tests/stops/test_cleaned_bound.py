@@ -140,7 +140,7 @@ def drawn(number):
     return rail, float(draw.uniform(30.0, 120.0)), float(draw.uniform(-0.01, 0.02))
 
 
-@pytest.mark.parametrize("number", sample([14, *range(14), *range(15, 30)], 2))  # 0 takes as long as three others
+@pytest.mark.parametrize("number", sample([14, *range(14), *range(15, 30)], 1))
 def test_no_stop_is_shorter_than_the_bound(number):
     """By more than 0.1 %, with slips below the first maximum, above it, and locked wheels."""
     rail, speed, gradient = drawn(number)

@@ -23,7 +23,7 @@ from railgrip.simulate.export.ssp import write_ssp
 from railgrip.simulate.run import run_stop
 
 braking_distance = runpy.run_path(str(Path(__file__).parents[2] / "docs/examples/loop_in_fmpy.py"))["braking_distance"]
-FAST = ("limits.horizon=40 s", "estimator.kind=compiled", "start.speed=25 km/h")
+FAST = ("limits.horizon=40 s", "estimator.kind=compiled", "start.speed=15 km/h")
 PNEUMATIC = ("vehicle.plant=TwoPartTrainPneumatic", "actuation.kind=pneumatic")
 PAGE = Path(__file__).parents[2] / "docs/how_to/controller_fmu.md"
 SAME = 1e-6
@@ -182,7 +182,7 @@ def test_the_onboard_part_waits_for_its_first_reading(tmp_path):
         onboard.fmu.doStep(0.0, 0.05)
         onboard.set(**{"reading_speed": 20.0} | {f"reading_wheelset_speed[{g}]": 20.0 / 0.38 for g in range(1, 5)})
         onboard.fmu.doStep(0.05, 0.001)
-        assert onboard.get("estimate_speed") == pytest.approx(25 / 3.6)
+        assert onboard.get("estimate_speed") == pytest.approx(15 / 3.6)
 
 
 @pytest.fixture(scope="module")
