@@ -13,28 +13,26 @@ from railgrip.base.errors import ShapeError
 from railgrip.fmus.native.arrays import (
     BINARY,
     ELEMENTWISE,
+    PARTIAL,
     SHAPED,
     SX,
     UNARY,
     Array,
+    Evaluation,
+    Requirement,
     array,
     as_array,
+    both,
     choose,
+    conditional_requirements,
     each,
+    extended,
     integer,
     is_number,
     require,
-)
-from railgrip.fmus.native.dae import Binding, Dae, Node
-from railgrip.fmus.native.domains import (
-    PARTIAL,
-    Evaluation,
-    Requirement,
-    both,
-    conditional_requirements,
-    extended,
     requirements,
 )
+from railgrip.fmus.native.dae import Binding, Dae, Node
 
 # Kind of a reference → kind of the symbols, where they differ. During an event a state has its value before reinit.
 STORE = {
