@@ -69,7 +69,7 @@ def variants_of(train: Path, measures: Mapping[str, Measure], controller: str, f
         InputError: A changed train is wrong; the message names its file.
     """
     table = read_toml(train)
-    sets = {BASE: (), **{name: (name,) for name in measures}}
+    sets: dict[str, tuple[str, ...]] = {BASE: (), **{name: (name,) for name in measures}}
     if len(measures) > 1:
         sets[ALL] = tuple(measures)
     variants: list[Variant] = []

@@ -221,7 +221,7 @@ def sentences_of(chain: Chain) -> list[str]:
     line = chain.line
     last, without = chain.variants[-1].name, chain.deciding[0]
     gains = " and by ".join(
-        f"{_gain(values, len(chain.variants) - 1, 's', '.1f')} with {name}"
+        f"{_gain(values, len(chain.variants) - 1, 's', '.1f')} ({name})"
         for name, values in zip(_SYSTEMS, chain.seconds, strict=True)
     )
     lines = [f"On the line {line.name}, from {3.6 * chain.speed:.0f} km/h, '{last}' shortens the headway by {gains}."]
@@ -253,18 +253,20 @@ def stop_table(chain: Chain) -> ReportTable:
 
 def draw(chain: Chain) -> Figure:
     """Draw the distribution of distances over a year, and the parts of both headways."""
-    drawing = style.figure(12.0, 4.6)
-    grid = drawing.add_gridspec(1, 3, width_ratios=(1.3, 1.0, 1.0))
+    drawing = style.figure(13.0, 4.6)
+    grid = drawing.add_gridspec(1, 4, width_ratios=(1.3, 1.0, 1.0, 0.35))
     left = drawing.add_subplot(grid[0])
     for number, (variant, colour) in enumerate(zip(chain.variants, _lines(len(chain.variants)), strict=True)):
         distances = chain.figures["distance"][number].ravel()
         order = np.argsort(distances)
-        left.step(distances[order], np.cumsum(chain.weights[order]), where="post", color=colour, label=variant.name)
+        shares = np.cumsum(chain.weights[order])
+        left.step(
+            distances[order][[0, *range(order.size)]], [0.0, *shares], where="post", color=colour, label=variant.name
+        )
     style.dress(left, x="braking distance [m]", y="share of the stops", title=f"from {3.6 * chain.speed:.0f} km/h")
-    style.legend(left, loc="lower right")
     names = [variant.name.replace("_", " ") for variant in chain.variants]
-    for number, system in enumerate(_SYSTEMS):
-        panel = drawing.add_subplot(grid[number + 1])
+    panels = [drawing.add_subplot(grid[number + 1]) for number in range(2)]
+    for number, (panel, system) in enumerate(zip(panels, _SYSTEMS, strict=True)):
         begin = np.zeros(len(names))
         for part, colour in _COLOURS.items():
             seconds = np.array([of_variant[number].parts[part] for of_variant in chain.deciding])
@@ -272,9 +274,13 @@ def draw(chain: Chain) -> Figure:
             begin += seconds
         panel.invert_yaxis()
         style.dress(panel, x="headway [s]", title=system)
-        if number:
-            panel.set_yticklabels([])
-            style.legend(panel, loc="lower right")
+    panels[1].set_yticklabels([])
+    panels[1].set_xlim(panels[0].get_xlim())
+    beside = drawing.add_subplot(grid[3])
+    beside.set_axis_off()
+    handles = [(handle, name) for panel in (left, panels[0]) for handle, name in
+               zip(*panel.get_legend_handles_labels(), strict=True)]  # fmt: skip
+    style.legend(beside, *zip(*handles, strict=True), loc="center left")
     return drawing
 
 
