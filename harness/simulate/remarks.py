@@ -132,6 +132,11 @@ def remarks_after(scenario: Scenario, duration: float, distance: float) -> list[
                 f"{scenario.name}: [track.plan] is {end:g} m long, and the train stopped at {at:.4g} m; beyond its "
                 "ends gradient and curvature are assumed to go on."
             )
+    if track.line is not None and distance > track.line.ends[1]:
+        left.append(
+            f"{scenario.name}: [track.line] {track.line.file.entry} ends {track.line.ends[1]:g} m from the start, and "
+            f"the train stopped after {distance:.4g} m; beyond its end the last gradient is assumed to go on."
+        )
     late = [
         *((key, begin, "s", duration) for key, begin in times.items()),
         *((key, begin, "m", distance) for key, begin in places.items()),
