@@ -60,6 +60,7 @@ class MeanStop:
     Attributes:
         speed: Initial speed [m/s].
         forces: Mean force of the friction brakes at the rim of each axle, shape (axles,) [N].
+        full_forces: The same with full pressure, which dynamic brakes do not relieve.
         dynamic_forces: The same of the electrodynamic and rotating eddy-current brakes.
         rail_forces: Mean force of each brake on the rail itself [N].
         resistance: Mean running resistance [N].
@@ -78,6 +79,7 @@ class MeanStop:
 
     speed: float
     forces: Vector
+    full_forces: Vector
     dynamic_forces: Vector
     rail_forces: Vector
     resistance: float
@@ -150,10 +152,10 @@ def mean_stop(train: Train, speed: float, step: float = 20 / 3.6) -> MeanStop:
     mean = _mean(forces_at, speed, 0.0)
     deceleration, time = _total(mean) / inert, _equivalent_time(train, mean)
     distance = speed * time + speed**2 / (2 * deceleration)
-    without = None
+    full, without = mean, None
     if train.dynamic_brakes:
-        friction_only = _mean(developed_forces(train, speed, dynamic=False), speed, 0.0)
-        without = speed * _equivalent_time(train, friction_only) + speed**2 * inert / (2 * _total(friction_only))
+        full = _mean(developed_forces(train, speed, dynamic=False), speed, 0.0)
+        without = speed * _equivalent_time(train, full) + speed**2 * inert / (2 * _total(full))
     way = distance - speed * time
     edges = [*np.arange(speed, step / 2, -step).tolist(), 0.0]
     steps = tuple((upper, lower, _total(_mean(forces_at, upper, lower)) / inert) for upper, lower in pairwise(edges))
@@ -161,6 +163,7 @@ def mean_stop(train: Train, speed: float, step: float = 20 / 3.6) -> MeanStop:
     return MeanStop(
         speed=speed,
         forces=mean.friction,
+        full_forces=full.friction,
         dynamic_forces=mean.dynamic,
         rail_forces=mean.rail,
         resistance=mean.resistance,

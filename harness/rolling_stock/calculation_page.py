@@ -189,7 +189,7 @@ def _axles(train: Train, stop: MeanStop) -> ReportTable:
             "brake": bogie.data.brake,
             "units": round(axle.units),
             "pad force": bogie.brake.full_force / 1e3,
-            "friction": _mean_friction(float(stop.forces[number]), axle.units, bogie),
+            "friction": _mean_friction(float(stop.full_forces[number]), axle.units, bogie),
             "force": float(stop.forces[number]) / 1e3,
             "te": float(times[number]),
             "load": axle.mass / 1e3,

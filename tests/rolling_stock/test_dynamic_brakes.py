@@ -10,13 +10,15 @@ from scipy.integrate import quad
 from typer.testing import CliRunner
 
 from railgrip.base.errors import InputError, ScenarioError
+from railgrip.base.registry import shelf
 from railgrip.cli.app import app
 from railgrip.estimation.models import of_train
 from railgrip.rolling_stock.brakes import EddyCurrentRail, Electrodynamic
 from railgrip.rolling_stock.calculation import mean_stop, parking
+from railgrip.rolling_stock.calculation_page import calculation_page
 from railgrip.rolling_stock.check import findings
 from railgrip.rolling_stock.modelica import class_text
-from railgrip.rolling_stock.schema import train_of
+from railgrip.rolling_stock.schema import Train, load_train, train_of
 from railgrip.rolling_stock.stopping import by_hand, developed_forces, response_times
 from railgrip.rolling_stock.tables import sentence_of_equipment, table_of_axles
 from railgrip.scenario.file import NamedFile
@@ -278,3 +280,34 @@ def test_a_filter_refuses_a_train_whose_axles_brake_electrically(tmp_path):
     file.write_text(text.replace("coupled = false", 'coupled = false\ndynamic_brake = "motor"'), encoding="utf-8")
     with pytest.raises(InputError, match=r"has \[dynamic_brakes\] on its axles"):
         of_train(NamedFile(entry="ours.toml", path=file))
+
+
+def packaged() -> dict[str, Train]:
+    return {name: load_train(path) for name, path in shelf("trains").items()}
+
+
+def test_the_package_has_ten_trains_and_one_of_each_brake():
+    """Kinds of blocks whose law has no published train are the exception: cast iron P6."""
+    trains = packaged()
+    assert len(trains) >= 10
+    bogies = [bogie for train in trains.values() for bogie in train.bogies_in_train]
+    dynamic = {bogie.dynamic_brake.kind for bogie in bogies if bogie.dynamic_brake}
+    assert dynamic == {"electrodynamic", "eddy_current_axle", "eddy_current_rail"}
+    laws = {blocks.law for train in trains.values() for blocks in train.blocks.values()}
+    assert laws >= {"cast_iron_p10", "composite_k"}
+    assert any(bogie.brake.pads for bogie in bogies)
+    assert any(bogie.track_brake for bogie in bogies)
+    assert any(train.parking_brakes for train in trains.values())
+
+
+@pytest.mark.parametrize("name", sorted(shelf("trains")))
+def test_a_train_of_the_package_does_not_contradict_itself_and_its_page_has_all_its_brakes(name):
+    train = load_train(shelf("trains")[name])
+    assert not [str(found) for found in findings(train) if found.wrong]
+    page = calculation_page(train, [mean_stop(train, 25 / 3.6)], origin=name, digest="")
+    values = [page.values[key] for key in ("data", "axles", "dynamic", "rail")]
+    texts = {text for table in values if table for row in table.texts for text in row.values()}
+    used = {bogie.kind: bogie.data for bogie in train.bogies_in_train}.values()
+    names = {getattr(bogie, key) for bogie in used for key in ("brake", "dynamic_brake", "track_brake")} - {None}
+    assert names <= texts
+    assert ("parking brake" in texts) == any(bogie.parking_brake for bogie in used)

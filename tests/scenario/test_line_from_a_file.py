@@ -9,7 +9,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.track.line import read_line
 from railgrip.scenario.track.table import slope_of, track_force_of
-from railgrip.simulate.remarks import remarks_after
+from railgrip.simulate.remarks import remarks_after, remarks_before
 
 SLOPES = "distance [km],slope [permille]\n10.0,5\n11.0,-8\n12.5,0\n14.0,0\n"
 HEIGHTS = "distance,height\n0,100\n1000,105\n2500,93\n4000,93\n"
@@ -119,6 +119,14 @@ def test_a_line_and_gradients_are_not_both_given(tmp_path):
     table["track"] = {"line": line, "gradient": [{"begin": 0, "slope": 0.01}]}
     with pytest.raises(ScenarioError, match="has a line, which has all gradients"):
         scenario_of(table, directory=tmp_path, origin="own")
+
+
+def test_noise_of_heights_is_remarked(tmp_path):
+    """One metre up and down every 20 m, as receivers have it, is 50 ‰."""
+    rows = "\n".join(f"{20 * i},{300 + i % 2}" for i in range(200))
+    made = scenario(tmp_path, f"distance,height\n{rows}\n", origin="0 m")
+    assert any("has a gradient of 50 ‰" in remark or "of -50 ‰" in remark for remark in remarks_before(made))
+    assert not any("[track.line]" in remark for remark in remarks_before(scenario(tmp_path, SLOPES)))
 
 
 def test_a_stop_beyond_the_end_of_the_line_is_remarked(tmp_path):
