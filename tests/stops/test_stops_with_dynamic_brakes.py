@@ -12,7 +12,8 @@ from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate.run import braking_distance, run_stop
+from railgrip.simulate.ideal import ideal_stop
+from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle import VehicleData
 
 BEGINNING = (Path(cli.__file__).parent / "templates" / "train.toml").read_text(encoding="utf-8")
@@ -97,7 +98,7 @@ def test_a_sliding_axle_loses_its_dynamic_brake_and_keeps_its_friction_brake(dri
 
 def test_the_ideal_bound_has_the_dynamic_brakes(driven):
     full = run_stop(scenario(driven))
-    bound = braking_distance(scenario(driven, controller={"kind": "ideal_bound"}))
+    bound = ideal_stop(scenario(driven, controller={"kind": "ideal_bound"})).metrics.distance
     # The build-up takes 0.9 s from which the bound has 0.
     assert full.metrics.distance - 1.1 * SPEED < bound < full.metrics.distance
 
