@@ -41,11 +41,8 @@ _RESISTANCE = {
 
 def nominal_data(train: Train) -> dict[str, float]:
     """Return the parameters of a train's class and their values, arrays by element, such as `J[2]`."""
-    bogies, groups = train.bogies_in_train, range(len(train.groups))
     arrays: dict[str, Sequence[float]] = dict(_parameters(train, _body_of_car(train)))
-    arrays |= {name: [getattr(train.bogie_of(group).brake, key) for group in groups] for name, key in _RIGGING.items()}
-    arrays |= {name: [getattr(bogie.data, key) for bogie in bogies] for name, key in _SUSPENSION.items()}
-    arrays["wheelsets_per_bogie"] = [len(bogie.axles) for bogie in bogies]
+    arrays |= _equipment(train)
     # With the digits of the class.
     data = {f"{name}[{i}]": float(_digits(value)) for name, each in arrays.items() for i, value in enumerate(each, 1)}
     return data | {name: getattr(train.physics, key) for name, key in _RESISTANCE.items()}
@@ -56,7 +53,6 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
     body_of_car = _body_of_car(train)
     bogies = train.bogies_in_train
     carriers = [body_of_car[axle.car] for axle in train.axles]
-    bogie_of_group = [train.bogie_of(number) for number in range(len(train.groups))]
     kinds = {_identifier(bogie.kind): bogie for bogie in bogies}
     return render(
         "rolling_stock/plant.mo.jinja",
@@ -67,15 +63,7 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         groups=len(train.groups),
         wheelsets=len(train.axles),
         parameters=_parameters(train, body_of_car),
-        rigging={
-            key: [getattr(bogie.brake, key) for bogie in bogie_of_group]
-            for key in ("piston_area", "rigging", "efficiency", "spring_force")
-        },
-        suspension={
-            key: [getattr(bogie.data, key) for bogie in bogies]
-            for key in ("frame_height", "rod_height", "stiffness", "damping")
-        }
-        | {"count": [len(bogie.axles) for bogie in bogies]},
+        equipment=_equipment(train),
         bogies=[_bogie(train, bogie, body_of_car) for bogie in bogies],
         kinds=[
             {"id": kind, "pads": bogie.pads, "law": bogie.law, "blocks": bogie.brake.blocks}
@@ -114,6 +102,14 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
 def _body_of_car(train: Train) -> list[int]:
     # Cars that no coupler joins move as one body.
     return list(accumulate((int(car.coupler is not None) for car in train.cars[:-1]), initial=0))
+
+
+def _equipment(train: Train) -> dict[str, list[float]]:
+    """Return rigging of each group, and suspension and number of wheelsets of each bogie, by their parameters."""
+    brakes, bogies = [train.bogie_of(group).brake for group in range(len(train.groups))], train.bogies_in_train
+    values = {name: [float(getattr(brake, key)) for brake in brakes] for name, key in _RIGGING.items()}
+    values |= {name: [getattr(bogie.data, key) for bogie in bogies] for name, key in _SUSPENSION.items()}
+    return values | {"wheelsets_per_bogie": [len(bogie.axles) for bogie in bogies]}
 
 
 def _parameters(train: Train, body_of_car: Sequence[int]) -> dict[str, Sequence[float]]:
