@@ -9,7 +9,7 @@ from typing import Final, Literal
 import casadi as ca
 import numpy as np
 
-from railgrip.base.errors import EstimationError
+from railgrip.base.errors import EstimationError, InputError
 from railgrip.base.names import Element, did_you_mean
 from railgrip.base.system import Variable
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC, with_state_names
@@ -246,6 +246,12 @@ def of_train(train: NamedFile, class_name: str = CENTRAL[0], *, has_suspension: 
 @cache
 def _of_train(entry: str, path: Path, digest: str, class_name: str, has_suspension: bool) -> PredictionModel:  # pyright: ignore[reportUnusedParameter]
     train = checked_train(path)
+    if train.dynamic_groups:
+        raise InputError(
+            f"{path.name}: {train.name} has [dynamic_brakes] on its axles, but filters of trains know the torque of "
+            "friction brakes alone and would attribute the difference to adhesion; give a model of your own, or a "
+            "train file of a recording in which they were off, without dynamic_brake of [bogies]"
+        )
     formation, data = Formation(tuple(map(len, train.groups))), nominal_data(train)
     if not has_suspension:  # without data of its frame a bogie is rigid
         data = {name: value for name, value in data.items() if not name.startswith("m_frame")}
@@ -263,7 +269,7 @@ def _of_train(entry: str, path: Path, digest: str, class_name: str, has_suspensi
     nominal = central({})
     readings = zip(nominal.model.outputs, nominal.readings, strict=True)
     limits = (
-        f"{train.name} has magnetic track brakes of up to {train.track_brake_force / 1e3:.0f} kN, which are in no "
+        f"{train.name} has brakes on the rail itself of up to {train.track_brake_force / 1e3:.0f} kN, which are in no "
         "equation: while they act, the filter attributes their force to gradient, adhesion and pad friction.",
     )
     units, parameters = units_of_predictions(), _parameters_of_train(nominal.model, data)

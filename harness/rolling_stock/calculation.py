@@ -3,26 +3,31 @@
 Source: EN 14531-1, mean values; the stop by time steps next to it is that of `railgrip.rolling_stock.stopping`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from math import isclose
+from math import inf, isclose, sqrt
 from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 
+from railgrip.base.units import GRAVITY
 from railgrip.rolling_stock.schema import Train
 from railgrip.rolling_stock.stopping import (
+    DevelopedForces,
     HandCalculation,
     Vector,
     by_hand,
     developed_forces,
+    parking_forces,
     response_times,
     rotating_masses,
 )
 
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+_PARTS = 8
+"""Parts of a range of speeds, each with a rule of its own: forces of dynamic brakes have kinks."""
 
 BRAKED_WEIGHT: Final[Mapping[int, tuple[float, float]]] = MappingProxyType(
     {100: (61300, 8.9), 120: (91633, 11.6), 140: (130995, 11.6), 150: (152640, 11.6), 160: (176714, 11.6),
@@ -38,6 +43,12 @@ BRAKED_WEIGHT_OF_VEHICLES: Final[Mapping[int, tuple[float, float]]] = MappingPro
 )
 """The same for single vehicles."""
 
+PARKING_SLOPE: Final = 0.040
+"""Gradient on which a unit must be kept immobilised; LOC&PAS TSI (EU 1302/2014), 4.2.4.5.5."""
+
+PARKING_ADHESION: Final = 0.12
+"""Maximum adhesion in the design of a parking brake; LOC&PAS TSI, 4.2.4.6.1."""
+
 RANGES: Final[Mapping[bool, tuple[float, float]]] = MappingProxyType({True: (50, 140), False: (40, 250)})
 """Range of λ [%] of the assessment from 100 km/h, and from other speeds; from the same source."""
 
@@ -48,15 +59,19 @@ class MeanStop:
 
     Attributes:
         speed: Initial speed [m/s].
-        forces: Mean brake force at the rim of each axle, shape (axles,) [N].
-        rail_forces: Mean force of the track brakes of each bogie that has them [N].
+        forces: Mean force of the friction brakes at the rim of each axle, shape (axles,) [N].
+        full_forces: The same with full pressure, which dynamic brakes do not relieve.
+        dynamic_forces: The same of the electrodynamic and rotating eddy-current brakes.
+        rail_forces: Mean force of each brake on the rail itself [N].
         resistance: Mean running resistance [N].
         equivalent_time: Σ te F/Σ F over all brakes, with the running resistance in the lower sum [s].
         deceleration: Equivalent deceleration (Σ F)/(mass with rotating parts) [m/s2].
         distance: v te + v²/(2 a) [m].
         adhesion: Required adhesion of each axle, shape (axles,); coupled axles share their forces.
-        energy: Energy that the brakes of each axle take, shape (axles,) [J].
-        power: Maximum power of the brakes of each axle, at the initial speed, shape (axles,) [W].
+        energy, dynamic_energy: Energy that friction and dynamic brakes of each axle take, shape (axles,) [J].
+        power: Mean force of the friction brakes of each axle times the initial speed, shape (axles,) [W].
+        without_dynamic: Distance by mean values if no electrodynamic or eddy-current brake acts, and friction brakes
+            replace those that relieve them [m]; None for a train without any.
         time_steps: The stop by time steps.
         steps: Upper speed, lower speed [m/s] and deceleration with developed brakes [m/s2] of each speed step.
         percentages: Braked weight percentage as a train and as a single vehicle; None where the source has no values.
@@ -64,6 +79,8 @@ class MeanStop:
 
     speed: float
     forces: Vector
+    full_forces: Vector
+    dynamic_forces: Vector
     rail_forces: Vector
     resistance: float
     equivalent_time: float
@@ -71,10 +88,48 @@ class MeanStop:
     distance: float
     adhesion: Vector
     energy: Vector
+    dynamic_energy: Vector
     power: Vector
+    without_dynamic: float | None
     time_steps: HandCalculation
     steps: tuple[tuple[float, float, float], ...]
     percentages: tuple[float | None, float | None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parking:
+    """What the parking brake holds.
+
+    Attributes:
+        force: Force of all parking brakes at the rims [N].
+        usable: The part of it that needs an adhesion of `PARKING_ADHESION` or less [N].
+        slope: Tangent of the steepest gradient on which that part holds the train; infinite if it holds its weight.
+        adhesion: Maximum adhesion of an axle on `PARKING_SLOPE`, if all parking brakes share the downhill force in
+            proportion to their forces; infinite without a parking brake.
+    """
+
+    force: float
+    usable: float
+    slope: float
+    adhesion: float
+
+
+def parking(train: Train) -> Parking:
+    """Return what the parking brake of a train holds; groups of coupled axles share their forces.
+
+    Running resistance is neglected, and load is that on level track.
+    """
+    members = [list(group) for group in train.groups]
+    forces = np.array([parking_forces(train)[each].sum() for each in members])
+    load = np.array([GRAVITY * sum(train.axles[i].mass for i in each) for each in members])
+    total, usable = float(forces.sum()), float(np.minimum(forces, PARKING_ADHESION * load).sum())
+    sine, needed = usable / float(load.sum()), float(load.sum()) * PARKING_SLOPE / sqrt(1 + PARKING_SLOPE**2)
+    return Parking(
+        force=total,
+        usable=usable,
+        slope=sine / sqrt(1 - sine**2) if sine < 1 else inf,
+        adhesion=float(np.max(forces / load)) * needed / total if total > 0 else inf,
+    )
 
 
 def mean_stop(train: Train, speed: float, step: float = 20 / 3.6) -> MeanStop:
@@ -93,29 +148,33 @@ def mean_stop(train: Train, speed: float, step: float = 20 / 3.6) -> MeanStop:
     """
     mass, turning, shares = rotating_masses(train)
     inert = float(mass.sum() + turning.sum())
-    forces, rail, resistance = _mean(train, speed, 0.0, speed)
-    times, rail_times = response_times(train)
-    braking = float(forces.sum() + rail.sum() + resistance)
-    time = float(forces @ times + rail @ rail_times) / braking
-    deceleration = braking / inert
+    forces_at = developed_forces(train, speed)
+    mean = _mean(forces_at, speed, 0.0)
+    deceleration, time = _total(mean) / inert, _equivalent_time(train, mean)
     distance = speed * time + speed**2 / (2 * deceleration)
+    full, without = mean, None
+    if train.dynamic_brakes:
+        full = _mean(developed_forces(train, speed, dynamic=False), speed, 0.0)
+        without = speed * _equivalent_time(train, full) + speed**2 * inert / (2 * _total(full))
+    way = distance - speed * time
     edges = [*np.arange(speed, step / 2, -step).tolist(), 0.0]
-    steps = tuple(
-        (upper, lower, float(sum(np.sum(part) for part in _mean(train, upper, lower, speed))) / inert)
-        for upper, lower in pairwise(edges)
-    )
+    steps = tuple((upper, lower, _total(_mean(forces_at, upper, lower)) / inert) for upper, lower in pairwise(edges))
     # The running resistance of bearings and rolling acts at the wheels, too, but no standard counts it as adhesion.
     return MeanStop(
         speed=speed,
-        forces=forces,
-        rail_forces=rail,
-        resistance=resistance,
+        forces=mean.friction,
+        full_forces=full.friction,
+        dynamic_forces=mean.dynamic,
+        rail_forces=mean.rail,
+        resistance=mean.resistance,
         equivalent_time=time,
         deceleration=deceleration,
         distance=distance,
-        adhesion=shares @ (forces - turning * deceleration),
-        energy=forces * (distance - speed * time),
-        power=forces * speed,
+        adhesion=shares @ (mean.friction + mean.dynamic - turning * deceleration),
+        energy=mean.friction * way,
+        dynamic_energy=mean.dynamic * way,
+        power=mean.friction * speed,
+        without_dynamic=without,
         time_steps=by_hand(train, speed),
         steps=steps,
         percentages=(
@@ -144,11 +203,33 @@ def braked_weight_percentage(
     return percentage if low <= percentage <= high else None
 
 
-def _mean(train: Train, upper: float, lower: float, start: float) -> tuple[Vector, Vector, float]:
-    """Return the means over the square of the speed of brake forces, track brakes and running resistance [N]."""
+def _total(mean: DevelopedForces) -> float:
+    """Return the sum of all forces [N]."""
+    return float(mean.friction.sum() + mean.dynamic.sum() + mean.rail.sum() + mean.resistance)
+
+
+def _equivalent_time(train: Train, mean: DevelopedForces) -> float:
+    """Return Σ te F/Σ F [s]; blended forces have the time of the pressure, since friction brakes provide the rest."""
+    times, rail_times = response_times(train)
+    of_dynamic = times.copy()
+    for each in train.dynamic_groups:
+        if each.brake.blending == "added":
+            of_dynamic[list(train.groups[each.group])] += each.brake.time_constant
+    weighted = mean.friction @ times + mean.dynamic @ of_dynamic + mean.rail @ rail_times
+    return float(weighted) / _total(mean)
+
+
+def _mean(forces_at: Callable[[float], DevelopedForces], upper: float, lower: float) -> DevelopedForces:
+    """Return the means of forces over the square of the speed in a range of speeds [m/s]."""
     # Gauss-Legendre over the speed, weighted with it: exact for polynomials of the speed.
-    speeds = lower + (upper - lower) * (_POINTS + 1) / 2
-    weights = _WEIGHTS * speeds * (upper - lower) / (upper**2 - lower**2)
-    parts = [developed_forces(train, float(speed), start) for speed in speeds]
-    forces, rail, resistance = (sum(w * part[i] for w, part in zip(weights, parts, strict=True)) for i in range(3))
-    return np.asarray(forces), np.asarray(rail), float(np.sum(resistance))
+    edges = np.linspace(lower, upper, _PARTS + 1)
+    speeds = np.add.outer(edges[:-1], (edges[1] - edges[0]) * (_POINTS + 1) / 2).ravel()
+    weights = np.tile(_WEIGHTS, _PARTS) * speeds * (edges[1] - edges[0]) / (upper**2 - lower**2)
+    parts = [forces_at(float(speed)) for speed in speeds]
+
+    def mean(name: str) -> Vector:
+        return np.asarray(sum(w * getattr(part, name) for w, part in zip(weights, parts, strict=True)))
+
+    return DevelopedForces(
+        friction=mean("friction"), dynamic=mean("dynamic"), rail=mean("rail"), resistance=float(mean("resistance"))
+    )

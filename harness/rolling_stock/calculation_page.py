@@ -2,7 +2,7 @@
 
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from itertools import accumulate
 from pathlib import Path
 from typing import Any, cast
@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from railgrip.base.files import replacing
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable
-from railgrip.rolling_stock.calculation import RANGES, MeanStop
+from railgrip.rolling_stock.calculation import PARKING_ADHESION, PARKING_SLOPE, RANGES, MeanStop, parking
 from railgrip.rolling_stock.check import findings
 from railgrip.rolling_stock.schema import BogieInTrain, SourcedTable, Train
 from railgrip.rolling_stock.stopping import response_times, rotating_masses
@@ -47,6 +47,7 @@ def calculation_page(train: Train, stops: Sequence[MeanStop], *, origin: str, di
         "data": _data(train),
         "stops": table_of_stops(stops),
         "axles": _axles(train, fastest),
+        "dynamic": _dynamic(train, fastest),
         "rail": _rail(train, fastest),
         "steps": _steps(fastest),
         "sources": ReportTable.of(["table", "source"], _sources(train), left=2),
@@ -95,7 +96,9 @@ def table_of_stops(stops: Sequence[MeanStop]) -> ReportTable:
             "difference": 100 * (stop.time_steps.distance / stop.distance - 1),
             "te": stop.equivalent_time,
             "ae": stop.deceleration,
-            "brakes": float(stop.forces.sum() + stop.rail_forces.sum()) / 1e3,
+            "brakes": float(stop.forces.sum() + stop.dynamic_forces.sum() + stop.rail_forces.sum()) / 1e3,
+            "dynamic": float(stop.dynamic_forces.sum()) / 1e3,
+            "without dynamic": stop.without_dynamic,
             "resistance": stop.resistance / 1e3,
             "adhesion": float(stop.adhesion.max()),
             "λ train": stop.percentages[0],
@@ -105,10 +108,12 @@ def table_of_stops(stops: Sequence[MeanStop]) -> ReportTable:
     ]
     forms = {
         "from": "{:g} km/h", "mean values": "{:.1f} m", "time steps": "{:.1f} m", "difference": "{:+.1f} %",
-        "te": "{:.2f} s", "ae": "{:.3f} m/s²", "brakes": "{:.1f} kN", "resistance": "{:.1f} kN",
+        "te": "{:.2f} s", "ae": "{:.3f} m/s²", "brakes": "{:.1f} kN", "dynamic": "{:.1f} kN",
+        "without dynamic": "{:.1f} m", "resistance": "{:.1f} kN",
         "adhesion": "{:.3f}", "λ train": "{:.0f} %", "λ vehicle": "{:.0f} %",
     }  # fmt: skip
-    return ReportTable(rows, forms)
+    table = ReportTable(rows, forms)
+    return table if rows[0]["without dynamic"] is not None else table.without({"dynamic", "without dynamic"})
 
 
 def plain_calculation(train: Train, stops: Sequence[MeanStop]) -> dict[str, Any]:
@@ -119,6 +124,7 @@ def plain_calculation(train: Train, stops: Sequence[MeanStop]) -> dict[str, Any]
         "train": train.name,
         "mass": train.mass,
         "rotating_mass": float(turning.sum()),
+        "parking": asdict(parking(train)) if train.parking_brakes else None,
         "response_time": times.tolist(),
         "response_time_rail_brakes": rail_times.tolist(),
         "stops": [
@@ -129,9 +135,12 @@ def plain_calculation(train: Train, stops: Sequence[MeanStop]) -> dict[str, Any]
                 "deceleration": stop.deceleration,
                 "resistance": stop.resistance,
                 "force": stop.forces.tolist(),
+                "force_dynamic": stop.dynamic_forces.tolist(),
                 "force_rail_brakes": stop.rail_forces.tolist(),
                 "adhesion": stop.adhesion.tolist(),
                 "energy": stop.energy.tolist(),
+                "energy_dynamic": stop.dynamic_energy.tolist(),
+                "distance_without_dynamic": stop.without_dynamic,
                 "power": stop.power.tolist(),
                 "steps": [dict(zip(("from", "to", "deceleration"), step, strict=True)) for step in stop.steps],
                 "braked_weight_percentage_train": stop.percentages[0],
@@ -158,6 +167,16 @@ def _data(train: Train) -> ReportTable:
         ("rotating mass", f"{turning.sum() / 1e3:.2f} t, {100 * turning.sum() / train.mass:.1f} %"),
         ("command of the emergency brake", command),
     ]
+    if train.parking_brakes:
+        held = parking(train)
+        rows += [
+            (
+                "parking brake",
+                f"{held.force / 1e3:.1f} kN, {held.usable / 1e3:.1f} kN of it up to {PARKING_ADHESION:g}",
+            ),
+            ("steepest gradient held", f"{1e3 * held.slope:.1f} ‰"),
+            (f"adhesion on {1e3 * PARKING_SLOPE:g} ‰", f"{held.adhesion:.3f}"),
+        ]
     return ReportTable.of(["datum", "value"], rows, left=2)
 
 
@@ -170,7 +189,7 @@ def _axles(train: Train, stop: MeanStop) -> ReportTable:
             "brake": bogie.data.brake,
             "units": round(axle.units),
             "pad force": bogie.brake.full_force / 1e3,
-            "friction": _mean_friction(float(stop.forces[number]), axle.units, bogie),
+            "friction": _mean_friction(float(stop.full_forces[number]), axle.units, bogie),
             "force": float(stop.forces[number]) / 1e3,
             "te": float(times[number]),
             "load": axle.mass / 1e3,
@@ -188,6 +207,20 @@ def _axles(train: Train, stop: MeanStop) -> ReportTable:
     return ReportTable(rows, forms, ("car", "brake"))
 
 
+def _dynamic(train: Train, stop: MeanStop) -> ReportTable:
+    rows = [
+        {
+            "axle": number + 1, "car": train.cars[axle.car].name, "dynamic brake": bogie.data.dynamic_brake,
+            "blending": getattr(bogie.dynamic_brake, "blending", None),
+            "force": float(stop.dynamic_forces[number]) / 1e3, "energy": float(stop.dynamic_energy[number]) / 1e6,
+        }
+        for number, axle in enumerate(train.axles)
+        for bogie in [train.bogies_in_train[axle.bogie]]
+        if stop.dynamic_forces[number] > 0
+    ]  # fmt: skip
+    return ReportTable(rows, {"force": "{:.3f} kN", "energy": "{:.2f} MJ"}, ("car", "dynamic brake", "blending"))
+
+
 def _mean_friction(force: float, units: float, bogie: BogieInTrain) -> float | None:
     at_rim = units * bogie.brake.full_force * bogie.brake.friction_radius / bogie.data.wheel_radius
     return force / at_rim if at_rim > 0 else None
@@ -195,13 +228,14 @@ def _mean_friction(force: float, units: float, bogie: BogieInTrain) -> float | N
 
 def _rail(train: Train, stop: MeanStop) -> ReportTable:
     _, times = response_times(train)
-    bogies = [bogie for bogie in train.bogies_in_train if bogie.track_brake is not None]
     rows = [
         {
-            "car": train.cars[bogie.cars[0]].name, "bogie": bogie.kind, "track brake": bogie.data.track_brake,
+            "car": train.cars[bogie.cars[0]].name, "bogie": bogie.kind, "track brake": name,
             "force": force / 1e3, "te": time,
         }
-        for bogie, force, time in zip(bogies, stop.rail_forces.tolist(), times.tolist(), strict=True)
+        for (bogie, name, _), force, time in zip(
+            train.rail_brakes, stop.rail_forces.tolist(), times.tolist(), strict=True
+        )
     ]  # fmt: skip
     return ReportTable(rows, {"force": "{:.2f} kN", "te": "{:.2f} s"}, ("car", "bogie", "track brake"))
 
@@ -274,7 +308,8 @@ class _Sheet:
         """
         rows = [list(row.values()) for row in table.texts]
         widths = [max(map(len, column)) + 3 for column in zip(table.columns, *rows, strict=True)]
-        widths[widths.index(max(widths))] -= max(sum(widths) - _CHARACTERS, 0)
+        for _ in range(sum(widths) - _CHARACTERS):
+            widths[widths.index(max(widths))] -= 1
         if any(not any(column) for column in zip(*rows, strict=True)):  # for handwriting
             widths = [_CHARACTERS // len(widths)] * len(widths)
         places = [_LEFT + (1 - 2 * _LEFT) * place / _CHARACTERS for place in accumulate(widths[:-1], initial=0)]

@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from railgrip.base.errors import InputError
+from railgrip.rolling_stock.brakes import Electrodynamic
+from railgrip.rolling_stock.calculation import PARKING_ADHESION, PARKING_SLOPE, parking
 from railgrip.rolling_stock.schema import BogieInTrain, Train, load_train
 from railgrip.rolling_stock.stopping import HandCalculation, by_hand
 from railgrip.scenario.quantity import unusual
@@ -70,6 +72,8 @@ def findings(train: Train) -> list[TrainRemark]:
         *_brakes(train),
         *friction_findings(train, fastest_stop(train)),
         *_accelerators(train),
+        *_parking(train),
+        *_dynamic(train),
     ]
     if not any(finding.wrong for finding in results):
         results += _stops(train)
@@ -233,6 +237,33 @@ def _accelerators(train: Train) -> Iterator[TrainRemark]:
                 f"[accelerators.{kind}] sensing_time",
                 f"times opening_rate is {drop / 1e5:g} bar: below {_SENSED / 1e5:g} bar the computed brake front is "
                 "faster than sound, because the cells of the pipe smear it",
+                wrong=False,
+            )
+
+
+def _parking(train: Train) -> Iterator[TrainRemark]:
+    held = parking(train)
+    if train.parking_brakes and held.slope < PARKING_SLOPE:
+        yield TrainRemark(
+            "[parking_brakes] force",
+            f"holds the train on {1e3 * held.slope:.1f} ‰ with an adhesion of up to {PARKING_ADHESION:g}; a unit must "
+            f"be held on {1e3 * PARKING_SLOPE:g} ‰ (LOC&PAS TSI 4.2.4.5.5)",
+            wrong=False,
+        )
+
+
+def _dynamic(train: Train) -> Iterator[TrainRemark]:
+    used = {str(bogie.data.dynamic_brake) for bogie in train.bogies_in_train}
+    for kind, brake in train.dynamic_brakes.items():
+        where = f"[dynamic_brakes.{kind}]"
+        if kind not in used:
+            yield TrainRemark(where, "is on no bogie: give dynamic_brake of [bogies]", wrong=False)
+        if isinstance(brake, Electrodynamic) and brake.power < brake.force * brake.speed_full:
+            yield TrainRemark(
+                f"{where} power",
+                f"is {brake.power / 1e3:g} kW, reached with {brake.force / 1e3:g} kN at "
+                f"{3.6 * brake.power / brake.force:.3g} km/h, below speed_full of {3.6 * brake.speed_full:g} km/h: the "
+                "maximum force is never available",
                 wrong=False,
             )
 

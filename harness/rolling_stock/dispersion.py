@@ -35,9 +35,7 @@ class _Dispersion(Table):
 
     quantity: Quantity = Field(description="what deviates: a factor on its nominal value, or a difference of pressure")
     per: Extent = Field(description="what is drawn separately")
-    source: Annotated[
-        str, Field(min_length=3, description="publication of these numbers, or what they are estimated from")
-    ]
+    source: _Source
 
     def _deviation(self, name: str) -> float:
         try:
@@ -106,9 +104,7 @@ class CommonCause(Table):
     beta: Annotated[float, UnitRange("1", at_least=0, at_most=0.5)] = Field(
         description="share of a component's failures that all components of its set have at once"
     )
-    source: Annotated[
-        str, Field(min_length=3, description="publication of these numbers, or what they are estimated from")
-    ]
+    source: _Source
 
 
 class ComponentFailure(Table):
@@ -120,9 +116,7 @@ class ComponentFailure(Table):
     error_factor: Annotated[float, UnitRange("1", at_least=1, at_most=100)] = Field(
         description="95 % quantile over median of the lognormal distribution of the probability, which is its median"
     )
-    source: Annotated[
-        str, Field(min_length=3, description="publication of these numbers, or what they are estimated from")
-    ]
+    source: _Source
     common_cause: CommonCause = Field(description="failures that several components have at once")
 
     def quantile(self, standard: float) -> float:

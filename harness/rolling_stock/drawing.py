@@ -37,8 +37,8 @@ def drawing(train: Train) -> Figure:
     )
     train_figure.supxlabel(
         "under the rail: axle and its load [t]; lines join coupled axles; brackets join those with one brake valve;\n"
-        "dots: brake units of an axle; bars on the rail: magnetic track brakes; triangles: sanders; in a car: its "
-        "two-stage distributor and accelerator",
+        "dots: brake units of an axle; diamonds: dynamic brakes; bars on the rail: magnetic and eddy-current brakes; "
+        "triangles: sanders; in a car: its two-stage distributor and accelerator",
         fontsize=7,
         color=GREY,
     )
@@ -85,7 +85,9 @@ def _row(axes: Axes, train: Train, cars: range) -> None:
                 axes.add_patch(Circle((x, radius), 0.09, color=VERMILION))
             axes.text(axle.position, -0.75, f"{index + 1}", ha="center", va="center", fontsize=6)
             axes.text(axle.position, -1.45, f"{axle.mass / 1e3:.1f}", ha="center", va="center", fontsize=5, color=GREY)
-        if bogie.track_brake is not None:
+            if axle.dynamic_units:
+                axes.plot([axle.position], [radius + 0.2], marker="D", markersize=4, color=BLUE)
+        if bogie.rail_brakes:
             middle = bogie.position + bogie.data.wheelbase / 2
             axes.add_patch(Rectangle((middle - 0.35, 0.02), 0.7, 0.22, facecolor=VERMILION, edgecolor=VERMILION))
         if bogie.data.coupled:

@@ -6,6 +6,7 @@ from itertools import accumulate
 from typing import Any
 
 from railgrip.report.page import render
+from railgrip.rolling_stock.brakes import Electrodynamic, TrackBrake
 from railgrip.rolling_stock.schema import BogieInTrain, Train
 from railgrip.rolling_stock.stopping import wire_of
 
@@ -40,11 +41,8 @@ _RESISTANCE = {
 
 def nominal_data(train: Train) -> dict[str, float]:
     """Return the parameters of a train's class and their values, arrays by element, such as `J[2]`."""
-    bogies, groups = train.bogies_in_train, range(len(train.groups))
     arrays: dict[str, Sequence[float]] = dict(_parameters(train, _body_of_car(train)))
-    arrays |= {name: [getattr(train.bogie_of(group).brake, key) for group in groups] for name, key in _RIGGING.items()}
-    arrays |= {name: [getattr(bogie.data, key) for bogie in bogies] for name, key in _SUSPENSION.items()}
-    arrays["wheelsets_per_bogie"] = [len(bogie.axles) for bogie in bogies]
+    arrays |= _equipment(train)
     # With the digits of the class.
     data = {f"{name}[{i}]": float(_digits(value)) for name, each in arrays.items() for i, value in enumerate(each, 1)}
     return data | {name: getattr(train.physics, key) for name, key in _RESISTANCE.items()}
@@ -55,7 +53,6 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
     body_of_car = _body_of_car(train)
     bogies = train.bogies_in_train
     carriers = [body_of_car[axle.car] for axle in train.axles]
-    bogie_of_group = [train.bogie_of(number) for number in range(len(train.groups))]
     kinds = {_identifier(bogie.kind): bogie for bogie in bogies}
     return render(
         "rolling_stock/plant.mo.jinja",
@@ -66,15 +63,7 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         groups=len(train.groups),
         wheelsets=len(train.axles),
         parameters=_parameters(train, body_of_car),
-        rigging={
-            key: [getattr(bogie.brake, key) for bogie in bogie_of_group]
-            for key in ("piston_area", "rigging", "efficiency", "spring_force")
-        },
-        suspension={
-            key: [getattr(bogie.data, key) for bogie in bogies]
-            for key in ("frame_height", "rod_height", "stiffness", "damping")
-        }
-        | {"count": [len(bogie.axles) for bogie in bogies]},
+        equipment=_equipment(train),
         bogies=[_bogie(train, bogie, body_of_car) for bogie in bogies],
         kinds=[
             {"id": kind, "pads": bogie.pads, "law": bogie.law, "blocks": bogie.brake.blocks}
@@ -92,10 +81,16 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
             for body in range(body_of_car[-1] + 1)
         ],
         couplers=[train.couplers[car.coupler] for car in train.cars if car.coupler],
-        track_brakes=[
-            {"number": number, "brake": bogie.track_brake, "body": body_of_car[bogie.cars[0]] + 1}
-            for number, bogie in enumerate((bogie for bogie in bogies if bogie.track_brake is not None), start=1)
+        rail_brakes=[
+            {
+                "name": f"track_brake{number}" if isinstance(brake, TrackBrake) else f"eddy_current{number}",
+                "brake": brake,
+                "is_magnetic": isinstance(brake, TrackBrake),
+                "body": body_of_car[bogie.cars[0]] + 1,
+            }
+            for number, (bogie, _, brake) in enumerate(train.rail_brakes, start=1)
         ],
+        **_blended(train, body_of_car, pneumatic=pneumatic),
         commands=_sharing(train.groups_per_valve),
         array=_array,
         lowest=_lowest,
@@ -107,6 +102,14 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
 def _body_of_car(train: Train) -> list[int]:
     # Cars that no coupler joins move as one body.
     return list(accumulate((int(car.coupler is not None) for car in train.cars[:-1]), initial=0))
+
+
+def _equipment(train: Train) -> dict[str, list[float]]:
+    """Return rigging of each group, and suspension and number of wheelsets of each bogie, by their parameters."""
+    brakes, bogies = [train.bogie_of(group).brake for group in range(len(train.groups))], train.bogies_in_train
+    values = {name: [float(getattr(brake, key)) for brake in brakes] for name, key in _RIGGING.items()}
+    values |= {name: [getattr(bogie.data, key) for bogie in bogies] for name, key in _SUSPENSION.items()}
+    return values | {"wheelsets_per_bogie": [len(bogie.axles) for bogie in bogies]}
 
 
 def _parameters(train: Train, body_of_car: Sequence[int]) -> dict[str, Sequence[float]]:
@@ -144,6 +147,80 @@ def _bogie(train: Train, bogie: BogieInTrain, body_of_car: Sequence[int]) -> dic
         "w": f"{bogie.axles[0] + 1}:{bogie.axles[-1] + 1}",
         "body": body_of_car[bogie.cars[0]] + 1,
     }
+
+
+def _dynamic_brakes(train: Train, body_of_car: Sequence[int]) -> list[dict[str, Any]]:
+    """Return the dynamic brakes of groups: their data, and the shafts that they are connected to."""
+    place_of_valve = {valve: place for place, valve in enumerate(train.blended_valves, start=1)}
+    found: list[dict[str, Any]] = []
+    for each in train.dynamic_groups:
+        axle, brake = train.axles[train.groups[each.group][0]], each.brake
+        first = next(g for g, members in enumerate(train.groups) if train.axles[members[0]].bogie == axle.bogie)
+        is_electric = isinstance(brake, Electrodynamic)
+        found.append(
+            {
+                "brake": brake,
+                "class": "ElectrodynamicBrake" if is_electric else "EddyCurrentBrake",
+                "law": f"P_max={_digits(each.units * brake.power)}" if is_electric else f"v_peak={brake.speed_peak}",
+                "force": brake.largest(each.units, each.load) if is_electric else each.units * brake.force,
+                "group": each.group + 1,
+                "bogie": axle.bogie + 1,
+                "shaft": each.group - first + 1,
+                "body": body_of_car[axle.car] + 1,
+                "place": 0 if brake.blending == "added" else place_of_valve[each.valve],
+            }
+        )
+    return found
+
+
+def _blended(train: Train, body_of_car: Sequence[int], *, pneumatic: bool) -> dict[str, Any]:
+    """Return dynamic brakes, relieved valves, and the expressions that connect them."""
+    dynamics, supply = _dynamic_brakes(train, body_of_car), _command(train, body_of_car)["supply_of_group"]
+    blending = _blending(train)
+    names = [f"eddy_current{i}" for i, (*_, b) in enumerate(train.rail_brakes, 1) if not isinstance(b, TrackBrake)]
+    bodies = [body_of_car[b.cars[0]] + 1 for b, _, brake in train.rail_brakes if not isinstance(brake, TrackBrake)]
+
+    def demanded(group: int, valve: range) -> str:
+        if pneumatic and train.command is None:
+            return f"if applied then p_max[{group}] else 0"
+        limit = f"p_max[{group}]" + (f"*available[{supply[group - 1]}]" if train.command else "")
+        return limit if pneumatic else f"noEvent(min({_lowest('pressure_command', valve)}, {limit}))"
+
+    def of_place(member: str, place: int) -> str:
+        return " + ".join(f"dynamic{i}.{member}" for i, d in enumerate(dynamics, 1) if d["place"] == place) or "0"
+
+    rail = [f"{name}.force*body{body}.v" for name, body in zip(names, bodies, strict=True)]
+    return {
+        "dynamics": dynamics,
+        "blending": blending,
+        "relieved": {group: place for place, valve in enumerate(blending, 1) for group in valve["groups"]},
+        "demanded": demanded,
+        "of_place": of_place,
+        "eddy_currents": names,
+        "dynamic_power": " + ".join([*(f"motor{i}.power" for i in range(1, len(dynamics) + 1)), *rail]),
+    }
+
+
+def _blending(train: Train) -> list[dict[str, Any]]:
+    """Return groups, rim force over pressure beyond the springs, and that pressure, of each relieved valve."""
+    valves: list[dict[str, Any]] = []
+    for valve in train.blended_valves:
+        groups = [group for group, of in enumerate(train.valve_of_group) if of == valve]
+        brake = train.bogie_of(groups[0]).brake
+        lever = sum(
+            train.axles[i].units * bogie.pad_friction * brake.friction_radius / bogie.data.wheel_radius
+            for group in groups
+            for bogie in [train.bogie_of(group)]
+            for i in train.groups[group]
+        )
+        valves.append(
+            {
+                "groups": [group + 1 for group in groups],
+                "slope": lever * brake.efficiency * brake.rigging * brake.piston_area,
+                "spring": brake.spring_force / brake.piston_area,
+            }
+        )
+    return valves
 
 
 def _command(train: Train, body_of_car: Sequence[int]) -> dict[str, Any]:

@@ -15,34 +15,34 @@ from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import GRAVITY
-from railgrip.rolling_stock.blocks import CONSTANT, LAWS, BlockLaw
+from railgrip.rolling_stock.brakes import (
+    CONSTANT,
+    LAWS,
+    AxleBrake,
+    BlockLaw,
+    Blocks,
+    BrakeUnit,
+    DynamicBrake,
+    EddyCurrentRail,
+    LagTime,
+    Pads,
+    ParkingBrake,
+    RailBrake,
+    Share,
+    SourcedTable,
+    TrackBrake,
+    TravelSpeed,
+    WireDelay,
+)
 from railgrip.rolling_stock.dispersion import Dispersion, Failures
 from railgrip.scenario.file import locate
 from railgrip.scenario.load import read_toml, require_kind, validate_table
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.surface import Sander
-from railgrip.scenario.table import FASTEST, Length, Name, Table, table_error
+from railgrip.scenario.table import Length, Name, Table, table_error
 
 # Values outside the limits are refused: they have a wrong unit, or are of another part. Values outside the usual range
 # are valid, and `railgrip.rolling_stock.check` remarks on them.
-Ratio = Annotated[
-    float, UnitRange("1", at_least=0.1, at_most=100, usual=(1, 15), because="riggings multiply by 2 to 10")
-]
-Efficiency = Annotated[
-    float, UnitRange("1", at_least=0.1, at_most=1, because="EN 14531-1 has efficiencies of 0.83 to 0.98 for riggings")
-]
-Share = Annotated[float, UnitRange("1", above=0, at_most=1)]
-PadFriction = Annotated[
-    float,
-    UnitRange(
-        "1",
-        at_least=0.02,
-        at_most=0.7,
-        usual=(0.08, 0.5),
-        because="blocks of cast iron have 0.08 to 0.2, organic and sintered pads 0.25 to 0.45 (EN 14531-1)",
-    ),
-]
-Effect = Annotated[float, UnitRange("1", at_least=-1, at_most=1)]
 Drag = Annotated[
     float,
     UnitRange(
@@ -73,10 +73,6 @@ WheelRadius = Annotated[
         because="this is the radius, not the diameter; wheels have diameters of 0.33 m (UIC 510-2) to 1.25 m",
     ),
 ]
-PadRadius = Annotated[
-    float,
-    UnitRange("m", at_least=0.02, at_most=0.7, usual=(0.08, 0.65), because="pads and blocks act within the wheel"),
-]
 Diameter = Annotated[
     float, UnitRange("m", at_least=0.01, at_most=0.1, usual=(0.02, 0.04), because="brake pipes have 25 to 32 mm")
 ]
@@ -86,7 +82,13 @@ AxlePosition = Annotated[
 ]
 Height = Annotated[
     float,
-    UnitRange("m", at_least=0.01, at_most=5, usual=(0.15, 1.5), because="frames and rods are at the height of axles"),
+    UnitRange(
+        "m",
+        at_least=0.01,
+        at_most=5,
+        usual=(0.15, 2.5),
+        because="frames and rods are at the height of axles, rods of single axles at the centre of gravity of the car",
+    ),
 ]
 CarMass = Annotated[
     float, UnitRange("kg", at_least=500, at_most=5e5, usual=(3e3, 1.6e5), because="cars weigh 3 t to 160 t")
@@ -128,47 +130,16 @@ WheelsetInertia = Annotated[
 FrameInertia = Annotated[
     float,
     UnitRange(
-        "kg.m2", at_least=10, at_most=1e6, usual=(100, 1e5), because="bogie frames have inertias of 200 to 1e5 kg.m2"
+        "kg.m2",
+        at_least=10,
+        at_most=1e7,
+        usual=(100, 1e6),
+        because="bogie frames have inertias of 200 to 1e5 kg.m2, cars on single axles up to 1e6 kg.m2",
     ),
 ]
 FrontalArea = Annotated[
     float,
     UnitRange("m2", at_least=0.5, at_most=100, usual=(2, 16), because="European gauges (EN 15273) enclose about 12 m2"),
-]
-PistonArea = Annotated[
-    float,
-    UnitRange(
-        "m2",
-        at_least=1e-4,
-        at_most=0.3,
-        usual=(5e-4, 0.15),
-        because="pistons have diameters of 30 mm (hydraulic) to 406 mm (16 in)",
-    ),
-]
-Spring = Annotated[
-    float,
-    UnitRange(
-        "N",
-        at_least=10,
-        at_most=3e4,
-        or_zero=True,
-        usual=(50, 8e3),
-        because="springs of cylinders have 0.2 to 3 kN; 0 is none",
-    ),
-]
-PadForce = Annotated[
-    float,
-    UnitRange("N", at_least=100, at_most=1e6, usual=(2e3, 2e5), because="pads are pressed by 5 kN to 100 kN"),
-]
-Attraction = Annotated[
-    float,
-    UnitRange(
-        "N",
-        at_least=1e3,
-        at_most=1e6,
-        usual=(2e4, 1.5e5),
-        because="magnets of track brakes have attractive forces of about 40 kN to 100 kN",
-    ),
 ]
 Strength = Annotated[
     float,
@@ -178,15 +149,6 @@ Strength = Annotated[
         at_most=1e8,
         usual=(5e4, 5e6),
         because="couplers withstand about 100 kN in trams and 1.5 MN in trains (EN 12663-1)",
-    ),
-]
-Pressure = Annotated[
-    float,
-    UnitRange(
-        "Pa",
-        at_least=1e4,
-        at_most=3e7,
-        because="brake cylinders have 2 to 6 bar of air, or up to 200 bar of oil",
     ),
 ]
 Stiffness = Annotated[
@@ -214,64 +176,11 @@ Seconds = Annotated[
     float,
     UnitRange("s", at_least=1e-3, at_most=120, or_zero=True, usual=(0, 15), because="brakes act within seconds"),
 ]
-WireDelay = Annotated[
-    float,
-    UnitRange(
-        "s",
-        at_least=1e-3,
-        at_most=1,
-        or_zero=True,
-        because="commands by wire take tenths of a second, and RailBraking.Pneumatics.DelayLine holds 1 s",
-    ),
-]
-TravelSpeed = Annotated[
-    float, UnitRange("m/s", at_least=0.1, at_most=FASTEST, because="no train on wheels has been faster than 159.7 m/s")
-]
-Temperature = Annotated[
-    float,
-    UnitRange(
-        "K",
-        at_least=200,
-        at_most=1300,
-        usual=(250, 700),
-        because="brakes work between 230 K and 1300 K; write '60 degC' for 60 °C",
-    ),
-]
-TemperatureRange = Annotated[
-    float, UnitRange("K", at_least=1, at_most=2e3, usual=(20, 800), difference=True, because="discs get 500 K hotter")
-]
-LagTime = Annotated[
-    float, UnitRange("s", at_least=1e-3, at_most=60, usual=(0.02, 12), because="cylinders fill in 1 to 30 s")
-]
 FillTime = Annotated[
     float,
     UnitRange("s", at_least=1e-6, at_most=60, usual=(1, 35), because="UIC 540 has 3 to 5 s (P) and 18 to 30 s (G)"),
 ]
 SharedBy = Literal["axle", "bogie", "car"]
-
-
-class SourcedTable(Table):
-    """A table of numbers with their origin."""
-
-    source: str = Field(default="", description="publication of these numbers")
-    estimated: StrictBool | tuple[str, ...] = Field(
-        default=False, description="true if all numbers are estimates, or the keys of those that are estimates"
-    )
-
-    @model_validator(mode="after")
-    def _check_sources(self) -> Self:
-        if not self.source and self.estimated is False:
-            raise table_error("has numbers without an origin: give source = '…', or estimated = true for your own")
-        if isinstance(self.estimated, tuple):
-            if not self.source:
-                raise table_error("has estimated keys, but no source for the others: give source = '…', too")
-            for key in self.estimated:
-                if key not in type(self).model_fields:
-                    choice = ", ".join(
-                        name for name in type(self).model_fields if name not in SourcedTable.model_fields
-                    )
-                    raise table_error(f"calls '{key}' estimated, which it does not have; it has {choice}")
-        return self
 
 
 class Resistance(SourcedTable):
@@ -308,88 +217,6 @@ class Davis(SourcedTable):
             because="trains have 3 to 100 N.s2/m2",
         ),
     ] = Field(description="C, increase with the square of the speed, by the air")
-
-
-class Blocks(SourcedTable):
-    """Friction of blocks on the tread by a published law of speed and block force: RailBraking.Friction.BlockFriction.
-
-    The laws, with their sources, are in `railgrip.rolling_stock.blocks`.
-    """
-
-    law: Literal["cast_iron_p6", "cast_iron_p10", "composite_k"] = Field(
-        description="law by Karwatzki: cast iron P6 or P10, or composite K"
-    )
-    speed_nominal: TravelSpeed = Field(description="speed at which friction is nominal, with full force")
-    settle_energy: Annotated[
-        float, UnitRange("J", at_least=10, at_most=1e9, because="blocks and pads of trains settle over 50 to 200 kJ")
-    ] = Field(description="friction energy of one unit after which friction has settled")
-
-
-class Pads(SourcedTable):
-    """Friction of pads on discs as a function of speed, force and temperature: RailBraking.Friction.PadFriction."""
-
-    speed_effect: Effect = Field(description="relative increase in friction from the nominal speed to standstill")
-    speed_nominal: TravelSpeed = Field(description="sliding speed at which friction is nominal")
-    force_effect: Effect = Field(description="relative decrease in friction from the nominal force to twice that force")
-    force_nominal: PadForce = Field(description="force of both pads at which friction is nominal")
-    temperature_effect: Effect = Field(description="relative increase in friction over the temperature range")
-    temperature_nominal: Temperature = Field(description="temperature at which friction is nominal")
-    temperature_range: TemperatureRange = Field(
-        description="temperature range over which friction changes by the temperature effect"
-    )
-    settle_energy: Annotated[
-        float, UnitRange("J", at_least=10, at_most=1e9, because="pads of trains settle over 50 to 200 kJ")
-    ] = Field(description="friction energy of one unit after which friction has settled")
-
-
-class BrakeUnit(SourcedTable):
-    """A unit of the friction brake: cylinder, rigging, and two pads on a disc or blocks on the tread."""
-
-    pads: Name | None = Field(default=None, description="name of the pads in [pads]; tread brakes have blocks instead")
-    blocks: Name | None = Field(default=None, description="name of the blocks in [blocks]")
-    block_count: Annotated[StrictInt, Field(ge=1, le=64)] | None = Field(
-        default=None, description="number of blocks of the unit, which share its force; needed with blocks"
-    )
-    friction_radius: PadRadius = Field(
-        description="mean radius of the pads on the disc; the wheel radius for blocks on the tread"
-    )
-    piston_area: PistonArea = Field(description="area of the piston of the cylinder")
-    rigging: Ratio = Field(description="ratio of the force of both pads, or of all blocks, to the force of the piston")
-    efficiency: Efficiency = Field(description="efficiency of the rigging")
-    spring_force: Spring = Field(description="force of slack adjuster and return spring at the piston")
-    pressure_max: Pressure = Field(description="highest cylinder pressure")
-    pad_friction: PadFriction | None = Field(
-        default=None,
-        description="nominal friction coefficient of the pads; without one for blocks it is that of their law",
-    )
-
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
-        if (self.pads is None) == (self.blocks is None):
-            raise table_error("has pads and blocks, or neither: give pads = '…' (disc) or blocks = '…' (tread)")
-        if (self.blocks is None) != (self.block_count is None):
-            raise table_error("needs blocks and block_count together: the laws of blocks are over the force of one")
-        if self.pads is not None and self.pad_friction is None:
-            raise table_error("lacks pad_friction, the nominal friction of its pads")
-        return self
-
-    @property
-    def full_force(self) -> float:
-        """Force of both pads, or of all blocks, at the highest pressure [N]."""
-        at_piston = max(self.pressure_max * self.piston_area - self.spring_force, 0.0)
-        return self.efficiency * self.rigging * at_piston
-
-
-class TrackBrake(SourcedTable):
-    """The magnetic track brakes of a bogie: RailBraking.Components.MagneticTrackBrake."""
-
-    magnets: Annotated[StrictInt, Field(ge=1, le=8)] = Field(description="number of magnets on the bogie")
-    attraction: Attraction = Field(description="force that attracts one magnet to the rail")
-    friction_slow: Share = Field(description="friction coefficient at standstill")
-    friction_fast: Share = Field(description="friction coefficient at high speed")
-    friction_speed: TravelSpeed = Field(description="speed at which friction is halfway between the two")
-    delay: WireDelay = Field(description="time from the demand until the magnets are on the rail")
-    time_constant: LagTime = Field(description="time constant of the magnetic field")
 
 
 class Electropneumatic(SourcedTable):
@@ -558,6 +385,16 @@ class Bogie(SourcedTable):
     track_brake: Name | None = Field(
         default=None, description="name of its track brakes in [track_brakes], used in an emergency"
     )
+    dynamic_brake: Name | None = Field(
+        default=None, description="name in [dynamic_brakes] of the electrodynamic or eddy-current brake"
+    )
+    dynamic_units: tuple[Annotated[StrictInt, Field(ge=0, le=4)], ...] = Field(
+        default=(1,), min_length=1, description="number of dynamic brakes of an axle: one value, or one for each axle"
+    )
+    parking_brake: Name | None = Field(default=None, description="name of its parking brake in [parking_brakes]")
+    parking_units: tuple[Annotated[StrictInt, Field(ge=0, le=16)], ...] = Field(
+        default=(1,), min_length=1, description="number of parking units of an axle: one value, or one for each axle"
+    )
     wheel_radius: WheelRadius = Field(description="rolling radius")
     inertia: tuple[WheelsetInertia, ...] = Field(
         min_length=1,
@@ -578,7 +415,7 @@ class Bogie(SourcedTable):
         gap = self.wheelbase / (len(self.axles) - 1)
         if any(abs(at - i * gap) > 0.05 * gap for i, at in enumerate(self.axles)):
             raise table_error("has axles that are not equally spaced; RailBraking.Components.Bogie needs equal spacing")
-        for key in ("units", "inertia"):
+        for key in ("units", "inertia", "dynamic_units", "parking_units"):
             count = len(getattr(self, key))
             if count not in (1, len(self.axles)):
                 raise table_error(
@@ -683,7 +520,7 @@ class Axle:
         position: Distance from the front end of the train [m].
         mass: Mass on the rail, its own included [kg].
         inertia: Moment of inertia about its axis of rotation [kg m2].
-        units: Number of brake units.
+        units, dynamic_units, parking_units: Numbers of brake units, dynamic brakes and parking units.
         bogie, car, group: Zero-based numbers; the axles of a group are coupled.
     """
 
@@ -691,6 +528,8 @@ class Axle:
     mass: float
     inertia: float
     units: float
+    dynamic_units: int
+    parking_units: int
     bogie: int
     car: int
     group: int
@@ -708,6 +547,7 @@ class BogieInTrain:
         pads: Pads of that unit; for blocks those without effects, whose friction `law` multiplies.
         law: Law of its blocks over the force of the unit; `CONSTANT` for pads.
         track_brake: Track brakes of the bogie, if it has any.
+        dynamic_brake: Its electrodynamic or eddy-current brake, if it has one.
         position: Distance of its leading axle from the front end of the train [m].
         axles: Zero-based numbers of its axles.
         cars: Zero-based numbers of the one or two cars that it carries.
@@ -720,6 +560,7 @@ class BogieInTrain:
     pads: Pads
     law: BlockLaw
     track_brake: TrackBrake | None
+    dynamic_brake: DynamicBrake | None
     position: float
     axles: range
     cars: tuple[int, ...]
@@ -729,6 +570,38 @@ class BogieInTrain:
     def pad_friction(self) -> float:
         """Nominal friction of its pads or blocks."""
         return self.brake.pad_friction or 0.0  # never None in a train, whose blocks have the friction of their law
+
+    @property
+    def rail_brakes(self) -> tuple[tuple[str, RailBrake], ...]:
+        """Names and data of its brakes that act on the rail itself."""
+        brakes: list[tuple[str, RailBrake]] = []
+        if self.track_brake is not None:
+            brakes.append((str(self.data.track_brake), self.track_brake))
+        if isinstance(self.dynamic_brake, EddyCurrentRail):
+            brakes.append((str(self.data.dynamic_brake), self.dynamic_brake))
+        return tuple(brakes)
+
+
+@dataclass(frozen=True, slots=True)
+class DynamicGroup:
+    """The dynamic brakes of a group of coupled axles.
+
+    Attributes:
+        group, valve: Zero-based numbers.
+        brake: Data of one brake.
+        units: Number of brakes.
+        load: Static load of the group [N].
+    """
+
+    group: int
+    valve: int
+    brake: AxleBrake
+    units: int
+    load: float
+
+    def force_at(self, speed: Any) -> Any:
+        """Return the available force at the rim at a speed [m/s] [N]; numbers or arrays."""
+        return self.brake.force_at(speed, self.units, self.load)
 
 
 class Train(Table):
@@ -746,6 +619,10 @@ class Train(Table):
     blocks: dict[Name, Blocks] = Field(default={}, description="kinds of brake blocks, by name")
     brakes: dict[Name, BrakeUnit] = Field(description="kinds of brake units, by name")
     track_brakes: dict[Name, TrackBrake] = Field(default={}, description="kinds of magnetic track brakes, by name")
+    dynamic_brakes: dict[Name, DynamicBrake] = Field(
+        default={}, description="kinds of electrodynamic and eddy-current brakes, by name"
+    )
+    parking_brakes: dict[Name, ParkingBrake] = Field(default={}, description="kinds of parking brakes, by name")
     bogies: dict[Name, Bogie] = Field(description="kinds of bogies, by name")
     couplers: dict[Name, Coupler] = Field(default={}, description="kinds of couplers, by name")
     distributors: dict[Name, Distributor] = Field(default={}, description="kinds of distributors, by name")
@@ -782,8 +659,20 @@ class Train(Table):
                         f"[bogies.{kind}] build_up_delay needs [command] kind = 'electropneumatic'; behind a brake "
                         "pipe the distributor of its car has the times"
                     )
-            magnets = [bogie.track_brake] if bogie.track_brake else []
-            _require_names("track_brakes", magnets, self.track_brakes, f"[bogies.{kind}] track_brake")
+            for key in ("track_brake", "dynamic_brake", "parking_brake"):
+                name = getattr(bogie, key)
+                _require_names(f"{key}s", [name] if name else [], getattr(self, f"{key}s"), f"[bogies.{kind}] {key}")
+            for key in ("dynamic", "parking"):
+                units = getattr(bogie, f"{key}_units")
+                if units != (1,) and getattr(bogie, f"{key}_brake") is None:
+                    raise table_error(f"[bogies.{kind}] {key}_units needs {key}_brake")
+                if not any(units):
+                    raise table_error(f"[bogies.{kind}] {key}_units has only zeros: leave out {key}_brake")
+            is_on_rail = bogie.dynamic_brake and isinstance(self.dynamic_brakes[bogie.dynamic_brake], EddyCurrentRail)
+            if is_on_rail and bogie.dynamic_units != (1,):
+                raise table_error(
+                    f"[bogies.{kind}] dynamic_units: a brake on the rail belongs to the bogie, not to axles"
+                )
         for number, car in enumerate(self.cars, start=1):
             where = f"[cars[{number}]]"
             _require_names("bogies", [mount.kind for mount in car.bogies], self.bogies, f"{where} bogies")
@@ -823,13 +712,68 @@ class Train(Table):
             raise table_error(
                 "[[cars]] bogies: the positions of the axles do not increase along the train; check 'at' and axles"
             )
+        self._check_blending()
         return self
+
+    def _check_blending(self) -> None:
+        modes = {brake.brake.blending for brake in self.dynamic_groups} - {"added"}
+        if len(modes) > 1:
+            raise table_error("[dynamic_brakes] have blending 'valve' and 'train': friction brakes follow one of them")
+        if modes and self.command is None:
+            raise table_error("[dynamic_brakes] blending needs a [command], whose pressure is the demand")
+        for valve in self.blended_valves:
+            groups = [group for group, of in enumerate(self.valve_of_group) if of == valve]
+            bogies = {self.bogie_of(group).kind: self.bogie_of(group).data for group in groups}
+            same = {(bogie.brake, bogie.build_up_delay, bogie.build_up_time) for bogie in bogies.values()}
+            if len(same) > 1:
+                raise table_error(
+                    f"[bogies] {', '.join(bogies)} share a brake valve, but have different brake or build_up: blending "
+                    "relieves one pressure; give each bogie its own valve"
+                )
+
+    @property
+    def rail_brakes(self) -> tuple[tuple[BogieInTrain, str, RailBrake], ...]:
+        """Bogie, name and data of each brake that acts on the rail itself, leading first."""
+        return tuple((bogie, *named) for bogie in self.bogies_in_train for named in bogie.rail_brakes)
 
     @property
     def track_brake_force(self) -> float:
-        """Maximum total force of all track brakes [N]."""
-        brakes = [bogie.track_brake for bogie in self.bogies_in_train if bogie.track_brake is not None]
-        return sum(brake.magnets * brake.attraction * max(brake.friction_slow, brake.friction_fast) for brake in brakes)
+        """Maximum total force of all brakes on the rail itself [N]."""
+        return sum(
+            brake.magnets * brake.attraction * max(brake.friction_slow, brake.friction_fast)
+            if isinstance(brake, TrackBrake)
+            else brake.force
+            for *_, brake in self.rail_brakes
+        )
+
+    @cached_property
+    def dynamic_groups(self) -> tuple[DynamicGroup, ...]:
+        """Groups with electrodynamic or rotating eddy-current brakes, leading first."""
+        found: list[DynamicGroup] = []
+        for group, members in enumerate(self.groups):
+            brake = self.bogie_of(group).dynamic_brake
+            units = sum(self.axles[i].dynamic_units for i in members)
+            if isinstance(brake, AxleBrake) and units:
+                load = GRAVITY * sum(self.axles[i].mass for i in members)
+                found.append(DynamicGroup(group, self.valve_of_group[group], brake, units, load))
+        return tuple(found)
+
+    @cached_property
+    def valve_of_group(self) -> tuple[int, ...]:
+        """Zero-based number of the brake valve of each group."""
+        return tuple(valve for valve, count in enumerate(self.groups_per_valve) for _ in range(count))
+
+    @property
+    def blends_across(self) -> bool:
+        """Whether dynamic brakes relieve the friction brakes of the whole train."""
+        return any(brake.brake.blending == "train" for brake in self.dynamic_groups)
+
+    @property
+    def blended_valves(self) -> tuple[int, ...]:
+        """Brake valves whose pressure falls where dynamic brakes act."""
+        if self.blends_across:
+            return tuple(range(len(self.groups_per_valve)))
+        return tuple(sorted({brake.valve for brake in self.dynamic_groups if brake.brake.blending == "valve"}))
 
     @cached_property
     def bogies_in_train(self) -> tuple[BogieInTrain, ...]:
@@ -849,6 +793,7 @@ class Train(Table):
                         pads=pads,
                         law=law,
                         track_brake=self.track_brakes[data.track_brake] if data.track_brake else None,
+                        dynamic_brake=self.dynamic_brakes[data.dynamic_brake] if data.dynamic_brake else None,
                         position=front + mount.at - data.wheelbase / 2,
                         axles=range(first, last),
                         cars=(number, number + 1) if mount.shared else (number,),
@@ -867,21 +812,25 @@ class Train(Table):
         masses = [mass for car in self.cars for mass in self._axle_masses(car)]
         for number, bogie in enumerate(self.bogies_in_train):
             data = bogie.data
-            units, inertia = data.each(data.units), data.each(data.inertia)
+            values = (data.units, data.inertia, data.dynamic_units, data.parking_units)
+            of_axles = list(zip(*map(data.each, values), strict=True))
             offsets = list(data.axles)
             if bogie.reversed:
                 offsets = [data.wheelbase - offset for offset in reversed(offsets)]
-                units, inertia = units[::-1], inertia[::-1]
+                of_axles.reverse()
             half = len(offsets) / 2
             for index, offset in enumerate(offsets):
                 # Half of the axles of a shared bogie belong to each car.
                 car = bogie.cars[0] if len(bogie.cars) == 1 or index < half else bogie.cars[1]
+                units, inertia, dynamic_units, parking_units = of_axles[index]
                 axles.append(
                     Axle(
                         position=bogie.position + offset,
                         mass=masses[len(axles)],
-                        inertia=inertia[index],
-                        units=units[index],
+                        inertia=inertia,
+                        units=units,
+                        dynamic_units=int(dynamic_units) if bogie.dynamic_brake is not None else 0,
+                        parking_units=int(parking_units) if data.parking_brake else 0,
                         bogie=number,
                         car=car,
                         group=group,
@@ -1003,7 +952,7 @@ def _require_names(table: str, names: Sequence[str], choice: Mapping[str, Table]
 
 
 NAMED = ("vt642", "emu387", "loco_coaches", "tram")
-"""Folder of the trains of this package."""
+"""Trains of this package whose stops docs/train_models.md compares."""
 
 
 def load_train(path: Path) -> Train:

@@ -3,7 +3,7 @@
 Source: EN 14531-1, stopping distance by time steps from instantaneous forces; it does not consider adhesion.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from math import expm1, inf, pi, sqrt
@@ -15,8 +15,8 @@ from scipy.integrate import solve_ivp
 from railgrip.base.arrays import Matrix, Vector
 from railgrip.base.errors import InputError
 from railgrip.base.units import GRAVITY
-from railgrip.rolling_stock.blocks import SHAPE, BlockLaw
-from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, TrackBrake, Train
+from railgrip.rolling_stock.brakes import SHAPE, BlockLaw, RailBrake, TrackBrake
+from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, Train
 from railgrip.scenario.table import Table
 
 _STEP = 1e-2  # s
@@ -43,6 +43,7 @@ class HandCalculation:
         coupler_force: Maximum force in each coupler, compression positive, shape (cars - 1,) [N].
         car_force: Brake force on each car in the middle of each step, shape (steps, cars) [N].
         car_mass: Mass of each car with its rotating parts, shape (cars,) [kg].
+        dynamic_energy: Energy that electrodynamic and eddy-current brakes take [J].
     """
 
     distance: float
@@ -54,19 +55,21 @@ class HandCalculation:
     coupler_force: Vector
     car_force: Vector
     car_mass: Vector
+    dynamic_energy: float
 
 
-def by_hand(train: Train, speed: float) -> HandCalculation:
+def by_hand(train: Train, speed: float, *, dynamic: bool = True) -> HandCalculation:
     """Return the emergency stop of a train on level dry track.
 
     Args:
         train: The train.
         speed: Speed at the brake demand [m/s].
+        dynamic: Whether electrodynamic and eddy-current brakes act; friction brakes replace those that relieve them.
 
     Raises:
         InputError: The train does not stop within ten minutes.
     """
-    stop, developed = _stop(train, speed), _stop(train, speed, developed=True)
+    stop, developed = (_stop(train, speed, developed=is_developed, dynamic=dynamic) for is_developed in (False, True))
     return replace(
         stop,
         deceleration=speed**2 / (2 * developed.distance),
@@ -74,7 +77,7 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
     )
 
 
-def _stop(train: Train, speed: float, *, developed: bool = False) -> HandCalculation:
+def _stop(train: Train, speed: float, *, developed: bool, dynamic: bool = True) -> HandCalculation:
     """Return a stop whose brakes build up, or are `developed` from the start."""
     brakes, wheel = _brakes_of(train)
     mass, inertia = np.array([[axle.mass, axle.inertia] for axle in train.axles]).T
@@ -84,30 +87,35 @@ def _stop(train: Train, speed: float, *, developed: bool = False) -> HandCalcula
     shares = _shares_of_load(train, mass)
     of_car = np.array([axle.car for axle in train.axles])
     cars = (of_car == np.arange(len(train.cars))[:, None]).astype(float)  # a row per car, 1 for each of its axles
-    magnetic = [(bogie.cars[0], bogie.track_brake) for bogie in train.bogies_in_train if bogie.track_brake is not None]
-    magnetic_car = np.array([car for car, _ in magnetic], dtype=np.intp)
+    on_rail = [(b.cars[0], brake) for b, _, brake in train.rail_brakes if dynamic or isinstance(brake, TrackBrake)]
+    car_of_rail = np.array([car for car, _ in on_rail], dtype=np.intp)
+    rims = _RimForces(train, brakes, dynamic=dynamic)
     build_up = _PressureBuildUp(train, speed)
     head_start = inf if developed else 0.0
-    v, s, t = speed, 0.0, 0.0
+    v, s, t, taken = speed, 0.0, 0.0, 0.0
     adhesion, joints = np.zeros(mass.size), np.zeros(len(train.cars) - 1)
     history: list[Vector] = []
     car_mass = cars @ (mass + turning)
     while v > 0:
         now = t + _STEP / 2 + head_start  # forces in the middle of a step
-        braking = _brake_force(brakes, v, build_up.share(now, v)) + rolling
-        magnets = np.array([_magnetic_force(brake, v, now) for _, brake in magnetic])
+        friction, electric = rims.at(v, build_up.share(now, v), inf if developed else _STEP)
+        braking = friction + electric + rolling
+        rail = np.array([_rail_force(brake, v, now) for _, brake in on_rail])
         drag = _drag(train, v)
-        deceleration = (float(braking.sum()) + float(magnets.sum()) + drag) / inert
+        deceleration = (float(braking.sum()) + float(rail.sum()) + drag) / inert
         adhesion = np.maximum(adhesion, shares @ (braking - turning * deceleration))
         # The force of a coupler is the brake force of the cars ahead, less the force for their common deceleration.
         of_cars = cars @ braking + drag / len(train.cars)
-        np.add.at(of_cars, magnetic_car, magnets)
+        np.add.at(of_cars, car_of_rail, rail)
         history.append(of_cars)
         surplus = np.cumsum(of_cars - car_mass * deceleration)[:-1]
         joints = np.where(np.abs(surplus) > np.abs(joints), surplus, joints)
         last = deceleration * _STEP >= v
         step = v / deceleration if last else _STEP
-        s += v * step - 0.5 * deceleration * step**2
+        way = v * step - 0.5 * deceleration * step**2
+        s += way
+        eddy = sum(rail[i] for i, (_, brake) in enumerate(on_rail) if not isinstance(brake, TrackBrake))
+        taken += (float(electric.sum()) + eddy) * way
         v = 0.0 if last else v - deceleration * step
         t += step
         _require_end(train, speed, t)
@@ -121,6 +129,7 @@ def _stop(train: Train, speed: float, *, developed: bool = False) -> HandCalcula
         coupler_force=joints,
         car_force=np.array(history),
         car_mass=car_mass,
+        dynamic_energy=float(taken),
     )
 
 
@@ -140,9 +149,8 @@ def developed_deceleration(train: Train, speed: float) -> tuple[Vector, Vector]:
 
 
 def track_brake_force(train: Train, speed: float) -> float:
-    """Return the force of all magnets on the rail at a speed [m/s] with full field [N]."""
-    brakes = [bogie.track_brake for bogie in train.bogies_in_train if bogie.track_brake is not None]
-    return sum(_magnetic_force(brake, speed, inf) for brake in brakes)
+    """Return the force of all brakes on the rail itself at a speed [m/s], developed [N]."""
+    return sum(_rail_force(brake, speed, inf) for *_, brake in train.rail_brakes)
 
 
 def _drag(train: Train, speed: float) -> float:
@@ -157,6 +165,17 @@ def full_brake_force(train: Train) -> Vector:
     return brakes["lever"] * brakes["pad_friction"] * _pad_force(brakes, brakes["pressure_max"])
 
 
+def parking_forces(train: Train) -> Vector:
+    """Return the force at the rim with which the parking brake can hold each axle, shape (axles,) [N]."""
+    forces: list[float] = []
+    for axle in train.axles:
+        bogie = train.bogies_in_train[axle.bogie].data
+        unit = train.parking_brakes[bogie.parking_brake] if bogie.parking_brake else None
+        each = 0.0 if unit is None else unit.force * unit.friction * unit.friction_radius / bogie.wheel_radius
+        forces.append(axle.parking_units * each)
+    return np.array(forces)
+
+
 def rotating_masses(train: Train) -> tuple[Vector, Vector, Matrix]:
     """Return mass and equivalent rotating mass of each axle [kg], and the matrix from rim forces to used adhesion.
 
@@ -167,26 +186,47 @@ def rotating_masses(train: Train) -> tuple[Vector, Vector, Matrix]:
     return mass, inertia / wheel**2, _shares_of_load(train, mass)
 
 
-def developed_forces(train: Train, speed: float, start: float) -> tuple[Vector, Vector, float]:
-    """Return the forces of developed brakes at a speed [m/s] in a stop from `start` [m/s].
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DevelopedForces:
+    """Forces of developed brakes at a speed.
 
-    Returns:
-        Rim force of the brakes of each axle, shape (axles,); force of the track brakes of each bogie that has them;
-        running resistance [N].
+    Attributes:
+        friction: Rim force of the friction brakes of each axle, shape (axles,) [N].
+        dynamic: Rim force of the electrodynamic and rotating eddy-current brakes of each axle, shape (axles,) [N].
+        rail: Force of each brake on the rail itself [N].
+        resistance: Running resistance [N].
+    """
+
+    friction: Vector
+    dynamic: Vector
+    rail: Vector
+    resistance: float
+
+
+def developed_forces(train: Train, start: float, *, dynamic: bool = True) -> Callable[[float], DevelopedForces]:
+    """Return the forces of developed brakes as a function of the speed [m/s] in a stop from `start` [m/s].
+
+    Without `dynamic` friction brakes replace electrodynamic and eddy-current brakes where they are relieved by them.
     """
     brakes, wheel = _brakes_of(train)
     stages = [train.stages_of_car[axle.car] for axle in train.axles]
-    share = np.array(
-        [1.0 if d is None or (start >= d.speed_up and speed >= d.speed_down) else d.low_share for d in stages]
-    )
-    magnets = [_magnetic_force(b.track_brake, speed, inf) for b in train.bogies_in_train if b.track_brake is not None]
     mass = np.array([axle.mass for axle in train.axles])
     rolling = float((mass * GRAVITY * _rolling(train, wheel)).sum())
-    return _brake_force(brakes, speed, share), np.array(magnets), rolling + _drag(train, speed)
+    rims = _RimForces(train, brakes, dynamic=dynamic)
+    on_rail = [brake for *_, brake in train.rail_brakes]
+
+    def at(speed: float) -> DevelopedForces:
+        shares = [1.0 if d is None or (start >= d.speed_up and speed >= d.speed_down) else d.low_share for d in stages]
+        friction, electric = rims.at(speed, np.array(shares), inf)
+        rail = [_rail_force(b, speed, inf) if dynamic or isinstance(b, TrackBrake) else 0.0 for b in on_rail]
+        resistance = rolling + _drag(train, speed)
+        return DevelopedForces(friction=friction, dynamic=electric, rail=np.array(rail), resistance=resistance)
+
+    return at
 
 
 def response_times(train: Train) -> tuple[Vector, Vector]:
-    """Return the equivalent response time of the brakes of each axle, and of each track brake [s].
+    """Return the equivalent response time of the friction brakes of each axle, and of each brake on the rail [s].
 
     It is the time integral of what the pressure lacks of the full one: delay and time constant, or delay of the wave in
     the pipe and half of the time of the linear rise, of which an inshot leaves (1 - inshot)² at the same rate.
@@ -201,8 +241,8 @@ def response_times(train: Train) -> tuple[Vector, Vector]:
             arrival = np.array([axle.position for axle in axles]) / _front_speed(train, pipe)
             filling, inshot = np.array([train.filling_of_car[axle.car] for axle in axles]).T
             times = arrival + filling / (_FILLED - inshot) * (1 - inshot) ** 2 / 2
-    magnets = [b.track_brake for b in train.bogies_in_train if b.track_brake is not None]
-    return times, np.array([brake.delay + brake.time_constant for brake in magnets])
+    delays = [brake.delay if isinstance(brake, TrackBrake) else 0.0 for *_, brake in train.rail_brakes]
+    return times, np.array([d + brake.time_constant for d, (*_, brake) in zip(delays, train.rail_brakes, strict=True)])
 
 
 def _require_end(train: Train, speed: float, time: float) -> None:
@@ -275,8 +315,50 @@ def _pad_force(brakes: dict[str, Vector], pressure: Vector) -> Vector:
     return brakes["efficiency"] * brakes["rigging"] * at_piston
 
 
-def _brake_force(brakes: dict[str, Vector], speed: float, share: Vector) -> Vector:
-    pad_force = _pad_force(brakes, share * brakes["pressure_max"])
+class _RimForces:
+    """Forces at the rims of the axles: friction brakes, and dynamic brakes that relieve them or add to them.
+
+    The equations are those of RailBraking.Components.PressureBlending.
+    """
+
+    def __init__(self, train: Train, brakes: dict[str, Vector], *, dynamic: bool) -> None:
+        self._brakes, self._across = brakes, train.blends_across
+        self._groups = train.dynamic_groups if dynamic else ()
+        of_group = np.array([axle.group for axle in train.axles])
+        self._valve_of_axle = np.array(train.valve_of_group)[of_group]
+        self._valves = len(train.groups_per_valve)
+        self._valve = np.array([each.valve for each in self._groups], dtype=np.intp)
+        self._first = np.array([train.groups[each.group][0] for each in self._groups], dtype=np.intp)
+        self._adds = np.array([each.brake.blending == "added" for each in self._groups], dtype=bool)
+        self._time = np.array([each.brake.time_constant for each in self._groups])
+        units = np.array([axle.dynamic_units for axle in train.axles], dtype=float)
+        # Column per group: the part of its force on each axle.
+        self._parts = np.array([np.where(of_group == each.group, units, 0.0) / each.units for each in self._groups]).T
+        self._lagged = np.zeros(len(self._groups))
+
+    def at(self, speed: float, share: Vector, step: float) -> tuple[Vector, Vector]:
+        """Return friction and dynamic force of each axle [N] after a step [s] with shares of the highest pressure."""
+        brakes = self._brakes
+        pads = _pad_force(brakes, share * brakes["pressure_max"])
+        if not self._groups:
+            return _friction_force(brakes, speed, pads), np.zeros(len(pads))
+        of_axle = brakes["lever"] * brakes["pad_friction"] * pads
+        demand = np.bincount(self._valve_of_axle, of_axle, self._valves)
+        available = np.array([float(each.force_at(speed)) for each in self._groups])
+        relieving = np.bincount(self._valve, np.where(self._adds, 0.0, available), self._valves)
+        own, of_brakes = (float(demand.sum()), float(relieving.sum())) if self._across else (demand, relieving)
+        shares = np.broadcast_to(np.minimum(own / np.maximum(of_brakes, 1e-3), 1.0), self._valves)[self._valve]
+        target = available * np.where(self._adds, share[self._first], shares)
+        self._lagged = self._lagged - np.expm1(-step / self._time) * (target - self._lagged)
+        force = np.minimum(self._lagged, available)
+        provided = np.bincount(self._valve, np.where(self._adds, 0.0, force), self._valves)
+        lacking = np.maximum(demand - provided, 0.0)
+        surplus = max(float(demand.sum() - provided.sum()), 0.0) / max(float(lacking.sum()), 1e-3)
+        left = (surplus if self._across else 1.0) * lacking / np.maximum(demand, 1e-9)
+        return _friction_force(brakes, speed, left[self._valve_of_axle] * pads), self._parts @ force
+
+
+def _friction_force(brakes: dict[str, Vector], speed: float, pad_force: Vector) -> Vector:
     slower = 1 - speed * brakes["sliding"] / brakes["speed_nominal"]
     friction = brakes["pad_friction"] * (1 + brakes["speed_effect"] * slower)
     friction = friction * (1 - brakes["force_effect"] * (pad_force / brakes["force_nominal"] - 1))
@@ -343,8 +425,10 @@ class _Stages:
         return self._share
 
 
-def _magnetic_force(brake: TrackBrake, speed: float, time: float) -> float:
-    """Return the force of a bogie's track brakes [N], `time` [s] after the demand."""
+def _rail_force(brake: RailBrake, speed: float, time: float) -> float:
+    """Return the force of a bogie's brakes on the rail [N], `time` [s] after the demand."""
+    if not isinstance(brake, TrackBrake):
+        return -expm1(-time / brake.time_constant) * float(brake.force_at(speed))
     field = -expm1(-max(time - brake.delay, 0.0) / brake.time_constant)
     friction = brake.friction_fast + (brake.friction_slow - brake.friction_fast) / (1 + speed / brake.friction_speed)
     return brake.magnets * brake.attraction * friction * field

@@ -3,8 +3,9 @@
 from collections import Counter
 
 from railgrip.report.table import ReportTable
+from railgrip.rolling_stock.brakes import Electrodynamic
 from railgrip.rolling_stock.schema import Train
-from railgrip.rolling_stock.stopping import HandCalculation, full_brake_force
+from railgrip.rolling_stock.stopping import HandCalculation, full_brake_force, parking_forces
 from railgrip.vehicle.formation import axle_load
 
 
@@ -15,7 +16,7 @@ def table_of_axles(train: Train) -> ReportTable:
     rows = [
         {
             "car": train.cars[axle.car].name,
-            "bogie": train.bogies_in_train[axle.bogie].kind,
+            "bogie": bogie.kind,
             "axle": number,
             "at": axle.position,
             "mass": axle.mass / 1e3,
@@ -24,11 +25,17 @@ def table_of_axles(train: Train) -> ReportTable:
             "units": round(axle.units),
             "full brake": rim / 1e3,
             "of the load": rim / axle_load(axle.mass),
+            "dynamic brake": bogie.data.dynamic_brake if axle.dynamic_units else None,
+            "parking": holding / 1e3 or None,
         }
-        for number, (axle, rim) in enumerate(zip(train.axles, force.tolist(), strict=True), start=1)
+        for number, (axle, rim, holding) in enumerate(
+            zip(train.axles, force.tolist(), parking_forces(train).tolist(), strict=True), start=1
+        )
+        for bogie in [train.bogies_in_train[axle.bogie]]
     ]
     forms = {"at": "{:.2f} m", "mass": "{:.2f} t", "full brake": "{:.1f} kN", "of the load": "{:.3f}"}
-    return ReportTable(rows, forms, ("car", "bogie"))
+    table = ReportTable(rows, forms | {"parking": "{:.1f} kN"}, ("car", "bogie", "dynamic brake"))
+    return table.without({key for key in ("dynamic brake", "parking") if not any(row[key] for row in rows)})
 
 
 def table_of_distributors(train: Train) -> ReportTable:
@@ -60,8 +67,15 @@ def table_of_distributors(train: Train) -> ReportTable:
 
 
 def sentence_of_equipment(train: Train) -> str:
-    """Return a sentence on the distributors and accelerators; empty for a train without any."""
+    """Return a sentence on dynamic brakes, distributors and accelerators; empty for a train without any."""
     words: list[str] = []
+    for name, count in Counter(b.data.dynamic_brake for b in train.bogies_in_train if b.dynamic_brake).items():
+        brake = train.dynamic_brakes[str(name)]
+        at = brake.power / brake.force if isinstance(brake, Electrodynamic) else brake.speed_peak
+        words.append(
+            f"{name} on {count} bogies: {brake.kind.replace('_', ' ')}, {brake.force / 1e3:g} kN up to or at "
+            f"{3.6 * at:.0f} km/h, off at {3.6 * brake.speed_end:g} km/h"
+        )
     for kind, count in Counter(car.distributor for car in train.cars if car.distributor).items():
         distributor, parts = train.distributors[kind], list[str]()
         if distributor.fill_time is not None:

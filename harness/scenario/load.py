@@ -178,17 +178,18 @@ def _choice(found: object, expected: str) -> str:
 
 
 _FOREIGN: Final = "a plant from another tool may have it (`railgrip map`)"
-_CLASS: Final = "a Modelica class of your own may use RailBraking."
 UNSUPPORTED: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
     {
-        r"ed(_?brakes?)?|electro_?dynamic.*|dynamic_brak.*|regenerat.*|recuperat.*|rheostat.*|blend.*": (
-            "electrodynamic brakes and their blending are",
-            f"give the friction brake alone; {_CLASS}Components.ElectrodynamicBrake and Blending",
+        r"ed(_?brakes?)?|electro_?dynamic.*|regenerat.*|recuperat.*|rheostat.*|blended.*": (
+            "electrodynamic brakes under this name are",
+            "in a train file, [dynamic_brakes.NAME] has kind = 'electrodynamic' and blending, and a bogie names it: "
+            "dynamic_brake = 'NAME'",
         ),
         r"hydro_?dynamic.*|retarders?|engine_brakes?": ("hydrodynamic and engine brakes are", _FOREIGN),
         r".*eddy_?current.*|linear_brakes?|ecb": (
-            "eddy-current brakes are",
-            f"{_FOREIGN}, with its greatest force in [vehicle.formation] track_brakes",
+            "eddy-current brakes under this name are",
+            "in a train file, [dynamic_brakes.NAME] has kind = 'eddy_current_axle' or 'eddy_current_rail', and a bogie "
+            "names it: dynamic_brake = 'NAME'",
         ),
         r".*tread_?brak.*|block_?brak.*|.*brake_?(blocks?|shoes?)|shoes": (
             "tread brakes are",
@@ -199,9 +200,9 @@ UNSUPPORTED: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
             "blocks of the kind LL are",
             "no law of their friction over speed and force is published; [pads] may have effects for them",
         ),
-        r"park(ing)?_?brak.*|spring_?(applied|loaded)?_brak.*|hand_?brak.*|holding_brak.*": (
-            "parking, spring-applied and hand brakes are",
-            f"leave them out: they do not act in a stop; {_CLASS}Pneumatics.ParkingUnit",
+        r"parkbrakes?|spring_?(applied|loaded)?_brak.*|hand_?brak.*|holding_brak.*": (
+            "parking brakes under this name are",
+            "in a train file, [parking_brakes.NAME] has their force, and a bogie names it: parking_brake = 'NAME'",
         ),
         r"(load_?)?weigh.*|load_?(proportional|dependent|sens).*|empty_load.*": (
             "brakes that follow the load are",

@@ -4,6 +4,8 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
+from math import inf
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
@@ -11,8 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, field_validator, model_validator
 
 from railgrip.base.units import GRAVITY
+from railgrip.scenario.file import NamedFile
+from railgrip.scenario.line import LineProfile, read_line
 from railgrip.scenario.quantity import Number, UnitRange
-from railgrip.scenario.table import Length, Table, optional, table_error
+from railgrip.scenario.table import Chainage, Length, Table, optional, table_error
 
 if TYPE_CHECKING:
     from railgrip.scenario.track_geometry import TrackAlignment
@@ -129,6 +133,56 @@ class Plan(Table):
         return 1.0 if self.direction == "forward" else -1.0
 
 
+class Line(Table):
+    """[track.line]: the gradients of a line from a file, and the place of the run on it."""
+
+    file: NamedFile = Field(
+        description="CSV with columns distance (chainage) and slope or height, in m and 1, or in stated units; or a "
+        "GPX track, whose chainage counts from its first point"
+    )
+    origin: Chainage = Field(description="chainage of the leading wheelset at the start of the run")
+    direction: Literal["rising", "falling"] = Field(description="of the chainages in the direction of travel")
+
+    @model_validator(mode="after")
+    def _check_place(self) -> Self:
+        first, last = self.ends
+        if not first <= 0.0 < last:
+            low, high = sorted(self.origin + self.way * end for end in (first, last))
+            raise table_error(
+                f"origin {self.origin:g} m in direction '{self.direction}' does not lie on {self.file.entry}, or at "
+                f"its end: the line is from {low:g} m to {high:g} m"
+            )
+        return self
+
+    @property
+    def way(self) -> float:
+        """1 if the train runs to higher chainages, -1 otherwise."""
+        return 1.0 if self.direction == "rising" else -1.0
+
+    @cached_property
+    def sections(self) -> tuple[tuple[float, float], ...]:
+        """Begin of each section as the distance of the train [m], and its slope in the direction of travel."""
+        profile = self._profile
+        slopes = self.way * profile.slopes
+        if self.way > 0:
+            return tuple(zip((profile.chainages[:-1] - self.origin).tolist(), slopes.tolist(), strict=True))
+        begins = (self.origin - profile.chainages[1:])[::-1]
+        return tuple(zip(begins.tolist(), slopes[::-1].tolist(), strict=True))
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Ends of the line as distances of the train [m]."""
+        first, last = sorted((self._profile.chainages[[0, -1]] - self.origin) * self.way)
+        return float(first), float(last)
+
+    @cached_property
+    def _profile(self) -> LineProfile:
+        try:
+            return read_line(self.file.path, STEEPEST)
+        except ValueError as problem:
+            raise table_error(f"file {self.file.entry}: {problem}") from problem
+
+
 class Track(Table):
     """External influences on the train besides brakes and resistance."""
 
@@ -138,6 +192,7 @@ class Track(Table):
     gradient: tuple[Gradient, ...] = Field(default=(), description="slopes along the distance; level without them")
     curve: tuple[Curve, ...] = Field(default=(), description="curves along the distance; straight without them")
     plan: Plan | None = optional("in place of both")
+    line: Line | None = optional("in place of gradient")
     curve_law: CurveLaw = Field(
         default="bogie",
         description="curve resistance: κ(0.158 a + 0.033 b), Röckl 650/(R − 55) ‰, or Protopapadakis "
@@ -164,6 +219,8 @@ class Track(Table):
     def _one_course_in_order(self) -> Self:
         if self.plan is not None and (self.gradient or self.curve):
             raise table_error("has a plan, which has all gradients and curves, as well as gradient or curve; keep one")
+        if self.line is not None and (self.gradient or self.plan is not None):
+            raise table_error("has a line, which has all gradients, as well as gradient or plan; keep one")
         for name, sections in (("gradient", self.gradient), ("curve", self.curve)):
             begins = [section.begin for section in sections]
             if begins != sorted(set(begins)):
@@ -176,7 +233,14 @@ class Track(Table):
     @property
     def is_inclined_or_curved(self) -> bool:
         """Whether a force is proportional to the mass of the train."""
-        return bool(self.gradient or self.curve or self.plan)
+        return bool(self.gradient or self.curve or self.plan or self.line)
+
+    @property
+    def slopes(self) -> tuple[tuple[float, float], ...]:
+        """Distance [m] at which each gradient begins, and its slope, without those of a plan."""
+        if self.line is not None:
+            return self.line.sections
+        return tuple((section.begin, section.slope) for section in self.gradient)
 
 
 def slope_of(track: Track) -> Callable[[float], float]:
@@ -184,8 +248,8 @@ def slope_of(track: Track) -> Callable[[float], float]:
     if (plan := track.plan) is not None:
         course = plan.alignment()
         return lambda distance: plan.way * float(course.slope(plan.place(distance)))
-    begins = [section.begin for section in track.gradient]
-    slopes = [0.0, *(section.slope for section in track.gradient)]
+    begins = [begin for begin, _ in track.slopes]
+    slopes = [0.0, *(slope for _, slope in track.slopes)]
     return lambda distance: slopes[bisect_right(begins, distance)]
 
 
@@ -222,14 +286,17 @@ def track_force_of(track: Track, mass: float) -> TrackForce:
     """
     if track.plan is not None:
         return _along(track, track.plan, mass)
-    places = sorted({section.begin for section in (*track.gradient, *track.curve)})
+    begins_of_slopes, slopes = zip(*track.slopes, strict=True) if track.slopes else ((), ())
+    places = sorted({*begins_of_slopes, *(section.begin for section in track.curve)})
     begins = (float("-inf"), *places)
 
     def force(place: float) -> float:
-        slopes = [section.slope for section in track.gradient if section.begin <= place]
+        slope = (
+            slopes[bisect_right(begins_of_slopes, place) - 1] if place >= min(begins_of_slopes, default=inf) else 0.0
+        )
         curves = [section.radius for section in track.curve if section.begin <= place]
         bend = 1.0 / curves[-1] if curves and curves[-1] else 0.0
-        return track.force + float(force_along(slopes[-1] if slopes else 0.0, bend, mass, track.curve_law))
+        return track.force + float(force_along(slope, bend, mass, track.curve_law))
 
     return TrackForce(begins=begins, forces=tuple(force(place) for place in begins), rates=(0.0,) * len(begins))
 
@@ -265,7 +332,7 @@ def force_along(slope: ArrayLike, curvature: ArrayLike, mass: float, law: CurveL
 
 def steepest_fall(track: Track) -> float:
     """Return the tangent of the steepest gradient downhill in the direction of travel, 0 or negative."""
-    slopes = [section.slope for section in track.gradient]
+    slopes = [slope for _, slope in track.slopes]
     if (plan := track.plan) is not None:
         slopes = [plan.way * slope for slope in (plan.slope, *(slope for _, slope, _ in plan.grades))]
     return min([0.0, *slopes])

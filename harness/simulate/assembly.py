@@ -131,6 +131,7 @@ def assemble(
     radius = tuple(group.wheel_radius for group in formation.brakes)
     clock, user = _clock(scenario), UserParts(objects, scenario, layout)
     vehicle.require_pad_friction()
+    vehicle.require_known_forces()
     remarks = [*remarks_before(scenario), *remarks_on_pressures(vehicle)]
     for sentence in remarks:
         notify(sentence)
@@ -243,7 +244,12 @@ def evaluate_stop(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus
     # outputs has no bound; metrics that require it are empty.
     with suppress(ScenarioError):
         trace = with_bound(
-            trace, vehicle.contact, vehicle.true.brakes, scenario.limits.alpha_max, vehicle.resistance_lever
+            trace,
+            vehicle.contact,
+            vehicle.true.brakes,
+            scenario.limits.alpha_max,
+            vehicle.resistance_lever,
+            dynamics=vehicle.dynamic_limits,
         )
     share = over_the_rail(trace)
     if ending.outcome is Outcome.STANDSTILL and share > _MAXIMUM_UTILISATION:

@@ -155,7 +155,13 @@ def _require_known_rail(scenario: Scenario) -> None:
 def _rail(vehicle: VehicleData) -> tuple[Contact, Callable[[xarray.Dataset], xarray.Dataset]]:
     """Return the contact on the rail of a scenario, and the function that returns a trace with the bound there."""
     adhesion, brakes, alpha_max = vehicle.scenario.adhesion, vehicle.true.brakes, vehicle.scenario.limits.alpha_max
-    bound = partial(with_bound, brakes=brakes, alpha_max=alpha_max, resistance_lever=vehicle.resistance_lever)
+    bound = partial(
+        with_bound,
+        brakes=brakes,
+        alpha_max=alpha_max,
+        resistance_lever=vehicle.resistance_lever,
+        dynamics=vehicle.dynamic_limits,
+    )
     if adhesion.cleaning is None:
         return vehicle.contact, partial(bound, contact=vehicle.contact)
     contact = CleanedContact(vehicle.contact, adhesion.cleaning, vehicle.curves[0])
@@ -315,6 +321,11 @@ def held_stop(scenario: Scenario, slips: Sequence[float]) -> Stop:
 
 
 def _stop_of_tracking(scenario: Scenario, slips: Sequence[float], progress: Callable[[float], None] | None) -> Stop:
+    if VehicleData(scenario).dynamic_limits:
+        raise ScenarioError(
+            f"{scenario.name}: [controller] ideal_tracking computes pressures of friction brakes alone, but "
+            "[dynamic_brakes] of the train file brake, too; use ideal_bound"
+        )
     faults = [fault.model_dump(mode="json") for fault in scenario.faults if fault.part not in READ_BY]
     with assemble(_bare(scenario, {"faults": faults})) as parts:
         controller = _Tracking(VehicleData(scenario), parts.recorder, slips)

@@ -4,7 +4,8 @@ Pads have more friction after low force, at low disc speed and on hot discs, and
 (`RailBraking.Friction.PadFriction`). The friction of a group rises as fast, or falls as slowly, as one of these choices
 makes it:
 
-- Where the rail limits the group: any force up to the full one, and any disc speed up to that of rolling.
+- Where the rail limits the group, or dynamic brakes may relieve its pads: any force up to the full one, and any disc
+  speed up to that of rolling.
 - Where the brakes limit it: full force, and any disc speed that its wheelsets can have. Without a slide that is the
   speed of rolling less the slip at which the contact carries the brake; after a slide, less the slip behind the peak at
   which it does; and any, until the wheelsets have regained the speed of rolling. On a rail that slip cleans, any: the
@@ -85,12 +86,19 @@ class PadLimits:
         """Take the parameters of a vehicle's plant, and the contact on the rail of the bound."""
         period = vehicle.scenario.periods.communication
         self._vehicle, self._contact, self._stride = vehicle, contact, max(1, round(_STRIDE / period))
+        limits = vehicle.dynamic_limits
+        is_across = any(limit.across for limit in limits.values())
         can_lock = vehicle.scenario.adhesion.cleaning is not None
         self._paths = [
             None
             if brake is None
             else _path(
-                _model(vehicle, group), _parameters(vehicle, group), brake, self._stride * period, can_lock=can_lock
+                _model(vehicle, group),
+                _parameters(vehicle, group),
+                brake,
+                self._stride * period,
+                can_lock=can_lock,
+                is_relieved=is_across or group in limits,
             )
             for group, brake in enumerate(vehicle.true.brakes)
         ]
@@ -178,7 +186,9 @@ def _parameters(vehicle: VehicleData, group: int) -> list[float]:
     return values
 
 
-def _path(model: Model, parameters: list[float], brake: Brake, step: float, *, can_lock: bool) -> _Path:
+def _path(
+    model: Model, parameters: list[float], brake: Brake, step: float, *, can_lock: bool, is_relieved: bool
+) -> _Path:
     """Return the states at the start and the function from states and inputs to states after a step.
 
     The states are those of the class, friction first, and two momenta [N.s] that a slide can have taken from the
@@ -220,7 +230,9 @@ def _path(model: Model, parameters: list[float], brake: Brake, step: float, *, c
     )
     largest = speed * brake.inertia / brake.wheel_radius**2
     after = ca.vertcat(
-        ca.if_else(is_limited, highest(_FORCES, 0.0), highest(np.ones(1), 0.0 if can_lock else 1 - slip)),
+        highest(_FORCES, 0.0)
+        if is_relieved
+        else ca.if_else(is_limited, highest(_FORCES, 0.0), highest(np.ones(1), 0.0 if can_lock else 1 - slip)),
         state[1:-2] + step * model.derivative(*at(full * used / torque, rolling))[1:],
         *(ca.fmin(ca.fmax(momentum, 0), largest) for momentum in momenta),
     )

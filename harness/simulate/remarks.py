@@ -34,6 +34,8 @@ _LARGEST_FACTOR = 5.0
 """Factor of a fault on a reading beyond which it is unusual."""
 _ROUNDING = 1e-3
 """Share by which a pressure may differ because of rounding or a perturbation."""
+_STEEP = 0.04
+"""Gradient beyond which a line from a file is unusual."""
 _WEAKEST_FORCE = 100.0  # N; less accelerates a car of 40 t by 2.5 mm/s2
 
 
@@ -47,6 +49,7 @@ def remarks_before(scenario: Scenario) -> list[str]:
         *(f"{key} {words}" for key, words in unusual(scenario)),
         *_speed(scenario),
         *_rail(scenario),
+        *_line(scenario),
         *_controller(scenario),
         *_driver(scenario),
         *_faults(scenario),
@@ -131,6 +134,11 @@ def remarks_after(scenario: Scenario, duration: float, distance: float) -> list[
                 f"{scenario.name}: [track.plan] is {end:g} m long, and the train stopped at {at:.4g} m; beyond its "
                 "ends gradient and curvature are assumed to go on."
             )
+    if track.line is not None and distance > track.line.ends[1]:
+        left.append(
+            f"{scenario.name}: [track.line] {track.line.file.entry} ends {track.line.ends[1]:g} m from the start, and "
+            f"the train stopped after {distance:.4g} m; beyond its end the last gradient is assumed to go on."
+        )
     late = [
         *((key, begin, "s", duration) for key, begin in times.items()),
         *((key, begin, "m", distance) for key, begin in places.items()),
@@ -185,6 +193,16 @@ def _rail(scenario: Scenario) -> Iterator[str]:
 
 def _falls(values: Sequence[float]) -> bool:
     return all(first >= second for first, second in pairwise(values)) and values[0] > values[-1]
+
+
+def _line(scenario: Scenario) -> Iterator[str]:
+    line = scenario.track.line
+    steepest = 0.0 if line is None else max((slope for _, slope in line.sections), key=abs)
+    if line is not None and abs(steepest) > _STEEP:
+        yield (
+            f"[track.line] {line.file.entry} has a gradient of {1e3 * steepest:.0f} ‰; main lines stay below 35 ‰ (INF "
+            "TSI, 4.2.3.3). Heights of receivers must be smoothed first"
+        )
 
 
 def _controller(scenario: Scenario) -> Iterator[str]:

@@ -19,7 +19,7 @@ from railgrip.base.names import Element
 from railgrip.base.units import unit
 from railgrip.controllers.law import FULL_PRESSURE, GroupLaw
 from railgrip.fmi import Description
-from railgrip.rolling_stock.schema import load_train
+from railgrip.rolling_stock.schema import Train, load_train
 from railgrip.scenario.adhesion import TabulatedRail, rail_of
 from railgrip.scenario.faults import TRUTH_KEYS
 from railgrip.scenario.onboard import BuiltInLaw as LawTable
@@ -49,6 +49,7 @@ from railgrip.simulate.named_models import (
     require_plant,
     units_of,
 )
+from railgrip.trace.bound import DynamicLimit
 from railgrip.trace.contact import Contact
 from railgrip.vehicle.brake import (
     BRAKE,
@@ -269,6 +270,47 @@ class VehicleData:
                     f"law holds only where friction is above {LOWEST_PAD_FRICTION:g}; reduce the effects"
                 )
 
+    @cached_property
+    def train(self) -> Train | None:
+        """Train of the train file of the scenario; None for other plants."""
+        source = self.scenario.vehicle.source
+        return load_train(source.file.path) if isinstance(source, TrainFile) else None
+
+    @cached_property
+    def dynamic_limits(self) -> Mapping[int, DynamicLimit]:
+        """Dynamic brakes of the axles of a train file, by zero-based group."""
+        train = self.train
+        return {
+            each.group: DynamicLimit(
+                force=each.force_at,
+                nominal_friction=0.0 if each.brake.blending == "added" else train.bogie_of(each.group).pad_friction,
+                across=each.brake.blending == "train",
+            )
+            for each in (() if train is None else train.dynamic_groups)
+            if train is not None
+        }
+
+    def require_known_forces(self) -> None:
+        """Check that all parts know the brakes of the train.
+
+        Raises:
+            ScenarioError: Dynamic brakes are unknown to the estimator, or to the demand of the driver.
+        """
+        if not self.dynamic_limits:
+            return
+        name, scenario = self.scenario.name, self.scenario
+        if isinstance(scenario.estimator, KalmanFilter):
+            raise ScenarioError(
+                f"{name}: [estimator] kind '{scenario.estimator.kind}' assumes that pressure alone brakes the axles, "
+                "but [dynamic_brakes] of the train file do so, too: its adhesion would be too low; use [estimator] "
+                "kind = 'none' with a controller that needs no estimates, or a filter of your own"
+            )
+        if scenario.actuation.kind == "pneumatic" and scenario.demand is not None:
+            raise ScenarioError(
+                f"{name}: [demand] with [actuation] kind = 'pneumatic' acts through the dump valves, which "
+                "[dynamic_brakes] of the train file do not know: they would brake for a full demand; use 'ideal'"
+            )
+
     def _with_valves(self, parameters: dict[str, float]) -> dict[str, float]:
         """Return parameters with all valve times, if the plant has valves; missing ones are those of the catalogue
         train.
@@ -334,8 +376,8 @@ class VehicleData:
         vehicle = self.scenario.vehicle
         known = self.true.mass if isinstance(vehicle.source, LibraryPlant) else None
         brakes = 0.0 if vehicle.formation is None else vehicle.formation.track_brakes
-        if isinstance(vehicle.source, TrainFile):
-            of_train = load_train(vehicle.source.file.path).track_brake_force
+        if self.train is not None:
+            of_train = self.train.track_brake_force
             if brakes and not isclose(brakes, of_train, rel_tol=1e-3):
                 raise ScenarioError(
                     f"{self.scenario.name}: [vehicle.formation] track_brakes is {brakes:g} N, but the train file has "
@@ -393,8 +435,7 @@ class VehicleData:
     @property
     def sanders(self) -> tuple[Sander, ...]:
         """Sanders of the scenario, else those of its train file."""
-        sanders, source = self.scenario.sanders, self.scenario.vehicle.source
-        return sanders or (load_train(source.file.path).sanders if isinstance(source, TrainFile) else ())
+        return self.scenario.sanders or (() if self.train is None else self.train.sanders)
 
     def rail(self) -> TabulatedRail:
         """Return the rail, before any wheel has passed; errors are those of `rail_of`."""

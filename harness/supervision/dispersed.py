@@ -9,7 +9,7 @@ from typing import Any, cast, get_args
 import numpy as np
 
 from railgrip.estimators.belief import Array
-from railgrip.rolling_stock.blocks import SHAPE, BlockLaw
+from railgrip.rolling_stock.brakes import SHAPE, BlockLaw
 from railgrip.rolling_stock.dispersion import EXTENTS, Dispersion, Quantity
 from railgrip.rolling_stock.schema import Train
 from railgrip.rolling_stock.stopping import PAD_EFFECTS, by_hand, developed_deceleration, track_brake_force

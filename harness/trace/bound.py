@@ -1,14 +1,16 @@
 """The ideal bound: the highest adhesion that control can use at a sample of a stop.
 
 For each group it is the minimum of three limits: peak adhesion, which the rail gives at the best slip; brake limit,
-which full brake pressure draws, or the pressure that the driver demands; and α_max, which the operator allows. The
-brake limit includes bearing and rolling resistance and other brakes on the wheelsets, which act through the contact as
-a friction brake does. It holds for a constant slip: a wheelset that regains speed draws more for a moment, which
+which full brake pressure draws, or the pressure that the driver demands, with other brakes on the wheelsets; and α_max,
+which the operator allows. The brake limit includes bearing and rolling resistance, which act through the contact as a
+brake does. It holds for a constant slip: a wheelset that regains speed draws more for a moment, which
 `regained_adhesion` gives.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -23,6 +25,38 @@ from railgrip.vehicle.signals import CURVE
 _STRIDE = 0.01  # s between creep curves; rail and loads (pitch near 7 Hz) are straight lines over so short a time
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DynamicLimit:
+    """What electrodynamic and eddy-current brakes on the axles of a group change of its brake limit.
+
+    Attributes:
+        force: Available force at the rim [N] as a function of speeds [m/s].
+        nominal_friction: Pad friction with which dynamic brakes relieve friction brakes; 0 where they add to them.
+        across: Whether they also brake for other groups.
+    """
+
+    force: Callable[[Array], Array]
+    nominal_friction: float
+    across: bool
+
+    def torque(self, speed: Array, friction: Array, nominal: Array, wheel_radius: float) -> Array:
+        """Return the highest torque of all brakes of the group [N.m], shape (n,).
+
+        Args:
+            speed: Of the train, shape (n,) [m/s].
+            friction: Torque of the friction brakes alone, shape (n,) [N.m].
+            nominal: The same with nominal pad friction.
+            wheel_radius: Rolling radius [m].
+        """
+        available = self.force(speed) * wheel_radius
+        if not self.nominal_friction:
+            return friction + available
+        # Where pads have less than nominal friction the train brakes best with as much dynamic force as possible.
+        replaced = np.minimum(available / np.maximum(nominal, 1e-3), 1.0)
+        mixed = friction + replaced * np.maximum(nominal - friction, 0.0)
+        return np.maximum(mixed, available) if self.across else mixed
+
+
 def brake_limit(
     brake: Brake,
     pad_friction: Array,
@@ -31,6 +65,8 @@ def brake_limit(
     pressure: Array | None = None,
     resistance_lever: float = 0.0,
     other_torque: Array | float = 0.0,
+    speed: Array | None = None,
+    dynamic: DynamicLimit | None = None,
 ) -> Array:
     """Return the adhesion at which full pressure, or another, holds the slip of a group, shape (n,).
 
@@ -41,10 +77,17 @@ def brake_limit(
         deceleration: Of the train, shape (n,) [m/s2]; some torque goes into slowing the wheelsets.
         pressure: Highest pressure of the group, shape (n,) [Pa]; None for full.
         resistance_lever: Torque of bearings and rolling over the load [m].
-        other_torque: Torque of other brakes, see `torque_beyond_pads`, shape (n,) [N.m].
+        other_torque: Torque of brakes that the train file does not have, see `torque_beyond_pads`, shape (n,) [N.m].
+        speed: Of the train, shape (n,) [m/s]; needed with `dynamic`.
+        dynamic: Electrodynamic and eddy-current brakes of the group.
     """
     most = brake.pressure_max if pressure is None else np.minimum(pressure, brake.pressure_max)
-    torque = brake.units * pad_friction * brake.pad_force(most) * brake.friction_radius
+    lever = brake.units * brake.pad_force(most) * brake.friction_radius
+    torque = pad_friction * lever
+    if dynamic is not None and speed is not None:
+        torque = dynamic.torque(
+            speed, torque, np.broadcast_to(dynamic.nominal_friction * lever, torque.shape), brake.wheel_radius
+        )
     rotation = brake.inertia * deceleration / brake.wheel_radius
     return np.maximum(torque + other_torque + resistance_lever * load - rotation, 0) / (brake.wheel_radius * load)
 
@@ -121,10 +164,11 @@ def with_bound(
     alpha_max: float,
     resistance_lever: float = 0.0,
     search: Callable[[Contact, Array, Array, Array], tuple[Array, Array]] = peak,
+    dynamics: Mapping[int, DynamicLimit] = MappingProxyType({}),
 ) -> xarray.Dataset:
     """Return the trace with the variables that a comparison with the ideal needs; the brake of a group may be isolated.
 
-    `search` finds the peak, as `railgrip.trace.contact.peak` does.
+    `search` finds the peak, as `railgrip.trace.contact.peak` does. `dynamics` has the dynamic brakes of groups.
 
     `peak_slip`, `peak_adhesion` (time, group): of the creep curve. `brake_limit` (time, group).
     `ideal_adhesion` (time, group): the bound. `ideal_share` (time, wheelset): what each wheelset contributes
@@ -165,7 +209,9 @@ def with_bound(
                 deceleration,
                 pressure,
                 resistance_lever,
-                other[:, group],
+                0.0 if group in dynamics else other[:, group],
+                speed,
+                dynamics.get(group),
             )
     ideal = np.minimum(np.minimum(peak_adhesion, limit), alpha_max)
     share = peak_each * (ideal / peak_adhesion)[:, groups]

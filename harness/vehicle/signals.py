@@ -79,6 +79,7 @@ EXTRA = (
     Signal("contact_force", "wheelset", "N", "force of rail or roller along the track, positive in braking"),
     Signal("resistance_torque", "group", "N.m", "torque of bearing and rolling resistance"),
     Signal("coupler_force", "coupler", "N", "force in the coupler behind each car, positive when it pulls"),
+    Signal("dynamic_work", "train", "J", "work of electrodynamic and eddy-current brakes, in resistance_work"),
     Signal("drive_torque", "train", "N.m", "torque of a roller's drive, driving positive"),
 )
 """Outputs that follow those of `PLANT` in the trace of a plant that has them."""

@@ -8,7 +8,7 @@ import pytest
 from railgrip.base import registry
 from railgrip.estimation.models import model_of
 from railgrip.estimators.design import NOISE_SETS
-from railgrip.rolling_stock.blocks import LAWS as BLOCK_LAWS
+from railgrip.rolling_stock.brakes import LAWS as BLOCK_LAWS
 from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, Train
 from railgrip.scenario.faults import Fault
 from railgrip.scenario.onboard import SensorModel

@@ -133,7 +133,10 @@ def test_a_notebook_contains_its_figures(site: Path):
     assert all((site / "examples" / name).is_file() for name in pictures)
 
 
-NAMED = {"pads", "brakes", "track_brakes", "bogies", "couplers", "distributors", "accelerators"}
+NAMED = {
+    "pads", "blocks", "brakes", "track_brakes", "dynamic_brakes", "parking_brakes", "bogies", "couplers",
+    "distributors", "accelerators", "load_valves",
+}  # fmt: skip
 """Tables of a train file whose keys are chosen by the author."""
 
 

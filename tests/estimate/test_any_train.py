@@ -262,7 +262,8 @@ def test_page_and_json_have_every_parameter_with_its_origin(trace, tmp_path):
 
 
 def test_a_prediction_without_the_track_brakes_of_the_train_is_reported(trace):
-    assert "tram has magnetic track brakes" in rg.estimate(trace, "train", {"model.train": "tram"}).attrs["warnings"]
+    warnings = rg.estimate(trace, "train", {"model.train": "tram"}).attrs["warnings"]
+    assert "tram has brakes on the rail itself" in warnings
 
 
 def test_the_train_of_the_library_estimation_counts_as_default():

@@ -214,7 +214,7 @@ def test_two_stages_of_the_distributor_are_steps_of_the_brake():
                                                           ("efficiency", "-15 %", "efficiency")])  # fmt: skip
 def test_a_deviation_of_blocks_has_the_effect_of_the_changed_train(quantity, deviation, key):
     """The friction of a block falls with its force and its speed. Steps of the calculation by hand are 1e-4 of it."""
-    file = Path(__file__).parents[2] / "docs" / "examples" / "shunting_train.toml"
+    file = Path(__file__).parents[2] / "harness/scenario/trains/shunting_train.toml"
     tables = tomllib.loads(file.read_text(encoding="utf-8"))
     train = train_of(tables, "shunting.toml")
     friction = {bogie.data.brake: bogie.pad_friction for bogie in train.bogies_in_train}

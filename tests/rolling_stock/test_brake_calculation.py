@@ -10,7 +10,7 @@ import pytest
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import GRAVITY
-from railgrip.rolling_stock.blocks import LAWS
+from railgrip.rolling_stock.brakes import LAWS
 from railgrip.rolling_stock.calculation import BRAKED_WEIGHT, braked_weight_percentage, mean_stop
 from railgrip.rolling_stock.check import findings
 from railgrip.rolling_stock.modelica import class_text
@@ -20,8 +20,8 @@ from railgrip.simulate.ideal import ideal_stop
 from railgrip.simulate.run import braking_distance
 from railgrip.studies.trains.stops import dry_scenario
 
-EXAMPLES = Path(__file__).parents[2] / "docs/examples"
-UNIT, WAGON = EXAMPLES / "two_car_unit.toml", EXAMPLES / "eanos_wagon.toml"
+TRAINS = Path(__file__).parents[2] / "harness/scenario/trains"
+UNIT, WAGON = TRAINS / "two_car_unit.toml", TRAINS / "eanos_wagon.toml"
 
 PUBLISHED = {160: 1170.8, 140: 920.6, 120: 695.4, 100: 497.8}
 """Speed [km/h] → distance [m] by RailProfAC/RailwayBrakeCalculation, whose resistance here brakes at each speed."""
@@ -202,7 +202,7 @@ def test_friction_effects_of_pads_and_the_mean_over_the_distance_agree():
 
 def shunting(position, *, inshot=True):
     """The train of RailProfAC/ShuntingBrakingCurves in a position."""
-    tables = tomllib.loads((EXAMPLES / "shunting_train.toml").read_text(encoding="utf-8"))
+    tables = tomllib.loads((TRAINS / "shunting_train.toml").read_text(encoding="utf-8"))
     if position == "P":
         for car in tables["cars"]:
             del car["distributor"]
@@ -244,7 +244,7 @@ def test_positions_are_parameters_of_the_distributors_of_the_class():
     ],
 )
 def test_a_distributor_without_effect_or_with_half_of_its_stages_is_refused(keys, sentence):
-    tables = tomllib.loads((EXAMPLES / "shunting_train.toml").read_text(encoding="utf-8"))
+    tables = tomllib.loads((TRAINS / "shunting_train.toml").read_text(encoding="utf-8"))
     tables["distributors"]["G"] = {"estimated": True, **keys}
     with pytest.raises(ScenarioError) as refused:
         train_of(tables, "shunting.toml")

@@ -15,10 +15,10 @@ from railgrip.scenario.load import UNSUPPORTED, explain_unsupported, load
 
 KEYS = {
     "ed_brake": "electrodynamic", "electrodynamic_brake": "electrodynamic", "regenerative_brake": "electrodynamic",
-    "dynamic_brake": "electrodynamic", "blending": "electrodynamic", "retarder": "hydrodynamic",
+    "blended_brake": "electrodynamic", "retarder": "hydrodynamic",
     "eddy_current_brakes": "eddy-current", "track_eddy_current": "eddy-current", "tread_brake": "tread",
     "brake_blocks": "tread", "ll_blocks": "LL",
-    "parking_brake": "parking", "spring_brakes": "parking", "load_proportional": "load",
+    "hand_brake": "parking", "spring_brakes": "parking", "load_proportional": "load",
     "wind": "wind", "tunnel": "wind",
 }  # fmt: skip
 
@@ -67,7 +67,8 @@ def test_each_entry_has_an_example_in_this_module():
     assert covered == UNSUPPORTED.keys()
 
 
-def test_magnetic_track_brakes_are_supported():
+def test_supported_brakes_are_not_explained_away():
     assert issubclass(Train, BaseModel)
-    assert not explain_unsupported("track_brakes")
+    for key in ("track_brakes", "dynamic_brake", "blending", "parking_brakes", "dynamic_units"):
+        assert not explain_unsupported(key)
     assert not explain_unsupported("magnetic_track_brake")

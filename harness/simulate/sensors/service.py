@@ -265,7 +265,8 @@ def _gravity(scenario: Scenario, layout: Layout) -> Struct:
     A change of slope is spread over 0.1 m.
     """
     track, step = scenario.track, 0.1
-    begin, end = 0.0, max((section.begin for section in track.gradient), default=0.0)
+    begin, end = 0.0, max((begin for begin, _ in track.slopes), default=0.0)
+    end = min(end, scenario.start.speed * scenario.horizon)  # a line from a file may go on for long
     if (plan := track.plan) is not None:
         begin, end = sorted(plan.way * (edge - plan.start) for edge in (0.0, plan.alignment().length))
         step = 1.0

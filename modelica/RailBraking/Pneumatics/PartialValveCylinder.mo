@@ -25,7 +25,7 @@ equation
   rate = rate_fill - rate_vent - leak*p/(p + p_small);
   der(p) = rate;
   pressure = p;
-  air_flow = V/p_free*rate_fill;
+  air_flow = V/p_free*noEvent(max(rate_fill, 0));
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),

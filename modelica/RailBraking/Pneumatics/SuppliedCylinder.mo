@@ -2,10 +2,12 @@ within RailBraking.Pneumatics;
 model SuppliedCylinder "Cylinders that valves fill from an air port, hold and vent"
   extends Icons.Pneumatic;
   extends PartialValveCylinder;
+  parameter Boolean relayed = false "= true, if the supply is a relay valve, which also vents"
+    annotation(Evaluate=true);
   Interfaces.AirPort supply "Reservoir, or outlet of the distributor"
     annotation(Placement(transformation(extent={{-10, -120}, {10, -100}})));
 equation
-  dp_fill = noEvent(max(min(supply.p, p_max) - p, 0));
+  dp_fill = noEvent(if relayed then min(supply.p, p_max) - p else max(min(supply.p, p_max) - p, 0));
   supply.q = air_flow;
   annotation (
     Icon(
@@ -19,7 +21,7 @@ equation
     Documentation(info="<html>
 <p>
 Filled to at most <code>p_max</code> from a port whose pressure falls with the air consumption,
-without backflow. See
+without backflow; with <code>relayed</code> also vented to its pressure while the fill valve is open. See
 <a href=\"modelica://RailBraking.Pneumatics.PartialValveCylinder\">PartialValveCylinder</a>.
 </p>
 <h4>Limitations</h4>

@@ -1,0 +1,135 @@
+"""Gradients from files: CSV and GPX, in either direction of travel, against closed forms."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from railgrip.base.errors import ScenarioError
+from railgrip.scenario.line import read_line
+from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.track import slope_of, track_force_of
+from railgrip.simulate.remarks import remarks_after, remarks_before
+
+SLOPES = "distance [km],slope [permille]\n10.0,5\n11.0,-8\n12.5,0\n14.0,0\n"
+HEIGHTS = "distance,height\n0,100\n1000,105\n2500,93\n4000,93\n"
+GPX = (
+    '<?xml version="1.0"?>\n<gpx xmlns="http://www.topografix.com/GPX/1/1"><trk><trkseg>\n'
+    '<trkpt lat="{}" lon="8.0"><ele>100</ele></trkpt>\n'
+    '<trkpt lat="{}" lon="8.0"><ele>100</ele></trkpt>\n'
+    '<trkpt lat="{}" lon="8.0"><ele>110</ele></trkpt>\n'
+    '<trkpt lat="{}" lon="8.0"><ele>105</ele></trkpt>\n</trkseg></trk></gpx>\n'
+)
+
+
+def scenario(folder: Path, text: str, name: str = "line.csv", **keys: object):
+    (folder / name).write_text(text, encoding="utf-8")
+    table = load(Path("plain")).resolved()
+    table["track"] = {"line": {"file": name, "origin": "10.4 km", "direction": "rising"} | keys}
+    return scenario_of(table, directory=folder, origin="own")
+
+
+def test_slopes_hold_from_their_chainage_on(tmp_path):
+    slope = slope_of(scenario(tmp_path, SLOPES).track)
+    assert [slope(at) for at in (0.0, 599.9, 600.1, 2099.9, 2100.1, 9e3)] == [0.005, 0.005, -0.008, -0.008, 0.0, 0.0]
+
+
+def test_in_the_other_direction_slopes_change_their_sign(tmp_path):
+    track = scenario(tmp_path, SLOPES, origin="13 km", direction="falling").track
+    slope = slope_of(track)
+    assert [slope(at) for at in (0.0, 499.9, 500.1, 1999.9, 2000.1, 2999.0)] == [0.0, 0.0, 0.008, 0.008, -0.005, -0.005]
+    assert track.line.ends == pytest.approx((-1000.0, 3000.0))
+    force = track_force_of(track, 80e3).at(np.array([100.0, 1000.0, 2500.0]))
+    assert force == pytest.approx(-80e3 * 9.81 * np.sin(np.arctan([0.0, 0.008, -0.005])))
+
+
+def test_there_and_back_the_work_of_gravity_is_none(tmp_path):
+    there = slope_of(scenario(tmp_path, SLOPES, origin="10 km").track)
+    back = slope_of(scenario(tmp_path, SLOPES, origin="14 km", direction="falling").track)
+    middles = np.arange(5.0, 4000.0, 10.0)
+    assert sum(map(there, middles)) == pytest.approx(-sum(map(back, middles)))
+
+
+@pytest.mark.parametrize("is_falling", [False, True])
+def test_heights_give_the_same_line_in_either_order(tmp_path, is_falling):
+    head, *rows = HEIGHTS.splitlines()
+    (tmp_path / "line.csv").write_text("\n".join([head, *(rows[::-1] if is_falling else rows)]), encoding="utf-8")
+    line = read_line(tmp_path / "line.csv", 0.2)
+    assert line.chainages == pytest.approx([0, 1000, 2500, 4000])
+    assert line.slopes == pytest.approx([0.005, -0.008, 0.0])
+
+
+def test_a_gpx_track_has_the_length_of_the_meridian(tmp_path):
+    """A degree of latitude at 47.005° is 111132.954 − 559.822 cos 2φ + 1.175 cos 4φ m (WGS84)."""
+    (tmp_path / "line.gpx").write_text(GPX.format(47.0, 47.0, 47.01, 47.02), encoding="utf-8")
+    line = read_line(tmp_path / "line.gpx", 0.2)
+    phi = np.radians(47.005)
+    length = 0.01 * (111132.954 - 559.822 * np.cos(2 * phi) + 1.175 * np.cos(4 * phi))
+    # At 100 m of height the way is longer by 1e-5 or so.
+    assert line.chainages == pytest.approx([0, length, 2 * length], rel=5e-5)
+    assert line.slopes == pytest.approx([10 / length, -5 / length], rel=5e-5)
+
+
+@pytest.mark.parametrize(
+    ("text", "keys", "sentence"),
+    [
+        (
+            SLOPES,
+            {"origin": "9 km"},
+            r"origin 9000 m in direction 'rising' does not lie on line.csv.*10000 m to 14000 m",
+        ),
+        (SLOPES, {"origin": "14 km"}, "does not lie on line.csv, or at its end"),
+        (SLOPES, {"origin": "10 km", "direction": "falling"}, "does not lie on line.csv, or at its end"),
+        (SLOPES.replace("-8", "-800"), {}, "line 3: slope must be at least -0.2"),
+        (SLOPES.replace("12.5", "10.5"), {}, "line 4: distance does not rise"),
+        ("distance,slope\n3000,0.005\n2000,0\n1000,0\n", {}, "line 3: distance does not rise"),
+        (HEIGHTS.replace("105", "1050"), {"origin": "0 m"}, "row 2: the height changes by 950 m over 1000 m"),
+        ("distance,slope\n0,0.1 %\n100,0\n", {"origin": "0 m"}, "line 2: 2 finite numbers are expected"),
+        ("kilometre,slope\n0,1\n1,1\n", {}, "its first line must name distance"),
+    ],
+)
+def test_a_wrong_line_is_refused_with_its_place(tmp_path, text, keys, sentence):
+    with pytest.raises(ScenarioError, match=sentence) as refused:
+        scenario(tmp_path, text, **keys)
+    assert "line.csv" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        (GPX.format(47.0, 47.0, "here", 47.02), "line 5: a point of the track needs numbers"),
+        (GPX.format(47.0, 47.0, 47.01, 147.0), "line 6: latitude"),
+        (GPX.format(47.0, 47.0, 47.01, 47.02).replace("<ele>110</ele>", ""), "line 5: a point of the track needs"),
+        (GPX.format(47.0, 47.0, 47.0, 47.0), "at one place"),
+        ("<gpx></gpx>", "has 0 points"),
+        ("distance,slope\n0,0\n", "is not XML"),
+        ('<!DOCTYPE gpx [<!ENTITY a "b">]><gpx></gpx>', "document type"),
+        (GPX.format(47.0, 47.0, 47.01, 47.02).replace("110", "1100"), "line 5: the height changes by 1000 m"),
+    ],
+)
+def test_a_wrong_gpx_file_is_refused_with_its_line(tmp_path, text, sentence):
+    with pytest.raises(ScenarioError, match=sentence):
+        scenario(tmp_path, text, name="line.gpx", origin="0 m")
+
+
+def test_a_line_and_gradients_are_not_both_given(tmp_path):
+    (tmp_path / "line.csv").write_text(SLOPES, encoding="utf-8")
+    table = load(Path("plain")).resolved()
+    line = {"file": "line.csv", "origin": "11 km", "direction": "rising"}
+    table["track"] = {"line": line, "gradient": [{"begin": 0, "slope": 0.01}]}
+    with pytest.raises(ScenarioError, match="has a line, which has all gradients"):
+        scenario_of(table, directory=tmp_path, origin="own")
+
+
+def test_noise_of_heights_is_remarked(tmp_path):
+    """One metre up and down every 20 m, as receivers have it, is 50 ‰."""
+    rows = "\n".join(f"{20 * i},{300 + i % 2}" for i in range(200))
+    made = scenario(tmp_path, f"distance,height\n{rows}\n", origin="0 m")
+    assert any("has a gradient of 50 ‰" in remark or "of -50 ‰" in remark for remark in remarks_before(made))
+    assert not any("[track.line]" in remark for remark in remarks_before(scenario(tmp_path, SLOPES)))
+
+
+def test_a_stop_beyond_the_end_of_the_line_is_remarked(tmp_path):
+    made = scenario(tmp_path, SLOPES, origin="13.9 km")
+    assert any("ends 100 m from the start" in remark for remark in remarks_after(made, 20.0, 250.0))
+    assert not remarks_after(made, 20.0, 90.0)

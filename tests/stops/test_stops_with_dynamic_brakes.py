@@ -1,0 +1,129 @@
+"""Simulated stops with electrodynamic and eddy-current brakes, against the hand calculation and energies."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from railgrip import cli
+from railgrip.base.errors import ScenarioError
+from railgrip.rolling_stock.schema import load_train
+from railgrip.rolling_stock.stopping import by_hand
+from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.outcome import Outcome
+from railgrip.simulate.ideal import ideal_stop
+from railgrip.simulate.run import run_stop
+from railgrip.simulate.vehicle_data import VehicleData
+
+BEGINNING = (Path(cli.__file__).parent / "templates" / "train.toml").read_text(encoding="utf-8")
+SPEED = 100 / 3.6
+MOTOR = {
+    "kind": "electrodynamic", "force": "12 kN", "power": "200 kW", "speed_full": "10 km/h", "speed_end": "4 km/h",
+    "time_constant": "0.3 s", "blending": "valve", "slide_limit": 0.1, "estimated": True,
+}  # fmt: skip
+RAIL = {
+    "kind": "eddy_current_rail", "force": "8 kN", "speed_peak": "90 km/h", "speed_full": "60 km/h",
+    "speed_end": "50 km/h", "time_constant": "0.5 s", "estimated": True,
+}  # fmt: skip
+
+
+def table(name, keys):
+    return f"[dynamic_brakes.{name}]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in keys.items())
+
+
+def write(folder, *, dynamic):
+    """Write a car with a motor bogie of coupled axles and a bogie with magnets; its pads have constant friction."""
+    text = BEGINNING.replace("NAME", "driven" if dynamic else "plain").replace("coupled = false", "coupled = true")
+    for effect in ("speed_effect = 0.12", "force_effect = 0.08", "temperature_effect = 0.10"):
+        text = text.replace(effect, effect.split("=")[0] + "= 0.0")
+    begin, end = text.index("\n[bogies.trailer]"), text.index("[couplers.bar]")
+    bogie = text[begin:end]
+    motor, magnets = (
+        bogie.replace("bogies.trailer", f"bogies.{name}").replace(
+            "wheel_radius", f'dynamic_brake = "{brake}"\nwheel_radius' if dynamic else "wheel_radius", 1
+        )
+        for name, brake in (("motor", "motor"), ("magnets", "rail"))
+    )
+    tables = table("motor", MOTOR) + table("rail", RAIL) if dynamic else ""
+    cars = text.index("\n[[cars]]", text.index("[[cars]]") + 1)
+    text = text[:begin] + motor + magnets + tables + text[end:cars]
+    text = text.replace('kind = "trailer"', 'kind = "motor"', 1).replace('kind = "trailer"', 'kind = "magnets"', 1)
+    (folder / "train.toml").write_text(text.replace('coupler = "bar"', "", 1), encoding="utf-8")
+    return folder / "train.toml"
+
+
+def scenario(file, mu0=0.5, **changes):
+    base = load(Path("plain")).resolved() | {
+        "vehicle": {"train": file.name}, "start": {"speed": SPEED}, "estimator": {"kind": "none"},
+        "controller": {"kind": "full_brake"},
+    }  # fmt: skip
+    base["adhesion"]["mu0"] = mu0
+    return scenario_of(base | changes, directory=file.parent, origin="dynamic")
+
+
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory):
+    return write(tmp_path_factory.mktemp("driven"), dynamic=True)
+
+
+def test_a_dry_stop_has_the_distance_and_energies_of_the_hand_calculation(driven):
+    """Distances within 0.5 %: the suspension, and pads that settle, are not in the hand calculation."""
+    stop, hand = run_stop(scenario(driven)), by_hand(load_train(driven), SPEED)
+    assert stop.outcome is Outcome.STANDSTILL, stop.reason
+    assert stop.metrics.distance == pytest.approx(hand.distance, rel=5e-3)
+    trace = stop.trace
+    assert float(trace["dynamic_work"][-1]) == pytest.approx(hand.dynamic_energy, rel=1e-2)
+    taken = sum(float(trace[name][-1]) for name in ("contact_heat", "pad_heat", "resistance_work"))
+    assert taken == pytest.approx(float(trace["kinetic_energy"][0]), rel=2e-3)
+    assert stop.metrics.utilisation < 1.005
+
+
+def test_a_sliding_axle_loses_its_dynamic_brake_and_keeps_its_friction_brake(driven):
+    """From the slide on the cylinder has the whole pressure; before it, less. The motor bogie needs 0.11 or more."""
+    stop = run_stop(scenario(driven, mu0=0.05))
+    trace = stop.trace
+    slid = int(np.argmax(trace["slip"].values[:, 0] > 0.1))
+    assert slid > 0
+    pressure, time = trace["cylinder_pressure"].values[:, 0], trace["time"].values
+    late = time > time[slid] + 2.0
+    assert pressure[late] == pytest.approx(3.2e5, rel=1e-2)
+    assert pressure[slid] < 0.6 * 3.2e5
+    # Only the magnets still work, down to 50 km/h.
+    rate = np.diff(trace["dynamic_work"].values) / np.diff(time)
+    still = late[1:] & (trace["speed"].values[1:] > 70 / 3.6)
+    v = trace["speed"].values[1:][still]
+    assert rate[still] == pytest.approx(8e3 * 2 * v / (v / 25 + 25 / v), rel=2e-2)
+
+
+def test_the_ideal_bound_has_the_dynamic_brakes(driven):
+    full = run_stop(scenario(driven))
+    bound = ideal_stop(scenario(driven, controller={"kind": "ideal_bound"})).metrics.distance
+    # The build-up takes 0.9 s from which the bound has 0.
+    assert full.metrics.distance - 1.1 * SPEED < bound < full.metrics.distance
+
+
+def test_valves_relieve_the_cylinders_too(driven):
+    stop, hand = run_stop(scenario(driven, actuation={"kind": "pneumatic"})), by_hand(load_train(driven), SPEED)
+    assert -0.01 * hand.distance < stop.metrics.distance - hand.distance < 0.01 * hand.distance + 0.45 * SPEED
+    assert float(stop.trace["dynamic_work"][-1]) == pytest.approx(hand.dynamic_energy, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"estimator": {"kind": "decentralised"}}, r"\[estimator\] kind 'decentralised' assumes that pressure alone"),
+        (
+            {"actuation": {"kind": "pneumatic"}, "demand": {"phases": [{"pressure": "1 bar"}]}},
+            r"\[demand\] with \[actuation\] kind = 'pneumatic'",
+        ),
+    ],
+)
+def test_parts_that_do_not_know_the_dynamic_brakes_are_refused(driven, changes, sentence):
+    vehicle = VehicleData(scenario(driven, **changes))
+    with pytest.raises(ScenarioError, match=sentence):
+        vehicle.require_known_forces()
+
+
+def test_plausibility_allows_the_force_of_the_magnets(driven):
+    assert VehicleData(scenario(driven)).slowing.constant == pytest.approx(0.02 + 8e3 / 44e3)
