@@ -6,6 +6,7 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from sampling import FUZZ
 
 from railgrip.fmus.build import translate
 from railgrip.fmus.native.library import LIBRARY
@@ -29,15 +30,10 @@ def simulated(tmp_path: Path):
 
 
 AIR = [
-    "PipeFront",
-    "PipeFriction",
-    "PipeWave",
-    "DistributorTimes",
-    "TwoStages",
-    "AcceleratedPipe",
-    "CommandDelay",
-    "CompressorCycle",
-]
+    "PipeFriction", "PipeWave", "DistributorTimes", "TwoStages", "AcceleratedPipe", "CommandDelay", "CompressorCycle",
+    # test_brake_pipe_grid.py compares its front with an independent solver.
+    *(["PipeFront"] if FUZZ else []),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("name", AIR)
@@ -47,6 +43,7 @@ def test_the_built_in_compiler_finds_the_answer(name: str, simulated) -> None:
     assert np.isfinite(error).all()
 
 
+@pytest.mark.skipif(not FUZZ, reason="test_brake_pipe_grid.py has the front, test_trains_in_files.py the filling")
 def test_an_emergency_brake_reaches_the_last_of_ten_coaches(simulated) -> None:
     """271 m of pipe to the middle of the last coach; its cylinder pressure starts to rise at 240 to 270 m/s.
 

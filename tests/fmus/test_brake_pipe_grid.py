@@ -4,17 +4,23 @@ from types import SimpleNamespace
 
 import pytest
 from pipe_by_hand import SOUND, Pipe
+from sampling import sample
 
 from railgrip.rolling_stock.modelica import CELLS_OF_A_CAR
 from railgrip.studies import brake_pipe
 
+CASES = sample([(0.0, 0.02), (1.5, 0.01), (4.5, 0.005), (3.0, 0.005)], 2)
+"""Volume of the branches [l], error of the front on the grid of trains."""
+
 
 @pytest.fixture(scope="module")
 def fronts():
-    return brake_pipe.fronts(CELLS_OF_A_CAR)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(brake_pipe, "LITRES", [litres for litres, _ in CASES])
+        return brake_pipe.fronts(CELLS_OF_A_CAR)
 
 
-@pytest.mark.parametrize(("litres", "error"), [(0.0, 0.02), (1.5, 0.01), (3.0, 0.005), (4.5, 0.005)])
+@pytest.mark.parametrize(("litres", "error"), CASES)
 def test_the_front_is_that_of_an_independent_solver(fronts, litres, error):
     """Without branches the front stays sharp, and both grids smear it; see the table in docs/train_models.md."""
     fine = Pipe(cells=17, branch=1e-3 * litres).front()
