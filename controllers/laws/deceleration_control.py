@@ -40,7 +40,7 @@ class DecelerationTuning(SlopeTuning):
         float, "1", "1: anti-windup, redistribution, reserve, sand and magnets where needed; 0: none, and sand always", 1.0
     ] = 1.0  # fmt: skip
     reserve: Annotated[float, "1", "share that is demanded in addition on an exhausted rail"]
-    utilisation_sand: Annotated[float, "1", "demanded over available adhesion from which sand is laid"] = 0.8
+    utilisation_sand: Annotated[float, "1", "demanded over available adhesion from which sand is laid"]
     utilisation_full: Annotated[float, "1", "the same, from which the whole reserve is demanded"] = 1.0
     utilisation_rise: Annotated[float, "s", "time constant of a rising utilisation"] = 0.3
     utilisation_fall: Annotated[float, "s", "time constant of a falling utilisation: how long a rail is remembered"]
@@ -77,7 +77,7 @@ class DecelerationControl(SlopeSeeking):
         p_g = min(p(α* + ΔF/G_free), protected)                   ΔF force that limited groups lack, filtered
         u = α* G/Σ(available load)                                utilisation, which rises faster than it falls
 
-    A group is limited where its slide protection demands less than p(α*). Its available adhesion is the estimated one
+    A group is limited where its slide protection demands less than p(α*), or p(α*) is full pressure. Its available adhesion is the estimated one
     then, else `adhesion_max`; G_free is the load of the others, and the integral leaves ΔF out of its demand only if there
     are none. It thus corrects errors of mass, pads and gradient, but does not wind up where the rail limits the force.
     On such a rail the train brakes harder than its curve, as far as it can, because the next place may be worse.
@@ -147,7 +147,11 @@ def _controlled(
     integral = draft.state("integral", "m/s2", "correction of the demanded deceleration")
     adhesion = within((wanted + integral) / _G, 0.0, highest)
 
-    limited = [most < _pressure(group, adhesion) for group, most in zip(train, protected, strict=True)]
+    alone = [_pressure(group, adhesion) for group in train]
+    limited = [
+        either(most < p, p >= _FULL * group.brake["pressure_max"])
+        for group, p, most in zip(train, alone, protected, strict=True)
+    ]
     available = [
         choose(is_limited, within(group.adhesion, 0.0, highest), highest)
         for group, is_limited in zip(train, limited, strict=True)
@@ -211,7 +215,9 @@ def _demanded(
 def _nominal_force(group: GroupObservation) -> Expression:
     """Return the brake force [N] of the driver's pressure with nominal pads."""
     brake = group.brake
-    of_unit = pad_force(group.driver_demand, **{name: brake[name] for name in ("piston_area", "spring_force", "rigging")})
+    of_unit = pad_force(
+        group.driver_demand, **{name: brake[name] for name in ("piston_area", "spring_force", "rigging")}
+    )
     return brake["units"] * PAD_FRICTION * brake["friction_radius"] * of_unit / brake["wheel_radius"]
 
 

@@ -122,9 +122,7 @@ def _add_train_level(vehicle: VehicleData, law: Law) -> Law:
                 f"{list(valves)}: a valve gives all its groups the same; leave out redistribute"
             )
         if exceeds_driver(scenario.revised({"controller": {"redistribute": False}})):
-            raise ScenarioError(
-                f"{scenario.name}: [controller] redistribute is part of {table.kind}; leave it out"
-            )
+            raise ScenarioError(f"{scenario.name}: [controller] redistribute is part of {table.kind}; leave it out")
         if scenario.demand is None:
             raise ScenarioError(
                 f"{scenario.name}: [controller] redistribute has no effect where full brake is demanded from "

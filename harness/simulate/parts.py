@@ -34,7 +34,6 @@ from railgrip.simulate.loop.loop import Ending, Loop
 from railgrip.simulate.loop.parts import (
     Clock,
     LoopController,
-    LoopController,
     LoopPlant,
     LoopSensors,
     Parts,
