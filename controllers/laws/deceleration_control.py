@@ -1,8 +1,8 @@
 """Deceleration control of the whole train, to a target or as the driver demands, over slide protection of its groups.
 
 Measured deceleration corrects the brake force, and slide protection limits that of each group. Where adhesion is
-exhausted, other groups take over, sand is laid, the train brakes ahead of its curve while it can, and magnets are lowered
-if all that is not enough.
+exhausted, other groups take over, sand is laid, the train brakes ahead of its curve while it can, and magnets are
+lowered if all that is not enough.
 
 Sources: the curve of constant deceleration v²/(2 d) and its gain are those of the driver in
 `railgrip.scenario.demand`; anti-windup by back-calculation, Åström and Hägglund, Advanced PID Control (2006), §3.5. The
@@ -37,7 +37,7 @@ class DecelerationTuning(SlopeTuning):
     response_time: Annotated[float, "s", "time constant of the brake, after which deceleration is expected"]
     integral_max: Annotated[float, "m/s2", "largest correction by the integral, of either sign"] = 0.5
     managed: Annotated[
-        float, "1", "1: anti-windup, redistribution, reserve, sand and magnets where needed; 0: none, and sand always", 1.0
+        float, "1", "1: anti-windup, redistribution, reserve, sand and magnets on need; 0: none, sand always", 1.0
     ] = 1.0  # fmt: skip
     reserve: Annotated[float, "1", "share that is demanded in addition on an exhausted rail"]
     utilisation_sand: Annotated[float, "1", "demanded over available adhesion from which sand is laid"]
@@ -77,10 +77,11 @@ class DecelerationControl(SlopeSeeking):
         p_g = min(p(α* + ΔF/G_free), protected)                   ΔF force that limited groups lack, filtered
         u = α* G/Σ(available load)                                utilisation, which rises faster than it falls
 
-    A group is limited where its slide protection demands less than p(α*), or p(α*) is full pressure. Its available adhesion is the estimated one
-    then, else `adhesion_max`; G_free is the load of the others, and the integral leaves ΔF out of its demand only if there
-    are none. It thus corrects errors of mass, pads and gradient, but does not wind up where the rail limits the force.
-    On such a rail the train brakes harder than its curve, as far as it can, because the next place may be worse.
+    A group is limited where its slide protection demands less than p(α*), or p(α*) is full pressure. Its available
+    adhesion is the estimated one then, else `adhesion_max`; G_free is the load of the others, and the integral leaves
+    ΔF out of its demand only if there are none. It thus corrects errors of mass, pads and gradient, but does not wind
+    up where the rail limits the force. On such a rail the train brakes harder than its curve, as far as it can, because
+    the next place may be worse.
 
     Sand is demanded while u exceeds `utilisation_sand`. Magnets, the last reserve, are demanded where a_d exceeds the
     deceleration that the available adhesion allows. Both are states, which the scenario's sanders and the plant's track

@@ -150,7 +150,8 @@ def search(
     reference_mean = float(np.mean(np.log(reference)))
     effort = _effort(len(ranges), sets, budget)
     best = evolve(
-        objective, ranges, start, effort, lambda function, points: list(pool.map(function, points)), lambda n, mean: notify(n, math.expm1(mean - reference_mean)),
+        objective, ranges, start, effort, lambda function, points: list(pool.map(function, points)),
+        lambda n, mean: notify(n, math.expm1(mean - reference_mean)),
         evenly=budget is not None,
     )  # fmt: skip
     values = parameters_of(tuple(ranges), best)

@@ -403,7 +403,7 @@ class VehicleData:
         extra = tuple(s for s in EXTRA if s.name in self.outputs)
         several = len(self.scenario.adhesion.curves) > 1
         readings = (*READINGS, *self.scenario.sensors.extra_readings(self.scenario, self.outputs))
-        # Without [demand] and such a law the brake is an emergency brake, and magnets are lowered with its first command.
+        # Without [demand] and such a law it is an emergency brake, and magnets are lowered with its first command.
         law, has_demand = law_named(self.scenario.controller.kind), self.scenario.demand is not None
         is_controlled = has_demand or (law is not None and law.exceeds_driver)
         has_magnets = is_controlled and MAGNETS[0].name in self.file.names("input")

@@ -1,4 +1,4 @@
-"""Error of the stopping point over draws of rail, load, gradient, pads and faults, for three ways to stop at a target."""
+"""Error of the stopping point over draws of rail, load, gradient, pads and faults, for three ways to stop."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -50,7 +50,9 @@ FAR = 5.0
 GROUPS = 4
 
 RAILS: Final = {"good": (0.25, 0.5), "slippery": (0.04, 0.15)}
-"""Kind of rail → range of its mean friction, of which the logarithm is even; below 0.04 not even magnets reach 0.6 m/s2."""
+"""Kind of rail → range of its mean friction, of which the logarithm is even.
+
+Below 0.04 not even magnets and the rail together reach the deceleration of the curve."""
 SLIPPERY = 0.8
 """Share of draws on a slippery rail."""
 CURVES: Final = ("wet", "low", "leaf", "poor_wheelset_study")
