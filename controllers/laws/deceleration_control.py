@@ -73,15 +73,15 @@ class DecelerationControl(SlopeSeeking):
         a_d = Σ F_g/m                                             F_g of the driver's pressures with nominal pads
         a* = a_d (1 + reserve · ((u − utilisation_sand)/(utilisation_full − utilisation_sand)), limited to 0 … 1)
         α* = (a* + i)/g                                           demanded adhesion, equal for all groups
-        di/dt = integral_gain (⟨a* − g ΔF/G⟩ − a)                 a measured, ⟨·⟩ first order with `response_time`
+        di/dt = integral_gain (⟨min(a*, g ᾱ − i)⟩ − a)            a measured, ⟨·⟩ first order with `response_time`
         p_g = min(p(α* + ΔF/G_free), protected)                   ΔF force that limited groups lack, filtered
-        u = α* G/Σ(available load)                                utilisation, which rises faster than it falls
+        u = α*/ᾱ                                                  utilisation, which rises faster than it falls
 
     A group is limited where its slide protection demands less than p(α*), or p(α*) is full pressure. Its available
-    adhesion is the estimated one then, else `adhesion_max`; G_free is the load of the others, and the integral leaves
-    ΔF out of its demand only if there are none. It thus corrects errors of mass, pads and gradient, but does not wind
-    up where the rail limits the force. On such a rail the train brakes harder than its curve, as far as it can, because
-    the next place may be worse.
+    adhesion is the estimated one then, else `adhesion_max`; ᾱ is the mean over the loads, and G_free the load of groups
+    that are not limited. The integral corrects errors of mass, pads and gradient, and does not wind up where the rail
+    limits the force, because it expects no more than ᾱ. On such a rail the train brakes harder than its curve, as far
+    as it can, because the next place may be worse.
 
     Sand is demanded while u exceeds `utilisation_sand`. Magnets, the last reserve, are demanded where a_d exceeds the
     deceleration that the available adhesion allows. Both are states, which the scenario's sanders and the plant's track
@@ -164,10 +164,17 @@ def _controlled(
                       choose(braking, lacks, 0.0), T_REDISTRIBUTION, period)  # fmt: skip
     more = choose(managed, lacking / ca.fmax(free, 1e-3 * load), 0.0)
 
-    withheld = choose(every(managed, free <= 0.0), _G * lacks / load, 0.0)
-    expected = _follow(draft, ("expected", "m/s2", "deceleration expected after the response of the brake"),
-                       choose(braking, wanted - withheld, 0.0), t["response_time"], period)  # fmt: skip
-    steady = every(braking, ca.logic_not(emergency), speed > _CREEPING)
+    reachable = choose(managed, ca.fmin(wanted, _G * possible - integral), wanted)
+    expected = _follow(
+        draft,
+        ("expected", "m/s2", "deceleration expected after the response of the brake"),
+        choose(braking, reachable, 0.0),
+        t["response_time"],
+        period,
+    )
+    lowered = draft.state("lowered", "1", "1 while magnets are demanded")
+    # The force of magnets is not known.
+    steady = every(braking, ca.logic_not(emergency), speed > _CREEPING, lowered < 0.5)
     moved = integral + t["integral_gain"] * (expected + train[0].acceleration) * period
     draft.keep(integral, choose(steady, within(moved, -t["integral_max"], t["integral_max"]), integral))
 
@@ -177,7 +184,6 @@ def _controlled(
     draft.show("utilisation", "1", "demanded over available adhesion of the train", now)
     sanding = every(braking, speed > t["sand_speed"], either(now > t["utilisation_sand"], ca.logic_not(managed)))
     draft.show("sand", "1", "1 while sand is demanded", choose(sanding, 1.0, 0.0))
-    lowered = draft.state("lowered", "1", "1 while magnets are demanded")
     fails = demanded > _G * possible * choose(lowered > 0.5, _ENOUGH, 1.0)
     draft.keep(lowered, choose(every(braking, choose(managed, fails, emergency)), 1.0, 0.0))
     draft.show("magnets", "1", "1 while magnetic track brakes are demanded", lowered)
