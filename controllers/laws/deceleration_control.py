@@ -44,6 +44,9 @@ class DecelerationTuning(SlopeTuning):
     utilisation_full: Annotated[float, "1", "the same, from which the whole reserve is demanded"] = 1.0
     utilisation_rise: Annotated[float, "s", "time constant of a rising utilisation"] = 0.3
     utilisation_fall: Annotated[float, "s", "time constant of a falling utilisation: how long a rail is remembered"]
+    speed_min: Annotated[float, "m/s", "train speed below which slide protection is off: errors of speed are slip"] = (
+        1.5
+    )
     sand_speed: Annotated[float, "m/s", "train speed below which no sand is laid"] = 1.0
 
     LAW: ClassVar[str] = "DecelerationControl"
@@ -87,8 +90,8 @@ class DecelerationControl(SlopeSeeking):
     deceleration that the available adhesion allows. Both are states, which the scenario's sanders and the plant's track
     brakes follow.
 
-    The demand is that of slide protection alone where the driver demands full pressure, and with a target beyond it or
-    from v²/(2 d) = `emergency` on: it is never later than the emergency brake.
+    Where the driver demands full pressure, and with a target beyond it or from v²/(2 d) = `emergency` on, the demand is
+    that of slide protection alone, with sand and magnets: it is never later than the emergency brake.
     """
 
     description = "Deceleration control of the train over slip control on the slope of adhesion"
@@ -105,7 +108,8 @@ class DecelerationControl(SlopeSeeking):
             ValueError: See `GroupLaw.load_tuning`.
         """
         slope = asdict(SlopeSeeking.load_tuning(actuation, slip, SEARCHED, **others))
-        return super().load_tuning(actuation, slip, name, **{**slope, **others})
+        inherited = {key: value for key, value in slope.items() if key not in cls.tuning.__annotations__}
+        return super().load_tuning(actuation, slip, name, **{**inherited, **others})
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
@@ -182,11 +186,12 @@ def _controlled(
     now = used + period / (choose(ratio > used, t["utilisation_rise"], t["utilisation_fall"]) + period) * (ratio - used)
     draft.keep(used, now)
     draft.show("utilisation", "1", "demanded over available adhesion of the train", now)
-    sanding = every(braking, speed > t["sand_speed"], either(now > t["utilisation_sand"], ca.logic_not(managed)))
-    draft.show("sand", "1", "1 while sand is demanded", choose(sanding, 1.0, 0.0))
+    useful = every(speed > t["sand_speed"], either(now > t["utilisation_sand"], ca.logic_not(managed)))
+    draft.show("sand", "1", "1 while sand is demanded", choose(either(emergency, every(braking, useful)), 1.0, 0.0))
     fails = demanded > _G * possible * choose(lowered > 0.5, _ENOUGH, 1.0)
-    draft.keep(lowered, choose(every(braking, choose(managed, fails, emergency)), 1.0, 0.0))
-    draft.show("magnets", "1", "1 while magnetic track brakes are demanded", lowered)
+    lowering = choose(either(emergency, every(managed, braking, fails)), 1.0, 0.0)
+    draft.keep(lowered, lowering)
+    draft.show("magnets", "1", "1 while magnetic track brakes are demanded", lowering)
 
     pressures = [_pressure(group, adhesion + more) for group in train]
     controlled = [choose(braking, ca.fmin(p, most), 0.0) for p, most in zip(pressures, protected, strict=True)]

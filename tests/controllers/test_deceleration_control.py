@@ -100,7 +100,7 @@ def test_groups_with_adhesion_left_replace_the_force_of_one_that_slides():
 
 
 def test_it_is_never_later_than_the_emergency_brake():
-    """With full pressure demanded, or a target that is near or passed, each demand is that of slide protection alone."""
+    """With full pressure demanded, or a target that is near or passed, demands are those of slide protection alone."""
     random = np.random.default_rng(4)
     slope = SlopeSeeking.load_tuning(
         "pneumatic", "estimated", period=PERIOD, adhesion_max=0.15, pressure_lag=0.0, speed_min=1.5

@@ -37,12 +37,12 @@ def test_a_dry_stop_is_that_of_the_closed_form():
 
 
 def test_an_emergency_brake_is_that_of_slide_protection():
-    """Byte by byte: the law is never later than the emergency brake."""
-    stop = scenario_of_case((MANAGED, {}, replace(DRY, friction=0.06), True))
+    """Byte by byte, magnets included: the law is never later than the emergency brake."""
+    stop = scenario_of_case((MANAGED, {}, replace(DRY, friction=0.06), True)).revised({"sanders": []})
     full = {"demand": {"phases": [{"pressure": "full"}]}}
     controllers = ({"kind": "deceleration_control"}, {"kind": "slope_seeking", "parameters": {"speed_min": 1.5}})
     traces = [trace_of(stop.revised({**full, "controller": controller})) for controller in controllers]
-    for name in ("distance", "command", "cylinder_pressure"):
+    for name in ("distance", "command", "cylinder_pressure", "magnets"):
         assert np.array_equal(*(trace[name].values for trace in traces))
 
 
@@ -57,7 +57,9 @@ def test_magnets_are_lowered_with_full_brake_and_lifted_with_service_brake():
     assert traces["1.5 bar"]["magnets"].values.max() == 0.0
     # Four magnets of 80 kN with friction between 0.08 and 0.15, over a train of 84 t.
     adds = np.array([0.08, 0.15]) * 4 * 80e3 / 84e3
-    without = trace_of(scenario_of_case(("driver", {}, DRY, False)).revised({"demand": {"phases": [{"pressure": "full"}]}}))
+    without = trace_of(
+        scenario_of_case(("driver", {}, DRY, False)).revised({"demand": {"phases": [{"pressure": "full"}]}})
+    )
     deceleration = [0.5 * DRY.speed**2 / float(trace["distance"].values[-1]) for trace in (traces["full"], without)]
     assert 0.6 * adds[0] < deceleration[0] - deceleration[1] < adds[1]  # they are lowered 1 s after the brake
 
