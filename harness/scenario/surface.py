@@ -137,6 +137,7 @@ class SandedRail:
     Attributes:
         deposited: Sand on each cell of either rail, for the wheelsets to come [kg/m].
         origin: Start of the first cell, behind the last wheelset's initial position [m].
+        is_demanded: Whether a controller switches the sanders.
 
     Limits: the rails stay dry, and wheels do not carry sand around. Creep stiffness and the fall with slip speed stay
         those of the untreated rail, and sand leaves the nozzle at the rate of the present speed.
@@ -152,6 +153,7 @@ class SandedRail:
             sand: Effect of sand on friction.
         """
         position, self.origin, self.deposited = _cells(layout.formation, reach)
+        self.is_demanded = False
         rows = kernel(layout).records("Sander", len(sanders))
         for row, sander in zip(rows, sanders, strict=True):
             row["rate"], row["density"] = sander.rate, inf if sander.density is None else sander.density
@@ -167,6 +169,7 @@ class SandedRail:
     def follow(self, demand: NDArray[np.float64]) -> None:
         """Switch the sanders by a controller's demand, shape (1,): on from 0.5 on; it is read at each sample."""
         self.struct.set(is_demanded=demand)
+        self.is_demanded = True
 
 
 def _cells(formation: Formation, reach: float) -> tuple[NDArray[np.float64], float, NDArray[np.float64]]:

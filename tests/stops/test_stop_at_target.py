@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from railgrip.base.errors import ScenarioError
+from railgrip.simulate.export.parts import part_in_c
 from railgrip.simulate.run import trace_of
 from railgrip.studies.stop_at_target.study import (
     DECELERATION,
@@ -81,6 +83,17 @@ def test_the_quick_study_has_its_page(tmp_path):
     page, path = conduct(StopAtTarget(quick=True), tmp_path, workers=1)
     assert path.is_file()
     assert {row["system"] for row in page.screen[0].rows} == set(SYSTEMS)
+
+
+def test_a_track_whose_sanders_are_switched_does_not_leave_as_an_fmu():
+    with pytest.raises(ScenarioError, match=r"deceleration_control switches the sanders"):
+        part_in_c(scenario_of_case((MANAGED, {}, DRY, True)), "track")
+
+
+def test_redistribution_is_not_demanded_twice():
+    stop = scenario_of_case((MANAGED, {}, DRY, True)).revised({"controller": {"redistribute": True}})
+    with pytest.raises(ScenarioError, match=r"redistribute is part of deceleration_control"):
+        trace_of(stop)
 
 
 def test_trains_of_the_study_differ_by_their_magnets():

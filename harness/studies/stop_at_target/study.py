@@ -36,7 +36,7 @@ PAGE = Path("docs/stop_at_target.md")
 LIBRARY = Path(__file__).parent / "library"
 EQUIPMENT = Path(__file__).parents[2] / "scenario" / "equipment" / "service.toml"
 
-DRAWS, QUICK, HEADLINE = 500, 4, 3
+DRAWS, QUICK, HEADLINE = 500, 2, 3
 SETS, TRAINING = 16, 12
 """Sets of parameters that are tried for each system, and draws of the training on which they are compared."""
 _POPULATION = 5
@@ -324,7 +324,7 @@ class StopAtTarget(Study):
         draws = draws_of(count, TEST_SEED)
         frames = {
             "with magnets": frame_of(systems, draws, work, has_magnets=True),
-            "without magnets": frame_of(systems, draws[: max(count // 5, 2)], work, has_magnets=False),
+            "without magnets": frame_of(systems, draws[: max(count // 5, 1)], work, has_magnets=False),
         }
         tables = {title: table_of(frame, title) for title, frame in frames.items()}
         parameters = values_table(systems)
