@@ -13,12 +13,20 @@ from railgrip.controllers.sampled import Sampled
 from railgrip.fmi import Description, shared_budget
 from railgrip.fmi.plant import SteppedPlant
 from railgrip.report.stop import Stop
+from railgrip.scenario.adhesion import TabulatedRail
 from railgrip.scenario.demand import driver_of
 from railgrip.scenario.onboard import KalmanFilter
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.bound_plant import fmu_plant, require_python_plant
-from railgrip.simulate.controller import ForeignController, law_states, open_controller, train_level_of, valve_logic_of
+from railgrip.simulate.controller import (
+    ForeignController,
+    exceeds_driver,
+    law_states,
+    open_controller,
+    train_level_of,
+    valve_logic_of,
+)
 from railgrip.simulate.estimator import state_estimator
 from railgrip.simulate.faults.site import faults_of
 from railgrip.simulate.loop.interfaces import Clock, LoopController, Parts, StateEstimator
@@ -156,7 +164,7 @@ def assemble(
         parts = Parts(
             layout=layout,
             plant=plant,
-            rail=vehicle.rail(),
+            rail=_rail(vehicle, controller),
             sensors=user.sensors() or scenario.sensors.open(scenario, layout, radius[0]),
             estimator=filter_,
             controller=controller,
@@ -169,7 +177,7 @@ def assemble(
                 layout,
                 scenario.demand,
                 clock.period,
-                binding=not getattr(scenario.controller, "redistribute", False),
+                binding=not exceeds_driver(scenario),
                 origin=scenario.name,
             ),
             faults=faults_of(
@@ -200,6 +208,15 @@ def _clock(scenario: Scenario) -> Clock:
         samples=round(scenario.horizon / period),
         sensors=scenario.sensors.sampled_every(period),
     )
+
+
+def _rail(vehicle: VehicleData, controller: LoopController) -> TabulatedRail:
+    """Return the rail of a scenario; a law that demands sand switches the sanders on it."""
+    rail = vehicle.rail()
+    demand = controller.visible_state("sand") if isinstance(controller, Sampled) else None
+    if rail.sand is not None and demand is not None:
+        rail.sand.follow(demand)
+    return rail
 
 
 def _signals(

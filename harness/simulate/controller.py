@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip import fmi
-from railgrip.base import registry
 from railgrip.base.arrays import Vector
 from railgrip.base.errors import ControllerFailed, FmuError, PlantFailed, ScenarioError
 from railgrip.base.interrupted import end_if_stuck
 from railgrip.base.names import Element
-from railgrip.controllers.law import GroupLaw, Law
+from railgrip.controllers.law import Law
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.parameters import SEARCHED
 from railgrip.controllers.sampled import Sampled
@@ -32,7 +31,7 @@ from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.loop.interfaces import LawStates, LoopController, LoopPlant
 from railgrip.simulate.named_models import description_of, require_role, units_of
-from railgrip.simulate.vehicle_data import Opening, VehicleData
+from railgrip.simulate.vehicle_data import Opening, VehicleData, law_named
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.parameters import units_of_nominal_data
 from railgrip.vehicle.signals import DEMANDED, OBSERVED, ONLY_ESTIMATED, Signal, of_law
@@ -310,6 +309,12 @@ def controller_of(vehicle: VehicleData) -> LoopController:
     return _add_train_level(vehicle, _group_law(vehicle))
 
 
+def exceeds_driver(scenario: Scenario) -> bool:
+    """Return whether the controller applies the driver's demand itself, and commands are not limited to it."""
+    law = law_named(scenario.controller.kind)
+    return getattr(scenario.controller, "redistribute", False) or (law is not None and law.exceeds_driver)
+
+
 def train_level_of(vehicle: VehicleData) -> Law | None:
     """Return the decisions for the whole train over a controller that is not a built-in law, or None.
 
@@ -330,6 +335,8 @@ def _add_train_level(vehicle: VehicleData, law: Law) -> Law:
                 f"{scenario.name}: [controller] redistribute asks single groups for more, groups_per_valve is "
                 f"{list(valves)}: a valve gives all its groups the same; leave out redistribute"
             )
+        if exceeds_driver(scenario.revised({"controller": {"redistribute": False}})):
+            raise ScenarioError(f"{scenario.name}: [controller] redistribute is part of {table.kind}; leave it out")
         if scenario.demand is None:
             raise ScenarioError(
                 f"{scenario.name}: [controller] redistribute has no effect where full brake is demanded from "
@@ -349,7 +356,7 @@ def _group_law(vehicle: VehicleData) -> Law:
     """
     scenario = vehicle.scenario
     table = scenario.controller
-    kind = _law_named(table.kind) if isinstance(table, LawTable) else None
+    kind = law_named(table.kind) if isinstance(table, LawTable) else None
     if kind is None or not isinstance(table, LawTable):
         raise ScenarioError(f"{scenario.name}: [controller] kind '{table.kind}' is not a built-in law")
     train = units_of_nominal_data(vehicle.formation)
@@ -371,10 +378,6 @@ def _group_law(vehicle: VehicleData) -> Law:
     return law
 
 
-def _law_named(kind: str) -> type[GroupLaw] | None:
-    return registry.part(registry.LAWS, kind, GroupLaw) if kind in registry.modules(registry.LAWS) else None
-
-
 def law_states(controller: LoopController) -> LawStates | None:
     """Return the states of a controller that are recorded in the trace, or None."""
     if not isinstance(controller, Sampled) or not (visible := controller.visible):
@@ -389,7 +392,7 @@ def valve_logic_of(vehicle: VehicleData) -> ValveLogic | None:
     scenario = vehicle.scenario
     if scenario.actuation.kind == "ideal":
         return None
-    valves, law = vehicle.nominal.valves, _law_named(scenario.controller.kind)
+    valves, law = vehicle.nominal.valves, law_named(scenario.controller.kind)
     return ValveLogic(
         vehicle.nominal.formation.pressure_max.tolist(),
         ValveModel(

@@ -210,7 +210,12 @@ def _write_call(name: str, formula: Sampled) -> str:
     )
 
 
-def _track(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:  # pyright: ignore[reportUnusedParameter]
+def _track(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
+    if parts.rail.sand is not None and parts.rail.sand.is_demanded:
+        raise ScenarioError(
+            f"{scenario.name}: [controller] {scenario.controller.kind} switches the sanders, and the FMU of the track "
+            "has no input for that; leave out [[sanders]], or choose another controller"
+        )
     recovers = parts.rail.slip_energy is not None
     needed = ("distance", "speed", *(("slip", "adhesion", "wheelset_load", "wheelset_speed") if recovers else ()))
     given, places = _select_outputs(parts.layout, structs, needed)
