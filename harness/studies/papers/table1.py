@@ -7,6 +7,7 @@ published distances. Candidates are judged by the three distances of the law as 
 that must hold in most of the same stops. The law chatters, so that each stop is repeated with perturbed parameters.
 """
 
+import csv
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
@@ -486,6 +487,9 @@ def read_fits(path: Path) -> list[CandidateFit]:
     def by_name(row: Mapping[str, float], names: Iterable[str], kind: str = "") -> dict[str, float]:
         return {name: row[kind + name] for name in names}
 
+    # The parser of pandas may err in the last digit.
+    lines = csv.DictReader(path.read_text(encoding="utf-8").splitlines())
+    rows = [{name: float(value) for name, value in row.items()} for row in lines]
     return [
         CandidateFit(
             candidate=Candidate(**by_name(row, _NUMBERS)),
@@ -495,7 +499,7 @@ def read_fits(path: Path) -> list[CandidateFit]:
             share=row["share"],
             holds=by_name(row, REQUIRED),
         )
-        for row in pandas.read_csv(path, dtype=float).to_dict("records")
+        for row in rows
     ]
 
 
