@@ -8,7 +8,7 @@ from importlib.resources import files
 import numpy as np
 
 from railgrip.base.errors import EstimatorError
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.estimators.belief import Vector
 from railgrip.estimators.design import Gate
 
@@ -42,12 +42,12 @@ class NoiseSet:
         return self._squares("start", self.start, states)
 
     def _squares(self, what: str, deviations: Mapping[str, float], names: Sequence[str]) -> Vector:
-        missing = sorted({Element.of(name).array for name in names} - deviations.keys())
+        missing = sorted({ElementName.of(name).array for name in names} - deviations.keys())
         if missing:
             raise EstimatorError(
                 f"Noise set '{self.name}': no {what} for {', '.join(missing)}; it has {', '.join(deviations)}."
             )
-        return np.array([deviations[Element.of(name).array] for name in names]) ** 2
+        return np.array([deviations[ElementName.of(name).array] for name in names]) ** 2
 
 
 def _noise_sets() -> dict[str, NoiseSet]:

@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from railgrip.base.errors import InputError
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.fmus.native.c_source import table
 from railgrip.fmus.native.code import RUNTIME
@@ -107,7 +107,7 @@ def _fields(variables: Sequence[Variable]) -> Iterator[str]:
         yield "    double none; /* C has no empty structs */"
     arrays: dict[str, list[Variable]] = {}
     for variable in variables:
-        arrays.setdefault(Element.of(variable.name).array, []).append(variable)
+        arrays.setdefault(ElementName.of(variable.name).array, []).append(variable)
     for name, elements in arrays.items():
         first = elements[0]
         size = f"[{len(elements)}]" if first.name.endswith("]") else ""

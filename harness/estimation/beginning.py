@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.prediction import Prediction
 
@@ -70,7 +70,7 @@ def start_in_braking(
 
 
 def _places(states: Sequence[str], base: str) -> list[int]:
-    return [k for k, state in enumerate(states) if Element.of(state).array == base]
+    return [k for k, state in enumerate(states) if ElementName.of(state).array == base]
 
 
 def _slope(values: Vector, period: float) -> float:

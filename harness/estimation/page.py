@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import xarray
 
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.estimation.judge import Judgement
 from railgrip.estimation.run import units_of
 from railgrip.estimation.spec import ModelParameter, Specification, model_parameters, settings_with_origins
@@ -68,7 +68,7 @@ def parameters_table(parameters: Sequence[ModelParameter], title: str = "") -> R
     """Return parameters with value, unit and origin; elements of an array with the same origin are in one row."""
     rows: dict[tuple[str, str], list[ModelParameter]] = {}
     for each in parameters:
-        rows.setdefault((Element.of(each.name).array, each.origin), []).append(each)
+        rows.setdefault((ElementName.of(each.name).array, each.origin), []).append(each)
     table = [
         {
             "parameter": name if len(elements) > 1 else elements[0].name,

@@ -11,7 +11,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.estimators.belief import Vector
 from railgrip.recording.samples import reading_of, unit_of
 
@@ -94,4 +94,4 @@ def _sentences(
 
 
 def _family(name: str) -> str:
-    return Element.of(name).array
+    return ElementName.of(name).array

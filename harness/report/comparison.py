@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Self
 import xarray
 
 from railgrip.base.errors import RecordError
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.units import cut, short
 from railgrip.report.page import Page
 from railgrip.report.results import Results, provenance, read_results
@@ -407,7 +407,7 @@ def _means(metrics: Metrics) -> dict[str, float]:
     elements: dict[str, list[float]] = {}
     for name, value in metrics.flat().items():
         if name.count("[") < 2:
-            elements.setdefault(Element.of(name).array, []).append(value)
+            elements.setdefault(ElementName.of(name).array, []).append(value)
     figures: dict[str, float] = {}
     for name, values in elements.items():
         known = [value for value in values if not math.isnan(value)]

@@ -6,7 +6,7 @@ from statistics import median
 
 import numpy as np
 
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.fmi.comparison import seconds_in_c, seconds_of_fmpy, seconds_of_railgrip
 from railgrip.fmi.description import Description, describe
 from railgrip.fmi.mapping import Binding, Port, bind
@@ -90,5 +90,5 @@ def every_real(description: Description, inputs: Mapping[str, float]) -> tuple[B
     )
     names = binding.inputs.elements
     return binding, np.array(
-        [inputs.get(Element.of(v).array, float(description.variables[v].start_text or 0.0)) for v in names]
+        [inputs.get(ElementName.of(v).array, float(description.variables[v].start_text or 0.0)) for v in names]
     )

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 import xarray
 
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.estimation.models import PredictionModel
 from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.tuning import NOISE_SETS
@@ -81,7 +81,7 @@ def with_unmodelled(
         model: Prediction with the parameters of the pads.
         effect: g = ∂(dω/dt)/∂α of each group [rad/s²], shape (groups,).
     """
-    bases = [Element.of(name).array for name in states]
+    bases = [ElementName.of(name).array for name in states]
     of = {
         base: [k for k, name in enumerate(bases) if name == base]
         for base in ("speed", "wheelset_speed", "group_adhesion", "pad_friction")

@@ -11,7 +11,7 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.base.errors import FilterDiverged
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.estimation.judge import NORMAL_95, rms
 from railgrip.estimators.belief import Array, Vector
 from railgrip.simulate.estimator import RELEASED_PADS
@@ -125,7 +125,7 @@ def _digest(trace: xarray.Dataset) -> str:
 
 def _constant(recording: xarray.Dataset, names: Sequence[str], constants: Mapping[str, float]) -> Replay:
     bases = {"group_adhesion": "adhesion", "pad_friction": "pad_friction"}
-    row = [constants.get(bases.get(Element.of(name).array, ""), math.nan) for name in names]
+    row = [constants.get(bases.get(ElementName.of(name).array, ""), math.nan) for name in names]
     mean = np.tile(row, (recording.sizes["time"], 1))
     return Replay(mean=mean, variance=np.full(mean.shape, math.nan), nis_ratio=None, microseconds=0.0)
 

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.estimation.judge import NORMAL_95, rms
 from railgrip.estimation.run import filter_data
 from railgrip.estimation.several import context_of, run_kind
@@ -54,7 +54,7 @@ def rows_of_estimation(name: str) -> list[Row]:
     for kind in KINDS:
         run = run_kind(kind, context, data)
         for state in STATES:
-            of = [i for i, each in enumerate(names) if Element.of(each).array == state]
+            of = [i for i, each in enumerate(names) if ElementName.of(each).array == state]
             error, deviation = (run.mean - truth)[judged][:, of], np.sqrt(run.variance)[judged][:, of]
             rows.append(_row(name, kind, state, error, deviation) | {"bound": rms(smallest[judged][:, of])})
     return rows
