@@ -8,7 +8,7 @@ from math import isfinite
 from pathlib import Path
 from typing import ClassVar
 
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.system import SampledSystem
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.parameters import SEARCHED, Parameters, SlipSource, file_of, tuned_values
@@ -134,7 +134,7 @@ class Law(Sampled):
     def __init__(self, formula: SampledSystem, groups: Sequence[Brake], parameters: Mapping[str, float]) -> None:
         """Control `groups`; `parameters` has the values by name, except for the brake data of the groups."""
         super().__init__(formula, by_name(groups) | {name: float(value) for name, value in parameters.items()})
-        names = [Element.of(variable.name).array for variable in formula.inputs]
+        names = [ElementName.of(variable.name).array for variable in formula.inputs]
         first = {name: names.index(name) for name in names}
         self._places = tuple((name, slice(start, start + names.count(name))) for name, start in first.items())
 

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import Signal, names_of
@@ -174,8 +174,8 @@ class Sampled:
     def visible(self) -> tuple[tuple[int, Variable], ...]:
         """Index in `state` and variable of each visible state; elements of an array are adjacent, as in a trace."""
         visible = [(i, variable) for i, variable in enumerate(self.formula.states) if variable.visible]
-        names = [Element.of(variable.name).array for _, variable in visible]
-        return tuple(sorted(visible, key=lambda state: names.index(Element.of(state[1].name).array)))
+        names = [ElementName.of(variable.name).array for _, variable in visible]
+        return tuple(sorted(visible, key=lambda state: names.index(ElementName.of(state[1].name).array)))
 
     def visible_state(self, name: str) -> NDArray[np.float64] | None:
         """Return the element of `state` of a visible state, shape (1,), sharing its memory; None without it."""

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from railgrip.base.errors import EstimatorError
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector, seal
 from railgrip.estimators.discretisation import Order
 from railgrip.estimators.prediction import FilterVariables
@@ -345,12 +345,12 @@ class NoiseSet:
         return self._squares("start", self.start, states)
 
     def _squares(self, what: str, deviations: Mapping[str, float], names: Sequence[str]) -> Vector:
-        missing = sorted({Element.of(name).array for name in names} - deviations.keys())
+        missing = sorted({ElementName.of(name).array for name in names} - deviations.keys())
         if missing:
             raise EstimatorError(
                 f"Noise set '{self.name}': no {what} for {', '.join(missing)}; it has {', '.join(deviations)}."
             )
-        return np.array([deviations[Element.of(name).array] for name in names]) ** 2
+        return np.array([deviations[ElementName.of(name).array] for name in names]) ** 2
 
 
 def _noise_sets() -> dict[str, NoiseSet]:

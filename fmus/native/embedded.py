@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.errors import InputError
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.fmus.native.c_library import WORD, Struct
 from railgrip.fmus.native.c_source import table
@@ -112,7 +112,7 @@ def _fields(variables: Sequence[Variable]) -> Iterator[str]:
         yield "    double none; /* C has no empty structs */"
     arrays: dict[str, list[Variable]] = {}
     for variable in variables:
-        arrays.setdefault(Element.of(variable.name).array, []).append(variable)
+        arrays.setdefault(ElementName.of(variable.name).array, []).append(variable)
     for name, elements in arrays.items():
         first = elements[0]
         size = f"[{len(elements)}]" if first.name.endswith("]") else ""

@@ -14,7 +14,7 @@ Adhesion is a state of each group, as the signal `group_adhesion`; the signal `a
 """
 
 
-class Element(NamedTuple):
+class ElementName(NamedTuple):
     """Name of an element of an array, such as `slip[2]`, or of a scalar.
 
     Attributes:
@@ -26,7 +26,7 @@ class Element(NamedTuple):
     bracket: str = ""
 
     @classmethod
-    def of(cls, name: str) -> "Element":
+    def of(cls, name: str) -> "ElementName":
         """Return the parts of a name."""
         array, bracket, index = name.partition("[")
         return cls(array, bracket + index)
@@ -48,7 +48,7 @@ class Element(NamedTuple):
 
 def state_name(name: str) -> str:
     """Return the name of a state, `wheelset_speed[1]` for the symbol `w[1]`; others are returned as they are."""
-    element = Element.of(name)
+    element = ElementName.of(name)
     return f"{STATE_NAMES.get(element.array, element.array)}{element.bracket}"
 
 

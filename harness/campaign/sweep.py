@@ -16,7 +16,7 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.base.errors import InputError, RailgripError, ScenarioError
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.units import short
 from railgrip.campaign.workers import answer, collect
 from railgrip.campaign.workers import workers as processes
@@ -144,7 +144,7 @@ class Sweep:
         frame.attrs["units"] = {
             column: figure.unit
             for column in frame.columns
-            if (figure := FIGURES.get(Element.of(column).array)) is not None
+            if (figure := FIGURES.get(ElementName.of(column).array)) is not None
         }
         return frame
 

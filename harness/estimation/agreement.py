@@ -27,7 +27,7 @@ from scipy.signal import savgol_filter
 
 from railgrip.base.arrays import Mask
 from railgrip.base.errors import EstimationError
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.units import GRAVITY, mistake, unit
 from railgrip.estimation.run import by_name
 from railgrip.estimation.spec import Specification, equations_for, parameters_for, settings_for
@@ -205,7 +205,7 @@ class _RecordingComparison:
         return np.interp(self._time, self._time[known], values[known]) if known.sum() > 1 else None
 
     def _radius(self, wheelset: str) -> float | None:
-        of_wheelset = f"r_wheel{Element.of(wheelset).bracket}"
+        of_wheelset = f"r_wheel{ElementName.of(wheelset).bracket}"
         return self._parameters.get("r_wheel", self._parameters.get(of_wheelset))
 
     def _rim(self, wheelset: str) -> Vector:
@@ -521,7 +521,7 @@ class _RecordingComparison:
         states = np.zeros((at.size, len(prediction.states)))
         friction = iter(self._friction())
         for column, state in enumerate(prediction.states):
-            base, bracket = Element.of(state)
+            base, bracket = ElementName.of(state)
             wheelset = f"wheelset_speed{bracket}"
             if base == "pad_friction":
                 states[:, column] = next(friction)
@@ -612,7 +612,7 @@ def _correlation(a: Vector, b: Vector) -> float:
 
 
 def _base(name: str) -> str:
-    return Element.of(name).array
+    return ElementName.of(name).array
 
 
 def _alike(values: Mapping[str, float], difference: float = 0.08) -> list[tuple[list[str], float]]:

@@ -15,7 +15,7 @@ import pandas as pd
 from scipy.optimize import linear_sum_assignment
 
 from railgrip.base.errors import EstimationError, UnitError
-from railgrip.base.names import Element, did_you_mean
+from railgrip.base.names import ElementName, did_you_mean
 from railgrip.base.units import conversion, short, turning_of, unit
 from railgrip.estimation.sources import ACCELERATION, UNITS_OF_RUN, signals_of
 from railgrip.estimation.spec import ModelParameter, Specification, load_specification, model_parameters
@@ -391,8 +391,8 @@ def _recognise(findings: Sequence[ColumnMatch], wanted: Mapping[str, _RequiredSi
 
 
 def _score(signal: str, target: str, stem: str, number: int | None, finding: ColumnMatch) -> float:
-    base, bracket = Element.of(signal)
-    numbers = (Element.of(signal).place + 1,) if bracket else (None, 1)
+    base, bracket = ElementName.of(signal)
+    numbers = (ElementName.of(signal).place + 1,) if bracket else (None, 1)
     if number not in numbers or not _may_be(finding, target):
         return 0.0
     words = (base, *OTHER_NAMES.get(base, "").split(), *_NAMES.get(base, "").split())
@@ -441,7 +441,7 @@ def _columns(
         if finding is None:
             if is_needed:
                 unrecognised.append(signal)
-                instead = _FROM_ANOTHER.get(Element.of(signal).array, "")
+                instead = _FROM_ANOTHER.get(ElementName.of(signal).array, "")
                 lines.append(
                     f'{key} = {{ column = "{_UNKNOWN}", unit = "{unit_of_signal}" }}  # needed, and not recognised; '
                     f'{instead}{{ value = "{_zero(unit_of_signal)}" }} where it is constant'
@@ -455,7 +455,7 @@ def _columns(
             remark = f"  # the file gives no unit of the dimension of {unit_of_signal}"
         elif text.startswith("rev/") and finding.unit is not None and "rev" not in finding.unit:
             remark = f"  # the file says {finding.unit}: revolutions are assumed"
-        rest = ", may_rest = true" if Element.of(signal).array in _MAY_REST else ""
+        rest = ", may_rest = true" if ElementName.of(signal).array in _MAY_REST else ""
         lines.append(f"{key} = {{ {_source(finding.name)}, unit = {_toml(text or _UNKNOWN)}{rest} }}{remark}")
     return lines, unrecognised
 

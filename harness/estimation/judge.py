@@ -13,7 +13,7 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.base.errors import EstimationError
-from railgrip.base.names import Element, state_name
+from railgrip.base.names import ElementName, state_name
 from railgrip.estimators.belief import Array, Vector
 from railgrip.recording.samples import reading_of, truth_of, unit_of
 
@@ -185,4 +185,4 @@ def _sentences(
 
 
 def _family(name: str) -> str:
-    return Element.of(name).array
+    return ElementName.of(name).array

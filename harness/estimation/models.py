@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from railgrip.base.errors import EstimationError, InputError
-from railgrip.base.names import Element, did_you_mean
+from railgrip.base.names import ElementName, did_you_mean
 from railgrip.base.system import Variable
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC, with_state_names
 from railgrip.fmi import Description, FmuPrediction, describe
@@ -96,7 +96,7 @@ class PredictionModel:
                 f"{self.name} has no parameter {', '.join(strange)}; it has {', '.join(known)}"
                 + did_you_mean(strange[0], known, before="; ")
             )
-        return {v.name: given.get(v.name, given.get(Element.of(v.name).array, v.start)) for v in self.parameters}
+        return {v.name: given.get(v.name, given.get(ElementName.of(v.name).array, v.start)) for v in self.parameters}
 
     def equations(self, given: Values, outputs: Sequence[str] | None = None) -> CasadiPrediction:
         """Return the prediction as equations, which can be differentiated further and shared by threads.
@@ -163,8 +163,8 @@ def select_outputs(source: Model, model: str, outputs: tuple[str, ...]) -> Model
         EstimationError: An output does not exist.
     """
     names = [variable.name for variable in source.outputs]
-    places = [i for output in outputs for i, name in enumerate(names) if output in (name, Element.of(name).array)]
-    missing = [output for output in outputs if not any(output in (n, Element.of(n).array) for n in names)]
+    places = [i for output in outputs for i, name in enumerate(names) if output in (name, ElementName.of(name).array)]
+    missing = [output for output in outputs if not any(output in (n, ElementName.of(n).array) for n in names)]
     if missing:
         raise EstimationError(
             f"{model} has no output {', '.join(missing)}; it has {', '.join(names)}"
@@ -257,13 +257,13 @@ def _of_train(entry: str, path: Path, digest: str, class_name: str, has_suspensi
         data = {name: value for name, value in data.items() if not name.startswith("m_frame")}
 
     def data_with(given: Values) -> dict[str, float]:
-        return {name: value for name, value in data.items() if Element.of(name).array not in given} | dict(given)
+        return {name: value for name, value in data.items() if ElementName.of(name).array not in given} | dict(given)
 
     def central(given: Values) -> CentralPrediction:
         return central_of(formation, data_with(given), class_name)
 
     def start(given: Values) -> dict[str, float]:
-        names = [v.name for v in nominal.model.states if Element.of(v.name).array not in READ_STATES]
+        names = [v.name for v in nominal.model.states if ElementName.of(v.name).array not in READ_STATES]
         return dict(zip(names, start_of(names, formation, data_with(given), np.nan).tolist(), strict=True))
 
     nominal = central({})
@@ -291,12 +291,12 @@ def _of_train(entry: str, path: Path, digest: str, class_name: str, has_suspensi
 def _parameters_of_train(model: Model, data: Values) -> tuple[Variable, ...]:
     """Return the data of a train that its prediction uses, then the other parameters of the prediction."""
     units = units_of_predictions()
-    of_model = {Element.of(variable.name).array: variable.description for variable in model.parameters}
+    of_model = {ElementName.of(variable.name).array: variable.description for variable in model.parameters}
     meanings = of_model | _OF_TRAIN
     own = tuple(
         Variable(name=name, unit=units[base], description=meanings[base], start=value)
         for name, value in data.items()
-        if (base := Element.of(name).array) in units and base in meanings
+        if (base := ElementName.of(name).array) in units and base in meanings
     )
-    bases = {"m_group", *(Element.of(name).array for name in data)}
-    return own + tuple(v for v in model.parameters if Element.of(v.name).array not in bases)
+    bases = {"m_group", *(ElementName.of(name).array for name in data)}
+    return own + tuple(v for v in model.parameters if ElementName.of(v.name).array not in bases)

@@ -9,7 +9,7 @@ import numpy as np
 import xarray
 
 from railgrip.base.errors import EstimationError
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.estimation.judge import Judgement
 from railgrip.estimation.models import units_of
 from railgrip.estimation.run import by_name
@@ -171,7 +171,7 @@ def parameters_table(parameters: Sequence[ModelParameter], title: str = "") -> R
     """Return parameters with value, unit and origin; elements of an array with the same origin are in one row."""
     rows: dict[tuple[str, str], list[ModelParameter]] = {}
     for each in parameters:
-        rows.setdefault((Element.of(each.name).array, each.origin), []).append(each)
+        rows.setdefault((ElementName.of(each.name).array, each.origin), []).append(each)
     table = [
         {
             "parameter": name if len(elements) > 1 else elements[0].name,

@@ -21,7 +21,7 @@ from scipy.ndimage import binary_closing
 
 from railgrip.base import registry
 from railgrip.base.errors import EstimationError, FilterDiverged
-from railgrip.base.names import Element, did_you_mean, state_name
+from railgrip.base.names import ElementName, did_you_mean, state_name
 from railgrip.estimation.models import READ_STATES
 from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter, FilterRecord
@@ -76,7 +76,7 @@ class Settings:
 
 def start_by_reading(states: Sequence[str], outputs: Sequence[str]) -> dict[str, str]:
     """Return state → reading for the states that may be initialised with their first reading."""
-    return {state: state for state in states if Element.of(state).array in READ_STATES and state in outputs}
+    return {state: state for state in states if ElementName.of(state).array in READ_STATES and state in outputs}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -287,18 +287,18 @@ def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Mat
         EstimationError: A name has no value, or a value has no name.
     """
     values, choice = _by_state(what, values, names), _choice(names)
-    missing = [name for name in names if name not in values and Element.of(name).array not in values]
+    missing = [name for name in names if name not in values and ElementName.of(name).array not in values]
     problems = [f"{what} lacks {', '.join(missing)}; it has {', '.join(values) or 'nothing'}."] if missing else []
     strange = [name for name in values if name not in choice]
     if strange:
         problems.append(f"{what} has {', '.join(strange)}, the model has {', '.join(names)}.")
     if problems:
         raise EstimationError("\n".join(problems))
-    return np.array([values.get(name, values.get(Element.of(name).array, np.nan)) for name in names])
+    return np.array([values.get(name, values.get(ElementName.of(name).array, np.nan)) for name in names])
 
 
 def _choice(names: Sequence[str]) -> set[str]:
-    return {*names, *(Element.of(name).array for name in names)}
+    return {*names, *(ElementName.of(name).array for name in names)}
 
 
 def _by_state(what: str, values: Mapping[str, float], names: Sequence[str]) -> dict[str, float]:
@@ -315,7 +315,7 @@ def _start(start: Mapping[str, float], states: Sequence[str], outputs: Sequence[
     first, problems = dict[str, float](), list[str]()
     start = _by_state("[start] mean", start, states)
     for state, reading in start_by_reading(states, outputs).items():
-        if state in start or Element.of(state).array in start:
+        if state in start or ElementName.of(state).array in start:
             continue
         column = readings[:, outputs.index(reading)]
         finite = np.flatnonzero(np.isfinite(column))
@@ -508,7 +508,7 @@ def start_in_braking(
 
 
 def _places(states: Sequence[str], base: str) -> list[int]:
-    return [k for k, state in enumerate(states) if Element.of(state).array == base]
+    return [k for k, state in enumerate(states) if ElementName.of(state).array == base]
 
 
 def _slope(values: Vector, period: float) -> float:

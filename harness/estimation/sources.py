@@ -18,7 +18,7 @@ import xarray
 
 from railgrip.base.arrays import generator
 from railgrip.base.errors import EstimationError, InputError, UnitError
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.units import cut, unit
 from railgrip.estimation.agreement import require_agreement
 from railgrip.estimation.models import select_outputs, units_of
@@ -122,7 +122,7 @@ def check_mass(specification: Specification) -> None:
     """
     model = specification.model.prediction
     values = model.values(parameters_for(specification))
-    masses = [value for name, value in values.items() if Element.of(name).array == "m_wheelset"]
+    masses = [value for name, value in values.items() if ElementName.of(name).array == "m_wheelset"]
     if specification.course is None or not masses:
         return
     mass, total = specification.course.mass, sum(masses)
@@ -143,8 +143,8 @@ def _check_formation(specification: Specification, scenario: str | None, signals
     elif vehicle.formation is not None:
         counts = vehicle.formation.wheelsets_per_group
     sizes = {"group": len(counts), "wheelset": sum(counts)}
-    for base in dict.fromkeys(Element.of(name).array for name in signals if "[" in name):
-        elements = sum(Element.of(name).array == base for name in signals)
+    for base in dict.fromkeys(ElementName.of(name).array for name in signals if "[" in name):
+        elements = sum(ElementName.of(name).array == base for name in signals)
         extent = dimension_of(base)
         if counts and elements != sizes.get(extent, elements):
             raise EstimationError(
@@ -211,7 +211,7 @@ def require_groups(specification: Specification, names: Collection[str]) -> None
 def _by_group(model: Model) -> dict[str, list[str]]:
     """Return the inputs and readings that each group of a train has, by their name without index."""
     signals = [variable.name for variable in (*model.inputs, *model.outputs) if "[" in variable.name]
-    bases = dict.fromkeys(Element.of(name).array for name in signals)
+    bases = dict.fromkeys(ElementName.of(name).array for name in signals)
     return {
         base: [name for name in signals if name.startswith(f"{base}[")]
         for base in bases
@@ -230,7 +230,7 @@ def signals_of(specification: Specification) -> tuple[dict[str, str], list[str],
     outputs = [variable.name for variable in model.outputs]
     if specification.course is not None:
         columns = list(specification.data.columns) if specification.data else []
-        of_run = {name: "m/s2" for name in columns if Element.of(name).array == ACCELERATION}
+        of_run = {name: "m/s2" for name in columns if ElementName.of(name).array == ACCELERATION}
         of_run |= {name: unit for name, unit in UNITS_OF_RUN.items() if name in columns}
         units = {name: unit for name, unit in units.items() if name != "track_force"} | of_run
         inputs = [name for name in inputs if name != "track_force"] + [name for name in of_run if name in _ALWAYS]

@@ -44,7 +44,7 @@ import xarray
 from pydantic import Field, PrivateAttr, StrictBool, ValidationInfo, field_serializer, field_validator, model_validator
 
 from railgrip.base.errors import EstimationError
-from railgrip.base.names import Element, did_you_mean, state_name
+from railgrip.base.names import ElementName, did_you_mean, state_name
 from railgrip.estimation.judge import check_estimates, check_signals
 from railgrip.estimation.models import DEFAULT, READ_STATES, Kind, PredictionModel, of_class, of_train, units_of
 from railgrip.estimation.run import Settings, estimate, estimate_several
@@ -444,7 +444,7 @@ def model_parameters(specification: Specification) -> list[ModelParameter]:
     has_default_train = specification.origins.get("model.train", DEFAULT) == DEFAULT
 
     def origin(name: str) -> str:
-        base = Element.of(name).array
+        base = ElementName.of(name).array
         if name not in given and base not in given:
             return DEFAULT if has_default_train else model.origins.get(name, DEFAULT)
         return _origin(specification, "model.parameters", name) or "given"
@@ -458,7 +458,7 @@ def model_parameters(specification: Specification) -> list[ModelParameter]:
             description=variable.description,
         )
         for variable in model.parameters
-        if not Element.of(variable.name).array.endswith("start") and not variable.name.startswith("start")
+        if not ElementName.of(variable.name).array.endswith("start") and not variable.name.startswith("start")
     ]
 
 
@@ -499,7 +499,7 @@ def settings_with_origins(specification: Specification, estimates: xarray.Datase
         of_train = (
             of_parameters.get(state.replace("pad_friction[", "mu_b_nominal["), DEFAULT) if model.start({}) else ""
         )
-        is_read = Element.of(state).array in READ_STATES
+        is_read = ElementName.of(state).array in READ_STATES
         add("start.mean", state, value, unit(state), given or ("recording" if is_read else of_train))
     for name, constant in specification.inputs.items():
         add("inputs", name, constant.si(units[name]), unit(name))
@@ -517,11 +517,11 @@ def settings_for(specification: Specification, period: float) -> Settings:
         ScenarioError: The threshold of the gate has another dimension than its inputs.
     """
     noise, gate, model = specification.noise, specification.gate, specification.model.prediction
-    bases = {Element.of(variable.name).array for variable in (*model.model.states, *model.model.outputs)}
+    bases = {ElementName.of(variable.name).array for variable in (*model.model.states, *model.model.outputs)}
     absent = model.optional - bases
 
     def present(values: Mapping[str, float]) -> dict[str, float]:
-        return {name: value for name, value in values.items() if Element.of(name).array not in absent}
+        return {name: value for name, value in values.items() if ElementName.of(name).array not in absent}
 
     # Published noises per step depend on the period: half the period means twice the noise per second.
     step = period if noise.kind == "per_step" else 1.0
@@ -530,7 +530,7 @@ def settings_for(specification: Specification, period: float) -> Settings:
     return Settings(
         process={name: variance / step for name, variance in present(noise.process).items()},
         readings=present(noise.readings),
-        start={name: value for name, value in of_train.items() if Element.of(name).array not in mean} | mean,
+        start={name: value for name, value in of_train.items() if ElementName.of(name).array not in mean} | mean,
         start_deviation=present(specification.start.deviation),
         gate=None if gate is None else _gate(specification, gate),
         steady=specification.start.steady,
@@ -602,4 +602,4 @@ def _gate(specification: Specification, gate: GateTable) -> Gate:
 
 def elements_of(name: str, known: Sequence[str]) -> Sequence[str]:
     """Return the elements of an array in `known`; the name itself if it has an index or is unknown."""
-    return [each for each in known if Element.of(each).array == name] or [name]
+    return [each for each in known if ElementName.of(each).array == name] or [name]

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from railgrip.base.arrays import Mask, Vector
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.recording.cleaning import MAX_SPIKE, find_repeats
 from railgrip.recording.flag import Flag, intervals
 
@@ -95,7 +95,7 @@ def _at(time: Vector, flag: Flag) -> slice:
 
 
 def _steps(name: str, time: Vector, values: Vector) -> list[_Step]:
-    motion = FASTEST.get(Element.of(name).array)
+    motion = FASTEST.get(ElementName.of(name).array)
     if motion is None or values.size < 8:
         return []
     change = np.abs(np.diff(values))
@@ -113,8 +113,8 @@ def _steps(name: str, time: Vector, values: Vector) -> list[_Step]:
 
 
 def _is_shared(step: _Step, steps: Mapping[str, list[_Step]]) -> bool:
-    base = Element.of(step.signal).array
-    others = [name for name in steps if Element.of(name).array == base and name != step.signal]
+    base = ElementName.of(step.signal).array
+    others = [name for name in steps if ElementName.of(name).array == base and name != step.signal]
     near = [any(abs(other.time - step.time) <= TOGETHER for other in steps[name]) for name in others]
     return len(near) > 0 and 2 * sum(near) >= len(near)
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from railgrip.base.arrays import Vector
 from railgrip.base.errors import EstimationError, UnitError
-from railgrip.base.names import Element, state_name
+from railgrip.base.names import ElementName, state_name
 from railgrip.base.units import conversion, unit
 from railgrip.vehicle import signals as tables
 
@@ -231,7 +231,7 @@ def dimension_of(variable: str) -> str:
 
 
 def _element(name: str) -> tuple[str, int | None]:
-    element = Element.of(name)
+    element = ElementName.of(name)
     return element.array, int(element.label) if element.label.isdecimal() else None
 
 

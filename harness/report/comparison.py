@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pandas
 
 from railgrip.base.errors import RecordError
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.units import cut, short
 from railgrip.report.frame import Frame
 from railgrip.report.page import Page
@@ -364,7 +364,7 @@ def _answer(stops: Stops, figures_of: Callable[[Metrics], Mapping[str, float]], 
 def _means(metrics: Metrics) -> dict[str, float]:
     """Return figure → value, for arrays the mean; histograms are omitted, as their mean has no meaning."""
     values = pandas.Series({name: value for name, value in metrics.flat().items() if name.count("[") < 2}, dtype=float)
-    by_figure = values.groupby(lambda name: Element.of(str(name)).array, sort=False)
+    by_figure = values.groupby(lambda name: ElementName.of(str(name)).array, sort=False)
     return {str(name) if len(of) == 1 else f"{name}, mean of {len(of)}": of.mean() for name, of in by_figure}
 
 

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.recording.samples import knows, reading_of, truth_of, unit_of
 from railgrip.report import palette, style
 from railgrip.report.signals import SignalLine, SignalPanel, signal_panels
@@ -272,7 +272,7 @@ def estimates_figure(recording: xarray.Dataset, estimates: xarray.Dataset, input
 def _families(names: Sequence[str]) -> Mapping[str, list[str]]:
     families: dict[str, list[str]] = {}
     for name in names:
-        families.setdefault(Element.of(name).array, []).append(name)
+        families.setdefault(ElementName.of(name).array, []).append(name)
     return families
 
 
@@ -284,7 +284,7 @@ def _with_colours(names: Sequence[str]) -> list[tuple[str, str]]:
 def _label(name: str, names: Sequence[str]) -> str:
     """Return the number of an element; of many elements only the first and the last one have a label."""
     is_labelled = len(names) <= len(_ELEMENT_COLOURS) or name in (names[0], names[-1])
-    return Element.of(name).label if is_labelled else "_"
+    return ElementName.of(name).label if is_labelled else "_"
 
 
 def _legend(panel: Axes, count: int) -> None:
@@ -319,7 +319,7 @@ def information(recording: xarray.Dataset, windows: xarray.Dataset, path: Path, 
     families: dict[str, int] = {}
     for state in windows["state"].values:
         # One colour per kind of state, one dash pattern per element.
-        family = Element.of(str(state)).array
+        family = ElementName.of(str(state)).array
         color = _STATE_COLOURS[list(families).index(family) if family in families else len(families)]
         families[family] = families.get(family, -1) + 1
         values = windows["singular"].sel(state=state).values

@@ -12,7 +12,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from railgrip.base import units
 from railgrip.base.errors import ScenarioError
-from railgrip.base.names import Element, did_you_mean
+from railgrip.base.names import ElementName, did_you_mean
 from railgrip.base.units import quantity, short, to_si, unit
 
 _LIMITS = {"above": operator.gt, "at least": operator.ge, "below": operator.lt, "at most": operator.le}
@@ -276,16 +276,16 @@ def in_units(
     """
     values: dict[str, float] = {}
     problems: list[str] = []
-    lists = {Element.of(name).array: magnitude.count for name, magnitude in magnitudes.items() if magnitude.count}
+    lists = {ElementName.of(name).array: magnitude.count for name, magnitude in magnitudes.items() if magnitude.count}
     for array, count in lists.items():
         size = sum(name.startswith(f"{array}[") for name in expected)
         if size and size != count:
             problems.append(f"{where} {array} is a list of {count}, but there are {size} elements; give all of them.")
     for name, magnitude in magnitudes.items():
         if name not in expected:
-            if lists.get(Element.of(name).array) and problems:
+            if lists.get(ElementName.of(name).array) and problems:
                 continue
-            arrays = sorted({Element.of(name).array for name in expected})  # a long train has hundreds of elements
+            arrays = sorted({ElementName.of(name).array for name in expected})  # a long train has hundreds of elements
             if name in arrays:
                 hint = f'it is an array: write "{name}[1]" = … and so on, a key for each element.'
             else:
@@ -308,7 +308,7 @@ def in_units(
 
 
 def _match_description(name: str, descriptions: Mapping[str, str]) -> list[str]:
-    words = Element.of(name).array.replace("_", " ").lower()
+    words = ElementName.of(name).array.replace("_", " ").lower()
     return [other for other, text in descriptions.items() if f"{text.lower()} ".startswith(f"{words} ")][:1]
 
 

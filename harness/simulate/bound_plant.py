@@ -16,7 +16,7 @@ import numpy as np
 from railgrip.base.arrays import Matrix, generator
 from railgrip.base.errors import FmuError, PlantFailed, ScenarioError
 from railgrip.base.interrupted import end_if_stuck
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.units import GRAVITY
 from railgrip.fmi import Binding, Description, Port, bind, open_plant
 from railgrip.scenario.track import STEEPEST
@@ -213,7 +213,7 @@ def perturb_parameters(values: Mapping[str, float], description: Description, nu
     real = [
         v
         for v in description.variables.values()
-        if v.causality == "parameter" and v.kind == "Real" and Element.of(v.name).array not in idle
+        if v.causality == "parameter" and v.kind == "Real" and ElementName.of(v.name).array not in idle
     ]
     shares = generator(nudge.seed, "plant parameters").uniform(-nudge.relative, nudge.relative, len(real))
     nudges: dict[str, float] = {}

@@ -17,7 +17,7 @@ from railgrip import fmi
 from railgrip.base.arrays import Vector
 from railgrip.base.errors import ControllerFailed, FmuError, PlantFailed, ScenarioError
 from railgrip.base.interrupted import end_if_stuck
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.controllers.law import Law
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.parameters import SEARCHED
@@ -268,7 +268,7 @@ def open_controller(stop: Opening, estimates: Collection[str]) -> tuple[LoopCont
     with suppress(ControllerFailed, PlantFailed), opening(lambda sentence: None) as law:  # the stop reports these
         _try_controller(stop, law, name, {*estimates} >= ONLY_ESTIMATED)
     if binding.unused:
-        names = ", ".join(dict.fromkeys(Element.of(unused).array for unused in binding.unused))
+        names = ", ".join(dict.fromkeys(ElementName.of(unused).array for unused in binding.unused))
         stop.notify(
             f"{name}: nothing drives its {names} ([estimator] kind is '{scenario.estimator.kind}'): the start value "
             "remains."

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from railgrip.base import registry
 from railgrip.base.arrays import Vector
 from railgrip.base.errors import ScenarioError
-from railgrip.base.names import Element, did_you_mean, state_name
+from railgrip.base.names import ElementName, did_you_mean, state_name
 from railgrip.controllers.free_wheel import FreeWheel
 from railgrip.estimators.design import NOISE_SETS, FilterContext, FilterKind, Gate, NoiseSet, pad_gate
 from railgrip.estimators.filters.decentralised import Consist
@@ -92,7 +92,9 @@ def state_estimator(stop: Opening, table: KalmanFilter) -> StateEstimator:
     def places(name: str) -> NDArray[np.intp]:
         return np.array([states.index(f"{name}[{g}]") for g in groups])
 
-    reading_places = [layout.reading[Element.of(name).array].start + Element.of(name).place for name in readings]
+    reading_places = [
+        layout.reading[ElementName.of(name).array].start + ElementName.of(name).place for name in readings
+    ]
     return StateEstimator(
         filter=filter_,
         reading_places=np.array(reading_places, dtype=np.intp),
@@ -120,7 +122,7 @@ def _of_nominal_data(
         units = units_of_predictions()
         each = {f"{name}[{i}]": unit for name, unit in units.items() for i in wheelsets}
         values = in_units("[estimator.parameters]", table.parameters, units | each)
-        data = {name: value for name, value in data.items() if Element.of(name).array not in values} | values
+        data = {name: value for name, value in data.items() if ElementName.of(name).array not in values} | values
     if _kind_of(table).prediction == "parts":
         prediction = consist_of(formation, data)
         readings = prediction.outputs
@@ -158,7 +160,7 @@ def _of_file(stop: Opening, table: KalmanFilter, file: NamedFile) -> FmuPredicti
     _require_names(where, {"state": (_required_states(layout), states), "input": (pressures, inputs)})
     if unknown := [name for name in inputs if name not in others.union(pressures)]:
         raise ScenarioError(f"{where} has an input {unknown[0]}; a prediction takes cylinder_pressure and track_force")
-    outputs = [name for name in description.names("output") if Element.of(name).array in layout.reading]
+    outputs = [name for name in description.names("output") if ElementName.of(name).array in layout.reading]
     if not outputs:
         raise ScenarioError(f"{where} has no output that sensors read; they read {', '.join(sorted(layout.reading))}")
     _require_read(where, outputs, layout)
@@ -260,8 +262,8 @@ def _require_read(where: str, outputs: Sequence[str], layout: Layout) -> None:
     """Raise an error for outputs that are not elements of a reading, such as those of arrays that begin with 0."""
     elements = [name.removeprefix("reading_") for name in layout.elements("reading")]
     if unread := [name for name in outputs if name not in elements]:
-        array = Element.of(unread[0]).array
-        known = [name for name in elements if Element.of(name).array == array] or sorted(layout.reading)
+        array = ElementName.of(unread[0]).array
+        known = [name for name in elements if ElementName.of(name).array == array] or sorted(layout.reading)
         raise ScenarioError(f"{where} has an output {unread[0]}, which no sensor reads; they read {', '.join(known)}")
 
 
@@ -277,7 +279,7 @@ def _outlier_limits(table: KalmanFilter, prediction: Consist | _Central) -> list
                 f"[estimator] outlier_limit is for kind compiled, python or fmu; {table.kind} uses every reading"
             )
         return None
-    readings = [Element.of(name).array for name in prediction.outputs]
+    readings = [ElementName.of(name).array for name in prediction.outputs]
     if other := sorted(table.outlier_limit.keys() - readings):
         choice = ", ".join(dict.fromkeys(readings))
         raise ScenarioError(f"[estimator] outlier_limit: the filter has no reading '{other[0]}'; it has {choice}")

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.units import GRAVITY, mistake, mistaken_factor
 from railgrip.controllers.law import FULL_PRESSURE
 from railgrip.fmi import Description, Port, bind, open_plant, shared_budget
@@ -199,7 +199,7 @@ def find_mapping(
         FmuError: The FMU does not fit.
         PlantFailed: The run ended early.
     """
-    declared = frozenset(Element.of(name).array for name in description.names("parameter")) & DESCRIPTIVE.keys()
+    declared = frozenset(ElementName.of(name).array for name in description.names("parameter")) & DESCRIPTIVE.keys()
     draft = replace(_draft_mapping(description, wheelsets_per_group), declared=declared)
     if draft.missing:
         draft = replace(draft, unused=_unused_variables(description, draft))
@@ -348,7 +348,7 @@ def _correct(draft: MappingDraft, run: Run, speed: float) -> MappingDraft:
             if count < (_doubt(found) if best is None else best[0]):
                 best = count, factors, changed, after
             wants_run = not factors.keys() <= trials[0].layout.output.keys()
-            settled = not any(Element.of(f.signal).array in factors for f in after if not f.good)
+            settled = not any(ElementName.of(f.signal).array in factors for f in after if not f.good)
             if count == 0 or (wants_run and count < _doubt(found) and settled):
                 break
         if best is None:
@@ -356,11 +356,11 @@ def _correct(draft: MappingDraft, run: Run, speed: float) -> MappingDraft:
         _, factors, trials, found = best
         corrections += [_sentence(name, factor, found=wrong) for name, factor in factors.items()]
         table |= {name: table[name].rescale(factor) for name, factor in factors.items()}
-    for name in {Element.of(finding.signal).array for finding in found if not finding.good} & table.keys():
+    for name in {ElementName.of(finding.signal).array for finding in found if not finding.good} & table.keys():
         if not table[name].signal.needed:
             del table[name]
             corrections.append(f"{name} is left out, for what was found does not fit")
-            found = [finding for finding in found if Element.of(finding.signal).array != name]
+            found = [finding for finding in found if ElementName.of(finding.signal).array != name]
     radius = [radius for radius in _radius(trials[0]) if _SMALLEST <= radius <= _LARGEST]
     nominal = {"r_wheel": radius} if len(radius) == draft.formation.groups else {}
     load = trials[0].output("wheelset_load")[trials[0].coasting - 1]
@@ -383,7 +383,7 @@ def _apply_correction(trials: Trials, table: Mapping[str, SignalMapping], factor
 
 
 def _proposals(wrong: Sequence[SignalCheck], trial: Trial) -> Iterator[Factors]:
-    by_signal = {Element.of(finding.signal).array: finding for finding in wrong}
+    by_signal = {ElementName.of(finding.signal).array: finding for finding in wrong}
     outputs = [name for name in by_signal if name in trial.layout.output]
     single: dict[str, float] = {}
     for name in outputs:
@@ -423,7 +423,7 @@ def _wheel_correction(measured: Sequence[float]) -> Factors:
 
 
 def _sentence(name: str, factor: float, *, found: Sequence[SignalCheck]) -> str:
-    shown = next((finding for finding in found if Element.of(finding.signal).array == name), found[0])
+    shown = next((finding for finding in found if ElementName.of(finding.signal).array == name), found[0])
     likely = mistake(1.0 / factor) or f"{1.0 / factor:.4g} times what is meant"
     return f"{name} had {likely}; in the first run {shown.signal} {shown.sentence}"
 

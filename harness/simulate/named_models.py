@@ -12,7 +12,7 @@ from railgrip.base import registry
 from railgrip.base.cache import keep
 from railgrip.base.errors import FmuError, ScenarioError
 from railgrip.base.limits import FMU_LIMITS, FmuLimits
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.registry import shelf
 from railgrip.base.units import Unit
 from railgrip.fmi import Description, describe
@@ -371,7 +371,10 @@ def require_plant(scenario: Scenario, description: Description) -> None:
         FmuError: The FMU does not fit; the message names the key of the scenario to change.
     """
     source, kind, file = scenario.vehicle.source, scenario.actuation.kind, description.file.name
-    where, names = f"{scenario.name}: [vehicle] plant", {Element.of(name).array for name in description.names("input")}
+    where, names = (
+        f"{scenario.name}: [vehicle] plant",
+        {ElementName.of(name).array for name in description.names("input")},
+    )
     sent, other = _COMMANDS if kind == "ideal" else _COMMANDS[::-1]
     if isinstance(source, PythonClass) or scenario.vehicle.map or sent in names:
         return

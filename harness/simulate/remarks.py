@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from railgrip.base import registry
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.units import GRAVITY
 from railgrip.controllers.law import GroupLaw
 from railgrip.rolling_stock.schema import load_train
@@ -92,7 +92,7 @@ def _late_begin(what: str, begin: float) -> list[str]:
 def remarks_on_pressures(vehicle: VehicleData) -> list[str]:
     """Return a remark if cylinders allow more pressure than the controller knows: it never demands that."""
     scenario, changed = vehicle.scenario, vehicle.scenario.vehicle.parameters
-    if scenario.actuation.kind != "ideal" or not any(Element.of(name).array == "p_max" for name in changed):
+    if scenario.actuation.kind != "ideal" or not any(ElementName.of(name).array == "p_max" for name in changed):
         return []
     pairs = zip(vehicle.true.brakes, vehicle.nominal.formation.brakes, strict=True)
     higher = [

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.cache import keep
 from railgrip.base.errors import ScenarioError
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.system import Variable
 from railgrip.estimators.filters.decentralised import Consist, Part
 from railgrip.estimators.prediction import with_state_names
@@ -66,7 +66,7 @@ class _Members:
         return len(self.groups), tuple(self.groups.index(group) + 1 for group in belongs)
 
     def place(self, name: str) -> tuple[str, int]:
-        element = Element.of(name)
+        element = ElementName.of(name)
         of_wheelsets = self.wheelsets if element.array in _OF_WHEELSETS else self.groups
         of = self.bogies if element.array in _OF_BOGIES else of_wheelsets
         return element.array, of[element.place] if element.bracket else 0
@@ -105,14 +105,14 @@ class CentralPrediction:
 def units_of_predictions() -> dict[str, str]:
     """Return the unit of every parameter of a prediction, by name without index."""
     models = _body(), _model("PartPrediction", 1, (1, 1))
-    units = {Element.of(v.name).array: v.unit for model in models for v in model.parameters}
+    units = {ElementName.of(v.name).array: v.unit for model in models for v in model.parameters}
     parameters = {name: unit for name, unit in units.items() if name not in ("m", "m_group")}
     return parameters | {"m_wheelset": units["m_group"], _PAD_FRICTION: "1"}
 
 
 def data_of(nominal: Mapping[str, float], formation: Formation) -> dict[str, float]:
     """Return the parameters of a prediction for a train: nominal data, completed by those of the formation."""
-    bases = {Element.of(name).array for name in nominal}
+    bases = {ElementName.of(name).array for name in nominal}
     # The formation has the product of ratio and efficiency of the rigging, so the efficiency is 1 then.
     each = {
         f"{name}[{g + 1}]": float(getattr(brake, datum))
@@ -219,7 +219,7 @@ def _members(formation: Formation, data: Mapping[str, float]) -> list[_Members]:
 
 def _wheelsets_per_bogie(formation: Formation, data: Mapping[str, float]) -> list[int]:
     names = sorted(
-        (name for name in data if name.startswith("wheelsets_per_bogie[")), key=lambda name: Element.of(name).place
+        (name for name in data if name.startswith("wheelsets_per_bogie[")), key=lambda name: ElementName.of(name).place
     )
     if names:
         counts = [int(data[name]) for name in names]
@@ -243,6 +243,6 @@ def _part(members: _Members, formation: Formation, data: Mapping[str, float]) ->
         readings=tuple(
             (name.replace("dz", "deflection"), name)
             for name in states
-            if Element.of(name).array in ("wheelset_speed", "dz")
+            if ElementName.of(name).array in ("wheelset_speed", "dz")
         ),
     )

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.units import unit
 from railgrip.controllers.law import FULL_PRESSURE, GroupLaw
 from railgrip.fmi import Description
@@ -341,7 +341,7 @@ class VehicleData:
                     f"{scenario.name}: [truth] {key} changes parameters of an FMU; the plant is a class of Python"
                 )
             return {}
-        fixed = next((name for name in vehicle.parameters if Element.of(name).array in DESCRIPTIVE), None)
+        fixed = next((name for name in vehicle.parameters if ElementName.of(name).array in DESCRIPTIVE), None)
         if fixed is not None:
             raise ScenarioError(
                 f"[vehicle.parameters] {fixed} says how {self.file.file.name} is made and cannot be set; name another "
@@ -444,8 +444,8 @@ class VehicleData:
     def outputs(self) -> frozenset[str]:
         """Names of the plant's outputs."""
         table = set(self.scenario.vehicle.map)
-        available = {Element.of(name).array for name in self.file.variables} | table
-        extra = table | (available & {Element.of(name).array for name in self.file.names("output")})
+        available = {ElementName.of(name).array for name in self.file.variables} | table
+        extra = table | (available & {ElementName.of(name).array for name in self.file.names("output")})
         return frozenset(
             {"slip"} | {s.name for s in PLANT if s.name in available} | {s.name for s in EXTRA if s.name in extra}
         )

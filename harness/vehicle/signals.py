@@ -6,7 +6,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import Final, Literal, cast
 
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.vehicle.formation import Extent, Formation
 
 
@@ -111,7 +111,7 @@ def of_law(states: Iterable[tuple[str, str, str]]) -> tuple[Signal, ...]:
 
     Elements of groups are contiguous for each name.
     """
-    by_base = {Element.of(name).array: (name, unit, meaning) for name, unit, meaning in states}
+    by_base = {ElementName.of(name).array: (name, unit, meaning) for name, unit, meaning in states}
     return tuple(
         Signal(f"law_{base}", "group" if name.endswith("]") else "train", unit, meaning)
         for base, (name, unit, meaning) in by_base.items()

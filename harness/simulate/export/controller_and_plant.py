@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from railgrip.base.errors import ScenarioError
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.controllers.sampled import Sampled
 from railgrip.fmi import Binding
@@ -133,9 +133,11 @@ def law_parameters(law: Sampled, inputs: Iterable[Variable]) -> tuple[Variable, 
 
     A name that an input of the FMU has as well, be it as an array, gets the prefix `parameters.`.
     """
-    names = {Element.of(variable.name).array for variable in inputs}
+    names = {ElementName.of(variable.name).array for variable in inputs}
     return tuple(
-        replace(variable, name=f"parameters.{variable.name}") if Element.of(variable.name).array in names else variable
+        replace(variable, name=f"parameters.{variable.name}")
+        if ElementName.of(variable.name).array in names
+        else variable
         for variable in started_at(law.formula.parameters, law.parameters)
     )
 

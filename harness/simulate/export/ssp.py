@@ -7,7 +7,7 @@ from pathlib import Path
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_bytes
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.base.system import SampledSystem
 from railgrip.fmi import Binding
 from railgrip.fmi.archive import read_description
@@ -139,7 +139,7 @@ def _of_plant(vehicle: VehicleData, tie: tuple[str, float, float]) -> tuple[tupl
 
 def _command_of(command: str, variable: str) -> str:
     """Return the plant's input for an output of the law or the valves."""
-    return command + Element.of(variable).bracket
+    return command + ElementName.of(variable).bracket
 
 
 def _connections(vehicle: VehicleData, binding: Binding, components: Mapping[str, _Component]) -> Iterator[_Connection]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.cache import VARIABLE
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.campaign.run import CampaignRun, run_campaigns
 from railgrip.campaign.workers import environment
 from railgrip.controllers.observation import Observation
@@ -106,7 +106,7 @@ def every_real(description: Description, inputs: Mapping[str, float]) -> tuple[B
     )
     names = binding.inputs.elements
     return binding, np.array(
-        [inputs.get(Element.of(v).array, float(description.variables[v].start_text or 0.0)) for v in names]
+        [inputs.get(ElementName.of(v).array, float(description.variables[v].start_text or 0.0)) for v in names]
     )
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from railgrip.base.errors import FilterDiverged
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.estimation.judge import NORMAL_95, rms
 from railgrip.estimation.run import FilterRun
 from railgrip.estimators.belief import Array, Matrix, Vector
@@ -165,7 +165,7 @@ def _digest(trace: xarray.Dataset) -> str:
 
 def _constant(recording: xarray.Dataset, names: Sequence[str], constants: Mapping[str, float]) -> FilterRun:
     bases = {"group_adhesion": "adhesion", "pad_friction": "pad_friction"}
-    row = [constants.get(bases.get(Element.of(name).array, ""), math.nan) for name in names]
+    row = [constants.get(bases.get(ElementName.of(name).array, ""), math.nan) for name in names]
     mean = np.tile(row, (recording.sizes["time"], 1))
     return FilterRun(mean=mean, variance=np.full(mean.shape, math.nan))
 

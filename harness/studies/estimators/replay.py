@@ -18,7 +18,7 @@ import numpy as np
 import xarray
 
 from railgrip.base.errors import FilterDiverged, InputError
-from railgrip.base.names import Element, state_name
+from railgrip.base.names import ElementName, state_name
 from railgrip.estimation.models import READ_STATES, PredictionModel, of_class, of_train
 from railgrip.estimation.run import FilterData, FilterRun, Settings, by_name, filter_data, run_kind
 from railgrip.estimators.belief import Array, Matrix, Vector
@@ -226,7 +226,7 @@ def with_unmodelled(
         model: Prediction with the parameters of the pads.
         effect: g = ∂(dω/dt)/∂α of each group [rad/s²], shape (groups,).
     """
-    bases = [Element.of(name).array for name in states]
+    bases = [ElementName.of(name).array for name in states]
     of = {
         base: [k for k, name in enumerate(bases) if name == base]
         for base in ("speed", "wheelset_speed", "group_adhesion", "pad_friction")
@@ -316,7 +316,7 @@ def _task(case: RecordingCase, estimator: str, noise: NoiseSet) -> tuple[FilterC
     settings = Settings(
         process=dict(zip(prediction.states, process, strict=True)),
         readings=dict(zip(prediction.outputs, readings, strict=True)),
-        start={state: values[state] for state in prediction.states if Element.of(state).array not in READ_STATES},
+        start={state: values[state] for state in prediction.states if ElementName.of(state).array not in READ_STATES},
         start_deviation=dict(zip(prediction.states, np.sqrt(start), strict=True)),
     )
     data = filter_data(recording_of_case(case), prediction, settings)
@@ -326,7 +326,7 @@ def _task(case: RecordingCase, estimator: str, noise: NoiseSet) -> tuple[FilterC
         reading_noise=by_name("readings", settings.readings, prediction.outputs),
         period=data.step,
         gate=pad_gate(model.release_pressure({}, RELEASED_PADS), case.groups),
-        outlier_limit=[OUTLIER_LIMITS.get(Element.of(name).array, math.inf) for name in prediction.outputs],
+        outlier_limit=[OUTLIER_LIMITS.get(ElementName.of(name).array, math.inf) for name in prediction.outputs],
         mean=data.mean,
         covariance=data.covariance,
     )
@@ -419,4 +419,4 @@ def with_estimates(recording: xarray.Dataset, names: Sequence[str], mean: Matrix
 
 def columns(names: Sequence[str], state: str) -> list[int]:
     """Return the indices of the elements of a state among the names of states."""
-    return [index for index, name in enumerate(names) if Element.of(name).array == state]
+    return [index for index, name in enumerate(names) if ElementName.of(name).array == state]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from railgrip.base.errors import EstimationError, FilterDiverged
-from railgrip.base.names import Element
+from railgrip.base.names import ElementName
 from railgrip.estimation.models import model_of, of_class, units_of
 from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter
@@ -245,7 +245,7 @@ def _filter(period: float, parameters: tuple[tuple[str, float], ...]) -> tuple[C
     prediction = of_class(MODEL).equations(dict(parameters))
 
     def squares(deviations: dict[str, float], names: tuple[str, ...]) -> Vector:
-        return np.array([deviations[Element.of(name).array] for name in names]) ** 2
+        return np.array([deviations[ElementName.of(name).array] for name in names]) ** 2
 
     noises = squares(_PROCESS, prediction.states), squares(_READINGS, prediction.outputs)
     return prediction, CompiledFilter(prediction, *noises, period)
@@ -272,7 +272,7 @@ def _run_filter(
     """
     groups = formation().groups
     place = [states.index(f"pad_friction[{g + 1}]") for g in range(groups)]
-    mean, deviation = np.zeros(len(states)), np.array([_START.get(Element.of(n).array, PRIOR) for n in states])
+    mean, deviation = np.zeros(len(states)), np.array([_START.get(ElementName.of(n).array, PRIOR) for n in states])
     mean[place] = NOMINAL
     mean[states.index("speed")] = speed
     mean[[states.index(f"wheelset_speed[{g + 1}]") for g in range(groups)]] = wheels
@@ -280,7 +280,7 @@ def _run_filter(
     # Pressures at the start of each period, from where the filter holds the adhesion, too. With those in its middle,
     # force and torque are half a period apart while pressures change, and inner groups seem better by up to 3 %.
     held = inputs[:-1]
-    usual = np.array([_PROCESS[Element.of(name).array] for name in states]) ** 2
+    usual = np.array([_PROCESS[ElementName.of(name).array] for name in states]) ** 2
     turning = np.array([states.index(f"wheelset_speed[{g + 1}]") for g in range(groups)])
     filter_.retune(usual)
     try:
