@@ -185,7 +185,7 @@ def test_the_question_of_an_operator_in_one_command(few_draws):
     page = study.page(Here())
     assert "shortens the headway by" in page.answer
     assert [row["measure"] for row in page.tables["gains.csv"].rows] == [BASE, "sand", "slip_two_state", "all together"]
-    assert len(page.figures["benefit.png"].axes) == 3
+    assert len(page.figures["benefit.png"].axes) == 4  # distances, two headways, legend
 
 
 def test_a_rail_on_which_the_train_does_not_stop_is_refused(few_draws, monkeypatch):
