@@ -172,6 +172,7 @@ class GroupLaw(Law):
         tuning: Type of its parameters.
         ranges: Ranges in which `railgrip maintain tune-control` searches.
         brake_data: Fields of `Brake` that it uses; a foreign train has to provide only these.
+        exceeds_driver: Whether it forms demands from the driver's, and may exceed them; else they are limits.
         valve_band: Half width of the band in which valves hold under this law [Pa]; None for
             `railgrip.controllers.valves.BAND`.
     """
@@ -180,6 +181,7 @@ class GroupLaw(Law):
     tuning: ClassVar[type[Tuning]] = Tuning
     ranges: ClassVar[Ranges] = {}
     brake_data: ClassVar[frozenset[str]] = frozenset(BRAKE)
+    exceeds_driver: ClassVar[bool] = False
     valve_band: ClassVar[float | None] = None
 
     def __init__(self, groups: Sequence[Brake], tuning: Tuning = NO_PARAMETERS) -> None:

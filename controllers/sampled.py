@@ -10,6 +10,7 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.vehicle.formation import Formation
@@ -174,6 +175,11 @@ class Sampled:
         visible = [(i, variable) for i, variable in enumerate(self.formula.states) if variable.visible]
         names = [variable.name.partition("[")[0] for _, variable in visible]
         return tuple(sorted(visible, key=lambda state: names.index(state[1].name.partition("[")[0])))
+
+    def visible_state(self, name: str) -> NDArray[np.float64] | None:
+        """Return the element of `state` of a visible state, shape (1,), sharing its memory; None without it."""
+        place = next((i for i, variable in self.visible if variable.name == name), None)
+        return None if place is None else self.state[place : place + 1]
 
     @property
     def step(self) -> ca.Function:

@@ -66,6 +66,7 @@ typedef struct {
     Formula valves;
     const double *maximum;      /* maximum pressures for the demands of a law in Python; null: no limit */
     const double *radius;       /* wheel radius of each group that the estimator assumes, else the nominal one */
+    const double *magnets;      /* the law's demand for magnetic track brakes; null: those of the driver */
     const double *full;         /* pressures of full brake, the driver's demand if `driver` is null */
     double reading[READINGS];   /* newest reading of every sensor */
     double estimate[ESTIMATES]; /* standard deviations as variances until the end of the stop */

@@ -209,11 +209,25 @@ int compute_command(Cycle *c)
     return all_finite(onboard->command);
 }
 
-/* Write friction, creep curves and force of track and traction to the inputs of the plant. */
+#ifdef INPUT_MAGNETS
+/* Whether the driver demands full pressure of all groups: an emergency brake, with which magnets are lowered. */
+static int is_full_brake(const Cycle *c)
+{
+    for (int g = 0; c->driver && g < GROUPS; g++)
+        if (c->driver->pressure[g] < c->onboard->full[g])
+            return 0;
+    return 1;
+}
+#endif
+
+/* Write friction, creep curves, force of track and traction, and the demand for magnets to the inputs of the plant. */
 void update_rail_inputs(Cycle *c)
 {
     advance_rail(c->rail, (double)c->sample * c->period, c->plant->outputs);
     write_rail_inputs(c->rail, c->plant->inputs);
     if (c->driver)
         c->plant->inputs[INPUT_TRACK_FORCE] += c->driver->force;
+#ifdef INPUT_MAGNETS
+    c->plant->inputs[INPUT_MAGNETS] = c->onboard->magnets ? *c->onboard->magnets : is_full_brake(c);
+#endif
 }

@@ -60,12 +60,28 @@ static void apply_recovery(Recovery *recovery, const double *outputs, double *mu
     recovery->has_started = 1;
 }
 
+/* Switch the sanders by the controller's demand, which reaches the rail after their delay, on and off. A pulse shorter
+   than the delay moves no sand. */
+static void switch_sanders(Sand *sand, double time)
+{
+    const double step = *sand->is_demanded > 0.5 ? time - sand->time : sand->time - time;
+
+    sand->time = time;
+    for (Sander *sander = sand->sanders; sander < sand->sanders + sand->count; sander++) {
+        sander->filled = fmin(fmax(sander->filled + step, 0.0), sander->delay);
+        sander->is_flowing = step > 0.0 ? sander->is_flowing || sander->filled >= sander->delay
+                                        : sander->is_flowing && sander->filled > 0.0;
+    }
+}
+
 /* Deposit sand in front of wheelsets, and raise friction by the sand that each of them meets, as in `SandedRail`. */
 static void apply_sand(Sand *sand, double time, const double *outputs, double *mu0)
 {
     static const double MIN_SPEED = 1e-3; /* m/s; at rest, the sand on a metre would be infinite */
     const double speed = fmax(outputs[OUTPUT_SPEED], MIN_SPEED);
 
+    if (sand->is_demanded)
+        switch_sanders(sand, time);
     for (int w = 0; w < WHEELSETS; w++) {
         const double reached = floor((outputs[OUTPUT_DISTANCE] - sand->position[w] - sand->origin) / sand->length);
         const long long cell = (long long)fmin(fmax(reached, 0.0), (double)(sand->cells - 1));
@@ -74,7 +90,8 @@ static void apply_sand(Sand *sand, double time, const double *outputs, double *m
         if (!sand->has_started)
             sand->cell[w] = cell;
         for (const Sander *sander = sand->sanders; sander < sand->sanders + sand->count; sander++)
-            if (sander->wheelset == w && time >= sander->begin && time < sander->end)
+            if (sander->wheelset == w && time >= sander->begin && time < sander->end &&
+                (!sand->is_demanded || sander->is_flowing))
                 new_sand += fmin(sander->rate / speed, sander->density);
         while (sand->cell[w] < cell) {
             double *deposited = sand->deposited + ++sand->cell[w];

@@ -24,14 +24,18 @@ typedef struct {
 typedef struct {
     double rate, density; /* per rail: maximum rate [kg/s]; density kept while the rate suffices [kg/m] */
     double begin, end;    /* interval in which sand reaches the rail [s] */
+    double delay, filled; /* from the box to the rail [s]; time of the demand for sand, at most `delay` [s] */
     long long wheelset;   /* in front of which the sand falls */
+    long long is_flowing; /* whether the demand for sand has reached the rail */
 } Sander;
 
 typedef struct {
     double *deposited;      /* of each cell: sand for the wheelsets to come [kg/m] */
     const double *position; /* distance of each wheelset behind the leading one */
-    const Sander *sanders;
+    Sander *sanders;
+    const double *is_demanded;       /* whether the controller demands sand; null: throughout */
     double origin, length;           /* start of the first cell; length of a cell */
+    double time;                     /* of the last sample */
     double mu0, density;             /* friction with plenty of sand; sand for 1 - 1/e of the gain */
     double remaining_share;          /* sand behind a wheelset, as a share of the sand ahead of it */
     double density_ahead[WHEELSETS]; /* sand in the present cell [kg/m] */

@@ -22,6 +22,7 @@ CONTROLLERS = {
     "adhesion_based": "peak seeking (railgrip)",
     "adhesion_literal": "ABC (paper)",
     "slope_seeking": "slope-seeking control",
+    "deceleration_control": "deceleration control",
     "ideal_bound": "ideal bound",
     "fmu": "FMU",
 }

@@ -132,9 +132,12 @@ class SandedRail:
     Int. J. Railway Technology 6 (2017) 87, and Proc. IMechE F 232 (2018) 43. The constant share and the exponential are
     assumptions of this model.
 
+    A controller that demands sand, such as `deceleration_control`, switches all sanders within their times.
+
     Attributes:
         deposited: Sand on each cell of either rail, for the wheelsets to come [kg/m].
         origin: Start of the first cell, behind the last wheelset's initial position [m].
+        is_demanded: Whether a controller switches the sanders.
 
     Limits: the rails stay dry, and wheels do not carry sand around. Creep stiffness and the fall with slip speed stay
         those of the untreated rail, and sand leaves the nozzle at the rate of the present speed.
@@ -150,17 +153,23 @@ class SandedRail:
             sand: Effect of sand on friction.
         """
         position, self.origin, self.deposited = _cells(layout.formation, reach)
+        self.is_demanded = False
         rows = kernel(layout).records("Sander", len(sanders))
         for row, sander in zip(rows, sanders, strict=True):
             row["rate"], row["density"] = sander.rate, inf if sander.density is None else sander.density
             row["begin"] = sander.begin + sander.delay
             row["end"] = inf if sander.end is None else sander.end + sander.delay
-            row["wheelset"] = sander.wheelset - 1
+            row["wheelset"], row["delay"] = sander.wheelset - 1, sander.delay
         self.struct = kernel(layout).struct(
             "Sand", deposited=self.deposited, position=position, sanders=rows, origin=self.origin, length=_CELL,
             mu0=sand.mu0, density=sand.density, remaining_share=sand.left, count=len(sanders),
             cells=self.deposited.size,
         )  # fmt: skip
+
+    def follow(self, demand: NDArray[np.float64]) -> None:
+        """Switch the sanders by a controller's demand, shape (1,): on from 0.5 on; it is read at each sample."""
+        self.struct.set(is_demanded=demand)
+        self.is_demanded = True
 
 
 def _cells(formation: Formation, reach: float) -> tuple[NDArray[np.float64], float, NDArray[np.float64]]:

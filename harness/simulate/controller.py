@@ -6,9 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from railgrip.base import registry
 from railgrip.base.errors import ControllerFailed, PlantFailed, ScenarioError
-from railgrip.controllers.law import GroupLaw, Law
+from railgrip.controllers.law import Law
 from railgrip.controllers.parameters import SEARCHED
 from railgrip.controllers.sampled import Sampled
 from railgrip.controllers.train_level import pass_through, with_redistribution, with_shared_valves
@@ -17,11 +16,12 @@ from railgrip.fmi import Description
 from railgrip.scenario.parts import BuiltInLaw as LawTable
 from railgrip.scenario.parts import ControllerFmu, KalmanFilter
 from railgrip.scenario.quantity import in_units
+from railgrip.scenario.schema import Scenario
 from railgrip.simulate.controller_trial import is_deaf, order_mistake, responses
 from railgrip.simulate.files import description_of, units_of
 from railgrip.simulate.foreign_controller import ForeignController, foreign_controller
 from railgrip.simulate.loop.parts import LawStates, LoopController
-from railgrip.simulate.vehicle import VehicleData
+from railgrip.simulate.vehicle import VehicleData, law_named
 from railgrip.vehicle.parameters import units_of_nominal_data
 from railgrip.vehicle.signals import ONLY_ESTIMATED, of_law
 
@@ -95,6 +95,12 @@ def controller_of(vehicle: VehicleData) -> LoopController:
     return _add_train_level(vehicle, _group_law(vehicle))
 
 
+def exceeds_driver(scenario: Scenario) -> bool:
+    """Return whether the controller applies the driver's demand itself, and commands are not limited to it."""
+    law = law_named(scenario.controller.kind)
+    return getattr(scenario.controller, "redistribute", False) or (law is not None and law.exceeds_driver)
+
+
 def train_level_of(vehicle: VehicleData) -> Law | None:
     """Return the decisions for the whole train over a controller that is not a built-in law, or None.
 
@@ -115,6 +121,8 @@ def _add_train_level(vehicle: VehicleData, law: Law) -> Law:
                 f"{scenario.name}: [controller] redistribute asks single groups for more, groups_per_valve is "
                 f"{list(valves)}: a valve gives all its groups the same; leave out redistribute"
             )
+        if exceeds_driver(scenario.revised({"controller": {"redistribute": False}})):
+            raise ScenarioError(f"{scenario.name}: [controller] redistribute is part of {table.kind}; leave it out")
         if scenario.demand is None:
             raise ScenarioError(
                 f"{scenario.name}: [controller] redistribute has no effect where full brake is demanded from "
@@ -134,7 +142,7 @@ def _group_law(vehicle: VehicleData) -> Law:
     """
     scenario = vehicle.scenario
     table = scenario.controller
-    kind = _law_named(table.kind) if isinstance(table, LawTable) else None
+    kind = law_named(table.kind) if isinstance(table, LawTable) else None
     if kind is None or not isinstance(table, LawTable):
         raise ScenarioError(f"{scenario.name}: [controller] kind '{table.kind}' is not a built-in law")
     train = units_of_nominal_data(vehicle.formation)
@@ -156,10 +164,6 @@ def _group_law(vehicle: VehicleData) -> Law:
     return law
 
 
-def _law_named(kind: str) -> type[GroupLaw] | None:
-    return registry.part(registry.LAWS, kind, GroupLaw) if kind in registry.modules(registry.LAWS) else None
-
-
 def law_states(controller: LoopController) -> LawStates | None:
     """Return the states of a controller that are recorded in the trace, or None."""
     if not isinstance(controller, Sampled) or not (visible := controller.visible):
@@ -174,7 +178,7 @@ def valve_logic_of(vehicle: VehicleData) -> ValveLogic | None:
     scenario = vehicle.scenario
     if scenario.actuation.kind == "ideal":
         return None
-    valves, law = vehicle.nominal.valves, _law_named(scenario.controller.kind)
+    valves, law = vehicle.nominal.valves, law_named(scenario.controller.kind)
     return ValveLogic(
         vehicle.nominal.formation.pressure_max.tolist(),
         ValveModel(

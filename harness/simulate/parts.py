@@ -15,6 +15,7 @@ from railgrip.controllers.sampled import Sampled
 from railgrip.fmi import Description, shared_budget
 from railgrip.fmi.plant import SteppedPlant
 from railgrip.report.stop import Stop
+from railgrip.scenario.adhesion import TabulatedRail
 from railgrip.scenario.demand import Driver, phases_of
 from railgrip.scenario.kinds import Custom
 from railgrip.scenario.outcome import Outcome
@@ -24,7 +25,7 @@ from railgrip.scenario.seed import generator
 from railgrip.scenario.sensors import OwnSensors
 from railgrip.scenario.vehicle import PythonClass, Vehicle
 from railgrip.simulate import custom
-from railgrip.simulate.controller import law_states, open_controller, train_level_of, valve_logic_of
+from railgrip.simulate.controller import exceeds_driver, law_states, open_controller, train_level_of, valve_logic_of
 from railgrip.simulate.estimator import state_estimator
 from railgrip.simulate.faults.site import faults_of
 from railgrip.simulate.foreign_controller import ForeignController
@@ -203,7 +204,7 @@ def assemble(
         parts = Parts(
             layout=layout,
             plant=plant,
-            rail=vehicle.rail(),
+            rail=_rail(vehicle, controller),
             sensors=_sensors(vehicle, user_objects, radius[0]),
             estimator=filter_,
             controller=controller,
@@ -261,6 +262,15 @@ def _clock(scenario: Scenario) -> Clock:
     )
 
 
+def _rail(vehicle: VehicleData, controller: LoopController) -> TabulatedRail:
+    """Return the rail of a scenario; a law that demands sand switches the sanders on it."""
+    rail = vehicle.rail()
+    demand = controller.visible_state("sand") if isinstance(controller, Sampled) else None
+    if rail.sand is not None and demand is not None:
+        rail.sand.follow(demand)
+    return rail
+
+
 def _plant(
     vehicle: VehicleData, user_objects: _UserObjects, stack: ExitStack, notify: Callable[[str], None]
 ) -> LoopPlant:
@@ -308,7 +318,7 @@ def _driver(vehicle: VehicleData) -> Driver:
         layout, scenario.periods.communication, full=full,
         release_pressure=np.array([brake.pressure_of(0.0) for brake in brakes]),
         phases=None if demand is None else phases_of(layout, demand, full.tolist(), scenario.name),
-        binding=not getattr(scenario.controller, "redistribute", False),
+        binding=not exceeds_driver(scenario),
     )  # fmt: skip
 
 

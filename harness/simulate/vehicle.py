@@ -56,7 +56,7 @@ from railgrip.vehicle.parameters import (
     units_of_nominal_data,
     with_each,
 )
-from railgrip.vehicle.signals import CURVE, EXTRA, PLANT, READINGS, SENT, Layout, layout_of
+from railgrip.vehicle.signals import CURVE, EXTRA, MAGNETS, PLANT, READINGS, SENT, Layout, layout_of
 
 CATALOGUE = "TwoPartTrain"
 """Recipe whose parameters are the nominal data of a plant of the same formation that declares none."""
@@ -211,9 +211,8 @@ class VehicleData:
         driver = PRESSURE_OF_FORCE if scenario.demand is not None and scenario.demand.has_target else frozenset[str]()
         if not isinstance(table, LawTable):
             return FULL_PRESSURE | driver
-        if table.kind not in registry.modules(registry.LAWS):
-            return frozenset(BRAKE)
-        return registry.part(registry.LAWS, table.kind, GroupLaw).brake_data | driver
+        law = law_named(table.kind)
+        return frozenset(BRAKE) if law is None else law.brake_data | driver
 
     @cached_property
     def true(self) -> VehicleParameters:
@@ -404,7 +403,11 @@ class VehicleData:
         extra = tuple(s for s in EXTRA if s.name in self.outputs)
         several = len(self.scenario.adhesion.curves) > 1
         readings = (*READINGS, *self.scenario.sensors.extra_readings(self.scenario, self.outputs))
-        sent = (*SENT, *CURVE) if several else SENT
+        # Without [demand] and such a law it is an emergency brake, and magnets are lowered with its first command.
+        law, has_demand = law_named(self.scenario.controller.kind), self.scenario.demand is not None
+        is_controlled = has_demand or (law is not None and law.exceeds_driver)
+        has_magnets = is_controlled and MAGNETS[0].name in self.file.names("input")
+        sent = (*SENT, *(CURVE if several else ()), *(MAGNETS if has_magnets else ()))
         return layout_of(self.nominal.formation, output=(*PLANT, *extra), reading=readings, input=sent)
 
     @cached_property
@@ -448,6 +451,11 @@ class VehicleData:
             {name: value for name, value in parameters.items() if name in names},
             {name: parameters[name] for name in shape},
         )
+
+
+def law_named(kind: str) -> type[GroupLaw] | None:
+    """Return the built-in law of a kind; None if it is not one."""
+    return registry.part(registry.LAWS, kind, GroupLaw) if kind in registry.modules(registry.LAWS) else None
 
 
 def catalogue_counts() -> tuple[int, ...]:

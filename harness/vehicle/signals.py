@@ -102,6 +102,9 @@ CURVE = (
 )
 """Inputs that follow those of `SENT` on a rail with several creep curves."""
 
+MAGNETS = (Signal("magnets", "train", "1", "demand for the magnetic track brakes: 1 lowered, 0 lifted"),)
+"""Input that follows those of `SENT` for a train that has them, unless it is an emergency brake from the start."""
+
 DEMANDED = (Signal("demand", "group", "Pa", "brake cylinder pressure that the controller demands"),)
 """Decisions of the controller; absent from the trace of a stop whose controller commands valves."""
 

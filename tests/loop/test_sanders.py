@@ -145,3 +145,18 @@ def test_sanders_that_contradict_the_scenario_are_refused(changes, words):
     with pytest.raises(ScenarioError) as refusal:
         run_stop(load(LIBRARY / "plain.toml", changes))
     assert words in str(refusal.value)
+
+
+def test_sand_follows_the_demand_of_a_controller_after_the_delay():
+    """Sand lies from 1 s after the begin of the demand to 1 s after its end, and not after a pulse below that delay."""
+    delay, demand = 1.0, np.zeros(1)
+    track = rail(Sander(wheelset=1, rate=2 * KG_PER_MIN, delay=delay), reach=400.0)
+    track.sand.follow(demand)
+    for time in np.arange(8000) * 1e-3:
+        demand[0] = 2.0 <= time < 4.0 or 6.0 <= time < 6.5
+        track.advance(time, truth(SPEED * time))
+    laid = np.flatnonzero(track.sand.deposited) * 0.1 + track.sand.origin
+    position = LAYOUT.formation.position[0]
+    # A cell of 0.1 m, and one sample of 2 cm.
+    assert laid.min() + position == pytest.approx(SPEED * 3.0, abs=0.2)
+    assert laid.max() + position == pytest.approx(SPEED * 5.0, abs=0.2)

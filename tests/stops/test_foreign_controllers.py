@@ -68,7 +68,7 @@ def test_a_law_exported_as_an_fmu_brakes_as_before(stop, trust, folder):
     assert set(other.fmus) - set(one.fmus) == {f"{stop.split('-')[0]}-{stop.split('-')[2]}.fmu"}
 
 
-@pytest.mark.parametrize("law", ["wheel_reference", "constant_slip", "extremum_seeking"])
+@pytest.mark.parametrize("law", ["wheel_reference", "constant_slip", "extremum_seeking", "deceleration_control"])
 def test_an_exported_law_that_table_1_lacks_also_brakes_as_before(law, folder):
     stop = "sine_sweep-service-adhesion_based"
     one, other = (run_stop(s) for s in with_fmu(stop, folder, "controller.trust=true", law=(f"controller.kind={law}",)))

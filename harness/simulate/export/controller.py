@@ -10,7 +10,7 @@ from railgrip.controllers.sampled import Sampled
 from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import Source
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.controller import controller_of, valve_logic_of
+from railgrip.simulate.controller import controller_of, exceeds_driver, valve_logic_of
 from railgrip.simulate.export.in_other_units import Conversion
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.signals import Layout
@@ -42,7 +42,7 @@ def controller_fmu(
     states = started_at(law.formula.states, law.state, _MEMORY)
     parameters = law_parameters(law, law.formula.inputs)
     # A law that redistributes applies the driver's demand itself, and raises it for some groups.
-    limited = law.step if scenario.controller.redistribute else _limit_demands(law, vehicle.layout)
+    limited = law.step if exceeds_driver(scenario) else _limit_demands(law, vehicle.layout)
     outputs, step = law.formula.outputs, limited
     if valves is not None:
         states += started_at(valves.formula.states, valves.state, _MEMORY + _VALVES)

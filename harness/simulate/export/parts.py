@@ -90,7 +90,7 @@ def part_in_c(scenario: Scenario, kind: Kind) -> SampledSystem:
             case "sensors":
                 role = _sensors(scenario, parts, structs)
             case "track":
-                role = _track(parts, structs)
+                role = _track(scenario, parts, structs)
         return _system(scenario, parts, kind, role)
 
 
@@ -221,7 +221,12 @@ def _write_call(name: str, formula: Sampled) -> str:
     )
 
 
-def _track(parts: Parts, structs: Structs) -> _Role:
+def _track(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
+    if parts.rail.sand is not None and parts.rail.sand.is_demanded:
+        raise ScenarioError(
+            f"{scenario.name}: [controller] {scenario.controller.kind} switches the sanders, and the FMU of the track "
+            "has no input for that; leave out [[sanders]], or choose another controller"
+        )
     recovers = parts.rail.slip_energy is not None
     needed = ("distance", "speed", *(("slip", "adhesion", "wheelset_load", "wheelset_speed") if recovers else ()))
     given, places = _select_outputs(parts.layout, structs, needed)

@@ -102,6 +102,7 @@ def _onboard(parts: Parts) -> Struct:
     return kernel(layout).struct("Onboard", law=_formula(layout, parts.controller, "observation"),
         train_level=_formula(layout, parts.train_level, "train_input"),
         valves=_formula(layout, parts.valves, "valve_input"),
+        magnets=parts.controller.visible_state("magnets") if isinstance(parts.controller, Sampled) else None,
         maximum=parts.limits and parts.limits.maximum, full=np.array(parts.driver.full, dtype=np.float64),
         radius=np.array(estimator.wheel_radius if has_states else parts.wheel_radius, dtype=np.float64),
         has_estimator=estimator is not None and not has_states,
