@@ -54,6 +54,9 @@ _SETS = 24
 
 Vector = NDArray[np.float64]
 
+Mapped = Callable[[Callable[[Vector], float], Iterable[Vector]], list[float]]
+"""Returns the values of a function at points."""
+
 
 def mean_logarithm(names: tuple[str, ...], stops: tuple[Scenario, ...], point: Vector) -> float:
     """Return the mean of ln(distance) over stops: every rail is weighted by its relative saving."""
@@ -146,8 +149,9 @@ def search(
     reference = list(pool.map(_distance, [_under(REFERENCE, "read", scenario) for scenario in scenarios]))
     reference_mean = float(np.mean(np.log(reference)))
     effort = _effort(len(ranges), sets, budget)
-    best = _evolve(
-        objective, ranges, start, effort, pool, lambda n, mean: notify(n, math.expm1(mean - reference_mean)),
+    best = evolve(
+        objective, ranges, start, effort, lambda function, points: list(pool.map(function, points)),
+        lambda n, mean: notify(n, math.expm1(mean - reference_mean)),
         evenly=budget is not None,
     )  # fmt: skip
     values = parameters_of(tuple(ranges), best)
@@ -161,12 +165,12 @@ def search(
     )
 
 
-def _evolve(
+def evolve(
     objective: Callable[[Vector], float],
     ranges: Ranges,
     start: Mapping[str, float],
     effort: tuple[int, int],
-    pool: Executor,
+    mapped: Mapped,
     notify: Callable[[int, float], None],
     *,
     evenly: bool,
@@ -176,6 +180,7 @@ def _evolve(
     Args:
         start: Parameters of one point of the first population.
         effort: Size of the population, and number of generations after the first.
+        mapped: Returns the objective at each of several points.
         notify: Called after each generation with its number and the minimum objective.
         evenly: Whether the rest of the first population are Sobol points, whatever their number; else SciPy chooses.
     """
@@ -183,9 +188,6 @@ def _evolve(
     bounds = np.log(np.array(list(ranges.values())).T)
     unit_points = Sobol(len(ranges), rng=_SEED).random_base2(math.ceil(math.log2(population)))[:population]
     generation = 0
-
-    def mapped(function: Callable[[Vector], float], points: Iterable[Vector]) -> list[float]:
-        return list(pool.map(function, points))
 
     def note(intermediate_result: Any) -> None:
         nonlocal generation
