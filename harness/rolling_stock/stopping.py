@@ -330,6 +330,10 @@ class _RimForces:
         self._valve = np.array([each.valve for each in self._groups], dtype=np.intp)
         self._first = np.array([train.groups[each.group][0] for each in self._groups], dtype=np.intp)
         self._adds = np.array([each.brake.blending == "added" for each in self._groups], dtype=bool)
+        # Groups with equal brakes have equal forces: a long train has few kinds.
+        keys = [(id(each.brake), each.units, each.load) for each in self._groups]
+        self._alike = [self._groups[keys.index(key)] for key in dict.fromkeys(keys)]
+        self._kind = np.array([list(dict.fromkeys(keys)).index(key) for key in keys], dtype=np.intp)
         self._time = np.array([each.brake.time_constant for each in self._groups])
         units = np.array([axle.dynamic_units for axle in train.axles], dtype=float)
         # Column per group: the part of its force on each axle.
@@ -344,7 +348,7 @@ class _RimForces:
             return _friction_force(brakes, speed, pads), np.zeros(len(pads))
         of_axle = brakes["lever"] * brakes["pad_friction"] * pads
         demand = np.bincount(self._valve_of_axle, of_axle, self._valves)
-        available = np.array([float(each.force_at(speed)) for each in self._groups])
+        available = np.array([float(each.force_at(speed)) for each in self._alike])[self._kind]
         relieving = np.bincount(self._valve, np.where(self._adds, 0.0, available), self._valves)
         own, of_brakes = (float(demand.sum()), float(relieving.sum())) if self._across else (demand, relieving)
         shares = np.broadcast_to(np.minimum(own / np.maximum(of_brakes, 1e-3), 1.0), self._valves)[self._valve]
