@@ -109,7 +109,8 @@ def _equipment(train: Train) -> dict[str, list[float]]:
     brakes, bogies = [train.bogie_of(group).brake for group in range(len(train.groups))], train.bogies_in_train
     values = {name: [float(getattr(brake, key)) for brake in brakes] for name, key in _RIGGING.items()}
     values |= {name: [getattr(bogie.data, key) for bogie in bogies] for name, key in _SUSPENSION.items()}
-    return values | {"wheelsets_per_bogie": [len(bogie.axles) for bogie in bogies]}
+    wheelsets: list[float] = [len(bogie.axles) for bogie in bogies]
+    return values | {"wheelsets_per_bogie": wheelsets}
 
 
 def _parameters(train: Train, body_of_car: Sequence[int]) -> dict[str, Sequence[float]]:

@@ -98,7 +98,9 @@ def _without_claim(error: Array) -> FrictionErrors:
 
 def family_rows(family: str, errors: Mapping[str, FrictionErrors]) -> list[dict[str, Any]]:
     """Return RMSE, bias, coverage of the 95 % interval, NEES and skill over `constant` of each estimator."""
-    rows = [{"family": family, "estimator": name, **error_figures(*each)} for name, each in errors.items()]
+    rows: list[dict[str, Any]] = [
+        {"family": family, "estimator": name, **error_figures(*each)} for name, each in errors.items()
+    ]
     reference = rows[list(errors).index("constant")]["RMSE"]
     return [
         {name: None if name == "coverage" and np.isnan(row["NEES"]) else value for name, value in row.items()}

@@ -54,7 +54,7 @@ def available_errors(trace: xarray.Dataset, constant: float, quantile: float) ->
         constant: Mean of the available adhesion in the training set.
         quantile: Half of the claimed interval, in standard deviations.
     """
-    errors = dict.fromkeys(("known", "rmse", "bias", "coverage", "recent", "constant"), math.nan)
+    errors: dict[str, float] = dict.fromkeys(("known", "rmse", "bias", "coverage", "recent", "constant"), math.nan)
     if "estimate_slip" not in trace or "estimate_adhesion" not in trace:
         return errors
     moving = trace["speed"].values > SLOWEST

@@ -216,11 +216,13 @@ class Estimators(Study):
         names = (*REFERENCES, "fmu", "interacting", "disturbance_observer", "disturbed")
         design = recording_cases(2, SEEDS["test"])
         frame = pandas.json_normalize(rows_of(work, design, recording_cases(2, SEEDS["training"]), names))
-        errors = frame.groupby("estimator", sort=False)["rmse.adhesion"].mean()
-        coverage = float(frame["coverage.adhesion"][frame["estimator"] == "fmu"].mean())
+        errors = frame.groupby("estimator", sort=False).agg({"rmse.adhesion": "mean", "coverage.adhesion": "mean"})
         return [
-            *(mean(f"{name}: adhesion RMSE", error) for name, error in errors.items()),
-            mean("fmu: adhesion coverage", coverage),
+            *(
+                mean(f"{name}: adhesion RMSE", rmse)
+                for name, rmse in zip(errors.index, errors["rmse.adhesion"], strict=True)
+            ),
+            mean("fmu: adhesion coverage", float(errors.loc["fmu", "coverage.adhesion"])),
         ]
 
 

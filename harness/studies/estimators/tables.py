@@ -69,7 +69,7 @@ def leaderboard(frame: Frame) -> ReportTable:
             "step": medians["microseconds"].values,
         }
     )
-    forms = dict.fromkeys(("median RMSE", "from", "to"), "{:.4f}") | {"bias": "{:+.4f}"}
+    forms: dict[str, Form] = {**dict.fromkeys(("median RMSE", "from", "to"), "{:.4f}"), "bias": "{:+.4f}"}
     forms |= dict.fromkeys(("delay", "after a step"), "{:.2f} s")
     forms |= dict.fromkeys(("over constant", "over force balance"), "{:.2f}") | {"step": "{:.0f} µs"}
     return _table(table.sort_values("median RMSE", kind="stable"), forms, title="Adhesion")
@@ -274,6 +274,7 @@ def rows_of_lateral(seed: int) -> list[dict[str, Any]]:
 
 def vehicles(rows: Sequence[dict[str, Any]]) -> ReportTable:
     """Return the errors of all families as a table."""
-    frame = pandas.DataFrame(rows)[["family", "estimator", "quantity", "RMSE", "bound", "coverage", "NEES"]]
+    columns = ["family", "estimator", "quantity", "RMSE", "bound", "coverage", "NEES"]
+    frame = pandas.DataFrame(list(rows), columns=columns)
     forms = {"RMSE": "{:.4f}", "bound": "{:.4f}", "coverage": "{:.2f}", "NEES": "{:.2g}"}
     return ReportTable.of_frame(frame, forms, ("family", "estimator", "quantity"), title="Other vehicles")

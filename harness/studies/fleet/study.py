@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import product
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from typer import Option
@@ -224,7 +224,7 @@ def _errors(estimated: Matrix, deviation: Matrix, true: Sequence[Vector]) -> dic
 def learned(found: Mapping[str, Sequence[TrainStops]], stops: int) -> ReportTable:
     """Return errors and claimed deviations of the pads by design and number of stops."""
     groups = formation().groups
-    rows: list[dict[str, object]] = []
+    rows: list[dict[str, Any]] = []
     for (name, trains), count in product(found.items(), (count for count in COUNTS if count <= stops)):
         estimate = fleet_estimate(trains, count)
         of_pads = estimate.trains[:, :groups], estimate.train_deviation[:, :groups]
@@ -242,7 +242,7 @@ def learned(found: Mapping[str, Sequence[TrainStops]], stops: int) -> ReportTabl
 def radii(found: Mapping[str, Sequence[TrainStops]], stops: int) -> ReportTable:
     """Return errors and claimed deviations of the wheel radii by number of stops, from stops without releases."""
     trains, groups = found["none"], formation().groups
-    rows: list[dict[str, object]] = []
+    rows: list[dict[str, Any]] = []
     for count in (count for count in COUNTS if count <= stops):
         estimate = fleet_estimate(trains, count)
         of_radii = estimate.trains[:, -groups:], estimate.train_deviation[:, -groups:]
@@ -255,7 +255,7 @@ def radii(found: Mapping[str, Sequence[TrainStops]], stops: int) -> ReportTable:
 def designs_table(designs: Mapping[str, Releases]) -> ReportTable:
     """Return the information that one stop has on the pads, by design of the releases, expected before the stop."""
     groups, by_hand = formation().groups, log_determinant(IN_TURN)
-    rows: list[dict[str, object]] = []
+    rows: list[dict[str, Any]] = []
     for name, releases in designs.items():
         deviation = np.sqrt(np.diag(np.linalg.inv(expected_information(releases))))
         ratio = np.exp((by_hand - log_determinant(releases)) / groups)

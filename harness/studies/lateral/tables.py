@@ -225,7 +225,7 @@ def _with_changes(frame: Frame) -> Frame:
 def _level(runs: Frame, name: str, rail: Condition, place: int) -> list[float]:
     """Return mean (0) or rms error (1) of the estimated friction of a rail in each run; NaN without a finite one."""
     levels = f"levels.{name}.{rail.name}"
-    pairs = runs[levels] if levels in runs else [math.nan] * len(runs)
+    pairs: list[Any] = list(runs[levels]) if levels in runs else [math.nan] * len(runs)
     return [math.nan if isinstance(pair, float) or pair[place] is None else pair[place] for pair in pairs]
 
 
