@@ -7,12 +7,23 @@ from pathlib import Path
 import pytest
 
 from railgrip.base.errors import RecordError, ScenarioError
+from railgrip.base.registry import shelf
 from railgrip.report.baseline import AcceptedValue, Baseline, load_baseline, write_baseline
 from railgrip.report.marked import END, write_tables
 from railgrip.report.style import save
-from railgrip.report.validation import BASELINE, FILE, TABLES, distances_figure, tables, tables_of_cases
+from railgrip.report.validation import (
+    BASELINE,
+    CONVERGENCE,
+    CONVERGENCE_CAMPAIGNS,
+    FILE,
+    TABLES,
+    distances_figure,
+    tables,
+    tables_of_cases,
+    tolerances_table,
+)
 from railgrip.scenario.campaign import load_campaign
-from railgrip.scenario.conditioning import ConditioningFile, RepeatedDistances, text_of
+from railgrip.scenario.conditioning import ConditioningFile, RepeatedDistances, read_conditioning, text_of
 
 ROOT = Path(__file__).parents[2]
 BASELINES = ROOT / "tests" / "baselines"
@@ -47,6 +58,18 @@ def test_the_table_of_the_page_is_the_accepted_one(name):
     text = (ROOT / "docs" / page).read_text(encoding="utf-8")
     for name, table in tables_of(campaign, baseline).items():
         assert f"{BEGIN.replace('distances', name)}\n{table}\n{END}" in text
+
+
+def test_each_stop_of_the_campaigns_of_convergence_is_repeated_at_all_tolerances():
+    """If this fails, run `make convergence`, which repeats the stops and writes the table of the page."""
+    campaigns = [load_campaign(shelf("campaigns")[name]) for name in CONVERGENCE_CAMPAIGNS]
+    for campaign in campaigns:
+        repeats = read_conditioning(campaign.conditioning).stops
+        current = {stop.name: stop.scenario.digest() for stop in campaign.stops}
+        assert {name: one.digest for name, one in repeats.items()} == current
+        assert all(set(one.tolerances) == {1e-4, 1e-6, 1e-7} for one in repeats.values())
+    text = (ROOT / "docs" / CONVERGENCE).read_text(encoding="utf-8")
+    assert f"{BEGIN.replace('distances', 'tolerances')}\n{tolerances_table(*campaigns)}\n{END}" in text
 
 
 def description_of(svg):
