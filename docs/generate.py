@@ -122,9 +122,14 @@ def collect(key: Key, annotation: Any, metadata: Sequence[Any], plural: str = ""
 
 def collect_named(key: Key, entry: Any) -> None:
     """Add a table whose keys are names that the user chooses."""
+    kinds = Key()
+    if get_origin(entry) is Annotated:
+        collect(kinds, entry, ())
     if isinstance(entry, type) and issubclass(entry, BaseModel):
+        kinds.tables[""] = entry
+    if kinds.tables:
         key.types.append("tables by name")
-        key.tables[BY_NAME] = entry
+        key.tables |= {BY_NAME + kind: table for kind, table in kinds.tables.items()}
     else:
         key.types.append("table of parameters" if entry is Magnitude else "table")
 
@@ -204,7 +209,9 @@ class FilePage:
             described = key_of(field_.annotation, field_.metadata)
             path = f"{name}.{key}" if name else key
             new = [
-                (f"{path}.NAME", "", table) if kind_ == BY_NAME else (path, kind_, table)
+                (f"{path}.NAME", kind_.removeprefix(BY_NAME), table)
+                if kind_.startswith(BY_NAME)
+                else (path, kind_, table)
                 for kind_, table in described.tables.items()
                 if table not in self.anchors
             ]
