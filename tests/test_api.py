@@ -391,7 +391,7 @@ def test_a_plant_that_is_not_a_train_is_refused_before_its_stop(scenario):
         def shown(self, a):
             return super().shown(a) | {"speed": 3.6 * self.v}
 
-    with pytest.raises(ScenarioError, match=r"the plant Wrong is none: .* it looks like km/h for m/s"):
+    with pytest.raises(ScenarioError, match=r"Wrong is not a plant: .* it looks like km/h for m/s"):
         rg.run(scenario, controller=BangBang, plant=Wrong)
     with pytest.raises(rg.testing.ContractBroken, match="it looks like km/h for m/s"):
         rg.testing.check_plant(Wrong)

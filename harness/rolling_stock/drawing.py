@@ -37,7 +37,7 @@ def drawing(train: Train) -> Figure:
     )
     train_figure.supxlabel(
         "under the rail: axle and its load [t]; lines join coupled axles; brackets join those with one brake valve;\n"
-        "dots: brake units of an axle; diamonds: dynamic brakes; bars on the rail: magnetic and eddy-current brakes; "
+        "dots: brake units of an axle; diamonds: dynamic brakes; bars on the rail: magnetic and eddy-current brakes;\n"
         "triangles: sanders; in a car: its two-stage distributor and accelerator",
         fontsize=7,
         color=GREY,

@@ -254,7 +254,7 @@ def test_a_line_has_measures_and_files_of_its_own(tmp_path):
     (tmp_path / "trains").mkdir()
     base, two = variants_of(EMU, measures, "full_brake", tmp_path / "trains")
     stop = module.scenario_for(two, line, line.rail[0], 3, 20.0)
-    assert stop.adhesion.curve.mu0.max() == pytest.approx(0.06)
+    assert stop.adhesion.curve.values.max() == pytest.approx(0.06)
     assert stop.controller.kind == "slip_two_state"
     other = module.scenario_for(replace(base, name="x"), line, line.rail[0], 3, 20.0)
     assert (other.adhesion.level, other.seed) == (stop.adhesion.level, stop.seed)

@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import binom, norm
 
 from railgrip.base.errors import InputError
-from railgrip.cli.trains import trains as shipped
+from railgrip.base.registry import shelf
 from railgrip.rolling_stock import schema
 from railgrip.rolling_stock.dispersion import Failures, Normal
 from railgrip.rolling_stock.schema import load_train, train_of
@@ -150,7 +150,7 @@ def test_like_valves_that_count_together_give_the_k_of_single_ones():
     train = load_train(Path("vt642"))
     data = data_of(train)
     together = TrainBrake(train, data.dispersion, (120 / 3.6, 0.0))
-    tables = tomllib.loads((Path(shipped.__path__[0]) / "vt642.toml").read_text(encoding="utf-8"))
+    tables = tomllib.loads(shelf("trains")["vt642"].read_text(encoding="utf-8"))
     tables["bogies"]["trailing"] = tables["bogies"]["motor"]
     tables["cars"][1]["bogies"][0]["kind"] = "trailing"
     tables["bogies"]["jacobs"]["valve"] = "axle"
@@ -165,7 +165,7 @@ def test_like_valves_that_count_together_give_the_k_of_single_ones():
 
 @pytest.mark.usefixtures("few")
 def test_a_train_file_may_have_its_own_data():
-    tables = tomllib.loads((Path(shipped.__path__[0]) / "tram.toml").read_text(encoding="utf-8"))
+    tables = tomllib.loads(shelf("trains")["tram"].read_text(encoding="utf-8"))
     tables["etcs"] = {
         "maximum_speed": "70 km/h", "brake_position": "freight P", "k_wet": 0.6, "traction_cut_off_time": "2 s",
         "service_time": "3 s", "estimated": True,
@@ -186,7 +186,7 @@ def test_a_train_file_may_have_its_own_data():
 
 
 def test_two_stages_of_the_distributor_are_steps_of_the_brake():
-    tables = tomllib.loads((Path(shipped.__path__[0]) / "loco_coaches.toml").read_text(encoding="utf-8"))
+    tables = tomllib.loads(shelf("trains")["loco_coaches"].read_text(encoding="utf-8"))
     tables["distributors"] = {
         "R": {
             "low_share": 0.5,
@@ -234,7 +234,7 @@ def test_a_deviation_of_blocks_has_the_effect_of_the_changed_train(quantity, dev
 
 
 def test_a_train_that_does_not_stop_is_refused():
-    tables = tomllib.loads((Path(shipped.__path__[0]) / "tram.toml").read_text(encoding="utf-8"))
+    tables = tomllib.loads(shelf("trains")["tram"].read_text(encoding="utf-8"))
     for brake in tables["brakes"].values():
         brake["pressure_max"] = "0.1 bar"
     tables["track_brakes"], tables["bogies"] = (

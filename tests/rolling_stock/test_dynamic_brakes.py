@@ -22,6 +22,7 @@ from railgrip.rolling_stock.schema import Train, load_train, train_of
 from railgrip.rolling_stock.stopping import by_hand, developed_forces, response_times
 from railgrip.rolling_stock.tables import sentence_of_equipment, table_of_axles
 from railgrip.scenario.file import NamedFile
+from railgrip.supervision.trains import maximum_speed
 
 MOTOR = {
     "kind": "electrodynamic", "force": "12 kN", "power": "200 kW", "speed_full": "10 km/h", "speed_end": "4 km/h",
@@ -304,7 +305,7 @@ def test_the_package_has_ten_trains_and_one_of_each_brake():
 def test_a_train_of_the_package_does_not_contradict_itself_and_its_page_has_all_its_brakes(name):
     train = load_train(shelf("trains")[name])
     assert not [str(found) for found in findings(train) if found.wrong]
-    page = calculation_page(train, [mean_stop(train, 25 / 3.6)], origin=name, digest="")
+    page = calculation_page(train, [mean_stop(train, maximum_speed(train))], origin=name, digest="")
     values = [page.values[key] for key in ("data", "axles", "dynamic", "rail")]
     texts = {text for table in values if table for row in table.texts for text in row.values()}
     used = {bogie.kind: bogie.data for bogie in train.bogies_in_train}.values()

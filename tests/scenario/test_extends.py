@@ -90,11 +90,11 @@ def test_a_file_named_by_a_base_is_found_from_the_folder_of_the_base(tmp_path):
     (tmp_path / "rail.csv").write_text("time,mu0\n0,0.2\n9,0.2\n")
     (tmp_path / "sub" / "rail.csv").write_text("time,mu0\n0,0.1\n9,0.1\n")
     scenario = rg.Scenario.load(top)
-    assert scenario.adhesion.curve.mu0.max() == 0.1
+    assert scenario.adhesion.curve.values.max() == 0.1
     assert Path(scenario.resolved()["adhesion"]["file"]) == Path("sub/rail.csv")
     assert scenario.changed({"seed": 1}).digest() == scenario.digest()
     own = written(tmp_path, own='extends = "sub/base.toml"\nadhesion.file = "rail.csv"\n')
-    assert load(own).adhesion.curve.mu0.max() == 0.2
+    assert load(own).adhesion.curve.values.max() == 0.2
 
 
 @pytest.mark.parametrize("vehicle", ['train = "tram"', 'plant = "Wagon"'])

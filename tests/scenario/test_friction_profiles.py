@@ -204,9 +204,9 @@ def test_columns_may_state_their_units(tmp_path, header, factor, percent):
 
     rows = "".join(f"{factor * place:g},{percent * mu0:g}\n" for place, mu0 in ((0, 0.1), (100, 0.2), (300, 0.05)))
     stated, plain = curve(f"{header}\n{rows}"), curve("distance,mu0\n0,0.1\n100,0.2\n300,0.05\n")
-    np.testing.assert_allclose(stated.axis, plain.axis)
-    np.testing.assert_allclose(stated.mu0, plain.mu0)
-    assert stated.over == "distance"
+    np.testing.assert_allclose(stated.points, plain.points)
+    np.testing.assert_allclose(stated.values, plain.values)
+    assert stated.axis == "distance"
 
 
 @pytest.mark.parametrize(

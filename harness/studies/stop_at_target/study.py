@@ -284,7 +284,8 @@ def ratio_of(frame: Frame) -> tuple[str, float, tuple[float, float] | None]:
 
 
 def figure_of(frames: Mapping[str, Frame]) -> Figure:
-    """Return the share of stops on slippery rails beyond an error, over that error, in a panel for each frame."""
+    """Return the share of stops on slippery rails beyond an error, over that error; a panel for each frame with any."""
+    frames = {title: frame for title, frame in frames.items() if (frame["rail"] == "slippery").any()}
     drawing, panels = style.panels(9, 4, 1, len(frames), sharey=True)
     for panel, (title, frame) in zip(np.ravel(panels), frames.items(), strict=True):
         for colour, system in zip((palette.GREY, palette.ORANGE, palette.BLUE), SYSTEMS, strict=True):

@@ -2,7 +2,8 @@ within RailBraking.Components;
 block PressureBlending "Dynamic brakes first, friction brakes for the rest, in pressures of brake valves"
   extends Icons.Component;
   parameter Integer n(min=1) = 1 "Number of brake valves";
-  parameter Boolean across = false "= true, if dynamic brakes also brake for valves without one" annotation(Evaluate=true);
+  parameter Boolean across = false "= true, if dynamic brakes also brake for valves without one"
+    annotation(Evaluate=true);
   parameter Types.Area force_per_pressure[n](each start=0.01)
     "Rim force of the friction brakes of a valve over their pressure beyond the springs, with nominal friction";
   parameter Types.Pressure p_spring[n] = fill(0, n) "Pressure that the springs hold back";

@@ -15,7 +15,8 @@ equation
   exact = 20e3*2/(v/20 + 20/v)*(if v > 14 then 1 elseif v > 10 then (v - 10)/4 else 0);
   der(braked) = if v > 14 then brake.force else 0;
   work_exact = 20e3*20*log((20^2 + 60^2)/(20^2 + 14^2));
-  error = if time < 0.02 then 0 elseif time < 54.99 then (brake.force - exact)/20e3 else (braked - work_exact)/work_exact;
+  error = if time < 0.02 then 0 elseif time < 54.99 then (brake.force - exact)/20e3
+    else (braked - work_exact)/work_exact;
   annotation (
     experiment(StopTime=55, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
