@@ -82,12 +82,10 @@ def brake_limit(
         dynamic: Electrodynamic and eddy-current brakes of the group.
     """
     most = brake.pressure_max if pressure is None else np.minimum(pressure, brake.pressure_max)
-    lever = brake.units * brake.pad_force(most) * brake.friction_radius
-    torque = pad_friction * lever
+    torque = brake.units * pad_friction * brake.pad_force(most) * brake.friction_radius
     if dynamic is not None and speed is not None:
-        torque = dynamic.torque(
-            speed, torque, np.broadcast_to(dynamic.nominal_friction * lever, torque.shape), brake.wheel_radius
-        )
+        nominal = dynamic.nominal_friction * brake.units * brake.pad_force(most) * brake.friction_radius
+        torque = dynamic.torque(speed, torque, np.broadcast_to(nominal, torque.shape), brake.wheel_radius)
     rotation = brake.inertia * deceleration / brake.wheel_radius
     return np.maximum(torque + other_torque + resistance_lever * load - rotation, 0) / (brake.wheel_radius * load)
 
