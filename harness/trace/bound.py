@@ -94,15 +94,17 @@ def torque_beyond_pads(trace: xarray.Dataset, brakes: Sequence[Brake | None]) ->
     """Return the torque of other brakes on the wheelsets of each group, shape (n, groups) [N.m].
 
     Electrodynamic and rotating eddy-current brakes use adhesion as friction brakes do. Theirs is the torque by which
-    `brake_torque` exceeds that of the pads; 0 where the plant does not output both, or the friction brake is isolated.
-    Brakes on the rail itself need no adhesion and are not included.
+    `brake_torque` exceeds that of the pads. It is 0 where the plant does not output both, where the friction brake is
+    isolated, and for standing wheelsets, which a reaction holds. Brakes on the rail itself need no adhesion and are not
+    included.
     """
     torque = np.zeros(trace["brake_torque"].shape)
     for group, brake in enumerate(brakes):
         if brake is not None:
             friction, force = (trace[name].values[:, group] for name in ("pad_friction", "pad_force"))
             pads = brake.units * friction * force * brake.friction_radius
-            torque[:, group] = np.nan_to_num(np.maximum(trace["brake_torque"].values[:, group] - pads, 0.0))
+            beyond = np.nan_to_num(np.maximum(trace["brake_torque"].values[:, group] - pads, 0.0))
+            torque[:, group] = np.where(trace["wheelset_speed"].values[:, group] > 0.0, beyond, 0.0)
     return torque
 
 

@@ -112,6 +112,9 @@ def test_other_brakes_on_the_wheelsets_are_in_the_bound_and_need_adhesion():
     assert bound["ideal_adhesion"].values[0, 2] == pytest.approx(0.1, abs=1e-9)  # the rail limits other brakes, too
     less = with_bound(uniform_stop(**stop | {"brake_torque": pads / 2}), parabola, BRAKES, alpha_max=0.15)
     assert less["brake_limit"].values[0] == pytest.approx(0.0875)  # as of a locked wheelset
+    # What holds a standing wheelset is a reaction, which may exceed the friction of sliding pads.
+    held = with_bound(uniform_stop(**stop).assign(wheelset_speed=0.0 * bound["wheelset_speed"]), parabola, BRAKES, 0.15)
+    assert held["brake_limit"].values[0] == pytest.approx(0.0875)
 
 
 def test_coupled_wheelsets_share_the_limit_of_their_group():
