@@ -66,7 +66,7 @@ def title_of(page, folder, *options):
 
 
 def in_frame(page, folder, script, width, height=900):
-    """Return what a script writes into the title of a frame of this size with a page.
+    """Return the text that a script writes into the title of a frame of this size with a page.
 
     A window is never narrower than 500 pixels.
     """
@@ -81,7 +81,7 @@ def in_frame(page, folder, script, width, height=900):
 
 
 def drawn(page, folder, width, height=900):
-    """Return what a browser draws of a page in a frame of this size."""
+    """Return the places of texts and axes of a page that a browser draws in a frame of this size."""
     return in_frame(page, folder, _SCRIPT, width, height)
 
 

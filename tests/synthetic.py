@@ -41,6 +41,12 @@ BRAKES = tuple(
     for wheelsets in (2.0, 1.0, 1.0, 2.0)
 )
 
+MOTOR = {
+    "kind": "electrodynamic", "force": "12 kN", "power": "200 kW", "speed_full": "10 km/h", "speed_end": "4 km/h",
+    "time_constant": "0.3 s", "blending": "valve", "slide_limit": 0.1, "estimated": True,
+}  # fmt: skip
+"""An electrodynamic brake of a train file."""
+
 
 def parabola(slip, speed, load, mu0):
     """A creep curve whose peak is known: adhesion mu0 at 5 % slip, whatever the speed."""

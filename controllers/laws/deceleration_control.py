@@ -148,9 +148,9 @@ def _controlled(
     # The utilisation of the last call, because that of this call depends on the demand.
     used = draft.state("used", "1", "demanded over available adhesion")
     strain = (used - t["utilisation_sand"]) / (t["utilisation_full"] - t["utilisation_sand"])
-    wanted = demanded * (1.0 + choose(managed, t["reserve"] * within(strain, 0.0, 1.0), 0.0))
+    intended = demanded * (1.0 + choose(managed, t["reserve"] * within(strain, 0.0, 1.0), 0.0))
     integral = draft.state("integral", "m/s2", "correction of the demanded deceleration")
-    adhesion = within((wanted + integral) / _G, 0.0, highest)
+    adhesion = within((intended + integral) / _G, 0.0, highest)
 
     alone = [_pressure(group, adhesion) for group in train]
     limited = [
@@ -168,7 +168,7 @@ def _controlled(
                       choose(braking, lacks, 0.0), T_REDISTRIBUTION, period)  # fmt: skip
     more = choose(managed, lacking / ca.fmax(free, 1e-3 * load), 0.0)
 
-    reachable = choose(managed, ca.fmin(wanted, _G * possible - integral), wanted)
+    reachable = choose(managed, ca.fmin(intended, _G * possible - integral), intended)
     expected = _follow(
         draft,
         ("expected", "m/s2", "deceleration expected after the response of the brake"),

@@ -115,7 +115,7 @@ class Parking:
 
 
 def parking(train: Train) -> Parking:
-    """Return what the parking brake of a train holds; groups of coupled axles share their forces.
+    """Return force, gradient and adhesion of the parking brake of a train; groups of coupled axles share their forces.
 
     Running resistance is neglected, and load is that on level track.
     """

@@ -133,7 +133,7 @@ class Plan(Table):
         return 1.0 if self.direction == "forward" else -1.0
 
 
-class Line(Table):
+class TrackLine(Table):
     """[track.line]: the gradients of a line from a file, and the place of the run on it."""
 
     file: NamedFile = Field(
@@ -192,7 +192,7 @@ class Track(Table):
     gradient: tuple[Gradient, ...] = Field(default=(), description="slopes along the distance; level without them")
     curve: tuple[Curve, ...] = Field(default=(), description="curves along the distance; straight without them")
     plan: Plan | None = optional("in place of both")
-    line: Line | None = optional("in place of gradient")
+    line: TrackLine | None = optional("in place of gradient")
     curve_law: CurveLaw = Field(
         default="bogie",
         description="curve resistance: κ(0.158 a + 0.033 b), Röckl 650/(R − 55) ‰, or Protopapadakis "

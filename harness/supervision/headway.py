@@ -45,7 +45,7 @@ class Stopping(Table):
     dwell: Delay = Field(description="time at rest")
 
 
-class Times(Table):
+class SignallingTimes(Table):
     """Times and margins of the signalling."""
 
     setup: _Seconds = Field(description="from the request of a movement authority until it is on board")
@@ -57,7 +57,7 @@ class Times(Table):
     source: str = Field(min_length=3, description="publication of the numbers, or that they are estimates")
 
 
-class Layout(Table):
+class SignallingLayout(Table):
     """The signalling and the run of equal trains on a line."""
 
     speed: tuple[SpeedSection, ...] = Field(
@@ -71,7 +71,7 @@ class Layout(Table):
     stop: tuple[Stopping, ...] = Field(default=(), description="stops at stations")
     acceleration: Deceleration = Field(description="acceleration of the trains after restrictions and stops")
     deceleration: Deceleration = Field(description="deceleration of the trains before restrictions and stops")
-    times: Times = Field(description="times and margins of the signalling")
+    times: SignallingTimes = Field(description="times and margins of the signalling")
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
@@ -135,7 +135,7 @@ class Run:
         return float(np.interp(location, self.location, self.moving) + np.interp(location, self.location, self.dwell))
 
 
-def run_of(layout: Layout, length: float, fastest: float, places: Sequence[float]) -> Run:
+def run_of(layout: SignallingLayout, length: float, fastest: float, places: Sequence[float]) -> Run:
     """Return the run of a train from the first to the last of some places, which are points of it.
 
     Args:
@@ -161,7 +161,7 @@ def run_of(layout: Layout, length: float, fastest: float, places: Sequence[float
     return Run(x, v, moving, dwell)
 
 
-def headways(layout: Layout, model: BrakingModel, national: NationalValues) -> tuple[Headway, Headway]:
+def headways(layout: SignallingLayout, model: BrakingModel, national: NationalValues) -> tuple[Headway, Headway]:
     """Return the headway with fixed blocks and with a moving block.
 
     Args:
@@ -184,7 +184,7 @@ def headways(layout: Layout, model: BrakingModel, national: NationalValues) -> t
 
 
 def _headway(
-    layout: Layout,
+    layout: SignallingLayout,
     model: BrakingModel,
     national: NationalValues,
     blocks: Sequence[tuple[float, float]],
@@ -218,7 +218,7 @@ def _headway(
 
 
 def _blocking(
-    layout: Layout,
+    layout: SignallingLayout,
     run: Run,
     block: tuple[float, float],
     cleared: float,

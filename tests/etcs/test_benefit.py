@@ -11,7 +11,15 @@ from railgrip.base.errors import InputError
 from railgrip.scenario.load import read_toml
 from railgrip.scenario.surface import Sander
 from railgrip.studies.benefit import study as module
-from railgrip.studies.benefit.chain import BASE, Chain, Variant, interval, sand_mass, variants_of, weighted_quantile
+from railgrip.studies.benefit.chain import (
+    BASE,
+    BenefitChain,
+    Variant,
+    interval,
+    sand_mass,
+    variants_of,
+    weighted_quantile,
+)
 from railgrip.studies.benefit.line import LIBRARY, load_study_line, measures_of
 from railgrip.studies.benefit.study import Benefit, chain_of, gain_table
 from railgrip.supervision import trains
@@ -44,7 +52,7 @@ def chain_with(line, brake, distances):
     """Return the chain of variants with distances of shape (variants, rails, draws)."""
     distances = np.asarray(distances, dtype=float)
     variants = [Variant(name=str(number), train=Path("t.toml"), changes={}) for number in range(len(distances))]
-    return Chain(
+    return BenefitChain(
         line=line, variants=variants, speed=SPEED, models=[brake] * len(variants), dry=np.full(len(variants), DRY),
         times=np.full(len(variants), TIME), figures=dict.fromkeys(("distance", "sand", "air", "energy"), distances),
     )  # fmt: skip

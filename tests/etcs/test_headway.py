@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railgrip.supervision.curve import Steps
-from railgrip.supervision.headway import Layout, SpeedSection, Stopping, Times, headways, run_of
+from railgrip.supervision.headway import SignallingLayout, SignallingTimes, SpeedSection, Stopping, headways, run_of
 from railgrip.supervision.model import EmergencyStep, ServiceStep, TrainData, model_of
 from railgrip.supervision.national import NationalValues
 
@@ -34,12 +34,12 @@ def train():
 
 def layout(**changes):
     """Return a line of two blocks, 1,000 m and 1,500 m long, with constant speed unless changed."""
-    times = Times(setup=7.0, release=3.0, report=5.0, margin=40.0, source="an example")
+    times = SignallingTimes(setup=7.0, release=3.0, report=5.0, margin=40.0, source="an example")
     values = {
         "speed": [{"begin": 0, "speed": V}], "block": (0.0, 1000.0, 2500.0), "overlap": 60.0, "acceleration": 0.5,
         "deceleration": 0.8, "times": times, **changes,
     }  # fmt: skip
-    return Layout.model_validate(values)
+    return SignallingLayout.model_validate(values)
 
 
 def approach(deceleration, build_up):

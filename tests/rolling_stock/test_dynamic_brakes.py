@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from synthetic import MOTOR
 from typer.testing import CliRunner
 
 from railgrip.base.errors import InputError, ScenarioError
@@ -24,10 +25,6 @@ from railgrip.rolling_stock.tables import sentence_of_equipment, table_of_axles
 from railgrip.scenario.file import NamedFile
 from railgrip.supervision.trains import maximum_speed
 
-MOTOR = {
-    "kind": "electrodynamic", "force": "12 kN", "power": "200 kW", "speed_full": "10 km/h", "speed_end": "4 km/h",
-    "time_constant": "0.3 s", "blending": "valve", "slide_limit": 0.1, "estimated": True,
-}  # fmt: skip
 RAIL = {
     "kind": "eddy_current_rail", "force": "20 kN", "speed_peak": "90 km/h", "speed_full": "60 km/h",
     "speed_end": "50 km/h", "time_constant": "0.5 s", "estimated": True,

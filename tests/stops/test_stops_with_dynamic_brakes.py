@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from synthetic import MOTOR
 
 from railgrip import cli
 from railgrip.base.errors import ScenarioError
@@ -18,10 +19,6 @@ from railgrip.simulate.vehicle_data import VehicleData
 
 BEGINNING = (Path(cli.__file__).parent / "templates" / "train.toml").read_text(encoding="utf-8")
 SPEED = 100 / 3.6
-MOTOR = {
-    "kind": "electrodynamic", "force": "12 kN", "power": "200 kW", "speed_full": "10 km/h", "speed_end": "4 km/h",
-    "time_constant": "0.3 s", "blending": "valve", "slide_limit": 0.1, "estimated": True,
-}  # fmt: skip
 RAIL = {
     "kind": "eddy_current_rail", "force": "8 kN", "speed_peak": "90 km/h", "speed_full": "60 km/h",
     "speed_end": "50 km/h", "time_constant": "0.5 s", "estimated": True,

@@ -21,7 +21,7 @@ from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.surface import Sander
 from railgrip.simulate.run import run_stop
-from railgrip.studies.benefit.line import LIBRARY, LineOfStudy, Measure, Rail
+from railgrip.studies.benefit.line import LIBRARY, LineOfStudy, Measure, SeasonalRail
 from railgrip.studies.trains.stops import EQUIPMENT
 from railgrip.supervision.curve import Steps
 from railgrip.supervision.headway import Headway, headways
@@ -107,7 +107,7 @@ def _train_table(table: Mapping[str, Any], measures: Mapping[str, Measure], chos
     return changed
 
 
-def scenario_for(variant: Variant, line: LineOfStudy, rail: Rail | None, draw: int, speed: float) -> Scenario:
+def scenario_for(variant: Variant, line: LineOfStudy, rail: SeasonalRail | None, draw: int, speed: float) -> Scenario:
     """Return a stop of a variant on a rail, or on dry rail for None.
 
     Level and seed depend on rail and draw alone, so that all variants stop on the same rails.
@@ -170,7 +170,7 @@ def weighted_quantile(values: Array, weights: Array, share: float) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Chain:
+class BenefitChain:
     """The stops of all variants on the same draws, and what follows from them.
 
     Attributes:

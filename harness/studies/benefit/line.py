@@ -14,7 +14,7 @@ from railgrip.scenario.file import OtherFileString, is_file
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.table import Name, Table, table_error
-from railgrip.supervision.headway import Layout
+from railgrip.supervision.headway import SignallingLayout
 from railgrip.supervision.national import NationalValues
 
 LIBRARY = Path(__file__).parent / "library"
@@ -46,7 +46,7 @@ class Measure(Table):
         return self
 
 
-class Rail(Table):
+class SeasonalRail(Table):
     """The rail of a part of the year, and its share of all stops."""
 
     season: str = Field(min_length=1, description="part of the year")
@@ -65,11 +65,11 @@ class Rail(Table):
         return f"{self.season}, {self.weather}"
 
 
-class LineOfStudy(Layout):
+class LineOfStudy(SignallingLayout):
     """A line in the direction of travel."""
 
     name: Name = Field(description="name of the line; that of its file unless given")
-    rail: tuple[Rail, ...] = Field(min_length=1, max_length=50, description="rails of the line")
+    rail: tuple[SeasonalRail, ...] = Field(min_length=1, max_length=50, description="rails of the line")
     cover: _Share = Field(
         default=0.95, description="share of all stops that M_NVAVADH has to cover, where national leaves it out"
     )

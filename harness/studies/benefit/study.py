@@ -25,7 +25,7 @@ from railgrip.scenario.file import locate
 from railgrip.studies.benefit.chain import (
     FIGURES,
     Array,
-    Chain,
+    BenefitChain,
     figures_of,
     interval,
     model_for,
@@ -99,7 +99,7 @@ class Benefit(Study):
 STUDY = Benefit
 
 
-def chain_of(study: Benefit, work: Work) -> Chain:
+def chain_of(study: Benefit, work: Work) -> BenefitChain:
     """Run the stops of a study, and return what follows from them.
 
     Raises:
@@ -128,7 +128,7 @@ def chain_of(study: Benefit, work: Work) -> Chain:
         times = {path: by_hand(checked_train(path), speed).equivalent_time for path in trains}
     models = dict(zip(trains, found, strict=True))
     values = {name: np.array([stop[name] for stop in stops]).reshape(len(variants), -1) for name in FIGURES}
-    chain = Chain(
+    chain = BenefitChain(
         line=line,
         variants=variants,
         speed=speed,
@@ -141,7 +141,7 @@ def chain_of(study: Benefit, work: Work) -> Chain:
     return chain
 
 
-def gain_table(chain: Chain) -> ReportTable:
+def gain_table(chain: BenefitChain) -> ReportTable:
     """Return distances, factors and headways of each variant, and what measures gain, with intervals."""
     quantiles = {f"P{100 * level:.0f}": chain.quantile(level) for level in (0.5, 0.95)}
     beyond = chain.beyond()
@@ -171,7 +171,7 @@ def _gain(values: Array, number: int, unit: str, form: str) -> str:
     return f"{gain[0]:{form}} {unit} [{low:{form}}, {high:{form}}]".replace("-", "−")
 
 
-def cost_table(chain: Chain) -> ReportTable:
+def cost_table(chain: BenefitChain) -> ReportTable:
     """Return the means over a year of sand, air and energy at the wheels of a stop, with intervals."""
     units = {"sand": (1.0, "kg", ".2f"), "air": (1e3, "l", ".0f"), "energy": (1e-6, "MJ", ".2f")}
     names = {"sand": "sand in a stop", "air": "air in a stop", "energy": "wheel energy in a stop"}
@@ -189,7 +189,7 @@ def _mean(values: Array, unit: str, form: str) -> str:
     return f"{values[0]:{form}} {unit} [{low:{form}}, {high:{form}}]"
 
 
-def rail_table(chain: Chain) -> ReportTable:
+def rail_table(chain: BenefitChain) -> ReportTable:
     """Return the median distance of each variant on each rail."""
     medians = np.median(chain.figures["distance"], axis=2)
     names = [variant.name for variant in chain.variants]
@@ -202,7 +202,7 @@ def rail_table(chain: Chain) -> ReportTable:
     return ReportTable(rows, forms, ("rail",), title="Median distances")
 
 
-def deciding_table(chain: Chain) -> ReportTable:
+def deciding_table(chain: BenefitChain) -> ReportTable:
     """Return the parts of each headway, and place and curve of the end of authority that decides it."""
     rows = [
         {"measure": variant.name, "signalling system": system, "decided at": headway.place, "curve": headway.limit}
@@ -216,8 +216,8 @@ def deciding_table(chain: Chain) -> ReportTable:
     return ReportTable(rows, forms, left, title="What decides the headway")
 
 
-def sentences_of(chain: Chain) -> list[str]:
-    """Return what the results say, a sentence each; the first one is the answer."""
+def sentences_of(chain: BenefitChain) -> list[str]:
+    """Return the conclusions from the results, a sentence each; the first one is the answer."""
     line = chain.line
     last, without = chain.variants[-1].name, chain.deciding[0]
     gains = " and by ".join(
@@ -239,7 +239,7 @@ def sentences_of(chain: Chain) -> list[str]:
     return lines
 
 
-def stop_table(chain: Chain) -> ReportTable:
+def stop_table(chain: BenefitChain) -> ReportTable:
     """Return a row for each stop, in SI units."""
     rows = [
         {"measure": variant.name, "season": rail.season, "weather": rail.weather, "draw": draw + 1}
@@ -251,7 +251,7 @@ def stop_table(chain: Chain) -> ReportTable:
     return ReportTable(rows)
 
 
-def draw(chain: Chain) -> Figure:
+def draw(chain: BenefitChain) -> Figure:
     """Draw the distribution of distances over a year, and the parts of both headways."""
     drawing = style.figure(13.0, 4.6)
     grid = drawing.add_gridspec(1, 4, width_ratios=(1.3, 1.0, 1.0, 0.35))
@@ -276,11 +276,11 @@ def draw(chain: Chain) -> Figure:
         style.dress(panel, x="headway [s]", title=system)
     panels[1].set_yticklabels([])
     panels[1].set_xlim(panels[0].get_xlim())
-    beside = drawing.add_subplot(grid[3])
-    beside.set_axis_off()
+    legend_panel = drawing.add_subplot(grid[3])
+    legend_panel.set_axis_off()
     handles = [(handle, name) for panel in (left, panels[0]) for handle, name in
                zip(*panel.get_legend_handles_labels(), strict=True)]  # fmt: skip
-    style.legend(beside, *zip(*handles, strict=True), loc="center left")
+    style.legend(legend_panel, *zip(*handles, strict=True), loc="center left")
     return drawing
 
 

@@ -59,7 +59,7 @@ CURVES: Final = ("wet", "low", "leaf", "poor_wheelset_study")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class System:
+class StoppingSystem:
     """A way to stop at a target.
 
     Attributes:
@@ -73,12 +73,12 @@ class System:
 
 _DRIVER: Final = {"full_deceleration": (0.8, 1.6), "speed_min": (0.5, 2.5)}
 _CONTROL: Final = {**_DRIVER, "integral_gain": (0.05, 1.0), "response_time": (0.3, 2.0)}
-SYSTEMS: Final[Mapping[str, System]] = {
-    "driver": System(controller={"kind": "slope_seeking"}, ranges=_DRIVER),
-    "deceleration control": System(
+SYSTEMS: Final[Mapping[str, StoppingSystem]] = {
+    "driver": StoppingSystem(controller={"kind": "slope_seeking"}, ranges=_DRIVER),
+    "deceleration control": StoppingSystem(
         controller={"kind": "deceleration_control", "parameters": {"managed": 0.0}}, ranges=_CONTROL
     ),
-    "with adhesion management": System(
+    "with adhesion management": StoppingSystem(
         controller={"kind": "deceleration_control"},
         ranges={
             **_CONTROL,
