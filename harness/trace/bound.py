@@ -104,7 +104,8 @@ def torque_beyond_pads(trace: xarray.Dataset, brakes: Sequence[Brake | None]) ->
             friction, force = (trace[name].values[:, group] for name in ("pad_friction", "pad_force"))
             pads = brake.units * friction * force * brake.friction_radius
             beyond = np.nan_to_num(np.maximum(trace["brake_torque"].values[:, group] - pads, 0.0))
-            torque[:, group] = np.where(trace["wheelset_speed"].values[:, group] > 0.0, beyond, 0.0)
+            # The speed is unknown (NaN) in the stop of the ideal bound, whose wheelsets roll.
+            torque[:, group] = np.where(trace["wheelset_speed"].values[:, group] <= 0.0, 0.0, beyond)
     return torque
 
 
