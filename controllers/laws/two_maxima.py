@@ -180,7 +180,7 @@ _BEGIN = 0.03  # lowest slip from which deep slip is approached
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Comparison:
+class GroupAdvantage:
     """Groups behind compared with the first group that the rail limits.
 
     Attributes:
@@ -204,7 +204,7 @@ def _compare(
     t: Mapping[str, Expression],
     deep: Expression,
     trial: Expression,
-) -> Comparison:
+) -> GroupAdvantage:
     """Return the comparison of the groups at the same places, averaged."""
     last_distance = draft.state("distance", "m", "distance since braking began")
     distance = last_distance + train[0].group.speed * t["period"]
@@ -245,7 +245,7 @@ def _compare(
     advantage = last + share * (weighted_mean(differences, loads) - last)
     draft.keep(last, advantage)
     draft.show("advantage", "1", "ln(adhesion) of groups behind over that of the first at the same place", advantage)
-    return Comparison(
+    return GroupAdvantage(
         advantage=advantage,
         places=[distance - position for position in positions],
         logarithms=logarithms,
@@ -260,7 +260,7 @@ def _try(
     t: Mapping[str, Expression],
     trial: Expression,
     begins: Expression,
-    compared: Comparison,
+    compared: GroupAdvantage,
 ) -> tuple[Expression, Expression, list[Expression]]:
     """Let the first group slip deep, and return whether the trial succeeds or fails now, and whether each group leads.
 
@@ -319,7 +319,7 @@ def _response(
     t: Mapping[str, Expression],
     trial: Expression,
     begins: Expression,
-    compared: Comparison,
+    compared: GroupAdvantage,
     is_lead: Sequence[Expression],
 ) -> Response:
     """Return the changes of adhesion since the trial began.
@@ -407,7 +407,7 @@ def _loses(
     t: Mapping[str, Expression],
     deep: Expression,
     trial: Expression,
-    compared: Comparison,
+    compared: GroupAdvantage,
 ) -> Expression:
     """Return whether the train has less adhesion in deep slip than on the slope before it."""
     loads = [each.group.brake["load"] for each in train]

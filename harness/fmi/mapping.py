@@ -139,7 +139,7 @@ class Binding:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Target:
+class _MappedElement:
     """One element of a mapping entry: the variable, and how it differs."""
 
     variable: str
@@ -217,7 +217,10 @@ def _side(
         if lack and signal.name not in entries:
             spelled = next((names for names in _spellings(signal) if description.variables.keys() >= set(names)), None)
             if spelled is not None:
-                targets, lack = tuple(_Target(variable=name, scale=1.0, stated_unit=None) for name in spelled), []
+                targets, lack = (
+                    tuple(_MappedElement(variable=name, scale=1.0, stated_unit=None) for name in spelled),
+                    [],
+                )
         if lack and signal.name not in entries:
             # An array of which only some elements exist is a mistake, not an absence.
             if signal.needed or len(lack) < len(targets):
@@ -280,7 +283,7 @@ def _tie(
     description: Description,
     signal: Port,
     element: str,
-    target: _Target,
+    target: _MappedElement,
     where: str,
     causality: Causality,
     *,
@@ -324,7 +327,7 @@ def _tie(
     return (variable, 1.0 / gain, -shift / gain) if into_fmu else (variable, gain, shift)
 
 
-def _unit_of(variable: FmuVariable, target: _Target, ours: Unit, file: str, who: str) -> Unit:
+def _unit_of(variable: FmuVariable, target: _MappedElement, ours: Unit, file: str, who: str) -> Unit:
     unit_of_variable = variable.defined_unit
     if target.stated_unit is not None:
         try:
@@ -372,11 +375,11 @@ def known_unit(variable: FmuVariable) -> Unit | None:
         return None
 
 
-def _targets(signal: Port, entries: Mapping[str, object], where: str) -> tuple[_Target, ...]:
+def _targets(signal: Port, entries: Mapping[str, object], where: str) -> tuple[_MappedElement, ...]:
     who = f"{where} {signal.name}"
     entry = entries.get(signal.name)
     if entry is None:
-        return tuple(_Target(variable=e, scale=1.0, stated_unit=None) for e in signal.elements)
+        return tuple(_MappedElement(variable=e, scale=1.0, stated_unit=None) for e in signal.elements)
     count = max(signal.size, 1)
     if isinstance(entry, Sequence) and not isinstance(entry, str):
         items = cast(Sequence[object], entry)
@@ -393,7 +396,7 @@ def _targets(signal: Port, entries: Mapping[str, object], where: str) -> tuple[_
     return tuple(_target(entry, i + 1, signal, who, pattern=signal.size > 0) for i in range(count))
 
 
-def _target(item: object, index: int, signal: Port, who: str, *, pattern: bool = False) -> _Target:
+def _target(item: object, index: int, signal: Port, who: str, *, pattern: bool = False) -> _MappedElement:
     scale: object = 1.0
     unit_entry: object = None
     name: object = item
@@ -413,7 +416,7 @@ def _target(item: object, index: int, signal: Port, who: str, *, pattern: bool =
             f"{who} has {signal.size} elements; name them by a pattern, '{name}[{{i}}]', or by a list of {signal.size}."
         )
     sign = -1.0 if name.startswith("-") else 1.0
-    return _Target(
+    return _MappedElement(
         variable=name.removeprefix("-").strip().replace("{i}", str(index)),
         scale=sign * float(scale),
         stated_unit=unit_entry,
@@ -421,7 +424,7 @@ def _target(item: object, index: int, signal: Port, who: str, *, pattern: bool =
     )
 
 
-def _require_one_meaning(description: Description, target: _Target, who: str) -> _Target:
+def _require_one_meaning(description: Description, target: _MappedElement, who: str) -> _MappedElement:
     """Return a target; a variable whose own name begins with '-' is that variable, not a negation.
 
     Raises:

@@ -55,6 +55,8 @@ typedef struct {
     const long long *reading_at, *state_at;       /* positions of `readings` in a reading; of estimates in `mean` */
     Formula reference_speed;                      /* from wheels, for a silent radar */
     double reference[REFERENCES];
+    Formula rail_brakes;             /* force of brakes on the rail itself; null: there are none */
+    long long track_force;           /* position of the force of the track in `inputs` */
     double new_reading[READINGS];    /* newest readings since the last step */
     long long has_new_reading;       /* whether there are any since the last step */
     long long reading_count, stride; /* stride: distance between rows of the covariance */
@@ -73,7 +75,7 @@ typedef struct {
     double observation[OBSERVATIONS];
     double replacement[OBSERVATIONS]; /* estimates that replace parts of the observation; NaN: no replacement */
     double demand[GROUPS], command[GROUPS];
-    double driver_demand[GROUPS]; /* at the last decision */
+    double driver_demand[GROUPS]; /* at the last decision; those of full brake without a driver */
     long long has_reading, has_estimator;
     long long is_pascal; /* whether a demand was large enough to be in Pa; until then Python checks every demand */
     Rate estimator_rate, controller_rate;

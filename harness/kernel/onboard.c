@@ -115,6 +115,36 @@ void read_states(Cycle *c)
     }
 }
 
+/* The demand for magnetic track brakes: that of the law, else 1 while all groups are to brake fully, which is an
+   emergency brake. A plant without an input for it has no other. */
+static double magnets_demanded(const Onboard *onboard, const double *pressure)
+{
+#ifdef INPUT_MAGNETS
+    if (onboard->magnets)
+        return *onboard->magnets;
+    for (int g = 0; g < GROUPS; g++)
+        if (pressure[g] < onboard->full[g])
+            return 0.0;
+#endif
+    (void)onboard, (void)pressure;
+    return 1.0;
+}
+
+/* Write the assumed force of brakes on the rail itself to the filter's inputs, by the last commands. */
+static void predict_rail_brakes(Cycle *c)
+{
+    const Onboard *onboard = c->onboard;
+    double input[RAIL_BRAKE_INPUTS], force, largest = 0.0;
+
+    for (int g = 0; g < GROUPS; g++)
+        largest = fmax(largest, onboard->command[g]);
+    input[RAIL_BRAKE_INPUT_SPEED] = onboard->estimate[ESTIMATE_SPEED];
+    input[RAIL_BRAKE_INPUT_APPLIED] = largest > 0.0;
+    input[RAIL_BRAKE_INPUT_MAGNETS] = magnets_demanded(onboard, onboard->driver_demand);
+    evaluate(&c->filter->rail_brakes, input, &force);
+    c->filter->inputs[c->filter->track_force] = -force;
+}
+
 /* Read the filter's estimate after a step; return 0 if any variance is negative or NaN. */
 int read_estimate(Cycle *c)
 {
@@ -125,6 +155,8 @@ int read_estimate(Cycle *c)
     /* Only now, because these pressures act during the next period. */
     copy(filter->inputs, c->onboard->reading + READING_CYLINDER_PRESSURE, GROUPS);
     read_states(c);
+    if (filter->rail_brakes.call)
+        predict_rail_brakes(c);
     for (long long i = 0; i < filter->reading_count; i++)
         count += filter->selection[i];
     estimate[ESTIMATE_NIS] = *filter->squared_innovation;
@@ -194,8 +226,7 @@ int compute_command(Cycle *c)
         copy(onboard->command, onboard->demand, GROUPS);
         return 0;
     }
-    if (c->driver)
-        copy(onboard->driver_demand, c->driver->pressure, GROUPS);
+    copy(onboard->driver_demand, c->driver ? c->driver->pressure : onboard->full, GROUPS);
     for (int g = 0; g < GROUPS; g++) {
         const double limit = c->driver && c->driver->binding ? onboard->driver_demand[g] : INFINITY;
         const int is_released = c->filter && c->filter->reference[REFERENCE_TEST_RELEASE + g] != 0.0;
@@ -209,17 +240,6 @@ int compute_command(Cycle *c)
     return all_finite(onboard->command);
 }
 
-#ifdef INPUT_MAGNETS
-/* Whether the driver demands full pressure of all groups: an emergency brake, with which magnets are lowered. */
-static int is_full_brake(const Cycle *c)
-{
-    for (int g = 0; c->driver && g < GROUPS; g++)
-        if (c->driver->pressure[g] < c->onboard->full[g])
-            return 0;
-    return 1;
-}
-#endif
-
 /* Write friction, creep curves, force of track and traction, and the demand for magnets to the inputs of the plant. */
 void update_rail_inputs(Cycle *c)
 {
@@ -228,6 +248,7 @@ void update_rail_inputs(Cycle *c)
     if (c->driver)
         c->plant->inputs[INPUT_TRACK_FORCE] += c->driver->force;
 #ifdef INPUT_MAGNETS
-    c->plant->inputs[INPUT_MAGNETS] = c->onboard->magnets ? *c->onboard->magnets : is_full_brake(c);
+    c->plant->inputs[INPUT_MAGNETS] =
+        magnets_demanded(c->onboard, c->driver ? c->driver->pressure : c->onboard->full);
 #endif
 }

@@ -18,22 +18,22 @@ from railgrip.recording.flag import Flag, intervals
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class ChangeLimits:
     """Limits of the change of a signal: in any time, and per second, both in SI units."""
 
     jump: float
     rate: float
 
 
-FASTEST: Final[Mapping[str, Motion]] = {
+FASTEST: Final[Mapping[str, ChangeLimits]] = {
     # Valves of wheel-slide protection vent a cylinder at 15 bar/s.
-    "cylinder_pressure": Motion(5e3, 2.5e6),
+    "cylinder_pressure": ChangeLimits(5e3, 2.5e6),
     # The same on the pistons of a brake unit of 40 kN at 3 bar.
-    "pad_force": Motion(700.0, 3.3e5),
+    "pad_force": ChangeLimits(700.0, 3.3e5),
     # A brake torque of 20 kN.m on an axle of 60 kg.m2 without adhesion.
-    "wheelset_speed": Motion(2.0, 350.0),
+    "wheelset_speed": ChangeLimits(2.0, 350.0),
     # Eddy-current and magnetic brakes reach 3 m/s2, couplings 20.
-    "speed": Motion(1.0, 30.0),
+    "speed": ChangeLimits(1.0, 30.0),
 }
 """By name of the signal without index."""
 

@@ -387,7 +387,7 @@ class _PressureBuildUp:
     """Build-up of the brake pressure at each axle."""
 
     def __init__(self, train: Train, speed: float) -> None:
-        self._command, self._stages = train.command, _Stages(train, speed)
+        self._command, self._stages = train.command, _StageRelays(train, speed)
         positions = np.array([axle.position for axle in train.axles])
         match self._command:
             case None:
@@ -411,7 +411,7 @@ class _PressureBuildUp:
                 return self._stages.share(speed) * np.where(after > 0, filled, 0.0)
 
 
-class _Stages:
+class _StageRelays:
     """The relays of two-stage distributors through a stop, as RailBraking.Pneumatics.TwoStageDistributor."""
 
     def __init__(self, train: Train, speed: float) -> None:

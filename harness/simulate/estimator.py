@@ -31,6 +31,7 @@ from railgrip.simulate.named_models import (
     require_role,
     units_of,
 )
+from railgrip.simulate.rail_brakes import rail_brakes_of
 from railgrip.simulate.train_prediction import (
     central_of,
     consist_of,
@@ -75,6 +76,13 @@ def state_estimator(stop: Opening, table: KalmanFilter) -> StateEstimator:
     if isinstance(prediction, FmuPrediction) and not prediction.has_directional_derivatives:
         name = prediction.file.name
         stop.notify(f"[estimator]: {name} offers no directional derivatives; the filter takes central differences")
+    rail_brakes = None if vehicle.train is None else rail_brakes_of(vehicle.train, period)
+    if rail_brakes is not None and "track_force" not in prediction.inputs:
+        stop.notify(
+            "[estimator]: the prediction has no input track_force, so the filter does not know the force of the "
+            "brakes on the rail itself; its speed is too high while no radar reads it"
+        )
+        rail_brakes = None
     states = prediction.states
     filter_ = _kind_of(table).start(
         FilterContext(
@@ -104,6 +112,8 @@ def state_estimator(stop: Opening, table: KalmanFilter) -> StateEstimator:
         pad_friction=places("pad_friction"),
         wheel_radius=radius,
         free_wheel=FreeWheel(layout.formation.brakes, period) if table.free_wheels else None,
+        rail_brakes=rail_brakes,
+        track_force=0 if rail_brakes is None else prediction.inputs.index("track_force"),
         load_deviation=table.load_deviation,
     )
 

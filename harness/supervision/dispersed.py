@@ -171,7 +171,7 @@ class TrainBrake(DispersedBrake):
         without = {**self._deviations(None), "track_brake": np.zeros((1, 1))}
         return self._stops([int(np.sum(n)) for n in self.units], without)[0][0]
 
-    def _parts_of(self, train: Train, axles: Array, high: float, low: float) -> tuple[Array, list["_Part"]]:
+    def _parts_of(self, train: Train, axles: Array, high: float, low: float) -> tuple[Array, list["_ForcesAtSpeed"]]:
         """Return a step of speed in a stop that begins just below its upper limit: shares of pressure, and parts."""
         begin = high * (1 - 1e-9)  # at its upper threshold a distributor is in the high stage, below it is not
         speeds, decelerations = developed_deceleration(train, begin)
@@ -183,14 +183,14 @@ class TrainBrake(DispersedBrake):
         ]
         share = np.array(stages)[cars]
         still, falling = (force[0] for force in self._unit_forces(self._deviations(None), share))
-        parts: list[_Part] = []
+        parts: list[_ForcesAtSpeed] = []
         for number in range(PARTS):
             speed = (high**2 - (number + 0.5) * (high**2 - low**2) / PARTS) ** 0.5
             whole = inert * float(np.interp(speed, speeds[::-1], decelerations[::-1]))
             magnets = track_brake_force(train, speed)
             of_speed = self._speed_factor(speed)
             friction = float(still @ of_speed - speed * falling.sum())
-            parts.append(_Part(speed, of_speed, magnets, whole - magnets - friction))
+            parts.append(_ForcesAtSpeed(speed, of_speed, magnets, whole - magnets - friction))
         return share, parts
 
     def _unit_forces(self, deviations: Deviations, share: Array) -> tuple[Array, Array]:
@@ -247,7 +247,7 @@ class TrainBrake(DispersedBrake):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Part:
+class _ForcesAtSpeed:
     """A part of a step of speed: its speed [m/s], the factor of the friction of blocks of each unit, the force of the
     magnets, and that of all but friction brakes and magnets [N].
     """

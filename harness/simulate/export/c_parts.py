@@ -216,10 +216,16 @@ def _track(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
             f"{scenario.name}: [controller] {scenario.controller.kind} switches the sanders, and the FMU of the track "
             "has no input for that; leave out [[sanders]], or choose another controller"
         )
+    layout = parts.layout
+    law = parts.controller if isinstance(parts.controller, Sampled) else None
+    if "magnets" in layout.input and law is not None and law.visible_state("magnets") is not None:
+        raise ScenarioError(
+            f"{scenario.name}: [controller] {scenario.controller.kind} switches the magnetic track brakes, and the FMU "
+            "of the track has no input for that; choose another controller, or a train without them"
+        )
     recovers = parts.rail.slip_energy is not None
     needed = ("distance", "speed", *(("slip", "adhesion", "wheelset_load", "wheelset_speed") if recovers else ()))
-    given, places = _select_outputs(parts.layout, structs, needed)
-    layout = parts.layout
+    given, places = _select_outputs(layout, structs, needed)
     sent = [signal for signal in layout.signals["input"] if signal.name != "command"]
     starts = np.zeros(layout.inputs)
     parts.rail.write_inputs(starts)
@@ -266,6 +272,11 @@ def _sensors(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
 
 
 def _estimator(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
+    if isinstance(parts.estimator, StateEstimator) and parts.estimator.rail_brakes is not None:
+        raise ScenarioError(
+            f"{scenario.name}: the filter assumes the force of the brakes on the rail itself by the commands, which "
+            "are no inputs of the estimator's FMU; export the onboard part, or a train without such brakes"
+        )
     struct, formulas = _filter_data(scenario, parts, structs)
     return _Role(
         given=_of(parts.layout.signals["reading"], parts.layout),
@@ -283,6 +294,11 @@ def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
         raise ScenarioError(
             f"{scenario.name}: [controller] kind '{scenario.controller.kind}' is not a built-in law, and only "
             "these can be exported; choose another kind"
+        )
+    if "filter->rail_brakes" in formulas and law.visible_state("magnets") is not None:
+        raise ScenarioError(
+            f"{scenario.name}: [controller] {scenario.controller.kind} switches the magnetic track brakes, which the "
+            "FMU of the onboard part does not tell its filter; choose another controller, or a train without them"
         )
     formulas["onboard->law"] = law
     given = [*_of(parts.layout.signals["reading"], parts.layout), *_of(DRIVEN, parts.layout, parts.full)]
@@ -321,7 +337,7 @@ def _plant_data(layout: Layout, structs: Structs) -> Struct:
 
 
 def _filter_data(scenario: Scenario, parts: Parts, structs: Structs) -> tuple[Struct, dict[str, Sampled]]:
-    """Return the structs of filter and observation, and the formula that substitutes a silent radar, if any."""
+    """Return the structs of filter and observation, and the formulas of the filter's inputs, if any."""
     layout, estimator = parts.layout, parts.estimator
     onboard = structs.onboard.copy_with("radius", "full", "estimator_rate", "controller_rate")
     cycle = kernel(layout).struct("Cycle", instruments=kernel(layout).struct("Instruments"), onboard=onboard)
@@ -333,8 +349,8 @@ def _filter_data(scenario: Scenario, parts: Parts, structs: Structs) -> tuple[St
             "kinds compiled, python and fmu do, with a model of this project or a Modelica class"
         )
     cycle.set(filter=structs.filter)
-    free_wheel = estimator.free_wheel
-    return cycle, {} if free_wheel is None else {"filter->reference_speed": free_wheel}
+    formulas = {"filter->reference_speed": estimator.free_wheel, "filter->rail_brakes": estimator.rail_brakes}
+    return cycle, {field: formula for field, formula in formulas.items() if formula is not None}
 
 
 def _select_outputs(layout: Layout, structs: Structs, names: Sequence[str]) -> tuple[list[Variable], str]:

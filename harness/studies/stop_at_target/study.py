@@ -247,10 +247,10 @@ def search(system: str, work: Work, sets: int) -> dict[str, float]:
 def frame_of(
     systems: Mapping[str, Mapping[str, float]], draws: Sequence[Draw], work: Work, *, has_magnets: bool
 ) -> Frame:
-    """Return a row for each system and draw: `system`, `rail`, `draw`, and the figures of `stop_row`."""
+    """Return a row for each system and draw: `system`, `rail`, `draw`, `fault`, and the figures of `stop_row`."""
     cases = [(system, values, draw, has_magnets) for system, values in systems.items() for draw in draws]
     rows = work.map(stop_row, cases)
-    keys = [{"system": case[0], "rail": case[2].rail, "draw": case[2].seed} for case in cases]
+    keys = [{"system": case[0], "rail": case[2].rail, "draw": case[2].seed, "fault": case[2].fault} for case in cases]
     return pandas.DataFrame([key | row for key, row in zip(keys, rows, strict=True)])
 
 
@@ -262,6 +262,7 @@ def table_of(frame: Frame, title: str) -> ReportTable:
         rows.append(
             {"rail": rail, "system": system, "draws": len(here)}
             | {f"P{share}": np.quantile(np.abs(error), share / 100) for share in (50, 95, 99)}
+            | {"farthest": error[np.argmax(np.abs(error))]}
             | {f"long by > {FAR:g} m": (error > FAR).mean(), f"short by > {FAR:g} m": (error < -FAR).mean()}
             | {"duration": here["duration"].mean(), "sand": here["sand"].mean(), "air": here["air"].mean()}
             | {"magnets": here["magnets"].mean()}
@@ -362,12 +363,16 @@ def _answer(frame: Frame) -> str:
     better, ratio, interval = ratio_of(frame)
     slippery = frame[frame["rail"] == "slippery"]
     long = (slippery["error"] > FAR).groupby(slippery["system"]).mean()
+    managed = slippery[slippery["system"] == MANAGED]
+    farthest = managed.loc[managed["error"].abs().idxmax()]
+    same = slippery[(slippery["system"] == better) & (slippery["draw"] == farthest["draw"])]
     text = "" if interval is None else f" [{interval[0]:.2f}, {interval[1]:.2f}]"
     return (
         f"P95 of the error on slippery rails is {ratio:.2f}{text} of that of the better baseline, {better}"
         f"{_verdict(ratio, interval)}. "
         f"{100 * long[MANAGED]:.1f} % of the stops there are long by more than {FAR:g} m, against "
-        f"{100 * long[better]:.1f} %."
+        f"{100 * long[better]:.1f} %. In the stop that misses farthest (fault: {farthest['fault']}) the error is "
+        f"{farthest['error']:+.2f} m; that of {better} in the same draw is {same['error'].iloc[0]:+.2f} m."
     )
 
 
@@ -381,6 +386,7 @@ def _verdict(ratio: float, interval: tuple[float, float] | None) -> str:
 
 _FORMS: Final = {
     "draws": "{:.0f}",
+    "farthest": "{:+.2f} m",
     **dict.fromkeys(("P50", "P95", "P99"), "{:.2f} m"),
     **dict.fromkeys((f"long by > {FAR:g} m", f"short by > {FAR:g} m"), lambda share: f"{100 * share:.1f} %"),
     **dict.fromkeys(("duration", "magnets"), "{:.1f} s"),

@@ -249,7 +249,7 @@ class SanderTrial(Table):
         return self
 
 
-Comparison = Mapping[str, Any]
+SanderComparison = Mapping[str, Any]
 """A distance of the trial and the simulated one, as in sanders.json: `sanders`; `distance_m`, None for a train that did
 not stop within the horizon; `measured_m`; `fitted`, whether the density of sand was fitted to it; `at_least`, true
 where the trial gives only a bound."""
@@ -292,7 +292,7 @@ def scenario_of_row(trial: SanderTrial, row: SanderDistance, density: float, tab
     return scenario_of(merge(tables, changes), directory=LIBRARY, origin="sanders.toml")
 
 
-def compare(trial: SanderTrial) -> tuple[float, list[Comparison]]:
+def compare(trial: SanderTrial) -> tuple[float, list[SanderComparison]]:
     """Fit the density of sand on one distance; return it [kg/m] and all distances."""
     tables = scenario_tables(trial)
     fitted = next(row for row in trial.rows if row.sanders == trial.fitted)

@@ -24,8 +24,8 @@ from railgrip.studies.study import Study
 from railgrip.studies.trains.stops import (
     FILLING,
     PROPAGATION,
-    Comparison,
     DryStop,
+    SanderComparison,
     SanderTrial,
     compare,
     dry_scenario,
@@ -136,7 +136,7 @@ def page_of(
     protected_stops: Sequence[Mapping[str, float]],
     trial: SanderTrial,
     density: float,
-    comparisons: Sequence[Comparison],
+    comparisons: Sequence[SanderComparison],
 ) -> Page:
     """Return the page of the study.
 
@@ -221,7 +221,7 @@ def table_of_protected(stops: Sequence[Mapping[str, float]]) -> ReportTable:
     return ReportTable(rows, forms, ("estimator every", "target"))
 
 
-def table_of_sanders(comparisons: Sequence[Comparison]) -> ReportTable:
+def table_of_sanders(comparisons: Sequence[SanderComparison]) -> ReportTable:
     """Return the distances of the trial and the simulated ones."""
     rows = [
         {
@@ -236,7 +236,7 @@ def table_of_sanders(comparisons: Sequence[Comparison]) -> ReportTable:
     return ReportTable(rows, {}, ("sanders", ""))
 
 
-def _difference(row: Comparison) -> float | None:
+def _difference(row: SanderComparison) -> float | None:
     # The trial may give only a bound, and the train may not stop.
     return None if "at_least" in row or row["distance_m"] is None else row["distance_m"] / row["measured_m"] - 1
 
@@ -326,7 +326,7 @@ def _cost_figure(series: Sequence[DryStop]) -> Figure:
     return figure
 
 
-def _sander_figure(comparisons: Sequence[Comparison]) -> Figure:
+def _sander_figure(comparisons: Sequence[SanderComparison]) -> Figure:
     figure, axes = style.panels(6.4, 3.4)
     places = np.arange(len(comparisons))
     measured, simulated = [row["measured_m"] for row in comparisons], [row["distance_m"] or 0.0 for row in comparisons]

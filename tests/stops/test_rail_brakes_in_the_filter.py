@@ -1,0 +1,113 @@
+"""The Kalman filter knows the force of magnetic track brakes and linear eddy-current brakes.
+
+Without it, a filter whose radar is dead believes that the train runs on: its speed was 20 m/s when the train stood.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_own_prediction_fmu import own
+from test_stop_at_target import DRY
+from test_stops_with_dynamic_brakes import scenario as dry
+from test_stops_with_dynamic_brakes import write
+
+from railgrip.base.errors import ScenarioError
+from railgrip.rolling_stock.schema import load_train
+from railgrip.rolling_stock.stopping import track_brake_force
+from railgrip.simulate.assembly import assemble
+from railgrip.simulate.export.c_parts import part_in_c
+from railgrip.simulate.rail_brakes import rail_brakes_of
+from railgrip.simulate.run import trace_of
+from railgrip.studies.stop_at_target.study import LIBRARY, MANAGED, scenario_of_case
+
+SPEEDS = (60.0, 30.0, 17.0, 8.0, 1.0)
+
+
+@pytest.mark.parametrize("name", ["tram", "ice3", "railcar"])
+def test_developed_forces_are_those_of_the_hand_calculation(name):
+    train = load_train(LIBRARY / "railcar.toml" if name == "railcar" else Path(name))
+    force = rail_brakes_of(train, 0.005)
+    assert force is not None
+    for speed in SPEEDS:
+        for _ in range(4000):  # 20 s, more than ten time constants
+            (found,) = force.call([speed, 1.0, 1.0])
+        assert found == pytest.approx(track_brake_force(train, speed), rel=1e-4)
+
+
+def test_magnets_act_after_their_delay_and_are_lifted():
+    """First-order lag after the delay: at one time constant 1 − 1/e; backward Euler errs by a step over it."""
+    train = load_train(Path("tram"))
+    brake, period = next(brake for *_, brake in train.rail_brakes), 0.001
+    force = rail_brakes_of(train, period)
+    full = track_brake_force(train, 10.0)
+
+    def after(seconds, *inputs):
+        for _ in range(round(seconds / period)):
+            (found,) = force.call([10.0, *inputs])
+        return found / full
+
+    assert after(1.0, 0.0, 1.0) == 0.0  # not before the brakes are applied
+    assert after(brake.delay - period, 1.0, 1.0) == 0.0
+    tolerance = 3 * period / brake.time_constant
+    assert after(brake.time_constant, 1.0, 1.0) == pytest.approx(1 - np.exp(-1), abs=tolerance)
+    assert after(10 * brake.time_constant, 0.0, 1.0) == pytest.approx(1.0, abs=1e-3)  # applied stays
+    assert after(10 * brake.time_constant, 0.0, 0.0) == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_train_without_such_brakes_has_no_force():
+    assert rail_brakes_of(load_train(Path("vt642")), 0.005) is None
+
+
+def dead_radar(**changes):
+    stop = scenario_of_case(("driver", {}, replace(DRY, friction=0.05, rail="slippery", fault="radar dead"), True))
+    return stop.revised({"demand": {"phases": [{"pressure": "full"}]}, "sanders": [], **changes})
+
+
+@pytest.mark.parametrize("kind", ["decentralised", "compiled"])
+def test_the_speed_does_not_drift_while_magnets_brake_and_the_radar_is_dead(kind):
+    """Within 1 m/s: gradient and load are nominal, and radii, accelerometer and pads err as in service.
+
+    Magnets take 0.3 to 0.7 m/s² of the train's deceleration; over 15 s a filter without them errs by 5 m/s or more.
+    """
+    trace = trace_of(dead_radar(estimator={"kind": kind, "noise": "service"}))
+    assert trace["magnets"].values.max() == 1.0
+    assert np.isnan(trace["reading_speed"].values[trace["time"].values > 4.1]).all()
+    moving = trace["speed"].values > 3.0
+    assert np.abs(trace["estimate_speed"].values - trace["speed"].values)[moving].max() < 1.0
+
+
+def test_a_linear_eddy_current_brake_is_known_as_well(tmp_path):
+    """A car with a rail brake and no electric brake on axles, ideal sensors, no radar reading from 1 s on."""
+    file = write(tmp_path, dynamic=True)
+    text = file.read_text(encoding="utf-8").replace('dynamic_brake = "motor"', 'dynamic_brake = "rail"')
+    begin, end = text.rindex("[dynamic_brakes.motor]"), text.rindex("[dynamic_brakes.rail]")
+    file.write_text(text[:begin] + text[end:], encoding="utf-8")
+    faults = [{"part": "radar", "kind": "dead", "begin": "1 s"}]
+    trace = trace_of(dry(file, mu0=0.05, estimator={"kind": "compiled"}, faults=faults))
+    moving = trace["speed"].values > 3.0
+    assert np.abs(trace["estimate_speed"].values - trace["speed"].values)[moving].max() < 0.5
+
+
+def test_the_estimator_alone_does_not_leave_as_an_fmu(tmp_path):
+    """It has no input for the commands, by which the filter assumes the force."""
+    with pytest.raises(ScenarioError, match=r"export the onboard part"):
+        part_in_c(dead_radar(), "estimator")
+    assert any("rail_brakes" in line for line in str(part_in_c(dead_radar(), "onboard").step.text).splitlines())
+
+
+def test_a_law_that_switches_magnets_leaves_neither_with_the_filter_nor_without_the_track():
+    stop = scenario_of_case((MANAGED, {}, DRY, True)).revised({"sanders": []})
+    for kind in ("onboard", "track"):
+        with pytest.raises(ScenarioError, match=r"switches the magnetic track brakes"):
+            part_in_c(stop, kind)
+
+
+def test_a_prediction_without_track_force_is_reported(tmp_path):
+    of_input = 'forward" causality="input" variability="continuous"'
+    file = own(tmp_path, (of_input, 'forward" causality="local" variability="continuous"'))
+    stop, notes = dead_radar(estimator={"kind": "fmu", "file": str(file), "trust": True, "noise": "service"}), []
+    with assemble(stop, notify=notes.append):
+        pass
+    assert sum("does not know the force of the brakes on the rail itself" in note for note in notes) == 1
