@@ -224,6 +224,9 @@ def _by_median(stops: Frame) -> tuple[list[str], int]:
     return sorted(laws, key=lambda law: medians[law]) if count else [], count
 
 
+_COMPARED = "cases in which all laws were run and a baseline keeps the lock clause"
+
+
 def verdict(stops: Frame) -> str:
     """Return whether the law with the smallest median is best, or where it loses.
 
@@ -233,7 +236,7 @@ def verdict(stops: Frame) -> str:
     laws = _laws(stops)
     order, count = _by_median(stops)
     if not order:
-        return "There is no case in which all laws were run and a baseline stops: none can be called best."
+        return f"There are no {_COMPARED}: no law can be called best."
     first, limit = order[0], f"{100 * LIMIT:.0f} %"
     cases_of = {law: _families(of_law).keys() for law, of_law in laws.items()}
     every = set[str]().union(*cases_of.values())
@@ -241,8 +244,8 @@ def verdict(stops: Frame) -> str:
     found = losses_of(first, stops)
     if not found and not absent:
         return (
-            f"{first} is the best law: its median over the {count} cases in which all laws were run is the smallest, "
-            f"and no other law is shorter by more than {limit} in any family of cases."
+            f"{first} is the best law: its median over the {count} {_COMPARED} is the smallest, and no other law is "
+            f"shorter by more than {limit} in any family of cases."
         )
     reasons = [
         *([f"loses on {names([f'*{loss.family}* ({_text(loss)})' for loss in found])}"] if found else []),
@@ -254,10 +257,7 @@ def verdict(stops: Frame) -> str:
         if unbeaten
         else f" No law with results in every family is unbeaten by {limit} in all of them."
     )
-    return (
-        f"{first} is best in the median over the {count} cases in which all laws were run, but "
-        f"{' and '.join(reasons)}.{rest}"
-    )
+    return f"{first} is best in the median over the {count} {_COMPARED}, but {' and '.join(reasons)}.{rest}"
 
 
 def _text(loss: FamilyLoss) -> str:
