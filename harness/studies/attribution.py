@@ -26,6 +26,7 @@ from railgrip.simulate.ideal import KnownRail
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.user_parts import NO_CUSTOM_PARTS, CustomParts
 from railgrip.studies.study import Study
+from railgrip.studies.type_test.case_set import AnyCase
 from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of, training_cases, trains_of
 from railgrip.studies.type_test.track_case import BY_THE_CURVE
 from railgrip.vehicle.formation import Formation
@@ -270,14 +271,13 @@ PIECES: Sequence[str] = (AS_IS, *_OF_THE_RAIL, "true state", "valves without dea
 """Pieces of the truth of one stop; the decision for deep slip follows from two stops."""
 
 
-def gains_of(work: Work, count: int) -> ReportTable:
-    """Run a number of training cases with the laws and the pieces of truth, and return the table of gains."""
-    design = training_cases(count, 2)
+def gains_of(work: Work, design: Sequence[AnyCase]) -> ReportTable:
+    """Run training cases with the laws and the pieces of truth, and return the table of gains."""
     stops = campaign_of(design, {law: entrants(2)[law] for law in LAWS}, train_of(None), trains=trains_of(design)).stops
     scenarios = {law: [stop.scenario for stop in stops[i :: len(LAWS)]] for i, law in enumerate(LAWS)}
     runs = [(scenario, piece) for law in LAWS for piece in PIECES for scenario in scenarios[law]]
     runs += [(scenario, piece) for piece in _DECISIONS for scenario in scenarios[LAWS[-1]]]
-    found = np.array(work.map(distance_of, runs)).reshape(-1, count)
+    found = np.array(work.map(distance_of, runs)).reshape(-1, len(design))
     distances = {law: dict(zip(PIECES, found[i * len(PIECES) :], strict=False)) for i, law in enumerate(LAWS)}
     decided = {
         f"{piece}, or not": np.fmin(distances[LAW][AS_IS], deep)
@@ -308,14 +308,15 @@ class Attribution(Study):
         stopped = np.isfinite(distances).all(axis=1)
         table = table_of(distances[stopped])
         each = cases_table([law.variants["case"] for law in laws], distances)
-        gains = gains_of(work, self.gain_cases)
+        for_gains = training_cases(self.gain_cases, 2)
+        gains = gains_of(work, for_gains)
         if self.write:
             of_cases = "training cases of version 2:\n\n"
             write_tables(
                 PAGE,
                 {
                     "attribution": f"{int(stopped.sum())} {of_cases}{table}",
-                    "gains by knowledge": f"{self.gain_cases} {of_cases}{gains}",
+                    "gains by knowledge": f"{len(for_gains)} {of_cases}{gains}",
                 },
             )
         return Page(

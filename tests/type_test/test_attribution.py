@@ -10,6 +10,7 @@ from railgrip.studies.attribution import (
     AS_IS,
     LAW,
     distance_with,
+    gains_of,
     gains_table,
     informed_distance,
     losses,
@@ -17,7 +18,7 @@ from railgrip.studies.attribution import (
     table_of,
     without_dead_time,
 )
-from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of
+from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of, training_cases
 from railgrip.studies.type_test.track_case import HEADLINES
 
 PATCHES = replace(HEADLINES[0], speed=8.0, faults=("radar stuck", "valve slow"))
@@ -95,3 +96,16 @@ def test_gains_are_means_over_the_cases_that_stop():
         "another, cleaned rails": "+0.0 % [+0.0, +0.0]",  # two cases; one has no interval
         "another, other rails": "-2.0 %",
     }
+
+
+def test_gains_have_all_training_cases_those_of_further_parts_included():
+    """A law that stops 10 % earlier with each piece of truth: the table has this for all rows and kinds of rails."""
+
+    class Stops:
+        def map(self, function, runs):
+            return [100.0 if piece == AS_IS else 90.0 for _, piece in runs]
+
+    design = training_cases(16, 2)
+    assert len(design) > 16
+    rows = gains_of(Stops(), design).rows
+    assert {text for row in rows for column, text in row.items() if column != "given"} == {"-10.0 % [-10.0, -10.0]"}
