@@ -55,8 +55,8 @@ typedef struct {
     const long long *reading_at, *state_at;       /* positions of `readings` in a reading; of estimates in `mean` */
     Formula reference_speed;                      /* from wheels, for a silent radar */
     double reference[REFERENCES];
-    Formula rail_brakes;             /* force of brakes on the rail itself; null: there are none */
-    long long track_force;           /* position of the force of the track in `inputs` */
+    Formula body_force;              /* braking force on the body: brakes on the rail, resistance; null: none */
+    long long track_force;           /* position of the force of the track in `inputs`; -1: there is none */
     double new_reading[READINGS];    /* newest readings since the last step */
     long long has_new_reading;       /* whether there are any since the last step */
     long long reading_count, stride; /* stride: distance between rows of the covariance */

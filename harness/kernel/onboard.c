@@ -130,19 +130,29 @@ static double magnets_demanded(const Onboard *onboard, const double *pressure)
     return 1.0;
 }
 
-/* Write the assumed force of brakes on the rail itself to the filter's inputs, by the last commands. */
-static void predict_rail_brakes(Cycle *c)
+/* The assumed braking force on the body, by the last commands. */
+static double body_force(Cycle *c)
 {
     const Onboard *onboard = c->onboard;
-    double input[RAIL_BRAKE_INPUTS], force, largest = 0.0;
+    double input[BODY_FORCE_INPUTS], force, largest = 0.0;
 
     for (int g = 0; g < GROUPS; g++)
         largest = fmax(largest, onboard->command[g]);
-    input[RAIL_BRAKE_INPUT_SPEED] = onboard->estimate[ESTIMATE_SPEED];
-    input[RAIL_BRAKE_INPUT_APPLIED] = largest > 0.0;
-    input[RAIL_BRAKE_INPUT_MAGNETS] = magnets_demanded(onboard, onboard->driver_demand);
-    evaluate(&c->filter->rail_brakes, input, &force);
-    c->filter->inputs[c->filter->track_force] = -force;
+    input[BODY_FORCE_INPUT_SPEED] = onboard->estimate[ESTIMATE_SPEED];
+    input[BODY_FORCE_INPUT_APPLIED] = largest > 0.0;
+    input[BODY_FORCE_INPUT_MAGNETS] = magnets_demanded(onboard, onboard->driver_demand);
+    evaluate(&c->filter->body_force, input, &force);
+    return force;
+}
+
+/* Write the forces on the body that are known on board to the filter's force of the track. */
+static void predict_track_force(Cycle *c)
+{
+    const double traction = c->driver ? c->driver->force : 0.0;
+    const double braking = c->filter->body_force.call ? body_force(c) : 0.0;
+
+    if (c->filter->track_force >= 0)
+        c->filter->inputs[c->filter->track_force] = traction - braking;
 }
 
 /* Read the filter's estimate after a step; return 0 if any variance is negative or NaN. */
@@ -155,8 +165,7 @@ int read_estimate(Cycle *c)
     /* Only now, because these pressures act during the next period. */
     copy(filter->inputs, c->onboard->reading + READING_CYLINDER_PRESSURE, GROUPS);
     read_states(c);
-    if (filter->rail_brakes.call)
-        predict_rail_brakes(c);
+    predict_track_force(c);
     for (long long i = 0; i < filter->reading_count; i++)
         count += filter->selection[i];
     estimate[ESTIMATE_NIS] = *filter->squared_innovation;

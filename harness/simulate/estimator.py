@@ -22,6 +22,7 @@ from railgrip.fmus.native.library import library_of
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.onboard import KalmanFilter
 from railgrip.scenario.quantity import in_units
+from railgrip.simulate.body_force import body_force_of
 from railgrip.simulate.loop.interfaces import StateEstimator
 from railgrip.simulate.named_models import (
     compile_class,
@@ -31,7 +32,6 @@ from railgrip.simulate.named_models import (
     require_role,
     units_of,
 )
-from railgrip.simulate.rail_brakes import rail_brakes_of
 from railgrip.simulate.train_prediction import (
     central_of,
     consist_of,
@@ -76,13 +76,18 @@ def state_estimator(stop: Opening, table: KalmanFilter) -> StateEstimator:
     if isinstance(prediction, FmuPrediction) and not prediction.has_directional_derivatives:
         name = prediction.file.name
         stop.notify(f"[estimator]: {name} offers no directional derivatives; the filter takes central differences")
-    rail_brakes = None if vehicle.train is None else rail_brakes_of(vehicle.train, period)
-    if rail_brakes is not None and "track_force" not in prediction.inputs:
+    train = vehicle.train
+    body_force = None if train is None else body_force_of(train, period)
+    known = [
+        *(["the brakes on the rail itself"] if train is not None and train.rail_brakes else []),
+        *(["the traction"] if vehicle.scenario.has_traction else []),
+    ]
+    has_track_force = "track_force" in prediction.inputs
+    if known and not has_track_force:
         stop.notify(
-            "[estimator]: the prediction has no input track_force, so the filter does not know the force of the "
-            "brakes on the rail itself; its speed is too high while no radar reads it"
+            "[estimator]: the prediction has no input track_force, so the filter does not know the force of "
+            f"{' and of '.join(known)}; its speed is wrong while no radar reads it"
         )
-        rail_brakes = None
     states = prediction.states
     filter_ = _kind_of(table).start(
         FilterContext(
@@ -112,8 +117,8 @@ def state_estimator(stop: Opening, table: KalmanFilter) -> StateEstimator:
         pad_friction=places("pad_friction"),
         wheel_radius=radius,
         free_wheel=FreeWheel(layout.formation.brakes, period) if table.free_wheels else None,
-        rail_brakes=rail_brakes,
-        track_force=0 if rail_brakes is None else prediction.inputs.index("track_force"),
+        body_force=body_force,
+        track_force=prediction.inputs.index("track_force") if has_track_force else -1,
         load_deviation=table.load_deviation,
     )
 

@@ -213,16 +213,16 @@ REFERENCE_INPUTS = (
 )
 """Inputs of the formula whose outputs are `REFERENCE`."""
 
-RAIL_BRAKE_INPUTS = (
+BODY_FORCE_INPUTS = (
     Signal("speed", "train", "m/s", "estimated speed of the train"),
     Signal("applied", "train", "1", "1 while any group is to brake"),
     Signal("magnets", "train", "1", "demand for the magnetic track brakes: 1 lowered, 0 lifted"),
 )
-"""Inputs of the formula for the force of brakes on the rail itself, which the estimator assumes."""
+"""Inputs of the formula for the braking force on the body, which the estimator assumes."""
 
 Role = Literal[
     "input", "output", "reading", "estimate", "observation", "driver", "train_input", "valve_input", "reference_input",
-    "reference", "rail_brake_input",
+    "reference", "body_force_input",
 ]  # fmt: skip
 """Vectors that the parts of a loop exchange; inputs and outputs are those of the plant."""
 
@@ -230,7 +230,7 @@ TABLE: Final[Mapping[Role, tuple[Signal, ...]]] = MappingProxyType(
     {
         "input": SENT, "output": PLANT, "reading": READINGS, "estimate": ESTIMATES, "observation": OBSERVED,
         "driver": (*DRIVEN, *TRACTION), "train_input": TRAIN_INPUTS, "valve_input": VALVE_INPUTS,
-        "reference_input": REFERENCE_INPUTS, "reference": REFERENCE, "rail_brake_input": RAIL_BRAKE_INPUTS,
+        "reference_input": REFERENCE_INPUTS, "reference": REFERENCE, "body_force_input": BODY_FORCE_INPUTS,
     }
 )  # fmt: skip
 """Signals of each vector, in their order."""

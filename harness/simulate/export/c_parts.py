@@ -272,7 +272,8 @@ def _sensors(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
 
 
 def _estimator(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
-    if isinstance(parts.estimator, StateEstimator) and parts.estimator.rail_brakes is not None:
+    body_force = parts.estimator.body_force if isinstance(parts.estimator, StateEstimator) else None
+    if body_force is not None and any(state.name.startswith("field[") for state in body_force.formula.states):
         raise ScenarioError(
             f"{scenario.name}: the filter assumes the force of the brakes on the rail itself by the commands, which "
             "are no inputs of the estimator's FMU; export the onboard part, or a train without such brakes"
@@ -295,7 +296,7 @@ def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
             f"{scenario.name}: [controller] kind '{scenario.controller.kind}' is not a built-in law, and only "
             "these can be exported; choose another kind"
         )
-    if "filter->rail_brakes" in formulas and law.visible_state("magnets") is not None:
+    if formulas and "magnets" in parts.layout.input and law.visible_state("magnets") is not None:
         raise ScenarioError(
             f"{scenario.name}: [controller] {scenario.controller.kind} switches the magnetic track brakes, which the "
             "FMU of the onboard part does not tell its filter; choose another controller, or a train without them"
@@ -343,13 +344,18 @@ def _filter_data(scenario: Scenario, parts: Parts, structs: Structs) -> tuple[St
     cycle = kernel(layout).struct("Cycle", instruments=kernel(layout).struct("Instruments"), onboard=onboard)
     if estimator is None:
         return cycle, {}
+    if scenario.has_traction:
+        raise ScenarioError(
+            f"{scenario.name}: [demand] has traction, which the filter knows and its FMU has no input for; leave out "
+            "traction, or [estimator]"
+        )
     if not isinstance(estimator, StateEstimator) or not isinstance(estimator.filter, StepInC):
         raise ScenarioError(
             f"{scenario.name}: [estimator] kind '{scenario.estimator.kind}' is not in C and cannot leave as an FMU; "
             "kinds compiled, python and fmu do, with a model of this project or a Modelica class"
         )
     cycle.set(filter=structs.filter)
-    formulas = {"filter->reference_speed": estimator.free_wheel, "filter->rail_brakes": estimator.rail_brakes}
+    formulas = {"filter->reference_speed": estimator.free_wheel, "filter->body_force": estimator.body_force}
     return cycle, {field: formula for field, formula in formulas.items() if formula is not None}
 
 

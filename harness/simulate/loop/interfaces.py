@@ -113,8 +113,8 @@ class StateEstimator:
     """A filter in its initial state, with the positions of its states and readings.
 
     Attributes:
-        filter: Its first inputs are the pressures. Of the force of the track, that of brakes on the rail itself is
-            known on board; the others (gradient, curves) are unknown and stay zero.
+        filter: Its first inputs are the pressures. Of the force of the track, traction and that of brakes on the rail
+            itself are known on board; the others (gradient, curves) are unknown and count as zero.
         reading_places: Positions in a reading of those that the filter uses, in its order.
         speed: Index of the train speed among the states.
         wheelset_speed: Indices of the wheelset speeds.
@@ -123,8 +123,8 @@ class StateEstimator:
         wheel_radius: Wheel radius that the estimator assumes, for each group [m].
         free_wheel: Given the readings of speed, wheelset speeds and pressures, it returns the speed for the filter, and
             1 for each group that is to be released; None if the radar has no substitute.
-        rail_brakes: Force of brakes on the rail itself [N], see `railgrip.simulate.rail_brakes`; None without them.
-        track_force: Index of the force of the track among the inputs; used with `rail_brakes`.
+        body_force: Braking force on the body [N], see `railgrip.simulate.body_force`; None without any.
+        track_force: Index of the force of the track among the inputs; -1 without it.
         load_deviation: Relative standard deviation of a wheelset's load.
     """
 
@@ -136,8 +136,8 @@ class StateEstimator:
     pad_friction: Indices
     wheel_radius: tuple[float, ...]
     free_wheel: Sampled | None = None
-    rail_brakes: Sampled | None = None
-    track_force: int = 0
+    body_force: Sampled | None = None
+    track_force: int = -1
     load_deviation: float = 0.0
 
 

@@ -108,7 +108,7 @@ def _filter(parts: Parts) -> Struct | None:
         reading_at=np.ascontiguousarray(estimator.reading_places, dtype=np.longlong),
         reading_count=estimator.reading_places.size, state_at=np.hstack(states).astype(np.longlong),
         reference_speed=_formula(layout, estimator.free_wheel, "reference_input"),
-        rail_brakes=_formula(layout, estimator.rail_brakes, "rail_brake_input"), track_force=estimator.track_force,
+        body_force=_formula(layout, estimator.body_force, "body_force_input"), track_force=estimator.track_force,
     )  # fmt: skip
     if isinstance(filter_, StepInC):
         advance, memory, squared_innovation = filter_.entry

@@ -1,6 +1,7 @@
-"""The Kalman filter knows the force of magnetic track brakes and linear eddy-current brakes.
+"""The Kalman filter knows the forces on the train that are known on board: brakes on the rail itself, and traction.
 
-Without it, a filter whose radar is dead believes that the train runs on: its speed was 20 m/s when the train stood.
+Without the former, a filter whose radar is dead assumes that the train runs on: its speed was 20 m/s when the train
+stood. Without the latter, its speed was 10 m/s too low.
 """
 
 from dataclasses import replace
@@ -16,9 +17,10 @@ from test_stops_with_dynamic_brakes import write
 from railgrip.base.errors import ScenarioError
 from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import track_brake_force
+from railgrip.scenario.load import load
 from railgrip.simulate.assembly import assemble
+from railgrip.simulate.body_force import body_force_of
 from railgrip.simulate.export.c_parts import part_in_c
-from railgrip.simulate.rail_brakes import rail_brakes_of
 from railgrip.simulate.run import trace_of
 from railgrip.studies.stop_at_target.study import LIBRARY, MANAGED, scenario_of_case
 
@@ -28,7 +30,7 @@ SPEEDS = (60.0, 30.0, 17.0, 8.0, 1.0)
 @pytest.mark.parametrize("name", ["tram", "ice3", "railcar"])
 def test_developed_forces_are_those_of_the_hand_calculation(name):
     train = load_train(LIBRARY / "railcar.toml" if name == "railcar" else Path(name))
-    force = rail_brakes_of(train, 0.005)
+    force = body_force_of(train, 0.005)
     assert force is not None
     for speed in SPEEDS:
         for _ in range(4000):  # 20 s, more than ten time constants
@@ -40,7 +42,7 @@ def test_magnets_act_after_their_delay_and_are_lifted():
     """First-order lag after the delay: at one time constant 1 − 1/e; backward Euler errs by a step over it."""
     train = load_train(Path("tram"))
     brake, period = next(brake for *_, brake in train.rail_brakes), 0.001
-    force = rail_brakes_of(train, period)
+    force = body_force_of(train, period)
     full = track_brake_force(train, 10.0)
 
     def after(seconds, *inputs):
@@ -56,8 +58,14 @@ def test_magnets_act_after_their_delay_and_are_lifted():
     assert after(10 * brake.time_constant, 0.0, 0.0) == pytest.approx(0.0, abs=1e-3)
 
 
-def test_a_train_without_such_brakes_has_no_force():
-    assert rail_brakes_of(load_train(Path("vt642")), 0.005) is None
+def test_a_train_without_such_forces_has_none():
+    assert body_force_of(load_train(Path("vt642")), 0.005) is None
+
+
+def test_linear_resistance_is_known():
+    """110 N.s/m of the published train: A, B and C of its resistance."""
+    force = body_force_of(load_train(Path("two_car_unit")), 0.005)
+    assert force.call([30.0, 0.0, 0.0]) == pytest.approx((3300.0,), rel=1e-12)
 
 
 def dead_radar(**changes):
@@ -90,11 +98,35 @@ def test_a_linear_eddy_current_brake_is_known_as_well(tmp_path):
     assert np.abs(trace["estimate_speed"].values - trace["speed"].values)[moving].max() < 0.5
 
 
+@pytest.mark.parametrize("kind", ["decentralised", "compiled"])
+def test_the_speed_does_not_drift_while_the_train_accelerates_and_the_radar_is_dead(kind):
+    """Traction of 50 kN moves the train from 20 to more than 50 km/h; the sensors are ideal.
+
+    An error of 1 % of the traction would be 0.1 m/s after 20 s.
+    """
+    trace = trace_of(accelerated(kind, [{"part": "radar", "kind": "dead", "begin": "2 s"}]))
+    assert trace["speed"].values.max() > 50 / 3.6
+    assert np.abs(trace["estimate_speed"].values - trace["speed"].values).max() < 0.02
+
+
+def accelerated(kind, faults=()):
+    traction = {"force": "50 kN", "power": "500 kW", "rate": "25 kN/s"}
+    phases = [{"pressure": 0, "traction": traction, "until": {"time": "20 s"}}, {"pressure": "2 bar"}]
+    changes = {"start": {"speed": "20 km/h"}, "demand": {"phases": phases}, "faults": faults}
+    return load(Path("service_steps")).revised({**changes, "estimator": {"kind": kind, "noise": "service"}})
+
+
+def test_a_filter_that_knows_traction_does_not_leave_as_an_fmu():
+    for part in ("onboard", "estimator"):
+        with pytest.raises(ScenarioError, match=r"has traction, which the filter knows"):
+            part_in_c(accelerated("compiled"), part)
+
+
 def test_the_estimator_alone_does_not_leave_as_an_fmu(tmp_path):
     """It has no input for the commands, by which the filter assumes the force."""
     with pytest.raises(ScenarioError, match=r"export the onboard part"):
         part_in_c(dead_radar(), "estimator")
-    assert any("rail_brakes" in line for line in str(part_in_c(dead_radar(), "onboard").step.text).splitlines())
+    assert "call_body_force" in part_in_c(dead_radar(), "onboard").step.text
 
 
 def test_a_law_that_switches_magnets_leaves_neither_with_the_filter_nor_without_the_track():

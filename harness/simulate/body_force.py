@@ -1,7 +1,8 @@
-"""The force of brakes on the rail itself, which the Kalman filter of a train file assumes.
+"""The braking force on the body of a train, which the Kalman filter of a train file assumes.
 
-They brake the train without its wheelsets. A filter that does not know their force takes the train for faster than it
-is as soon as no sensor reads the speed over ground, and slide protection then releases wheelsets that roll.
+Brakes on the rail itself and the linear part of the running resistance brake a train without its wheelsets. A filter
+that does not know them takes the train for faster than it is as soon as no sensor reads the speed over ground, and
+slide protection then releases wheelsets that roll.
 """
 
 from collections.abc import Sequence
@@ -10,16 +11,17 @@ from railgrip.base.system import SampledSystem
 from railgrip.controllers.sampled import Expression, FormulaBuilder, Sampled, choose, either, every, within
 from railgrip.rolling_stock.brakes import RailBrake, TrackBrake
 from railgrip.rolling_stock.schema import Train
-from railgrip.vehicle.signals import RAIL_BRAKE_INPUTS
+from railgrip.vehicle.signals import BODY_FORCE_INPUTS
 
 _STANDING = 0.1  # m/s, below which friction falls to 0 linearly, as in RailBraking.Components.MagneticTrackBrake
 
 
-def rail_brakes_of(train: Train, period: float) -> Sampled | None:
-    """Return the force of a train's brakes on the rail itself [N], called every `period` [s]; None without any.
+def body_force_of(train: Train, period: float) -> Sampled | None:
+    """Return the braking force on the body of a train [N], called every `period` [s]; None without any.
 
-    Inputs are `RAIL_BRAKE_INPUTS`. The forces are those of RailBraking.Components.MagneticTrackBrake and
-    EddyCurrentBrake with the data of the train file, which is what an onboard computer can know.
+    Inputs are `BODY_FORCE_INPUTS`. The forces are those of RailBraking.Components.MagneticTrackBrake and
+    EddyCurrentBrake, and of the plant's linear resistance, with the data of the train file, which is what an onboard
+    computer can know.
     """
     units: list[tuple[RailBrake, int]] = []
     for *_, brake in train.rail_brakes:
@@ -28,12 +30,14 @@ def rail_brakes_of(train: Train, period: float) -> Sampled | None:
             units.append((brake, 1))
         else:
             units[place] = (brake, units[place][1] + 1)
-    return Sampled(_formula(units, period), {}) if units else None
+    if not units and not train.linear_resistance:
+        return None
+    return Sampled(_formula(units, train.linear_resistance, period), {})
 
 
-def _formula(units: Sequence[tuple[RailBrake, int]], period: float) -> SampledSystem:
+def _formula(units: Sequence[tuple[RailBrake, int]], linear: float, period: float) -> SampledSystem:
     draft = FormulaBuilder()
-    ((speed,), (braking,), (magnets,)) = draft.vector(RAIL_BRAKE_INPUTS, 1)
+    ((speed,), (braking,), (magnets,)) = draft.vector(BODY_FORCE_INPUTS, 1)
     speed = choose(speed > 0.0, speed, 0.0)
     before = draft.state("applied", "1", "1 once the brakes have been applied")
     applied = either(before > 0.5, braking > 0.5)
@@ -51,8 +55,9 @@ def _formula(units: Sequence[tuple[RailBrake, int]], period: float) -> SampledSy
         now = field + share * (choose(is_on, 1.0, 0.0) - field)
         draft.keep(field, now)
         force += count * now * shape
-    draft.output("force", "N", "braking force on the rail itself", force * within(speed / _STANDING, 0.0, 1.0))
-    return draft.formula("RailBrakes", "Force of magnetic track brakes and linear eddy-current brakes")
+    force = linear * speed + force * within(speed / _STANDING, 0.0, 1.0)
+    draft.output("force", "N", "braking force on the body", force)
+    return draft.formula("BodyForce", "Force of brakes on the rail itself and of linear resistance")
 
 
 def _shape(brake: RailBrake, speed: Expression) -> Expression:
