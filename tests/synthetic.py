@@ -47,6 +47,11 @@ MOTOR = {
 }  # fmt: skip
 """An electrodynamic brake of a train file."""
 
+POSITION_R = {
+    "low_share": 0.5, "speed_up": "70 km/h", "speed_down": "50 km/h", "stage_time": "0.3 s", "estimated": True,
+}  # fmt: skip
+"""A distributor of a train file in position R, with two stages of pressure."""
+
 
 def parabola(slip, speed, load, mu0):
     """A creep curve whose peak is known: adhesion mu0 at 5 % slip, whatever the speed."""

@@ -129,7 +129,9 @@ def test_a_silent_scheduler_and_multithreaded_workers_are_refused(monkeypatch):
     with pytest.raises(InputError, match="no Dask scheduler answers there"), cluster("tcp://127.0.0.1:1"):
         pass
     with (
-        LocalCluster(n_workers=1, threads_per_worker=2, dashboard_address=":0") as cluster_here,
+        LocalCluster(
+            n_workers=1, threads_per_worker=2, processes=False, protocol="tcp", dashboard_address=":0"
+        ) as cluster_here,
         pytest.raises(InputError, match="a worker has 2 threads"),
         cluster(cluster_here.scheduler_address),
     ):

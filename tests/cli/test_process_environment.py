@@ -34,10 +34,13 @@ def shell(command: str, folder: Path, **variables: str) -> "subprocess.Completed
 
 @pytest.mark.parametrize(
     ("command", "code", "closed"),
-    [
-        *(("list scenarios", 0, closed) for closed in ("<&-", ">&-", "<&- >&- 2>&-")),
-        *(("run nosuch", 2, closed) for closed in (">&-", "2>&-", ">&- 2>&-")),
-    ],
+    sample(
+        [
+            *(("list scenarios", 0, closed) for closed in ("<&- >&- 2>&-", "<&-", ">&-")),
+            *(("run nosuch", 2, closed) for closed in ("2>&-", ">&- 2>&-", ">&-")),
+        ],
+        3,
+    ),
 )
 def test_closed_streams_do_not_change_the_exit_code(command: str, code: int, closed: str, tmp_path: Path) -> None:
     done = shell(f"{PROGRAM} {command} {closed}", tmp_path)
@@ -73,7 +76,7 @@ def test_a_closed_pipe_ends_the_command_silently(tmp_path: Path) -> None:
     assert (len(done.stdout), done.stderr) == (10, "")
 
 
-@pytest.mark.parametrize("command", sample(["list scenarios", "doctor", "report .", "run trapezoid"], 2))
+@pytest.mark.parametrize("command", sample(["run trapezoid", "list scenarios", "doctor", "report ."], 1))
 def test_a_removed_current_folder_is_reported_in_a_sentence(command: str, tmp_path: Path) -> None:
     (tmp_path / "gone").mkdir()
     done = shell(f"cd gone && rmdir ../gone && {PROGRAM} {command}", tmp_path, PYTHONPATH=str(ROOT / "harness"))

@@ -79,6 +79,13 @@ FIRST_VARIANCE = np.array([1e-2, 1e-1, 2.5e-3, 1e-3])
 """Noises of states and readings, and the initial estimate, of filters on the wheelset."""
 
 
+TYPICAL = {
+    "speed": 20.0, "wheelset_speed": 50.0, "pad_friction": 0.35, "group_adhesion": 0.1, "dz": 1e-3, "ddz": 1e-2,
+    "d": 0.1, "bias": 0.05,
+}  # fmt: skip
+"""States of a braking train by the names of their arrays [SI]."""
+
+
 def runge_kutta(slope: ca.Function, x: ca.SX, u: ca.SX, period: float, steps: int = 2) -> ca.SX:
     """Return the state after a period under held inputs, by classical Runge-Kutta steps."""
     h = period / steps

@@ -6,12 +6,14 @@ of its noises, on trains with and without suspension, pressures held or one grou
 
 from dataclasses import dataclass
 from functools import cache
+from itertools import product
 
 import casadi as ca
 import numpy as np
 import pytest
 from nees import chi_square_bounds, nees
-from small_models import runge_kutta
+from sampling import sample
+from small_models import TYPICAL, runge_kutta
 
 from railgrip.base.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import GaussianEstimate
@@ -54,6 +56,9 @@ TRAINS = {
     "eight wheelsets": rigid(8),
     "two cars": (rigid(8)[0], rigid(8)[1] | BOGIES | FRAMES),
 }
+
+
+SENSORS = ("ideal", "service")
 
 
 @dataclass(frozen=True)
@@ -162,17 +167,9 @@ def test_the_two_part_train_of_its_data_is_the_prediction_of_the_library(suspens
     whole = central_of(TWO_PART, data)
     own = CasadiPrediction(whole.model, whole.parameters)
     assert (own.states, own.inputs, own.outputs) == (library.states, library.inputs, library.outputs)
-    typical = {
-        "speed": 20.0,
-        "wheelset_speed": 50.0,
-        "pad_friction": 0.35,
-        "group_adhesion": 0.1,
-        "dz": 1e-3,
-        "ddz": 1e-2,
-    }
     random = np.random.default_rng(0)
     for _ in range(20):
-        x = np.array([typical[name.partition("[")[0]] for name in own.states])
+        x = np.array([TYPICAL[name.partition("[")[0]] for name in own.states])
         x *= random.uniform(0.5, 1.5, len(x))
         u = np.append(random.uniform(0.5e5, 3e5, 4), 1e3)
         np.testing.assert_allclose(own.derivative(x, u), library.derivative(x, u), rtol=1e-12)
@@ -220,9 +217,7 @@ def test_the_parts_of_a_train_add_up_to_the_prediction_of_the_whole(train: str):
         np.testing.assert_allclose(prediction.output(x, u), expected, rtol=1e-12)
 
 
-@pytest.mark.parametrize("released", [False, True], ids=["held", "one group released"])
-@pytest.mark.parametrize("sensors", ["ideal", "service"])
-@pytest.mark.parametrize("train", TRAINS)
+@pytest.mark.parametrize(("train", "sensors", "released"), sample([*product(TRAINS, SENSORS, (False, True))], 5))
 def test_mean_nees_and_nis_are_within_their_chi_square_bounds(train, sensors, released):
     """For all states together. 95 % for all checks together by Bonferroni's inequality: 12 cases of 5 checks."""
     true = case(train, sensors, released)
@@ -246,8 +241,7 @@ def test_mean_nees_and_nis_are_within_their_chi_square_bounds(train, sensors, re
     assert low < squares.mean() < high
 
 
-@pytest.mark.parametrize("sensors", ["ideal", "service"])
-@pytest.mark.parametrize("train", TRAINS)
+@pytest.mark.parametrize(("train", "sensors"), sample([*product(TRAINS, SENSORS)], 3))
 def test_it_errs_like_the_central_filter_and_never_underestimates_its_error(train, sensors):
     """Root mean square errors of adhesion, pad friction and wheel speed within 2 %, deviations never below 0.1 %.
 

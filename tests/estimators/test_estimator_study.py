@@ -11,6 +11,7 @@ import pandas
 import pytest
 import xarray
 from command_line import done
+from small_models import TYPICAL
 
 from railgrip.base.errors import InputError
 from railgrip.campaign.work import work
@@ -488,19 +489,9 @@ def test_the_train_file_of_the_two_part_train_has_its_predictions(estimator):
     assert sorted(of_file.states) == sorted(ours.states)
     assert of_file.outputs == ours.outputs
     places = [ours.states.index(name) for name in of_file.states]
-    typical = {
-        "speed": 20.0,
-        "wheelset_speed": 50.0,
-        "pad_friction": 0.35,
-        "group_adhesion": 0.1,
-        "dz": 1e-3,
-        "ddz": 1e-2,
-        "d": 0.1,
-        "bias": 0.05,
-    }
     random = np.random.default_rng(0)
     for _ in range(5):
-        x = np.array([typical[name.partition("[")[0]] for name in ours.states]) * random.uniform(0.5, 1.5, len(places))
+        x = np.array([TYPICAL[name.partition("[")[0]] for name in ours.states]) * random.uniform(0.5, 1.5, len(places))
         u = np.append(random.uniform(0.5e5, 3e5, 4), 1e3)
         np.testing.assert_allclose(of_file.derivative(x[places], u), ours.derivative(x, u)[places], rtol=1e-12)
         np.testing.assert_allclose(of_file.output(x[places], u), ours.output(x, u), rtol=1e-12)

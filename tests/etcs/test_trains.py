@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.stats import binom, norm
+from synthetic import POSITION_R
 
 from railgrip.base.errors import InputError
 from railgrip.base.registry import shelf
@@ -187,15 +188,7 @@ def test_a_train_file_may_have_its_own_data():
 
 def test_two_stages_of_the_distributor_are_steps_of_the_brake():
     tables = tomllib.loads(shelf("trains")["loco_coaches"].read_text(encoding="utf-8"))
-    tables["distributors"] = {
-        "R": {
-            "low_share": 0.5,
-            "speed_up": "70 km/h",
-            "speed_down": "50 km/h",
-            "stage_time": "0.3 s",
-            "estimated": True,
-        }
-    }
+    tables["distributors"] = {"R": POSITION_R.copy()}
     for car in tables["cars"]:
         car["distributor"] = "R"
     train = train_of(tables, "loco.toml")

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
-from tiny_fmu import CURVED_OUTPUTS, curved, stepped, tiny, xml
+from tiny_fmu import CURVED_OUTPUTS, K, check_filter_in_c, curved, derivative, derivative_by_state, stepped, tiny, xml
 
 from railgrip.base.errors import EstimatorError, FilterDiverged, FmuError, PlantFailed
 from railgrip.estimators.compiled import CompiledFilter
-from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.fmi import FmuPrediction, SteppedFmuPrediction, describe
 
-K, PERIOD = 1.7, 1e-2
+PERIOD = 1e-2
 POINT = np.array([0.3, -0.8, 0.5]), np.array([0.2, -0.1])
 NAMES = {"parameters": {"k": K}, "inputs": ("u[1]", "u[2]"), "outputs": CURVED_OUTPUTS}
 IN_STEP_MODE = 1
@@ -23,21 +22,11 @@ def prediction(file: Path, states: str = "abc", period: float = PERIOD) -> Stepp
     return SteppedFmuPrediction(describe(file), period=period, states=tuple(states), **NAMES)
 
 
-def slope(x: np.ndarray, u: np.ndarray) -> np.ndarray:
-    a, b, c = x
-    return np.array([-K * a + u[0], a * b + np.sin(c), b - c**3 + u[1]])
-
-
-def slope_jacobian(x: np.ndarray) -> np.ndarray:
-    a, b, c = x
-    return np.array([[-K, 0, 0], [b, a, np.cos(c)], [0, 1, -3 * c**2]])
-
-
 def step_and_jacobian(x: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the states after a period and their derivatives by x, from the variational equations."""
 
     def slopes(_: float, y: np.ndarray) -> np.ndarray:
-        return np.concatenate([slope(y[:3], u), (slope_jacobian(y[:3]) @ y[3:].reshape(3, 3)).ravel()])
+        return np.concatenate([derivative(y[:3], u), (derivative_by_state(y[:3]) @ y[3:].reshape(3, 3)).ravel()])
 
     start = np.concatenate([x, np.eye(3).ravel()])
     end = solve_ivp(slopes, (0, PERIOD), start, "DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
@@ -67,7 +56,7 @@ def test_the_jacobian_is_that_of_the_linearised_step_or_of_the_step(foundry: Pat
     ):
         linearised = np.eye(3) + PERIOD * exact.derivative_jacobian(x, u)
         # The polynomial lacks (T A)^5/120 = (0.01 * 2)^5/120.
-        np.testing.assert_allclose(linearised, expm(PERIOD * slope_jacobian(x)), atol=1e-10)
+        np.testing.assert_allclose(linearised, expm(PERIOD * derivative_by_state(x)), atol=1e-10)
         of_step = np.eye(3) + PERIOD * differences.derivative_jacobian(x, u)
         # Truncation: (1e-3)^2/6 times the third derivative of a step, which is PERIOD times 6 from c^3.
         np.testing.assert_allclose(of_step, step_and_jacobian(x, u)[1], atol=1e-8)
@@ -115,25 +104,15 @@ def test_with_differences_estimates_are_those_of_the_exact_jacobian_of_a_step(fo
 
 
 def test_a_filter_in_c_equals_the_filter_in_numpy(foundry: Path):
-    rng = np.random.default_rng(4)
     for directional in (True, False):
         with prediction(stepped(foundry, directional=directional), "cab") as model:
-            arguments = model, np.full(3, 1e-3), np.full(2, 1e-2), PERIOD
-            fast, plain = CompiledFilter(*arguments), ExtendedKalmanFilter(*arguments)
-            belief = fast.start(np.array([0.1, 0.3, -0.2]), np.full(3, 0.1))
-            for _ in range(50):
-                inputs, readings = rng.normal(size=2), rng.normal(size=2)
-                expected = plain.step(belief, inputs, readings)
-                belief = fast.step(belief, inputs, readings)
-                # The same sums in another order, of numbers of size one.
-                np.testing.assert_allclose(belief.mean, expected.mean, atol=1e-13)
-                np.testing.assert_allclose(belief.covariance, expected.covariance, atol=1e-13)
+            check_filter_in_c(model, PERIOD)
 
 
 def test_an_fmu_may_integrate_by_forward_euler_itself(foundry: Path):
     x, u = POINT
     with prediction(stepped(foundry, 256)) as model:
-        np.testing.assert_allclose(model.derivative(x, u), slope(x, u), rtol=1e-12)
+        np.testing.assert_allclose(model.derivative(x, u), derivative(x, u), rtol=1e-12)
 
 
 def test_a_filter_has_the_period_of_its_prediction(foundry: Path):

@@ -4,7 +4,11 @@ import zipfile
 from pathlib import Path
 
 import fmpy
+import numpy as np
 
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.prediction import Prediction
 from railgrip.fmi import Binding, Description, Port, bind
 from railgrip.fmus.native.toolchain import shared_library
 
@@ -141,6 +145,35 @@ def tied(description: Description) -> Binding:
 
 
 CURVED_OUTPUTS = ("y[1]", "y[2]")
+K = 1.7
+"""Value of the parameter of both FMUs below, whose equations are these."""
+
+
+def derivative(x: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """Return the derivative of the states (3,) with inputs (2,)."""
+    a, b, c = x
+    return np.array([-K * a + u[0], a * b + np.sin(c), b - c**3 + u[1]])
+
+
+def derivative_by_state(x: np.ndarray) -> np.ndarray:
+    """Return its derivative by the states (3, 3)."""
+    a, b, c = x
+    return np.array([[-K, 0, 0], [b, a, np.cos(c)], [0, 1, -3 * c**2]])
+
+
+def check_filter_in_c(model: Prediction, period: float) -> None:
+    """Require that the filter in C equals that in numpy with the FMU as its prediction."""
+    rng = np.random.default_rng(4)
+    arguments = model, np.full(3, 1e-3), np.full(2, 1e-2), period
+    fast, plain = CompiledFilter(*arguments), ExtendedKalmanFilter(*arguments)
+    belief = fast.start(np.array([0.1, 0.3, -0.2]), np.full(3, 0.1))
+    for _ in range(50):
+        inputs, readings = rng.normal(size=2), rng.normal(size=2)
+        expected = plain.step(belief, inputs, readings)
+        belief = fast.step(belief, inputs, readings)
+        # The same sums in another order, of numbers of size one.
+        np.testing.assert_allclose(belief.mean, expected.mean, atol=1e-13)
+        np.testing.assert_allclose(belief.covariance, expected.covariance, atol=1e-13)
 
 
 def curved(folder: Path, *, directional: bool = True, forgets: bool = False) -> Path:

@@ -28,9 +28,15 @@ def brake(vt642):
     return vt642[2]
 
 
-def test_the_nominal_stop_is_that_of_the_plant(vt642):
+@pytest.fixture(scope="module")
+def nominal(vt642):
+    """The stop of the nominal train in the loop."""
     _, scenario, brake = vt642
-    trace = run_stop(scenario_of_draw(scenario, brake, brake.units, None)).trace
+    return run_stop(scenario_of_draw(scenario, brake, brake.units, None))
+
+
+def test_the_nominal_stop_is_that_of_the_plant(brake, nominal):
+    trace = nominal.trace
     speed, distance = trace.speed.values, trace.distance.values
     assert brake.distance == pytest.approx(distance[-1], rel=PER_DRAW)
     for nominal, low, high in zip(brake.nominal, (0.0, 40.0, 80.0), (40.0, 80.0, 115.0), strict=False):
@@ -41,16 +47,12 @@ def test_the_nominal_stop_is_that_of_the_plant(vt642):
 
 
 @pytest.mark.parametrize("available", [(3, 2, 2, 3), (2, 2, 1, 3), (0, 2, 2, 3)])
-def test_a_drawn_train_stops_in_the_loop_like_the_quasi_static_one(vt642, available):
+def test_a_drawn_train_stops_in_the_loop_like_the_quasi_static_one(vt642, nominal, available):
     _, scenario, brake = vt642
     standard = 1.5 * np.random.default_rng(sum(available)).standard_normal(brake.dimension)
-    nominal, drawn = (
-        braking_distance(scenario_of_draw(scenario, brake, units, one))
-        for units, one in ((brake.units, None), (available, standard))
-    )
-    assert nominal is not None
+    drawn = braking_distance(scenario_of_draw(scenario, brake, available, standard))
     assert drawn is not None
-    ratio = brake.equivalent_deceleration(drawn) / brake.equivalent_deceleration(nominal)
+    ratio = brake.equivalent_deceleration(drawn) / brake.equivalent_deceleration(nominal.braking_distance)
     # effects neglected in the nominal stop cancel, except for the part that depends on the draw
     assert brake.ratios(available, standard[None, :])[0, -1] == pytest.approx(ratio, rel=0.5 * PER_DRAW)
 

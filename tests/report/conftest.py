@@ -1,24 +1,28 @@
 """Results on disk for every report."""
 
-from pathlib import Path
-
 import pytest
+from synthetic import LIBRARY
 from synthetic_runner import run_stop
 
-import railgrip.scenario
 from railgrip.campaign.run import write_description
 from railgrip.report.stop import write_stop
 from railgrip.scenario.campaign import load_campaign
 
-TABLE1 = Path(railgrip.scenario.__file__).parent / "campaigns" / "table1.toml"
+TABLE1 = LIBRARY.parent / "campaigns" / "table1.toml"
 COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
 
 
 @pytest.fixture(scope="session")
 def write_campaign():
-    """Write results of some stops of a campaign as if they had been run; return the campaign with only these stops."""
+    """Write results of some stops of a campaign as if they had been run; return the campaign with only these stops.
 
-    def write(directory, keep, overrides=(), file=TABLE1):
+    The campaign is Table 1, or that of a text, in which `{library}` is the folder of the scenarios of the package.
+    """
+
+    def write(directory, keep=lambda stop: True, overrides=(), text=""):
+        file = directory / "written.toml" if text else TABLE1
+        if text:
+            file.write_text(text.format(library=LIBRARY.as_posix()), encoding="utf-8")
         whole = load_campaign(file, [*COARSE, *overrides])
         campaign = whole.only(keep)
         write_description(campaign, directory)

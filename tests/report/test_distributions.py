@@ -121,12 +121,8 @@ def test_a_draw_without_a_standstill_is_longer_than_any_other():
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory, write_campaign):
-    from synthetic import LIBRARY
-
     folder = tmp_path_factory.mktemp("drawn")
-    file = folder / "drawn.toml"
-    file.write_text(DRAWS.format(library=LIBRARY.as_posix()), encoding="utf-8")
-    write_campaign(folder, lambda _: True, file=file)
+    write_campaign(folder, text=DRAWS)
     return folder
 
 

@@ -9,7 +9,6 @@ import pandas
 import pytest
 from legible import needs_browser, title_of
 from scipy import stats
-from synthetic import LIBRARY
 from test_distributions import frame, row
 
 import railgrip as rg
@@ -37,9 +36,7 @@ abc = {{ controller.kind = "adhesion_based" }}
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory, write_campaign):
     folder = tmp_path_factory.mktemp("mixed")
-    file = folder / "mixed.toml"
-    file.write_text(MIXED.format(library=LIBRARY.as_posix()), encoding="utf-8")
-    write_campaign(folder, lambda _: True, file=file)
+    write_campaign(folder, text=MIXED)
     return folder
 
 

@@ -34,9 +34,7 @@ COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "co
 
 @pytest.fixture
 def campaign(tmp_path, write_campaign):
-    file = tmp_path / "axes.toml"
-    file.write_text(CAMPAIGN.format(library=LIBRARY.as_posix()), encoding="utf-8")
-    write_campaign(tmp_path, lambda _: True, file=file)
+    write_campaign(tmp_path, text=CAMPAIGN)
     return tmp_path
 
 

@@ -5,7 +5,6 @@ import re
 
 import pytest
 from legible import in_frame, needs_browser
-from synthetic import LIBRARY
 
 from railgrip.report.campaign_figures import distance_figure
 from railgrip.report.frame import frame_of
@@ -38,9 +37,7 @@ addEventListener("load", async () => {
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory, write_campaign):
     directory = tmp_path_factory.mktemp("narrow")
-    file = directory / "speeds.toml"
-    file.write_text(SPEEDS.format(library=LIBRARY.as_posix()), encoding="utf-8")
-    write_campaign(directory, lambda _: True, file=file)
+    write_campaign(directory, text=SPEEDS)
     write_report(directory)
     return directory
 

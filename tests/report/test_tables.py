@@ -3,13 +3,11 @@
 import json
 from dataclasses import replace
 from math import isnan
-from pathlib import Path
 
 import numpy as np
 import pytest
 from synthetic_runner import DECELERATION, run_stop
 
-import railgrip.scenario
 from railgrip.base.errors import RecordError
 from railgrip.report.distances import write_table
 from railgrip.report.frame import frame_of
@@ -63,17 +61,15 @@ def test_searched_levels_have_separate_rows_relative_to_the_papers(folder):
 
 def test_similar_stops_are_distinguished_and_compared_in_their_own_conditions(tmp_path, write_campaign):
     """An axis without a column, the start speed: each ABC has its own SBC, and the table distinguishes them."""
-    library = Path(railgrip.scenario.__file__).parent / "library"
-    file = tmp_path / "speeds.toml"
-    file.write_text(f'''
+    text = """
 name = "speeds"
-scenarios = ["{(library / "trapezoid.toml").as_posix()}"]
+scenarios = ["{library}/trapezoid.toml"]
 sweep = {{ "start.speed" = ["80 km/h", "40 km/h"] }}
 [axes.controller]
 sbc = {{ controller.kind = "slip_two_state", estimator.kind = "none" }}
 abc = {{ controller.kind = "adhesion_based" }}
-''')
-    write_campaign(tmp_path, lambda _: True, file=file)
+"""
+    write_campaign(tmp_path, text=text)
     rows = rows_of(tmp_path)
     assert len(rows) == 4
     assert {row.label for row in rows} == {"trapezoid, start.speed 80 km/h", "trapezoid, start.speed 40 km/h"}
@@ -85,16 +81,14 @@ abc = {{ controller.kind = "adhesion_based" }}
 
 
 def test_all_creep_curves_of_a_rail_are_named(tmp_path, write_campaign):
-    library = Path(railgrip.scenario.__file__).parent / "library"
-    file = tmp_path / "leaves.toml"
-    file.write_text(f'''
+    text = """
 name = "leaves"
-scenarios = ["{(library / "plain.toml").as_posix()}"]
+scenarios = ["{library}/plain.toml"]
 [axes.rail.leaves]
 adhesion.patch = [{{ begin = "20 m", length = "8 m", mu0 = 0.03, polach = "leaf" }}]
 adhesion.polach_of_wheelset = ["dry", "dry", "dry", "soap", "dry", "dry"]
-''')
-    write_campaign(tmp_path, lambda _: True, file=file)
+"""
+    write_campaign(tmp_path, text=text)
     assert [row.polach for row in rows_of(tmp_path)] == ["dry, soap, leaf"]
 
 

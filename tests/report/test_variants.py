@@ -5,7 +5,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from synthetic import LIBRARY
 
 from railgrip.base.errors import InputError
 from railgrip.cli.main import main
@@ -36,9 +35,7 @@ def campaign(tmp_path_factory, write_campaign):
     @cache
     def write(drawn=DRAWS):
         folder = tmp_path_factory.mktemp("sand")
-        file = folder / "sand.toml"
-        file.write_text(SAND.format(library=LIBRARY.as_posix(), draws=drawn), encoding="utf-8")
-        write_campaign(folder, lambda _: True, file=file)
+        write_campaign(folder, text=SAND.replace("{draws}", drawn))
         return folder
 
     return write

@@ -4,6 +4,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from synthetic import POSITION_R
 
 from railgrip import cli
 from railgrip.rolling_stock.schema import train_of
@@ -24,15 +25,7 @@ def piped(tables):
         "kind": "brake_pipe", "diameter": "32 mm", "branch_volume": 0, "fill_time": "4 s", "reservoir": "0.1 m3",
         "estimated": True,
     }  # fmt: skip
-    tables["distributors"] = {
-        "R": {
-            "low_share": 0.5,
-            "speed_up": "70 km/h",
-            "speed_down": "50 km/h",
-            "stage_time": "0.3 s",
-            "estimated": True,
-        }
-    }
+    tables["distributors"] = {"R": POSITION_R.copy()}
     tables["accelerators"] = {
         "quick": {
             "conductance": "2e-7 m3/(s.Pa)", "opening_rate": "0.7 bar/s", "closing_pressure": "2.5 bar",

@@ -93,7 +93,7 @@ def test_a_calculation_is_a_page_a_pdf_and_json(railgrip, tmp_path):
     assert (tmp_path / "report/calculation.pdf").read_bytes() == first
     # Tables follow one another; a table of 46 axles goes on after the end of a sheet.
     assert first.count(b"/Type /Page ") == 2
-    railgrip("train", "calculate", "loco_coaches", "--out", "long")
+    railgrip("train", "calculate", "loco_coaches", "--speed", "100 km/h", "--out", "long")
     assert (tmp_path / "long/calculation.pdf").read_bytes().count(b"/Type /Page ") == 3
     code, out, _ = railgrip("train", "calculate", str(UNIT), "--json")
     assert [round(3.6 * stop["speed"]) for stop in json.loads(out)["stops"]] == [100, 120, 140, 160]

@@ -96,7 +96,7 @@ def test_service_sensors_are_exported_with_their_noise(tmp_path):
     """Its draws come from another generator: stops of different seeds scatter by 0.3 %, so 1.5 % is five times that."""
     service = [
         "sensors={kind='white', noise={speed='0.1 m/s', acceleration='0.05 m/s2'}, bias={acceleration='0.01 m/s2'}}",
-        "estimator.noise=service", "start.speed=50 km/h",
+        "estimator.noise=service", "start.speed=30 km/h",
     ]  # fmt: skip
     scenario = scenario_with(*service)
     assert braking_distance(exported(scenario, tmp_path)) == pytest.approx(distance(scenario), rel=0.015)
@@ -188,19 +188,19 @@ def test_the_onboard_part_waits_for_its_first_reading(tmp_path):
 @pytest.fixture(scope="module")
 def system(tmp_path_factory):
     """Return a scenario and its system."""
-    scenario = scenario_with("start.speed=50 km/h", "limits.horizon=25 s")
+    scenario = scenario_with("start.speed=30 km/h", "limits.horizon=17 s")
     return scenario, write_ssp(scenario, tmp_path_factory.mktemp("system") / "plain.ssp")
 
 
 def test_a_system_simulated_from_its_description_stops_like_the_harness(system):
-    """FMPy passes values on after all parts have stepped: a command is three periods late, or 4 cm at 50 km/h.
+    """FMPy passes values on after all parts have stepped: a command is three periods late, or 2.5 cm at 30 km/h.
 
-    Of 130 m that is 0.03 %; the 0.1 % of the page is a margin for the reaction of the law.
+    Of 49 m that is 0.05 %; the 0.1 % of the page is a margin for the reaction of the law.
     """
     scenario, path = system
     values = read_ssv(str(path), "resources/parameters.ssv")
     assert "plant.start_speed" in {parameter.name for parameter in values.parameters}
-    rows = simulate_ssp(str(path), stop_time=25.0, step_size=1e-3, parameter_set=values)
+    rows = simulate_ssp(str(path), stop_time=17.0, step_size=1e-3, parameter_set=values)
     moving = rows["plant.speed"] > scenario.limits.stop_speed
     place = np.flatnonzero(moving)[-1] + 1
     (limit,) = re.findall(r"deviates by less than ([\d.]+) %", PAGE.read_text(encoding="utf-8"))

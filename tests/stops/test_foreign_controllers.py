@@ -7,6 +7,7 @@ from functools import partial
 import casadi as ca
 import numpy as np
 import pytest
+from sampling import sample
 from synthetic import LIBRARY
 from table_1 import table_1_scenario
 
@@ -51,10 +52,18 @@ def plain_with(path, *overrides: str):
 @pytest.mark.parametrize(
     ("stop", "trust"),
     [
-        *(("trapezoid-ideal-adhesion_based", trust) for trust in ("true", "false")),
-        *(("random-service-slip_two_state", trust) for trust in ("true", "false")),
-        *((f"sine_sweep-ideal-{law}", "true") for law in ("slip_two_state", "adhesion_based")),
-        *((f"sine_sweep-service-{law}", "true") for law in ("adhesion_literal", "adhesion_based", "slope_seeking")),
+        ("trapezoid-ideal-adhesion_based", "true"),
+        ("random-service-slip_two_state", "false"),
+        *sample(
+            [
+                *((f"sine_sweep-service-{law}", "true") for law in ("adhesion_literal", "adhesion_based")),
+                *((f"sine_sweep-ideal-{law}", "true") for law in ("slip_two_state", "adhesion_based")),
+                ("trapezoid-ideal-adhesion_based", "false"),
+                ("random-service-slip_two_state", "true"),
+                ("sine_sweep-service-slope_seeking", "true"),
+            ],
+            2,
+        ),
     ],
 )
 def test_a_law_exported_as_an_fmu_brakes_as_before(stop, trust, folder):
@@ -68,7 +77,9 @@ def test_a_law_exported_as_an_fmu_brakes_as_before(stop, trust, folder):
     assert set(other.fmus) - set(one.fmus) == {f"{stop.split('-')[0]}-{stop.split('-')[2]}.fmu"}
 
 
-@pytest.mark.parametrize("law", ["wheel_reference", "constant_slip", "extremum_seeking", "deceleration_control"])
+@pytest.mark.parametrize(
+    "law", sample(["wheel_reference", "constant_slip", "extremum_seeking", "deceleration_control"], 2)
+)
 def test_an_exported_law_that_table_1_lacks_also_brakes_as_before(law, folder):
     stop = "sine_sweep-service-adhesion_based"
     one, other = (run_stop(s) for s in with_fmu(stop, folder, "controller.trust=true", law=(f"controller.kind={law}",)))

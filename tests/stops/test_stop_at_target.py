@@ -79,6 +79,7 @@ def test_draws_cover_their_ranges_evenly_and_repeat():
     assert np.mean([draw.load for draw in draws]) == pytest.approx(1.1, rel=1e-2)
 
 
+@pytest.mark.usefixtures("in_process")
 def test_the_quick_study_has_its_page(tmp_path):
     page, path = conduct(StopAtTarget(quick=True), tmp_path, workers=1)
     assert path.is_file()
