@@ -268,10 +268,17 @@ def _of_train(entry: str, path: Path, digest: str, class_name: str, has_suspensi
 
     nominal = central({})
     readings = zip(nominal.model.outputs, nominal.readings, strict=True)
-    limits = (
-        f"{train.name} has brakes on the rail itself of up to {train.track_brake_force / 1e3:.0f} kN, which are in no "
-        "equation: while they act, the filter attributes their force to gradient, adhesion and pad friction.",
-    )
+    limits: list[str] = []
+    if train.track_brake_force:
+        limits.append(
+            f"{train.name} has brakes on the rail itself of up to {train.track_brake_force / 1e3:.0f} kN, which are in "
+            "no equation: while they act, the filter attributes their force to gradient, adhesion and pad friction."
+        )
+    if train.linear_resistance:
+        limits.append(
+            f"{train.name} has a linear running resistance of {train.linear_resistance:g} N s/m, which is in no "
+            "equation: the filter attributes it to gradient, adhesion and pad friction."
+        )
     units, parameters = units_of_predictions(), _parameters_of_train(nominal.model, data)
     return PredictionModel(
         name=Path(entry).stem,
@@ -284,7 +291,7 @@ def _of_train(entry: str, path: Path, digest: str, class_name: str, has_suspensi
         start=start,
         describe=lambda: consist_description(nominal.source),
         outputs_of_fmu=tuple(variable.name for variable in nominal.model.outputs),
-        limits=limits if train.track_brake_force else (),
+        limits=tuple(limits),
     )
 
 
