@@ -13,7 +13,7 @@ MOST = 20e3 if FUZZ else 40e3
 The allocator takes and returns memory by the megabyte, which is up to 25 kB for each of 40 stops.
 """
 OBJECTS = 2
-"""Objects with references that a stop may leave behind: a retained scenario has hundreds, a trace a dozen."""
+"""Objects with references that a stop may leave behind: a retained scenario has some thirty."""
 
 MANY = """
 import gc
