@@ -99,12 +99,18 @@ def calculate(
         typer.Option(help="Initial speed, as '120 km/h'; may be repeated. Those of [[reference]] unless given."),
     ] = None,
     step: Annotated[str, typer.Option(help="Width of the speed steps of the deceleration.")] = "20 km/h",
+    draws: Annotated[
+        int, typer.Option(help="Stops whose brakes are drawn from [[dispersion]], for the scatter.", min=0, max=100_000)
+    ] = 0,
+    seed: Annotated[int, typer.Option(help="Seed of the draws.", min=0)] = 1,
     out: Annotated[Path | None, typer.Option(help="Folder of the page; build/trains/NAME unless given.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Calculate the brakes of a train by EN 14531-1, and write a page and a PDF to sign."""
     from railgrip.rolling_stock.calculation import mean_stop
     from railgrip.rolling_stock.calculation_page import calculation_page, plain_calculation
+    from railgrip.rolling_stock.scatter import scatter
+    from railgrip.supervision.trains import data_of
 
     path = locate(file, "trains")
     train = checked_train(file)
@@ -113,13 +119,16 @@ def calculate(
         if wrong := friction_findings(train, each):
             raise InputError("\n".join(f"{path.name}: {finding}" for finding in wrong))
     width = _speed("--step", step)
+    if draws == 1:
+        raise InputError("--draws 1: one stop has no scatter; give at least 2, or leave it out")
+    drawn = [scatter(train, each, data_of(train).dispersion, draws=draws, seed=seed) for each in speeds if draws]
     stops = [mean_stop(train, each, width) for each in speeds]
     if as_json:
-        print_json(plain_calculation(train, stops))
+        print_json(plain_calculation(train, stops, drawn))
         return
     folder = out or Path("build/trains") / train.name
     digest = sha256(path.read_bytes()).hexdigest()[:16]
-    page = calculation_page(train, stops, origin=path.name, digest=digest)
+    page = calculation_page(train, stops, drawn, origin=path.name, digest=digest)
     written = page.write(folder)
     show_all(page.screen)
     say(str(written))

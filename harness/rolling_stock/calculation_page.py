@@ -16,6 +16,7 @@ from railgrip.report.page import Page
 from railgrip.report.table import ReportTable
 from railgrip.rolling_stock.calculation import PARKING_ADHESION, PARKING_SLOPE, RANGES, MeanStop, parking
 from railgrip.rolling_stock.check import findings
+from railgrip.rolling_stock.scatter import Scatter
 from railgrip.rolling_stock.schema import BogieInTrain, SourcedTable, Train
 from railgrip.rolling_stock.stopping import response_times, rotating_masses
 from railgrip.rolling_stock.tables import plain_stop
@@ -25,12 +26,15 @@ _LEFT, _BOTTOM, _LINE = 0.06, 0.05, 0.0125  # shares of the sheet
 _SIZE, _CHARACTERS = 7, 130  # font size, and characters of this size in a line
 
 
-def calculation_page(train: Train, stops: Sequence[MeanStop], *, origin: str, digest: str) -> Page:
+def calculation_page(
+    train: Train, stops: Sequence[MeanStop], drawn: Sequence[Scatter] = (), *, origin: str, digest: str
+) -> Page:
     """Return the page of a brake calculation, with its PDF.
 
     Args:
         train: The train.
         stops: Its stops by mean values, at least one.
+        drawn: Its stops with drawn brakes, if any.
         origin: Name of the file of the train.
         digest: Digest of that file.
     """
@@ -46,6 +50,7 @@ def calculation_page(train: Train, stops: Sequence[MeanStop], *, origin: str, di
     tables = {
         "data": _data(train),
         "stops": table_of_stops(stops),
+        "scatter": _scatter(drawn),
         "axles": _axles(train, fastest),
         "dynamic": _dynamic(train, fastest),
         "rail": _rail(train, fastest),
@@ -71,8 +76,15 @@ def calculation_page(train: Train, stops: Sequence[MeanStop], *, origin: str, di
         figures={"figures/deceleration.png": _figure(fastest)},
         provenance={"train": origin, "digest of its file": digest},
         tables={f"{name}.csv": tables[name] for name in ("stops", "axles", "steps")},
-        data={"calculation.json": plain_calculation(train, stops)},
-        screen=[first, second, tables["stops"], tables["axles"], tables["steps"]],
+        data={"calculation.json": plain_calculation(train, stops, drawn)},
+        screen=[
+            first,
+            second,
+            tables["stops"],
+            *([tables["scatter"]] if drawn else []),
+            tables["axles"],
+            tables["steps"],
+        ],
     )
     return replace(page, files={"calculation.pdf": lambda path: _write_pdf(path, page, parts)})
 
@@ -116,7 +128,7 @@ def table_of_stops(stops: Sequence[MeanStop]) -> ReportTable:
     return table if rows[0]["without dynamic"] is not None else table.without({"dynamic", "without dynamic"})
 
 
-def plain_calculation(train: Train, stops: Sequence[MeanStop]) -> dict[str, Any]:
+def plain_calculation(train: Train, stops: Sequence[MeanStop], drawn: Sequence[Scatter] = ()) -> dict[str, Any]:
     """Return a calculation as plain values in SI units."""
     _, turning, _ = rotating_masses(train)
     times, rail_times = response_times(train)
@@ -125,6 +137,7 @@ def plain_calculation(train: Train, stops: Sequence[MeanStop]) -> dict[str, Any]
         "mass": train.mass,
         "rotating_mass": float(turning.sum()),
         "parking": asdict(parking(train)) if train.parking_brakes else None,
+        "scatter": [{"speed": each.speed, "draws": each.distances.size, **each.figures} for each in drawn],
         "response_time": times.tolist(),
         "response_time_rail_brakes": rail_times.tolist(),
         "stops": [
@@ -258,6 +271,12 @@ def _sources(train: Train) -> Iterator[tuple[str, str]]:
                 keys = table.estimated if isinstance(table.estimated, tuple) else ()
                 estimated = f"estimated: {', '.join(keys)}" if keys else "estimated" * (table.estimated is True)
                 yield where, "; ".join(filter(None, (table.source, estimated)))
+
+
+def _scatter(drawn: Sequence[Scatter]) -> ReportTable:
+    rows = [{"from": 3.6 * each.speed, "draws": each.distances.size, **each.figures} for each in drawn]
+    forms = {name: "{:.2f} m" for each in drawn for name in each.figures}
+    return ReportTable(rows, {"from": "{:.0f} km/h", **forms}, title="Distances with drawn brakes")
 
 
 def _figure(stop: MeanStop) -> Figure:

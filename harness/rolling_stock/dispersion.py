@@ -18,7 +18,7 @@ Quantity = Literal[
 EXTENTS: tuple[Extent, ...] = ("train", "group", "unit")
 """A group is what shares a brake valve; a unit is a brake unit."""
 _FINEST: dict[Quantity, Extent] = {
-    "pressure": "group", "wheel_radius": "group", "mass": "train", "build_up": "train", "track_brake": "train",
+    "pressure": "group", "wheel_radius": "group", "mass": "train", "build_up": "group", "track_brake": "train",
 }  # fmt: skip
 _WIDEST = 0.15
 """Maximum relative standard deviation: with a larger one, a factor six deviations below is not positive."""

@@ -3,10 +3,10 @@
 Source: EN 14531-1, stopping distance by time steps from instantaneous forces; it does not consider adhesion.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
-from math import expm1, inf, pi, sqrt
+from math import inf, pi, sqrt
 from typing import Any, cast
 
 import numpy as np
@@ -133,6 +133,55 @@ def _stop(train: Train, speed: float, *, developed: bool, dynamic: bool = True) 
     )
 
 
+def scattered_distances(train: Train, speed: float, deviations: Mapping[str, Matrix]) -> Vector:
+    """Return the distances of emergency stops whose brakes deviate from their data, by time steps, shape (draws,) [m].
+
+    Args:
+        train: The train.
+        speed: Speed at the brake demand [m/s].
+        deviations: Every `Quantity` of a dispersion → factor of each draw and axle on its nominal value, or difference
+            of its highest pressure [Pa], shape (draws, axles). `build_up` is a factor on all times of the build-up.
+
+    Raises:
+        InputError: The train has dynamic brakes that are blended or added at its axles, or a draw does not stop within
+            ten minutes.
+    """
+    if train.dynamic_groups:
+        raise InputError(
+            f"{train.name}: stops with drawn brakes know friction brakes and brakes on the rail, but its axles have "
+            "[dynamic_brakes]; leave out --draws, or dynamic_brake of [bogies] for a stop with friction brakes alone"
+        )
+    brakes, wheel = _brakes_of(train)
+    for name in ("pad_friction", "efficiency"):
+        brakes[name] = brakes[name] * deviations[name]
+    brakes["pressure_max"] = brakes["pressure_max"] + deviations["pressure"]
+    for name in ("lever", "sliding"):
+        brakes[name] = brakes[name] * deviations["friction_radius"] / deviations["wheel_radius"]
+    mass, inertia = np.array([[axle.mass, axle.inertia] for axle in train.axles]).T
+    drawn_wheel = wheel * deviations["wheel_radius"]
+    drawn_mass = mass * deviations["mass"]
+    inert = (drawn_mass + inertia / drawn_wheel**2).sum(axis=1)
+    rolling = (drawn_mass * GRAVITY * _rolling(train, wheel)).sum(axis=1)
+    slower = deviations["build_up"]
+    on_rail = [(brake, bogie.axles[0]) for bogie, _, brake in train.rail_brakes]
+    build_up = _PressureBuildUp(train, speed)
+    v, s, t = np.full(len(inert), speed), np.zeros(len(inert)), 0.0
+    while v.any():
+        now = (t + _STEP / 2) / slower
+        pads = _pad_force(brakes, build_up.share(now, v[:, None]) * brakes["pressure_max"])
+        force = _friction_force(brakes, v[:, None], pads).sum(axis=1) + rolling + _drag(train, v)
+        for brake, axle in on_rail:
+            force += deviations["track_brake"][:, axle] * _rail_force(brake, v, now[:, axle])
+        deceleration = force / inert
+        last = deceleration * _STEP >= v
+        step = np.where(last, v / np.maximum(deceleration, 1e-12), _STEP)
+        s += v * step - 0.5 * deceleration * step**2
+        v = np.where(last, 0.0, v - deceleration * step)
+        t += _STEP
+        _require_end(train, speed, t)
+    return s
+
+
 def developed_deceleration(train: Train, speed: float) -> tuple[Vector, Vector]:
     """Return speeds, falling [m/s], and decelerations [m/s2] of a stop with fully developed brakes.
 
@@ -153,8 +202,8 @@ def track_brake_force(train: Train, speed: float) -> float:
     return sum(_rail_force(brake, speed, inf) for *_, brake in train.rail_brakes)
 
 
-def _drag(train: Train, speed: float) -> float:
-    """Return the part of the running resistance that rises with speed [N]."""
+def _drag(train: Train, speed: Any) -> Any:
+    """Return the part of the running resistance that rises with speed [N]; numbers or arrays."""
     of_air = 0.5 * _AIR_DENSITY * train.physics.drag_coefficient * train.physics.frontal_area
     return train.linear_resistance * speed + of_air * speed**2
 
@@ -362,14 +411,14 @@ class _RimForces:
         return _friction_force(brakes, speed, left[self._valve_of_axle] * pads), self._parts @ force
 
 
-def _friction_force(brakes: dict[str, Vector], speed: float, pad_force: Vector) -> Vector:
+def _friction_force(brakes: dict[str, Vector], speed: float | Matrix, pad_force: Vector) -> Vector:
     slower = 1 - speed * brakes["sliding"] / brakes["speed_nominal"]
     friction = brakes["pad_friction"] * (1 + brakes["speed_effect"] * slower)
     friction = friction * (1 - brakes["force_effect"] * (pad_force / brakes["force_nominal"] - 1))
     return brakes["lever"] * friction * _block_shape(brakes, speed, pad_force) * pad_force
 
 
-def _block_shape(brakes: dict[str, Vector], speed: float, pad_force: Vector) -> Vector:
+def _block_shape(brakes: dict[str, Vector], speed: float | Matrix, pad_force: Vector) -> Vector:
     """Return the friction of blocks over the nominal one; 1 for pads."""
     law = BlockLaw(factor=1, **{name: cast(Any, brakes[name]) for name in SHAPE})
     return law.shape(speed * brakes["sliding"], pad_force) / law.shape(brakes["speed_nominal"], brakes["force_nominal"])
@@ -398,8 +447,11 @@ class _PressureBuildUp:
                 self._delay = positions / _front_speed(train, pipe)
                 self._time, self._inshot = np.array([train.filling_of_car[axle.car] for axle in train.axles]).T
 
-    def share(self, time: float, speed: float) -> Vector:
-        """Return the pressure at each axle in the next step as a share of the highest, shape (axles,)."""
+    def share(self, time: float | Matrix, speed: float | Matrix) -> Vector:
+        """Return the pressure at each axle in the next step as a share of the highest, shape (axles,).
+
+        With times of shape (draws, axles) and speeds of shape (draws, 1) it has the shape (draws, axles).
+        """
         match self._command:
             case None:
                 return np.ones(self._delay.size)
@@ -422,18 +474,18 @@ class _StageRelays:
         self._share = np.where([d is None or speed >= d.speed_up for d in parts], 1.0, self._low)
         self._progress = -np.expm1(-_STEP / time)
 
-    def share(self, speed: float) -> Vector:
+    def share(self, speed: float | Matrix) -> Vector:
         """Return the limit of the pressure at each axle in the next step as a share of the highest, shape (axles,)."""
         target = np.where(speed < self._down, self._low, self._share)
         self._share = self._share + self._progress * (target - self._share)
         return self._share
 
 
-def _rail_force(brake: RailBrake, speed: float, time: float) -> float:
-    """Return the force of a bogie's brakes on the rail [N], `time` [s] after the demand."""
+def _rail_force(brake: RailBrake, speed: Any, time: Any) -> Any:
+    """Return the force of a bogie's brakes on the rail [N], `time` [s] after the demand; numbers or arrays."""
     if not isinstance(brake, TrackBrake):
-        return -expm1(-time / brake.time_constant) * float(brake.force_at(speed))
-    field = -expm1(-max(time - brake.delay, 0.0) / brake.time_constant)
+        return -np.expm1(-time / brake.time_constant) * brake.force_at(speed)
+    field = -np.expm1(-np.maximum(time - brake.delay, 0.0) / brake.time_constant)
     friction = brake.friction_fast + (brake.friction_slow - brake.friction_fast) / (1 + speed / brake.friction_speed)
     return brake.magnets * brake.attraction * friction * field
 

@@ -53,6 +53,7 @@ class DispersedBrake(ABC):
         sizes = [(n,) if isinstance(n, int) else n for n in units]
         groups = [size for kind in sizes for size in kind]
         self._group = np.repeat(np.arange(len(groups)), groups)
+        self._parts_of_groups = np.array(groups, dtype=float)[:, None] / sum(groups)
         self._kind = np.repeat(np.arange(len(sizes)), [sum(kind) for kind in sizes])
         self._place = np.concatenate([np.arange(sum(kind)) for kind in sizes])
         self._extents = dict(zip(EXTENTS, (1, len(groups), len(self._group)), strict=True))
@@ -112,7 +113,10 @@ class DispersedBrake(ABC):
         first = 0
         for dispersion, width in zip(self._dispersion, self._widths, strict=True):
             value, first = dispersion.of(standard[:, first : first + width]), first + width
-            if width == groups < deviations[dispersion.quantity].shape[1]:
+            if dispersion.quantity == "build_up":
+                # The equivalent time of the train is the mean over its brakes.
+                value = value @ self._parts_of_groups if width > 1 else value
+            elif width == groups < deviations[dispersion.quantity].shape[1]:
                 value = value[:, self._group]
             if dispersion.quantity == "pressure":
                 deviations[dispersion.quantity] += value
