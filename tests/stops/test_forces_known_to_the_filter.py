@@ -14,6 +14,7 @@ from test_stop_at_target import DRY
 from test_stops_with_dynamic_brakes import scenario as dry
 from test_stops_with_dynamic_brakes import write
 
+from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
 from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import track_brake_force
@@ -98,22 +99,28 @@ def test_a_linear_eddy_current_brake_is_known_as_well(tmp_path):
     assert np.abs(trace["estimate_speed"].values - trace["speed"].values)[moving].max() < 0.5
 
 
-@pytest.mark.parametrize("kind", ["decentralised", "compiled"])
+@pytest.mark.parametrize("kind", registry.modules(registry.FILTERS))
 def test_the_speed_does_not_drift_while_the_train_accelerates_and_the_radar_is_dead(kind):
-    """Traction of 50 kN moves the train from 20 to more than 50 km/h; the sensors are ideal.
+    """Traction of 50 kN accelerates the train at 0.6 m/s² for 4 s without a reading of the speed; sensors are ideal.
 
-    An error of 1 % of the traction would be 0.1 m/s after 20 s.
+    A filter without the traction errs by 2 m/s; pads and adhesion that some filters assume take a part of 0.1 m/s.
     """
-    trace = trace_of(accelerated(kind, [{"part": "radar", "kind": "dead", "begin": "2 s"}]))
-    assert trace["speed"].values.max() > 50 / 3.6
-    assert np.abs(trace["estimate_speed"].values - trace["speed"].values).max() < 0.02
+    trace = trace_of(accelerated(kind, [{"part": "radar", "kind": "dead", "begin": "1 s"}]))
+    assert np.ptp(trace["speed"].values) > 2.0
+    assert np.abs(trace["estimate_speed"].values - trace["speed"].values).max() < 0.1
 
 
 def accelerated(kind, faults=()):
-    traction = {"force": "50 kN", "power": "500 kW", "rate": "25 kN/s"}
-    phases = [{"pressure": 0, "traction": traction, "until": {"time": "20 s"}}, {"pressure": "2 bar"}]
-    changes = {"start": {"speed": "20 km/h"}, "demand": {"phases": phases}, "faults": faults}
-    return load(Path("service_steps")).revised({**changes, "estimator": {"kind": kind, "noise": "service"}})
+    traction = {"force": "50 kN", "power": "500 kW", "rate": "100 kN/s"}
+    changes = {
+        "start": {"speed": "20 km/h"},
+        "demand": {"phases": [{"pressure": 0, "traction": traction, "until": {"time": "5 s"}}, {"pressure": "2 bar"}]},
+        "faults": faults,
+        "estimator": {"kind": kind, "noise": "service"},
+        "periods": dict.fromkeys(("communication", "estimator", "controller", "trace"), "10 ms"),
+        "limits": {"horizon": "5 s"},
+    }
+    return load(Path("service_steps")).revised(changes)
 
 
 def test_a_filter_that_knows_traction_does_not_leave_as_an_fmu():
