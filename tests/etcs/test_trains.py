@@ -146,6 +146,14 @@ def test_each_deviation_has_the_right_sign_and_its_size(quantity):
         assert np.abs(change) == pytest.approx(0.005, rel=0.6)  # of the force or mass, a share of the whole
 
 
+def test_build_ups_of_groups_have_the_effect_of_their_mean_over_the_units():
+    """Deviations of 5 % times the drawn numbers, at valves with 3, 3, 2 and 2 units."""
+    together, apart = (brake_of("vt642", dispersion("build_up", per, "5 %")) for per in ("train", "group"))
+    units, drawn = [int(np.sum(n)) for n in together.units], np.array([[0.4, -1.0, 2.0, 0.3]])
+    mean = drawn @ np.array([0.3, 0.3, 0.2, 0.2])
+    assert apart.ratios(units, drawn) == pytest.approx(together.ratios(units, mean[:, None]), rel=1e-12)
+
+
 def test_like_valves_that_count_together_give_the_k_of_single_ones():
     """The train of the papers with two kinds of two valves each, and with four kinds of one."""
     train = load_train(Path("vt642"))
