@@ -278,6 +278,11 @@ class TrackBrake(SourcedTable):
     delay: WireDelay = Field(description="time from the demand until the magnets are on the rail")
     time_constant: LagTime = Field(description="time constant of the magnetic field")
 
+    def force_at(self, speed: Any) -> Any:
+        """Return the developed force at a speed [m/s] [N]; numbers, arrays or expressions."""
+        friction = self.friction_fast + (self.friction_slow - self.friction_fast) / (1 + speed / self.friction_speed)
+        return self.magnets * self.attraction * friction
+
 
 Blending = Literal["valve", "train", "added"]
 
@@ -327,8 +332,11 @@ class _EddyCurrent(_DynamicBrake):
 
     def force_at(self, speed: Any, units: float = 1.0, load: float = np.inf) -> Any:  # pyright: ignore[reportUnusedParameter]
         """Return the force at a speed [m/s] of a number of brakes together [N]; numbers or arrays."""
-        shape = 2 * self.speed_peak * speed / (self.speed_peak**2 + speed**2)
-        return units * self.force * shape * self._fade(speed)
+        return units * self.before_fade(speed) * self._fade(speed)
+
+    def before_fade(self, speed: Any) -> Any:
+        """Return the force of a brake without its fade-out at low speed [N]; numbers, arrays or expressions."""
+        return self.force * (2 * self.speed_peak * speed / (self.speed_peak**2 + speed**2))
 
 
 class Electrodynamic(_AxleBrake):

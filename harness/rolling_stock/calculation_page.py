@@ -75,7 +75,7 @@ def calculation_page(
         },
         figures={"figures/deceleration.png": _figure(fastest)},
         provenance={"train": origin, "digest of its file": digest},
-        tables={f"{name}.csv": tables[name] for name in ("stops", "axles", "steps")},
+        tables={f"{name}.csv": tables[name] for name in ("stops", "scatter", "axles", "steps") if tables[name]},
         data={"calculation.json": plain_calculation(train, stops, drawn)},
         screen=[
             first,

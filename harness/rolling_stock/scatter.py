@@ -52,7 +52,7 @@ def scatter(train: Train, speed: float, dispersion: Sequence[Dispersion], *, dra
 
 
 def _deviations(train: Train, dispersion: Sequence[Dispersion], draws: int, seed: int) -> dict[str, Matrix]:
-    """Return what `scattered_distances` needs; that of an axle is the mean of its brake units."""
+    """Return the deviations of each quantity, shape (draws, axles); that of an axle is the mean of its brake units."""
     units = np.repeat(np.arange(len(train.axles)), [round(axle.units) for axle in train.axles])
     valves = np.array([train.valve_of_group[axle.group] for axle in train.axles])
     # Column per axle: its part in what has a draw of its own.

@@ -483,11 +483,8 @@ class _StageRelays:
 
 def _rail_force(brake: RailBrake, speed: Any, time: Any) -> Any:
     """Return the force of a bogie's brakes on the rail [N], `time` [s] after the demand; numbers or arrays."""
-    if not isinstance(brake, TrackBrake):
-        return -np.expm1(-time / brake.time_constant) * brake.force_at(speed)
-    field = -np.expm1(-np.maximum(time - brake.delay, 0.0) / brake.time_constant)
-    friction = brake.friction_fast + (brake.friction_slow - brake.friction_fast) / (1 + speed / brake.friction_speed)
-    return brake.magnets * brake.attraction * friction * field
+    after = np.maximum(time - brake.delay, 0.0) if isinstance(brake, TrackBrake) else time
+    return -np.expm1(-after / brake.time_constant) * brake.force_at(speed)
 
 
 _BRAKE = ("piston_area", "rigging", "efficiency", "spring_force", "pressure_max", "pad_friction")

@@ -494,3 +494,4 @@ def test_the_calculation_has_the_scatter_of_its_draws(railgrip):
     page = Path("build/trains/vt642/index.html").read_text(encoding="utf-8")
     assert "Stops with drawn brakes" in page
     assert f"{found['standard deviation']:.2f} m" in page
+    assert "standard deviation" in Path("build/trains/vt642/scatter.csv").read_text(encoding="utf-8")

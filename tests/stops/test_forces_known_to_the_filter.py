@@ -16,6 +16,7 @@ from test_stops_with_dynamic_brakes import write
 
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
+from railgrip.base.registry import shelf
 from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import track_brake_force
 from railgrip.scenario.load import load
@@ -28,11 +29,15 @@ from railgrip.studies.stop_at_target.study import LIBRARY, MANAGED, scenario_of_
 SPEEDS = (60.0, 30.0, 17.0, 8.0, 1.0)
 
 
-@pytest.mark.parametrize("name", ["tram", "ice3", "railcar"])
-def test_developed_forces_are_those_of_the_hand_calculation(name):
-    train = load_train(LIBRARY / "railcar.toml" if name == "railcar" else Path(name))
+ON_RAIL = [path for path in (LIBRARY / "railcar.toml", *shelf("trains").values()) if load_train(path).rail_brakes]
+
+
+@pytest.mark.parametrize("path", ON_RAIL, ids=lambda path: path.stem)
+def test_developed_forces_are_those_of_the_hand_calculation(path):
+    train = load_train(path)
     force = body_force_of(train, 0.005)
     assert force is not None
+    assert train.linear_resistance == 0.0  # it would add to the force
     for speed in SPEEDS:
         for _ in range(4000):  # 20 s, more than ten time constants
             (found,) = force.call([speed, 1.0, 1.0])
@@ -67,6 +72,15 @@ def test_linear_resistance_is_known():
     """110 N.s/m of the published train: A, B and C of its resistance."""
     force = body_force_of(load_train(Path("two_car_unit")), 0.005)
     assert force.call([30.0, 0.0, 0.0]) == pytest.approx((3300.0,), rel=1e-12)
+
+
+def test_the_speed_does_not_drift_by_linear_resistance_while_the_radar_is_dead():
+    """Without it the filter errs by 0.2 m/s in this stop from 100 km/h; sensors are ideal."""
+    faults = [{"part": "radar", "kind": "dead", "begin": "1 s"}]
+    stop = dry(Path("two_car_unit"), mu0=0.5, estimator={"kind": "compiled"}, faults=faults)
+    trace = trace_of(stop.revised({"vehicle": {"train": "two_car_unit"}}))
+    moving = trace["speed"].values > 3.0
+    assert np.abs(trace["estimate_speed"].values - trace["speed"].values)[moving].max() < 0.1
 
 
 def dead_radar(**changes):

@@ -216,13 +216,12 @@ def _track(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
             f"{scenario.name}: [controller] {scenario.controller.kind} switches the sanders, and the FMU of the track "
             "has no input for that; leave out [[sanders]], or choose another controller"
         )
-    layout = parts.layout
-    law = parts.controller if isinstance(parts.controller, Sampled) else None
-    if "magnets" in layout.input and law is not None and law.visible_state("magnets") is not None:
+    if _switches_magnets(parts):
         raise ScenarioError(
             f"{scenario.name}: [controller] {scenario.controller.kind} switches the magnetic track brakes, and the FMU "
             "of the track has no input for that; choose another controller, or a train without them"
         )
+    layout = parts.layout
     recovers = parts.rail.slip_energy is not None
     needed = ("distance", "speed", *(("slip", "adhesion", "wheelset_load", "wheelset_speed") if recovers else ()))
     given, places = _select_outputs(layout, structs, needed)
@@ -239,6 +238,12 @@ def _track(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
         formulas={},
         macros={"INPUT_PLACES": places, "OUTPUT_PLACES": _positions("input", sent, layout)},
     )
+
+
+def _switches_magnets(parts: Parts) -> bool:
+    """Return whether the law demands the magnetic track brakes of the train."""
+    law = parts.controller
+    return "magnets" in parts.layout.input and isinstance(law, Sampled) and law.visible_state("magnets") is not None
 
 
 def _sensors(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
@@ -273,7 +278,7 @@ def _sensors(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
 
 def _estimator(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
     body_force = parts.estimator.body_force if isinstance(parts.estimator, StateEstimator) else None
-    if body_force is not None and any(state.name.startswith("field[") for state in body_force.formula.states):
+    if body_force is not None and body_force.formula.states:
         raise ScenarioError(
             f"{scenario.name}: the filter assumes the force of the brakes on the rail itself by the commands, which "
             "are no inputs of the estimator's FMU; export the onboard part, or a train without such brakes"
@@ -296,7 +301,7 @@ def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
             f"{scenario.name}: [controller] kind '{scenario.controller.kind}' is not a built-in law, and only "
             "these can be exported; choose another kind"
         )
-    if formulas and "magnets" in parts.layout.input and law.visible_state("magnets") is not None:
+    if "filter->body_force" in formulas and _switches_magnets(parts):
         raise ScenarioError(
             f"{scenario.name}: [controller] {scenario.controller.kind} switches the magnetic track brakes, which the "
             "FMU of the onboard part does not tell its filter; choose another controller, or a train without them"

@@ -113,8 +113,8 @@ class StateEstimator:
     """A filter in its initial state, with the positions of its states and readings.
 
     Attributes:
-        filter: Its first inputs are the pressures. Of the force of the track, traction and that of brakes on the rail
-            itself are known on board; the others (gradient, curves) are unknown and count as zero.
+        filter: Its first inputs are the pressures. Of the force of the track, traction and `body_force` are known on
+            board; the others (gradient, curves) are unknown and count as zero.
         reading_places: Positions in a reading of those that the filter uses, in its order.
         speed: Index of the train speed among the states.
         wheelset_speed: Indices of the wheelset speeds.
