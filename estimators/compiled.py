@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from railgrip.base.errors import EstimatorError, FilterDiverged
-from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector, seal
+from railgrip.estimators.belief import ORDER, GaussianEstimate, Matrix, Order, Vector, seal
 from railgrip.estimators.design import FilterDesign, Gate
-from railgrip.estimators.discretisation import ORDER, Order
 from railgrip.estimators.model_in_c import generate
 from railgrip.estimators.prediction import PredictionInC
 from railgrip.fmus.native.toolchain import shared_library

@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike
 
 from railgrip.base.errors import EstimatorError
 from railgrip.base.names import ElementName
-from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector, seal
-from railgrip.estimators.discretisation import Order
+from railgrip.estimators.belief import GaussianEstimate, Matrix, Order, Vector, seal
 from railgrip.estimators.prediction import FilterVariables
 
 
@@ -120,7 +119,7 @@ class FilterDesign:
             gate: States to freeze and the inputs that decide, or None.
             outlier_limit: Largest innovation of a reading that is used, in its standard deviations: one value for all,
                 shape (m,), or None to use every reading.
-            order: 1 for forward Euler, 4 for RK4; see `discretisation`. A prediction that integrates itself has
+            order: 1 for forward Euler, 4 for RK4; see `belief`. A prediction that integrates itself has
                 order 1: forward Euler with its mean rate is its own step.
 
         Raises:

@@ -9,9 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import get_lapack_funcs
 
 from railgrip.base.errors import FilterDiverged
-from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector, seal
+from railgrip.estimators.belief import ORDER, GaussianEstimate, Matrix, Order, Vector, advance, seal, transition
 from railgrip.estimators.design import FilterContext, FilterDesign, Gate
-from railgrip.estimators.discretisation import ORDER, Order, advance, transition
 from railgrip.estimators.prediction import Prediction
 
 (POSV,) = get_lapack_funcs(("posv",), dtype=np.float64)
@@ -186,7 +185,7 @@ class GaussianFilter(ABC):
 
 
 class ExtendedKalmanFilter(GaussianFilter):
-    """Extended Kalman filter for any prediction, in Joseph form; see `discretisation` for the prediction step.
+    """Extended Kalman filter for any prediction, in Joseph form; see `belief` for the prediction step.
 
     Source: Särkkä, Bayesian Filtering and Smoothing (2013), §5.2; Schmidt gain for gated states, see `Gate`.
     """

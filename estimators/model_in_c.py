@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.estimators.discretisation import Order
+from railgrip.estimators.belief import Order
 from railgrip.fmus.native.c_source import in_c
 
 Pattern = tuple[tuple[int, ...], ...]

@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from railgrip.base.errors import EstimatorError
-from railgrip.estimators.belief import Array, Matrix, Vector
+from railgrip.estimators.belief import Array, Matrix, Vector, transition
 from railgrip.estimators.design import noise_matrix, positive_definite
-from railgrip.estimators.discretisation import transition
 from railgrip.estimators.prediction import CasadiPrediction, Prediction
 
 ROUNDING = 1e-11
@@ -132,7 +131,7 @@ def gramian(prediction: Prediction, x: Matrix, u: Matrix, period: float, reading
     the model is exact.
 
     Args:
-        prediction: The model, linearised at the samples; transitions are those of `discretisation`.
+        prediction: The model, linearised at the samples; transitions are those of `belief`.
         x: States at K samples, shape (K, n).
         u: Inputs held from each sample to the next, shape (K, nu).
         period: Seconds between samples.

@@ -6,9 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector
+from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector, tangent
 from railgrip.estimators.design import FilterContext, FilterKind
-from railgrip.estimators.discretisation import tangent
 from railgrip.estimators.ekf import ExtendedKalmanFilter, NumpyFilter
 from railgrip.estimators.smoother import iterate_smoother
 

@@ -20,6 +20,7 @@ from railgrip.base.units import conversion, short, turning_of, unit
 from railgrip.estimation.sources import ACCELERATION, UNITS_OF_RUN, signals_of
 from railgrip.estimation.spec import ModelParameter, Specification, load_specification, model_parameters
 from railgrip.fmi.draft import OTHER_NAMES, bare_name, likeness
+from railgrip.recording.delimited import is_hhmmss
 from railgrip.recording.files import (
     MDF,
     Columns,
@@ -32,7 +33,6 @@ from railgrip.recording.files import (
     unit_at_end,
     unit_in_brackets,
 )
-from railgrip.recording.instants import is_hhmmss
 from railgrip.recording.table import DataTable, TimeColumn
 from railgrip.scenario.file import is_file
 

@@ -28,7 +28,7 @@ from railgrip.estimators.compiled import CompiledFilter, FilterRecord
 from railgrip.estimators.consistency import FAR, loss_step, nis_ratio
 from railgrip.estimators.design import FilterContext, FilterKind, Gate
 from railgrip.estimators.prediction import Prediction, PredictionInC
-from railgrip.recording.flag import intervals
+from railgrip.recording.faults import intervals
 from railgrip.recording.samples import period_of, samples
 
 STANDSTILL = 1.0
@@ -40,7 +40,7 @@ MOST_REJECTIONS = 3
 LONGEST_STEP = 1.5
 """Product of period and fastest mode of a model beyond which a filter takes several steps from sample to sample.
 
-Classical Runge-Kutta is stable up to 2.8; see `railgrip.estimators.discretisation`.
+Classical Runge-Kutta is stable up to 2.8; see `railgrip.estimators.belief`.
 """
 FINE_STEP = 0.6
 """Largest such product of each of several steps: one step then has an error of 0.6^5/120, below 0.1 %, in that mode."""

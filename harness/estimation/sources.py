@@ -37,8 +37,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle_table import TrainFile
 from railgrip.simulate.run import trace_of
 from railgrip.simulate.user_parts import CustomParts
-from railgrip.trace.netcdf import FILE_NAME, read_trace
-from railgrip.trace.recorder import thin
+from railgrip.trace.recorder import FILE_NAME, read_trace, thin
 
 _ALWAYS = {"driving": "1", "braking": "1"}
 """Signals of a run that must be complete if a file has them."""

@@ -1,20 +1,101 @@
-"""Faults of sensors: steps that no brake or wheelset makes, and noise that stops.
+"""Errors of sensors in recorded signals: kind, time and treatment.
+
+Errors in one signal are missing samples, spikes, values out of range and a frozen sensor. Faults are steps that no
+brake or wheelset makes, and noise that stops.
 
 A cylinder has a finite flow, a wheelset an inertia, a train a mass. A sample that differs from the one before by more
 than these allow is an error of the sensor, however long it lasts: a reading that jumps away and back is left out in
 between, one that does not come back is reported. A noisy reading that repeats itself exactly has died.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 
 from railgrip.base.arrays import Mask, Vector
 from railgrip.base.names import ElementName
-from railgrip.recording.cleaning import MAX_SPIKE, find_repeats
-from railgrip.recording.flag import Flag, intervals
+
+Kind = Literal["gap", "bridged", "frozen", "spike", "range", "zero", "time", "timing", "jump", "step"]
+
+TREATMENTS: dict[Kind, str] = {
+    "gap": "no samples; nothing is new there",
+    "bridged": "no samples; interpolated between the neighbours",
+    "frozen": "does not move; left out",
+    "spike": "off from its neighbours; left out",
+    "range": "outside the range that the map allows; left out",
+    "zero": "reads exactly zero, a locked wheel or a dead sensor; kept",
+    "time": "instants that repeat or are not numbers; rows left out",
+    "jump": "jumps away and back faster than anything it measures can; left out",
+    "step": "changes within a sample by more than anything it measures can",
+    "timing": "samples moved to the nearest instant of the grid",
+}
+"""Meaning and treatment of each kind."""
+
+_MOST = 5
+"""Flags of a signal and kind that have a sentence each."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Flag:
+    """One interval of one signal.
+
+    Attributes:
+        signal: Name of the signal, or `time`.
+        kind: What was found.
+        begin: First instant concerned [s on the recording's axis].
+        end: Last one [s].
+        samples: How many samples of the file are concerned; 0 for a gap.
+        remark: More to say, or empty.
+    """
+
+    signal: str
+    kind: Kind
+    begin: float
+    end: float
+    samples: int
+    remark: str = ""
+
+    def __str__(self) -> str:
+        span = f"{self.begin:.3f} s" if self.begin == self.end else f"{self.begin:.3f}–{self.end:.3f} s"
+        count = f" ({self.samples} samples)" if self.samples else ""
+        return f"{self.signal}, {span}{count}: {TREATMENTS[self.kind]}{'; ' + self.remark if self.remark else ''}."
+
+
+def intervals(where: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return first and last index of every run of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(np.int8)))
+    return [(int(first), int(after) - 1) for first, after in edges.reshape(-1, 2)]
+
+
+def flags_of(signal: str, kind: Kind, time: NDArray[np.float64], where: NDArray[np.bool_]) -> list[Flag]:
+    """Return a flag for every run of samples in `where`."""
+    return [
+        Flag(signal=signal, kind=kind, begin=float(time[i]), end=float(time[j]), samples=j - i + 1)
+        for i, j in intervals(where)
+    ]
+
+
+def summary(flags: Sequence[Flag]) -> list[str]:
+    """Return sentences for people: each flag of a signal and kind, or the first few and how many there are."""
+    groups: dict[tuple[str, Kind], list[Flag]] = {}
+    for flag in flags:
+        groups.setdefault((flag.signal, flag.kind), []).append(flag)
+    sentences: list[str] = []
+    for (signal, kind), flags_here in groups.items():
+        sentences += [str(flag) for flag in flags_here[:_MOST]]
+        if len(flags_here) > _MOST:
+            # A gap has no samples, it has a length.
+            samples, length = (
+                sum(flag.samples for flag in flags_here),
+                sum(flag.end - flag.begin for flag in flags_here),
+            )
+            extent = f"{samples} samples" if samples else f"{length:.3g} s"
+            sentences.append(f"{signal}: {len(flags_here) - _MOST} more like these ({kind}), {extent} in all.")
+    return sentences
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +128,6 @@ TOGETHER: Final = 0.03
 """Time within which steps of most signals of a kind are an event of the train, not faults [s]."""
 STUCK: Final = 0.3
 """Shortest exact repetition of a noisy signal that is a fault [s]; ten samples or more."""
-_GAUSSIAN = 1.4826
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -178,3 +258,135 @@ def _is_noisy(values: Vector) -> bool:
     changes = np.diff(values)
     turns = changes[1:] * changes[:-1] < 0.0
     return bool(np.mean(changes == 0.0) < 0.2 and np.mean(turns) > 0.3)
+
+
+MAX_SPIKE = 3  # samples in a row that can be found off
+_BESIDE = 3  # samples on either side of a spike: one that it comes from or back to, and those that show how it moves
+_NEIGHBOURS = 7  # samples whose median is not part of a spike
+_JUMP = 2.0  # times the motion of the signal next to a spike; the peak of a ramp deviates by exactly that
+_VALVE_PULSE = 20e-3  # s: valves of a wheel-slide protection open for 20 to 40 ms, and the cylinder answers
+_SURROUNDINGS = 101  # samples for the local noise: braking is rougher than coasting
+_GAUSSIAN = 1.4826  # standard deviation of a Gaussian over its median absolute deviation
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Treatment:
+    """How one signal is to be judged.
+
+    Attributes:
+        spike: Deviations from the neighbours that make an outlier.
+        frozen: Time of exact repetition after which a sensor counts as dead [s].
+        limits: Least and largest value that is possible, or None.
+        holds: The file repeats a value until a new one comes.
+        may_rest: Exact repetition is normal.
+    """
+
+    spike: float
+    frozen: float
+    limits: tuple[float, float] | None
+    holds: bool
+    may_rest: bool
+
+
+def clean(signal: str, time: Vector, values: Vector, treatment: Treatment) -> tuple[Vector, Vector, list[Flag]]:
+    """Return the remaining samples with their instants, and the flags.
+
+    Args:
+        signal: Name, for the flags.
+        time: Rising instants [s], shape (k,).
+        values: Shape (k,); NaN for missing samples.
+        treatment: How to judge.
+    """
+    there = np.isfinite(values)
+    time, values = time[there], values[there]
+    flags: list[Flag] = []
+
+    def leave_out(kind: str, where: NDArray[np.bool_]) -> None:
+        nonlocal time, values
+        flags.extend(flags_of(signal, kind, time, where))  # pyright: ignore[reportArgumentType]
+        time, values = time[~where], values[~where]
+
+    if treatment.limits is not None:
+        low, high = treatment.limits
+        leave_out("range", (values < low) | (values > high))
+    still = find_repeats(time, values, treatment.frozen)
+    zero = still & (values == 0.0)
+    if not treatment.may_rest:
+        # A locked wheel reads exactly zero for seconds; that must reach the filter, and be said.
+        flags.extend(flags_of(signal, "zero", time, zero))
+        leave_out("frozen", _all_but_first(still & ~zero))
+    if treatment.holds and values.size:
+        new = np.concatenate([[True], np.diff(values) != 0.0])
+        time, values = time[new], values[new]
+    leave_out("spike", spikes(time, values, treatment.spike))
+    return time, values, flags
+
+
+def find_repeats(time: Vector, values: Vector, longest: float) -> NDArray[np.bool_]:
+    """Return where a signal repeats itself exactly for longer than `longest` [s], shape (k,)."""
+    flags = np.zeros(values.size, dtype=np.bool_)
+    if values.size < 2:
+        return flags
+    repeats = np.concatenate([[False], np.diff(values) == 0.0])
+    for first, last in intervals(repeats):
+        if time[last] - time[first - 1] > longest:
+            flags[first - 1 : last + 1] = True
+    return flags
+
+
+def spikes(time: Vector, values: Vector, deviations: float) -> NDArray[np.bool_]:
+    """Return samples that leave the line between their neighbours and come back, both at once, shape (k,).
+
+    A sample is off the line if its distance exceeds `deviations` of the noise and `_JUMP` times the motion of the
+    signal next to and across it: so neither a step nor a corner nor the peak of a ramp is a spike. A spike has up to
+    three samples and is shorter than `_VALVE_PULSE`: longer ones may be a vented brake. The first and the last sample
+    are never spikes.
+
+    The noise is the larger one of its local and its overall value, and not less than the resolution, so that steps of a
+    quantised signal are not spikes. It is taken from second differences, which a ramp does not raise.
+
+    Args:
+        time: Rising instants [s], shape (k,).
+        values: Shape (k,), finite.
+        deviations: Of the noise, that make a spike.
+    """
+    flags = np.zeros(values.size, dtype=np.bool_)
+    if values.size < _NEIGHBOURS:
+        return flags
+    # A second difference of white noise has the variance 1 + 4 + 1.
+    bend = np.abs(np.diff(values, 2, prepend=values[0], append=values[-1])) * (_GAUSSIAN / np.sqrt(6.0))
+    nearby = median_filter(bend, min(_SURROUNDINGS, values.size), mode="mirror")
+    scale = np.maximum(nearby, max(float(np.median(bend)), _resolution(values)))
+    # Two spikes with a sample between them leave that one where the others are.
+    apart = np.abs(values - median_filter(values, _NEIGHBOURS, mode="mirror")) > deviations * scale
+    padding = np.pad(values, _BESIDE, mode="reflect")
+    steps = np.abs(np.diff(padding))
+    period = float(np.median(np.diff(time)))
+    for length in range(1, MAX_SPIKE + 1):
+        if length > 1 and length * period > 0.9 * _VALVE_PULSE:  # two of 10 ms are as long, whatever rounding says
+            break
+        first = np.arange(1, values.size - length)
+        before, after = padding[first + _BESIDE - 1], padding[first + _BESIDE + length]
+        inside = first[:, None] + np.arange(length)
+        line = before[:, None] + (after - before)[:, None] * np.arange(1, length + 1) / (length + 1)
+        off = np.abs(values[inside] - line)
+        # Two steps before and two after; a second spike close by takes part in two of them.
+        beside = np.sort(np.stack([steps[first + k] for k in (0, 1, 3 + length, 4 + length)]), axis=0)[1]
+        moving = np.maximum(beside, np.abs(after - before))
+        spike = apart[inside] & (off > deviations * scale[inside]) & (off > _JUMP * moving[:, None])
+        flags[inside[spike.all(axis=1)]] = True
+    return flags
+
+
+def _resolution(values: Vector) -> float:
+    """Return the smallest step of a signal, 0 if it hardly ever steps.
+
+    A lone spike in a constant signal is two steps, and shows nothing about the resolution.
+    """
+    steps = np.abs(np.diff(values))
+    steps = steps[steps > 0.0]
+    return float(np.percentile(steps, 10.0)) if steps.size > 12 else 0.0
+
+
+def _all_but_first(where: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    return where & np.concatenate([[False], where[:-1]])

@@ -28,8 +28,7 @@ from railgrip.base.errors import EstimationError, InputError, UnitError
 from railgrip.base.files import LARGEST_TABLE, require_regular
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import conversion, cut, short, unit
-from railgrip.recording.delimited import SPELLINGS, read_delimited
-from railgrip.recording.instants import is_hhmmss, seconds_of_day, seconds_of_stamps
+from railgrip.recording.delimited import SPELLINGS, is_hhmmss, read_delimited, seconds_of_day, seconds_of_stamps
 from railgrip.recording.table import DataTable, channel_label
 
 FORMATS = (".csv", ".parquet", ".mat", ".mf4", ".mdf")

@@ -27,9 +27,8 @@ from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Name, Seed, table_error
 from railgrip.trace.metrics import FIGURES, Metrics
-from railgrip.trace.netcdf import FILE_NAME as TRACE_FILE
-from railgrip.trace.netcdf import read_trace, write_trace
-from railgrip.trace.recorder import require_stop, thin
+from railgrip.trace.recorder import FILE_NAME as TRACE_FILE
+from railgrip.trace.recorder import read_trace, require_stop, thin, write_trace
 
 if TYPE_CHECKING:
     import pandas

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, field_validator, model_validator
 
 from railgrip.base.units import GRAVITY
+from railgrip.scenario.curve import LineProfile, read_line
 from railgrip.scenario.file import NamedFile
-from railgrip.scenario.line import LineProfile, read_line
 from railgrip.scenario.quantity import Number, UnitRange
 from railgrip.scenario.table import Chainage, Length, Table, optional, table_error
 

@@ -34,7 +34,7 @@ from railgrip.simulate.named_models import is_trusted, parameters_of
 from railgrip.simulate.plant_trial import SignalCheck, TrialPlant, Trials, findings, order_findings, reacts
 from railgrip.simulate.user_parts import NEEDED, CustomPlant
 from railgrip.simulate.vehicle_data import Opening, VehicleData
-from railgrip.trace.contact import Contact
+from railgrip.trace.bound import Contact
 from railgrip.vehicle.formation import carried_mass
 from railgrip.vehicle.parameters import COUNTS, DESCRIPTIVE
 from railgrip.vehicle.signals import CURVE, Layout, Signal, plant_inputs

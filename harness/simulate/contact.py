@@ -22,8 +22,7 @@ from railgrip.fmus.native import Model
 from railgrip.fmus.native.c_source import in_c
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.scenario.surface import Recovery
-from railgrip.trace.bound import contact_at
-from railgrip.trace.contact import Contact
+from railgrip.trace.bound import Contact, contact_at
 
 KERNEL = files("railgrip.simulate") / "kernel" / "contact.c"
 
@@ -85,7 +84,7 @@ def _library(model: Model, shape: tuple[str, ...]) -> tuple[Callable[..., None],
 
 
 SLIPS_OF_TWO_MAXIMA = np.geomspace(1e-4, 1.0, 65)
-"""Grid for `railgrip.trace.contact.peak`: where two maxima are nearly equal, the lower one may be found.
+"""Grid for `railgrip.trace.bound.peak`: where two maxima are nearly equal, the lower one may be found.
 
 On random rails with the shipped creep curves, the highest adhesion is missed by up to 2 %, and by 1e-5 on average."""
 

@@ -49,8 +49,7 @@ from railgrip.simulate.named_models import (
     require_plant,
     units_of,
 )
-from railgrip.trace.bound import DynamicLimit
-from railgrip.trace.contact import Contact
+from railgrip.trace.bound import Contact, DynamicLimit
 from railgrip.vehicle.brake import (
     BRAKE,
     LOWEST_PAD_FRICTION,

@@ -49,7 +49,7 @@ from railgrip.studies.study import Study
 from railgrip.studies.type_test.case_set import VERSIONS
 from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of, trains_of
 from railgrip.studies.type_test.family import AXES
-from railgrip.trace.contact import Contact
+from railgrip.trace.bound import Contact
 from railgrip.trace.measures import FAST
 from railgrip.trace.recorder import formation_in
 from railgrip.vehicle.brake import Brake

@@ -17,8 +17,8 @@ from railgrip.estimation.models import of_class, of_train, units_of
 from railgrip.estimation.run import estimate
 from railgrip.estimation.sources import complete_trace, require_consistent
 from railgrip.estimation.spec import load_specification, model_parameters, settings_for
+from railgrip.estimators.belief import advance
 from railgrip.estimators.design import NOISE_SETS
-from railgrip.estimators.discretisation import advance
 from railgrip.recording.samples import recording_of
 from railgrip.rolling_stock.modelica import nominal_data
 from railgrip.rolling_stock.schema import load_train
@@ -27,7 +27,7 @@ from railgrip.scenario.load import load, scenario_of
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.trace.estimation import SLOWEST
-from railgrip.trace.netcdf import write_trace
+from railgrip.trace.recorder import write_trace
 
 TEMPLATE = Path(cli.__file__).parent / "templates" / "train.toml"
 IDEAL = NOISE_SETS["train_ideal"]

@@ -10,7 +10,7 @@ from railgrip.studies.pad_monitor.folder import draw, group_names, stops_in
 from railgrip.studies.pad_monitor.life import FIRST_SLOT, SLOT, Life, Release, live
 from railgrip.studies.pad_monitor.study import Assessment, assessment_of
 from railgrip.studies.pad_monitor.watch import MonitorDesign, threshold_for, watch
-from railgrip.trace.netcdf import FILE_NAME, write_trace
+from railgrip.trace.recorder import FILE_NAME, write_trace
 
 DESIGN = MonitorDesign()
 

@@ -8,8 +8,8 @@ import pytest
 
 from railgrip.base.errors import EstimationError
 from railgrip.estimation.inspection import inspect_recording
+from railgrip.recording.delimited import cause_of_step_back
 from railgrip.recording.files import read_series
-from railgrip.recording.instants import cause_of_step_back
 from railgrip.recording.read import read_recording
 from railgrip.recording.table import DataTable
 

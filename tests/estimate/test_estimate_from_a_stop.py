@@ -13,7 +13,7 @@ from railgrip.cli.main import app
 from railgrip.estimation.spec import LIBRARY
 from railgrip.estimators.design import NOISE_SETS
 from railgrip.recording.samples import reading_of, readings_in, unit_of
-from railgrip.trace.netcdf import read_trace, write_trace
+from railgrip.trace.recorder import read_trace, write_trace
 
 SPECIFICATION = LIBRARY / "stop.toml"
 

@@ -15,10 +15,8 @@ from scipy.io import savemat
 from railgrip.base.errors import EstimationError
 from railgrip.base.units import unit
 from railgrip.estimation.judge import check_signals
-from railgrip.recording.cleaning import find_repeats, spikes
-from railgrip.recording.flag import Flag, summary
-from railgrip.recording.grid import input_on_grid, on_grid
-from railgrip.recording.read import FileRecording, read_recording
+from railgrip.recording.faults import Flag, find_repeats, spikes, summary
+from railgrip.recording.read import FileRecording, input_on_grid, on_grid, read_recording
 from railgrip.recording.samples import reading_of, unit_of
 from railgrip.recording.table import Column, DataTable
 from railgrip.scenario.load import validate_table

@@ -18,9 +18,8 @@ from scipy.optimize import least_squares, minimize
 from small_models import DENSITY, FIRST_MEAN, FIRST_VARIANCE, OSCILLATOR, PERIOD, READING, oscillator, small_model
 
 from railgrip.base.errors import EstimatorError
-from railgrip.estimators.belief import GaussianEstimate
+from railgrip.estimators.belief import GaussianEstimate, advance, transition
 from railgrip.estimators.design import FilterContext, Gate
-from railgrip.estimators.discretisation import advance, transition
 from railgrip.estimators.ekf import ExtendedKalmanFilter, NumpyFilter
 from railgrip.estimators.filters.disturbance_observer import DisturbanceEstimator
 from railgrip.estimators.filters.force_balance import ForceBalanceEstimator

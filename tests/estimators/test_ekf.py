@@ -4,9 +4,9 @@ from scipy.linalg import expm
 from small_models import DENSITY, FIRST_MEAN, FIRST_VARIANCE, OSCILLATOR, PERIOD, READING, oscillator
 
 from railgrip.base.errors import EstimatorError, FilterDiverged
+from railgrip.estimators.belief import advance, transition
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.design import Gate
-from railgrip.estimators.discretisation import advance, transition
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.prediction import CasadiPrediction
 

@@ -5,10 +5,10 @@ import pytest
 from contracts.prediction import prediction_contract
 
 from railgrip.base.errors import EstimatorError
+from railgrip.estimators.belief import advance
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.consistency import delay
 from railgrip.estimators.design import NOISE_SETS, pad_gate
-from railgrip.estimators.discretisation import advance
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.observability import observability
 from railgrip.estimators.prediction import CasadiPrediction, with_state_names

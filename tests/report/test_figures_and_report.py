@@ -17,7 +17,7 @@ from railgrip.report.frame import frame_of
 from railgrip.report.index import write_report
 from railgrip.report.interactive import interactive
 from railgrip.report.results import read_results
-from railgrip.trace.netcdf import write_trace
+from railgrip.trace.recorder import write_trace
 
 KEPT = {"slip_two_state", "adhesion_based"}
 

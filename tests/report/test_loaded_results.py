@@ -16,7 +16,7 @@ from railgrip.cli.main import main
 from railgrip.report.results import read_results
 from railgrip.report.stop import read_stop, write_stop
 from railgrip.scenario.load import load
-from railgrip.trace.netcdf import FILE_NAME
+from railgrip.trace.recorder import FILE_NAME
 
 CAMPAIGN = """
 name = "axes"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from railgrip.base.errors import ScenarioError
-from railgrip.scenario.line import read_line
+from railgrip.scenario.curve import read_line
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.track import slope_of, track_force_of
 from railgrip.simulate.remarks import remarks_after, remarks_before

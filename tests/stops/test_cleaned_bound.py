@@ -16,7 +16,7 @@ from railgrip.simulate.contact import SLIPS_OF_TWO_MAXIMA, CleanedContact, with_
 from railgrip.simulate.ideal import held_stop
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.trace.contact import peak
+from railgrip.trace.bound import peak
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 WRITTEN = "adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='1.9e-4 m/J'}"

@@ -21,7 +21,7 @@ from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import track_brake_force
 from railgrip.scenario.load import load
 from railgrip.simulate.assembly import assemble
-from railgrip.simulate.body_force import body_force_of
+from railgrip.simulate.estimator import body_force_of
 from railgrip.simulate.export.c_parts import part_in_c
 from railgrip.simulate.run import trace_of
 from railgrip.studies.stop_at_target.study import LIBRARY, MANAGED, scenario_of_case

@@ -24,7 +24,7 @@ from railgrip.report.stop import read_stop, write_stop
 from railgrip.report.style import save
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.load import load
-from railgrip.trace.netcdf import write_trace
+from railgrip.trace.recorder import write_trace
 
 ROOT = Path(__file__).parents[2]
 WET = ROOT / "harness" / "scenario" / "library" / "trapezoid.toml"

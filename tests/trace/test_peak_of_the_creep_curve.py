@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from railgrip.simulate.contact import compiled_contact
 from railgrip.simulate.named_models import compile_class
-from railgrip.trace.contact import peak
+from railgrip.trace.bound import peak
 
 STIFFNESS = 10e6  # N, G·π·a·b·c11/… of the order of a wheel of 7 t; only the shape matters here
 

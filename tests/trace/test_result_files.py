@@ -19,8 +19,7 @@ from railgrip.report.stop import read_stop, write_stop
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.run import run_stop
-from railgrip.trace.netcdf import read_trace, write_trace
-from railgrip.trace.recorder import Recorder, require_stop, thin
+from railgrip.trace.recorder import Recorder, read_trace, require_stop, thin, write_trace
 from railgrip.vehicle.signals import PLANT, SENT
 
 COARSE = load(

@@ -123,7 +123,7 @@ class StateEstimator:
         wheel_radius: Wheel radius that the estimator assumes, for each group [m].
         free_wheel: Given the readings of speed, wheelset speeds and pressures, it returns the speed for the filter, and
             1 for each group that is to be released; None if the radar has no substitute.
-        body_force: Braking force on the body [N], see `railgrip.simulate.body_force`; None without any.
+        body_force: Braking force on the body [N], see `railgrip.simulate.estimator`; None without any.
         track_force: Index of the force of the track among the inputs; -1 without it.
         load_deviation: Relative standard deviation of a wheelset's load.
     """

@@ -24,7 +24,7 @@ from railgrip.campaign.work import Work, call
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.preprocessing import BOXES, COMBINATIONS
 from railgrip.estimators.learned.trained import Trained
-from railgrip.recording.flag import Flag, summary
+from railgrip.recording.faults import Flag, summary
 from railgrip.recording.read import FileRecording, read_recording
 from railgrip.recording.samples import reading_of
 from railgrip.recording.table import Column, DataTable, TimeColumn

@@ -15,9 +15,8 @@ from scipy.ndimage import maximum_filter1d
 from railgrip.base.errors import EstimationError, FilterDiverged
 from railgrip.base.names import ElementName
 from railgrip.estimation.models import model_of, of_class, units_of
-from railgrip.estimators.belief import Matrix, Vector
+from railgrip.estimators.belief import Matrix, Vector, advance
 from railgrip.estimators.compiled import CompiledFilter
-from railgrip.estimators.discretisation import advance
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native import lower
 from railgrip.recording.samples import period_of, samples

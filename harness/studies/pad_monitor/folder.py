@@ -17,7 +17,7 @@ from railgrip.report import palette, style
 from railgrip.report.table import ReportTable
 from railgrip.studies.pad_monitor.evidence import MODEL, Evidence, evidence_of, formation
 from railgrip.studies.pad_monitor.watch import History, MonitorDesign
-from railgrip.trace.netcdf import FILE_NAME, read_trace
+from railgrip.trace.recorder import FILE_NAME, read_trace
 
 TEMPERATURE = "reading_disc_temperature"
 """Variable (time, group) of a trace with the temperature of the discs [K]; its first sample is used."""

@@ -18,7 +18,7 @@ from railgrip.recording.samples import period_of, reading_of, truth_of
 from railgrip.report import palette, style
 from railgrip.report.table import ReportTable
 from railgrip.studies.papers.pages import PaperRow, arrow, canvas, comparison, dimension
-from railgrip.trace.contact import Contact
+from railgrip.trace.bound import Contact
 
 Vector = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from railgrip.report.figures import draw_adhesion
 from railgrip.report.stop import Stop
 from railgrip.report.table import ReportTable, share
 from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.trace.contact import Contact
+from railgrip.trace.bound import Contact
 from railgrip.trace.measures import longest_lock
 from railgrip.vehicle.brake import Brake
 
