@@ -20,7 +20,7 @@ from pydantic.fields import FieldInfo
 
 import railgrip
 from railgrip.base import registry
-from railgrip.cli.main import app
+from railgrip.cli.app import app
 from railgrip.estimation.spec import Specification
 from railgrip.rolling_stock.schema import Train
 from railgrip.scenario.campaign import CampaignFile

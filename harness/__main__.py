@@ -13,7 +13,7 @@ def main(arguments: list[str] | None = None) -> None:
     _open_standard_streams()
     _write_unicode()
     try:
-        from railgrip.cli.main import main as command_line
+        from railgrip.cli.app import main as command_line
 
         command_line(arguments)
     except Interrupted as end:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from railgrip.cli.main import main
+from railgrip.cli.app import main
 
 
 @dataclass(frozen=True)

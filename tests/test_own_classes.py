@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import railgrip as rg
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
-from railgrip.cli.main import app
+from railgrip.cli.app import app
 from railgrip.estimation.spec import LIBRARY
 
 

@@ -1,5 +1,8 @@
 """The program, its commands, and their common arguments.
 
+A user's mistake ends in a message and an exit code (`railgrip.report.console.answer`). Exit codes are 0 for a result, 2
+for invalid input, 3 for a run that failed, the last two with a message.
+
 The module of a command is imported when the command is called: `--help` and shell completion import none of them.
 """
 
@@ -21,7 +24,7 @@ from railgrip.base.errors import InputError
 from railgrip.base.files import finite
 from railgrip.base.names import did_you_mean, nearest
 from railgrip.base.registry import Shelf, shelf
-from railgrip.report.console import complain, say, show_messages
+from railgrip.report.console import answer, complain, say, show_messages
 
 RUN_FAILED = 3
 """Exit code of a run that failed; errors define their own."""
@@ -185,15 +188,15 @@ class _Main(Commands):
             "schema": Command("library:schema", "Print the JSON schema of a file, for editors and validators."),
             "train": Command("trains:trains", "Draw, check and calculate trains in files."),
             "build": Command("fmus:build_command", "Update FMUs, or build a plant from your own class."),
-            "map": Command("exchange:map_", "Print the tables of a scenario for the FMU of another tool."),
-            "export": Command("exchange:export", "Make FMUs of a scenario for another tool: a part or the whole loop."),
+            "map": Command("fmus:map_", "Print the tables of a scenario for the FMU of another tool."),
+            "export": Command("fmus:export", "Make FMUs of a scenario for another tool: a part or the whole loop."),
         },
         "Estimation and monitoring": {
             "inspect": Command("estimation:inspect", "Show what a recording holds, and propose its [data]."),
             "estimate": Command("estimation:estimate", "Run the filter of an estimation over its recording."),
             "observability": Command("estimation:observability", "Show which states a recording determines."),
-            "ride": Command("monitoring:ride", "Run the instrumented car with a trained friction estimator."),
-            "monitor": Command("monitoring:monitor", "Follow the pad friction of each brake group from stop to stop."),
+            "ride": Command("estimation:ride", "Run the instrumented car with a trained friction estimator."),
+            "monitor": Command("estimation:monitor", "Follow the pad friction of each brake group from stop to stop."),
         },
         "This installation": {
             "doctor": Command("doctor:doctor", "Check versions, compilers, folders and parts of other packages."),
@@ -341,3 +344,8 @@ maintain = typer.Typer(
 @maintain.callback()
 def group() -> None:
     """Commands for those who change railgrip itself."""
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line."""
+    answer(lambda: app(arguments, prog_name="railgrip"))

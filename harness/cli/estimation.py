@@ -1,4 +1,4 @@
-"""Commands for recordings: estimates, and the states that a recording determines."""
+"""Commands for estimates: recordings and the states that they determine, the instrumented car, the monitor of pads."""
 
 import json
 import math
@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 import typer
 import xarray
 
-from railgrip.base.errors import InputError
+from railgrip.base.errors import EstimationError, InputError
 from railgrip.base.files import write_bytes, write_text
 from railgrip.base.records import adopt, claim, require_free
 from railgrip.cli.app import AsJson, ImportFrom, Overrides, complete, fail, print_json
@@ -33,6 +33,7 @@ from railgrip.estimation.spec import (
 from railgrip.recording.samples import knows
 from railgrip.report.console import complain, progress, remark, say, show_table
 from railgrip.report.figures import information
+from railgrip.report.style import save
 from railgrip.report.table import Form, ReportTable
 
 OUT = Path("build/estimate")
@@ -323,3 +324,68 @@ def _write_windows(windows: xarray.Dataset, path: Path) -> None:
     parts = (windows[name].values for name in ("time", "smallest", "singular", "deviation"))
     rows = [[f"{value:.6g}" for part in row for value in part.ravel()] for row in zip(*parts, strict=True)]
     ReportTable.of(columns, rows).write_csv(path)
+
+
+RIDE_FILES = ("ride.nc", "ride.png")
+"""Files that `railgrip ride` writes."""
+
+
+def ride(
+    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="A ride: car, run, and estimator.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for trace and figure; build/rides/NAME unless given.")
+    ] = None,
+) -> None:
+    """Run the instrumented car with a trained friction estimator."""
+    # Imported here, as below: the other commands need no study.
+    from railgrip.studies.axle_box.ride import read_ride, ride_figure, ride_with_estimator
+
+    specification = read_ride(file)
+    folder = out or Path("build/rides") / specification.name
+    if out is None:
+        adopt(folder, *RIDE_FILES)
+    require_free(folder, *RIDE_FILES)
+    with progress(specification.name, 1.0) as bar:
+        trace, apart = ride_with_estimator(specification, file.parent, lambda share: bar.update(amount=share), remark)
+    claim(folder, *RIDE_FILES)
+    write_bytes(folder / "ride.nc", bytes(trace.to_netcdf(engine="h5netcdf")))
+    save(ride_figure(trace), folder / "ride.png")
+    last = trace.isel(time=-1)
+    sentence = f"{specification.name}: after {float(last['time']):.1f} s friction {float(last['friction']):.3f}"
+    if float(last["friction_sd"]) > 0:
+        sentence += f" ± {float(last['friction_sd']):.3f}"
+    sentence += f", true {specification.car.friction:.3f} in the mean"
+    if apart is not None:
+        sentence += f"; sample by sample within {apart:.1e} of the same readings at once"
+    say(sentence)
+    say(f"{folder}/ride.nc")
+
+
+def monitor(
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Folder of stops, which are read in the order of their names.")
+    ],
+    column_map: Annotated[
+        Path | None, typer.Option("--map", metavar="FILE.toml", help="Estimation whose [data] maps recorded files.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Figure; DIR/monitor.png unless given.")] = None,
+) -> None:
+    """Follow the pad friction of each brake group from stop to stop."""
+    from railgrip.studies.pad_monitor.folder import draw, health_table, stops_in, summary_of
+    from railgrip.studies.pad_monitor.watch import MonitorDesign, watch
+
+    with progress("reading") as bar:
+        evidence, sentences = stops_in(
+            folder,
+            None if column_map is None else load_specification(column_map),
+            lambda number, of: bar.update(doing=f"stop {number} of {of}"),
+        )
+    for sentence in sentences:
+        say(sentence)
+    if not evidence:
+        raise EstimationError(f"{folder}: none of its stops can be used.")
+    design = MonitorDesign()
+    history = watch(list(evidence.values()), design)
+    show_table(health_table(history, list(evidence)))
+    say(summary_of(history, design))
+    say(str(save(draw(history, design), out or folder / "monitor.png")))

@@ -27,7 +27,7 @@ from railgrip.report.stop import (
 from railgrip.report.table import ReportTable, percent, text
 from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.outcome import Outcome
-from railgrip.trace.loss import Loss, course_of, loss
+from railgrip.trace.measures import Loss, course_of, loss
 from railgrip.trace.metrics import FIGURES, Metrics
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from railgrip.base.names import ElementName
 from railgrip.recording.samples import knows, reading_of, truth_of, unit_of
 from railgrip.report import palette, style
 from railgrip.report.signals import SignalLine, SignalPanel, signal_panels
-from railgrip.trace.loss import Loss
+from railgrip.trace.measures import Loss
 from railgrip.trace.metrics import Metrics
 
 

@@ -22,7 +22,7 @@ from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.simulate.run import run_stop
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.design import FAULTS
-from railgrip.trace.estimation import SLOWEST
+from railgrip.trace.measures import SLOWEST
 
 PAGE = Path("docs/faults.md")
 """Folder relative to that of the project, in which the command runs."""

@@ -1,11 +1,22 @@
-"""Figures of a stop: motion of the train, use of the possible adhesion, and slide of the wheels."""
+"""Figures of a stop: motion, use of the possible adhesion, slide of the wheels, and errors of the estimator.
+
+Against another stop, also where along the track it loses distance. Both pass the same speeds at different places; the
+distance between these places is the distance lost so far. It begins with 0 and ends with the difference of the
+distances. What a section of the track adds to it is the length of the section less the distance that the first stop
+needs for the same speeds.
+"""
+
+from dataclasses import dataclass
+from math import inf, nan
 
 import numpy as np
 import xarray
 from numpy.typing import NDArray
 
 from railgrip.base.arrays import Array
+from railgrip.estimators.consistency import loss_step, nis_ratio
 from railgrip.trace.recorder import formation_in
+from railgrip.vehicle.signals import READINGS
 
 _JERK_WINDOW = 0.1  # s; shorter is the ringing of the suspension, which no passenger feels as jerk
 
@@ -205,3 +216,264 @@ def tread_energy(trace: xarray.Dataset) -> tuple[float, ...]:
     """Return the energy that each wheelset dissipated in its contacts [J]: what flats are made of."""
     time = trace["time"].values
     return tuple(float(np.trapezoid(power, time)) for power in tread_power(trace).T)
+
+
+SLOWEST = 10 / 3.6  # m/s; below, slip is the ratio of two small numbers and no one asks for the adhesion
+_LONGEST_DELAY = 0.5  # s
+_DELAY_STEP = 0.005  # s
+
+
+_OF_ADHESION = (
+    "adhesion_rmse", "adhesion_bias", "adhesion_error_95", "adhesion_sd", "adhesion_nees", "adhesion_delay",
+    "adhesion_outside",
+)  # fmt: skip
+"""Fields of `Metrics` that `adhesion_errors` gives."""
+
+
+def adhesion_errors(trace: xarray.Dataset) -> dict[str, tuple[float, ...] | None]:
+    """Return the errors of the estimated adhesion of each group by their names in `Metrics`.
+
+    They are estimate minus truth above 10 km/h; all are None of a stop without estimates, or that was never as fast.
+    Without a standard deviation there is no NEES, the mean of (error/deviation)², which is 1 for a consistent
+    estimator, and no share outside ±2σ, which is 0.046 then. Delays are 0 to 0.5 s in steps of 5 ms.
+    """
+    truth, estimate = _moving(trace, "group_adhesion"), _moving(trace, "estimate_adhesion")
+    if truth is None or estimate is None or len(truth) < 2:
+        return dict.fromkeys(_OF_ADHESION)
+    error, deviation = estimate - truth, _moving(trace, "estimate_adhesion_sd")
+    period = float(trace["time"].values[1] - trace["time"].values[0])
+    errors = (
+        _row(np.sqrt(np.mean(error**2, axis=0))),
+        _row(np.mean(error, axis=0)),
+        _row(np.quantile(np.abs(error), 0.95, axis=0)),
+        None if deviation is None else _row(np.mean(deviation, axis=0)),
+        None if deviation is None else _row(np.mean((error / deviation) ** 2, axis=0)),
+        _row(_delay(truth, estimate, period)),
+        None if deviation is None else _row(_outside(error, deviation)),
+    )
+    return dict(zip(_OF_ADHESION, errors, strict=True))
+
+
+def _moving(trace: xarray.Dataset, name: str) -> Array | None:
+    """Return a signal above 10 km/h, or None: some estimators provide no standard deviation."""
+    return trace[name].values[trace["speed"].values > SLOWEST] if name in trace else None
+
+
+def _delay(truth: Array, estimate: Array, period: float) -> Array:
+    """Return the shift that minimises the mean square of estimate(t + shift) − truth(t), shape (groups,) [s].
+
+    All shifts are judged on the same samples of the truth, so that a hard passage cannot drop out with a
+    shift.
+    """
+    step = max(1, round(_DELAY_STEP / period))
+    longest = min(round(_LONGEST_DELAY / period), len(truth) // 2)
+    shifts = np.arange(0, longest + 1, step)
+    count = len(truth) - longest
+    rows, fixed = np.ascontiguousarray(estimate.T), np.ascontiguousarray(truth[:count].T)
+    errors = (rows[:, s : s + count] - fixed for s in shifts)
+    squares = np.stack([np.einsum("ij,ij->i", error, error) for error in errors])
+    return np.asarray(shifts[np.argmin(squares, axis=0)] * period, dtype=np.float64)
+
+
+def rmse(trace: xarray.Dataset, estimated: str, true: str) -> tuple[float, ...] | None:
+    """Return the root mean square error of another estimate above 10 km/h, or None without it."""
+    error = _error(trace, estimated, true)
+    return None if error is None else _row(np.atleast_1d(np.sqrt(np.mean(error**2, axis=0))))
+
+
+def outside(trace: xarray.Dataset, estimated: str, true: str) -> tuple[float, ...] | None:
+    """Return the share of time above 10 km/h with the truth outside ±2σ of an estimate, or None without it."""
+    error, deviation = _error(trace, estimated, true), _moving(trace, f"{estimated}_sd")
+    return None if error is None or deviation is None else _row(_outside(error, deviation))
+
+
+def _error(trace: xarray.Dataset, estimated: str, true: str) -> Array | None:
+    estimate = _moving(trace, estimated)
+    truth = _moving(trace, true)
+    return None if estimate is None or truth is None or not len(estimate) else estimate - truth
+
+
+def _outside(error: Array, deviation: Array) -> Array:
+    """Return the share of samples beyond two deviations, shape (groups,); NaN without a truth."""
+    return np.where(np.isnan(error).any(axis=0), np.nan, np.mean(np.abs(error) > 2.0 * deviation, axis=0))
+
+
+def innovations(trace: xarray.Dataset) -> tuple[float | None, float | None]:
+    """Return the ratio of the median NIS to its expected value, and the time of divergence [s]; None if absent.
+
+    See `railgrip.estimators.consistency`. Between two steps of the estimator rows repeat the last one.
+    """
+    if "estimate_nis" not in trace:
+        return None, None
+    nis, readings = trace["estimate_nis"].values, trace["estimate_readings"].values
+    divergence = loss_step(nis, readings)
+    return nis_ratio(nis, readings), None if divergence is None else float(trace["time"].values[divergence])
+
+
+READING_ERRORS = tuple(f"{signal.name.removeprefix('reading_')}_error" for signal in READINGS)
+"""Fields of `Metrics` that `reading_errors` gives."""
+
+
+def reading_errors(trace: xarray.Dataset) -> dict[str, float]:
+    """Return the RMS error of each reading over the RMS of the true value, by the names in `Metrics`.
+
+    Errors are means over the channels of a reading; missing readings are left out. NaN if the trace lacks the reading
+    or the true value, or the true value is always 0 and the reading is not.
+    """
+    names = (signal.name for signal in READINGS)
+    errors = (_relative_error(trace, name, name.removeprefix("reading_")) for name in names)
+    return dict(zip(READING_ERRORS, errors, strict=True))
+
+
+def _relative_error(trace: xarray.Dataset, reading: str, true: str) -> float:
+    if reading not in trace or true not in trace:
+        return float("nan")
+    truth = trace[true].values
+    error = trace[reading].values - truth
+    if np.isnan(error).all():
+        return float("nan")
+    error_rms, scale = np.sqrt(np.nanmean(error**2)), np.sqrt(np.mean(truth**2))
+    return float(error_rms / scale) if scale > 0 else 0.0 if error_rms == 0 else float("nan")
+
+
+def _row(values: Array) -> tuple[float, ...]:
+    return tuple(map(float, values))
+
+
+_WIDTHS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0)
+_MAX_SECTIONS = 12
+_REST = 0.1
+"""Share of a section below which the last piece of the track is joined to the section before."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StopCourse:
+    """Where a stop falls below each of its speeds, shape (n,); the first sample is the brake demand.
+
+    Attributes:
+        time: Since the brake demand [s].
+        place: Distance since the brake demand [m].
+        speed: Falling; a stretch along which the train keeps or gains speed has only its end [m/s].
+    """
+
+    time: Array
+    place: Array
+    speed: Array
+
+    def place_at(self, speed: Array) -> Array:
+        """Return where the stop falls below a speed [m]; 0 for one above that at the start."""
+        return np.interp(-speed, -self.speed, self.place)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SectionLoss:
+    """What one stop loses against another on a piece of the track.
+
+    Attributes:
+        begin: Place [m].
+        end: Place [m].
+        time: At which the stop enters it [s].
+        speed: With which it enters [m/s].
+        lost: Distance lost in it, negative where it is gained [m].
+        so_far: Distance lost up to its end [m].
+        deceleration: Mean of the stop in it [m/s2].
+        deceleration_of_first: Mean of the other stop between the same speeds [m/s2]; NaN where it had none of them.
+    """
+
+    begin: float
+    end: float
+    time: float
+    speed: float
+    lost: float
+    so_far: float
+    deceleration: float
+    deceleration_of_first: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Loss:
+    """The distance that a stop loses against another along its track.
+
+    Attributes:
+        first: The other stop.
+        course: The stop, down to the lowest speed that both reached.
+        lost: So far, at each of its samples [m].
+        sections: Loss in each section of the track, preceded by the saving from a lower speed at the start.
+    """
+
+    first: StopCourse
+    course: StopCourse
+    lost: Array
+    sections: tuple[SectionLoss, ...]
+
+    @property
+    def at_start(self) -> float:
+        """Distance saved, negative, by a lower speed at the start [m]."""
+        return float(self.lost[0])
+
+    @property
+    def total(self) -> float:
+        """Distance lost at the end [m]."""
+        return float(self.lost[-1])
+
+    @property
+    def speed_difference(self) -> Array:
+        """Speed less that of the first stop at the same place, 0 beyond its end [m/s]; shape of `lost`."""
+        return self.course.speed - np.interp(self.course.place, self.first.place, self.first.speed)
+
+
+def course_of(trace: xarray.Dataset, *, is_standstill: bool) -> StopCourse:
+    """Return the course of a stop.
+
+    Args:
+        trace: Trace of the stop.
+        is_standstill: Whether it ended at a standstill; the last speed, which is nearly 0, then counts as 0.
+    """
+    braking = since_brake_demand(trace)
+    time, distance = braking["time"].values, braking["distance"].values
+    speed = np.minimum.accumulate(braking["speed"].values)
+    if is_standstill:
+        speed[-1] = 0.0
+    ends = np.append(np.diff(speed) < 0, True)
+    ends[0] = True
+    return StopCourse(time=(time - time[0])[ends], place=(distance - distance[0])[ends], speed=speed[ends])
+
+
+def loss(first: StopCourse, course: StopCourse) -> Loss:
+    """Return where a stop loses distance against a first one, down to the lowest speed that both reached."""
+    common = course.speed >= first.speed[-1]
+    common[0] = True
+    course = StopCourse(time=course.time[common], place=course.place[common], speed=course.speed[common])
+    lost = course.place - first.place_at(course.speed)
+    if course.speed[0] >= first.speed[0]:
+        lost[0] = 0.0
+    return Loss(first=first, course=course, lost=lost, sections=_sections(course, lost))
+
+
+def _sections(course: StopCourse, lost: Array) -> tuple[SectionLoss, ...]:
+    end = float(course.place[-1])
+    if end <= 0.0:
+        return ()
+    width = next((width for width in _WIDTHS if end / width <= _MAX_SECTIONS), end / _MAX_SECTIONS)
+    edges = [*np.arange(0.0, end - _REST * width, width).tolist(), end]
+    time, speed, so_far = (np.interp(edges, course.place, values) for values in (course.time, course.speed, lost))
+    needed = np.diff(edges) - np.diff(so_far)
+    squares = -np.diff(speed**2) / 2
+    return tuple(
+        SectionLoss(
+            begin=edges[i],
+            end=edges[i + 1],
+            time=float(time[i]),
+            speed=float(speed[i]),
+            lost=float(so_far[i + 1] - so_far[i]),
+            so_far=float(so_far[i + 1]),
+            deceleration=float(squares[i]) / (edges[i + 1] - edges[i]),
+            deceleration_of_first=_quotient(float(squares[i]), float(needed[i])),
+        )
+        for i in range(len(edges) - 1)
+    )
+
+
+def _quotient(square: float, distance: float) -> float:
+    mean = square / distance if distance > 0.0 else inf
+    return mean if mean < inf else nan

@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict, create_model
 
 from railgrip.estimators.consistency import FAR
 from railgrip.scenario.outcome import Outcome
-from railgrip.trace import estimation, measures
+from railgrip.trace import measures
 
 Each = tuple[float, ...]
 
@@ -62,17 +62,17 @@ class MeasuredStop:
     @cached_property
     def adhesion_errors(self) -> Mapping[str, Each | None]:
         """Errors of the estimated adhesion by name."""
-        return estimation.adhesion_errors(self.trace)
+        return measures.adhesion_errors(self.trace)
 
     @cached_property
     def innovations(self) -> tuple[float | None, float | None]:
         """Median NIS over its expected value, and the time of divergence [s]."""
-        return estimation.innovations(self.trace)
+        return measures.innovations(self.trace)
 
     @cached_property
     def reading_errors(self) -> Mapping[str, float]:
         """Relative errors of the readings by name."""
-        return estimation.reading_errors(self.trace)
+        return measures.reading_errors(self.trace)
 
     def maximum(self, signal: str) -> Each:
         """Return the maximum of a signal for each group or wheelset."""
@@ -237,14 +237,14 @@ class Metrics:
         lambda stop: stop.adhesion_errors["adhesion_delay"], extent="group", combined="mean", better="less")]
     pad_friction_rmse: Annotated[Each | None, Figure("1",
         "RMS error of the estimated pad friction above 10 km/h, each group",
-        lambda stop: estimation.rmse(stop.trace, "estimate_pad_friction", "pad_friction"), better="less",
+        lambda stop: measures.rmse(stop.trace, "estimate_pad_friction", "pad_friction"), better="less",
         extent="group", combined="mean")]
     adhesion_outside: Annotated[Each | None, Figure("1",
         "share of time above 10 km/h with the true adhesion outside ±2σ, each group",
         lambda stop: stop.adhesion_errors["adhesion_outside"], extent="group", combined="maximum")]
     pad_friction_outside: Annotated[Each | None, Figure("1",
         "share of time above 10 km/h with the true pad friction outside ±2σ, each group",
-        lambda stop: estimation.outside(stop.trace, "estimate_pad_friction", "pad_friction"), extent="group",
+        lambda stop: measures.outside(stop.trace, "estimate_pad_friction", "pad_friction"), extent="group",
         combined="maximum")]
     nis_ratio: Annotated[float | None, Figure("1",
         "median squared innovation of the estimator over its expected median; 1 if consistent",
@@ -252,7 +252,7 @@ class Metrics:
     estimator_lost: Annotated[float | None, Figure("s", "from when on, by its innovations, the estimate has no meaning",
         lambda stop: stop.innovations[1])]
     speed_rmse: Annotated[Each | None, Figure("m/s", "RMS error of the estimated speed above 10 km/h",
-        lambda stop: estimation.rmse(stop.trace, "estimate_speed", "speed"), combined="mean", better="less")]
+        lambda stop: measures.rmse(stop.trace, "estimate_speed", "speed"), combined="mean", better="less")]
     speed_error: Annotated[float, Figure("1", "RMS error of the reading of the speed over the RMS of its true value",
         lambda stop: stop.reading_errors["speed_error"], is_compared=True)]
     wheelset_speed_error: Annotated[float, Figure("1",

@@ -23,7 +23,7 @@ from railgrip.base.errors import InputError, RailgripError
 from railgrip.campaign.run import CampaignRun, run_campaigns
 from railgrip.campaign.work import work
 from railgrip.campaign.workers import cluster
-from railgrip.cli.main import main
+from railgrip.cli.app import main
 from railgrip.report.stop import read_stop
 from railgrip.scenario.campaign import load_campaign
 

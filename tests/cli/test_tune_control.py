@@ -12,7 +12,7 @@ from one_process import Here, one_process
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
 from railgrip.campaign.searches import EQUIPMENT, RANGES, Optimum, parameters_of, search, set_of, text_of
-from railgrip.cli.main import main
+from railgrip.cli.app import main
 from railgrip.controllers.law import GroupLaw, Law
 from railgrip.controllers.laws.slip_two_state import SlipLevels
 from railgrip.controllers.parameters import TYPE_TEST, file_of

@@ -18,7 +18,7 @@ from PIL import Image
 
 import railgrip
 from railgrip.base import registry
-from railgrip.cli.main import app
+from railgrip.cli.app import app
 from railgrip.trace.metrics import FIGURES
 from railgrip.vehicle.signals import ESTIMATES, EXTRA, OBSERVED, PLANT, READINGS, SENT
 

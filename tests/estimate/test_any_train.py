@@ -12,7 +12,7 @@ import railgrip as rg
 import railgrip.scenario
 from railgrip import cli
 from railgrip.base.errors import EstimationError, ScenarioError
-from railgrip.cli.main import app
+from railgrip.cli.app import app
 from railgrip.estimation.models import of_class, of_train, units_of
 from railgrip.estimation.run import estimate
 from railgrip.estimation.sources import complete_trace, require_consistent
@@ -26,7 +26,7 @@ from railgrip.scenario.file import NamedFile
 from railgrip.scenario.load import load, scenario_of
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.trace.estimation import SLOWEST
+from railgrip.trace.measures import SLOWEST
 from railgrip.trace.recorder import write_trace
 
 TEMPLATE = Path(cli.__file__).parent / "templates" / "train.toml"

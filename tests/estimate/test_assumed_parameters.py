@@ -10,7 +10,7 @@ from test_recording_agreement import wagon, written
 from typer.testing import CliRunner
 
 from railgrip.base.errors import ScenarioError
-from railgrip.cli.main import app
+from railgrip.cli.app import app
 from railgrip.estimation.inspection import inspect_recording
 from railgrip.estimation.models import model_of
 from railgrip.estimation.spec import load_specification, parameters_for

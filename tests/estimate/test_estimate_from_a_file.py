@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from railgrip.base.errors import EstimationError
-from railgrip.cli.main import app
+from railgrip.cli.app import app
 from railgrip.estimation.run import estimate
 from railgrip.estimation.sources import check_mass, recording_for, recording_of_estimation
 from railgrip.estimation.spec import LIBRARY, load_specification, prediction_for, settings_for

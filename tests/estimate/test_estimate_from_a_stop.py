@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 import railgrip as rg
 from railgrip.base.errors import EstimationError, InputError
-from railgrip.cli.main import app
+from railgrip.cli.app import app
 from railgrip.estimation.spec import LIBRARY
 from railgrip.estimators.design import NOISE_SETS
 from railgrip.recording.samples import reading_of, readings_in, unit_of

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 import railgrip as rg
 from railgrip.base.errors import EstimationError, InputError, ScenarioError
-from railgrip.cli.main import app
+from railgrip.cli.app import app
 from railgrip.estimation.inspection import Inspection, inspect_recording
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import load_specification

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import railgrip.scenario
-from railgrip.cli.main import app
+from railgrip.cli.app import app
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import load_specification
 from railgrip.recording.samples import reading_of

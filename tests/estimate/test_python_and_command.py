@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import railgrip as rg
 from railgrip.base.errors import EstimateWarning, InputError
-from railgrip.cli.main import app
+from railgrip.cli.app import app
 
 
 def answer_of_command(arguments):

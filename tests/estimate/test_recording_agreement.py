@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 
 import railgrip as rg
 from railgrip.base.errors import EstimationError
-from railgrip.cli.main import app
+from railgrip.cli.app import app
 from railgrip.estimation.agreement import disagreements
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import LIBRARY, load_specification

@@ -72,7 +72,7 @@ from railgrip.studies.estimators.tables import (
     squares_of,
     vehicles,
 )
-from railgrip.trace.estimation import SLOWEST
+from railgrip.trace.measures import SLOWEST
 
 CONSTANTS = (("adhesion", 0.05), ("pad_friction", 0.35))
 

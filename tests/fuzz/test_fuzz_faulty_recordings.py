@@ -19,7 +19,7 @@ import railgrip as rg
 from railgrip.base.errors import EstimateWarning, InputError
 from railgrip.estimation.sources import stop_read
 from railgrip.scenario.load import load, scenario_of
-from railgrip.trace.estimation import SLOWEST
+from railgrip.trace.measures import SLOWEST
 
 WHITE = {"speed": "0.1 m/s", "wheelset_speed": "0.1 rad/s", "acceleration": "0.05 m/s**2", "deflection": "0.2 mm"}
 STOPS = {

@@ -12,7 +12,7 @@ from synthetic_runner import run_stop
 import railgrip as rg
 from railgrip.base.errors import InputError, RecordError
 from railgrip.campaign.sweep import Result, Sweep, csv_of, load_results, write_table
-from railgrip.cli.main import main
+from railgrip.cli.app import main
 from railgrip.report.results import read_results
 from railgrip.report.stop import read_stop, write_stop
 from railgrip.scenario.load import load

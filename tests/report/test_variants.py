@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from railgrip.base.errors import InputError
-from railgrip.cli.main import main
+from railgrip.cli.app import main
 from railgrip.report.distances import headline
 from railgrip.report.distribution import ReferenceVariant, change_table, changes_against
 from railgrip.report.frame import frame_of

@@ -15,7 +15,7 @@ from railgrip.scenario.load import load, read_toml, scenario_of
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.run import run_stop
 from railgrip.studies.pad_monitor.evidence import pressure_deviation
-from railgrip.trace.estimation import SLOWEST
+from railgrip.trace.measures import SLOWEST
 
 SCENARIOS = ("trapezoid", "sine_sweep", "random")
 WITHOUT = ("estimator.kind=none",)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray
 
-from railgrip.trace.loss import Loss, StopCourse, course_of, loss
+from railgrip.trace.measures import Loss, StopCourse, course_of, loss
 
 START = 20.0
 BETWEEN = 1e-3

@@ -8,7 +8,7 @@ from scipy.stats import chi2
 from synthetic import BRAKES, LOAD, parabola, uniform_stop
 
 from railgrip.scenario.outcome import Outcome
-from railgrip.trace import estimation, measures
+from railgrip.trace import measures
 from railgrip.trace.bound import brake_limit, regained_adhesion, with_bound
 from railgrip.trace.metrics import FIGURES, Metrics, actuations, air_used, measure
 
@@ -206,7 +206,7 @@ def test_time_over_the_limit_counts_each_group():
 
 
 def test_a_perfect_estimator_has_no_error_and_no_delay():
-    errors = estimation.adhesion_errors(uniform_stop(estimate_adhesion_sd=0.02))
+    errors = measures.adhesion_errors(uniform_stop(estimate_adhesion_sd=0.02))
     assert errors.pop("adhesion_sd") == pytest.approx((0.02,) * 4)
     assert len(errors) == 6
     assert set(errors.values()) == {(0.0,) * 4}
@@ -215,7 +215,7 @@ def test_a_perfect_estimator_has_no_error_and_no_delay():
 def test_bias_deviation_and_nees_of_a_known_error():
     time = uniform_stop()["time"].values
     error = np.where(np.arange(len(time)) % 2, 0.03, -0.01)[:, None] * np.ones(4)
-    errors = estimation.adhesion_errors(uniform_stop(estimate_adhesion=1 / 9.81 + error, estimate_adhesion_sd=0.02))
+    errors = measures.adhesion_errors(uniform_stop(estimate_adhesion=1 / 9.81 + error, estimate_adhesion_sd=0.02))
     # above 10 km/h an odd number of samples remains, so that halves are not quite halves
     assert errors["adhesion_bias"] == pytest.approx((0.01,) * 4, abs=2e-5)
     assert errors["adhesion_rmse"] == pytest.approx((np.sqrt(5e-4),) * 4, rel=1e-3)
@@ -232,7 +232,7 @@ def test_errors_of_readings_are_relative_to_the_true_values():
     gaps = trace["acceleration"].values * 1.05
     gaps[::3] = np.nan
     trace["reading_acceleration"] = ("time", gaps)
-    errors = estimation.reading_errors(trace)
+    errors = measures.reading_errors(trace)
     # The samples of a trace end at standstill: rel covers the one sample by which sum and integral differ.
     assert errors["speed_error"] == pytest.approx(0.2 * np.sqrt(3) / speed[0], rel=1e-3)
     assert errors["acceleration_error"] == pytest.approx(0.05)
@@ -243,13 +243,13 @@ def test_a_delayed_estimate_has_that_delay():
     truth = 0.1 + 0.02 * np.sin(2 * time)
     late = 0.1 + 0.02 * np.sin(2 * (time - 0.12))
     trace = uniform_stop(group_adhesion=truth[:, None] * np.ones(4), estimate_adhesion=late[:, None] * np.ones(4))
-    assert estimation.adhesion_errors(trace)["adhesion_delay"] == pytest.approx((0.12,) * 4)
+    assert measures.adhesion_errors(trace)["adhesion_delay"] == pytest.approx((0.12,) * 4)
 
 
 def test_errors_below_walking_pace_do_not_count():
     v = uniform_stop()["speed"].values
     wrong_when_slow = 1 / 9.81 + np.where(v < 2.7, 1.0, 0.0)[:, None] * np.ones(4)
-    assert estimation.adhesion_errors(uniform_stop(estimate_adhesion=wrong_when_slow))["adhesion_rmse"] == (0.0,) * 4
+    assert measures.adhesion_errors(uniform_stop(estimate_adhesion=wrong_when_slow))["adhesion_rmse"] == (0.0,) * 4
 
 
 def test_a_stop_without_estimator_has_no_estimator_figures():

@@ -31,7 +31,7 @@ from railgrip.studies.estimators.replay import (
     states,
     with_estimates,
 )
-from railgrip.trace.estimation import SLOWEST, adhesion_errors, innovations
+from railgrip.trace.measures import SLOWEST, adhesion_errors, innovations
 from railgrip.vehicle.signals import READINGS
 
 TRUTH: Final = "peak_adhesion"

@@ -405,7 +405,7 @@ def bound_along(context: FilterContext, data: FilterData, truth: Matrix) -> Matr
 
 
 def with_estimates(recording: xarray.Dataset, names: Sequence[str], mean: Matrix, variance: Matrix) -> xarray.Dataset:
-    """Return a recording with estimates of states as a trace has them, for `railgrip.trace.estimation`."""
+    """Return a recording with estimates of states as a trace has them, for `railgrip.trace.measures`."""
     groups = ("time", "group")
     return recording.assign(
         estimate_speed=("time", mean[:, columns(names, "speed")[0]]),
