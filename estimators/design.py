@@ -63,7 +63,6 @@ class SteppedVariables(Protocol):
     @property
     def period(self) -> float:
         """Period over which it integrates [s]."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,7 +4,6 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -77,11 +76,8 @@ def observability(
     The model is linearised along the true states where they are known, otherwise along the estimates of the filter.
     """
     specification = load_specification(file, overrides or [])
-    folder = out or OUT / specification.name
     files = ("observability.csv", "observability.png")
-    if out is None:
-        adopt(folder, *files)
-    require_free(folder, *files)
+    folder = _folder(out, OUT / specification.name, files)
     recording = _recording(specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ())
     _print_recording(recording)
     for sentence in recording.attrs.get("warnings", ()):
@@ -122,17 +118,15 @@ def estimate(
 ) -> None:
     """Run the filter of an estimation over its recording."""
     specification = load_specification(file, [*_of_train(train), *(overrides or [])])
-    folder = out or OUT / specification.name
     files = ("estimates.nc", "estimates.png", "index.html", "parameters.csv", "settings.csv")
-    if out is None:
-        adopt(folder, *files)
-    require_free(folder, *files)
+    folder = _folder(out, OUT / specification.name, files)
     recording = _recording(specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ())
     with progress(f"{specification.name}: filter"):
         estimates = estimate_of(specification, recording)
     warnings, problems = (str(estimates.attrs[key]).splitlines() for key in ("warnings", "problems"))
     parameters = model_parameters(specification)
-    judgements = {state: judge(recording, estimates, state) for state in _known_states(recording, estimates)}
+    states = [str(state) for state in estimates["state"].values]
+    judgements = {state: judge(recording, estimates, state) for state in states if knows(recording, state)}
     with progress(f"{specification.name}: page"):
         page = estimate_page(specification, recording, estimates, judgements, problems).write(folder)
         claim(folder, *files)
@@ -166,20 +160,6 @@ def estimate(
         fail(*(f"{specification.name}: {sentence}" for sentence in problems))
 
 
-class DateOrder(StrEnum):
-    """Orders of day and month in dates."""
-
-    DAY_FIRST = "day-first"
-    MONTH_FIRST = "month-first"
-
-
-class Decimal(StrEnum):
-    """Decimal signs."""
-
-    POINT = "."
-    COMMA = ","
-
-
 def inspect(
     run: Annotated[Path, typer.Argument(metavar="RUN", help="A recording: csv, parquet, mat, mf4 or mdf.")],
     estimation: Annotated[
@@ -194,10 +174,11 @@ def inspect(
     train: TrainName = None,
     time: Annotated[str | None, typer.Option(metavar="COLUMN", help="Column of time; recognised unless given.")] = None,
     decimal: Annotated[
-        Decimal | None, typer.Option(metavar="SIGN", help="Decimal sign of a csv file, . or ,; found unless given.")
+        Literal[".", ","] | None,
+        typer.Option(metavar="SIGN", help="Decimal sign of a csv file, . or ,; found unless given."),
     ] = None,
     order: Annotated[
-        DateOrder | None,
+        Literal["day-first", "month-first"] | None,
         typer.Option(metavar="ORDER", help="Order of dates such as 04/01/2025, day-first or month-first."),
     ] = None,
     out: Annotated[
@@ -211,12 +192,8 @@ def inspect(
     """
     if out is not None and out.exists():
         raise InputError(f"{out} exists; choose another file.")
-    dates: dict[DateOrder | None, Literal["day first", "month first"] | None] = {
-        None: None,
-        DateOrder.DAY_FIRST: "day first",
-        DateOrder.MONTH_FIRST: "month first",
-    }
-    inspection = inspect_recording(run, estimation, time, decimal.value if decimal else None, train, dates[order])
+    dates = None if order is None else "day first" if order == "day-first" else "month first"
+    inspection = inspect_recording(run, estimation, time, decimal, train, dates)
     if out is not None:
         write_text(out, f"#:schema ./estimation.schema.json\n{inspection.proposal}")
         write_schema("estimation", out)
@@ -265,6 +242,15 @@ def inspect(
         remark(f"Fill in what was not recognised: {', '.join(inspection.unrecognised)}.")
 
 
+def _folder(out: Path | None, usual: Path, files: Sequence[str]) -> Path:
+    """Return the folder for these files, which may be written there."""
+    folder = out or usual
+    if out is None:
+        adopt(folder, *files)
+    require_free(folder, *files)
+    return folder
+
+
 def _of_train(train: str | None) -> list[str]:
     return [] if train is None else [f"model.train={json.dumps(train)}"]
 
@@ -304,18 +290,13 @@ def _last_estimates(specification: Specification, estimates: xarray.Dataset) -> 
     ]
 
 
-def _known_states(recording: xarray.Dataset, estimates: xarray.Dataset) -> list[str]:
-    return [str(state) for state in estimates["state"].values if knows(recording, str(state))]
-
-
 def _print_errors(recording: xarray.Dataset, estimates: xarray.Dataset, judgements: Mapping[str, Judgement]) -> None:
     say(
         f"{recording.attrs['name']}: median NIS is {estimates.attrs['nis_ratio']:.3g} of the expected value; "
         "above 1 the filter is overconfident."
     )
-    if not judgements:
-        return
-    show_table(errors_table(judgements, f"{recording.attrs['name']}: estimate minus truth"))
+    if judgements:
+        show_table(errors_table(judgements, f"{recording.attrs['name']}: estimate minus truth"))
 
 
 def _write_windows(windows: xarray.Dataset, path: Path) -> None:
@@ -341,10 +322,7 @@ def ride(
     from railgrip.studies.axle_box.ride import read_ride, ride_figure, ride_with_estimator
 
     specification = read_ride(file)
-    folder = out or Path("build/rides") / specification.name
-    if out is None:
-        adopt(folder, *RIDE_FILES)
-    require_free(folder, *RIDE_FILES)
+    folder = _folder(out, Path("build/rides") / specification.name, RIDE_FILES)
     with progress(specification.name, 1.0) as bar:
         trace, apart = ride_with_estimator(specification, file.parent, lambda share: bar.update(amount=share), remark)
     claim(folder, *RIDE_FILES)

@@ -218,37 +218,27 @@ def _read(
     frame = file.values
     clock = _clock(path, file, time).model_copy(update={"order": order})
     numbers = [name for name, values in frame.items() if name != clock.column and _is_numeric(values)]
-    stated = clock.unit or "s"
-    table = DataTable(
-        time=clock.model_copy(update={"unit": stated}),
-        period=1.0,
-        longest_gap=1.0,
-        frozen=1.0,
-        spike=8.0,
-        columns={},
-        blank="missing",
-    )
     notices: list[str] = []
-    instants = pd.to_numeric(pd.Series(frame[clock.column]), errors="coerce") if stated == "s" else None
+    instants = pd.to_numeric(pd.Series(frame[clock.column]), errors="coerce") if clock.unit in (None, "s") else None
     if instants is not None and is_hhmmss(np.asarray(instants, dtype=float)):
         clock = clock.model_copy(update={"unit": "hhmmss"})
-        table = table.model_copy(update={"time": clock})
         notices.append(f"{path.name}: {short(clock.column)} has times of day as hhmmss, not seconds.")
-    series = series_of_table(path, file, table, numbers)
+
+    def read(clock: TimeColumn, blank: Literal["unchanged", "missing"]) -> dict[str, Series]:
+        time = clock.model_copy(update={"unit": clock.unit or "s"})
+        table = DataTable(time=time, period=1.0, longest_gap=1.0, frozen=1.0, spike=8.0, columns={}, blank=blank)
+        return series_of_table(path, file, table, numbers)
+
+    series = read(clock, "missing")
     notices += dict.fromkeys(notice for each in series.values() for notice in each.notices)
     if any("repeats = 'spread'" in notice for notice in notices):
         clock = clock.model_copy(update={"repeats": "spread"})
-        series = series_of_table(
-            path, file, table.model_copy(update={"time": clock.model_copy(update={"unit": clock.unit or "s"})}), numbers
-        )
+        series = read(clock, "missing")
     blank = None
     if is_change_driven(each.values for each in series.values()):
         blank = "unchanged"
         notices.append(f"{path.name}: most cells are blank; a blank cell is taken to repeat the value above it.")
-        of_changes = table.model_copy(
-            update={"time": clock.model_copy(update={"unit": clock.unit or "s"}), "blank": blank}
-        )
-        series = series_of_table(path, file, of_changes, numbers)
+        series = read(clock, blank)
     return clock, series, [name for name in frame if name not in (clock.column, *numbers)], blank, notices
 
 

@@ -73,10 +73,13 @@ def intervals(where: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 def flags_of(signal: str, kind: Kind, time: NDArray[np.float64], where: NDArray[np.bool_]) -> list[Flag]:
     """Return a flag for every run of samples in `where`."""
-    return [
-        Flag(signal=signal, kind=kind, begin=float(time[i]), end=float(time[j]), samples=j - i + 1)
-        for i, j in intervals(where)
-    ]
+    return [flag_of(signal, kind, time, first, last) for first, last in intervals(where)]
+
+
+def flag_of(signal: str, kind: Kind, time: NDArray[np.float64], first: int, last: int) -> Flag:
+    """Return the flag for the samples from index `first` to `last`."""
+    begin, end = float(time[first]), float(time[last])
+    return Flag(signal=signal, kind=kind, begin=begin, end=end, samples=last - first + 1)
 
 
 def summary(flags: Sequence[Flag]) -> list[str]:
@@ -153,16 +156,7 @@ def find_faults(signals: Mapping[str, tuple[Vector, Vector]]) -> tuple[dict[str,
         own = [step for step in steps[name] if not _is_shared(step, steps)]
         mask, found = _excursions(name, time, values, own)
         stuck = _stuck(name, time, values, own) & ~mask
-        for first, last in intervals(stuck):
-            found.append(
-                Flag(
-                    signal=name,
-                    kind="frozen",
-                    begin=float(time[first]),
-                    end=float(time[last]),
-                    samples=last - first + 1,
-                )
-            )
+        found += flags_of(name, "frozen", time, stuck)
         # A dead sensor steps to its last value: one fault, one flag.
         found = [flag for flag in found if flag.kind != "step" or not stuck[_at(time, flag)].any()]
         masks[name], flags = mask | stuck, flags + found
@@ -225,15 +219,8 @@ def _excursions(name: str, time: Vector, values: Vector, steps: list[_Step]) -> 
             continue
         rest = [step for step in rest if step.at > back.at]
         mask[first.at : back.at] = True
-        flags.append(
-            Flag(
-                signal=name,
-                kind="jump" if back.at - first.at > MAX_SPIKE else "spike",
-                begin=first.time,
-                end=float(time[back.at - 1]),
-                samples=back.at - first.at,
-            )
-        )
+        kind: Kind = "jump" if back.at - first.at > MAX_SPIKE else "spike"
+        flags.append(flag_of(name, kind, time, first.at, back.at - 1))
     return mask, flags
 
 

@@ -358,16 +358,10 @@ def on_grid(signal: str, time: Vector, values: Vector, grid: Vector, period: flo
         result[nearest[inside]] = values[inside]
         off = float(np.max(np.abs(time[inside] - grid[nearest[inside]]), initial=0.0))
         if off > 0.01 * period:
-            flags.append(
-                Flag(
-                    signal=signal,
-                    kind="timing",
-                    begin=float(grid[0]),
-                    end=float(grid[-1]),
-                    samples=int(inside.sum()),
-                    remark=f"by up to {1e3 * off:.3g} ms",
-                )
-            )
+            begin, end = float(grid[0]), float(grid[-1])
+            remark = f"by up to {1e3 * off:.3g} ms"
+            count = int(inside.sum())
+            flags.append(Flag(signal=signal, kind="timing", begin=begin, end=end, samples=count, remark=remark))
         return result, flags
     if spacing <= 0.5 * period:
         return _average(time, values, grid, period), flags
