@@ -75,17 +75,8 @@ class InteractingFilters:
         The predictions have no creep curve, adhesion is a random walk in them; its noise is what can differ.
         """
         is_adhesion = np.array([name.startswith("group_adhesion") for name in context.prediction.states])
-        filters = [
-            ExtendedKalmanFilter(
-                context.prediction,
-                np.where(is_adhesion, factor, 1.0) * context.process_noise,
-                context.reading_noise,
-                context.period,
-                context.gate,
-                context.outlier_limit,
-            )
-            for factor in NOISE_FACTORS
-        ]
+        noises = [np.where(is_adhesion, factor, 1.0) * context.process_noise for factor in NOISE_FACTORS]
+        filters = [ExtendedKalmanFilter.without_estimate(replace(context, process_noise=noise)) for noise in noises]
         count, change = len(filters), context.period / DWELL
         transition = np.full((count, count), change / (count - 1))
         np.fill_diagonal(transition, 1.0 - change)

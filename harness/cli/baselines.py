@@ -46,7 +46,7 @@ from railgrip.report.validation import (
     steps_table,
     tolerances_table,
 )
-from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.campaign import Campaign, load_campaign
 from railgrip.scenario.conditioning import RepeatedDistances, read_conditioning, text_of
 from railgrip.studies.study import headlines
 
@@ -159,14 +159,11 @@ def conditioning(
     import_from: ImportFrom = None,
 ) -> None:
     """Repeat stops with other parameters and sensors."""
-    loaded = load_campaign(file)
-    if loaded.conditioning is None:
-        raise ScenarioError(f"{file.name}: has no key 'conditioning'; it must name the file to write")
-    selection = loaded.only(lambda stop: fnmatch(stop.name, stops))
+    loaded, selection, place = _conditioned(file, stops, "the file to write")
     if not selection.stops:
         raise ScenarioError(f"--stops {stops}: {file.name} has no such stop; it has {loaded.stops[0].name} and others")
-    before = read_conditioning(loaded.conditioning).stops if loaded.conditioning.exists() else {}
-    others = {} if stops == "*" or not before else _previous_repeats(loaded.conditioning, relative)
+    before = read_conditioning(place).stops if place.exists() else {}
+    others = {} if stops == "*" or not before else _previous_repeats(place, relative)
     repetitions = {stop.name: repeats_of(stop, count=repeats, lots=lots, relative=relative) for stop in selection.stops}
     directory = out / loaded.name
     problem = run_campaigns(
@@ -179,7 +176,7 @@ def conditioning(
     # written.
     results = conditioning_of(selection, repetitions, directory, relative)
     kept = keep_divided_steps(results.stops, before)
-    write_text(loaded.conditioning, text_of(results.model_copy(update={"stops": others | kept})))
+    write_text(place, text_of(results.model_copy(update={"stops": others | kept})))
     rows = [
         {"stop": name, "shortest": stop.lowest, "median": stop.median, "longest": stop.highest, "spreads": stop.spreads}
         | ({"lots": stop.lots_text} if lots else {})
@@ -187,7 +184,7 @@ def conditioning(
     ]
     metres = dict.fromkeys(("shortest", "median", "longest"), "{:.2f} m")
     show_table(ReportTable(rows, {**metres, "spreads": yes_no}))
-    say(str(loaded.conditioning))
+    say(str(place))
     if problem:
         raise typer.Exit(problem)
 
@@ -210,10 +207,8 @@ def discretisation(
     The distances are added to the file of conditioning, whose repeats have the whole step and the tolerance of the
     plant. `railgrip maintain validation` writes the tables of the documentation from it.
     """
-    loaded = load_campaign(file)
-    if loaded.conditioning is None:
-        raise ScenarioError(f"{file.name}: has no key 'conditioning'; it must name the file of the repeats")
-    selection, before = loaded.only(lambda stop: fnmatch(stop.name, stops)), read_conditioning(loaded.conditioning)
+    _, selection, place = _conditioned(file, stops, "the file of the repeats")
+    before = read_conditioning(place)
     without: dict[str, str] = {}
     kinds: tuple[Refinement, ...] = ("steps", "tolerances")
     for of in kinds if only is None else (only,):
@@ -221,12 +216,24 @@ def discretisation(
             refined, reasons = with_refinement(selection, before, tasks, of=of, count=repeats)
         before = before.model_copy(update={"stops": before.stops | refined})
         without |= reasons
-        write_text(loaded.conditioning, text_of(before))
+        write_text(place, text_of(before))
     for name, reason in without.items():
         say(f"{name}: {reason}")
     show_table(steps_table(selection))
     show_table(tolerances_table(selection))
-    say(str(loaded.conditioning))
+    say(str(place))
+
+
+def _conditioned(file: Path, stops: str, what: str) -> tuple[Campaign, Campaign, Path]:
+    """Return a campaign, those of its stops whose names match a pattern, and its file of conditioning.
+
+    Raises:
+        ScenarioError: The campaign names no such file; `what` describes it.
+    """
+    loaded = load_campaign(file)
+    if loaded.conditioning is None:
+        raise ScenarioError(f"{file.name}: has no key 'conditioning'; it must name {what}")
+    return loaded, loaded.only(lambda stop: fnmatch(stop.name, stops)), loaded.conditioning
 
 
 def _previous_repeats(path: Path, relative: float) -> dict[str, RepeatedDistances]:

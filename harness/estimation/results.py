@@ -187,22 +187,13 @@ def parameters_table(parameters: Sequence[ModelParameter], title: str = "") -> R
 
 def errors_table(judgements: Mapping[str, Judgement], title: str) -> ReportTable:
     """Return the errors of the states whose true values are known."""
+    columns: dict[str, tuple[str, Form]] = {
+        "rmse": ("rmse", "{:.4g}"), "of the best constant": ("constant", "{:.4g}"), "bias": ("bias", "{:+.4g}"),
+        "largest": ("largest", "{:.4g}"), "NEES": ("nees", "{:.3g}"), "within 2 sd": ("coverage", share),
+    }  # fmt: skip
     rows = [
-        {
-            "state": state,
-            "rmse": judgement.rmse,
-            "of the best constant": judgement.constant,
-            "bias": judgement.bias,
-            "largest": judgement.largest,
-            "NEES": judgement.nees,
-            "within 2 sd": judgement.coverage,
-        }
+        {"state": state} | {column: getattr(judgement, figure) for column, (figure, _) in columns.items()}
         for state, judgement in judgements.items()
     ]
-    forms: dict[str, Form] = {
-        **dict.fromkeys(("rmse", "of the best constant", "largest"), "{:.4g}"),
-        "bias": "{:+.4g}",
-        "NEES": "{:.3g}",
-        "within 2 sd": share,
-    }
+    forms = {column: form for column, (_, form) in columns.items()}
     return ReportTable(rows, forms, title=title)

@@ -41,7 +41,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self, cast
 
 import xarray
-from pydantic import Field, PrivateAttr, StrictBool, ValidationInfo, field_serializer, field_validator, model_validator
+from pydantic import Field, PrivateAttr, StrictBool, model_validator
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.names import ElementName, did_you_mean, state_name
@@ -57,7 +57,7 @@ from railgrip.scenario.load import Tables, read_toml, require_kind, require_stra
 from railgrip.scenario.quantity import Magnitude, NotNegative, Number, UnitRange, in_units
 from railgrip.scenario.table import Duration, Length, Mass, Name, Parameters, Seed, Table, table_error
 from railgrip.scenario.track import CurveLaw
-from railgrip.scenario.vehicle_table import find_train
+from railgrip.scenario.vehicle_table import TrainName
 from railgrip.simulate.train_prediction import CENTRAL
 
 Positive = Annotated[Number, Field(gt=0.0)]
@@ -112,7 +112,7 @@ class ModelTable(Table):
     library: NamedFile | None = Field(
         default=None, description="for a user-defined class: the package.mo of its library, or its .mo file"
     )
-    train: NamedFile | None = Field(
+    train: TrainName = Field(
         default=None, description="a train of this project, such as emu387, or the path of a train file"
     )
     kind: Kind = Field(
@@ -120,15 +120,6 @@ class ModelTable(Table):
     )
     parameters: Parameters = Field(default={}, description="of the class; the others keep their defaults")
     outputs: list[str] | None = Field(default=None, description="outputs compared with readings; all unless given")
-
-    @field_validator("train", mode="plain", json_schema_input_type=str)
-    @classmethod
-    def _named_or_file(cls, entry: Any, info: ValidationInfo) -> NamedFile | None:
-        return find_train(entry, info)
-
-    @field_serializer("train")
-    def _as_written(self, train: NamedFile | None) -> str | None:
-        return None if train is None else train.entry
 
     @model_validator(mode="after")
     def _has_one_model(self) -> Self:

@@ -102,6 +102,15 @@ _RadiusFactor = Annotated[
 ]
 
 
+TRUTH_KEYS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "m_wheelset": "load", "r_wheel": "wheel_radius", "J": "inertia", "mu_b_nominal": "pad_friction",
+        "mu_b_start": "pad_friction", "eta_rigging": "efficiency",
+    }
+)  # fmt: skip
+"""Parameter of a plant → key of [truth]."""
+
+
 class Truth(Table):
     """Differences of the true train from the one that controller, estimator and driver assume: factors on nominal data.
 
@@ -130,18 +139,6 @@ class Truth(Table):
 
     def factors(self) -> dict[str, tuple[float, ...]]:
         """Return the factors by parameter name of the plants, without those that are 1."""
-        every = {
-            "m_wheelset": self.load, "r_wheel": self.wheel_radius, "J": self.inertia, "mu_b_nominal": self.pad_friction,
-            "mu_b_start": self.pad_friction, "eta_rigging": (self.efficiency,),
-            **{name: (factor,) for name, factor in self.creep.items()},
-        }  # fmt: skip
+        values = {name: getattr(self, key) for name, key in TRUTH_KEYS.items()} | self.creep
+        every = {name: value if isinstance(value, tuple) else (value,) for name, value in values.items()}
         return {name: factors for name, factors in every.items() if any(factor != 1.0 for factor in factors)}
-
-
-TRUTH_KEYS: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "m_wheelset": "load", "r_wheel": "wheel_radius", "J": "inertia", "mu_b_nominal": "pad_friction",
-        "mu_b_start": "pad_friction", "eta_rigging": "efficiency",
-    }
-)  # fmt: skip
-"""Parameter of a plant → key of [truth]."""

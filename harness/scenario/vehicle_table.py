@@ -3,7 +3,17 @@
 from dataclasses import dataclass
 from typing import Annotated, Any, Self
 
-from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_serializer, field_validator, model_validator
+from pydantic import (
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    StrictBool,
+    StrictInt,
+    ValidationInfo,
+    field_serializer,
+    field_validator,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from railgrip.base.registry import not_one_of, shelf
@@ -132,6 +142,14 @@ def find_train(entry: Any, info: ValidationInfo) -> NamedFile | None:
         raise
 
 
+TrainName = Annotated[
+    NamedFile | None,
+    PlainValidator(find_train, json_schema_input_type=str),
+    PlainSerializer(lambda train: train and train.entry, when_used="json"),
+]
+"""Annotation of a train, by its name in this project or by the path of its file."""
+
+
 class Vehicle(Table):
     """The plant."""
 
@@ -140,7 +158,7 @@ class Vehicle(Table):
     )
     model: ModelicaClass | None = optional("in place of `plant`: a user-defined Modelica class, full name")
     library: NamedFile | None = optional("the package.mo of its library, or its .mo file")
-    train: NamedFile | None = optional(
+    train: TrainName = optional(
         "in place of `plant`: a train of this project, such as emu387, or the path of a train file"
     )
     parameters: Parameters = Field(default={}, description="the plant's parameters that differ from its own values")
@@ -173,12 +191,7 @@ class Vehicle(Table):
             )
         return str(entry)
 
-    @field_validator("train", mode="plain", json_schema_input_type=str)
-    @classmethod
-    def _named_or_file(cls, entry: Any, info: ValidationInfo) -> NamedFile | None:
-        return find_train(entry, info)
-
-    @field_serializer("plant", "train", when_used="json")
+    @field_serializer("plant", when_used="json")
     def _as_written(self, plant: str | NamedFile | None) -> str | None:
         return plant.entry if isinstance(plant, NamedFile) else plant
 

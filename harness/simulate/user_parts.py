@@ -310,7 +310,6 @@ class CustomController(_Adapter):
         super().__init__(controller)
         self._shape, self.needs = (formation.groups,), self._names("needs")
         self._call("start", _guard_formation(formation), failed=ScenarioError)
-        self._decide = controller.decide
 
     @property
     def place(self) -> str:
@@ -323,12 +322,7 @@ class CustomController(_Adapter):
         Raises:
             ControllerFailed: The law raised an exception, or returned anything but pressures.
         """
-        try:
-            demands = self._decide(observation)
-        except (KeyboardInterrupt, Interrupted):
-            raise
-        except BaseException as problem:
-            raise ControllerFailed(self._failure("decide", problem) + at_time(observation.time)) from problem
+        demands = self._call("decide", observation, time=observation.time)
         if type(demands) is np.ndarray and demands.dtype == np.float64 and demands.shape == self._shape:
             return demands
         if wrong := problem_with(demands, self._shape):
