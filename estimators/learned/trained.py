@@ -19,7 +19,14 @@ from railgrip.base.errors import EstimatorError, InputError
 from railgrip.base.files import read_text
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.estimators.belief import Array
-from railgrip.estimators.learned.network import MIN_DEVIATION, SLOPE_CENTRE, SLOPE_HALF, Ensemble, Network
+from railgrip.estimators.learned.network import (
+    MIN_DEVIATION,
+    SLOPE_CENTRE,
+    SLOPE_HALF,
+    Ensemble,
+    FrictionEstimates,
+    Network,
+)
 from railgrip.estimators.learned.preprocessing import (
     BOXES,
     COMBINATIONS,
@@ -275,19 +282,14 @@ FORMAT: Final = 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RunEstimates:
-    """Estimates over a run, each of shape (k,).
+class RunEstimates(FrictionEstimates):
+    """Estimates over a run, each of shape (k,); the interval is NaN for an estimator without one.
 
     Attributes:
         sample: Index of the last sample of each estimate.
-        friction: Estimate.
-        lower, upper: Ends of the 90 % interval; NaN for an estimator without interval.
     """
 
     sample: NDArray[np.intp]
-    friction: Array
-    lower: Array
-    upper: Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -347,13 +349,7 @@ class GeneralEstimator:
         lateral, yaw = lateral_and_yaw(self.slow, boxes, backwards=backwards)
         features = self.spectral.features(lateral, yaw, self.slow.every(speed))
         known = np.arange(2 * self.spectral.settling_samples, len(features))
-        estimates = self.ensemble(features[known])
-        return RunEstimates(
-            sample=self.slow.keep * (known + 1) - 1,
-            friction=estimates.friction,
-            lower=estimates.lower,
-            upper=estimates.upper,
-        )
+        return RunEstimates(sample=self.slow.keep * (known + 1) - 1, **asdict(self.ensemble(features[known])))
 
     def online(self) -> SampledSystem:
         """See `PaperEstimator`."""

@@ -9,7 +9,7 @@ import re
 import warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -41,23 +41,23 @@ _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}(?:,\d{3})+\s*")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TextTable:
-    """A table read from text.
+class Columns:
+    """The columns of a file as the library of its format gives them.
 
     Attributes:
-        frame: Its columns; a column with a cell that is not a number holds texts.
-        units: Unit of a column by its name, from a row below the header.
-        decimal: Decimal sign of its numbers.
+        values: By name.
+        units: Those that the file states apart from the names, by name.
+        decimal: Decimal sign of numbers in texts.
         notices: Sentences on lines that were left out.
     """
 
-    frame: pd.DataFrame
-    units: Mapping[str, str]
-    decimal: str
+    values: Mapping[str, Any]
+    units: Mapping[str, str] = field(default_factory=dict[str, str])
+    decimal: str = "."
     notices: tuple[str, ...] = ()
 
 
-def read_delimited(path: Path, separator: str | None = None, decimal: str | None = None) -> TextTable:
+def read_delimited(path: Path, separator: str | None = None, decimal: str | None = None) -> Columns:
     """Return the table in a text file; separators and decimal marks are detected unless given.
 
     Args:
@@ -90,7 +90,8 @@ def read_delimited(path: Path, separator: str | None = None, decimal: str | None
         decimal = ","
         frame = _table(path, encoding, separator, decimal, skipped)
     frame = frame.rename(columns={name: str(name).strip() for name in frame.columns})
-    return TextTable(frame=frame, units=units, decimal=decimal or ".", notices=tuple(notices))
+    values = {str(name): frame[name].to_numpy() for name in frame.columns}
+    return Columns(values=values, units=units, decimal=decimal or ".", notices=tuple(notices))
 
 
 def _other_lines(path: Path, encoding: str, separator: str, head: Sequence[str]) -> tuple[list[int], list[int]]:

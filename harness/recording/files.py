@@ -10,9 +10,9 @@ import re
 import sys
 import traceback
 import warnings
-from collections.abc import Generator, Iterable, Mapping, Sequence
+from collections.abc import Generator, Iterable, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -28,7 +28,14 @@ from railgrip.base.errors import EstimationError, InputError, UnitError
 from railgrip.base.files import LARGEST_TABLE, require_regular
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import conversion, cut, short, unit
-from railgrip.recording.delimited import SPELLINGS, is_hhmmss, read_delimited, seconds_of_day, seconds_of_stamps
+from railgrip.recording.delimited import (
+    SPELLINGS,
+    Columns,
+    is_hhmmss,
+    read_delimited,
+    seconds_of_day,
+    seconds_of_stamps,
+)
 from railgrip.recording.table import DataTable, channel_label
 
 FORMATS = (".csv", ".parquet", ".mat", ".mf4", ".mdf")
@@ -52,23 +59,6 @@ class Series:
     time: Vector
     values: Vector
     unit: str | None
-    notices: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Columns:
-    """The columns of a file as the library of its format gives them.
-
-    Attributes:
-        values: By name.
-        units: Those that the file states apart from the names, by name.
-        decimal: Decimal sign of numbers in texts.
-        notices: Sentences on lines that were left out.
-    """
-
-    values: Mapping[str, Any]
-    units: Mapping[str, str] = field(default_factory=dict[str, str])
-    decimal: str = "."
     notices: tuple[str, ...] = ()
 
 
@@ -118,7 +108,8 @@ def read_table(
     _require_file(path)
     match path.suffix.lower():
         case ".csv":
-            return _csv(path, separator, decimal)
+            with _reading(path, "a csv file"):
+                return read_delimited(path, separator, decimal)
         case ".parquet":
             return _parquet(path, columns)
         case ".mat":
@@ -154,18 +145,6 @@ def _library(path: Path, module: str, extra: str) -> Any:
             f"{path.name}: reading {extra} files takes {module.partition('.')[0]}; install it with "
             f"`pip install 'railgrip[{extra}]'`."
         ) from problem
-
-
-def _csv(path: Path, separator: str | None, decimal: str | None) -> Columns:
-    with _reading(path, "a csv file"):
-        table = read_delimited(path, separator, decimal)
-    frame = table.frame
-    return Columns(
-        values={str(name): frame[name].to_numpy() for name in frame.columns},
-        units=table.units,
-        decimal=table.decimal,
-        notices=table.notices,
-    )
 
 
 def _parquet(path: Path, columns: Sequence[str] | None) -> Columns:

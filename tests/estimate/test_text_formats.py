@@ -132,8 +132,8 @@ def test_g_is_gravity_for_an_acceleration_and_gram_for_a_mass():
 def test_separator_and_decimal_sign_are_detected(tmp_path, text, columns):
     path = tmp_path / "run.csv"
     path.write_text(text, encoding="utf-8")
-    frame = read_delimited(path).frame
-    assert {name: frame[name].tolist() for name in columns} == columns
+    values = read_delimited(path).values
+    assert {name: values[name].tolist() for name in columns} == columns
 
 
 @pytest.mark.parametrize(
@@ -164,7 +164,7 @@ def test_a_possible_thousands_separator_is_refused(tmp_path, text, sentence):
 def test_one_decimal_comma_in_a_file_determines_all_its_commas(tmp_path, text, expected):
     path = tmp_path / "run.csv"
     path.write_text(text, encoding="utf-8")
-    assert read_delimited(path).frame["F"].tolist()[1] == expected
+    assert read_delimited(path).values["F"].tolist()[1] == expected
 
 
 def test_the_key_decimal_determines_the_meaning_of_a_comma(tmp_path):
@@ -243,7 +243,7 @@ def test_a_row_of_numbers_or_words_is_not_a_row_of_units(tmp_path, row):
     path = tmp_path / "run.csv"
     path.write_text(f"t;v\n{row}\n2;3\n", encoding="utf-8")
     assert read_delimited(path).units == {}
-    assert len(read_delimited(path).frame) == 2
+    assert len(read_delimited(path).values["t"]) == 2
 
 
 def test_no_warning_of_a_library_is_passed_on(tmp_path):
