@@ -85,14 +85,12 @@ def iterate_smoother(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Filtered:
+class _Filtered(SmoothedRecording):
     """Beliefs of a filter, the start first, forecasts between them, and the gains of the smoother.
 
     Shapes (k + 1, n) and (k + 1, n, n), else (k, n) and (k, n, n).
     """
 
-    mean: Matrix
-    covariance: Array
     forecast_mean: Matrix
     forecast_covariance: Array
     gain: Array

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector
 from railgrip.estimators.design import FilterContext, FilterKind
-from railgrip.estimators.ekf import ExtendedKalmanFilter, GaussianFilter, Innovation
+from railgrip.estimators.ekf import ExtendedKalmanFilter, GaussianFilter, Innovation, NumpyFilter
 
 NOISE_FACTORS: Final = (1.0 / 9.0, 9.0)
 """Process noise of adhesion in each model over that of the filter: a third and three times the standard deviation, the
@@ -20,7 +20,7 @@ DWELL: Final = 1.0
 """Mean time in a model [s]: adhesion changes within about a second where rail conditions meet."""
 
 
-class InteractingFilters:
+class InteractingFilters(NumpyFilter):
     """IMM estimator of a loop: mixes the beliefs of its filters, steps each of them, and combines the results.
 
     A reading that one filter rejects as an outlier is used by none, so that likelihoods compare the same readings.
@@ -61,12 +61,8 @@ class InteractingFilters:
             )
         if not np.allclose([*self._transition.sum(axis=1), self.probabilities.sum()], 1.0):
             raise EstimatorError("InteractingFilters: probabilities must sum to 1, in every row of the transition too.")
+        super().__init__(self._filters[0], first)
         self._beliefs = [first] * count
-        design = self._filters[0].design
-        self.mean, self.covariance = first.mean.copy(), first.covariance.copy()
-        self.inputs = np.zeros(len(design.inputs))
-        self.readings, self.selection = np.full(len(design.outputs), np.nan), np.zeros(len(design.outputs))
-        self.squared_innovation = 0.0
 
     @classmethod
     def of_context(cls, context: FilterContext) -> Self:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from railgrip.base.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector, seal
 from railgrip.estimators.design import FilterContext, FilterKind
-from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.ekf import ExtendedKalmanFilter, NumpyFilter
 from railgrip.estimators.filters.interacting import combine, log_likelihood
 
 PARTICLES: Final = 12
@@ -32,7 +32,7 @@ def systematic_resample(weights: Vector, uniform: float) -> NDArray[np.intp]:
     return np.minimum(np.searchsorted(ends, (np.arange(count) + uniform) / count, side="right"), count - 1)
 
 
-class ParticleFilter:
+class ParticleFilter(NumpyFilter):
     """Particles of states that are random walks, each with an extended Kalman filter for all other states.
 
     A particle's filter knows its sampled states, so that they have neither variance nor gain. Its weight is multiplied
@@ -62,19 +62,14 @@ class ParticleFilter:
     ) -> None:
         if not sampled or count < 1:
             raise EstimatorError(f"ParticleFilter: needs sampled states and particles, got {len(sampled)} and {count}.")
-        self._filter, self._sampled = filter_, np.array(sampled)
-        self._random = np.random.default_rng(seed)
+        super().__init__(filter_, first)
+        self._kalman, self._sampled, self._random = filter_, np.array(sampled), np.random.default_rng(seed)
         noise = np.diagonal(filter_.design.process_noise).copy()
         self._deviation = np.sqrt(noise[self._sampled])
         covariance = _without(first.covariance, self._sampled)
         draws = self._random.normal(size=(count, len(sampled))) * first.deviation[self._sampled]
         self._beliefs = [seal(_moved(first.mean, self._sampled, draw), covariance.copy()) for draw in draws]
         self.weights = np.full(count, 1.0 / count)
-        self.mean, self.covariance = first.mean.copy(), first.covariance.copy()
-        self.inputs = np.zeros(len(filter_.design.inputs))
-        outputs = len(filter_.design.outputs)
-        self.readings, self.selection = np.full(outputs, np.nan), np.zeros(outputs)
-        self.squared_innovation = 0.0
 
     @classmethod
     def of_context(cls, context: FilterContext) -> Self:
@@ -89,14 +84,14 @@ class ParticleFilter:
         Raises:
             FilterDiverged: No particle explains the readings, or a filter diverged.
         """
-        sampled, steps = self._sampled, self._deviation * self._filter.free(self.inputs)[self._sampled]
+        sampled, steps = self._sampled, self._deviation * self._kalman.free(self.inputs)[self._sampled]
         logarithms, nis, beliefs = np.log(np.maximum(self.weights, np.finfo(float).tiny)), 0.0, []
         for k, belief in enumerate(self._beliefs):
-            forecast = self._filter.predict(belief, self.inputs)
+            forecast = self._kalman.predict(belief, self.inputs)
             walked = _moved(forecast.mean, sampled, steps * self._random.normal(size=len(sampled)))
             forecast = seal(walked, _without(forecast.covariance, sampled))
-            innovation = self._filter.innovation(forecast, self.inputs, self.readings)
-            beliefs.append(self._filter.condition(forecast, self.inputs, innovation))
+            innovation = self._kalman.innovation(forecast, self.inputs, self.readings)
+            beliefs.append(self._kalman.condition(forecast, self.inputs, innovation))
             logarithms[k] += log_likelihood(innovation)
             nis += self.weights[k] * innovation.nis
             if k == 0:
