@@ -63,6 +63,7 @@ class SteppedVariables(Protocol):
     @property
     def period(self) -> float:
         """Period over which it integrates [s]."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

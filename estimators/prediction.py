@@ -27,14 +27,17 @@ class FilterVariables(Protocol):
     @property
     def states(self) -> tuple[str, ...]:
         """Names of the states."""
+        ...
 
     @property
     def inputs(self) -> tuple[str, ...]:
         """Names of the inputs."""
+        ...
 
     @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs, in the order of the readings."""
+        ...
 
 
 @runtime_checkable
@@ -47,15 +50,19 @@ class Prediction(FilterVariables, Protocol):
 
     def derivative(self, x: Vector, u: Vector) -> Vector:
         """Return f(x, u), shape (n,), in units of the states per second."""
+        ...
 
     def output(self, x: Vector, u: Vector) -> Vector:
         """Return h(x, u), shape (m,)."""
+        ...
 
     def derivative_jacobian(self, x: Vector, u: Vector) -> Matrix:
         """Return ∂f/∂x, shape (n, n)."""
+        ...
 
     def output_jacobian(self, x: Vector, u: Vector) -> Matrix:
         """Return ∂h/∂x, shape (m, n)."""
+        ...
 
 
 @runtime_checkable
@@ -70,9 +77,11 @@ class PredictionInC(Prediction, Protocol):
 
     def in_c(self) -> ModelInC:
         """Return the C code."""
+        ...
 
     def failure(self) -> str:
         """Return a sentence on why its C code did not return 0."""
+        ...
 
 
 class Equations:

@@ -81,9 +81,11 @@ class Controller(Protocol):
 
     def start(self, formation: Formation) -> None:
         """Start a stop; called again for each further stop."""
+        ...
 
     def decide(self, observation: Observation) -> ArrayLike:
         """Return the demanded brake cylinder pressure of each group, shape (groups,) [Pa]."""
+        ...
 
 
 @runtime_checkable
@@ -99,9 +101,11 @@ class Estimator(Protocol):
 
     def start(self, first: Observation, formation: Formation) -> None:
         """Start a stop with the first observation; called again for each further stop."""
+        ...
 
     def step(self, observation: Observation) -> Estimate:
         """Return the estimates for an observation; called each period of the estimator, including for `first`."""
+        ...
 
 
 @runtime_checkable
@@ -110,6 +114,7 @@ class Sensors(Protocol):
 
     def start(self, formation: Formation, random: np.random.Generator) -> None:
         """Start a stop; draw all noise from `random`, which is seeded by the scenario."""
+        ...
 
     def read(self, time: float, truth: Mapping[str, Array]) -> Mapping[str, ArrayLike]:
         """Return speed, wheelset_speed, deflection, acceleration and cylinder_pressure, in SI units.
@@ -120,6 +125,7 @@ class Sensors(Protocol):
 
         A reading that is omitted or NaN is not new.
         """
+        ...
 
 
 @runtime_checkable
@@ -134,6 +140,7 @@ class Plant(Protocol):
             speed: Initial speed [m/s].
             period: Duration of each step [s].
         """
+        ...
 
     def step(self, inputs: Mapping[str, Array]) -> Mapping[str, ArrayLike]:
         """Hold `inputs` constant over one period and return the outputs at its end.
@@ -148,6 +155,7 @@ class Plant(Protocol):
             acceleration, wheelset_speed and cylinder_pressure are required; slip, adhesion, wheelset_load, brake_torque
             and the others are optional. Slip that is not returned is computed from the speeds.
         """
+        ...
 
 
 class _KnownBrake(Brake):

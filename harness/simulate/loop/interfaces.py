@@ -31,9 +31,11 @@ class LoopPlant(Protocol):
 
     def start(self, inputs: Vector) -> Vector:
         """Start with `inputs`; return the outputs at the start time."""
+        ...
 
     def step(self, inputs: Vector) -> Vector:
         """Hold `inputs` over one communication period and return the outputs at its end; PlantFailed ends the stop."""
+        ...
 
 
 @runtime_checkable
@@ -45,6 +47,7 @@ class LoopSensors(Protocol):
 
         Readings that are not new are NaN; `Clock.sensors` is the sampling interval. SensorsFailed ends the stop.
         """
+        ...
 
 
 @runtime_checkable
@@ -59,6 +62,7 @@ class SensorsInC(Protocol):
 
     def draw(self) -> None:
         """Draw the noise of the next block; due before every reading that is a multiple of `BLOCK`."""
+        ...
 
 
 def draw_block(noise: NDArray[np.float64], random: np.random.Generator, draws: int) -> None:
@@ -93,6 +97,7 @@ class Filter(Protocol):
 
     def advance(self) -> None:
         """Predict over one period with `inputs`, then condition on `readings`; ArithmeticError when that fails."""
+        ...
 
     @property
     def squared_innovation(self) -> float:
@@ -100,6 +105,7 @@ class Filter(Protocol):
 
         It is 0 before the first step.
         """
+        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,6 +153,7 @@ class DirectEstimator(Protocol):
 
     def step(self, observation: Observation) -> Mapping[str, Vector]:
         """Return all quantities that it provides, from an observation; EstimatorFailed ends the stop."""
+        ...
 
 
 @runtime_checkable
@@ -155,6 +162,7 @@ class LoopController(Protocol):
 
     def decide(self, observation: Observation) -> Sequence[float] | Vector:
         """Return the demanded brake cylinder pressure of each group [Pa]; ControllerFailed ends the stop."""
+        ...
 
 
 class LoopFaults(Protocol):
@@ -180,6 +188,7 @@ class LoopLimits(Protocol):
 
     def limit(self, demands: Vector, observation: Observation) -> Vector:
         """Return demands limited to the pressures of the cylinders [Pa]; ControllerFailed ends the stop."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
