@@ -16,8 +16,7 @@ from railgrip.fmus.build import OUTPUT, Compiler, build, build_class, translate
 from railgrip.fmus.lock import LOCK, Entry, differences, read_lock, write_lock
 from railgrip.fmus.recipe import read_recipes
 from railgrip.report.console import progress, say, show_table
-from railgrip.report.marked import write_tables
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, write_tables
 
 
 def build_command(

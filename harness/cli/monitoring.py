@@ -15,8 +15,7 @@ from railgrip.estimation.spec import load_specification
 from railgrip.report.console import progress, remark, say, show_table
 from railgrip.report.style import save
 from railgrip.studies.axle_box.ride import read_ride, ride_figure, ride_with_estimator
-from railgrip.studies.pad_monitor.folder import draw, health_table, stops_in, summary_of
-from railgrip.studies.pad_monitor.watch import MonitorDesign, watch
+from railgrip.studies.pad_monitor.watch import MonitorDesign, draw, health_table, stops_in, summary_of, watch
 
 RIDE_FILES = ("ride.nc", "ride.png")
 """Files that `railgrip ride` writes."""

@@ -14,10 +14,9 @@ from railgrip.api import Estimate
 from railgrip.campaign.work import Work
 from railgrip.controllers.law import Law
 from railgrip.controllers.observation import Observation
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.statistics import bootstrap_interval
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, write_tables
 from railgrip.scenario.faults import READ_BY
 from railgrip.scenario.file import merge
 from railgrip.scenario.schema import Scenario

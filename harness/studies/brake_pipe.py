@@ -16,9 +16,8 @@ from railgrip.fmi.mapping import Port, bind
 from railgrip.fmi.plant import CoSimulation
 from railgrip.fmus.build import build_class
 from railgrip.report.baseline import Finding
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import ReportTable, percent
+from railgrip.report.table import ReportTable, percent, write_tables
 from railgrip.rolling_stock.modelica import CELLS_OF_A_CAR
 from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import by_hand

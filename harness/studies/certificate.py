@@ -37,10 +37,9 @@ from typer import Option
 
 from railgrip.base.arrays import Array
 from railgrip.campaign.work import Work
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.stop import Stop
-from railgrip.report.table import ReportTable, share
+from railgrip.report.table import ReportTable, share, write_tables
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import run_stop

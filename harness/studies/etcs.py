@@ -11,9 +11,8 @@ from typer import Argument, Option
 from railgrip.base.files import write_text
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import ReportTable, yes_no
+from railgrip.report.table import ReportTable, write_tables, yes_no
 from railgrip.studies.study import Study
 from railgrip.supervision.results import BrakingCurves, braking_curves
 

@@ -17,8 +17,7 @@ from railgrip.estimators.learned.network import QUANTILE, Ensemble
 from railgrip.report.statistics import bootstrap_interval
 from railgrip.report.table import ReportTable
 from railgrip.studies.axle_box.evaluate import ScaledNetwork, TrainingRecipe, estimates_of
-from railgrip.studies.axle_box.instrumented_car import Pass
-from railgrip.studies.axle_box.reduction import LabelledRun, gather
+from railgrip.studies.axle_box.instrumented_car import LabelledRun, Pass, gather
 from railgrip.studies.axle_box.training import Size, dry_or_not, general, passes
 
 JUDGED: Final = ("other irregularities", "one surface for all")

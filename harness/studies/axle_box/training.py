@@ -24,8 +24,16 @@ from railgrip.studies.axle_box.evaluate import (
     within_runs,
     without_each,
 )
-from railgrip.studies.axle_box.instrumented_car import MPH, Pass
-from railgrip.studies.axle_box.reduction import OTHER_CHAINS, SLOW, SPECTRAL, LabelledRun, gather, spectral_features
+from railgrip.studies.axle_box.instrumented_car import (
+    MPH,
+    OTHER_CHAINS,
+    SLOW,
+    SPECTRAL,
+    LabelledRun,
+    Pass,
+    gather,
+    spectral_features,
+)
 
 SPEEDS: Final = (16, 26, 40, 60)
 """mph."""

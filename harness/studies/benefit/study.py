@@ -15,9 +15,8 @@ from railgrip.base.files import scratch
 from railgrip.campaign.work import Work
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import ReportTable, share
+from railgrip.report.table import ReportTable, share, write_tables
 from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.schema import Train
 from railgrip.rolling_stock.stopping import by_hand

@@ -33,8 +33,7 @@ from railgrip.recording.samples import knows, truth_of
 from railgrip.scenario.file import NamedFile, locate
 from railgrip.simulate.estimator import RELEASED_PADS
 from railgrip.simulate.train_prediction import radius_of, release_pressure
-from railgrip.studies.estimators.own import is_fmu
-from railgrip.studies.estimators.recordings import PERIOD, RecordingCase, Sensors, recording_of_case
+from railgrip.studies.estimators.recordings import PERIOD, RecordingCase, Sensors, is_fmu, recording_of_case
 
 FILE: Final = "noises.toml"
 """Factors of each estimator, in the folder `library` of this package; written by `--tune`."""

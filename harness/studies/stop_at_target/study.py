@@ -17,10 +17,9 @@ from railgrip.campaign.searches import evolve, parameters_of
 from railgrip.campaign.work import Work
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.statistics import bootstrap_interval
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, write_tables
 from railgrip.scenario.file import merge
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.schema import Scenario
