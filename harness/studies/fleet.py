@@ -12,7 +12,7 @@ Releases of single groups are made by hand, as a small modulation, and designed 
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -270,11 +270,7 @@ def hierarchy(*, with_lot: bool = True) -> Hierarchy:
 
 def fleet_estimate(trains: Sequence[TrainStops], stops: int, *, with_lot: bool = True) -> FleetEstimate:
     """Return the joint estimate from the first stops of every train; see `hierarchy`."""
-    of_trains = [
-        StopEstimate(train=i, mean=one.mean, covariance=one.covariance, of_quantities=one.of_quantities,
-                     of_offsets=one.of_offsets)
-        for i, train in enumerate(trains) for one in train.estimates[:stops]
-    ]  # fmt: skip
+    of_trains = [replace(one, train=i) for i, train in enumerate(trains) for one in train.estimates[:stops]]
     return estimate_fleet(of_trains, hierarchy(with_lot=with_lot), len(trains))
 
 

@@ -50,57 +50,21 @@ PERIOD: Final = 0.01
 LENGTH: Final = 30
 """Duration of a recording [s], if the train is not at standstill before; the filters need no more, and cost time."""
 
-DEMANDS: Final[Mapping[str, Any]] = MappingProxyType(
-    {
-        "full": {},
-        "steps": {
-            "phases": [
-                {"pressure": "1.0 bar", "until": {"duration": "4 s"}},
-                {"pressure": "2.0 bar", "until": {"duration": "4 s"}},
-                {"pressure": "full"},
-            ]
-        },
-        "release": {
-            "phases": [
-                {"pressure": "full", "until": {"duration": "4 s"}},
-                {"pressure": 0, "until": {"duration": "3 s"}},
-                {"pressure": "full"},
-            ]
-        },
-        "traction": {
-            "phases": [
-                {
-                    "pressure": 0,
-                    "traction": {"force": "60 kN", "power": "800 kW", "rate": "30 kN/s"},
-                    "until": {"duration": "4 s"},
-                },
-                {"pressure": 0, "until": {"duration": "3 s"}},
-                {"pressure": "full"},
-            ]
-        },
-    }
-)
+_ROOT: Final = Path(railgrip.scenario.__file__).parent
+_TABLES: Final = read_toml(Path(__file__).parent / "library" / "recordings.toml")
+
+DEMANDS: Final[Mapping[str, Any]] = _TABLES["demands"]
 """Demand of the driver → [demand] of the scenario: full brake, service steps, a release in between, and traction with
 coasting before the brake."""
 
-WORN: Final[Mapping[str, Any]] = MappingProxyType(
-    {
-        "wheel": {"pulses": 80, "pitch_error": "0.6 %"},
-        "speed": {"noise": "0.2 m/s", "scale_error": "0.6 %", "latency": "100 ms"},
-        "acceleration": {"noise": "0.06 m/s**2", "bias": "0.1 m/s**2"},
-        "deflection": {"noise": "0.4 mm"},
-        "pressure": {"error": "1 %"},
-    }
-)
-"""Worn sensors: twice the errors and the latency of equipment/service.toml, and fewer pulses."""
+WORN: Final[Mapping[str, Any]] = _TABLES["worn"]
+"""[sensors] of worn ones: twice the errors and the latency of equipment/service.toml, and fewer pulses."""
 
 INERTIAS: Final = (1.0, 0.9, 1.1)
 """Inertia of the wheelsets over that of the predictions: wheels wear by some 10 % of it."""
 
 _INERTIA: Final = (222.0, 209.0, 209.0, 222.0)
 """Of the groups in the predictions [kg·m²]."""
-
-_ROOT = Path(railgrip.scenario.__file__).parent
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
