@@ -14,6 +14,7 @@ lateral and yaw acceleration at 128 samples a second, some hundred kilobytes.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -36,6 +37,7 @@ from railgrip.estimators.learned.preprocessing import (
 )
 from railgrip.fmi import CoSimulation, Description, Port, bind, describe
 from railgrip.fmus.build import fmu
+from railgrip.scenario.load import read_toml
 from railgrip.scenario.track_geometry import KINDS, TRACKS, Irregularity, realise
 
 CAR_RATE: Final = 1280
@@ -58,15 +60,9 @@ offset and creep of the wheelsets, leading one first, the speed, and angular vel
 point forwards."""
 
 
-SURFACES: Final[Mapping[str, tuple[float, float, float, float]]] = {
-    # Dry and wet are Polach's (2005) published sets. Of the others only the friction is known; their slopes are
-    # estimates: third-body layers are taken as soft as water, the solid film of a friction modifier as stiffer.
-    "dry": (1.0, 0.4, 0.4, 0.6),
-    "friction modifier": (0.5, 0.2, 0.4, 0.2),
-    "wet": (0.3, 0.1, 0.4, 0.2),
-    "detergent": (0.3, 0.1, 0.4, 0.2),
-    "paper tape": (0.25, 0.1, 0.4, 0.2),
-}
+PAPER: Final = read_toml(Path(__file__).parent / "library" / "published.toml")
+"""Numbers of Abduraxman et al. (2024), and creep curves: tables `labels`, `networks` and `conditions`."""
+SURFACES: Final[Mapping[str, Sequence[float]]] = {name: one["curve"] for name, one in PAPER["conditions"].items()}
 """Polach's k_A, k_S, A and B under each rail-head treatment."""
 
 SLOPE_DEVIATION: Final = 0.15
