@@ -142,8 +142,7 @@ def watch(stops: Sequence[Evidence], design: MonitorDesign) -> History:
         deficit = 1.0 - ratio / normal
         mad = 1.4826 * np.median(np.abs(ratio[reference] / normal - 1.0), axis=0)
         scatter = np.maximum(mad, design.minimum_scatter)
-        threshold = np.array([threshold_for(float(s), design) for s in scatter])
-        alarms = _chart(stops, deficit, scatter, threshold, int(reference[-1]) + 1, design, chart)
+        alarms, chart, threshold = _chart(stops, deficit, scatter, int(reference[-1]) + 1, design)
     index, index_sd = _follow(stops, together, _scatter_by_group(health[reference], design), alarms, design)
     trend, trend_sd = _trend(health, apart, design)
     return History(
@@ -181,15 +180,10 @@ def threshold_for(scatter: float, design: MonitorDesign) -> float:
 
 
 def _chart(
-    stops: Sequence[Evidence],
-    deficit: Matrix,
-    scatter: Vector,
-    threshold: Vector,
-    first: int,
-    design: MonitorDesign,
-    chart: Matrix,
-) -> list[Alarm]:
-    # After an alarm the chart of that group is not updated.
+    stops: Sequence[Evidence], deficit: Matrix, scatter: Vector, first: int, design: MonitorDesign
+) -> tuple[list[Alarm], Matrix, Vector]:
+    """Return the alarms, the chart from stop `first` on, and its threshold; an alarm of a group is its only one."""
+    threshold, chart = np.array([threshold_for(float(s), design) for s in scatter]), np.zeros_like(deficit)
     slack = 0.5 * (design.tolerated + design.failed)
     before = [stop.drag for stop in stops[:first] if np.isfinite(stop.drag)]
     coasting = float(np.median(before)) if before else float("nan")
@@ -210,7 +204,7 @@ def _chart(
             kind: Kind = "does not release" if sticks else "friction lost"
             alarms.append(Alarm(stop=k, group=int(g), kind=kind, loss=float(np.nanmean(deficit[since, g]))))
             distinct[g] = True
-    return alarms
+    return alarms, chart, threshold
 
 
 def _scatter_by_group(health: Matrix, design: MonitorDesign) -> Vector:
