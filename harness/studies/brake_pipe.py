@@ -45,7 +45,7 @@ _PRESSURE = 3.8e5
 _PERIOD, _STEPS = 2e-3, 1500  # s; the valve opens after 1 s
 _FIRST = 0.05  # of the highest pressure, at which a cylinder has begun to fill
 
-EQUIPMENT: Mapping[str, Mapping[str, Any]] = read_toml(Path(__file__).parent / "library" / "brake_pipe.toml")
+EQUIPMENT: Mapping[str, Mapping[str, Any]] = read_toml(Path(__file__).with_suffix(".toml"))
 """Equipment of each car of `loco_coaches`: the tables that docs/trains.md explains."""
 
 _MODEL = """model Pipe
