@@ -182,7 +182,7 @@ def run(
         >>> stop = run("trapezoid", controller="slip_two_state")
         >>> stop.metrics.distance  # [m]
     """
-    from railgrip.campaign.one_stop import add_versions
+    from railgrip.campaign.run import add_versions
     from railgrip.simulate.run import run_stop
 
     changed, objects = _with_parts(scenario, controller=controller, estimator=estimator, sensors=sensors, plant=plant)

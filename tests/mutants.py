@@ -34,12 +34,10 @@ import pytest
 
 import railgrip
 from railgrip.base.errors import FmuError
-from railgrip.campaign.one_stop import run
-from railgrip.campaign.run import find_result, write_description
+from railgrip.campaign.run import find_result, run, write_description
 from railgrip.report.baseline import compare, findings_of, load_baseline
-from railgrip.report.marked import write_tables
 from railgrip.report.results import read_results
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, write_tables
 from railgrip.scenario.campaign import load_campaign
 from railgrip.simulate.run import run_stop
 

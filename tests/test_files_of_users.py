@@ -18,7 +18,7 @@ from railgrip.estimators.learned.trained import load as load_trained
 from railgrip.fmi import describe
 from railgrip.fmus.native.library import library_digest
 from railgrip.recording.files import read_mf4, read_table
-from railgrip.report.marked import page_text
+from railgrip.report.table import page_text
 from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.campaign import load_campaign

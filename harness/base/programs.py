@@ -44,7 +44,7 @@ _PRESENTATION: Final = frozenset(
 def versions() -> dict[str, str]:
     """Return the versions of Python, of its machine and C library, and of all packages that may affect numbers."""
     # Those with a marker are extras and the C compiler of Windows, whose version is that of `_compilers` in
-    # railgrip.campaign.one_stop.
+    # railgrip.campaign.run.
     names = [re.split(r"[^\w.-]", entry, maxsplit=1)[0] for entry in requires("railgrip") or () if ";" not in entry]
     packages = {name: version(name) for name in ("railgrip", *names) if name not in _PRESENTATION}
     machine = " ".join(filter(None, (platform.system(), platform.machine(), *platform.libc_ver())))

@@ -7,20 +7,25 @@ import math
 import pickle
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import pandas
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.base.errors import InputError, RailgripError, ScenarioError
+from railgrip.base.errors import InputError, RailgripError, RecordError, ScenarioError
+from railgrip.base.files import replacing
 from railgrip.base.names import ElementName
 from railgrip.base.units import short
 from railgrip.campaign.workers import answer, collect
 from railgrip.campaign.workers import workers as processes
-from railgrip.report.console import progress
+from railgrip.report.console import progress, remark
+from railgrip.report.results import read_results
+from railgrip.report.stop import CAMPAIGN_FILE, STOP_FILE, Stop, others_like, read_stop
+from railgrip.report.table import names
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.user_parts import CustomParts
@@ -28,19 +33,6 @@ from railgrip.trace.metrics import FIGURES, Metrics
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING
-
-from railgrip.base.errors import RecordError
-from railgrip.base.files import replacing
-from railgrip.report.console import remark
-from railgrip.report.results import read_results
-from railgrip.report.stop import CAMPAIGN_FILE, STOP_FILE, Stop, others_like, read_stop
-from railgrip.report.table import names
-
-if TYPE_CHECKING:
-    import pandas
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +48,13 @@ class Result:
     outcome: str
     reason: str
     metrics: Metrics | None
+
+    @classmethod
+    def of(cls, stop: Stop | RailgripError) -> Self:
+        """Return the result of a stop, or of the error in its place."""
+        if isinstance(stop, Stop):
+            return cls(stop.outcome.value, stop.reason, stop.metrics)
+        return cls("refused" if isinstance(stop, InputError) else "failed", str(stop), None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,7 +204,7 @@ def _in_processes(stops: Sequence[tuple[Scenario, CustomParts]], workers: int) -
     with processes(min(workers, len(stops)), main=False) as pool:
         running = {pool.submit(_result, *stop): number for number, stop in enumerate(stops)}
         for number, result in collect(running):
-            yield number, _failure_result(result) if isinstance(result, RailgripError) else result
+            yield number, result if isinstance(result, Result) else Result.of(result)
 
 
 def _portable(objects: CustomParts) -> bool:
@@ -221,16 +220,7 @@ def _portable(objects: CustomParts) -> bool:
 
 
 def _result(scenario: Scenario, objects: CustomParts) -> Result:
-    stop = answer(lambda: run_stop(scenario, objects=objects))
-    return (
-        _failure_result(stop)
-        if isinstance(stop, RailgripError)
-        else Result(stop.outcome.value, stop.reason, stop.metrics)
-    )
-
-
-def _failure_result(problem: RailgripError) -> Result:
-    return Result("refused" if isinstance(problem, InputError) else "failed", str(problem), None)
+    return Result.of(answer(lambda: run_stop(scenario, objects=objects)))
 
 
 def _hashable(value: Any) -> Any:
@@ -268,11 +258,10 @@ def load_results(folder: Path) -> Stop | Sweep:
     # Stops without draws have no variant of that axis.
     chosen = tuple(tuple(stop.variants.get(axis, "") for axis in keys) for stop in results.stops)
     axes = {axis: tuple(dict.fromkeys(column)) for axis, column in zip(keys, zip(*chosen, strict=True), strict=True)}
-    found = tuple(Result(stop.outcome.value, stop.reason, stop.metrics) for stop in results.stops)
-    return Sweep(axes, found, chosen)
+    return Sweep(axes, tuple(map(Result.of, results.stops)), chosen)
 
 
-def write_table(frame: "pandas.DataFrame", path: Path) -> None:
+def write_table(frame: pandas.DataFrame, path: Path) -> None:
     """Write a table as CSV or Parquet, by its suffix; units are in the names of the columns.
 
     Raises:
@@ -292,12 +281,12 @@ def write_table(frame: "pandas.DataFrame", path: Path) -> None:
             ) from problem
 
 
-def csv_of(frame: "pandas.DataFrame") -> str:
+def csv_of(frame: pandas.DataFrame) -> str:
     """Return a table as CSV, with units in the names of the columns."""
     return with_units(frame).to_csv(index=any(frame.index.names))
 
 
-def with_units(frame: "pandas.DataFrame") -> "pandas.DataFrame":
+def with_units(frame: pandas.DataFrame) -> pandas.DataFrame:
     """Return a table with units in the names of index and columns, as "speed [m/s]"."""
     units = frame.attrs.get("units", {})
     names = {name: f"{name} [{unit}]" for name, unit in units.items() if unit not in ("", "1")}

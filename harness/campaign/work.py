@@ -19,8 +19,7 @@ from pydantic import BaseModel
 from railgrip.base import cache
 from railgrip.base.errors import InputError, RailgripError
 from railgrip.campaign import workers as processes
-from railgrip.campaign.one_stop import Runner, input_versions
-from railgrip.campaign.run import CampaignRun, Report, State, run_campaigns
+from railgrip.campaign.run import CampaignRun, Report, Runner, State, input_versions, run_campaigns
 from railgrip.report.console import Progress, complain, progress
 from railgrip.scenario.schema import Scenario
 

@@ -36,9 +36,8 @@ from railgrip.report.baseline import (
 )
 from railgrip.report.baseline import accept as accept_numbers
 from railgrip.report.console import complain, say, show_table
-from railgrip.report.marked import write_tables
 from railgrip.report.results import read_results
-from railgrip.report.table import ReportTable, yes_no
+from railgrip.report.table import ReportTable, write_tables, yes_no
 from railgrip.report.validation import (
     CONVERGENCE,
     CONVERGENCE_CAMPAIGNS,

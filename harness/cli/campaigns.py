@@ -27,10 +27,10 @@ from railgrip.report.distances import (
 from railgrip.report.distribution import ReferenceVariant, change_table, changes_against
 from railgrip.report.frame import Frame, frame_of
 from railgrip.report.index import reference_of, write_report
-from railgrip.report.marked import names_in, page_text, write_tables
 from railgrip.report.page import formats_of
 from railgrip.report.results import Results, by_compiler, read_results, remarks_on
 from railgrip.report.stop import require_no_result
+from railgrip.report.table import names_in, page_text, write_tables
 from railgrip.scenario.campaign import Panels, load_campaign, selection_of
 
 BASELINES = Path("tests/baselines")

@@ -21,8 +21,7 @@ from railgrip.fmus.native.package import as_fmi_3, pack
 from railgrip.fmus.native.toolchain import TARGETS
 from railgrip.fmus.recipe import read_recipes
 from railgrip.report.console import progress, remark, say, show_table
-from railgrip.report.marked import write_tables
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, write_tables
 from railgrip.scenario.load import load
 from railgrip.simulate.export.c_parts import part_fmu, write_library
 from railgrip.simulate.export.controller_and_plant import controller_fmu, plant_fmu

@@ -13,7 +13,7 @@ from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 
 if TYPE_CHECKING:
-    from railgrip.campaign.one_stop import Runner
+    from railgrip.campaign.run import Runner
 
 
 def run(
@@ -32,8 +32,8 @@ def run(
     """
     scenario = load(file, overrides or [], equipment or [])
     # Imported here: xarray and pandas take half a second, which a wrong scenario need not wait for.
-    from railgrip.campaign.one_stop import run as run_scenario
-    from railgrip.campaign.one_stop import run_folder
+    from railgrip.campaign.run import run as run_scenario
+    from railgrip.campaign.run import run_folder
     from railgrip.report.results import by_compiler, from_elsewhere
     from railgrip.report.stop import require_no_campaign
 

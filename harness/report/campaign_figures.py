@@ -19,6 +19,7 @@ from railgrip.report import palette, style
 from railgrip.report.distribution import distributions_of, over_cases
 from railgrip.report.figures import draw_adhesion, draw_wheelsets
 from railgrip.report.frame import PLACE, SETTING, Frame, groups_of, short_names
+from railgrip.report.reference import CONTROLLERS
 from railgrip.report.stop import Stop
 from railgrip.trace.metrics import FIGURES
 
@@ -129,19 +130,10 @@ def adhesion_figure(sbc: Stop, seeking: Stop) -> Figure:
 
 
 _CONTROLLER_COLOURS = {
-    "full_brake": palette.GREY,
-    "slip_two_state": palette.BLUE,
-    "slip_three_state": palette.SKY,
-    "slip_two_state_read": palette.GREEN,
-    "slip_three_state_read": palette.lighter(palette.GREEN, 2),
-    "slip_two_state_estimated": palette.VERMILION,
-    "slip_three_state_estimated": palette.lighter(palette.VERMILION, 2),
-    "adhesion_based": palette.ORANGE,
-    "adhesion_literal": palette.PURPLE,
-    "slope_seeking": palette.lighter(palette.ORANGE, 2),
-    "ideal_bound": palette.BLACK,
+    kind: palette.lighter(getattr(palette, shown["colour"]), shown.get("lighter", 0))
+    for kind, shown in CONTROLLERS.items()
+    if "colour" in shown
 }
-
 
 _MAX_BARS = 9
 """Maximum number of cases with a panel each."""

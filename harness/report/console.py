@@ -8,10 +8,11 @@ import sys
 import textwrap
 import time
 from collections.abc import Callable, Generator, Iterable
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
+from functools import partial
 from pathlib import Path
 from threading import Event, Thread
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final
 
 from rich.console import Console
 
@@ -136,16 +137,63 @@ def show_all(parts: "Iterable[ReportTable | str]") -> None:
             show_table(part)
 
 
-class Progress(Protocol):
-    """A display of progress."""
+class Progress:
+    """The progress of a task: its activity, the amount done, and the total, if it is known."""
+
+    def __init__(self, name: str, total: float | None, is_count: bool) -> None:
+        self._name, self._doing, self._amount, self._total, self._is_count = name, "", 0.0, total, is_count
+        self._show: Callable[..., object] = lambda **_: None
 
     def update(self, *, doing: str | None = None, amount: float | None = None, total: float | None = None) -> None:
         """Display the present activity, the amount done, and the total; None leaves a value unchanged."""
-        ...
+        self._doing = self._doing if doing is None else doing
+        self._amount = self._amount if amount is None else amount
+        self._total = self._total if total is None else total
+        self._show(description=self._task, completed=self._amount, total=self._total)
 
     def advance(self, doing: str | None = None) -> None:
         """Count one more item as done."""
-        ...
+        self.update(doing=doing, amount=self._amount + 1)
+
+    @property
+    def _task(self) -> str:
+        return f"{self._name}: {self._doing}" if self._doing else self._name
+
+    def __str__(self) -> str:
+        if self._total is None:
+            return self._task
+        if self._is_count:
+            return f"{self._task}, {self._amount:.0f} of {self._total:.0f}"
+        return f"{self._task}, {100 * self._amount / self._total:.0f} %"
+
+    @contextmanager
+    def on_terminal(self) -> Generator[None]:
+        """Show a bar."""
+        from rich import progress as rich
+
+        text = rich.TextColumn("{task.description}", markup=False)
+        measure = () if self._total is None else (rich.BarColumn(), rich.MofNCompleteColumn())[: 1 + self._is_count]
+        columns = (rich.SpinnerColumn(), text, *measure, rich.TimeElapsedColumn())
+        with rich.Progress(*columns, console=_err, transient=True) as bar:
+            self._show = partial(bar.update, bar.add_task(self._name, total=self._total))
+            yield
+
+    @contextmanager
+    def in_lines(self) -> Generator[None]:
+        """Print a line every `REMINDER` seconds."""
+        end, start = Event(), time.monotonic()
+
+        def remind() -> None:
+            while not end.wait(REMINDER):
+                remark(f"{self}, {time.monotonic() - start:.0f} s")
+
+        thread = Thread(target=remind, name="progress", daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            end.set()
+            thread.join()
 
 
 @contextmanager
@@ -156,79 +204,6 @@ def progress(name: str, total: float | None = None, *, is_count: bool = False) -
         total: Total amount; None if unknown.
         is_count: Whether the total is a number of items, not a share.
     """
-    if _is_quiet():
-        yield _Lines(name, total, is_count)
-        return
-    with _bar(name, total, is_count) if _err.is_terminal else _lines(name, total, is_count) as bar:
-        yield bar
-
-
-@contextmanager
-def _bar(name: str, total: float | None, is_count: bool) -> Generator[Progress]:
-    from rich import progress as rich
-
-    text = rich.TextColumn("{task.description}", markup=False)
-    measure = (
-        () if total is None else (rich.BarColumn(), rich.MofNCompleteColumn()) if is_count else (rich.BarColumn(),)
-    )
-    with rich.Progress(
-        rich.SpinnerColumn(), text, *measure, rich.TimeElapsedColumn(), console=_err, transient=True
-    ) as bar:
-        yield _Bar(bar, bar.add_task(name, total=total), name)
-
-
-class _Bar:
-    def __init__(self, bar: Any, task: Any, name: str) -> None:
-        self._bar, self._task, self._name = bar, task, name
-
-    def update(self, *, doing: str | None = None, amount: float | None = None, total: float | None = None) -> None:
-        description = None if doing is None else _describe(self._name, doing)
-        self._bar.update(self._task, description=description, completed=amount, total=total)
-
-    def advance(self, doing: str | None = None) -> None:
-        self._bar.advance(self._task)
-        self.update(doing=doing)
-
-
-@contextmanager
-def _lines(name: str, total: float | None, is_count: bool) -> Generator[Progress]:
-    lines, end, start = _Lines(name, total, is_count), Event(), time.monotonic()
-
-    def remind() -> None:
-        while not end.wait(REMINDER):
-            remark(f"{lines}, {time.monotonic() - start:.0f} s")
-
-    thread = Thread(target=remind, name="progress", daemon=True)
-    thread.start()
-    try:
-        yield lines
-    finally:
-        end.set()
-        thread.join()
-
-
-class _Lines:
-    def __init__(self, name: str, total: float | None, is_count: bool) -> None:
-        self._name, self._doing, self._amount, self._total, self._is_count = name, "", 0.0, total, is_count
-
-    def update(self, *, doing: str | None = None, amount: float | None = None, total: float | None = None) -> None:
-        self._doing = self._doing if doing is None else doing
-        self._amount = self._amount if amount is None else amount
-        self._total = self._total if total is None else total
-
-    def advance(self, doing: str | None = None) -> None:
-        self.update(doing=doing, amount=self._amount + 1)
-
-    def __str__(self) -> str:
-        text = _describe(self._name, self._doing)
-        if self._total is None:
-            return text
-        return f"{text}, " + (
-            f"{self._amount:.0f} of {self._total:.0f}"
-            if self._is_count
-            else f"{100 * self._amount / self._total:.0f} %"
-        )
-
-
-def _describe(name: str, doing: str) -> str:
-    return f"{name}: {doing}" if doing else name
+    shown = Progress(name, total, is_count)
+    with nullcontext() if _is_quiet() else shown.on_terminal() if _err.is_terminal else shown.in_lines():
+        yield shown

@@ -172,7 +172,20 @@ def write_report(
         results = read_results(directory)
         notes = [] if baseline is None else baseline_deviations(results, baseline)
         reference = reference_of(results, against)
-        page = _with_stops(results, directory, panels=panels, notify=notify, notes=notes, reference=reference)
+        notify("table")
+        write_table(results, directory, notes)
+        single = [stop for stop in results.stops if DRAW not in stop.variants]
+        pairs = _pairs(single) if panels != "none" else []
+        longest = {row["stop"] for row in worst_table(frame_of(results), {}).rows}
+        with_panels = {"all": results.stops, "abc": [abc for _, abc in pairs], "none": ()}[panels]
+        chosen = [stop for stop in with_panels if stop.has_trace and stop.name not in longest]
+        # The longest of all draws have a page even if their samples were not kept.
+        chosen += [stop for stop in results.stops if stop.name in longest]
+        pages = {stop.name: f"{stop.name}/index.html" for stop in chosen}
+        for stop in chosen:
+            notify(stop.name)
+            stop_page(stop, back="../index.html").write(directory / stop.name)
+        page = campaign_page(results, notes=notes, pages=pages, pairs=pairs, notify=notify, reference=reference)
         return page.write(directory, formats)
     if (directory / STOP_FILE).exists():
         if against is not None:
@@ -194,31 +207,6 @@ def reference_of(results: Results, against: str | None) -> ReferenceVariant | No
         InputError: See `ReferenceVariant.find`.
     """
     return None if against is None else ReferenceVariant.find(against, [stop.variants for stop in results.stops])
-
-
-def _with_stops(
-    results: Results,
-    directory: Path,
-    *,
-    panels: Panels,
-    notify: Notify,
-    notes: Sequence[str],
-    reference: ReferenceVariant | None,
-) -> Page:
-    notify("table")
-    write_table(results, directory, notes)
-    single = [stop for stop in results.stops if DRAW not in stop.variants]
-    pairs = _pairs(single) if panels != "none" else []
-    longest = {row["stop"] for row in worst_table(frame_of(results), {}).rows}
-    with_panels = {"all": results.stops, "abc": [abc for _, abc in pairs], "none": ()}[panels]
-    chosen = [stop for stop in with_panels if stop.has_trace and stop.name not in longest]
-    # The longest of all draws have a page even if their samples were not kept.
-    chosen += [stop for stop in results.stops if stop.name in longest]
-    pages = {stop.name: f"{stop.name}/index.html" for stop in chosen}
-    for stop in chosen:
-        notify(stop.name)
-        stop_page(stop, back="../index.html").write(directory / stop.name)
-    return campaign_page(results, notes=notes, pages=pages, pairs=pairs, notify=notify, reference=reference)
 
 
 def campaign_page(

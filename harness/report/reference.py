@@ -7,26 +7,16 @@ best of those with other thresholds, because 10 and 15 % were not chosen for the
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeVar
+from pathlib import Path
+from typing import Any, Final, TypeVar
 
 from railgrip.base.units import to_si
+from railgrip.scenario.load import read_toml
 
-CONTROLLERS = {
-    "full_brake": "full brake",
-    "slip_two_state": "SBC, two-state",
-    "slip_three_state": "SBC, three-state",
-    "slip_two_state_read": "SBC, two-state, searched, read slip",
-    "slip_three_state_read": "SBC, three-state, searched, read slip",
-    "slip_two_state_estimated": "SBC, two-state, searched, estimated slip",
-    "slip_three_state_estimated": "SBC, three-state, searched, estimated slip",
-    "adhesion_based": "peak seeking (railgrip)",
-    "adhesion_literal": "ABC (paper)",
-    "slope_seeking": "slope-seeking control",
-    "deceleration_control": "deceleration control",
-    "ideal_bound": "ideal bound",
-    "fmu": "FMU",
-}
-"""Kind of controller → name; with searched levels, the kind is followed by the source of the slip."""
+CONTROLLERS: Final[Mapping[str, Any]] = read_toml(Path(__file__).parent / "library" / "controllers.toml")
+"""Kind of controller → `name`, and `colour` of `railgrip.report.palette` with `lighter` steps, if it has one.
+
+With searched levels, the kind of slip-based control is followed by the source of the slip."""
 
 PUBLISHED = (0.10, 0.15)
 """Slips at which SBC fills and vents; Schwarz, Posielek and Goetjes (2021), section 4."""
@@ -42,7 +32,8 @@ _Stop = TypeVar("_Stop")
 def label(scenario: Mapping[str, Any]) -> str:
     """Return the name of the controller of a resolved scenario, for slip-based control with the thresholds."""
     controller, kind = scenario["controller"], controller_of(scenario)
-    name = CONTROLLERS.get(kind, kind) + (", of the type test" if controller.get("tuning") == "type_test" else "")
+    name = CONTROLLERS[kind]["name"] if kind in CONTROLLERS else kind
+    name += ", of the type test" if controller.get("tuning") == "type_test" else ""
     if kind not in _SLIP_BASED:
         return name
     return f"{name} {'/'.join(f'{100 * threshold:.3g}' for threshold in _thresholds(controller))} %"

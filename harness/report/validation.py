@@ -94,7 +94,12 @@ def tables(campaign: Campaign, baseline: Baseline) -> dict[str, ReportTable]:
         ScenarioError: The repeats with other lots of sensors are missing, or belong to another stop.
     """
     cells = cells_of(campaign, baseline)
-    _require_lots(campaign, cells)
+    of_sensors = [cell for cell in cells if isinstance(cell.stop.scenario.sensors, SampledSensors)]
+    if campaign.conditioning and (stale := [cell.stop.name for cell in of_sensors if not cell.lots]):
+        raise ScenarioError(
+            f"{campaign.name}: there are no repeats with other lots of sensors of {names(stale)} as accepted; run "
+            "`railgrip maintain conditioning`"
+        )
     compared_with = references(cells, lambda cell: cell.scenario, lambda cell: cell.distance)
     texts = {
         (cell.line, cell.column): _text(cell, [other for other in others if other is not cell])
@@ -145,17 +150,6 @@ def cells_of(campaign: Campaign, baseline: Baseline) -> list[Cell]:
         paper = reference.distance if reference else None
         cells.append(Cell(stop, stop.scenario.resolved(), accepted, paper, lots))
     return cells
-
-
-def _require_lots(campaign: Campaign, cells: Sequence[Cell]) -> None:
-    stale = [
-        cell.stop.name for cell in cells if isinstance(cell.stop.scenario.sensors, SampledSensors) and not cell.lots
-    ]
-    if campaign.conditioning and stale:
-        raise ScenarioError(
-            f"{campaign.name}: there are no repeats with other lots of sensors of {names(stale)} as accepted; run "
-            "`railgrip maintain conditioning`"
-        )
 
 
 def _orders(lines: _Lines, columns: Sequence[str]) -> ReportTable:
@@ -366,14 +360,16 @@ def distances_figure(campaign: Campaign, baseline: Baseline) -> tuple[Figure, st
         panel.set_xlim(low, high)
         _draw_published(panel, here)
         for cell in here:
-            _draw(
-                panel,
-                cell,
-                controllers.index(label(cell.scenario)),
-                equipment.index(cell.line[0]),
-                len(equipment),
-                high,
-            )
+            # A distance beyond the scale is an arrow at its end.
+            row, number = controllers.index(label(cell.scenario)), equipment.index(cell.line[0])
+            distance = cell.distance or 0.0
+            y, mark = row + 0.3 * (number - (len(equipment) - 1) / 2), _mark(number)
+            if distance > high:
+                mark.update(marker=">", clip_on=False)
+            else:
+                panel.plot(cell.ends, [y, y], "-|", color=mark["color"], linewidth=1.6, markersize=5, zorder=3)
+            panel.plot([min(distance, high)], [y], zorder=4, **mark)
+            _write(panel, number, f"{distance:.0f}", (1.0, row), panel.get_yaxis_transform(), va="center")
         for number, name in enumerate(equipment):
             _write(panel, number, name, (1.0, 1.01), "axes fraction", va="bottom")
     panels[0, 0].set_yticks(range(len(controllers)), [textwrap.fill(name, 26) for name in controllers], fontsize=8.5)
@@ -389,7 +385,12 @@ def distances_figure(campaign: Campaign, baseline: Baseline) -> tuple[Figure, st
         fontsize=9,
         frameon=False,
     )
-    return drawing, "\n".join(_words(cell) for cell in cells)
+    # So that a figure in a file can be compared with the accepted distances.
+    return drawing, "\n".join(
+        f"{cell.stop.name}: {cell.distance:.1f} m, {cell.ends[0]:.1f} to {cell.ends[1]:.1f} m"
+        + ("" if cell.paper is None else f", paper {cell.paper:.1f} m")
+        for cell in cells
+    )
 
 
 def _mark(number: int) -> dict[str, Any]:
@@ -420,19 +421,6 @@ def _scale(cells: Sequence[Cell]) -> tuple[float, float]:
     return min(ends) - margin, max(ends) + margin
 
 
-def _draw(panel: Axes, cell: Cell, row: int, number: int, count: int, high: float) -> None:
-    """Draw a distance, its range and its number of metres; a distance beyond the scale is an arrow at its end."""
-    distance = cell.distance or 0.0
-    y = row + 0.3 * (number - (count - 1) / 2)
-    mark = _mark(number)
-    if distance > high:
-        mark.update(marker=">", clip_on=False)
-    else:
-        panel.plot(cell.ends, [y, y], "-|", color=mark["color"], linewidth=1.6, markersize=5, zorder=3)
-    panel.plot([min(distance, high)], [y], zorder=4, **mark)
-    _write(panel, number, f"{distance:.0f}", (1.0, row), panel.get_yaxis_transform(), va="center")
-
-
 def _draw_published(panel: Axes, cells: Sequence[Cell]) -> None:
     for cell in cells:
         if cell.paper is not None:
@@ -445,10 +433,3 @@ def _draw_published(panel: Axes, cells: Sequence[Cell]) -> None:
                 va="bottom",
                 fontsize=7.5,
             )
-
-
-def _words(cell: Cell) -> str:
-    """Return the numbers of a cell as text, so that a figure in a file can be compared with the accepted distances."""
-    low, high = cell.ends
-    paper = "" if cell.paper is None else f", paper {cell.paper:.1f} m"
-    return f"{cell.stop.name}: {cell.distance:.1f} m, {low:.1f} to {high:.1f} m{paper}"

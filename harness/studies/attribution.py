@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import log
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,9 @@ from railgrip.api import Estimate
 from railgrip.campaign.work import Work
 from railgrip.controllers.law import Law
 from railgrip.controllers.observation import Observation
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.statistics import bootstrap_interval
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, write_tables
 from railgrip.scenario.faults import READ_BY
 from railgrip.scenario.file import merge
 from railgrip.scenario.schema import Scenario
@@ -191,26 +190,25 @@ def losses(distances: Array) -> dict[str, Array]:
 def table_of(distances: Array) -> ReportTable:
     """Return mean losses over the bound and their shares of the whole, with bootstrap intervals over the cases."""
     parts = losses(distances)
-    rows: list[dict[str, Any]] = []
-    for name, values in parts.items():
-        both = np.column_stack([values, parts["all"]])
-        rows.append(
-            {
-                "loss through": name,
-                "mean over the bound": _with_interval(values, lambda draws: draws.mean(axis=-1), "{:.1f}"),
-                "share of the loss": _with_interval(
-                    both, lambda draws: np.divide(*np.moveaxis(draws.mean(axis=-2), -1, 0)), "{:.1f}"
-                ),
-                "largest": f"{100 * values.max():.1f} %",
-            }
-        )
+    rows = [
+        {
+            "loss through": name,
+            "mean over the bound": _mean(values, "{:.1f}"),
+            "share of the loss": _with_interval(np.column_stack([values, parts["all"]]), _ratio_of_means, "{:.1f}"),
+            "largest": f"{100 * values.max():.1f} %",
+        }
+        for name, values in parts.items()
+    ]
     return ReportTable(rows, left=("loss through",))
 
 
-def cases_table(names: Sequence[str], distances: Array) -> ReportTable:
-    """Return the distances of each case."""
-    rows = [(name, *row) for name, row in zip(names, distances, strict=True)]
-    return ReportTable.of(("case", "as it is", "ideal actuation", "truth", "both", "bound"), rows, "{:.1f} m")
+def _ratio_of_means(draws: Array) -> Array:
+    return np.divide(*np.moveaxis(draws.mean(axis=-2), -1, 0))
+
+
+def _mean(values: Array, form: str) -> str:
+    finite = values[np.isfinite(values)]
+    return _with_interval(finite, lambda draws: draws.mean(axis=-1), form) if len(finite) else ""
 
 
 def gains_table(cleans: NDArray[np.bool_], distances: Mapping[str, Mapping[str, Array]]) -> ReportTable:
@@ -220,22 +218,17 @@ def gains_table(cleans: NDArray[np.bool_], distances: Mapping[str, Mapping[str, 
         cleans: Whether slip cleans the rail of each case strongly, shape (n,).
         distances: Law → piece → distance of each case [m], NaN without standstill; `AS_IS` is the law as it is.
     """
-    rows: list[dict[str, Any]] = []
-    for piece in (name for name in distances[LAW] if name != AS_IS):
-        row: dict[str, Any] = {"given": piece}
-        for law, of_piece in distances.items():
-            changes = of_piece[piece] / of_piece[AS_IS] - 1.0
-            for kind, members in (("cleaned", cleans), ("other", ~cleans)):
-                row[f"{law}, {kind} rails"] = _mean_with_interval(changes[members])
-        rows.append(row)
+    rows = [
+        {"given": piece}
+        | {
+            f"{law}, {kind} rails": _mean((of_piece[piece] / of_piece[AS_IS] - 1.0)[members], "{:+.1f}")
+            for law, of_piece in distances.items()
+            for kind, members in (("cleaned", cleans), ("other", ~cleans))
+        }
+        for piece in distances[LAW]
+        if piece != AS_IS
+    ]
     return ReportTable(rows, left=("given",))
-
-
-def _mean_with_interval(changes: Array) -> str:
-    changes = changes[np.isfinite(changes)]
-    if not len(changes):
-        return ""
-    return _with_interval(changes, lambda draws: draws.mean(axis=-1), "{:+.1f}")
 
 
 def _with_interval(cases: Array, statistic: Callable[[Array], Array], form: str) -> str:
@@ -307,16 +300,17 @@ class Attribution(Study):
         distances = np.column_stack([found[: -len(bounds)].reshape(-1, len(GIVEN)), found[-len(bounds) :]])
         stopped = np.isfinite(distances).all(axis=1)
         table = table_of(distances[stopped])
-        each = cases_table([law.variants["case"] for law in laws], distances)
+        of_cases = [(law.variants["case"], *row) for law, row in zip(laws, distances, strict=True)]
+        each = ReportTable.of(("case", "as it is", "ideal actuation", "truth", "both", "bound"), of_cases, "{:.1f} m")
         for_gains = training_cases(self.gain_cases, 2)
         gains = gains_of(work, for_gains)
         if self.write:
-            of_cases = "training cases of version 2:\n\n"
+            version = "training cases of version 2:\n\n"
             write_tables(
                 PAGE,
                 {
-                    "attribution": f"{int(stopped.sum())} {of_cases}{table}",
-                    "gains by knowledge": f"{len(for_gains)} {of_cases}{gains}",
+                    "attribution": f"{int(stopped.sum())} {version}{table}",
+                    "gains by knowledge": f"{len(for_gains)} {version}{gains}",
                 },
             )
         return Page(

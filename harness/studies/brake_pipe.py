@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from typer import Option
 
-from railgrip.base.files import scratch
+from railgrip.base.files import scratch, write_text
 from railgrip.campaign.work import Work
 from railgrip.fmi import Description
 from railgrip.fmi.description import describe
@@ -16,13 +16,13 @@ from railgrip.fmi.mapping import Port, bind
 from railgrip.fmi.plant import CoSimulation
 from railgrip.fmus.build import build_class
 from railgrip.report.baseline import Finding
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import ReportTable, percent
+from railgrip.report.table import ReportTable, percent, write_tables
 from railgrip.rolling_stock.modelica import CELLS_OF_A_CAR
 from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import by_hand
-from railgrip.scenario.file import locate
+from railgrip.scenario.file import inline_toml, locate, merge
+from railgrip.scenario.load import read_toml
 from railgrip.simulate.run import run_stop
 from railgrip.studies.study import Study
 from railgrip.studies.trains.stops import dry_scenario, filling_of
@@ -45,25 +45,7 @@ _PRESSURE = 3.8e5
 _PERIOD, _STEPS = 2e-3, 1500  # s; the valve opens after 1 s
 _FIRST = 0.05  # of the highest pressure, at which a cylinder has begun to fill
 
-EQUIPMENT = {
-    "as in its file": "",
-    "distributors in position R": """
-[distributors.R]
-low_share = 0.5
-speed_up = "70 km/h"
-speed_down = "50 km/h"
-stage_time = "0.3 s"
-estimated = true
-""",
-    "accelerators": """
-[accelerators.quick]
-conductance = "2e-7 m3/(s.Pa)"
-opening_rate = "0.7 bar/s"
-closing_pressure = "2.5 bar"
-sensing_time = "0.3 s"
-estimated = true
-""",
-}
+EQUIPMENT: Mapping[str, Mapping[str, Any]] = read_toml(Path(__file__).with_suffix(".toml"))
 """Equipment of each car of `loco_coaches`: the tables that docs/trains.md explains."""
 
 _MODEL = """model Pipe
@@ -116,14 +98,13 @@ def table_of(speeds: Mapping[Any, Mapping[Case, float]]) -> ReportTable:
 
 def stop_row(equipment: str) -> dict[str, object]:
     """Return the dry stop of `loco_coaches` with some equipment in each car."""
-    text = locate("loco_coaches", "trains").read_text(encoding="utf-8")
-    table = EQUIPMENT[equipment]
-    if table:
-        kind, name = table.split("]")[0].strip().lstrip("[").split(".")
-        text = text.replace("[[cars]]", f'[[cars]]\n{kind.removesuffix("s")} = "{name}"') + table
+    tables = EQUIPMENT[equipment]
+    fitted = {kind.removesuffix("s"): name for kind, of_kind in tables.items() for name in of_kind}
+    content = merge(read_toml(locate("loco_coaches", "trains")), tables)
+    content["cars"] = [car | fitted for car in content["cars"]]
     with scratch("study") as folder:
         file = folder / "loco_coaches.toml"
-        file.write_text(text, encoding="utf-8")
+        write_text(file, "".join(f"{key} = {inline_toml(value)}\n" for key, value in content.items()))
         train = load_train(file)
         speed = train.reference[0].speed
         trace = run_stop(dry_scenario(file, speed)).trace

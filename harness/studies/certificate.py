@@ -37,10 +37,9 @@ from typer import Option
 
 from railgrip.base.arrays import Array
 from railgrip.campaign.work import Work
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.stop import Stop
-from railgrip.report.table import ReportTable, share
+from railgrip.report.table import ReportTable, share, write_tables
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import run_stop
@@ -170,6 +169,7 @@ def with_certificate(
     filling = filling[::step]
     speed = rows["speed"].values
     count, groups = rows["slip"].shape
+    then = np.minimum(np.arange(count) + max(1, round(window / STRIDE)), count - 1)
     names = ("slip_bound", "adhesion_by_slip", "adhesion_by_rail")
     results = {name: np.full((count, groups), np.nan) for name in names}
     results["slip_reached"] = _reached(rows["slip"].values, rows["command"].values <= -0.5, ahead)
@@ -182,22 +182,13 @@ def with_certificate(
         release = _release(rows, group, brake, valves, choked, filling[:, group])
         rail = _rail(contact, brake, slip, speed, load, friction, ahead)
         results["slip_bound"][:, group] = slip_bound(rail, release)
-        by_slip, by_rail = _changes(contact, slip, speed, load, friction, max(1, round(window / STRIDE)))
-        results["adhesion_by_slip"][:, group], results["adhesion_by_rail"][:, group] = by_slip, by_rail
+        present = _force(contact, slip, speed, load, friction) / load.sum(axis=1)
+        by_slip = _force(contact, slip[then], speed, load, friction) / load.sum(axis=1)
+        by_rail = _force(contact, slip, speed[then], load[then], friction[then]) / load[then].sum(axis=1)
+        results["adhesion_by_slip"][:, group] = by_slip - present
+        results["adhesion_by_rail"][:, group] = by_rail - present
     values = {name: (("time", "group"), array) for name, array in results.items()}
     return xarray.Dataset({"slip": rows["slip"], **values}, coords={"time": rows["time"]})
-
-
-def _changes(
-    contact: Contact, slip: Array, speed: Array, load: Array, friction: Array, later: int
-) -> tuple[Array, Array]:
-    """Return the change of adhesion over the next `later` samples by that of slip, and by that of the rail."""
-    count = len(slip)
-    then = np.minimum(np.arange(count) + later, count - 1)
-    present = _force(contact, slip, speed, load, friction) / load.sum(axis=1)
-    by_slip = _force(contact, slip[then], speed, load, friction) / load.sum(axis=1)
-    by_rail = _force(contact, slip, speed[then], load[then], friction[then]) / load[then].sum(axis=1)
-    return by_slip - present, by_rail - present
 
 
 def _reached(slip: Array, venting: NDArray[np.bool_], ahead: int) -> Array:

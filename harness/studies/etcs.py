@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,12 +10,12 @@ from typer import Argument, Option
 from railgrip.base.files import write_text
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import ReportTable, yes_no
+from railgrip.report.table import ReportTable, write_tables, yes_no
 from railgrip.studies.study import Study
 from railgrip.supervision.results import BrakingCurves, braking_curves
 
+_CSV: Mapping[str, Any] = {"index": False, "float_format": "%.4f", "lineterminator": "\n"}
 PAGE = Path("docs/etcs.md")
 """Folder relative to that of the project, in which the command runs."""
 
@@ -56,7 +55,7 @@ class Etcs(Study):
                 "national": _given(curves),
             },
             figures={"etcs.png": curves.figure()},
-            files={"etcs.csv": partial(_write_csv, curves)},
+            files={"etcs.csv": lambda path: write_text(path, curves.limits.to_csv(**_CSV))},
             tables={"limits.csv": curves.table, "decelerations.csv": curves.decelerations},
             screen=(curves.decelerations, curves.table, *curves.sentences),
         )
@@ -97,7 +96,3 @@ def _plain(value: Any) -> str:
     if value is None or isinstance(value, bool):
         return "none" if value is None else yes_no(value)
     return f"{value:g}"
-
-
-def _write_csv(curves: BrakingCurves, path: Path) -> None:
-    write_text(path, curves.limits.to_csv(index=False, float_format="%.4f", lineterminator="\n"))

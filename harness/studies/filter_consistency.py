@@ -14,9 +14,8 @@ from railgrip.campaign.work import Work
 from railgrip.estimation.judge import rms
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.frame import Frame, groups_of
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import ReportTable, whole_percent
+from railgrip.report.table import ReportTable, whole_percent, write_tables
 from railgrip.scenario.file import merge
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.simulate.run import run_stop

@@ -8,9 +8,8 @@ from typer import Option
 
 from railgrip.api import Scenario
 from railgrip.campaign.work import Work
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, write_tables
 from railgrip.simulate.ideal import held_stop
 from railgrip.simulate.run import run_stop
 from railgrip.studies.papers.creep_curves import CLEAN

@@ -235,17 +235,12 @@ def trust_of(case: tuple[float, float]) -> Row:
 TRUST_ERRORS: Final = ("α rms, 4 to 11 s", "α largest, 4 to 11 s", "α rms, whole test")
 
 
-def trust_table(rows: Sequence[Row]) -> ReportTable:
-    """Return the errors of `trust_of`."""
-    forms: dict[str, Form] = dict.fromkeys(TRUST_ERRORS, "{:.4f}")
-    return ReportTable(rows, forms | dict.fromkeys(("R11", "Q11"), "{:.0e}"))
-
-
 WAGONS: Mapping[str, Mapping[str, float]] = {
     "corrected": {},
     "as printed": {"adhesion_share": 0.5, "resistance_transfer": 1.0, "adhesion_transfer": 0.0},
 }
 """Parameters of `WagonPrediction` with equations (4), (5) and (12) corrected, and as printed."""
+WAGON_STATES: Final = {"α": "alpha", "μ_B front": "mu_b[1]", "μ_B rear": "mu_b[2]"}
 
 
 def wagon_of(name: str) -> Row:
@@ -254,17 +249,10 @@ def wagon_of(name: str) -> Row:
     wagon = load_specification(LIBRARY / "wagon.toml", changes)
     recording = recording_of_estimation(wagon)
     estimates = estimate_of(wagon, recording)
-    states = {"α": "alpha", "μ_B front": "mu_b[1]", "μ_B rear": "mu_b[2]"}
-    judged = {word: judge(recording, estimates, state) for word, state in states.items()}
+    judged = {word: judge(recording, estimates, state) for word, state in WAGON_STATES.items()}
     return {"equations (4), (5), (12)": name} | {
         f"{word} {figure}": getattr(one, figure) for word, one in judged.items() for figure in ("bias", "rmse")
     }
-
-
-def wagon_table(rows: Sequence[Row]) -> ReportTable:
-    """Return the errors of `wagon_of`."""
-    forms: dict[str, Form] = {name: "{:+.4f}" if name.endswith("bias") else "{:.4f}" for name in list(rows[0])[1:]}
-    return ReportTable(rows, forms, left=("equations (4), (5), (12)",))
 
 
 def encode(speed: NDArray[np.float64], encoder: str, draw: int) -> NDArray[np.float64]:
@@ -276,12 +264,6 @@ def encode(speed: NDArray[np.float64], encoder: str, draw: int) -> NDArray[np.fl
         step, place = np.sqrt(12 * R_OF_SPEED), random.random()
         return step * (np.round(speed / step + place) - place)
     return speed
-
-
-def fit_table(rows: Sequence[Row]) -> ReportTable:
-    """Return the errors of `fit_of`, for each test and period."""
-    title = "Equation (20) as printed: adhesion error outside protection events"
-    return ReportTable(rows, {"bound of 0.1 s": "±{:.1e}"}, ("test",), title)
 
 
 def _filters() -> dict[str, Specification]:
@@ -318,7 +300,8 @@ class RollerRig(Study):
         others = [resample("rig_slide", period, noise) for period in PERIODS for noise in SPEED_NOISES]
         sensitivity = [row for rows in work.map(with_encoder, others) for row in rows]
         rows = _rows(scenarios, list(tests.values()))
-        fits = fit_table(work.map(fit_of, [(name, period) for name in SCENARIOS for period in FIT_PERIODS]))
+        of_fits = work.map(fit_of, [(name, period) for name in SCENARIOS for period in FIT_PERIODS])
+        fits = ReportTable(of_fits, {"bound of 0.1 s": "±{:.1e}"}, ("test",), _OF_FITS)
         slide = published.points_of_slide(tests["rig_sand"][0], VehicleData(scenarios[-1]).contact)
         (same_protection,) = work.map(recording_of_rig, [load(Path("rig_sand"), SAME_PROTECTION)])
         found = published.measures(tests, rows, slide, same_protection)
@@ -328,8 +311,8 @@ class RollerRig(Study):
             "scores": scores,
             "sensitivity": table_of(sensitivity, period="period", **{"σ of v": "speed_noise"}),
             "fits": fits,
-            "trust": trust_table(work.map(trust_of, TRUSTS)),
-            "wagon": wagon_table(work.map(wagon_of, list(WAGONS))),
+            "trust": ReportTable(work.map(trust_of, TRUSTS), _FORMS),
+            "wagon": ReportTable(work.map(wagon_of, list(WAGONS)), _FORMS, ("equations (4), (5), (12)",)),
         }
         figures = published.figures(tests, slide)
         if self.write:
@@ -414,7 +397,12 @@ _FORMS: Mapping[str, Form] = {
     "kept": yes_no,
     "period": lambda period: f"{1e3 * period:g} ms",
     "σ of v": "{:.1e} m/s",
+    **dict.fromkeys(TRUST_ERRORS, "{:.4f}"),
+    **dict.fromkeys(("R11", "Q11"), "{:.0e}"),
+    **{f"{state} bias": "{:+.4f}" for state in WAGON_STATES},
+    **{f"{state} rmse": "{:.4f}" for state in WAGON_STATES},
 }
+_OF_FITS: Final = "Equation (20) as printed: adhesion error outside protection events"
 
 
 def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset]) -> Figure:

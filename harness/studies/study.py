@@ -10,7 +10,7 @@ from typing import ClassVar
 from railgrip.base.errors import InputError
 from railgrip.base.names import nearest
 from railgrip.base.records import make_folder, require_own
-from railgrip.campaign.one_stop import input_versions
+from railgrip.campaign.run import input_versions
 from railgrip.campaign.work import Work, work
 from railgrip.report.baseline import Finding, Findings
 from railgrip.report.page import FORMATS, Page

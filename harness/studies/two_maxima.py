@@ -13,10 +13,9 @@ from typer import Option
 from railgrip.api import Scenario
 from railgrip.campaign.work import Work
 from railgrip.report import palette, style
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.stop import Stop
-from railgrip.report.table import ReportTable, percent
+from railgrip.report.table import ReportTable, percent, write_tables
 from railgrip.scenario.surface import named_set
 from railgrip.simulate.run import run_stop
 from railgrip.studies.papers.creep_curves import OWN_WAY, RAILS, SLIPS, SPEED, curves, maxima

@@ -13,8 +13,7 @@ from pages import plots_of
 
 from railgrip.base.errors import RecordError
 from railgrip.base.records import RECORD
-from railgrip.campaign.one_stop import input_versions, run
-from railgrip.campaign.run import find_result
+from railgrip.campaign.run import find_result, input_versions, run
 from railgrip.scenario.campaign import load_campaign
 
 
@@ -190,7 +189,7 @@ def test_results_of_another_scenario_or_program_version_are_run_again(project, m
     run(stop.scenario, directory, synthetic_runner.run_stop)
     assert find_result(stop, directory) is not None
     assert find_result(load_campaign(project / "pair.toml", ["seed=3"]).stops[0], directory) is None
-    monkeypatch.setattr("railgrip.campaign.one_stop.sources_digest", lambda study: "0" * 64)
+    monkeypatch.setattr("railgrip.campaign.run.sources_digest", lambda study: "0" * 64)
     assert find_result(stop, directory) is None
 
 

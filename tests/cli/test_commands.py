@@ -13,7 +13,7 @@ from test_console import HEAVY
 from typer.main import get_command
 
 import railgrip as rg
-from railgrip.campaign import one_stop
+from railgrip.campaign import run as runs
 from railgrip.cli.app import Command, Commands, app, maintain
 from railgrip.report import console
 
@@ -131,12 +131,12 @@ def test_verbose_prints_debugging_messages(railgrip, capfd, option, printed):
 
 @pytest.mark.parametrize("tool", ["OpenModelica Compiler v1.27.0", "railgrip (rumoca 0.10)"])
 def test_run_names_the_compiler_of_its_fmus_if_it_is_not_the_built_in_one(railgrip, monkeypatch, tmp_path, tool):
-    simulate = one_stop.run
+    simulate = runs.run
 
     def run(*arguments):
         stop = simulate(*arguments)
         return replace(stop, versions={**stop.versions, "TwoPartTrain.fmu": tool})
 
-    monkeypatch.setattr(one_stop, "run", run)
+    monkeypatch.setattr(runs, "run", run)
     output = railgrip("run", "plain", "--out", str(tmp_path / "out"))
     assert (f"plain: FMUs by {tool}: TwoPartTrain.fmu." in output.out) == tool.startswith("OpenModelica")

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from railgrip.base.errors import InputError, ScenarioError
-from railgrip.studies.estimators.own import require_one_of_each_name
+from railgrip.studies.estimators.recordings import require_one_of_each_name
 from railgrip.studies.type_test.entrants import Entrant, controller_digest, entrants_named
 
 

@@ -9,12 +9,11 @@ import pytest
 from one_process import one_process
 
 from railgrip.base.errors import EstimationError, InputError
-from railgrip.campaign.one_stop import input_versions
+from railgrip.campaign.run import input_versions
 from railgrip.campaign.work import work
 from railgrip.scenario.load import load
-from railgrip.studies import names, summary
-from railgrip.studies.bench import stop
-from railgrip.studies.bench.study import answer
+from railgrip.studies import bench, names, summary
+from railgrip.studies.bench import answer
 from railgrip.studies.study import study_named
 
 COUNT = itertools.count(1)
@@ -44,11 +43,11 @@ def study_work(own_cache):
 def test_the_bench_prints_the_time_of_a_stop_and_which_targets_are_exceeded():
     rows = [
         ("cold build of 9 FMUs", "9.8 s (16.1 s of processor)", "10 s"),
-        (f"{stop.ABC}{stop.CYCLE}", "8.1 µs", ""),
-        (stop.FASTER, "98", ""),
+        (f"{bench.ABC}{bench.CYCLE}", "8.1 µs", ""),
+        (bench.FASTER, "98", ""),
         ("  with assembly, without a trace", "11.0 µs", "10 µs"),
-        (f"slip-based control{stop.CYCLE}", "3.0 µs", ""),
-        (stop.FASTER, "200", ""),
+        (f"slip-based control{bench.CYCLE}", "3.0 µs", ""),
+        (bench.FASTER, "200", ""),
         ("train of 4 four-axle cars", "0.03 ms", "25 µs for four cars"),
         ("stops that two processes end, over one", "1.95", "at least 1.9"),
         ("tuning", "40 ms", ""),

@@ -6,8 +6,18 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from railgrip.studies.fleet.study import CANDIDATES, STARTS, Releases, design, in_order, log_determinant
-from railgrip.studies.fleet.trains import Hierarchy, StopEstimate, estimate_fleet, stop_estimate
+from railgrip.studies.fleet import (
+    CANDIDATES,
+    STARTS,
+    Hierarchy,
+    Releases,
+    StopEstimate,
+    design,
+    estimate_fleet,
+    in_order,
+    log_determinant,
+    stop_estimate,
+)
 from railgrip.studies.pad_monitor.evidence import evidence_of
 from railgrip.studies.pad_monitor.life import Life, Release, braking_pressures, demand_table, live
 
@@ -167,7 +177,7 @@ def test_the_effect_of_an_offset_does_not_depend_on_the_estimate(monkeypatch):
     stops: list[StopEstimate] = []
     for factor in (1.0, 1.1):
         changed = replace(evidence, health=factor * evidence.health, offset=factor * evidence.offset)
-        monkeypatch.setattr("railgrip.studies.fleet.trains.evidence_of", lambda *_, found=changed: found)
+        monkeypatch.setattr("railgrip.studies.fleet.evidence_of", lambda *_, found=changed: found)
         stops.append(stop_estimate(recording, temperature))
     np.testing.assert_allclose(stops[1].of_offsets, stops[0].of_offsets, rtol=1e-12)
 

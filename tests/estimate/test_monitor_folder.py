@@ -13,8 +13,8 @@ from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import load_specification
 from railgrip.recording.samples import reading_of
 from railgrip.studies.pad_monitor.evidence import evidence_of
-from railgrip.studies.pad_monitor.folder import stops_in
 from railgrip.studies.pad_monitor.life import Life, live
+from railgrip.studies.pad_monitor.watch import stops_in
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 

@@ -12,7 +12,7 @@ from railgrip.recording.samples import reading_of, recording_of, truth_of
 from railgrip.report.style import save
 from railgrip.scenario.load import load
 from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.studies.bench.filters import rig_step
+from railgrip.studies.bench import rig_step
 from railgrip.studies.papers import adhesion_and_brake_friction as published
 from railgrip.studies.roller_rig import (
     ENCODERS,

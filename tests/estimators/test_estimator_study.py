@@ -24,14 +24,19 @@ from railgrip.simulate.estimator import RELEASED_PADS
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.estimators import replay as own_replay
 from railgrip.studies.estimators.judge import (
+    BUDGET,
     TRUTH,
     available_errors,
     bounds_of,
     errors_of,
+    interval_score,
     largest_of_last,
     pads_are_identifiable,
+    read_factors,
+    search,
     step_delay,
     truths_of,
+    write_factors,
 )
 from railgrip.studies.estimators.recordings import (
     DEMANDS,
@@ -59,7 +64,6 @@ from railgrip.studies.estimators.replay import (
     states,
     with_unmodelled,
 )
-from railgrip.studies.estimators.search import BUDGET, interval_score, read_factors, search, write_factors
 from railgrip.studies.estimators.study import FACTORS_FILE, Estimators
 from railgrip.studies.estimators.tables import (
     SETTLED,
@@ -392,7 +396,7 @@ def test_the_search_never_returns_worse_factors(monkeypatch):
         count["evaluations"] += 1
         return sum(np.log(value / (3.0 if name == "all" else 1.0)) ** 2 for name, value in factors.items())
 
-    monkeypatch.setattr("railgrip.studies.estimators.search.evaluate", cost)
+    monkeypatch.setattr("railgrip.studies.estimators.judge.evaluate", cost)
     factors = search(("fmu", "ideal", ()))
     assert factors == dict.fromkeys(FACTORS, 1.0) | {"all": 3.0}
     assert count["evaluations"] <= BUDGET
@@ -432,7 +436,7 @@ def test_factors_are_read_as_they_were_written(tmp_path):
 @pytest.mark.usefixtures("own_cache", "in_process")
 def test_a_search_of_one_estimator_keeps_the_noises_of_all_others(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("railgrip.studies.estimators.search.BUDGET", 2)
+    monkeypatch.setattr("railgrip.studies.estimators.judge.BUDGET", 2)
     file = tmp_path / FACTORS_FILE
     file.parent.mkdir(parents=True)
     write_factors(file, {("fmu", "worn"): {"all": 2.0}, ("force_balance", "worn"): {"all": 2.0}})

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import railgrip as rg
-from railgrip.report.marked import END
+from railgrip.report.table import END
 from railgrip.supervision import trains
 
 PERCENT = """

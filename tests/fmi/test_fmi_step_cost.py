@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from tiny_fmu import tiny
 
-from railgrip.studies.bench import stop
+from railgrip.studies import bench
 
 
 def test_three_ways_across_the_interface_give_the_same_outputs(foundry: Path):
-    times = stop.step_times(tiny(foundry), count=20, rounds=2)
+    times = bench.step_times(tiny(foundry), count=20, rounds=2)
     assert list(times) == ["ours", "fmpy", "c"]
     assert all(len(rounds) == 2 and min(rounds) > 0.0 for rounds in times.values())
 
 
 def test_ways_that_disagree_are_not_compared(foundry: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(stop, "seconds_of_fmpy", lambda *_, **__: (1.0, np.zeros(2)))
+    monkeypatch.setattr(bench, "seconds_of_fmpy", lambda *_, **__: (1.0, np.zeros(2)))
     with pytest.raises(AssertionError, match=r"well\.fmu: fmpy and ours end on different outputs"):
-        stop.step_times(tiny(foundry), count=20, rounds=1)
+        bench.step_times(tiny(foundry), count=20, rounds=1)

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from command_line import exit_code
 
-from railgrip.report.marked import END
+from railgrip.report.table import END
 from railgrip.studies.k_factors.k_dry import LIBRARY
 
 LITTLE = ["--set", "estimate.samples=20", "--set", "estimate.runs=2"]

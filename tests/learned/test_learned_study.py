@@ -11,7 +11,7 @@ from railgrip.estimators.learned.preprocessing import COMBINATIONS
 from railgrip.report.page import render
 from railgrip.report.style import save
 from railgrip.studies.axle_box.evaluate import TrainingRecipe
-from railgrip.studies.axle_box.reduction import OTHER_CHAINS, LabelledRun
+from railgrip.studies.axle_box.instrumented_car import OTHER_CHAINS, LabelledRun
 from railgrip.studies.axle_box.results import compare_with_paper, draw, tables_of
 from railgrip.studies.axle_box.training import QUICK, dry_or_not, estimators_of, passes, train_and_judge
 

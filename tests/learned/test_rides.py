@@ -13,8 +13,7 @@ from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
 from railgrip.fmi import describe
 from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import pack
-from railgrip.studies.axle_box.instrumented_car import Pass, Ride, held_speed, in_axes_of_car, ride
-from railgrip.studies.axle_box.reduction import RATE, measure_run
+from railgrip.studies.axle_box.instrumented_car import RATE, Pass, Ride, held_speed, in_axes_of_car, measure_run, ride
 from railgrip.studies.axle_box.ride import (
     INPUTS,
     LIBRARY,

@@ -7,7 +7,7 @@ import pytest
 import xarray
 
 from railgrip.recording.samples import recording_of
-from railgrip.report.marked import with_tables
+from railgrip.report.table import with_tables
 from railgrip.scenario.load import load
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.papers import adhesion_and_brake_friction as page

@@ -10,7 +10,7 @@ import pytest
 
 from railgrip.api import Scenario
 from railgrip.base.registry import shelf
-from railgrip.report.marked import with_tables
+from railgrip.report.table import with_tables
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.campaign import load_campaign
 from railgrip.simulate.run import trace_of

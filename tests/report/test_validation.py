@@ -9,8 +9,8 @@ import pytest
 from railgrip.base.errors import RecordError, ScenarioError
 from railgrip.base.registry import shelf
 from railgrip.report.baseline import AcceptedValue, Baseline, load_baseline, write_baseline
-from railgrip.report.marked import END, write_tables
 from railgrip.report.style import save
+from railgrip.report.table import END, write_tables
 from railgrip.report.validation import (
     BASELINE,
     CONVERGENCE,

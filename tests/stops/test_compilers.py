@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 
 import railgrip.scenario
-from railgrip.campaign.one_stop import run
-from railgrip.campaign.run import find_result
+from railgrip.campaign.run import find_result, run
 from railgrip.fmus.build import fmu
 from railgrip.report.stop import read_stop
 from railgrip.scenario.campaign import PlannedStop

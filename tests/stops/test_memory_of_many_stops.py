@@ -20,7 +20,7 @@ import gc
 import sys
 from pathlib import Path
 import railgrip.scenario
-from railgrip.campaign.one_stop import run
+from railgrip.campaign.run import run
 from railgrip.scenario.load import load
 from railgrip.simulate.run import run_stop
 

@@ -17,8 +17,7 @@ from railgrip.estimators.learned.network import QUANTILE, Ensemble
 from railgrip.report.statistics import bootstrap_interval
 from railgrip.report.table import ReportTable
 from railgrip.studies.axle_box.evaluate import ScaledNetwork, TrainingRecipe, estimates_of
-from railgrip.studies.axle_box.instrumented_car import Pass
-from railgrip.studies.axle_box.reduction import LabelledRun, gather
+from railgrip.studies.axle_box.instrumented_car import LabelledRun, Pass, gather
 from railgrip.studies.axle_box.training import Size, dry_or_not, general, passes
 
 JUDGED: Final = ("other irregularities", "one surface for all")
@@ -45,7 +44,11 @@ def bench_tables(size: Size, recipe: TrainingRecipe, work: Work) -> dict[str, Re
     found = iter(gather([run for part in sets.values() for run in part], work))
     runs = {name: [next(found) for _ in part] for name, part in sets.items()}
     speeds = sorted({run.group for run in runs["campaign"]})
-    networks, (ensemble, mean) = _train(size, recipe, runs, speeds, work)
+    few = replace(recipe, starts=size.honest_starts)
+    at = {speed: few.data([run for run in runs["campaign"] if run.group == speed]) for speed in speeds}
+    tasks = [partial(few.fit, data, f"bench.{speed}") for speed, data in at.items()]
+    (ensemble, mean), *fits = work.map(call, [partial(general, runs["design"], size.members), *tasks])
+    networks: dict[int, list[ScaledNetwork]] = dict(zip(speeds, fits, strict=True))
     rows: list[dict[str, Any]] = []
     rules = dry_or_not(sets)
     for name in JUDGED:
@@ -57,16 +60,6 @@ def bench_tables(size: Size, recipe: TrainingRecipe, work: Work) -> dict[str, Re
         }
         rows += family_rows(f"axle box, {name}", errors)
     return {"family": family_table(rows), "slip_regression": regression_table(sets, runs)}
-
-
-def _train(
-    size: Size, recipe: TrainingRecipe, runs: Mapping[str, Sequence[LabelledRun]], speeds: Sequence[int], work: Work
-) -> tuple[dict[int, list[ScaledNetwork]], tuple[Ensemble, float]]:
-    few = replace(recipe, starts=size.honest_starts)
-    at = {speed: few.data([run for run in runs["campaign"] if run.group == speed]) for speed in speeds}
-    tasks = [partial(few.fit, data, f"bench.{speed}") for speed, data in at.items()]
-    trained: list[Any] = list(work.map(call, [partial(general, runs["design"], size.members), *tasks]))
-    return dict(zip(speeds, trained[1:], strict=True)), trained[0]
 
 
 def _of_ensemble(ensemble: Ensemble, runs: Sequence[LabelledRun]) -> FrictionErrors:

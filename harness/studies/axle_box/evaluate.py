@@ -11,7 +11,7 @@ from railgrip.estimation.judge import rms
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.network import Bias, Ensemble, Network, train
 from railgrip.estimators.learned.preprocessing import COMBINATIONS, Scale
-from railgrip.studies.axle_box.reduction import CHANNELS, LabelledRun, spectral_features
+from railgrip.studies.axle_box.instrumented_car import CHANNELS, LabelledRun, spectral_features
 
 HIDDEN: Final = 6
 TRAINED: Final = 0.8

@@ -31,7 +31,7 @@ from railgrip.recording.table import Column, DataTable, TimeColumn
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.table import Name, Table, one_of
 from railgrip.studies.axle_box.evaluate import Score, TrainingRecipe, average, best_of, judge, within_runs, without_each
-from railgrip.studies.axle_box.reduction import SETTLED, SLOW, SPECTRAL, LabelledRun, Readings, reduce
+from railgrip.studies.axle_box.instrumented_car import SETTLED, SLOW, SPECTRAL, LabelledRun, Readings, reduce
 from railgrip.studies.axle_box.results import tables_of_recordings
 from railgrip.studies.axle_box.training import estimators_of, general
 

@@ -14,7 +14,7 @@ from railgrip.estimators.learned.preprocessing import BLOCKS
 from railgrip.report import palette, style
 from railgrip.report.table import ReportTable
 from railgrip.studies.axle_box.evaluate import Score, TrainingRecipe, average, exchange_labels, parts_of
-from railgrip.studies.axle_box.reduction import CHANNELS, RATE, LabelledRun, spectral_features
+from railgrip.studies.axle_box.instrumented_car import CHANNELS, RATE, LabelledRun, spectral_features
 from railgrip.studies.axle_box.training import PUBLISHED, PUBLISHED_BEST, SPEEDS, AxleBoxResults, Rows
 from railgrip.studies.papers.pages import PaperRow, comparison
 

@@ -39,8 +39,7 @@ from railgrip.report.style import band, dress, panels
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, one_of
 from railgrip.scenario.track_geometry import TRACKS
-from railgrip.studies.axle_box.instrumented_car import SURFACES, Pass, held_speed, ride
-from railgrip.studies.axle_box.reduction import RATE, measure_run
+from railgrip.studies.axle_box.instrumented_car import RATE, SURFACES, Pass, held_speed, measure_run, ride
 
 LIBRARY = Path(__file__).parent / "library"
 INPUTS: Final = dict.fromkeys(BOXES, "m/s2") | {"speed": "m/s", "direction": "1"}

@@ -18,13 +18,12 @@ from railgrip.estimators.learned.trained import Trained, save
 from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import pack
 from railgrip.report.baseline import Finding
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
+from railgrip.report.table import write_tables
 from railgrip.studies.axle_box.bench import bench_tables
 from railgrip.studies.axle_box.evaluate import TrainingRecipe, average, exchange_labels, within_runs, without_each
-from railgrip.studies.axle_box.instrumented_car import MPH
+from railgrip.studies.axle_box.instrumented_car import CHANNELS, MPH, SPECTRAL, run_of, spectral_features
 from railgrip.studies.axle_box.recordings import judge_recordings, read_folder, read_recordings_file
-from railgrip.studies.axle_box.reduction import CHANNELS, SPECTRAL, run_of, spectral_features
 from railgrip.studies.axle_box.results import acceleration_figure, compare_with_paper, draw, tables_of
 from railgrip.studies.axle_box.training import (
     FULL,

@@ -24,32 +24,29 @@ from railgrip.studies.axle_box.evaluate import (
     within_runs,
     without_each,
 )
-from railgrip.studies.axle_box.instrumented_car import MPH, Pass
-from railgrip.studies.axle_box.reduction import OTHER_CHAINS, SLOW, SPECTRAL, LabelledRun, gather, spectral_features
+from railgrip.studies.axle_box.instrumented_car import (
+    MPH,
+    OTHER_CHAINS,
+    PAPER,
+    SLOW,
+    SPECTRAL,
+    LabelledRun,
+    Pass,
+    gather,
+    spectral_features,
+)
 
 SPEEDS: Final = (16, 26, 40, 60)
 """mph."""
 
-LABELS: Final[Mapping[int, tuple[tuple[str, float], ...]]] = {
-    16: (("dry", 0.31), ("friction modifier", 0.14), ("friction modifier", 0.17), ("wet", 0.161),
-         ("detergent", 0.18), ("paper tape", 0.16)),
-    26: (("dry", 0.29), ("friction modifier", 0.19), ("wet", 0.191), ("detergent", 0.21),
-         ("paper tape", 0.16), ("paper tape", 0.22)),
-    40: (("dry", 0.31), ("dry", 0.37), ("friction modifier", 0.17), ("wet", 0.24), ("detergent", 0.22),
-         ("paper tape", 0.10)),
-    60: (("dry", 0.30), ("dry", 0.35), ("friction modifier", 0.16), ("wet", 0.27), ("detergent", 0.24),
-         ("paper tape", 0.11)),
-}  # fmt: skip
+LABELS: Final[Mapping[int, Sequence[tuple[str, float]]]] = {int(mph): runs for mph, runs in PAPER["labels"].items()}
 """Table 2 of Abduraxman et al. (2024): measured friction of the six runs at each speed."""
 
 TRACK: Final = "erri-low"
 HOME: Final = 1
 """Seed of the irregularities of the test track, common to the 24 runs of the campaign."""
 
-RANGES: Final[Mapping[str, tuple[float, float]]] = {
-    "dry": (0.24, 0.45), "friction modifier": (0.12, 0.25), "wet": (0.14, 0.30), "detergent": (0.10, 0.26),
-    "paper tape": (0.05, 0.24),
-}  # fmt: skip
+RANGES: Final[Mapping[str, tuple[float, float]]] = {name: one["friction"] for name, one in PAPER["conditions"].items()}
 """Range of friction of each condition in the design, around the values of Tables 1 and 2 of the paper."""
 
 
@@ -106,14 +103,11 @@ def design(count: int, *, length: float = 200.0) -> tuple[Pass, ...]:
 
 
 PUBLISHED: Final[Mapping[int, tuple[float, float]]] = {
-    16: (0.0053, 0.0041),
-    26: (0.0038, 0.0028),
-    40: (0.0141, 0.0083),
-    60: (0.0080, 0.0063),
+    int(mph): one["errors"] for mph, one in PAPER["networks"].items()
 }
 """Average RMSE and MAE of 15 networks, Table 3 of Abduraxman et al. (2024), by speed in mph."""
 
-PUBLISHED_BEST: Final[Mapping[int, float]] = {16: 0.0011, 26: 0.0009, 40: 0.0021, 60: 0.0027}
+PUBLISHED_BEST: Final[Mapping[int, float]] = {int(mph): one["best"] for mph, one in PAPER["networks"].items()}
 """MAE of the networks of figures 10 to 13, "some of the best" of the 15, by speed in mph."""
 
 SLIPPING: Final = ("campaign", "one surface for all")

@@ -1,6 +1,6 @@
 """What measures against low adhesion buy on a line: metres, seconds of headway, sand, air and wear."""
 
-from collections.abc import Sequence
+import itertools
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -15,9 +15,8 @@ from railgrip.base.files import scratch
 from railgrip.campaign.work import Work
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import ReportTable, share
+from railgrip.report.table import ReportTable, share, write_tables
 from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.schema import Train
 from railgrip.rolling_stock.stopping import by_hand
@@ -164,11 +163,12 @@ def gain_table(chain: BenefitChain) -> ReportTable:
 
 def _gain(values: Array, number: int, unit: str, form: str) -> str:
     """Return by how much values are below those without measures, in pairs, with the interval."""
-    gain = values[0] - values[number]
-    if number == 0:
-        return ""
-    low, high = interval(gain)
-    return f"{gain[0]:{form}} {unit} [{low:{form}}, {high:{form}}]".replace("-", "−")
+    return _with_ends(values[0] - values[number], unit, form).replace("-", "−") if number else ""
+
+
+def _with_ends(values: Array, unit: str, form: str) -> str:
+    low, high = interval(values)
+    return f"{values[0]:{form}} {unit} [{low:{form}}, {high:{form}}]"
 
 
 def cost_table(chain: BenefitChain) -> ReportTable:
@@ -178,15 +178,10 @@ def cost_table(chain: BenefitChain) -> ReportTable:
     means = {figure: chain.mean(figure) for figure in units}
     rows = [
         {"measure": variant.name}
-        | {names[figure]: _mean(means[figure][number] * units[figure][0], *units[figure][1:]) for figure in units}
+        | {names[figure]: _with_ends(means[figure][number] * units[figure][0], *units[figure][1:]) for figure in units}
         for number, variant in enumerate(chain.variants)
     ]
     return ReportTable(rows, left=("measure",), title="Cost, with intervals of 95 %")
-
-
-def _mean(values: Array, unit: str, form: str) -> str:
-    low, high = interval(values)
-    return f"{values[0]:{form}} {unit} [{low:{form}}, {high:{form}}]"
 
 
 def rail_table(chain: BenefitChain) -> ReportTable:
@@ -256,7 +251,8 @@ def draw(chain: BenefitChain) -> Figure:
     drawing = style.figure(13.0, 4.6)
     grid = drawing.add_gridspec(1, 4, width_ratios=(1.3, 1.0, 1.0, 0.35))
     left = drawing.add_subplot(grid[0])
-    for number, (variant, colour) in enumerate(zip(chain.variants, _lines(len(chain.variants)), strict=True)):
+    colours = (palette.BLACK, *itertools.islice(itertools.cycle(palette.LINES[:6]), len(chain.variants) - 1))
+    for number, (variant, colour) in enumerate(zip(chain.variants, colours, strict=True)):
         distances = chain.figures["distance"][number].ravel()
         order = np.argsort(distances)
         shares = np.cumsum(chain.weights[order])
@@ -282,7 +278,3 @@ def draw(chain: BenefitChain) -> Figure:
                zip(*panel.get_legend_handles_labels(), strict=True)]  # fmt: skip
     style.legend(legend_panel, *zip(*handles, strict=True), loc="center left")
     return drawing
-
-
-def _lines(count: int) -> Sequence[str]:
-    return [palette.BLACK, *(palette.LINES[number % 6] for number in range(count - 1))]

@@ -1,11 +1,15 @@
 """Errors of estimators by case: of adhesion used and available, pad friction and speed, and bounds of them.
 
-Errors of the adhesion available are those where the slope of the creep curve determines it.
+Errors of the adhesion available are those where the slope of the creep curve determines it. The search of noises uses
+the same errors: one coordinate search on training cases, with the same budget for every estimator.
 """
 
 import hashlib
 import math
+import tomllib
 from collections.abc import Mapping, Sequence
+from itertools import product
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -14,18 +18,29 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from railgrip.base.errors import FilterDiverged
+from railgrip.base.files import write_text
 from railgrip.base.names import ElementName
 from railgrip.estimation.judge import NORMAL_95, rms
 from railgrip.estimation.run import FilterRun
 from railgrip.estimators.belief import Array, Matrix, Vector
 from railgrip.estimators.rail import estimate_slope
 from railgrip.simulate.estimator import RELEASED_PADS
-from railgrip.studies.estimators.own import is_class, trace_with_class
-from railgrip.studies.estimators.recordings import PERIOD, RecordingCase, recording_of_case
+from railgrip.studies.estimators.recordings import (
+    PERIOD,
+    SENSORS,
+    RecordingCase,
+    Sensors,
+    is_class,
+    recording_of_case,
+    trace_with_class,
+)
 from railgrip.studies.estimators.replay import (
     CONSTANT,
+    FACTORS,
+    SEARCHED,
     bound_of,
     columns,
+    noise_of,
     radii,
     replay,
     states,
@@ -295,3 +310,91 @@ def _errors_of_groups(trace: xarray.Dataset, case: RecordingCase) -> tuple[float
         return (math.nan,) * judged.shape[1]
     error = (trace["estimate_pad_friction"] - trace["pad_friction"]).values
     return tuple(rms(each[where]) if where.any() else math.nan for each, where in zip(error.T, judged.T, strict=True))
+
+
+BUDGET: Final = 48
+"""Evaluations of an estimator for a class of sensors, each over all of its training cases."""
+
+STEPS: Final = (3.0, 3.0, math.sqrt(3.0), math.sqrt(3.0))
+"""Factors by which standard deviations change, one after the other in each pass."""
+
+SMALLEST_GAIN: Final = 1e-3
+"""Gain of `evaluate` that justifies a change: a tenth of a percent of an interval."""
+
+SearchCase = tuple[str, Sensors, tuple[RecordingCase, ...]]
+"""An estimator, a class of sensors, and training cases with these sensors."""
+
+
+def interval_score(error: Vector, deviation: Vector) -> float:
+    """Return the mean interval score of the claimed 95 % interval: its width plus 40 times the excess beyond it.
+
+    It is smallest for the true quantiles, and an outlier counts linearly.
+
+    Source: Gneiting and Raftery, Strictly Proper Scoring Rules, J. American Statistical Association 102 (2007) 359,
+    eq. 43.
+    """
+    half = NORMAL_95 * deviation
+    return float(np.mean(2.0 * half + 40.0 * np.maximum(np.abs(error) - half, 0.0)))
+
+
+def evaluate(estimator: str, sensors: Sensors, cases: Sequence[RecordingCase], factors: Mapping[str, float]) -> float:
+    """Return the mean over cases of the logarithms of the interval scores of adhesion and pad friction."""
+    noise, total = noise_of(estimator, sensors, factors), 0.0
+    for case in cases:
+        try:
+            found = replay(case, estimator, noise)
+        except FilterDiverged:
+            return math.inf
+        trace = with_estimates(recording_of_case(case), states(estimator), found.mean, found.variance)
+        for target in ("adhesion", "pad_friction"):
+            error, deviation = errors_of_target(trace, target)
+            total += math.log(interval_score(error, deviation)) if error.size else 0.0
+    return total / len(cases)
+
+
+def search(case: SearchCase) -> dict[str, float]:
+    """Return the factors that minimise `evaluate`: each in turn up or down by a step, as long as the budget lasts.
+
+    A factor without any effect is tried once.
+    """
+    estimator, sensors, cases = case
+    factors: dict[str, float] = dict.fromkeys(FACTORS, 1.0)
+    best, count, idle = evaluate(estimator, sensors, cases, factors), 1, set[str]()
+    for step, name in product(STEPS, FACTORS):
+        for change in () if name in idle else (step, 1.0 / step):
+            if count >= BUDGET:
+                return factors
+            trial = factors | {name: factors[name] * change}
+            value, count = evaluate(estimator, sensors, cases, trial), count + 1
+            if value == best:
+                idle.add(name)
+                break
+            if value < best - SMALLEST_GAIN:
+                factors, best = trial, value
+                break
+    return factors
+
+
+def search_cases(cases: Sequence[RecordingCase], estimators: Sequence[str] = SEARCHED) -> list[SearchCase]:
+    """Return one search for each estimator and class of sensors."""
+    return [
+        (estimator, sensors, tuple(case for case in cases if case.sensors == sensors))
+        for estimator in estimators
+        for sensors in SENSORS
+    ]
+
+
+def read_factors(path: Path) -> dict[tuple[str, str], Mapping[str, float]]:
+    """Return the factors in a file of `write_factors` by estimator and sensors."""
+    tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    return {(estimator, sensors): row for estimator, rows in tables.items() for sensors, row in rows.items()}
+
+
+def write_factors(path: Path, found: Mapping[tuple[str, str], Mapping[str, float]]) -> None:
+    """Write factors by estimator and sensors as the file that `noise_of` reads."""
+    lines = ["# Factors of standard deviations; written by `railgrip study estimators --tune`."]
+    for (estimator, sensors), factors in found.items():
+        values = ", ".join(f"{name} = {value:.4g}" for name, value in factors.items())
+        lines += ["", f"[{estimator}]"] if f"[{estimator}]" not in lines else []
+        lines.append(f"{sensors} = {{ {values} }}")
+    write_text(path, "\n".join(lines) + "\n")

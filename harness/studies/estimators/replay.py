@@ -31,19 +31,19 @@ from railgrip.fmi import FmuPrediction, describe
 from railgrip.fmus.native import Model
 from railgrip.recording.samples import knows, truth_of
 from railgrip.scenario.file import NamedFile, locate
+from railgrip.scenario.load import read_toml
 from railgrip.simulate.estimator import RELEASED_PADS
 from railgrip.simulate.train_prediction import radius_of, release_pressure
-from railgrip.studies.estimators.own import is_fmu
-from railgrip.studies.estimators.recordings import PERIOD, RecordingCase, Sensors, recording_of_case
+from railgrip.studies.estimators.recordings import PERIOD, RecordingCase, Sensors, is_fmu, recording_of_case
 
 FILE: Final = "noises.toml"
 """Factors of each estimator, in the folder `library` of this package; written by `--tune`."""
 
-READINGS: Final[Mapping[Sensors, Mapping[str, float]]] = {
-    "ideal": {"speed": 1e-3, "wheelset_speed": 1e-2, "acceleration": 1e-2, "deflection": 1e-5},
-    "service": {"speed": 0.1, "wheelset_speed": 0.15, "acceleration": 0.05, "deflection": 2e-4},
-    "worn": {"speed": 0.2, "wheelset_speed": 0.3, "acceleration": 0.08, "deflection": 4e-4},
-}
+_SENSORS: Final = read_toml(Path(__file__).parent / "library" / "sensors.toml")
+UNMODELLED: Final[Mapping[Sensors, Mapping[str, float]]] = {kind: one["unmodelled"] for kind, one in _SENSORS.items()}
+"""Sensors → standard deviations of constant errors, as in equipment/service.toml: `speed_scale`, the relative error of
+the radar [1], and `pressure`, the offset of a pressure transducer [Pa]."""
+READINGS: Final[Mapping[Sensors, Mapping[str, float]]] = {kind: one["readings"] for kind, one in _SENSORS.items()}
 """Sensors → standard deviation of each reading, in its unit. A wheelset speed has the error of a tooth pitch at
 50 rad/s; the bias of the accelerometer is a state."""
 
@@ -182,26 +182,6 @@ def force_over_load_deviation() -> float:
     return math.sqrt(square - 2.0 * mean + 1.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class UnmodelledErrors:
-    """Standard deviations of constant errors of a class of sensors, as in equipment/service.toml.
-
-    Attributes:
-        speed_scale: Relative error of the radar [1].
-        pressure: Offset of a pressure transducer [Pa].
-    """
-
-    speed_scale: float
-    pressure: float
-
-
-UNMODELLED: Final[Mapping[Sensors, UnmodelledErrors]] = {
-    "ideal": UnmodelledErrors(speed_scale=0.0, pressure=0.0),
-    "service": UnmodelledErrors(speed_scale=0.003, pressure=5e3),
-    "worn": UnmodelledErrors(speed_scale=0.006, pressure=1e4),
-}
-
-
 def with_unmodelled(
     recording: xarray.Dataset,
     states: Sequence[str],
@@ -237,9 +217,9 @@ def with_unmodelled(
         for force in (RELEASED_PADS, 0.0)
     )
     pressure = np.nan_to_num(recording["reading_cylinder_pressure"].values)
-    offset = errors.pressure / (np.maximum(pressure, threshold) - spring)
+    offset = errors["pressure"] / (np.maximum(pressure, threshold) - spring)
     total = variance.copy()
-    total[:, of["speed"]] += (mean[:, of["speed"]] * errors.speed_scale) ** 2
+    total[:, of["speed"]] += (mean[:, of["speed"]] * errors["speed_scale"]) ** 2
     if "payload" not in states:
         total[:, of["group_adhesion"]] += (mean[:, of["group_adhesion"]] * force_over_load_deviation()) ** 2
     total[:, of["group_adhesion"]] += (INERTIA_DEVIATION * _rate(mean[:, of["wheelset_speed"]]) / effect) ** 2

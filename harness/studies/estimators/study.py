@@ -14,13 +14,20 @@ from railgrip.base.names import did_you_mean
 from railgrip.base.registry import shelf
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding, mean
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, write_tables
 from railgrip.scenario.file import is_file, locate
-from railgrip.studies.estimators.judge import bounds_of, errors_of, truths_of
+from railgrip.studies.estimators.judge import (
+    SearchCase,
+    bounds_of,
+    errors_of,
+    read_factors,
+    search,
+    search_cases,
+    truths_of,
+    write_factors,
+)
 from railgrip.studies.estimators.loop import BEST, compare, compare_table_1, stops_of_table_1, stops_of_type_test
-from railgrip.studies.estimators.own import is_class, is_fmu, name_of, require_file, require_one_of_each_name
 from railgrip.studies.estimators.recordings import (
     COUNT,
     FAMILIES,
@@ -29,10 +36,14 @@ from railgrip.studies.estimators.recordings import (
     TRAINING,
     RecordingCase,
     family_of,
+    is_class,
+    is_fmu,
+    name_of,
     recording_cases,
+    require_file,
+    require_one_of_each_name,
 )  # fmt: skip
 from railgrip.studies.estimators.replay import ESTIMATORS, FACTORS, REFERENCES, SEARCHED, model_of_estimator
-from railgrip.studies.estimators.search import SearchCase, read_factors, search, search_cases, write_factors
 from railgrip.studies.estimators.tables import (
     ESTIMATIONS,
     available,

@@ -10,14 +10,13 @@ from matplotlib.figure import Figure
 from typer import Argument, Option
 
 from railgrip.base.errors import ScenarioError
-from railgrip.campaign.one_stop import input_versions
+from railgrip.campaign.run import input_versions
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.palette import lead_to_trail
 from railgrip.report.style import band, dress, figure, legend
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, write_tables
 from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.dispersion import Normal, Uniform
 from railgrip.rolling_stock.schema import Train

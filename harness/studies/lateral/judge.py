@@ -169,7 +169,10 @@ def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
         "size": {name: rms(trace.truth[name]) for name in QUANTITIES},
         "spike": {name: _spike(trace, about["creep_force"].mean) for name, about in beliefs.items()},
         "lost": {name: _loss(trace, belief) for name, belief in trace.beliefs.items()},
-        "nis": {name: _nis(belief) for name, belief in trace.beliefs.items()},
+        "nis": {
+            name: nis_ratio(nis, np.where(np.isfinite(nis), len(READINGS), 0))
+            for name, nis in ((name, belief.squared_innovation) for name, belief in trace.beliefs.items())
+        },
         "wall": trace.wall,
     }
 
@@ -190,11 +193,6 @@ def _spike(trace: Trace, force: Array) -> tuple[float | None, float | None] | No
     parts = (since > -SPIKE) & (since <= 0), (since > 0) & (since <= SPIKE)
     before, after = (_finite(float(np.max(error[part]))) for part in parts)
     return before, after
-
-
-def _nis(belief: Beliefs) -> float | None:
-    nis = belief.squared_innovation
-    return nis_ratio(nis, np.where(np.isfinite(nis), len(READINGS), 0))
 
 
 def _error(trace: Trace, quantity: str, belief: Belief) -> dict[str, float | None]:

@@ -16,7 +16,6 @@ from railgrip.report.page import Page
 from railgrip.studies.lateral.information import (
     KNOWN,
     SHORT,
-    Information,
     errors_of_run,
     information,
     known_table,
@@ -111,13 +110,6 @@ def measure_case(case: LateralCase) -> dict[str, Any]:
     return measure(simulate(case), observe=case.plant == "paper")
 
 
-def information_runs(plan: LateralPlan, work: Work) -> list[Information]:
-    """Return the information about the states of the reconstruction in the transition, for each seed."""
-    test, speed = plan.tests[-1], plan.middle_speed
-    cases = [LateralCase(test=test, speed=speed, plant="paper", seed=seed) for seed in range(1, plan.seeds + 1)]
-    return work.map(information, cases)
-
-
 def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
     """Run a plan; return tables over its seeds, and a figure of a typical run of each test.
 
@@ -127,7 +119,8 @@ def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
     # Compiled once here instead of in every worker.
     simulate(LateralCase(test=TESTS[0].shorten(0.01), speed=25.0, plant="paper", seed=0, prediction=plan.prediction))
     measures = work.map(measure_case, plan.cases)
-    runs = information_runs(plan, work)
+    transitions = [case for case in plan.cases if case.plant == "paper" and case.test is plan.tests[-1]]
+    runs = work.map(information, [case for case in transitions if case.speed == plan.middle_speed])
     frame, speed = frame_of(zip(plan.cases, measures, strict=True)), plan.middle_speed
     errors, middle = error_rows(frame), frame[frame["speed"] == speed]
     drawn = [typical(group) for _, group in groups_of(middle, GROUP)]

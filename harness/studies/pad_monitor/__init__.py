@@ -2,8 +2,8 @@
 
 One stop gives *evidence* (`evidence`): a Kalman filter over the readings estimates the friction of each group reduced
 to nominal temperature, speed and pressure by the law of `RailBraking.Friction`. `watch` follows it over stops: index
-with uncertainty, trend, alarm. `life` simulates a train's stops to show how early and how rarely it alarms. `folder`
-finds stops on disk, `page` draws.
+with uncertainty, trend, alarm, and finds stops on disk. `life` simulates a train's stops to show how early and how
+rarely it alarms.
 
 Information in one stop: readings of the train determine the sum of all brake forces. Groups can be distinguished only
 if their pressures differ, in a stop with wheel-slide protection, or in a *testing stop* that releases one group after

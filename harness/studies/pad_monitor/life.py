@@ -21,7 +21,7 @@ from railgrip.fmi import describe
 from railgrip.fmus.build import fmu
 from railgrip.recording.samples import recording_of
 from railgrip.scenario.file import merge
-from railgrip.scenario.load import scenario_of
+from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.simulate.run import trace_of
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, formation
 
@@ -36,17 +36,7 @@ LOAD_DEVIATION = 0.05  # from stop to stop
 SCALE_DEVIATION = 0.003  # of the speed reading, from stop to stop
 _LAG = 0.2  # s, time constant of the cylinders
 _DOPPLER = 0.12  # s between readings of the train speed
-_TRAIN = {
-    "seed": 0,  # nothing in the loop is drawn: ideal sensors, a constant rail
-    "vehicle": {"plant": PLANT},
-    "adhesion": {"kind": "constant", "polach": "dry", "mu0": 0.4},
-    "sensors": {"kind": "ideal"},
-    "actuation": {"kind": "ideal"},
-    "estimator": {"kind": "none"},
-    "controller": {"kind": "full_brake"},
-    "periods": dict.fromkeys(("communication", "estimator", "controller", "trace"), PERIOD),
-    "limits": {"horizon": 90.0, "stop_speed": 2.0, "alpha_max": "tsi"},
-}
+_TRAIN = read_toml(Path(__file__).parent / "library" / "life.toml")
 """Scenario that all stops have in common."""
 
 
@@ -192,6 +182,7 @@ def _stop(
         "name": f"stop-{number:04d}",
         "vehicle": {"parameters": parameters},
         "start": {"speed": speed},
+        "periods": dict.fromkeys(("communication", "estimator", "controller", "trace"), PERIOD),
         "track": {"force": -sum(loads.values()) * GRAVITY * slope},
         "demand": demand_table(full, life.releases, residual),
     }

@@ -13,9 +13,8 @@ from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable, share
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of, formation
-from railgrip.studies.pad_monitor.folder import draw
 from railgrip.studies.pad_monitor.life import Life, live
-from railgrip.studies.pad_monitor.watch import MonitorDesign, watch
+from railgrip.studies.pad_monitor.watch import MonitorDesign, draw, watch
 from railgrip.studies.study import Study
 
 SEEDS = 20

@@ -17,6 +17,7 @@ from railgrip.estimation.judge import errors
 from railgrip.recording.samples import period_of, reading_of, truth_of
 from railgrip.report import palette, style
 from railgrip.report.table import ReportTable
+from railgrip.scenario.load import read_toml
 from railgrip.studies.papers.pages import PaperRow, arrow, canvas, comparison, dimension
 from railgrip.trace.bound import Contact
 
@@ -53,15 +54,8 @@ class Statement:
 
 
 STATEMENTS: Mapping[str, Sequence[Statement]] = {
-    "rig_slide": (
-        Statement(begin=18, end=33, words="three short\nbrakings"),
-        Statement(begin=42, end=110, words="stop braking, adhesion 0.02 to 0.05", adhesion=(0.02, 0.05)),
-        Statement(begin=110, end=200, words="fast changes,\npad friction rises"),
-    ),
-    "rig_sand": (
-        Statement(begin=4, end=11, words="0.1, 0.05,\nagain 0.1, 0", adhesion=(0.0, 0.1)),
-        Statement(begin=55, end=200, words="pad friction rises"),
-    ),
+    test: [Statement(**row) for row in rows]
+    for test, rows in read_toml(Path(__file__).parent / "library" / "statements.toml").items()
 }
 """Statements by test. The end of the tests is in the images only."""
 

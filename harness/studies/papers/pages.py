@@ -16,8 +16,7 @@ from PIL import Image
 
 from railgrip.base.files import write_json
 from railgrip.report import palette, style
-from railgrip.report.marked import write_tables
-from railgrip.report.table import Form, ReportTable, percent, text
+from railgrip.report.table import Form, ReportTable, percent, text, write_tables
 
 FOLDER = Path("docs/papers")
 """Folder of the pages relative to that of the project; their figures are in its folder `figures`."""

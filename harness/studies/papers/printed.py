@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -15,6 +16,7 @@ from railgrip.report.statistics import endless
 from railgrip.report.table import ReportTable
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import read_conditioning
+from railgrip.scenario.load import read_toml
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import run_stop, trace_of
 from railgrip.simulate.vehicle_data import VehicleData
@@ -29,14 +31,9 @@ def _changed(one: "Guarded", other: "Guarded") -> str:
     return f"{change}{locked_text(one['lock'])}"
 
 
-GUARDS: Final[Mapping[str, Mapping[str, Any]]] = {
-    "as searched": {},
-    "without the rolling guard": {"slip_small": 0.0, "creep_small": 0.0, "adhesion_small": 0.0},
-    "without the guard below 0.5 m/s": {"speed_min": 0.0},
-    "without the hold (half pressure where ṡ·α̇ = 0)": {"hold": 0.0},
-    "with the alternative switching function α̇/ṡ": {"quotient": 1.0},
-    (_BORROWING := "with the parameters that were searched for peak seeking (railgrip)"): {},
-}
+_CASES: Final = read_toml(Path(__file__).parent / "library" / "printed.toml")
+_BORROWING: Final = "with the parameters that were searched for peak seeking (railgrip)"
+GUARDS: Final[Mapping[str, Mapping[str, Any]]] = _CASES["guards"] | {_BORROWING: {}}
 """Variant of the law as printed → its changed parameters; the last one has those of peak seeking."""
 _BORROWED: Final = ("filter_time", "slip_small", "creep_small", "adhesion_small")
 _REPEATS: Final = 3
@@ -183,12 +180,7 @@ def limit_table(found: list[dict[str, Any]]) -> ReportTable:
 LAWS: Final[Mapping[str, str]] = {"adhesion_based": "peak seeking (railgrip)", "slope_seeking": "slope-seeking control"}
 """Kind of controller → its name in the table."""
 
-FILTERS: Final[Mapping[str, Mapping[str, Any]]] = {
-    "Δz predicted and read": {"estimator.model": "TrainPrediction"},
-    # The filter rejects readings that deviate by more than this number of standard deviations: all deflections.
-    "Δz predicted, not read": {"estimator.model": "TrainPrediction", "estimator.outlier_limit": {"deflection": 1e-9}},
-    "no Δz: static loads": {"estimator.model": "TrainPredictionReduced"},
-}
+FILTERS: Final[Mapping[str, Mapping[str, Any]]] = _CASES["filters"]
 """Filter → changes of the scenario that select it."""
 
 

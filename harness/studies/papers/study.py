@@ -14,10 +14,9 @@ from railgrip.api import Scenario
 from railgrip.campaign.work import Work, call
 from railgrip.report import palette, style
 from railgrip.report.figures import draw_adhesion, draw_wheelsets
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.stop import Stop
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, write_tables
 from railgrip.simulate.run import run_stop
 from railgrip.studies.papers import printed
 from railgrip.studies.papers.courses import (

@@ -17,10 +17,9 @@ from railgrip.campaign.searches import evolve, parameters_of
 from railgrip.campaign.work import Work
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.statistics import bootstrap_interval
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, write_tables
 from railgrip.scenario.file import merge
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.schema import Scenario
@@ -58,36 +57,8 @@ SLIPPERY = 0.8
 CURVES: Final = ("wet", "low", "leaf", "poor_wheelset_study")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StoppingSystem:
-    """A way to stop at a target.
-
-    Attributes:
-        controller: Table [controller].
-        ranges: Ranges in which its parameters are searched; `full_deceleration` is that which the driver expects.
-    """
-
-    controller: Mapping[str, Any]
-    ranges: Mapping[str, tuple[float, float]]
-
-
-_DRIVER: Final = {"full_deceleration": (0.8, 1.6), "speed_min": (0.5, 2.5)}
-_CONTROL: Final = {**_DRIVER, "integral_gain": (0.05, 1.0), "response_time": (0.3, 2.0)}
-SYSTEMS: Final[Mapping[str, StoppingSystem]] = {
-    "driver": StoppingSystem(controller={"kind": "slope_seeking"}, ranges=_DRIVER),
-    "deceleration control": StoppingSystem(
-        controller={"kind": "deceleration_control", "parameters": {"managed": 0.0}}, ranges=_CONTROL
-    ),
-    "with adhesion management": StoppingSystem(
-        controller={"kind": "deceleration_control"},
-        ranges={
-            **_CONTROL,
-            "reserve": (0.1, 3.0),
-            "utilisation_sand": (0.5, 0.95),
-            "utilisation_fall": (2.0, 30.0),
-        },
-    ),
-}
+SYSTEMS: Final[Mapping[str, Any]] = read_toml(LIBRARY / "systems.toml")
+"""Ways to stop at a target: table `controller`, and `ranges` in which its parameters are searched."""
 MANAGED: Final = "with adhesion management"
 
 
@@ -193,7 +164,7 @@ def scenario_of_case(case: Case) -> Scenario:
             "patch": [{"begin": begin, "length": length, "mu0": friction, "edge": 1.0}],
         },
         "demand": {"phases": [{"stop_at": aim}]},
-        "controller": merge(dict(SYSTEMS[system].controller), {"parameters": own}),
+        "controller": merge(dict(SYSTEMS[system]["controller"]), {"parameters": own}),
         "truth": {"load": draw.load, "pad_friction": draw.pads, "gradient": draw.gradient},
         "faults": faults,
         **({} if has_magnets else {"vehicle": {"train": "vt642"}}),
@@ -230,7 +201,7 @@ def search(system: str, work: Work, sets: int) -> dict[str, float]:
     if not sets:
         return {}
     draws = draws_of(TRAINING, TRAINING_SEED)
-    ranges = SYSTEMS[system].ranges
+    ranges = SYSTEMS[system]["ranges"]
 
     def objectives(_: Callable[..., float], points: Iterable[NDArray[np.float64]]) -> list[float]:
         values = [parameters_of(tuple(ranges), point) for point in points]

@@ -34,7 +34,7 @@ from railgrip.simulate.assembly import StopAssembly, assemble
 from railgrip.simulate.loop.loop import Ending
 from railgrip.simulate.named_models import plant_description
 from railgrip.simulate.run import braking_distance
-from railgrip.studies.bench.stop import plant_step
+from railgrip.studies.bench import plant_step
 
 LIBRARY = Path(__file__).parent / "library"
 EQUIPMENT = Path(railgrip.scenario.__file__).parent / "equipment"

@@ -13,9 +13,8 @@ from railgrip.base.files import scratch
 from railgrip.campaign.work import Work
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import ReportTable, percent
+from railgrip.report.table import ReportTable, percent, write_tables
 from railgrip.rolling_stock.drawing import drawing
 from railgrip.rolling_stock.schema import NAMED
 from railgrip.scenario.file import locate

@@ -20,11 +20,10 @@ from railgrip.report.baseline import Finding, mean
 from railgrip.report.frame import Frame
 from railgrip.report.index import write_report as write_panels
 from railgrip.report.limits import limits_of
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.results import read_results
 from railgrip.report.statistics import endless
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, write_tables
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.user_parts import CustomParts

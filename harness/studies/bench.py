@@ -1,0 +1,516 @@
+"""Durations, as medians and ratios of alternating runs, in which a busy machine slows both sides equally."""
+
+import os
+import re
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from statistics import median
+from time import perf_counter, process_time
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.base.cache import VARIABLE
+from railgrip.base.names import ElementName
+from railgrip.base.units import quantity
+from railgrip.campaign.run import CampaignRun, run_campaigns
+from railgrip.campaign.work import Work
+from railgrip.campaign.workers import environment
+from railgrip.controllers.observation import Observation
+from railgrip.estimation.models import of_class
+from railgrip.estimation.motion import braking_of
+from railgrip.estimation.run import by_name
+from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification, prediction_for, settings_for
+from railgrip.estimators.belief import GaussianEstimate, Vector
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.design import NOISE_SETS
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.filters.decentralised import DecentralisedFilter
+from railgrip.estimators.prediction import CasadiPrediction, FilterVariables
+from railgrip.fmi import SteppedFmuPrediction
+from railgrip.fmi.description import Description, describe
+from railgrip.fmi.mapping import Binding, Port, bind
+from railgrip.fmi.survey import seconds_in_c, seconds_of_fmpy, seconds_of_railgrip
+from railgrip.fmus.build import build, build_class, fmu
+from railgrip.fmus.recipe import read_recipes
+from railgrip.report.page import Page
+from railgrip.report.table import ReportTable
+from railgrip.scenario.campaign import Campaign, PlannedStop
+from railgrip.scenario.load import load
+from railgrip.simulate.assembly import assemble
+from railgrip.simulate.loop.loop import Loop
+from railgrip.simulate.named_models import compile_class, prediction_description
+from railgrip.simulate.run import braking_distance, run_stop
+from railgrip.simulate.train_prediction import central_of, consist_of, start_of
+from railgrip.simulate.user_parts import CustomParts
+from railgrip.studies.field_test.filtering import (
+    PHYSICAL,
+    TEST,
+    cases,
+    filter_of,
+    follow,
+    prediction,
+    run,
+    specification,
+    task_of,
+)
+from railgrip.studies.field_test.score import evaluate
+from railgrip.studies.study import Study
+from railgrip.vehicle.formation import Formation
+
+Row = tuple[str, str, str]
+"""A measurement: its subject, the figure with its unit, and its target, if there is one."""
+
+
+def microseconds(
+    call: Callable[[], object], *, count: int = 1, rounds: int = 9, clock: Callable[[], float] = perf_counter
+) -> float:
+    """Return the time of a call that is made `count` times in a row [µs], the median over rounds."""
+    durations: list[float] = []
+    for _ in range(rounds):
+        begin = clock()
+        for _ in range(count):
+            call()
+        durations.append((clock() - begin) / count * 1e6)
+    return median(durations)
+
+
+def machine() -> str:
+    """Return processor, number of cores and load, which are required to interpret times."""
+    name = "unknown processor"
+    cpuinfo = Path("/proc/cpuinfo")
+    if cpuinfo.exists():
+        models = [
+            line.partition(":")[2].strip()
+            for line in cpuinfo.read_text(encoding="utf-8").splitlines()
+            if "model name" in line
+        ]
+        name = models[0] if models else name
+    load = f", load {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
+    return f"{name}, {os.cpu_count()} cores{load}"
+
+
+def steps_of(recipe: str) -> Iterator[Row]:
+    """Yield the time of set + step of 1 ms + get of a recipe by each interface."""
+    times = step_times(fmu(recipe))
+
+    def over_ours(way: str) -> str:
+        return f"{median(a / b for a, b in zip(times[way], times['ours'], strict=True)):.2f}"
+
+    ours_over_c = median(a / b for a, b in zip(times["ours"], times["c"], strict=True))
+    yield f"{recipe}: set + step of 1 ms + get, ours", f"{median(times['ours']):.1f} µs", ""
+    yield "  the same in a loop in C", f"{median(times['c']):.1f} µs", "10 µs"
+    yield "  FMPy's FMU2Slave over ours", over_ours("fmpy"), ""
+    yield "  ours over C", f"{ours_over_c:.2f}", ""
+
+
+def step_times(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: int = 9) -> dict[str, list[float]]:
+    """Step an FMU by each interface in turn, repeatedly; return interface → time of a step in each round [µs].
+
+    Every run begins with the start values, so that all do the same work, and all must end with the same outputs.
+
+    Args:
+        file: A co-simulation FMU; its Real inputs are held at their start values.
+        period: Communication step [s].
+        count: Steps of one run.
+
+    Raises:
+        AssertionError: Two interfaces return different outputs, so that their times cannot be compared.
+    """
+    description = describe(file)
+    binding, inputs = every_real(description, {})
+    run: dict[str, Callable[..., tuple[float, np.ndarray]]] = {
+        "ours": seconds_of_railgrip,
+        "fmpy": seconds_of_fmpy,
+        "c": seconds_in_c,
+    }
+    times: dict[str, list[float]] = {way: [] for way in run}
+    last: dict[str, np.ndarray] = {}
+    for _ in range(rounds):
+        for way, seconds in run.items():
+            time, last[way] = seconds(description, binding, inputs, period=period, count=count)
+            times[way].append(time / count * 1e6)
+    for way in ("fmpy", "c"):
+        if not np.array_equal(last[way], last["ours"]):
+            raise AssertionError(f"{file.name}: {way} and ours end on different outputs, so they did not do the same.")
+    return times
+
+
+def plant_step(
+    description: Description, inputs: Mapping[str, float], *, period: float = 1e-3, count: int = 500, rounds: int = 15
+) -> float:
+    """Return the shortest time of set + step + get of a plant in a loop in C [µs].
+
+    It is the shortest of several runs, each from the start, because other processes can only increase the time.
+
+    Args:
+        description: Description of a co-simulation FMU.
+        inputs: Values of inputs by name, for arrays of all elements; other inputs have their start values.
+        period: Communication step [s].
+        count: Steps of one run.
+    """
+    binding, values = every_real(description, inputs)
+    runs = (seconds_in_c(description, binding, values, period=period, count=count)[0] for _ in range(rounds))
+    return min(runs) / count * 1e6
+
+
+def every_real(description: Description, inputs: Mapping[str, float]) -> tuple[Binding, np.ndarray]:
+    """Tie every Real input and output of an FMU to itself; return also the inputs, as given or at the start."""
+
+    def signals(names: tuple[str, ...]) -> list[Port]:
+        variables = [description.variables[name] for name in names]
+        return [Port(name=v.name, unit=v.unit or "1", size=0, needed=True) for v in variables if v.kind == "Real"]
+
+    binding = bind(
+        description, inputs=signals(description.names("input")), outputs=signals(description.names("output"))
+    )
+    names = binding.inputs.elements
+    return binding, np.array(
+        [inputs.get(ElementName.of(v).array, float(description.variables[v].start_text or 0.0)) for v in names]
+    )
+
+
+ABC = "peak seeking (railgrip)"
+CYCLE = ": a cycle, law compiled"
+FASTER = "  with assembly and figures, times faster than real time"
+"""Names of rows that the study's answer quotes."""
+
+AT_LEAST = "at least "
+"""Prefix of a target that is a lower limit; other targets are upper limits."""
+
+BRAKING = {"pressure_command": 2.5e5, "mu0": 0.3}
+"""Inputs of a service braking without slides; pressure [Pa]."""
+
+
+class PythonSlipControl:
+    """The library's two-state slip control as a user's class, a few lines that take a few microseconds."""
+
+    def start(self, formation: Formation) -> None:
+        """Set the maximum pressures, and brake every group."""
+        self._full, self._brakes = formation.pressure_max, np.ones(formation.groups, dtype=bool)
+
+    def decide(self, observation: Observation) -> NDArray[np.float64]:
+        """Return full pressure for each group, or zero from 15 % slip until 10 %."""
+        self._brakes = np.where(self._brakes, observation.slip <= 0.15, observation.slip < 0.1)
+        return np.where(self._brakes, self._full, 0.0)
+
+
+def of_scenario(what: str, *overrides: str) -> Iterator[Row]:
+    """Yield the time of a cycle of 1 ms in the library's trapezoid, alternately with a compiled law and one in Python.
+
+    A first run compiles everything.
+    """
+    scenario = load(Path("trapezoid"), ["controller.kind=slip_two_state", *overrides])
+    simulated = run_stop(scenario).metrics.duration
+    cycles = simulated / scenario.periods.communication
+    laws = {"compiled": CustomParts(), "Python": CustomParts(controller=PythonSlipControl())}
+    cycle: dict[str, list[float]] = {name: [] for name in laws}
+    for _ in range(3):
+        for name, entry in laws.items():
+            with assemble(scenario, objects=entry) as parts:
+                begin = process_time()
+                parts.run()
+                cycle[name].append((process_time() - begin) / cycles * 1e6)
+    alone = PythonSlipControl()
+    with assemble(scenario, objects=CustomParts(controller=alone)) as parts:
+        observation = next(Loop(parts.parts).decisions())
+        law = microseconds(lambda: alone.decide(observation), rounds=5)
+    compiled, python = (median(cycle[name]) for name in laws)
+    figures = microseconds(lambda: run_stop(scenario), rounds=3, clock=process_time) / cycles
+    bare = microseconds(lambda: braking_distance(scenario), rounds=5, clock=process_time) / cycles
+    yield f"{what}{CYCLE}", f"{compiled:.1f} µs", ""
+    yield "  with assembly and figures", f"{figures:.1f} µs", ""
+    yield FASTER, f"{1e6 * scenario.periods.communication / figures:.0f}", ""
+    yield "  with assembly, without a trace", f"{bare:.1f} µs", "10 µs"
+    yield "  a cycle, the same law in Python", f"{python:.1f} µs", ""
+    yield "  of that the law itself", f"{law:.1f} µs", ""
+    yield "  law in Python over compiled, the law's own time apart", f"{(python - law) / compiled:.2f}", "1.5"
+
+
+def of_predictions() -> Iterator[Row]:
+    """Yield the time of a stop without a trace for each kind of filter, and interface of its FMU, in turn."""
+    kinds = ("compiled", "fmu", "co_simulation", "python")
+    changes = {kind: [f"estimator.kind={kind}"] for kind in kinds} | {
+        "co_simulation": ["estimator.interface=co_simulation"]
+    }
+    scenarios = {kind: load(Path("trapezoid"), changes[kind]) for kind in kinds}
+    seconds: dict[str, list[float]] = {kind: [] for kind in kinds}
+    for scenario in scenarios.values():
+        braking_distance(scenario)  # compiles everything
+    for _ in range(3):
+        for kind, scenario in scenarios.items():
+            begin = process_time()
+            braking_distance(scenario)
+            seconds[kind].append(process_time() - begin)
+    compiled, fmu, co_simulation, python = (median(seconds[kind]) for kind in kinds)
+    yield "a stop with the filter over compiled equations", f"{compiled:.2f} s", ""
+    yield "  over the prediction FMU", f"{fmu:.2f} s", ""
+    yield "  over the prediction FMU that integrates itself, Co-Simulation", f"{co_simulation:.2f} s", ""
+    yield "  in numpy over the equations", f"{python:.2f} s", ""
+    yield "  prediction FMU over compiled", f"{fmu / compiled:.2f}", "2.5"
+
+
+def of_workers(count: int = 24) -> Iterator[Row]:
+    """Yield the speed-up of two processes over one.
+
+    It is measured from the end of the first stop to that of the last, without the start of processes, which takes
+    seconds.
+    """
+    stops = tuple(
+        PlannedStop(name=f"{lot}", variants={}, scenario=load(Path("trapezoid"), [f"seed={lot}"]), keep_trace=False)
+        for lot in range(count)
+    )
+    campaign = Campaign(name="bench", description="", stops=stops, references=())
+    rates: list[float] = []
+    for workers in (1, 2):
+        ends: list[float] = []
+        with tempfile.TemporaryDirectory() as folder:
+            run_campaigns(
+                [CampaignRun(campaign, Path(folder))], run_stop,
+                workers=workers, notify=lambda report, ends=ends: ends.append(perf_counter()),
+            )  # fmt: skip
+        rates.append((count - workers) / (ends[-1] - ends[workers - 1]))
+    yield "stops that two processes end, over one", f"{rates[1] / rates[0]:.2f}", f"{AT_LEAST}1.9"
+
+
+def of_consists() -> Iterator[Row]:
+    """Yield step and build of trains of equal four-axle cars with bogie frames on primary suspension.
+
+    Each axle has a brake; the build does not use the cache.
+    """
+    for cars in (1, 2, 4, 8, 16):
+        with tempfile.TemporaryDirectory() as folder:
+            # A name that was never built: the description string is part of what the cache looks up.
+            source = Path(folder) / "Cars.mo"
+            meaning = Path(folder).as_posix()
+            text = f'block Cars "{meaning}"\n  extends RailBraking.Plants.Consist(cars={cars});\nend Cars;\n'
+            source.write_text(text, encoding="utf-8")
+            begin = perf_counter()
+            description = describe(build_class("Cars", source, compiler="native").path)
+            seconds = perf_counter() - begin
+            step, states = plant_step(description, BRAKING), len(description.states)
+            what = f"train of {cars} four-axle cars, {states} states: step of 1 ms in a loop in C"
+            yield what, f"{step:.1f} µs", "25 µs for four cars" if cars == 4 else ""
+            yield "  build of its FMU", f"{seconds:.1f} s", "30 s for eight cars" if cars == 8 else ""
+
+
+def of_recipes() -> Iterator[Row]:
+    """Yield the cold build of every recipe: into an empty folder, with nothing in the user's cache."""
+    names = list(read_recipes().recipes)
+    with tempfile.TemporaryDirectory() as folder, environment({VARIABLE: f"{folder}/cache"}):
+        before, start = _processor(), perf_counter()
+        for _ in build(names, "native", Path(folder)):
+            pass
+        wall, processor = perf_counter() - start, _processor() - before
+    yield f"cold build of {len(names)} FMUs", f"{wall:.1f} s ({processor:.1f} s of processor)", "10 s"
+
+
+def _processor() -> float:
+    """Return the CPU time of this process and of the children it has waited for [s]."""
+    return sum(os.times()[:4])
+
+
+def of_train(model: str, noise: str, target: str) -> Iterator[Row]:
+    """Yield the time of a step of each filter of a braked train with consistent readings."""
+    translation = compile_class(f"RailBraking.Predictions.{model}")
+    prediction = CasadiPrediction(translation, {v.name: v.start for v in translation.parameters})
+    noise_set = NOISE_SETS[noise]
+    noises = noise_set.process_noise(prediction.states), noise_set.reading_noise(prediction.outputs)
+    compiled = CompiledFilter(prediction, *noises, 1e-3)
+    plain = ExtendedKalmanFilter(prediction, *noises, 1e-3)
+    inputs = np.array([2e5, 1e5, 1e5, 2e5, 0.0])
+    mean = np.array([v.start for v in translation.states])
+    readings = prediction.output(mean, inputs)
+    first = compiled.start(mean, noise_set.start_covariance(prediction.states))
+    advance = in_place(compiled, first, inputs, readings, count=2000)
+    on_values = microseconds(lambda: compiled.step(first, inputs, readings), count=2000)
+    reference = microseconds(lambda: plain.step(first, inputs, readings), count=100)
+    what = f"compiled filter, {len(prediction.states)} states, a step in place as in the loop"
+    by_fmu = of_class(model).prediction({})
+    stepped = CompiledFilter(by_fmu, *noises, 1e-3)
+    fmu = in_place(stepped, first, inputs, readings, count=2000)
+    yield what, f"{advance:.1f} µs", target
+    yield "  by the prediction FMU", f"{fmu:.1f} µs", ""
+    yield "  prediction FMU over compiled", f"{fmu / advance:.2f}", "2.5"
+    itself = stepped_by_fmu(prediction, model, 1e-3)
+    by_co_simulation = in_place(CompiledFilter(itself, *noises, 1e-3), first, inputs, readings, count=2000)
+    yield "  by the prediction FMU that integrates itself, Co-Simulation", f"{by_co_simulation:.1f} µs", ""
+    yield "  on values", f"{on_values:.1f} µs", ""
+    yield "  filter in numpy over compiled", f"{reference / on_values:.0f}", ""
+
+
+def stepped_by_fmu(variables: FilterVariables, model: str, period: float) -> SteppedFmuPrediction:
+    """Return a prediction by Co-Simulation with the variables of another one, and default parameters."""
+    description = prediction_description(model, None, "me_cs")
+    return SteppedFmuPrediction(
+        description, period=period, parameters={}, states=variables.states, inputs=variables.inputs,
+        outputs=variables.outputs,
+    ).open()  # fmt: skip
+
+
+def in_place(
+    filter_: CompiledFilter, first: GaussianEstimate, inputs: Vector, readings: Vector, *, count: int, rounds: int = 9
+) -> float:
+    """Return the time of a compiled filter's step in place, as the loop uses it [µs]."""
+    filter_.hold(first)
+    filter_.inputs[:], filter_.readings[:] = inputs, readings
+    return microseconds(filter_.advance, count=count, rounds=rounds)
+
+
+def of_groups(groups: int) -> Iterator[Row]:
+    """Yield the time of a step of the decentralised filter over uncoupled wheelsets, two in each bogie."""
+    target = "40 µs" if groups == 16 else ""
+    yield f"decentralised filter, {groups} wheelsets that turn apart", f"{decentralised_step(groups):.1f} µs", target
+    yield "  with suspension", f"{decentralised_step(groups, suspension=True):.1f} µs", ""
+
+
+def decentralised_step(groups: int, *, suspension: bool = False, count: int = 2000, rounds: int = 9) -> float:
+    """Return the CPU time of a step of the decentralised filter in place [µs], the median of rounds.
+
+    The train has equal, uncoupled wheelsets, two in each bogie, and readings with the assumed noise.
+    """
+    masses = {f"m_wheelset[{i + 1}]": 15e3 for i in range(groups)}
+    frames = {"m_frame": 3500.0, "I_frame": 2200.0, "wheelbase": 1.9}
+    data = {"J": 120.0, "r_wheel": 0.46, "n_units": 2.0, "r_friction": 0.24} | masses
+    if suspension:
+        data |= frames | {f"wheelsets_per_bogie[{b + 1}]": 2.0 for b in range(groups // 2)}
+    formation = Formation((1,) * groups)
+    consist = consist_of(formation, data)
+    noise = NOISE_SETS["train_service"]
+    variances = noise.reading_noise(consist.outputs)
+    filter_ = DecentralisedFilter(consist, noise.process_noise(consist.states), variances, 1e-3)
+    mean = start_of(consist.states, formation, data, speed=30.0)
+    inputs = np.append(np.full(groups, 2e5), 0.0)
+    train = central_of(formation, data)
+    central = CasadiPrediction(train.model, train.parameters)
+    shown = central.output(start_of(central.states, formation, data, speed=30.0), inputs)
+    expected = shown[[train.readings.index(name) for name in consist.outputs]]
+    random = np.random.default_rng(0)
+    readings = expected + np.sqrt(variances) * random.standard_normal((count, variances.size))
+
+    def filtered() -> None:
+        filter_.start(mean, noise.start_covariance(consist.states))
+        filter_.inputs[:] = inputs
+        for reading in readings:
+            filter_.readings[:] = reading
+            filter_.advance()
+
+    return microseconds(filtered, rounds=rounds, clock=process_time) / count
+
+
+def of_rig() -> Iterator[Row]:
+    """Yield a step of the compiled filter of the roller rig."""
+    yield "compiled filter of the roller rig, in place", f"{rig_step():.1f} µs", "3 µs"
+
+
+def rig_step(*, count: int = 20_000, rounds: int = 7, period: float = 5e-3) -> float:
+    """Return the time of a step of the rig's filter from a braked start with readings that fit it [µs]."""
+    specification = load_specification(LIBRARY / "rig_own.toml")
+    prediction, settings = prediction_for(specification), settings_for(specification, period)
+    process = by_name("process", settings.process, prediction.states)
+    readings = by_name("readings", settings.readings, prediction.outputs)
+    filter_ = CompiledFilter(prediction, process, readings, period, settings.gate)
+    mean = np.array([70.0, 33.0, 0.35, 0.05])
+    first = filter_.start(mean, by_name("deviation", settings.start_deviation, prediction.states) ** 2)
+    return in_place(filter_, first, np.array([20e3]), mean[:2], count=count, rounds=rounds)
+
+
+def of_recording() -> Iterator[Row]:
+    """Yield the computing times of the field test; a value of the tuning is for five copies of its mean length."""
+    field_run, spec, model = run((TEST, cases()[TEST])), specification(), prediction()
+    course = spec.course
+    assert course is not None
+    task = task_of(field_run.braking, model)
+    filter_ = filter_of(model, task.data.period)
+    recording, samples = braking_of(field_run.recording, course).recording, len(task.data.readings)
+    step = microseconds(lambda: follow(task, filter_, PHYSICAL)) / samples
+    duration = microseconds(lambda: estimate_of(spec, recording)) / 1e3
+    track = microseconds(lambda: braking_of(field_run.recording, course), rounds=2) / 1e6
+    value = microseconds(lambda: evaluate("consistent", [task] * 5, filter_, PHYSICAL)) / 1e6
+    yield f"13-state filter over a recording of {samples} samples, a sample", f"{step:.1f} µs", "5 µs"
+    yield "  estimate of that recording", f"{duration:.0f} ms", ""
+    yield "  track and track force from the run before", f"{track:.1f} s", ""
+    yield "tuning: a value over five brakings, one core", f"{1e3 * value:.0f} ms", ""
+    yield "  both objectives, 2 · 48 · 61 values", f"{2 * 48 * 61 * value / 60:.1f} min", "30 min"
+
+
+CASES: Final[Mapping[str, Callable[[], Iterator[Row]]]] = {
+    "cold build of all FMUs": of_recipes,
+    **{f"steps of {name}": partial(steps_of, name) for name in ("TwoPartTrain", "TwoPartTrainPneumatic")},
+    "trains of 1 to 16 cars": of_consists,
+    "filter over TrainPrediction": partial(of_train, "TrainPrediction", "train_ideal", "15 µs"),
+    "filter over TrainPredictionReduced": partial(of_train, "TrainPredictionReduced", "reduced_ideal", "5 µs"),
+    **{f"decentralised filter, {groups} groups": partial(of_groups, groups) for groups in (4, 8, 16, 32)},
+    "filter of the roller rig": of_rig,
+    "filter of the field test over a recording": of_recording,
+    f"whole stops, {ABC}": partial(of_scenario, ABC),
+    "whole stops, slip-based control": partial(
+        of_scenario, "slip-based control", "controller.kind=slip_two_state", "estimator.kind=none"
+    ),
+    "stops by what the filter evaluates": of_predictions,
+    "stops in two processes": of_workers,
+}
+"""Activity → its rows."""
+
+
+@dataclass(frozen=True)
+class BenchStudy(Study):
+    """Measure durations, as medians and ratios of cases that run in turn.
+
+    The page lists those that exceed their targets, which is not an error. Run it on an idle machine.
+    """
+
+    has_cases = False
+
+    def page(self, work: Work) -> Page:
+        """Measure one case after the other, in this process, and return the table."""
+        rows: list[Row] = []
+        for doing, case in CASES.items():
+            work.notify(doing)
+            rows += case()
+        table = ReportTable.of(("what", "measured", "target"), rows, title=machine())
+        return Page(
+            title="Durations",
+            question="How long do the parts of a stop take, and how do their durations compare?",
+            answer=answer(rows),
+            template="studies/bench.md.jinja",
+            values={"machine": machine(), "durations": table},
+            tables={"durations.csv": table},
+            screen=(table,),
+        )
+
+
+def answer(rows: Sequence[Row]) -> str:
+    """Return the time of a cycle, the speed of a stop relative to real time, and the times that exceed their target."""
+    measured = {what: figure for what, figure, _ in reversed(rows)}  # of rows with one name, the first
+    cycle, faster = measured[f"{ABC}{CYCLE}"], measured[FASTER]
+    judged, over, head = 0, list[str](), ""
+    for what, figure, target in rows:
+        head = head if what.startswith(" ") else what
+        judged += bool(target)
+        if target and _is_over(figure, target):
+            name = head if what == head else f"{head} – {what.strip()}"
+            over.append(f"{name}: {figure}, target {target}")
+    verdict = f"{len(over)} over target: {'; '.join(over)}" if over else "none is over it"
+    return (
+        f"With {ABC} and a compiled law, a cycle of the loop takes {cycle}, and a stop with assembly and "
+        f"figures runs {faster} times faster than real time. Of {judged} durations and ratios with a target, {verdict}."
+    )
+
+
+def _is_over(figure: str, target: str) -> bool:
+    limit = target.removeprefix(AT_LEAST)
+    sizes: list[float] = []
+    for text in (figure, limit):
+        match = re.match(r"[\d.]+( ([µm]?s|min)\b)?", text)
+        assert match is not None, text
+        number, unit = quantity(match[0])
+        sizes.append(unit.factor * number)
+    return sizes[0] > sizes[1] if limit == target else sizes[0] < sizes[1]
+
+
+STUDY = BenchStudy
