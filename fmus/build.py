@@ -22,10 +22,12 @@ from railgrip.fmus.native.library import (
     digest,
     is_trusted,
     library_of,
+    name_of,
     require_class_name,
     sources_digest,
+    used_paths,
+    uses_digest,
 )
-from railgrip.fmus.native.used_libraries import name_of, used_paths, uses_digest
 from railgrip.fmus.recipe import Cookbook, FmiType, Recipe, read_recipes
 
 if TYPE_CHECKING:
@@ -136,10 +138,10 @@ def translate(
 ) -> tuple["Source", dict[str, Any]]:
     """Return C code and XML of a recipe's FMU from the built-in compiler, and its interface for lock.toml."""
     # CasADi, rumoca and scipy take half a second to import; when everything is up to date they are not needed.
-    from railgrip.fmus.lock import interface_of
     from railgrip.fmus.native import package
     from railgrip.fmus.native.dae import read
     from railgrip.fmus.native.system import explicit
+    from railgrip.fmus.recipe import interface_of
 
     with _without_garbage_collection():
         system = explicit(read(recipe.class_name, library or recipe.library, others=others, complete=True))

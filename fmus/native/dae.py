@@ -28,10 +28,17 @@ from railgrip.fmus.native.error_places import (
     short,
 )
 from railgrip.fmus.native.language import findings, refuse, require_strict, require_values
-from railgrip.fmus.native.library import LIBRARY, is_trusted, library_of, sources_digest
+from railgrip.fmus.native.library import (
+    LIBRARY,
+    VARIABLE,
+    is_trusted,
+    library_of,
+    name_of,
+    sources_digest,
+    used_libraries,
+)
 from railgrip.fmus.native.names import Call
 from railgrip.fmus.native.rewriting import rewrite
-from railgrip.fmus.native.used_libraries import VARIABLE, name_of, used_libraries
 
 FRONT = Path(__file__).parent / "front"
 _CACHE_OF_RUMOCA = "XDG_CACHE_HOME"

@@ -13,8 +13,7 @@ from railgrip.base.errors import InputError
 from railgrip.cli.app import fail
 from railgrip.fmi.survey import SurveyResult, survey, validation_problems
 from railgrip.fmus.build import OUTPUT, Compiler, build, build_class, translate
-from railgrip.fmus.lock import LOCK, Entry, differences, read_lock, write_lock
-from railgrip.fmus.recipe import read_recipes
+from railgrip.fmus.recipe import LOCK, Entry, differences, read_lock, read_recipes, write_lock
 from railgrip.report.console import progress, say, show_table
 from railgrip.report.marked import write_tables
 from railgrip.report.table import ReportTable

@@ -38,7 +38,7 @@ from railgrip.base.errors import Failure, FmuError, PlantFailed, Reason
 from railgrip.base.files import scratch
 from railgrip.fmi.archive import DESCRIPTION, digest, extract
 from railgrip.fmi.description import PLATFORMS, Description, FmuVariable, Interface
-from railgrip.fmus.native.c_library import kernel_library
+from railgrip.fmus.native.toolchain import kernel_library
 
 Scalar = float | int | bool | str
 _ROUNDING = 1e-14

@@ -93,7 +93,7 @@ def _serve(line: int, options: dict[str, Any]) -> None:
         ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, int(signal.SIGKILL))
     _limit(options["limits"])
     sys.path += [folder for folder in options["path"] if folder not in sys.path]
-    from railgrip.fmi.child import serve_on
+    from railgrip.fmi.isolation import serve_on
 
     serve_on(line, options["limits"]["messages"])
     os._exit(0)

@@ -22,7 +22,7 @@ from railgrip.estimators.model_in_c import Pattern, transition_pattern
 from railgrip.fmi.description import Description, Interface
 from railgrip.fmi.exchange import KERNEL, FmuPrediction, references_of
 from railgrip.fmi.instance import Assignment, Instance, Values
-from railgrip.fmus.native.c_library import Struct, kernel_library
+from railgrip.fmus.native.toolchain import Struct, kernel_library
 
 TOLERANCE: Final = 1e-8
 """Relative error that the FMU's solver is asked to keep."""
