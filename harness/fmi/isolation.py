@@ -374,10 +374,13 @@ class IsolatedCoSimulation(SteppedPlant):
         return self._describe_end(*report) if report else ("crash", "its process is gone, and the one that watched it")
 
     def _report_on(self, life: socket.socket) -> tuple[int, int] | None:
-        report = _report_on(life)
-        if report is None:
+        life.settimeout(_GOODBYE)
+        report = b""
+        with suppress(OSError):
+            report = life.recv(REPORT.size)
+        if len(report) != REPORT.size:
             return None
-        status, memory_kib, printed = report
+        status, memory_kib, printed = REPORT.unpack(report)
         self._account.printed += printed
         return status, memory_kib
 
@@ -397,14 +400,6 @@ class IsolatedCoSimulation(SteppedPlant):
             return "crash", sentence
         size = f"{memory_kib / 1024:.0f} MiB; memory_mib under [limits.fmu] is {limits.memory_mib}"
         return "crash", f"{sentence} when it had {size}"
-
-
-def _report_on(life: socket.socket) -> tuple[int, int, int] | None:
-    life.settimeout(_GOODBYE)
-    report = b""
-    with suppress(OSError):
-        report = life.recv(REPORT.size)
-    return REPORT.unpack(report) if len(report) == REPORT.size else None
 
 
 def _limit(key: str, value: float, unit: str = "") -> str:
@@ -450,30 +445,18 @@ def open_plant(
     is_once = interface is not None and interface.once and os.name == "posix"
     if trusted and not is_once:
         return loaded_plant(description)(description, binding, period=period, parameters=parameters, begin=begin)
+    name = description.file.name
     notify(
-        f"{description.file.name} can be instantiated only once in a process, and runs in a separate one in spite of "
+        f"{name} can be instantiated only once in a process, and runs in a separate one in spite of "
         f"trust = true under {table}."
         if trusted
-        else notice(description, table)
-    )
-    return IsolatedCoSimulation(
-        description,
-        binding,
-        period=period,
-        parameters=parameters,
-        begin=begin,
-        limits=limits,
-        table=table,
-        notify=notify,
-    )
-
-
-def notice(description: Description, table: str) -> str:
-    """Return the notice that an FMU is isolated and therefore slower, with the table in which to declare trust."""
-    return (
-        f"{description.file.name} is foreign and runs in a separate process, so that a crash in it does not end the "
+        else f"{name} is foreign and runs in a separate process, so that a crash in it does not end the "
         f"stop; set trust = true under {table} to load it into this one, which is faster."
     )
+    return IsolatedCoSimulation(
+        description, binding, period=period, parameters=parameters, begin=begin, limits=limits, table=table,
+        notify=notify,
+    )  # fmt: skip
 
 
 def _bytes(inputs: Vector) -> bytes:
