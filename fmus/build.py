@@ -2,7 +2,6 @@
 
 import gc
 import json
-import os
 from collections.abc import Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, contextmanager
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from railgrip.base import cache
 from railgrip.base.errors import CompilerMissing, InputError, RailgripError
-from railgrip.base.files import scratch
+from railgrip.base.files import scratch, write_bytes
 from railgrip.base.programs import find_program
 from railgrip.fmus import openmodelica
 from railgrip.fmus.native import separate_process, toolchain
@@ -301,10 +300,7 @@ def _compile(order: _BuildOrder, inputs: str, translation: _Translation | None) 
 def _copy(entry: Path, directory: Path) -> Path:
     path, content = directory / entry.name, entry.read_bytes()
     if not path.is_file() or path.read_bytes() != content:
-        directory.mkdir(parents=True, exist_ok=True)
-        half = path.with_suffix(f".{os.getpid()}.part")  # two processes may copy it at the same time
-        half.write_bytes(content)
-        half.replace(path)
+        write_bytes(path, content)
     return path
 
 

@@ -122,22 +122,22 @@ def interface_of(recipe: Recipe, system: "System", digest: str) -> Entry:
     their unknowns; parameters (public ones), event_indicators, time_events, clocks, discretes, assertions as counts.
     """
     # CasADi takes half a second to import; recipes are read without it.
-    from railgrip.fmus.native.code import layout_of
+    from railgrip.fmus.native.code import groups_of
     from railgrip.fmus.native.equations import output_scalars
 
-    layout = layout_of(system)
+    groups = groups_of(system)
     return {
         "class": recipe.class_name,
         "digest": digest,
-        "parameters": sum(not p.protected for p in layout.parameters[: layout.free]),
-        "discretes": len(layout.discretes),
+        "parameters": sum(not p.protected for p in system.variables.free),
+        "discretes": len(groups["discretes"]),
         "event_indicators": system.indicators.numel(),
         "time_events": system.instants.numel(),
         "clocks": len(system.clocks),
         "assertions": len(system.assertions),
         "nonlinear_loops": [list(block) for block in system.loops.blocks],
-        "states": _units(layout.states),
-        "inputs": _units(layout.inputs),
+        "states": _units(groups["states"]),
+        "inputs": _units(groups["inputs"]),
         "outputs": _units(output_scalars(system)),
     }
 

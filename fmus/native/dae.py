@@ -285,9 +285,15 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool, 
             template = model.codegen(str(FRONT)).files[0].content
             flat = _first_object(model.to_json("flat", pretty=False), "variables")
             sources = _sources(model, path, alias, further)
-    except (rumoca.RumocaError, RuntimeError) as error:
+    except BaseException as error:
+        is_panic = type(error).__name__ == "PanicException"  # of rumoca, no Exception, and nowhere to import from
+        if not is_panic and not isinstance(error, rumoca.RumocaError | RuntimeError):
+            raise
         if not is_diagnosed:
             raise InputError(str(error)) from error
+        if is_panic:
+            sentences = limits(str(error), path, class_name) or [_describe_panic(str(error), path, class_name)]
+            raise TranslationError("\n".join(sentences)) from error
         # `codegen` raises RuntimeError, and its message begins with the name of the template.
         message = str(error).replace(alias, str(path)).rpartition("_dae.json': ")[2]
         message = message if further is None else message.replace(f"{further}{os.sep}", "")
@@ -301,14 +307,6 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool, 
         hints = "".join(f"\n  {place}" for place in places(message, path, class_name))
         where = path if further is None else short(path, path, further)
         raise InputError(f"{class_name} does not compile ({where}): {message}{hints}") from error
-    except BaseException as error:
-        if type(error).__name__ != "PanicException":  # of rumoca, no Exception, and nowhere to import from
-            raise
-        if not is_diagnosed:
-            raise InputError(str(error)) from error
-        if sentences := limits(str(error), path, class_name):
-            raise TranslationError("\n".join(sentences)) from error
-        raise TranslationError(_describe_panic(str(error), path, class_name)) from error
     content = _parse_template(template)
     schema = (content["schema"]["name"], content["schema"]["version"])
     if schema != SCHEMA:

@@ -128,9 +128,8 @@ def shared_library(
     """
     cc, file = compiler(), name + SUFFIX
     options = _options(include, flags)
-    key = hashlib.sha256(
-        json.dumps([cc.command, cc.version, options, [*units], sorted(sources.items())]).encode()
-    ).hexdigest()
+    inputs = json.dumps([cc.command, cc.version, options, [*units], sorted(sources.items())])
+    key = hashlib.sha256(inputs.encode()).hexdigest()
     return find("libraries", key, file) or keep(
         "libraries", key, file, binary(sources, name, units=units, include=include, flags=flags)
     )
@@ -160,9 +159,8 @@ def binary(
         files = units or sorted(file for file in sources if file.endswith(".c"))
         options = [option for option in _options(include, flags) if _suits(suffix, option)]
         linking = _linking() if target is None else ("-lm", "-s")
-        code, errors = _run([*cc.command, *options, *files, "-o", output, *linking], folder, name)
-        if code:
-            raise BuildFailed(f"{' '.join(cc.command)} could not compile {name}:\n{_head(errors)}")
+        failure = f"{' '.join(cc.command)} could not compile {name}"
+        _run([*cc.command, *options, *files, "-o", output, *linking], folder, name, failure)
         return (folder / output).read_bytes()
 
 
@@ -181,13 +179,8 @@ def static_library(sources: Mapping[str, str], name: str, *, units: Sequence[str
             (folder / file).write_text(text, encoding="utf-8")
         options = [option for option in _options((), flags) if option != "-shared"]
         objects = [f"{Path(unit).stem}.o" for unit in units]
-        for command in (
-            [*cc.command, *options, "-c", *units],
-            [*archiver, "rcs", f"lib{name}.a", *objects],
-        ):
-            code, errors = _run(command, folder, name)
-            if code:
-                raise BuildFailed(f"{command[0]} could not make lib{name}.a:\n{_head(errors)}")
+        for command in ([*cc.command, *options, "-c", *units], [*archiver, "rcs", f"lib{name}.a", *objects]):
+            _run(command, folder, name, f"{command[0]} could not make lib{name}.a")
         return (folder / f"lib{name}.a").read_bytes()
 
 
@@ -211,7 +204,7 @@ def _suits(suffix: str, option: str) -> bool:
     return suffix != ".dll" or option not in ("-fPIC", "-fvisibility=hidden")
 
 
-def _run(command: Sequence[str], folder: Path, name: str) -> tuple[int, str]:
+def _run(command: Sequence[str], folder: Path, name: str, failure: str) -> None:
     # In a new session, so that child processes of the compiler end with it.
     with subprocess.Popen(
         command,
@@ -236,7 +229,8 @@ def _run(command: Sequence[str], folder: Path, name: str) -> tuple[int, str]:
                     "fewer elements."
                 ) from None
             raise
-        return process.returncode, errors
+        if process.returncode:
+            raise BuildFailed(f"{failure}:\n{_head(errors)}")
 
 
 def _options(include: Sequence[Path], flags: Sequence[str]) -> list[str]:
