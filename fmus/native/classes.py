@@ -376,7 +376,7 @@ class Tree:
 
     def code(self, class_: Class) -> str:
         """Return the text of the definition of a class, with strings and comments blanked so that lines stay."""
-        return _STRINGS.sub(lambda m: re.sub(r"[^\n]", " ", m[0]), self.text(class_.definition["location"]))
+        return without_texts(self.text(class_.definition["location"]))
 
     def starts_with_dot(self, place: Node) -> bool:
         """Return whether a name is written with a leading dot, which rumoca's tree omits for the name of a type."""
@@ -474,6 +474,16 @@ def _is_modification(argument: Node) -> bool:
     # rumoca appends the value of a redeclaration to its modifiers.
     ((kind, node),) = argument.items()
     return kind in ("Modification", "ClassModification") or (kind == "Binary" and node["op"] == "Assign")
+
+
+def without_texts(code: str) -> str:
+    """Return a Modelica text with comments and strings blanked, so that places stay as they are."""
+    return _STRINGS.sub(blank, code)
+
+
+def blank(match: re.Match[str]) -> str:
+    """Return spaces in place of a match, with its lines."""
+    return re.sub(r"[^\n]", " ", match[0])
 
 
 def path_of(reference: Node) -> str:

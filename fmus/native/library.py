@@ -362,18 +362,30 @@ class ScannedFile:
     root: ScannedClass
 
 
+BYTE_ORDER_MARK = "\ufeff"
+
+
+def read_utf_8(path: Path) -> str:
+    """Return the text of a Modelica file, with a byte order mark if it has one.
+
+    Raises:
+        InputError: The file is not readable, or not in UTF-8.
+    """
+    content = read_bytes(path)
+    try:
+        return content.decode()
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise InputError(f"{path}:{line}: the text is not UTF-8; save the file as UTF-8.") from error
+
+
 def scan(path: Path) -> ScannedFile:
     """Return the classes of a file.
 
     Raises:
         InputError: The file is not in UTF-8, or the beginnings and ends of its classes do not match.
     """
-    content = read_bytes(path)
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        raise InputError(f"{path}:{line}: the text is not UTF-8; save the file as UTF-8.") from error
+    text = read_utf_8(path).removeprefix(BYTE_ORDER_MARK)
     root = ScannedClass("", is_package=True, start=0, end=len(text))
     stack = [root]
     depth, prefix = 0, -1

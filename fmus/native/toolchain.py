@@ -285,15 +285,7 @@ class CLibrary:
         functions: The declared functions and enums.
     """
 
-    def __init__(
-        self,
-        sources: Mapping[str, str],
-        name: str,
-        headers: Sequence[str],
-        constants: str = "",
-        *,
-        flags: Sequence[str] = (),
-    ) -> None:
+    def __init__(self, sources: Mapping[str, str], name: str, headers: Sequence[str], constants: str = "") -> None:
         """Compile C sources, or load the library from the cache; see `shared_library`.
 
         Args:
@@ -301,12 +293,11 @@ class CLibrary:
             name: Name of the library.
             headers: Names of headers with the declarations that Python uses, in the order of their dependence.
             constants: Lines `#define NAME integer` that the headers use for sizes.
-            flags: Further flags of the C compiler.
 
         Raises:
             railgrip.base.errors.CompilerMissing: No C compiler was found.
         """
-        self.path = shared_library(sources, name, flags=flags)
+        self.path = shared_library(sources, name)
         self._ffi: Any = FFI()
         # cffi parses declarations, and no preprocessor lines except those in `constants`.
         lines = [line for header in headers for line in sources[header].splitlines() if not line.startswith("#")]
