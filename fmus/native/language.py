@@ -225,6 +225,15 @@ class _Checker:
                 continue
             yield from self._modifiers(class_, arguments, base, rank=0, outside=False, depth=0)
             elements = self.tree.elements(base)
+            for argument in arguments:
+                element = elements.get(argument.name)
+                if argument.type and element is not None and element.redeclared and not element.is_class:
+                    yield self._locate(
+                        argument.node,
+                        f"the redeclaration of '{argument.name}' is lost in the built-in compiler, because a base "
+                        f"class of {class_.short_name} redeclares it as well (7.3); declare it of a replaceable class, "
+                        "and redeclare that class",
+                    )
             yield from self._inherited_twice(class_, clause, inherited, elements)
             inherited |= elements
         for inner in class_.classes.values():
