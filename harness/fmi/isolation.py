@@ -36,7 +36,6 @@ from railgrip.base.limits import FMU_LIMITS, MIB, FmuLimits
 from railgrip.fmi.by_fmpy import loaded_plant
 from railgrip.fmi.description import Description
 from railgrip.fmi.instance import Values, limit_messages, unpack
-from railgrip.fmi.keeper import REPORT
 from railgrip.fmi.mapping import Binding
 from railgrip.fmi.plant import LoadedPlant, SteppedPlant
 
@@ -134,6 +133,8 @@ def serve_on(number: int, messages: int) -> None:
         os._exit(UNREACHABLE)
 
 
+_REPORT: Final = struct.Struct("<iqq")
+"""Wait status of the FMU's process, its maximum memory [KiB], the bytes that it printed; sent on the life line."""
 KEEPER: Final = Path(__file__).with_name("keeper.py")
 _WARNINGS: Final = TypeAdapter(dict[str, int])
 _FAILURE: Final = TypeAdapter(Failure)
@@ -244,7 +245,7 @@ class IsolatedCoSimulation(SteppedPlant):
         path = [folder for folder in sys.path if Path(folder).is_absolute() and Path(folder) != Path.cwd()]
         output = max(self._limits.output_mib * MIB - self._account.printed, 0)
         path.append(str(Path(__file__).parents[2]))
-        options = {"path": path, "limits": self._limits.model_dump(), "output": output}
+        options = {"path": path, "limits": self._limits.model_dump(), "output": output, "report": _REPORT.format}
         return json.dumps(options)
 
     def __exit__(
@@ -377,10 +378,10 @@ class IsolatedCoSimulation(SteppedPlant):
         life.settimeout(_GOODBYE)
         report = b""
         with suppress(OSError):
-            report = life.recv(REPORT.size)
-        if len(report) != REPORT.size:
+            report = life.recv(_REPORT.size)
+        if len(report) != _REPORT.size:
             return None
-        status, memory_kib, printed = REPORT.unpack(report)
+        status, memory_kib, printed = _REPORT.unpack(report)
         self._account.printed += printed
         return status, memory_kib
 
