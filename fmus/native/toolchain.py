@@ -159,8 +159,9 @@ def binary(
         files = units or sorted(file for file in sources if file.endswith(".c"))
         options = [option for option in _options(include, flags) if _suits(suffix, option)]
         linking = _linking() if target is None else ("-lm", "-s")
-        failure = f"{' '.join(cc.command)} could not compile {name}"
-        _run([*cc.command, *options, *files, "-o", output, *linking], folder, name, failure)
+        code, errors = _run([*cc.command, *options, *files, "-o", output, *linking], folder, name)
+        if code:
+            raise BuildFailed(f"{' '.join(cc.command)} could not compile {name}:\n{_head(errors)}")
         return (folder / output).read_bytes()
 
 
@@ -180,7 +181,9 @@ def static_library(sources: Mapping[str, str], name: str, *, units: Sequence[str
         options = [option for option in _options((), flags) if option != "-shared"]
         objects = [f"{Path(unit).stem}.o" for unit in units]
         for command in ([*cc.command, *options, "-c", *units], [*archiver, "rcs", f"lib{name}.a", *objects]):
-            _run(command, folder, name, f"{command[0]} could not make lib{name}.a")
+            code, errors = _run(command, folder, name)
+            if code:
+                raise BuildFailed(f"{command[0]} could not make lib{name}.a:\n{_head(errors)}")
         return (folder / f"lib{name}.a").read_bytes()
 
 
@@ -204,7 +207,7 @@ def _suits(suffix: str, option: str) -> bool:
     return suffix != ".dll" or option not in ("-fPIC", "-fvisibility=hidden")
 
 
-def _run(command: Sequence[str], folder: Path, name: str, failure: str) -> None:
+def _run(command: Sequence[str], folder: Path, name: str) -> tuple[int, str]:
     # In a new session, so that child processes of the compiler end with it.
     with subprocess.Popen(
         command,
@@ -229,8 +232,7 @@ def _run(command: Sequence[str], folder: Path, name: str, failure: str) -> None:
                     "fewer elements."
                 ) from None
             raise
-        if process.returncode:
-            raise BuildFailed(f"{failure}:\n{_head(errors)}")
+        return process.returncode, errors
 
 
 def _options(include: Sequence[Path], flags: Sequence[str]) -> list[str]:
