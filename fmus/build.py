@@ -2,7 +2,6 @@
 
 import gc
 import json
-import os
 from collections.abc import Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, contextmanager
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from railgrip.base import cache
 from railgrip.base.errors import CompilerMissing, InputError, RailgripError
-from railgrip.base.files import scratch
+from railgrip.base.files import scratch, write_bytes
 from railgrip.base.programs import find_program
 from railgrip.fmus import openmodelica
 from railgrip.fmus.native import separate_process, toolchain
@@ -22,10 +21,12 @@ from railgrip.fmus.native.library import (
     digest,
     is_trusted,
     library_of,
+    name_of,
     require_class_name,
     sources_digest,
+    used_paths,
+    uses_digest,
 )
-from railgrip.fmus.native.used_libraries import name_of, used_paths, uses_digest
 from railgrip.fmus.recipe import Cookbook, FmiType, Recipe, read_recipes
 
 if TYPE_CHECKING:
@@ -136,10 +137,10 @@ def translate(
 ) -> tuple["Source", dict[str, Any]]:
     """Return C code and XML of a recipe's FMU from the built-in compiler, and its interface for lock.toml."""
     # CasADi, rumoca and scipy take half a second to import; when everything is up to date they are not needed.
-    from railgrip.fmus.lock import interface_of
     from railgrip.fmus.native import package
     from railgrip.fmus.native.dae import read
     from railgrip.fmus.native.system import explicit
+    from railgrip.fmus.recipe import interface_of
 
     with _without_garbage_collection():
         system = explicit(read(recipe.class_name, library or recipe.library, others=others, complete=True))
@@ -299,10 +300,7 @@ def _compile(order: _BuildOrder, inputs: str, translation: _Translation | None) 
 def _copy(entry: Path, directory: Path) -> Path:
     path, content = directory / entry.name, entry.read_bytes()
     if not path.is_file() or path.read_bytes() != content:
-        directory.mkdir(parents=True, exist_ok=True)
-        half = path.with_suffix(f".{os.getpid()}.part")  # two processes may copy it at the same time
-        half.write_bytes(content)
-        half.replace(path)
+        write_bytes(path, content)
     return path
 
 

@@ -1,7 +1,6 @@
 """The OpenModelica compiler: omc on the PATH, run on a script."""
 
 import re
-import shutil
 import signal
 import subprocess
 import warnings
@@ -10,7 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from railgrip.base.errors import BuildFailed, CompilerMissing
-from railgrip.base.files import scratch
+from railgrip.base.files import scratch, write_bytes
 from railgrip.base.programs import environment_of_programs, find_program
 from railgrip.fmus.native.library import LIBRARY
 from railgrip.fmus.recipe import Recipe
@@ -104,10 +103,7 @@ def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None, f
             messages += [message] if message else []
             if fmu is None:
                 continue
-            path.parent.mkdir(parents=True, exist_ok=True)
-            half = path.with_suffix(".part")
-            shutil.copyfile(fmu, half)
-            half.replace(path)
+            write_bytes(path, fmu.read_bytes())
         if messages:
             how = "" if derivatives or is_plant else " without directional derivatives"
             words = _excerpt(messages[0], log)
@@ -130,15 +126,7 @@ def _excerpt(text: str, log: Path) -> str:
 
 def _run(text: str, recipe: Recipe, folder: Path) -> tuple[Path | None, str]:
     (folder / "export.mos").write_text(text, encoding="utf-8")
-    process = subprocess.run(
-        [_omc(), "export.mos"],
-        cwd=folder,
-        capture_output=True,
-        encoding="utf-8",
-        errors="replace",
-        check=False,
-        env=environment_of_programs(),
-    )
+    process = _call("export.mos", folder)
     fmu = folder / f"{recipe.class_name.replace('.', '_')}.fmu"
     open_parameters = "\n".join(unset(process.stdout))
     if open_parameters:
@@ -188,22 +176,17 @@ def version_line() -> str:
     Raises:
         CompilerMissing: omc is not on the PATH.
     """
-    process = subprocess.run(
-        [_omc(), "--version"],
-        capture_output=True,
-        encoding="utf-8",
-        errors="replace",
-        check=False,
-        env=environment_of_programs(),
-    )
-    return process.stdout.strip()
+    return _call("--version").stdout.strip()
 
 
-def _omc() -> str:
+def _call(argument: str, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
     path = find_program("omc")
     if path is None:
         raise CompilerMissing("OpenModelica's omc is not on the PATH; install it or use --compiler native.")
-    return path
+    return subprocess.run(
+        [path, argument], cwd=folder, capture_output=True, encoding="utf-8", errors="replace", check=False,
+        env=environment_of_programs(),
+    )  # fmt: skip
 
 
 def _escape(text: str) -> str:

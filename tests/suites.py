@@ -50,8 +50,7 @@ import numpy as np
 from railgrip.base.errors import InputError, RailgripError
 from railgrip.fmus.build import translate
 from railgrip.fmus.native import package
-from railgrip.fmus.native.library import library_of
-from railgrip.fmus.native.used_libraries import name_of
+from railgrip.fmus.native.library import library_of, name_of
 from railgrip.fmus.recipe import Recipe
 
 SECONDS = 60.0

@@ -115,7 +115,7 @@ def test_code_in_the_current_folder_is_not_loaded(tmp_path, own_cache):
             (tmp_path / place).mkdir(parents=True, exist_ok=True)
             (tmp_path / place / f"{name}.so").write_bytes(content)
     code = (
-        "from railgrip.kernel import kernel; from railgrip.fmus.native.c_library import kernel_library;"
+        "from railgrip.kernel import kernel; from railgrip.fmus.native.toolchain import kernel_library;"
         "from railgrip.vehicle.formation import Formation; from railgrip.vehicle.signals import layout_of;"
         "kernel(layout_of(Formation((1,)))); kernel_library('railgrip.fmi', 'set_step_get')"
     )

@@ -8,8 +8,8 @@ From Modelica to explicit equations:
 From explicit equations to
     CasADi functions: equations calls all of this, in a separate_process for a user's classes.
     an FMU: code (with c_source) and description write its files, package packs it;
-    toolchain has the C compiler, and `runtime` the FMI functions and the solver.
-From a step in C or CasADi, without Modelica: discrete writes an FMU, and embedded (with c_library) a C library.
+    toolchain has the C compiler and access to its libraries, and `runtime` the FMI functions and the solver.
+From a step in C or CasADi, without Modelica: discrete writes an FMU or a C library.
 """
 
 from railgrip.fmus.native.equations import Model, lower

@@ -477,22 +477,19 @@ def _base(base: SX, exponent: SX) -> Rule:
     return ca.logic_or(base > 0, ca.logic_or(at_zero, ca.logic_and(base < 0, _is_whole(exponent)))), rule, base
 
 
-_RULES: dict[str, Callable[..., Rule]] = {
-    "sqrt": _root,
-    "log": _logarithm,
-    "log10": _logarithm,
-    "asin": _arc,
-    "acos": _arc,
-    "tan": _tangent,
-    "atan2": _direction,
-    "divide": _divisor,
-    "elementwise_divide": _divisor,
-    "mod": _divisor,
-    "rem": _divisor,
-    "div": _divisor,
-    "power": _base,
-    "elementwise_power": _base,
+_RULES: dict[str, tuple[Callable[..., Rule], float | None, float | None]] = {
+    "sqrt": (_root, 0.0, None),
+    "log": (_logarithm, sys.float_info.min, None),
+    "log10": (_logarithm, sys.float_info.min, None),
+    "asin": (_arc, -1.0, 1.0),
+    "acos": (_arc, -1.0, 1.0),
+    "tan": (_tangent, None, None),
+    "atan2": (_direction, None, None),
+    **dict.fromkeys(("divide", "elementwise_divide", "mod", "rem", "div"), (_divisor, None, None)),
+    "power": (_base, 0.0, None),
+    "elementwise_power": (_base, 0.0, None),
 }
+"""Operation → its requirement, and the bounds of the domain of its first operand to which `extended` moves that."""
 PARTIAL = _RULES.keys()
 """Operations that are not defined everywhere."""
 
@@ -507,15 +504,7 @@ the solver takes shorter steps, until it is within this distance."""
 
 def extended(operation: str, operands: tuple[Array, ...]) -> tuple[Array, ...]:
     """Return the operands of a guarded operation, moved to the bounds of its domain if they are just beyond them."""
-    low, high = {
-        "sqrt": (0.0, None),
-        "log": (sys.float_info.min, None),
-        "log10": (sys.float_info.min, None),
-        "asin": (-1.0, 1.0),
-        "acos": (-1.0, 1.0),
-        "power": (0.0, None),
-        "elementwise_power": (0.0, None),
-    }.get(operation, (None, None))
+    _, low, high = _RULES.get(operation, (None, None, None))
     if low is None or (len(operands) == 2 and all(is_number(n) and float(n).is_integer() for n in operands[1].flat)):
         return operands
 
@@ -537,7 +526,7 @@ def requirements(operation: str, operands: tuple[Array, ...], text: str, where: 
         text: Modelica text of the operation.
         where: File and line.
     """
-    rule = _RULES[operation]
+    rule, _, _ = _RULES[operation]
     if rule is _divisor:
         operands = operands[1:]
     found: list[Requirement] = []

@@ -305,17 +305,13 @@ class Tree:
     def _imported(self, name: str, class_: Class) -> "Element | Class | None":
         for clause in class_.definition["imports"]:
             ((kind, node),) = clause.items()
-            *package, last = join_name(node["path"]).split(".")
-            if kind == "Renamed" and node["alias"]["text"] == name:
-                return self.global_element([*package, last])
-            if kind == "Qualified" and last == name:
-                return self.global_element([*package, last])
-            if kind == "Selective" and any(part["text"] == name for part in node.get("names", ())):
-                return self.global_element([*package, last, name])
+            path = join_name(node["path"]).split(".")
             if kind == "Unqualified":
-                found = self.global_element([*package, last, name])
+                found = self.global_element([*path, name])
                 if found is not None:
                     return found
+            elif name in self.imported_names(clause):
+                return self.global_element([*path, name] if kind == "Selective" else path)
         return None
 
     def imported_names(self, clause: Node) -> list[str]:
@@ -348,32 +344,43 @@ class Tree:
             type_ = element.type
         return type_
 
+    def component_path(self, class_: Class, reference: Node) -> list[Element]:
+        """Return the components that the parts of a reference denote in a class, empty if one of them is unknown."""
+        path: list[Element] = []
+        type_: Class | None = class_
+        for part in reference["parts"]:
+            element = None if type_ is None else self.elements(type_).get(part["ident"]["text"])
+            if element is None or element.is_class:
+                return []
+            path.append(element)
+            type_ = element.type
+        return path
+
     def is_replaceable(self, modifier: Modifier) -> bool:
         """Return whether a redeclaration in an extends clause keeps the element replaceable."""
         # rumoca's tree omits `replaceable` in a redeclaration of an extends clause.
         span = modifier.node["span"]
-        text = self.sources[span["source"]][1][: span["start"]].decode(errors="replace")
-        return (
-            re.search(r"\breplaceable\s+(?:\w+\s+)*[\w.]*\s*$", text.rpartition(",")[2].rpartition("(")[2]) is not None
-        )
+        text = self._octets(span)[: span["start"]].decode(errors="replace").rpartition(",")[2].rpartition("(")[2]
+        return re.search(r"\breplaceable\s+(?:\w+\s+)*[\w.]*\s*$", text) is not None
+
+    def text(self, place: Node) -> str:
+        """Return the text at a place."""
+        return self._octets(place)[place["start"] : place["end"]].decode(errors="replace")
 
     def text_of(self, place: Node) -> str:
         """Return the text from a place to the next semicolon: rumoca's tree omits some of a declaration."""
-        _, text = self.sources.get(place["source"], ("", b""))
-        return text[place["start"] :].partition(b";")[0].decode(errors="replace")
+        return self._octets(place)[place["start"] :].partition(b";")[0].decode(errors="replace")
+
+    def _octets(self, place: Node) -> bytes:
+        return self.sources.get(place["source"], ("", b""))[1]
 
     def code(self, class_: Class) -> str:
         """Return the text of the definition of a class, with strings and comments blanked so that lines stay."""
-        place = class_.definition["location"]
-        _, text = self.sources.get(place["source"], ("", b""))
-        return _STRINGS.sub(
-            lambda m: re.sub(r"[^\n]", " ", m[0]), text[place["start"] : place["end"]].decode(errors="replace")
-        )
+        return without_texts(self.text(class_.definition["location"]))
 
     def starts_with_dot(self, place: Node) -> bool:
         """Return whether a name is written with a leading dot, which rumoca's tree omits for the name of a type."""
-        _, text = self.sources.get(place["source"], ("", b""))
-        before = text[: place["start"]].rstrip()
+        before = self._octets(place)[: place["start"]].rstrip()
         return before.endswith(b".") and not re.search(rb"[\w\])']\s*\.$", before[-200:])
 
     def locate(self, node: Node, sentence: str) -> str:
@@ -469,6 +476,16 @@ def _is_modification(argument: Node) -> bool:
     return kind in ("Modification", "ClassModification") or (kind == "Binary" and node["op"] == "Assign")
 
 
+def without_texts(code: str) -> str:
+    """Return a Modelica text with comments and strings blanked, so that places stay as they are."""
+    return _STRINGS.sub(blank, code)
+
+
+def blank(match: re.Match[str]) -> str:
+    """Return spaces in place of a match, with its lines."""
+    return re.sub(r"[^\n]", " ", match[0])
+
+
 def path_of(reference: Node) -> str:
     """Return the name of a reference, without subscripts."""
     return ".".join(part["ident"]["text"] for part in reference["parts"])
@@ -482,6 +499,19 @@ def join_name(name: Node | None) -> str:
 def prefix(value: "str | Node") -> str:
     """Return a prefix such as parameter or input, '' for none."""
     return "" if isinstance(value, str) else next(iter(value)).lower()
+
+
+def walk(tree: Any) -> Iterator[tuple[Node, frozenset[str]]]:
+    """Yield all nodes of a tree, outer ones first, each with the iteration variables around it."""
+    stack: list[tuple[Any, frozenset[str]]] = [(tree, frozenset())]
+    while stack:
+        node, bound = stack.pop()
+        inside: list[Any] = node if isinstance(node, list) else []
+        if isinstance(node, dict):
+            bound |= {index["ident"]["text"] for index in node.get("indices", ())}
+            yield node, bound
+            inside = list(node.values())
+        stack += [(value, bound) for value in reversed(inside) if isinstance(value, list | dict)]
 
 
 def without_places(tree: Any) -> Any:

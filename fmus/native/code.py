@@ -1,7 +1,6 @@
 """The C file of an FMU: sizes, tables and model functions, followed by the static FMI side in `runtime/`."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from itertools import accumulate
 from pathlib import Path
 
@@ -34,55 +33,37 @@ LEVELS = ("warning", "error", "domain")
 SOLVERS = {"rodas3": 3, "rodas4": 4}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ValueLayout:
-    """Places of the values of an FMU: a value reference is an index in one array of doubles.
+def groups_of(system: System) -> dict[str, list[Scalar]]:
+    """Return the variables of an FMU by group, in the order of their value references.
 
-    Attributes:
-        outputs: Algebraic variables declared `output`; `locals` are the other ones.
-        free: Number of parameters that may be set, which come first; the others are computed from them.
-        settings: Names of the settings and counters of the runtime, at the end.
+    Among the parameters those that may be set come first; outputs are the algebraic variables declared so.
     """
-
-    states: list[Scalar]
-    inputs: list[Scalar]
-    parameters: list[Scalar]
-    free: int
-    outputs: list[Scalar]
-    locals: list[Scalar]
-    discretes: list[Scalar]
-
-    settings = ("_tolerance", "_solver", "_steps", "_rejected", "_jacobians", "_evaluations", "_events")
-
-    def reference(self, group: str) -> int:
-        """Return the value reference of the first variable of a group."""
-        groups = ("states", "derivatives", "inputs", "parameters", "outputs", "locals", "discretes", "settings")
-        before = groups[: groups.index(group)]
-        return 1 + sum(len(self.states if name == "derivatives" else getattr(self, name)) for name in before)
+    return {
+        "states": system.states,
+        "derivatives": system.states,
+        "inputs": system.variables.inputs,
+        "parameters": [*system.variables.free, *system.variables.dependent],
+        "outputs": [s for s in system.algebraics if s.causality == "output"],
+        "locals": [s for s in system.algebraics if s.causality != "output"],
+        "discretes": system.variables.discretes,
+    }
 
 
-def layout_of(system: System) -> ValueLayout:
-    """Return the places of the variables of a system."""
-    v = system.variables
-    return ValueLayout(
-        states=system.states,
-        inputs=v.inputs,
-        parameters=[*v.free, *v.dependent],
-        free=len(v.free),
-        outputs=[s for s in system.algebraics if s.causality == "output"],
-        locals=[s for s in system.algebraics if s.causality != "output"],
-        discretes=v.discretes,
-    )
+def first_references(groups: Mapping[str, Sequence[Scalar]]) -> dict[str, int]:
+    """Return the value reference of the first variable of each group, and of the settings and counters at the end.
+
+    A value reference is an index in one array of doubles.
+    """
+    return dict(zip([*groups, "settings"], accumulate(map(len, groups.values()), initial=1), strict=True))
 
 
 def split_algebraics(system: System) -> tuple[SX, SX]:
-    """Return the expressions of the layout's outputs and locals."""
-    pick = [s.causality == "output" for s in system.algebraics]
-    values = ca.vertsplit(system.algebraic) if pick else []
-    return (
-        column([e for e, is_output in zip(values, pick, strict=True) if is_output]),
-        column([e for e, is_output in zip(values, pick, strict=True) if not is_output]),
-    )
+    """Return the expressions of the outputs and of the other algebraic variables."""
+    values = ca.vertsplit(system.algebraic) if system.algebraics else []
+    outputs, others = list[SX](), list[SX]()
+    for s, value in zip(system.algebraics, values, strict=True):
+        (outputs if s.causality == "output" else others).append(value)
+    return column(outputs), column(others)
 
 
 def jacobian(system: System) -> SX:
@@ -206,7 +187,7 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         solver: "rodas3" or "rodas4", the default of the parameter `_solver`.
         tolerance: Relative error of an internal step, the default of the parameter `_tolerance`.
     """
-    layout = layout_of(system)
+    groups = groups_of(system)
     states = jacobian(system).sparsity().get_triplet()
     outputs = ca.jacobian(split_algebraics(system)[0], system.x).sparsity().get_triplet()
     patterns = {
@@ -216,10 +197,10 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
     }
     elimination = None
     if "cs" in interfaces:
-        elimination = eliminate(len(layout.states), list(zip(*patterns["jacobian"], strict=True)))
+        elimination = eliminate(len(groups["states"]), list(zip(*patterns["jacobian"], strict=True)))
     parts = [*SHARED, *(part for i in PARTS if i in interfaces for part in PARTS[i])]
     repeating = repeating_discretes(system)
-    sizes = _sizes(system, layout) | {
+    sizes = _sizes(system, groups) | {
         "NJ": len(patterns["jacobian"][0]),
         "BY_STATE": int("me" in interfaces),
         "NSJ": len(patterns["state"][0]),
@@ -227,7 +208,7 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         "N_REPEATING": len(repeating),
         "ND_CALCULATED": len(system.start_discretes),
         "NLU": elimination.entries if elimination else 0,
-        "DISCRETE_INPUTS": int(any(s.type != "real" for s in layout.inputs)),
+        "DISCRETE_INPUTS": int(any(s.type != "real" for s in groups["inputs"])),
         "DEFAULT_SOLVER": SOLVERS[solver],
         "DEFAULT_TOLERANCE": repr(float(tolerance)),
         "MODEL_GUID": string_literal(""),
@@ -235,7 +216,7 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
     body = [
         "/* Generated from Modelica; do not edit. */",
         *(f"#define {name} {value}" for name, value in sizes.items()),
-        *_value_tables(system, layout),
+        *_value_tables(system, groups),
         table("int", "repeating", repeating),
         table("int", "d_calculated", [*system.start_discretes]),
         table("int", "indicator_relation", system.indicator_relation),
@@ -245,7 +226,7 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
             for name, pattern in patterns.items()
             for axis, places in zip(("row", "column"), pattern, strict=True)
         ),
-        *_text_tables(system, layout),
+        *_text_tables(system, groups),
         _model_functions(system, interfaces),
         '#include "layout.h"',
         elimination.code if elimination else "",
@@ -257,15 +238,15 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
     }
 
 
-def _sizes(system: System, layout: ValueLayout) -> dict[str, int]:
+def _sizes(system: System, groups: Mapping[str, list[Scalar]]) -> dict[str, int]:
     return {
-        "NX": len(layout.states),
-        "NU": len(layout.inputs),
-        "NP": len(layout.parameters),
-        "NF": layout.free,
-        "NO": len(layout.outputs),
-        "NL": len(layout.locals),
-        "ND": len(layout.discretes),
+        "NX": len(groups["states"]),
+        "NU": len(groups["inputs"]),
+        "NP": len(groups["parameters"]),
+        "NF": len(system.variables.free),
+        "NO": len(groups["outputs"]),
+        "NL": len(groups["locals"]),
+        "ND": len(groups["discretes"]),
         "NR": system.relation.numel(),
         "NZ": system.indicators.numel(),
         "NC": system.last_conditions.numel(),
@@ -281,18 +262,18 @@ def _sizes(system: System, layout: ValueLayout) -> dict[str, int]:
     }
 
 
-def _value_tables(system: System, layout: ValueLayout) -> list[str]:
+def _value_tables(system: System, groups: Mapping[str, list[Scalar]]) -> list[str]:
     by_name = {s.name: s for scalars in system.variables.of_id.values() for s in scalars}
     guesses, start_guesses = ([by_name.get(k) for k in q.guesses] for q in (system.loops, system.start_loops))
-    groups = {"x": layout.states, "u": layout.inputs, "p": layout.parameters, "d": layout.discretes}
+    declared = {"x": groups["states"], "u": groups["inputs"], "p": groups["parameters"], "d": groups["discretes"]}
     unknowns = {"g": guesses, "q": start_guesses}
     return [
-        *(table("double", f"start_{name}", [s.start for s in group]) for name, group in groups.items()),
+        *(table("double", f"start_{name}", [s.start for s in group]) for name, group in declared.items()),
         *(
             table("double", f"start_{name}", [s.start if s else 0.0 for s in scalars])
             for name, scalars in unknowns.items()
         ),
-        table("double", "nominal_x", [nominal(s) for s in layout.states]),
+        table("double", "nominal_x", [nominal(s) for s in groups["states"]]),
         *(
             table("double", f"nominal_{name}", [nominal(s) if s else 1.0 for s in scalars])
             for name, scalars in unknowns.items()
@@ -303,13 +284,13 @@ def _value_tables(system: System, layout: ValueLayout) -> list[str]:
     ]
 
 
-def _text_tables(system: System, layout: ValueLayout) -> list[str]:
+def _text_tables(system: System, groups: Mapping[str, list[Scalar]]) -> list[str]:
     assertions = system.assertions
     return [
         table("char", "assertion_level", [LEVELS.index(a.level) for a in assertions]),
         table("int", "first_assertion", [0, *accumulate(len(system.checks(when)) for when in WHEN)]),
-        strings("x_name", [s.name for s in layout.states]),
-        strings("d_name", [s.name for s in layout.discretes]),
+        strings("x_name", [s.name for s in groups["states"]]),
+        strings("d_name", [s.name for s in groups["discretes"]]),
         strings("assertion_place", [a.where for a in assertions]),
         strings("message_piece", [None if isinstance(piece, SX) else piece for a in assertions for piece in a.message]),
         table("int", "message_begin", [0, *accumulate(len(a.message) for a in assertions)]),

@@ -6,7 +6,7 @@ Section numbers are those of the Modelica Language Specification, version 3.6.
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from railgrip.fmus.native.classes import Class, Element, Node, Tree, path_of, prefix
+from railgrip.fmus.native.classes import Class, Element, Node, Tree, path_of, prefix, walk
 
 
 def findings(tree: Tree, flat: Mapping[str, Node]) -> Iterator[str]:
@@ -17,41 +17,17 @@ def findings(tree: Tree, flat: Mapping[str, Node]) -> Iterator[str]:
         flat: Variables of the flat class by name; empty if it could not be flattened.
     """
     for class_ in tree.every:
-        equations = list(_equations(class_.content))
+        equations: list[Node] = [node["Connect"] for node, _ in walk(class_.content) if "Connect" in node]
         for equation in equations:
             yield from _forms(tree, class_, equation)
             yield from _sizes(tree, class_, equation, flat)
         yield from _sources(tree, class_, equations)
 
 
-def _equations(content: Any) -> Iterator[Node]:
-    if isinstance(content, list):
-        for item in content:
-            yield from _equations(item)
-    elif isinstance(content, dict):
-        for key, value in content.items():
-            if key == "Connect":
-                yield value
-            else:
-                yield from _equations(value)
-
-
-def _path(tree: Tree, class_: Class, reference: Node) -> list[Element]:
-    path: list[Element] = []
-    type_: Class | None = class_
-    for part in reference["parts"]:
-        element = None if type_ is None else tree.elements(type_).get(part["ident"]["text"])
-        if element is None or element.is_class:
-            return []
-        path.append(element)
-        type_ = element.type
-    return path
-
-
 def _forms(tree: Tree, class_: Class, equation: Node) -> Iterator[str]:
     for side in ("lhs", "rhs"):
-        models = [e for e in _path(tree, class_, equation[side]) if e.type is not None and e.type.kind != "connector"]
-        if len([e for e in models if e.type is not None and e.type.kind in ("model", "block", "class")]) > 1:
+        types = [element.type for element in tree.component_path(class_, equation[side])]
+        if sum(type_ is not None and type_.kind in ("model", "block", "class") for type_ in types) > 1:
             yield tree.locate(
                 equation[side],
                 f"connect uses {path_of(equation[side])}, a connector inside of two components; it must be a connector "
@@ -62,7 +38,7 @@ def _forms(tree: Tree, class_: Class, equation: Node) -> Iterator[str]:
 def _sizes(tree: Tree, class_: Class, equation: Node, flat: Mapping[str, Node]) -> Iterator[str]:
     # rumoca connects the first elements of two arrays of different sizes and leaves the others open.
     sides = [equation["lhs"], equation["rhs"]]
-    paths = [_path(tree, class_, side) for side in sides]
+    paths = [tree.component_path(class_, side) for side in sides]
     if not all(paths) or any(part["subs"] for side in sides for part in side["parts"]):
         return
     if not any(element.rank for path in paths for element in path):
@@ -149,7 +125,7 @@ def _sources(tree: Tree, class_: Class, equations: Sequence[Node]) -> Iterator[s
 
 def _signal_sources(tree: Tree, class_: Class, reference: Node) -> Iterator[str]:
     # connector|signal|source for each signal of a connector; `none` for the others.
-    path = _path(tree, class_, reference)
+    path = tree.component_path(class_, reference)
     if not path or any(element.node["condition"] is not None for element in path):
         return
     is_inside = any(e.type is not None and e.type.kind in ("model", "block", "class") for e in path[:-1])

@@ -28,10 +28,17 @@ from railgrip.fmus.native.error_places import (
     short,
 )
 from railgrip.fmus.native.language import findings, refuse, require_strict, require_values
-from railgrip.fmus.native.library import LIBRARY, is_trusted, library_of, sources_digest
+from railgrip.fmus.native.library import (
+    LIBRARY,
+    VARIABLE,
+    is_trusted,
+    library_of,
+    name_of,
+    sources_digest,
+    used_libraries,
+)
 from railgrip.fmus.native.names import Call
 from railgrip.fmus.native.rewriting import rewrite
-from railgrip.fmus.native.used_libraries import VARIABLE, name_of, used_libraries
 
 FRONT = Path(__file__).parent / "front"
 _CACHE_OF_RUMOCA = "XDG_CACHE_HOME"
@@ -278,9 +285,15 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool, 
             template = model.codegen(str(FRONT)).files[0].content
             flat = _first_object(model.to_json("flat", pretty=False), "variables")
             sources = _sources(model, path, alias, further)
-    except (rumoca.RumocaError, RuntimeError) as error:
+    except BaseException as error:
+        is_panic = type(error).__name__ == "PanicException"  # of rumoca, no Exception, and nowhere to import from
+        if not is_panic and not isinstance(error, rumoca.RumocaError | RuntimeError):
+            raise
         if not is_diagnosed:
             raise InputError(str(error)) from error
+        if is_panic:
+            sentences = limits(str(error), path, class_name) or [_describe_panic(str(error), path, class_name)]
+            raise TranslationError("\n".join(sentences)) from error
         # `codegen` raises RuntimeError, and its message begins with the name of the template.
         message = str(error).replace(alias, str(path)).rpartition("_dae.json': ")[2]
         message = message if further is None else message.replace(f"{further}{os.sep}", "")
@@ -294,14 +307,6 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool, 
         hints = "".join(f"\n  {place}" for place in places(message, path, class_name))
         where = path if further is None else short(path, path, further)
         raise InputError(f"{class_name} does not compile ({where}): {message}{hints}") from error
-    except BaseException as error:
-        if type(error).__name__ != "PanicException":  # of rumoca, no Exception, and nowhere to import from
-            raise
-        if not is_diagnosed:
-            raise InputError(str(error)) from error
-        if sentences := limits(str(error), path, class_name):
-            raise TranslationError("\n".join(sentences)) from error
-        raise TranslationError(_describe_panic(str(error), path, class_name)) from error
     content = _parse_template(template)
     schema = (content["schema"]["name"], content["schema"]["version"])
     if schema != SCHEMA:

@@ -11,7 +11,7 @@ import casadi as ca
 from railgrip.base.errors import UnitError
 from railgrip.base.units import BASE, unit
 from railgrip.fmus.native.arrays import SX
-from railgrip.fmus.native.code import SOLVERS, ValueLayout, layout_of, nominal, split_algebraics
+from railgrip.fmus.native.code import SOLVERS, first_references, groups_of, nominal, split_algebraics
 from railgrip.fmus.native.system import System, column
 from railgrip.fmus.native.variables import Scalar
 
@@ -26,7 +26,11 @@ SETTINGS = {
     "_evaluations": "Evaluations of the derivatives",
     "_events": "Event iterations",
 }
+"""Settings and counters of the runtime with their descriptions, in the order of their value references."""
 _SOLVER_BOUNDS = {"min": "3", "max": "4"}
+
+_Groups = Mapping[str, Sequence[Scalar]]
+"""Variables of an FMU, see `groups_of`."""
 
 
 @dataclass(slots=True)
@@ -141,9 +145,9 @@ def write(
         tolerance: See `code.c_sources`.
         step: Suggested communication step [s].
     """
-    layout = layout_of(system)
+    groups = groups_of(system)
     w = Writer()
-    _variables(w, system, layout, solver, tolerance)
+    _variables(w, system, groups, solver, tolerance)
     flags = {
         "modelIdentifier": identifier,
         "canNotUseMemoryManagementFunctions": "true",
@@ -163,11 +167,11 @@ def write(
             "numberOfEventIndicators": str(system.indicators.numel()),
         },
         dict(kinds[key] for key in kinds if key in interfaces),
-        units=_units(layout),
+        units=_units(groups),
         categories={"logStatusError": "Why a call failed", "logStatusWarning": "Assertions of level warning"},
         experiment={"tolerance": repr(tolerance), "stepSize": repr(step)},
         rows=w.rows,
-        structure=_structure(w, system, layout),
+        structure=_structure(w, system, groups),
     )
 
 
@@ -229,59 +233,49 @@ def _interface(kind: str, flags: dict[str, str], files: Sequence[str]) -> list[s
     return [f"  <{kind}{attributes_text(flags)}>", "    <SourceFiles>", *entries, "    </SourceFiles>", f"  </{kind}>"]
 
 
-def _variables(w: Writer, system: System, layout: ValueLayout, solver: str, tolerance: float) -> None:
-    def public(group: str, members: list[Scalar]) -> Iterator[tuple[int, Scalar, int]]:
+def _variables(w: Writer, system: System, groups: _Groups, solver: str, tolerance: float) -> None:
+    def public(group: str) -> Iterator[tuple[int, Scalar, int]]:
         # Protected variables are hidden, as in OpenModelica's FMUs; states are listed anyway, because FMI requires it.
-        return ((i, s, first(group) + i) for i, s in enumerate(members) if not s.protected)
+        return ((i, s, first[group] + i) for i, s in enumerate(groups[group]) if not s.protected)
 
-    first = layout.reference
-    for i, (s, calculated) in enumerate(zip(layout.states, system.calculated, strict=True)):
+    first = first_references(groups)
+    for i, (s, calculated) in enumerate(zip(groups["states"], system.calculated, strict=True)):
         w.scalar(
-            s, first("states") + i, "continuous", initial="calculated" if calculated else "exact",
+            s, first["states"] + i, "continuous", initial="calculated" if calculated else "exact",
             start=None if calculated else s.start,
             attributes={"nominal": repr(nominal(s))} if nominal(s) != 1.0 else {},
         )  # fmt: skip
-    for i, s in enumerate(layout.states):
+    for i, s in enumerate(groups["states"]):
         unit = s.attributes.get("unit")
         attributes = {"unit": _per_second(unit)} if unit else {}
-        attributes["derivative"] = str(w.index[first("states") + i])
+        attributes["derivative"] = str(w.index[first["states"] + i])
         w.add(
-            f"der({s.name})", first("derivatives") + i, causality="local", variability="continuous",
+            f"der({s.name})", first["derivatives"] + i, causality="local", variability="continuous",
             initial="calculated", attributes=attributes,
         )  # fmt: skip
-    for i, s in enumerate(layout.inputs):
+    for i, s in enumerate(groups["inputs"]):
         variability = "continuous" if _type(s) == "Real" else "discrete"
-        w.scalar(s, first("inputs") + i, variability, causality="input", initial=None, start=s.start)
-    for i, s, reference in public("parameters", layout.parameters):
-        if i < layout.free:
+        w.scalar(s, first["inputs"] + i, variability, causality="input", initial=None, start=s.start)
+    for i, s, reference in public("parameters"):
+        if i < len(system.variables.free):
             variability = "tunable" if s.attributes["tunable"] else "fixed"
             w.scalar(s, reference, variability, causality="parameter", initial="exact", start=s.start)
         else:
             w.scalar(s, reference, "tunable", causality="calculatedParameter")
-    for group, members, variability in (
-        ("outputs", layout.outputs, "continuous"),
-        ("locals", layout.locals, "continuous"),
-        ("discretes", layout.discretes, "discrete"),
-    ):
-        for _, s, reference in public(group, members):
+    for group, variability in (("outputs", "continuous"), ("locals", "continuous"), ("discretes", "discrete")):
+        for _, s, reference in public(group):
             w.scalar(s, reference, variability)
-    settings = {
+    parameters = {
         "_tolerance": ("Real", tolerance, {"unit": "1"}),
         "_solver": ("Integer", SOLVERS[solver], _SOLVER_BOUNDS),
     }
-    for i, name in enumerate(layout.settings):
-        reference, text = first("settings") + i, SETTINGS[name]
-        if name in settings:
-            type_, start, attributes = settings[name]
-            w.add(
-                name, reference, causality="parameter", variability="tunable", initial="exact", type_=type_,
-                start=start, description=text, attributes=attributes,
-            )  # fmt: skip
-        else:
-            w.add(
-                name, reference, causality="local", variability="discrete", initial="calculated",
-                type_="Integer", description=text,
-            )  # fmt: skip
+    for reference, (name, text) in enumerate(SETTINGS.items(), start=first["settings"]):
+        type_, start, attributes = parameters.get(name, ("Integer", None, None))
+        kind = ("local", "discrete", "calculated") if start is None else ("parameter", "tunable", "exact")
+        w.add(
+            name, reference, causality=kind[0], variability=kind[1], initial=kind[2], type_=type_, start=start,
+            description=text, attributes=attributes,
+        )  # fmt: skip
 
 
 def _per_second(unit: str) -> str:
@@ -294,11 +288,11 @@ def _per_second(unit: str) -> str:
     return f"{numerator}/s2" if inner == "s" else f"{numerator}/s3" if inner == "s2" else f"{numerator}/({inner}.s)"
 
 
-def _units(layout: ValueLayout) -> set[str]:
+def _units(groups: _Groups) -> set[str]:
     names = {"1", "s"}
-    for group in (layout.states, layout.inputs, layout.parameters, layout.outputs, layout.locals, layout.discretes):
+    for group in groups.values():
         names |= {s.attributes["unit"] for s in group if s.attributes.get("unit") and _type(s) == "Real"}
-    return names | {_per_second(s.attributes["unit"]) for s in layout.states if s.attributes.get("unit")}
+    return names | {_per_second(s.attributes["unit"]) for s in groups["states"] if s.attributes.get("unit")}
 
 
 def _unit_definitions(names: Iterable[str]) -> list[str]:
@@ -318,13 +312,13 @@ def _unit_definitions(names: Iterable[str]) -> list[str]:
     return [*out, "  </UnitDefinitions>"]
 
 
-def _structure(w: Writer, system: System, layout: ValueLayout) -> dict[str, list[str]]:
-    first = layout.reference
-    nx = len(layout.states)
+def _structure(w: Writer, system: System, groups: _Groups) -> dict[str, list[str]]:
+    first = first_references(groups)
+    nx = len(groups["states"])
     outputs, _ = split_algebraics(system)
     unknowns = column([system.derivative, outputs])
     knowns = ca.vertcat(system.x, system.u)
-    references = [first("states") + i for i in range(nx)] + [first("inputs") + i for i in range(len(layout.inputs))]
+    references = [first["states"] + i for i in range(nx)] + [first["inputs"] + i for i in range(len(groups["inputs"]))]
     jacobian = (
         ca.jacobian(unknowns, knowns) if unknowns.numel() and knowns.numel() else SX(unknowns.numel(), knowns.numel())
     )
@@ -344,21 +338,21 @@ def _structure(w: Writer, system: System, layout: ValueLayout) -> dict[str, list
             f'dependenciesKind="{" ".join(kind for _, kind in on)}"/>'
         )
 
-    derivatives = [unknown(first("derivatives") + i, depends[i]) for i in range(nx)]
-    output_rows = [unknown(first("outputs") + i, depends[nx + i]) for i in range(len(layout.outputs))]
-    for i, s in enumerate(layout.states):
+    derivatives = [unknown(first["derivatives"] + i, depends[i]) for i in range(nx)]
+    output_rows = [unknown(first["outputs"] + i, depends[nx + i]) for i in range(len(groups["outputs"]))]
+    for i, s in enumerate(groups["states"]):
         if s.causality == "output":
-            reference = first("states") + i
+            reference = first["states"] + i
             output_rows.append(unknown(reference, [(w.index[reference], "constant")]))
-    discrete = [first("discretes") + i for i, s in enumerate(layout.discretes) if s.causality == "output"]
+    discrete = [first["discretes"] + i for i, s in enumerate(groups["discretes"]) if s.causality == "output"]
     output_rows += [unknown(reference, None) for reference in discrete]
-    initial = [first("outputs") + i for i in range(len(layout.outputs))] + discrete
-    initial += [first("states") + i for i in range(nx) if system.calculated[i]]
-    initial += [first("derivatives") + i for i in range(nx)]
+    initial = [first["outputs"] + i for i in range(len(groups["outputs"]))] + discrete
+    initial += [first["states"] + i for i in range(nx) if system.calculated[i]]
+    initial += [first["derivatives"] + i for i in range(nx)]
     initial += [
-        first("parameters") + i
-        for i in range(layout.free, len(layout.parameters))
-        if not layout.parameters[i].protected
+        first["parameters"] + i
+        for i in range(len(system.variables.free), len(groups["parameters"]))
+        if not groups["parameters"][i].protected
     ]
     unknowns_at_start = [unknown(reference, None) for reference in initial if reference in w.index]
     return {

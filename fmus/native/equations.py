@@ -19,8 +19,8 @@ from railgrip.fmus.native.library import (
     digest,
     is_trusted,
     require_class_name,
+    uses_digest,
 )
-from railgrip.fmus.native.used_libraries import uses_digest
 
 if TYPE_CHECKING:
     import casadi as ca

@@ -11,8 +11,8 @@ import rumoca
 
 from railgrip.base.errors import InputError
 from railgrip.base.files import read_bytes
-from railgrip.fmus.native.classes import KINDS
-from railgrip.fmus.native.library import LIBRARY
+from railgrip.fmus.native.classes import KINDS, blank, without_texts
+from railgrip.fmus.native.library import BYTE_ORDER_MARK, LIBRARY, read_utf_8
 
 _MAXIMUM_PLACES = 3
 """Maximum number of places in a message."""
@@ -78,7 +78,7 @@ def explain(message: str) -> str:
 
 def code_of(text: str) -> str:
     """Return a text with comments, strings and quoted names blanked, so that places stay as they are."""
-    return _TOKENS.sub(lambda m: m[0] if len(m[0]) == 1 else _blank(m), text)
+    return _TOKENS.sub(lambda m: m[0] if len(m[0]) == 1 else blank(m), text)
 
 
 def has_class_extends(path: Path) -> bool:
@@ -175,7 +175,7 @@ def limits(message: str, path: Path, class_name: str) -> tuple[str, ...]:
         sentence = limit["sentence"].format(operator=operator)
         texts = _texts(path)
         if not limit.get("in_functions", True):
-            texts = {name: _FUNCTION.sub(_blank, text) for name, text in texts.items()}
+            texts = {name: _FUNCTION.sub(blank, text) for name, text in texts.items()}
         found = list(
             _statements(limit.get("source", "").replace("{operator}", operator), groups.get("function"), texts)
         )
@@ -193,10 +193,6 @@ def limits(message: str, path: Path, class_name: str) -> tuple[str, ...]:
 _FUNCTION = re.compile(r"\bfunction\s+(\w+)\b.*?\bend\s+\1\s*;", re.DOTALL)
 
 
-def _blank(match: re.Match[str]) -> str:
-    return re.sub(r"[^\n]", " ", match[0])
-
-
 def _statements(source: str, function: str | None, texts: dict[str, str]) -> Iterator[tuple[str, str]]:
     if not source:
         return
@@ -208,7 +204,7 @@ def _statements(source: str, function: str | None, texts: dict[str, str]) -> Ite
             if declared is None:
                 continue
             begin, end = declared.span()
-        for match in re.compile(source, re.MULTILINE).finditer(_without_comments(text), begin, end):
+        for match in re.compile(source, re.MULTILINE).finditer(without_texts(text), begin, end):
             yield _line_at(name, text, match.start())
 
 
@@ -216,11 +212,6 @@ def _line_at(name: str, text: str, position: int) -> tuple[str, str]:
     number = text.count("\n", 0, position) + 1
     line = text.splitlines()[number - 1].strip()
     return f"{name}:{number}", line if len(line) <= _LONGEST else f"{line[:_LONGEST]} …"
-
-
-def _without_comments(text: str) -> str:
-    # Comments and strings become spaces, so that positions stay the same.
-    return re.sub(r"""//[^\n]*|/\*.*?\*/|"(?:[^"\\]|\\.)*\"""", _blank, text, flags=re.DOTALL)
 
 
 _LONGEST = 100
@@ -245,7 +236,7 @@ def _ends(plain: str) -> Iterator[int]:
 
 def _culprits(name: str, text: str, class_name: str, message: str) -> list[tuple[str, str]]:
     """Return the statements of a single file without which the front end does not fail in this way."""
-    plain, start = _without_comments(text), 0
+    plain, start = without_texts(text), 0
     stage, cause = message.partition(": ")[0], message.rpartition(": ")[2]
     roots = [str(LIBRARY)] if "RailBraking" in text else []
     statements: list[tuple[int, int]] = []
@@ -318,13 +309,8 @@ def require_readable(path: Path) -> None:
             its place in the library, or has brackets nested too deeply.
     """
     for file in _files(path):
-        content = read_bytes(file)
-        try:
-            text = content.decode()
-        except UnicodeDecodeError as error:
-            line = content.count(b"\n", 0, error.start) + 1
-            raise InputError(f"{file}:{line}: the text is not UTF-8; save the file as UTF-8.") from error
-        if content.startswith(b"\xef\xbb\xbf") and path.name == "package.mo":
+        text = read_utf_8(file)
+        if text.startswith(BYTE_ORDER_MARK) and path.name == "package.mo":
             raise InputError(f"{file}:1: the file starts with a byte order mark; save it as UTF-8 without one.")
         misplaced = _within(file, path, text)
         if misplaced:

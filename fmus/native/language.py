@@ -166,9 +166,7 @@ class _Checker:
         name = class_.short_name
         if not _FUNCTIONS.fullmatch(name) or class_.kind != "function":
             return
-        place = class_.definition["location"]
-        _, content = self.tree.sources.get(place["source"], ("", b""))
-        text = content[place["start"] : place["end"]].decode(errors="replace")
+        text = self.tree.text(class_.definition["location"])
         if not re.search(rf'\bexternal\s+"builtin"\s+\w+\s*=\s*{name}\s*\(', text):
             yield self._locate(
                 class_.definition,
@@ -227,6 +225,15 @@ class _Checker:
                 continue
             yield from self._modifiers(class_, arguments, base, rank=0, outside=False, depth=0)
             elements = self.tree.elements(base)
+            for argument in arguments:
+                element = elements.get(argument.name)
+                if argument.type and element is not None and element.redeclared and not element.is_class:
+                    yield self._locate(
+                        argument.node,
+                        f"the redeclaration of '{argument.name}' is lost in the built-in compiler, because a base "
+                        f"class of {class_.short_name} redeclares it as well (7.3); declare it of a replaceable class, "
+                        "and redeclare that class",
+                    )
             yield from self._inherited_twice(class_, clause, inherited, elements)
             inherited |= elements
         for inner in class_.classes.values():
@@ -366,13 +373,9 @@ class _Checker:
             )
         if definition["is_redeclare"]:
             original = self.tree.inherit(class_).get(short)
+            yield from self._redeclared_element(class_, definition, short, original, definition["is_protected"])
             if original is not None:
-                yield from self._redeclared_element(definition, short, original, definition["is_protected"])
                 yield from self._subtype(definition, short, inner, original.type)
-            if original is None:
-                yield self._locate(definition, f"{short} is redeclared, but {class_.name} does not inherit it (7.3)")
-            elif not original.replaceable:
-                yield self._locate(definition, f"{short} is redeclared, but is not replaceable (7.3.3)")
 
     def _constraint(self, class_: Class, name: str, element: Element) -> Iterator[str]:
         named = element.node["constrainedby"]
@@ -413,12 +416,9 @@ class _Checker:
 
     def _element_redeclaration(self, class_: Class, name: str, element: Element) -> Iterator[str]:
         original = self.tree.inherit(class_).get(name)
+        yield from self._redeclared_element(class_, element.node, name, original, element.protected)
         if original is None:
-            yield self._locate(element.node, f"{name} is redeclared, but {class_.name} does not inherit it (7.3)")
             return
-        if not original.replaceable:
-            yield self._locate(element.node, f"{name} is redeclared, but is not replaceable (7.3.3)")
-        yield from self._redeclared_element(element.node, name, original, element.protected)
         constraint = original.node["constrainedby"]
         bound = self.tree.resolve(join_name(constraint), original.owner) if constraint else original.type
         yield from self._subtype(element.node, name, element.type, bound)
@@ -429,7 +429,14 @@ class _Checker:
                 f"compiler (7.3.2); redeclare it in the extends clause",
             )
 
-    def _redeclared_element(self, node: Node, name: str, original: Element, protected: bool) -> Iterator[str]:
+    def _redeclared_element(
+        self, class_: Class, node: Node, name: str, original: Element | None, protected: bool
+    ) -> Iterator[str]:
+        if original is None:
+            yield self._locate(node, f"{name} is redeclared, but {class_.name} does not inherit it (7.3)")
+            return
+        if not original.replaceable:
+            yield self._locate(node, f"{name} is redeclared, but is not replaceable (7.3.3)")
         if original.node["is_final"]:
             yield self._locate(node, f"{name} is redeclared, but is final in {original.owner.name} (7.2.6)")
         if original.variability == "constant":
@@ -608,7 +615,9 @@ class _Checker:
                 inner = self.rank(node["elements"][0], scope) if node["elements"] else None
                 return None if inner is None or node.get("kind") != "Array" else inner + 1
             case "ComponentReference":
-                return self._reference_rank(node["parts"], scope)
+                path = self.tree.component_path(scope, node)
+                is_whole = path and not any(part["subs"] for part in node["parts"])
+                return sum(element.rank for element in path) if is_whole else None
             case "Unary" | "Parenthesized":
                 return next((self.rank(node[key], scope) for key in ("rhs", "expr", "inner") if key in node), None)
             case "Binary":
@@ -616,17 +625,6 @@ class _Checker:
                 return ranks.pop() if len(ranks) == 1 and node["op"] in ("Add", "Sub") else 0 if ranks == {0} else None
             case _:
                 return None
-
-    def _reference_rank(self, parts: Sequence[Node], scope: Class) -> int | None:
-        type_: Class | None = scope
-        rank = 0
-        for part in parts:
-            element = None if type_ is None else self.tree.elements(type_).get(part["ident"]["text"])
-            if element is None or element.is_class or part["subs"]:
-                return None
-            rank += element.rank
-            type_ = element.type
-        return rank
 
     def _argument_text(self, modifier: Modifier) -> str:
         # From its name to the comma or bracket that ends the argument.

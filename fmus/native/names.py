@@ -5,8 +5,8 @@ Section numbers are those of the Modelica Language Specification, version 3.6.
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import dataclass
+from itertools import islice, pairwise
 from typing import Any
 
 from railgrip.fmus.native.classes import (
@@ -18,6 +18,7 @@ from railgrip.fmus.native.classes import (
     Tree,
     extends_modifiers,
     path_of,
+    walk,
 )
 
 _COMPARISONS = ("Eq", "Neq", "Lt", "Le", "Gt", "Ge")
@@ -65,31 +66,22 @@ class _Reference:
         return ".".join(self.parts)
 
 
-def references(tree: Any, bound: frozenset[str] = frozenset()) -> Iterator[_Reference]:
+def references(tree: Any) -> Iterator[_Reference]:
     """Yield all names in a tree of equations or expressions, including those of functions."""
-    if isinstance(tree, list):
-        for item in tree:
-            yield from references(item, bound)
-        return
-    if not isinstance(tree, dict):
-        return
-    if "indices" in tree:
-        bound |= {index["ident"]["text"] for index in tree["indices"]}
-    for key, value in tree.items():
-        if key in ("ComponentReference", "comp"):
-            yield from _reference(value, bound)
-        elif key == "Connect":
-            for side in ("lhs", "rhs"):
-                yield from (replace(r, in_connect=True) for r in _reference(value[side], bound))
-        elif key != "target":
-            yield from references(value, bound)
+    for node, bound in walk(tree):
+        for key in ("ComponentReference", "comp"):
+            if key in node:
+                yield _reference(node[key], bound)
+        for side in ("lhs", "rhs") if "Connect" in node else ():
+            yield _reference(node["Connect"][side], bound, in_connect=True)
 
 
-def _reference(node: Node, bound: frozenset[str]) -> Iterator[_Reference]:
-    parts = tuple(part["ident"]["text"] for part in node["parts"])
-    yield _Reference(parts, node, is_global=bool(node.get("local")), bound=bound)
-    for part in node["parts"]:
-        yield from references(part["subs"], bound)
+def _reference(node: Node, bound: frozenset[str], *, in_connect: bool = False) -> _Reference:
+    return _Reference(_parts(node), node, is_global=bool(node.get("local")), in_connect=in_connect, bound=bound)
+
+
+def _parts(reference: Node) -> tuple[str, ...]:
+    return tuple(part["ident"]["text"] for part in reference["parts"])
 
 
 @dataclass(frozen=True)
@@ -105,7 +97,7 @@ class _Names:
             for reference in references(expression):
                 yield from self._reference(reference)
             yield from self._mismatches(expression)
-        yield from self._lost_assertions(self.class_.content)
+        yield from self._lost_assertions()
         yield from self._bindings()
         if not self.class_.definition["is_long"]:
             yield from self._short_class()
@@ -198,6 +190,9 @@ class _Names:
             found = None if type_ is None or part is None else self.tree.elements(type_).get(part)
         return path
 
+    def _path_of(self, reference: Node) -> list[Element | Class]:
+        return self._path(_parts(reference), self.class_, bool(reference.get("local")))
+
     def _short_class(self) -> Iterator[str]:
         inherited = self.tree.inherit(self.class_)
         around = self.tree.by_name.get(self.class_.name.rpartition(".")[0])
@@ -215,26 +210,18 @@ class _Names:
                         f"around {self.class_.short_name} (5.3); rename that one",
                     )
 
-    def _lost_assertions(self, content: Any) -> Iterator[str]:
+    def _lost_assertions(self) -> Iterator[str]:
         # rumoca drops the assertions of an if equation unless it can decide its condition at translation.
-        if self.class_.kind == "function":
-            return
-        if isinstance(content, list):
-            for item in content:
-                yield from self._lost_assertions(item)
-        elif isinstance(content, dict):
-            for key, value in content.items():
-                if key == "If" and "cond_blocks" in value:
-                    conditions = [block["cond"] for block in value["cond_blocks"]]
-                    if not all(self._is_parameter(condition) for condition in conditions):
-                        for call in _calls(value, "assert"):
-                            yield self.tree.locate(
-                                call["comp"],
-                                "the built-in compiler drops an assertion in an if equation whose condition changes "
-                                "(8.3.4); write `assert(not condition or ..., ...)` outside of it",
-                            )
-                        continue
-                yield from self._lost_assertions(value)
+        for node, _ in walk(self.class_.content if self.class_.kind != "function" else []):
+            blocks = node["If"].get("cond_blocks", []) if "If" in node else []
+            if not all(self._is_parameter(block["cond"]) for block in blocks):
+                for inside, _ in walk(node["If"]):
+                    if "FunctionCall" in inside and path_of(inside["FunctionCall"]["comp"]) == "assert":
+                        yield self.tree.locate(
+                            inside["FunctionCall"]["comp"],
+                            "the built-in compiler drops an assertion in an if equation whose condition changes "
+                            "(8.3.4); write `assert(not condition or ..., ...)` outside of it",
+                        )
 
     def _is_parameter(self, expression: Any) -> bool:
         for reference in references(expression):
@@ -288,11 +275,8 @@ class _Names:
         return "Integer" if kinds == ["Integer", "Integer"] and node["op"] in ("Add", "Sub", "Mul") else "Real"
 
     def _reference_kind(self, node: Node, bound: frozenset[str]) -> Kind | None:
-        parts = [part["ident"]["text"] for part in node["parts"]]
-        if parts[0] in bound:
-            return None
-        path = self._path(parts, self.class_, bool(node.get("local")))
-        if not path:
+        parts, path = _parts(node), self._path_of(node)
+        if parts[0] in bound or not path:
             return None
         last = path[-1]
         if len(path) == len(parts):
@@ -308,8 +292,7 @@ class _Names:
         found = None if value is None or "Empty" in value else self.kind(value, bound)
         if target is None or found is None or _fits(target, found):
             return
-        names = [kind if isinstance(kind, str) else f"the enumeration {kind.name}" for kind in (target, found)]
-        yield self.tree.locate(node, f"{what} is of {names[0]}, but its value is of {names[1]} (6.7)")
+        yield self.tree.locate(node, f"{what} is of {_named(target)}, but its value is of {_named(found)} (6.7)")
 
     def _bindings(self) -> Iterator[str]:
         elements = self.tree.elements(self.class_)
@@ -334,45 +317,35 @@ class _Names:
             if element.type is not None:
                 yield from self._modifiers(modifier.inner, element.type)
 
-    def _mismatches(self, tree: Any, bound: frozenset[str] = frozenset()) -> Iterator[str]:
-        if isinstance(tree, list):
-            for item in tree:
-                yield from self._mismatches(item, bound)
-            return
-        if not isinstance(tree, dict):
-            return
-        if "indices" in tree:
-            bound |= {index["ident"]["text"] for index in tree["indices"]}
-        for key, value in tree.items():
-            if key == "Binary" and value["op"] in _COMPARISONS:
-                yield from self._pair([value["lhs"], value["rhs"]], bound, "a comparison")
-            elif key == "Simple":
-                yield from self._pair([value["lhs"], value["rhs"]], bound, "an equation")
-                yield from self._discrete(value["lhs"], value["rhs"])
-            elif key == "Assignment":
-                target = {"ComponentReference": value["comp"]}
-                name = path_of(value["comp"])
-                yield from self._mismatch(value["comp"], name, self.kind(target, bound), value["value"], bound)
-                yield from self._discrete(target, value["value"])
-            elif key == "If" and "branches" in value:
-                branches = [branch[1] for branch in value["branches"]]
-                yield from self._pair([*branches, value["else_branch"]], bound, "an if expression")
-            elif key == "Array" and value.get("kind") == "Array":
-                yield from self._pair(value["elements"], bound, "an array")
-            elif key == "FunctionCall":
-                yield from self._arguments(value)
-            yield from self._mismatches(value, bound)
+    def _mismatches(self, tree: Any) -> Iterator[str]:
+        for node, bound in walk(tree):
+            for key, value in node.items():
+                if key == "Binary" and value["op"] in _COMPARISONS:
+                    yield from self._pair([value["lhs"], value["rhs"]], bound, "a comparison")
+                elif key == "Simple":
+                    yield from self._pair([value["lhs"], value["rhs"]], bound, "an equation")
+                    yield from self._discrete(value["lhs"], value["rhs"])
+                elif key == "Assignment":
+                    target = {"ComponentReference": value["comp"]}
+                    name = path_of(value["comp"])
+                    yield from self._mismatch(value["comp"], name, self.kind(target, bound), value["value"], bound)
+                    yield from self._discrete(target, value["value"])
+                elif key == "If" and "branches" in value:
+                    branches = [branch[1] for branch in value["branches"]]
+                    yield from self._pair([*branches, value["else_branch"]], bound, "an if expression")
+                elif key == "Array" and value.get("kind") == "Array":
+                    yield from self._pair(value["elements"], bound, "an array")
+                elif key == "FunctionCall":
+                    yield from self._arguments(value)
 
     def _pair(self, values: Sequence[Node], bound: frozenset[str], what: str) -> Iterator[str]:
         kinds = [kind for kind in (self.kind(value, bound) for value in values) if kind is not None]
         for other in kinds[1:]:
             if not (_fits(kinds[0], other) or _fits(other, kinds[0])):
-                names = [
-                    kind if isinstance(kind, str) else f"the enumeration {kind.name}" for kind in (kinds[0], other)
-                ]
-                place = next(_places(values), None)
+                place = next((node for node, _ in walk(values) if node.get("span")), None)
                 if place is not None:
-                    yield self.tree.locate(place, f"{what} has values of {names[0]} and of {names[1]} (6.7)")
+                    sentence = f"{what} has values of {_named(kinds[0])} and of {_named(other)} (6.7)"
+                    yield self.tree.locate(place, sentence)
 
     def _arguments(self, call: Node) -> Iterator[str]:
         function = self.tree.resolve(path_of(call["comp"]), self.class_)
@@ -383,23 +356,22 @@ class _Names:
             for name, element in self.tree.elements(function).items()
             if not element.is_class and (element.causality == "input" or function.kind == "record")
         }
-        for name, argument in zip(inputs, call["args"], strict=False):
-            if "NamedArgument" not in argument:
-                yield from self._mismatch(call["comp"], f"argument {name}", inputs[name].simple, argument)
-        for argument in call["args"]:
-            if "NamedArgument" in argument:
-                named = argument["NamedArgument"]
+        for i, argument in enumerate(call["args"]):
+            named = argument.get("NamedArgument")
+            if named is None:
+                name, value = next(islice(inputs, i, None), ""), argument
+            else:
+                value = named["value"]
                 name = named["name"]["text"] if isinstance(named["name"], dict) else named["name"]
-                if name in inputs:
-                    yield from self._mismatch(call["comp"], f"argument {name}", inputs[name].simple, named["value"])
+            if name in inputs:
+                yield from self._mismatch(call["comp"], f"argument {name}", inputs[name].simple, value)
 
     def _discrete(self, target: Node, value: Node) -> Iterator[str]:
         if "ComponentReference" in target:
             node = target["ComponentReference"]
-            parts = [part["ident"]["text"] for part in node["parts"]]
-            path = self._path(parts, self.class_, bool(node.get("local")))
-            if len(path) == len(parts) and isinstance(path[-1], Element):
-                yield from self._continuous(node, ".".join(parts), path[-1], value)
+            path = self._path_of(node)
+            if len(path) == len(node["parts"]) and isinstance(path[-1], Element):
+                yield from self._continuous(node, path_of(node), path[-1], value)
 
     def _continuous(self, node: Node, name: str, element: Element, value: Node | None) -> Iterator[str]:
         if value is None or element.simple in (None, "Real") or element.variability in ("parameter", "constant"):
@@ -435,13 +407,16 @@ class _Names:
         return False
 
     def _is_continuous_variable(self, node: Node) -> bool:
-        parts = [part["ident"]["text"] for part in node["parts"]]
-        if parts == ["time"]:
+        if path_of(node) == "time":
             return True
-        path = self._path(parts, self.class_, bool(node.get("local")))
+        path = self._path_of(node)
         if any(isinstance(e, Element) and e.variability for e in path):
             return False
-        return len(path) == len(parts) and isinstance(path[-1], Element) and path[-1].simple == "Real"
+        return len(path) == len(node["parts"]) and isinstance(path[-1], Element) and path[-1].simple == "Real"
+
+
+def _named(kind: Kind) -> str:
+    return kind if isinstance(kind, str) else f"the enumeration {kind.name}"
 
 
 def _fits(target: Kind, value: Kind) -> bool:
@@ -449,28 +424,6 @@ def _fits(target: Kind, value: Kind) -> bool:
     if isinstance(target, Class) and isinstance(value, Class):
         return target.literals == value.literals
     return target == value or (target == "Real" and value == "Integer")
-
-
-def _calls(tree: Any, name: str) -> Iterator[Node]:
-    if isinstance(tree, list):
-        for item in tree:
-            yield from _calls(item, name)
-    elif isinstance(tree, dict):
-        for key, value in tree.items():
-            if key == "FunctionCall" and path_of(value["comp"]) == name:
-                yield value
-            yield from _calls(value, name)
-
-
-def _places(tree: Any) -> Iterator[Node]:
-    if isinstance(tree, list):
-        for item in tree:
-            yield from _places(item)
-    elif isinstance(tree, dict):
-        if tree.get("span"):
-            yield tree
-        for value in tree.values():
-            yield from _places(value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -496,12 +449,14 @@ def confused_calls(tree: Tree, calls: Iterable[Call]) -> Iterator[str]:
     """
     declared = {_start(class_.definition["location"]): class_ for class_ in tree.every}
     for call in calls:
-        written = re.match(r"[\w.]*", _text_at(tree, call.node["span"]))
+        written = re.match(r"[\w.]*", tree.text(call.node["span"]))
         if written is None or written[0] != call.name:
             continue
         right = tree.resolve(call.name, _around(tree, call.node["span"]))
         taken = declared.get(_start(call.declaration["span"]))
-        if right is not None and taken is not None and taken.name not in {right.name, *_bases(tree, right)}:
+        # A short class is declared where its base is.
+        names = {class_.name for class_ in (right, *tree.bases(right))} if right is not None else set[str]()
+        if right is not None and taken is not None and taken.name not in names:
             yield tree.locate(
                 call.node,
                 f"{call.name} is {right.name}, but the built-in compiler takes {taken.name}, which has the same name; "
@@ -554,16 +509,6 @@ def _around(tree: Tree, span: Node) -> Class:
         and place["start"] <= span["start"] < place["end"]
     ]
     return max(around, key=lambda class_: class_.definition["location"]["start"])
-
-
-def _bases(tree: Tree, class_: Class) -> set[str]:
-    # A short class is declared where its base is.
-    return {base.name for base in tree.bases(class_)}
-
-
-def _text_at(tree: Tree, span: Node) -> str:
-    _, text = tree.sources.get(span["source"], ("", b""))
-    return text[span["start"] : span["end"]].decode(errors="replace")
 
 
 def _start(place: Node) -> tuple[int, int]:

@@ -5,7 +5,6 @@ An FMU for FMI 3.0 has the same C code with other function names, and another mo
 
 import hashlib
 import io
-import os
 import platform
 import re
 import struct
@@ -17,6 +16,7 @@ from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
 
+from railgrip.base.files import write_bytes
 from railgrip.fmus.native import code, description
 from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.description import attributes_text
@@ -114,13 +114,7 @@ def c_identifier(name: str) -> str:
 
 def pack(source: Source, path: Path, *, flags: tuple[str, ...] = FMU_FLAGS, platforms: Sequence[str] = ()) -> Path:
     """Write an FMU to a file; arguments and errors are those of `archive_bytes`."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_suffix(f".{os.getpid()}.part")  # two processes may build it at the same time
-    try:
-        part.write_bytes(archive_bytes(source, flags=flags, platforms=platforms))
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
+    write_bytes(path, archive_bytes(source, flags=flags, platforms=platforms))
     return path
 
 

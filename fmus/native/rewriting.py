@@ -47,6 +47,9 @@ _LONGEST = 10_000
 """Longest expression, in characters, and largest number of statements of an unrolled section."""
 
 
+_Piece = tuple[int, str]
+"""Line and text of an equation."""
+
 _Edit = tuple[int, int, str]
 """Begin and end of a part of a text, and what replaces it."""
 
@@ -98,8 +101,12 @@ class _Clause:
 
     kind: str
     tokens: tuple[_Token, ...]
-    branches: tuple[tuple[tuple[_Token, ...], tuple["_Clause", ...]], ...] = ()
+    branches: "tuple[_Branch, ...]" = ()
     iterators: tuple[tuple[str, tuple[_Token, ...]], ...] = ()
+
+
+_Branch = tuple[tuple[_Token, ...], tuple[_Clause, ...]]
+"""Condition and statements."""
 
 
 def rewrite(texts: Mapping[str, str]) -> dict[str, str]:
@@ -252,23 +259,26 @@ class _Parser:
 
     def _statement(self) -> _Clause:
         begin, word = self.i, self.tokens[self.i].text
+        branches: tuple[_Branch, ...] = ()
+        iterators: tuple[tuple[str, tuple[_Token, ...]], ...] = ()
         if word == "if":
             branches = self._branches()
-            return _Clause("if", self._ended(begin, "if"), branches)
-        if word == "for":
+        elif word == "for":
             self.i += 1
             iterators = _iterators(self._until("loop"))
-            body = self.statements("end")
-            return _Clause("for", self._ended(begin, "for"), (((), body),), iterators)
-        if word in ("when", "while"):
+            branches = (((), self.statements("end")),)
+        elif word in ("when", "while"):
             while not (self.tokens[self.i].text == "end" and self.tokens[self.i + 1].text == word):
                 self.i += 1
-            return _Clause("", self._ended(begin, word))
-        self._until(";")
-        return _Clause("", tuple(self.tokens[begin : self.i - 1]))
+        else:
+            return _Clause("", (*self._until(";"),))
+        if [token.text for token in self.tokens[self.i : self.i + 3]] != ["end", word, ";"]:
+            raise RewritingError
+        self.i += 3
+        return _Clause(word if branches else "", tuple(self.tokens[begin : self.i]), branches, iterators)
 
-    def _branches(self) -> tuple[tuple[tuple[_Token, ...], tuple[_Clause, ...]], ...]:
-        found: list[tuple[tuple[_Token, ...], tuple[_Clause, ...]]] = []
+    def _branches(self) -> tuple[_Branch, ...]:
+        found: list[_Branch] = []
         while self.tokens[self.i].text != "end":
             has_condition = self.tokens[self.i].text != "else"
             self.i += 1
@@ -287,12 +297,6 @@ class _Parser:
             self.i += 1
         self.i += 1
         return self.tokens[begin : self.i - 1]
-
-    def _ended(self, begin: int, word: str) -> tuple[_Token, ...]:
-        if [token.text for token in self.tokens[self.i : self.i + 3]] != ["end", word, ";"]:
-            raise RewritingError
-        self.i += 3
-        return tuple(self.tokens[begin : self.i])
 
 
 def _iterators(tokens: Sequence[_Token]) -> tuple[tuple[str, tuple[_Token, ...]], ...]:
@@ -348,7 +352,8 @@ def _section(scope: _Scope, keyword: str, tokens: Sequence[_Token], every: str) 
             writer = _Unroller(scope, every)
             if writer.must_change([statement]):
                 begin, end = statement.tokens[0], statement.tokens[-1]
-                yield begin.start, end.end, _on_lines(writer.equations([statement], {}), begin.line, end.line)
+                pieces, asserts = writer.equations([statement], {})
+                yield begin.start, end.end, _on_lines([*asserts, *pieces], begin.line, end.line)
         return
     last: dict[tuple[str, str], int] = {}
     _Execution(scope, every, last, is_trial=True).run(statements)
@@ -358,7 +363,7 @@ def _section(scope: _Scope, keyword: str, tokens: Sequence[_Token], every: str) 
     yield word.start, tokens[-1].end, f"{''.join(execution.declared)}equation{equations}"
 
 
-def _on_lines(pieces: Iterable[tuple[int, str]], first: int, last: int) -> str:
+def _on_lines(pieces: Iterable[_Piece], first: int, last: int) -> str:
     text, line = "", first
     for number, piece in sorted(pieces, key=lambda item: item[0]):
         text += "\n" * (number - line) + f" {piece};"
@@ -408,6 +413,7 @@ class _Unroller:
     def __init__(self, scope: _Scope, every: str) -> None:
         self.scope, self.every = scope, every
         self.count = 0
+        self.names = frozenset[str]()  # variables that an algorithm assigns
 
     def must_change(self, statements: Iterable[_Clause]) -> bool:
         return any(
@@ -420,40 +426,35 @@ class _Unroller:
             for s in statements
         )
 
-    def equations(self, statements: Iterable[_Clause], values: Mapping[str, str]) -> list[tuple[int, str]]:
-        pieces: list[tuple[int, str]] = []
+    def equations(
+        self, statements: Iterable[_Clause], values: Mapping[str, str], guard: Callable[[str], str] | None = None
+    ) -> tuple[list[_Piece], list[_Piece]]:
+        # Equations, and the assertions that are moved out of an if equation, each under the guard of its branch.
+        pieces, asserts = list[_Piece](), list[_Piece]()
         for statement in statements:
-            line = statement.tokens[0].line
-            if statement.kind == "for" and self.must_change([statement]):
+            line, tokens = statement.tokens[0].line, statement.tokens
+            if guard and _is_assert(statement):
+                asserts.append((line, self.assertion(tokens, values, guard)))
+            elif guard and statement.kind != "if" and any(token.text == "assert" for token in tokens):
+                raise RewritingError
+            elif not statement.kind or not self.must_change([statement]):
+                pieces.append((line, self.text(tokens, values).removesuffix(";").strip()))
+            elif statement.kind == "for":
                 for inside in self.points(statement, values):
-                    pieces += self.equations(statement.branches[0][1], inside)
-            elif statement.kind == "if" and self.must_change([statement]):
-                pieces += self._asserts(statement, values, str)
-                remaining = [
-                    (self.text(condition, values), self.equations(_without_asserts(body), values))
-                    for condition, body in statement.branches
-                ]
-                if any(inside for _, inside in remaining):
-                    pieces.append((line, _if(remaining)))
+                    found, moved = self.equations(statement.branches[0][1], inside, guard)
+                    pieces += found
+                    asserts += moved
             else:
-                pieces.append((line, self.text(statement.tokens, values).removesuffix(";").strip()))
-        return pieces
-
-    def _asserts(
-        self, statement: _Clause, values: Mapping[str, str], wrap: Callable[[str], str]
-    ) -> Iterator[tuple[int, str]]:
-        before: list[str] = []
-        for condition, body in statement.branches:
-            guard = self.text(condition, values)
-            inside = _guarded(wrap, before, guard)
-            before = [*before, guard]
-            for one in body:
-                if one.kind == "if":
-                    yield from self._asserts(one, values, inside)
-                elif _is_assert(one):
-                    yield one.tokens[0].line, self.assertion(one.tokens, values, inside)
-                elif any(token.text == "assert" for token in one.tokens):
-                    raise RewritingError
+                before, remaining = list[str](), list[tuple[str, list[_Piece]]]()
+                for words, body in statement.branches:
+                    condition = self.text(words, values)
+                    found, moved = self.equations(body, values, _guarded(guard or str, tuple(before), condition))
+                    before.append(condition)
+                    remaining.append((condition, found))
+                    asserts += moved
+                if any(found for _, found in remaining):
+                    pieces.append((line, _if(remaining)))
+        return pieces, asserts
 
     def assertion(self, tokens: Sequence[_Token], values: Mapping[str, str], wrap: Callable[[str], str]) -> str:
         condition, *others = _split(tokens[2 : _closing(tokens, 1)])
@@ -523,7 +524,7 @@ class _Unroller:
     def text(self, tokens: Sequence[_Token], values: Mapping[str, str]) -> str:
         """Return the text of an expression with iterators replaced."""
         own = {one.text for one, other in pairwise(tokens) if other.text == "in"}
-        if own & (values.keys() | self.assigned()):
+        if own & (values.keys() | self.names):
             raise RewritingError
         out: list[str] = []
         k = 0
@@ -531,7 +532,7 @@ class _Unroller:
             token = tokens[k]
             following = tokens[k + 1].text if k + 1 < len(tokens) else ""
             if token.text in _WORDS or not _NAME.fullmatch(token.text):
-                if token.text.partition(".")[0] in self.assigned():
+                if token.text.partition(".")[0] in self.names:
                     raise RewritingError
                 out.append(token.text)
             elif following == "(":
@@ -548,10 +549,6 @@ class _Unroller:
             raise RewritingError
         return text
 
-    def assigned(self) -> frozenset[str]:
-        """Return the variables that an algorithm assigns."""
-        return frozenset()
-
     def _call(self, tokens: Sequence[_Token], k: int, out: list[str]) -> int:
         word = tokens[k].text
         if word == "size":
@@ -559,7 +556,7 @@ class _Unroller:
             return k + 2
         if word in ("pre", "der", "edge", "change"):
             end = _closing(tokens, k + 1)
-            used = {token.text.partition(".")[0] for token in tokens[k + 2 : end]} & self.assigned()
+            used = {token.text.partition(".")[0] for token in tokens[k + 2 : end]} & self.names
             if used and (word != "pre" or used != {token.text for token in tokens[k + 2 : end]}):
                 raise RewritingError
             if used:
@@ -589,14 +586,6 @@ def _is_assert(statement: _Clause) -> bool:
     return not statement.kind and words == ["assert", "("]
 
 
-def _without_asserts(statements: Iterable[_Clause]) -> list[_Clause]:
-    return [
-        replace(s, branches=tuple((c, tuple(_without_asserts(body))) for c, body in s.branches))
-        for s in statements
-        if not _is_assert(s)
-    ]
-
-
 def _choice(cases: Iterable[tuple[str, str]]) -> str:
     # An if expression; the last case has no condition.
     words = [f"if {condition} then {value}" if condition else f" {value}" for condition, value in cases]
@@ -610,7 +599,7 @@ def _guarded(wrap: Callable[[str], str], skipped: Sequence[str], condition: str)
     return lambda holds: wrap(_choice([*before, (condition, holds), *after]))
 
 
-def _if(branches: Sequence[tuple[str, Sequence[tuple[int, str]]]]) -> str:
+def _if(branches: Sequence[tuple[str, Sequence[_Piece]]]) -> str:
     text = ""
     for k, (condition, pieces) in enumerate(branches):
         text += f"{'else' if k else ''}{f'if {condition} then' if condition else ''} "
@@ -632,14 +621,11 @@ class _Execution(_Unroller):
         super().__init__(scope, every)
         self.last, self.is_trial = last, is_trial
         self.steps = 0
-        self.written: list[tuple[int, str]] = []
+        self.written: list[_Piece] = []
         self.declared: list[str] = []
         self.final: set[tuple[str, str]] = set()
         self.names = frozenset(name for name, _ in last)
         self.now: dict[tuple[str, str], str] = {}
-
-    def assigned(self) -> frozenset[str]:
-        return self.names
 
     def run(self, statements: Sequence[_Clause]) -> None:
         """Execute all statements.

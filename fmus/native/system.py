@@ -182,7 +182,7 @@ def explicit(dae: Dae) -> System:
     coefficients = _between_events(v, [coefficient for coefficient, _ in loops.divisors.values()])
     events, crossings = _time_events(v, time, relations, indicators, steps)
     divisors = _coefficients(loops.divisors, coefficients, v)
-    start = _solve_start(dae, evaluate, v, states, algebraics, index_one, start_loops)
+    start, calculated, start_discretes = _solve_start(dae, evaluate, v, states, algebraics, index_one, start_loops)
     (discretes, reinitialised, live, levels), assertions = _at_events(
         dae, evaluate, v, conditions, states, index_one, loops
     )
@@ -194,9 +194,9 @@ def explicit(dae: Dae) -> System:
         algebraics=algebraics,
         derivative=column([derivative]),
         algebraic=column([algebraic]),
-        start=start.states,
-        calculated=start.calculated,
-        start_discretes=start.discretes,
+        start=start,
+        calculated=calculated,
+        start_discretes=start_discretes,
         relation=column(relations.memory),
         relation_inclusive=relations.inclusive,
         indicators=column([indicators[k] for k in crossings]),
@@ -239,17 +239,16 @@ def _time_events(
     ]
 
 
+_SOLVED_FOR = "the equation is solved for {}, whose coefficient must not be zero, but it is "
+
+
 def _coefficients(divisors: dict[str, tuple[SX, str]], coefficients: list[SX], v: ModelVariables) -> list[Assertion]:
     # An equation that is solved for an unknown divides by the coefficient of the unknown.
     parameters = {s.symbol.name() for s in [*v.free, *v.dependent]}
     return [
         Assertion(
             holds=coefficient != 0,
-            message=(
-                f"the equation is solved for {name}, whose coefficient must not be zero, but it is ",
-                coefficient,
-                ".",
-            ),
+            message=(_SOLVED_FOR.format(name), coefficient, "."),
             level="domain",
             where=where,
             when="parameters" if {s.name() for s in ca.symvar(coefficient)} <= parameters else "running",
@@ -298,11 +297,7 @@ def _at_events(
         *_between_events(v, values[: len(between)]), *values[len(between) :], *event_values[len(targets) :]
     ])  # fmt: skip
     assertions = [
-        replace(
-            a,
-            holds=next(values),
-            message=tuple(next(values) if isinstance(piece, SX) else piece for piece in a.message),
-        )
+        replace(a, holds=next(values), message=tuple(next(values) if isinstance(p, SX) else p for p in a.message))
         for a in assertions
     ]
     through_events = [name for name in loops.guesses if name not in running]
@@ -443,21 +438,6 @@ def _split_states(
     return states, [*v.algebraics, *former]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _InitialValues:
-    """Initial values.
-
-    Attributes:
-        states: Values of the states.
-        calculated: Whether each of them depends on parameters or initial equations.
-        discretes: Place of a discrete variable → its value before the start, if it depends on these.
-    """
-
-    states: SX
-    calculated: list[bool]
-    discretes: dict[int, SX]
-
-
 def _solve_start(
     dae: Dae,
     evaluate: ExpressionBuilder,
@@ -466,7 +446,9 @@ def _solve_start(
     algebraics: list[Scalar],
     index_one: IndexOne,
     loops: Loops,
-) -> _InitialValues:
+) -> tuple[SX, list[bool], dict[int, SX]]:
+    # The initial values of the states, whether each of them depends on parameters or initial equations, and the place
+    # of each discrete variable whose value before the start depends on these with that value.
     # Initial equations may determine any variable, so they are solved together with the equations of the model.
     starts = v.with_numbers([s.binding for s in states])
     calculated = [not is_number(SX(value)) for value in starts]
@@ -475,7 +457,7 @@ def _solve_start(
     before = v.with_numbers([d.binding for d in v.discretes])
     discretes = {i: SX(e) for i, e in enumerate(before) if not is_number(SX(e)) and i not in targets}
     if not initial:
-        return _InitialValues(states=column(starts), calculated=calculated, discretes=discretes)
+        return column(starts), calculated, discretes
     free = [s for s in states if not s.fixed]
     if len(free) + len(targets) != len(initial):
         places = ", ".join(dict.fromkeys(e.where for e in initial))
@@ -498,11 +480,8 @@ def _solve_start(
     _require_known(dae, v, discretes, [solution, determined, *loops.updates.values(), *loops.residuals.values()])
     place = {s.name: i for i, s in enumerate(free)}
     start = [solution[place[s.name]] if s.name in place else starts[i] for i, s in enumerate(states)]
-    return _InitialValues(
-        states=column(start),
-        calculated=[is_calculated or s.name in place for is_calculated, s in zip(calculated, states, strict=True)],
-        discretes=discretes | {i: determined[k] for k, i in enumerate(targets)},
-    )
+    calculated = [is_calculated or s.name in place for is_calculated, s in zip(calculated, states, strict=True)]
+    return column(start), calculated, discretes | {i: determined[k] for k, i in enumerate(targets)}
 
 
 def _initial_equations(

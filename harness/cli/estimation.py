@@ -349,8 +349,7 @@ def monitor(
     out: Annotated[Path | None, typer.Option(help="Figure; DIR/monitor.png unless given.")] = None,
 ) -> None:
     """Follow the pad friction of each brake group from stop to stop."""
-    from railgrip.studies.pad_monitor.watch import draw, health_table, stops_in, summary_of
-    from railgrip.studies.pad_monitor.watch import MonitorDesign, watch
+    from railgrip.studies.pad_monitor.watch import MonitorDesign, draw, health_table, stops_in, summary_of, watch
 
     with progress("reading") as bar:
         evidence, sentences = stops_in(

@@ -16,10 +16,9 @@ from railgrip.cli.app import RUN_FAILED, File, Overrides, With, fail
 from railgrip.fmi import describe
 from railgrip.fmi.survey import SurveyResult, survey, validation_problems
 from railgrip.fmus.build import OUTPUT, Compiler, build, build_class, translate
-from railgrip.fmus.lock import LOCK, Entry, differences, read_lock, write_lock
 from railgrip.fmus.native.package import as_fmi_3, pack
 from railgrip.fmus.native.toolchain import TARGETS
-from railgrip.fmus.recipe import read_recipes
+from railgrip.fmus.recipe import LOCK, Entry, differences, read_lock, read_recipes, write_lock
 from railgrip.report.console import progress, remark, say, show_table
 from railgrip.report.table import ReportTable, write_tables
 from railgrip.scenario.load import load

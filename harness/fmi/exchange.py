@@ -24,7 +24,7 @@ from railgrip.base.names import state_name
 from railgrip.estimators.model_in_c import ModelInC, Pattern
 from railgrip.fmi.description import Description, FmuVariable, Interface
 from railgrip.fmi.instance import Instance, Values, assignments, unpack
-from railgrip.fmus.native.c_library import Struct, kernel_library
+from railgrip.fmus.native.toolchain import Struct, kernel_library
 
 KERNEL: Final = ("railgrip.fmi", "prediction")
 

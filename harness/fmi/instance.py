@@ -19,6 +19,7 @@ import zlib
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import chdir, contextmanager, suppress
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any, Final, Literal, cast
 
@@ -38,7 +39,7 @@ from railgrip.base.errors import Failure, FmuError, PlantFailed, Reason
 from railgrip.base.files import scratch
 from railgrip.fmi.archive import DESCRIPTION, digest, extract
 from railgrip.fmi.description import PLATFORMS, Description, FmuVariable, Interface
-from railgrip.fmus.native.c_library import kernel_library
+from railgrip.fmus.native.toolchain import kernel_library
 
 Scalar = float | int | bool | str
 _ROUNDING = 1e-14
@@ -63,7 +64,7 @@ def assignments(description: Description, values: Values) -> tuple[Assignment, .
         FmuError: The FMU lacks a name, a variable cannot be set, or a value has the wrong type or is out of bounds.
     """
     by_type: dict[str, dict[int, list[Scalar]]] = {}
-    for name, value in _flat(values):
+    for name, value in (pair for each in values.items() for pair in _flat(*each)):
         variable = description.variable(name, "parameters")
         if not variable.settable or variable.causality == "input":
             raise FmuError(
@@ -77,9 +78,7 @@ def assignments(description: Description, values: Values) -> tuple[Assignment, .
             arrays[variable.reference] = start_values(description, variable)
         arrays[variable.reference][variable.element] = scalar
     return tuple(
-        Assignment(
-            carrier=carrier, references=tuple(arrays), values=tuple(v for array in arrays.values() for v in array)
-        )
+        Assignment(carrier=carrier, references=tuple(arrays), values=tuple(chain.from_iterable(arrays.values())))
         for carrier, arrays in by_type.items()
     )
 
@@ -98,32 +97,20 @@ def start_values(description: Description, variable: FmuVariable) -> list[Scalar
     return values
 
 
-def _flat(values: Values) -> Iterator[tuple[str, object]]:
-    for name, value in values.items():
-        if isinstance(value, Sequence) and not isinstance(value, str):
-            yield from _elements(name, cast(Sequence[object], value), ())
-        else:
-            yield name, value
-
-
-def _elements(name: str, values: Sequence[object], at: tuple[int, ...]) -> Iterator[tuple[str, object]]:
-    for i, value in enumerate(values, start=1):
-        here = (*at, i)
-        if isinstance(value, Sequence) and not isinstance(value, str):
-            yield from _elements(name, cast(Sequence[object], value), here)
-        else:
-            yield f"{name}[{','.join(map(str, here))}]", value
+def _flat(name: str, value: object, at: tuple[int, ...] = ()) -> Iterator[tuple[str, object]]:
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        for i, inside in enumerate(cast(Sequence[object], value), start=1):
+            yield from _flat(name, inside, (*at, i))
+    else:
+        yield f"{name}[{','.join(map(str, at))}]" if at else name, value
 
 
 def _check(variable: FmuVariable, value: object, file: str) -> Scalar:
     who = f"parameters: '{variable.name}' of {file}"
-    if variable.kind == "String":
-        if not isinstance(value, str):
-            raise FmuError(f"{who} is a text, got {value!r}.")
-        return value
-    if variable.kind == "Boolean":
-        if not isinstance(value, bool):
-            raise FmuError(f"{who} is true or false, got {value!r}.")
+    type_, name = {"String": (str, "a text"), "Boolean": (bool, "true or false")}.get(variable.kind, (None, ""))
+    if type_ is not None:
+        if not isinstance(value, type_):
+            raise FmuError(f"{who} is {name}, got {value!r}.")
         return value
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise FmuError(f"{who} is a number, got {value!r}.")
@@ -202,11 +189,8 @@ def unpack(description: Description) -> Generator[Path]:
         try:
             if digest(description.file) != description.digest:
                 raise FmuError(f"{description.file}: the FMU changed while it was being read; try again.")
-            extract(
-                description.file,
-                folder,
-                lambda name: name.startswith((here, "resources/")) or name == DESCRIPTION,
-            )
+            kept = (here, "resources/")
+            extract(description.file, folder, lambda name: name.startswith(kept) or name == DESCRIPTION)
         except FmuError:
             raise
         except (OSError, ValueError, RuntimeError, zipfile.BadZipFile, zlib.error) as error:
@@ -322,9 +306,8 @@ class Instance:
     def _text(self, message: Any) -> str:
         """Return the text of a message, with the names of variables for their references (FMI 2.0.4, §2.1.5)."""
         text = bytes(self._log.bytes_of(message.text)).split(b"\0")[0].decode("utf-8", errors="replace")
-        text = "".join(
-            c if c.isprintable() else " " for c in text
-        ).strip()  # one line, and no control codes of a terminal
+        # One line, and no control codes of a terminal.
+        text = "".join(c if c.isprintable() else " " for c in text).strip()
         return _REFERENCE.sub(self._name, text)
 
     def _name(self, reference: re.Match[str]) -> str:
@@ -381,15 +364,8 @@ class Instance:
         log = self._log.pointer
         messages = [log.last[n % _LAST] for n in range(max(log.heard - _LAST, 0), log.heard)]
         worst = [f"{_STATUS_NAMES[min(max(m.status, 0), 5)]}: {self._text(m)}" for m in messages if m.status != 0]
-        return Failure(
-            file=self.description.file.name,
-            time=time,
-            reason=reason,
-            call=call,
-            variable=variable,
-            detail=doing,
-            log=tuple(worst),
-        )
+        file, log_ = self.description.file.name, tuple(worst)
+        return Failure(file=file, time=time, reason=reason, call=call, variable=variable, detail=doing, log=log_)
 
     def _discard(self, failure: Failure) -> Failure:
         termination, last_time = ctypes.c_int(0), ctypes.c_double(0.0)
@@ -484,9 +460,7 @@ class Instance:
             self._library = None
 
 
-_PROBLEMS: Final = frozenset(
-    {"logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal", "logStatusPending"}
-)
+_PROBLEMS: Final = ("logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal", "logStatusPending")
 """Standard log categories (FMI 2.0.4, §2.2.4) that are worth the cost of logging."""
 
 

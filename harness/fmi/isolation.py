@@ -2,6 +2,10 @@
 
 An FMU is native code by an unknown author. One that was built here from Modelica sources is loaded into this process; a
 user's FMU is not, unless the scenario declares trust. Isolation costs two context switches for each step.
+
+The child process owns the FMU and answers one request at a time (`serve`). An FMU may write anything to the socket, so
+answers are numbers and text only: vectors of doubles, and failures as JSON. Requests come from this program, so the
+request to open a plant may be pickled.
 """
 
 import json
@@ -9,17 +13,18 @@ import os
 import pickle
 import signal
 import socket
+import struct
 import subprocess
 import sys
 from collections.abc import Callable, Generator
 from contextlib import ExitStack, contextmanager, suppress
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from secrets import token_hex
 from time import perf_counter
 from types import TracebackType
-from typing import Final, Self
+from typing import Final, Literal, Self
 
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
@@ -29,13 +34,107 @@ from railgrip.base.errors import Failure, FmuError, PlantFailed, Reason
 from railgrip.base.interrupted import ignore_sigint
 from railgrip.base.limits import FMU_LIMITS, MIB, FmuLimits
 from railgrip.fmi.by_fmpy import loaded_plant
-from railgrip.fmi.child import ANSWER, FAILED, REFUSED, TALKATIVE, UNREACHABLE, Request, receive, send
 from railgrip.fmi.description import Description
-from railgrip.fmi.instance import Values, unpack
-from railgrip.fmi.keeper import REPORT
+from railgrip.fmi.instance import Values, limit_messages, unpack
 from railgrip.fmi.mapping import Binding
 from railgrip.fmi.plant import LoadedPlant, SteppedPlant
 
+Request = Literal["open", "start", "step", "warnings"]
+_CODES: Final[dict[Request, int]] = {"open": 1, "start": 2, "step": 3, "warnings": 4}
+_REQUESTS: Final = {code: request for request, code in _CODES.items()}
+ANSWER: Final = 0
+FAILED: Final = 255
+REFUSED: Final = 254
+TALKATIVE: Final = 251
+UNREACHABLE: Final = 252
+"""Exit codes of the FMU's process."""
+_MAX_MESSAGE: Final = 1 << 24  # bytes of a message
+_HEAD: Final = struct.Struct("<BI")
+_CHUNK: Final = 1 << 16  # bytes; a step's vectors fit a hundred times over
+
+
+def send(line: socket.socket, kind: Request | int, payload: bytes) -> None:
+    """Send one message."""
+    code = kind if isinstance(kind, int) else _CODES[kind]
+    line.sendall(_HEAD.pack(code, len(payload)) + payload)
+
+
+def receive(line: socket.socket) -> tuple[int, bytes]:
+    """Return the next message; the two ends take turns, so at most one message is in transit.
+
+    Raises:
+        ConnectionError: The other end closed the line.
+        ValueError: The bytes are not a message.
+        TimeoutError: The line has a timeout and no message came.
+    """
+    buffer = b""
+    size = _HEAD.size
+    while len(buffer) < size:
+        more = line.recv(_CHUNK)
+        if not more:
+            raise ConnectionError("the other end of the line is gone")
+        buffer += more
+        if len(buffer) >= _HEAD.size:
+            size = _HEAD.size + _HEAD.unpack_from(buffer)[1]
+        if max(size, len(buffer)) > _MAX_MESSAGE:
+            raise ValueError("no message is that long")
+    if len(buffer) != size:
+        raise ValueError("more than a message")
+    return _HEAD.unpack_from(buffer)[0], buffer[_HEAD.size :]
+
+
+def serve(line: socket.socket) -> None:
+    """Answer requests until the line is closed; then free the FMU."""
+    with ExitStack() as stack:
+        plant: LoadedPlant | None = None
+        while True:
+            try:
+                code, payload = receive(line)
+            except ConnectionError:
+                return
+            try:
+                request = _REQUESTS[code]
+                if request == "open":
+                    description, binding, options = pickle.loads(payload)
+                    plant = stack.enter_context(loaded_plant(description)(description, binding, **options))
+                    answer = b""
+                elif plant is None:
+                    raise RuntimeError("the first request opens the plant")
+                elif request == "warnings":
+                    answer = json.dumps(plant.warnings).encode()
+                else:
+                    answer = getattr(plant, request)(np.frombuffer(payload)).tobytes()
+            # Any exception is sent to the parent, which raises it in the caller.
+            except PlantFailed as failed:
+                failure = failed.failure
+                assert not isinstance(failure, str)  # plain text comes from plants in Python only
+                send(line, FAILED, json.dumps(asdict(failure)).encode())
+            except FmuError as error:
+                send(line, REFUSED, str(error).encode())
+            except Exception as error:
+                send(line, REFUSED, f"{type(error).__name__}: {error}".encode())
+            else:
+                send(line, ANSWER, answer)
+
+
+def serve_on(number: int, messages: int) -> None:
+    """Report that this process is ready, and serve on the socket of a file descriptor.
+
+    An FMU that logs more messages than allowed ends the process with `TALKATIVE`, one that closes the socket with
+    `UNREACHABLE`.
+    """
+    limit_messages(messages, TALKATIVE)
+    # The parent may have exited before the answer, which then has no receiver.
+    try:
+        with socket.socket(fileno=number) as line, suppress(ConnectionError):
+            send(line, ANSWER, b"")
+            serve(line)
+    except OSError:
+        os._exit(UNREACHABLE)
+
+
+_REPORT: Final = struct.Struct("<iqq")
+"""Wait status of the FMU's process, its maximum memory [KiB], the bytes that it printed; sent on the life line."""
 KEEPER: Final = Path(__file__).with_name("keeper.py")
 _WARNINGS: Final = TypeAdapter(dict[str, int])
 _FAILURE: Final = TypeAdapter(Failure)
@@ -146,7 +245,7 @@ class IsolatedCoSimulation(SteppedPlant):
         path = [folder for folder in sys.path if Path(folder).is_absolute() and Path(folder) != Path.cwd()]
         output = max(self._limits.output_mib * MIB - self._account.printed, 0)
         path.append(str(Path(__file__).parents[2]))
-        options = {"path": path, "limits": self._limits.model_dump(), "output": output}
+        options = {"path": path, "limits": self._limits.model_dump(), "output": output, "report": _REPORT.format}
         return json.dumps(options)
 
     def __exit__(
@@ -276,10 +375,13 @@ class IsolatedCoSimulation(SteppedPlant):
         return self._describe_end(*report) if report else ("crash", "its process is gone, and the one that watched it")
 
     def _report_on(self, life: socket.socket) -> tuple[int, int] | None:
-        report = _report_on(life)
-        if report is None:
+        life.settimeout(_GOODBYE)
+        report = b""
+        with suppress(OSError):
+            report = life.recv(_REPORT.size)
+        if len(report) != _REPORT.size:
             return None
-        status, memory_kib, printed = report
+        status, memory_kib, printed = _REPORT.unpack(report)
         self._account.printed += printed
         return status, memory_kib
 
@@ -299,14 +401,6 @@ class IsolatedCoSimulation(SteppedPlant):
             return "crash", sentence
         size = f"{memory_kib / 1024:.0f} MiB; memory_mib under [limits.fmu] is {limits.memory_mib}"
         return "crash", f"{sentence} when it had {size}"
-
-
-def _report_on(life: socket.socket) -> tuple[int, int, int] | None:
-    life.settimeout(_GOODBYE)
-    report = b""
-    with suppress(OSError):
-        report = life.recv(REPORT.size)
-    return REPORT.unpack(report) if len(report) == REPORT.size else None
 
 
 def _limit(key: str, value: float, unit: str = "") -> str:
@@ -352,30 +446,18 @@ def open_plant(
     is_once = interface is not None and interface.once and os.name == "posix"
     if trusted and not is_once:
         return loaded_plant(description)(description, binding, period=period, parameters=parameters, begin=begin)
+    name = description.file.name
     notify(
-        f"{description.file.name} can be instantiated only once in a process, and runs in a separate one in spite of "
+        f"{name} can be instantiated only once in a process, and runs in a separate one in spite of "
         f"trust = true under {table}."
         if trusted
-        else notice(description, table)
-    )
-    return IsolatedCoSimulation(
-        description,
-        binding,
-        period=period,
-        parameters=parameters,
-        begin=begin,
-        limits=limits,
-        table=table,
-        notify=notify,
-    )
-
-
-def notice(description: Description, table: str) -> str:
-    """Return the notice that an FMU is isolated and therefore slower, with the table in which to declare trust."""
-    return (
-        f"{description.file.name} is foreign and runs in a separate process, so that a crash in it does not end the "
+        else f"{name} is foreign and runs in a separate process, so that a crash in it does not end the "
         f"stop; set trust = true under {table} to load it into this one, which is faster."
     )
+    return IsolatedCoSimulation(
+        description, binding, period=period, parameters=parameters, begin=begin, limits=limits, table=table,
+        notify=notify,
+    )  # fmt: skip
 
 
 def _bytes(inputs: Vector) -> bytes:

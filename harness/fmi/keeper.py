@@ -16,9 +16,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
-REPORT: Final = struct.Struct("<iqq")
-"""Wait status of the FMU's process, its maximum memory [KiB], the bytes that it printed; sent on the life line."""
-
 _LINUX: Final = sys.platform == "linux"
 _PARENT_DEATH_SIGNAL: Final = 1  # prctl(2)
 _CHILD_SUBREAPER: Final = 36
@@ -27,7 +24,7 @@ _CHILD_SUBREAPER: Final = 36
 def main() -> None:
     """Serve on two sockets, the line and the life line.
 
-    The third argument has the limits and the import path as JSON.
+    The third argument has the limits, the import path and the format of the report as JSON.
     """
     line, life, options = int(sys.argv[1]), int(sys.argv[2]), json.loads(sys.argv[3])
     if _LINUX:
@@ -57,7 +54,7 @@ def main() -> None:
     output.forward()
     if ended:
         with suppress(OSError):
-            os.write(life, REPORT.pack(status, usage.ru_maxrss, output.size))
+            os.write(life, struct.pack(options["report"], status, usage.ru_maxrss, output.size))
 
 
 class _Output:
@@ -93,7 +90,7 @@ def _serve(line: int, options: dict[str, Any]) -> None:
         ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, int(signal.SIGKILL))
     _limit(options["limits"])
     sys.path += [folder for folder in options["path"] if folder not in sys.path]
-    from railgrip.fmi.child import serve_on
+    from railgrip.fmi.isolation import serve_on
 
     serve_on(line, options["limits"]["messages"])
     os._exit(0)

@@ -207,7 +207,7 @@ def _side(
     elements: list[str] = []
     absent: list[str] = []
     missing: list[str] = []
-    rows: dict[str, list[tuple[int, FmuVariable, float, float]]] = {}
+    ties: list[_Tie] = []
     for signal in signals:
         targets = tuple(
             _require_one_meaning(description, target, f"{where} {signal.name}")
@@ -217,10 +217,7 @@ def _side(
         if lack and signal.name not in entries:
             spelled = next((names for names in _spellings(signal) if description.variables.keys() >= set(names)), None)
             if spelled is not None:
-                targets, lack = (
-                    tuple(_MappedElement(variable=name, scale=1.0, stated_unit=None) for name in spelled),
-                    [],
-                )
+                targets, lack = _unchanged(spelled), []
         if lack and signal.name not in entries:
             # An array of which only some elements exist is a mistake, not an absence.
             if signal.needed or len(lack) < len(targets):
@@ -232,16 +229,10 @@ def _side(
         elements += signal.elements
         layout[signal.name] = slice(first, len(elements))
         for position, (element, target) in enumerate(zip(signal.elements, targets, strict=False), start=first):
-            row = _tie(description, signal, element, target, where, causality, into_fmu=into_fmu)
-            rows.setdefault(row[0].carrier, []).append((position, *row))
+            ties.append((position, *_tie(description, signal, element, target, where, causality, into_fmu=into_fmu)))
     if missing:
         raise FmuError(_all_missing(description, missing, causality, where))
-    return SignalVector(
-        layout=layout,
-        elements=tuple(elements),
-        absent=tuple(absent),
-        channels=tuple(_channel(carrier, ties) for carrier, ties in rows.items()),
-    )
+    return SignalVector(layout=layout, elements=tuple(elements), absent=tuple(absent), channels=_channels(ties))
 
 
 def _spellings(signal: Port) -> Iterator[tuple[str, ...]]:
@@ -256,18 +247,21 @@ def _spellings(signal: Port) -> Iterator[tuple[str, ...]]:
 
 def side_of(variables: Sequence[FmuVariable]) -> SignalVector:
     """Return variables of an FMU as a side with their names and units in the FMU."""
-    rows: dict[str, list[tuple[int, FmuVariable, float, float]]] = {}
-    for position, variable in enumerate(variables):
-        rows.setdefault(variable.carrier, []).append((position, variable, 1.0, 0.0))
-    return SignalVector(
-        layout={v.name: slice(i, i + 1) for i, v in enumerate(variables)},
-        elements=tuple(v.name for v in variables),
-        absent=(),
-        channels=tuple(_channel(carrier, ties) for carrier, ties in rows.items()),
-    )
+    layout = {v.name: slice(i, i + 1) for i, v in enumerate(variables)}
+    ties = [(position, variable, 1.0, 0.0) for position, variable in enumerate(variables)]
+    return SignalVector(layout=layout, elements=tuple(layout), absent=(), channels=_channels(ties))
 
 
-def _channel(carrier: str, ties: Sequence[tuple[int, FmuVariable, float, float]]) -> Channel:
+_Tie = tuple[int, FmuVariable, float, float]
+"""Position in the vector of the harness, variable, gain and shift."""
+
+
+def _channels(every: Sequence[_Tie]) -> tuple[Channel, ...]:
+    carriers = dict.fromkeys(variable.carrier for _, variable, _, _ in every)
+    return tuple(_channel(carrier, [tie for tie in every if tie[1].carrier == carrier]) for carrier in carriers)
+
+
+def _channel(carrier: str, ties: Sequence[_Tie]) -> Channel:
     return Channel(
         carrier=carrier,
         references=np.array([v.reference for _, v, _, _ in ties], dtype=np.uint32),
@@ -291,12 +285,7 @@ def _tie(
 ) -> tuple[FmuVariable, float, float]:
     variable = description.variable(target.variable, f"{where} {element}")
     file = description.file.name
-    readable = causality == "output" and variable.causality in (
-        "output",
-        "local",
-        "input",
-        "calculatedParameter",
-    )
+    readable = causality == "output" and variable.causality in ("output", "local", "input", "calculatedParameter")
     changeable = causality == "parameter" and variable.settable and variable.causality != "input"
     if not (variable.causality == causality or readable or changeable):
         raise FmuError(
@@ -379,7 +368,7 @@ def _targets(signal: Port, entries: Mapping[str, object], where: str) -> tuple[_
     who = f"{where} {signal.name}"
     entry = entries.get(signal.name)
     if entry is None:
-        return tuple(_MappedElement(variable=e, scale=1.0, stated_unit=None) for e in signal.elements)
+        return _unchanged(signal.elements)
     count = max(signal.size, 1)
     if isinstance(entry, Sequence) and not isinstance(entry, str):
         items = cast(Sequence[object], entry)
@@ -394,6 +383,10 @@ def _targets(signal: Port, entries: Mapping[str, object], where: str) -> tuple[_
             )
         return tuple(_target(item, i + 1, signal, who) for i, item in enumerate(items))
     return tuple(_target(entry, i + 1, signal, who, pattern=signal.size > 0) for i in range(count))
+
+
+def _unchanged(names: Sequence[str]) -> tuple[_MappedElement, ...]:
+    return tuple(_MappedElement(variable=name, scale=1.0, stated_unit=None) for name in names)
 
 
 def _target(item: object, index: int, signal: Port, who: str, *, pattern: bool = False) -> _MappedElement:

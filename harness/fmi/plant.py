@@ -22,7 +22,7 @@ from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.fmi.description import Description
 from railgrip.fmi.instance import Instance, Values, Way, assignments, unpack
 from railgrip.fmi.mapping import Binding, Channel
-from railgrip.fmus.native.c_library import kernel_library
+from railgrip.fmus.native.toolchain import kernel_library
 
 SILENT_WARNING: Final = "the status of a call was a warning, without a message"
 

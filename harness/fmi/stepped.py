@@ -21,8 +21,8 @@ from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.estimators.model_in_c import Pattern, transition_pattern
 from railgrip.fmi.description import Description, Interface
 from railgrip.fmi.exchange import KERNEL, FmuPrediction, references_of
-from railgrip.fmi.instance import Assignment, Instance, Values
-from railgrip.fmus.native.c_library import Struct, kernel_library
+from railgrip.fmi.instance import Instance, Values
+from railgrip.fmus.native.toolchain import Struct, kernel_library
 
 TOLERANCE: Final = 1e-8
 """Relative error that the FMU's solver is asked to keep."""
@@ -112,6 +112,12 @@ class SteppedFmuPrediction(FmuPrediction):
             description, parameters=parameters, states=states, inputs=inputs, outputs=outputs, readings=readings
         )
         self.period = period
+        variables = description.variables
+        self._state_references = self._references[0].tolist()
+        self._slope_references = references_of(variables[name] for name in self._derivatives).tolist()
+        self._nominal = np.array([variables[name].nominal for name in self._symbols])
+        # Inputs in the check of the FMU.
+        self._held = [value if isfinite(value := variables[name].start) else 0.0 for name in self.inputs]
         # Within a step a state acts along any path of dependencies.
         self._derivative_pattern = transition_pattern(self._slope_pattern, len(self.states))
 
@@ -135,15 +141,15 @@ class SteppedFmuPrediction(FmuPrediction):
         problems: dict[str, str] = {}
         for mode in ("initialisation mode", "step mode"):
             with ExitStack() as attempt:
-                instance = Instance(self._description, "co-simulation", folder, name="prediction")
+                self._trial = instance = Instance(self._description, "co-simulation", folder, name="prediction")
                 attempt.callback(instance.close)
+                self._initialises = mode == "initialisation mode"
                 try:
-                    self._restarts = self._saved(instance, initialises=mode == "initialisation mode")
-                    problem = self._restarts.problem()
+                    self._save()
+                    problem = self._problem()
                 except PlantFailed as error:
                     problem = str(error)
                 if not problem:
-                    self._start = self._restarts.start
                     stack.push(attempt.pop_all())
                     return instance
                 problems[mode] = problem
@@ -153,103 +159,44 @@ class SteppedFmuPrediction(FmuPrediction):
             + " Export it as Model Exchange."
         )
 
-    def _saved(self, instance: Instance, *, initialises: bool) -> "_Restarts":
-        variables = self._description.variables
-        held = [value if isfinite(value := variables[name].start) else 0.0 for name in self.inputs]
-        return _Restarts(
-            instance,
-            self._assignments,
-            states=dict(zip(self._symbols, self._references[0].tolist(), strict=True)),
-            derivatives=references_of(variables[name] for name in self._derivatives).tolist(),
-            inputs=dict(zip(self._references[1].tolist(), held, strict=True)),
-            nominal=np.array([variables[name].nominal for name in self._symbols]),
-            period=self.period,
-            initialises=initialises,
-        )
-
     def _fields(self, instance: Instance) -> dict[str, Any]:
-        n, library, restarts = len(self.states), kernel_library(*KERNEL), self._restarts
+        n, library = len(self.states), kernel_library(*KERNEL)
         exact = self.has_directional_derivatives
         stepping = library.struct(
             "Stepping", do_step=instance.address("fmi2DoStep"), restore=instance.address("fmi2SetFMUstate"),
-            exit_initialisation=instance.address("fmi2ExitInitializationMode") if restarts.initialises else None,
-            saved=restarts.saved.value, state_references=self._references[0], slope=_rows(self._slope_pattern),
+            exit_initialisation=instance.address("fmi2ExitInitializationMode") if self._initialises else None,
+            saved=self._saved.value, state_references=self._references[0], slope=_rows(self._slope_pattern),
             rate=_rows(self._derivative_pattern), slopes=np.zeros(sum(map(len, self._slope_pattern)) + 1),
             power=np.zeros((n, n)) if exact else None, next_power=np.zeros((n, n)) if exact else None,
             period=self.period,
         )  # fmt: skip
-        return {"stepping": stepping, "nominal": restarts.nominal, "relative_step": _RELATIVE_STEP}
+        return {"stepping": stepping, "nominal": self._nominal, "relative_step": _RELATIVE_STEP}
 
+    # Steps from any states, and a check that they are those of a function of states and inputs.
 
-def _rows(pattern: Pattern) -> Struct:
-    first = np.cumsum([0, *map(len, pattern)], dtype=np.longlong)
-    column = np.array([column for row in pattern for column in row] or [0], dtype=np.longlong)
-    return kernel_library(*KERNEL).struct("Rows", first=first, column=column)
+    def _save(self) -> None:
+        # Before the state is saved, the states are read, so that it contains what the FMU computes from parameters.
+        self._trial.assign(self._assignments, 0.0)
+        self._trial.enter_initialization(tolerance=TOLERANCE)
+        if not self._initialises:
+            self._trial.exit_initialization()
+        with self._trial.calling(0.0, "reading its states") as fmu:
+            self._start = np.array(fmu.getReal(self._state_references))
+        self._saved = self._trial.save_state(0.0)
 
-
-class _Restarts:
-    """Steps of an FMU from any states, and a check that they are those of a function of states and inputs.
-
-    Attributes:
-        initialises: Whether states are set in initialisation mode, else at a communication point.
-        saved: State of the whole FMU in which every step begins.
-        start: Initial states, shape (n,).
-        nominal: Their magnitudes.
-    """
-
-    def __init__(
-        self,
-        instance: Instance,
-        assignments: tuple[Assignment, ...],
-        *,
-        states: Mapping[str, int],
-        derivatives: list[int],
-        inputs: Mapping[int, float],
-        nominal: Vector,
-        period: float,
-        initialises: bool,
-    ) -> None:
-        """Initialise the instance and save its state.
-
-        Args:
-            instance: New instance.
-            assignments: Values of its parameters.
-            states: Reference of each state by its name.
-            derivatives: References of their derivatives.
-            inputs: Value of each input in the check by its reference.
-            nominal: Magnitudes of the states.
-            period: Period of a step [s].
-            initialises: See the attribute.
-
-        Raises:
-            PlantFailed: The FMU refuses.
-        """
-        self._instance, self._assignments = instance, assignments
-        self._names, self._states = list(states), list(states.values())
-        self._derivatives, self._inputs, self._held = derivatives, list(inputs), list(inputs.values())
-        self.nominal, self._period, self.initialises = nominal, period, initialises
-        instance.assign(assignments, 0.0)
-        instance.enter_initialization(tolerance=TOLERANCE)
-        if not initialises:
-            instance.exit_initialization()
-        with instance.calling(0.0, "reading its states") as fmu:
-            # Before the state is saved, so that it contains what the FMU computes from parameters.
-            self.start = np.array(fmu.getReal(self._states))
-        self.saved = instance.save_state(0.0)
-
-    def problem(self) -> str:
+    def _problem(self) -> str:
         """Return why steps from given states are not possible, or are not those of a filter's prediction; else ''."""
-        if not np.all(np.isfinite(self.start)):
+        if not np.all(np.isfinite(self._start)):
             return "a start value of its states is not finite"
-        size = np.maximum(np.abs(self.start), self.nominal)
-        point = self.start + _RELATIVE_STEP * size
-        if (bad := np.flatnonzero(np.abs(self._get(self._states, point) - point) > 1e-9 * size)).size:
-            name, value = self._names[bad[0]], point[bad[0]]
-            return f"'{name}' is {self._get(self._states, point)[bad[0]]:g} after it was set to {value:g}"
+        size = np.maximum(np.abs(self._start), self._nominal)
+        point = self._start + _RELATIVE_STEP * size
+        if (bad := np.flatnonzero(np.abs(self._get(self._state_references, point) - point) > 1e-9 * size)).size:
+            name, value = self._symbols[bad[0]], point[bad[0]]
+            return f"'{name}' is {self._get(self._state_references, point)[bad[0]]:g} after it was set to {value:g}"
         if changed := self._lost_parameter(point):
             return changed
         first = self._step(point)
-        self._step(self.start)
+        self._step(self._start)
         if np.any(np.abs(self._step(point) - first) > 1e-9 * size):
             return "two steps from the same states differ, so that it keeps values that are not saved"
         expected = self._runge_kutta(point)
@@ -257,7 +204,7 @@ class _Restarts:
         # A solver of order 1 with this period may be off by several percent; one that ignores the period is off by 1.
         if np.any(np.abs(first - expected) > (0.1 * largest + _MARGIN) * size):
             return (
-                f"its step of {self._period:g} s does not follow its derivatives: its own steps are longer, or it "
+                f"its step of {self.period:g} s does not follow its derivatives: its own steps are longer, or it "
                 "depends on time"
             )
         before, after = self._steps_without_restart(point)
@@ -268,7 +215,7 @@ class _Restarts:
 
     def _lost_parameter(self, x: Vector) -> str:
         self._restart(x)
-        with self._instance.calling(0.0, "reading its parameters") as fmu:
+        with self._trial.calling(0.0, "reading its parameters") as fmu:
             for entry in self._assignments:
                 found = getattr(fmu, f"get{entry.carrier}")(entry.references)
                 for value, after in zip(entry.values, found, strict=True):
@@ -277,34 +224,34 @@ class _Restarts:
         return ""
 
     def _restart(self, x: Vector) -> None:
-        with self._instance.calling(0.0, "setting its states") as fmu:
-            fmu.setFMUstate(self.saved)
-            fmu.setReal(self._states, x.tolist())
-            if self._inputs:
-                fmu.setReal(self._inputs, self._held)
-        if self.initialises:
-            self._instance.exit_initialization()
+        with self._trial.calling(0.0, "setting its states") as fmu:
+            fmu.setFMUstate(self._saved)
+            fmu.setReal(self._state_references, x.tolist())
+            if self.inputs:
+                fmu.setReal(self._references[1].tolist(), self._held)
+        if self._initialises:
+            self._trial.exit_initialization()
 
     def _get(self, references: list[int], x: Vector) -> Vector:
         self._restart(x)
-        with self._instance.calling(0.0, "reading its values") as fmu:
+        with self._trial.calling(0.0, "reading its values") as fmu:
             return np.array(fmu.getReal(references))
 
     def _advance(self, number: int) -> Vector:
-        time = number * self._period
-        with self._instance.calling(time, "stepping the prediction") as fmu:
-            fmu.doStep(time, self._period, noSetFMUStatePriorToCurrentPoint=False)
-            return np.array(fmu.getReal(self._states))
+        time = number * self.period
+        with self._trial.calling(time, "stepping the prediction") as fmu:
+            fmu.doStep(time, self.period, noSetFMUStatePriorToCurrentPoint=False)
+            return np.array(fmu.getReal(self._state_references))
 
     def _step(self, x: Vector) -> Vector:
         self._restart(x)
         return self._advance(0)
 
     def _runge_kutta(self, x: Vector) -> Vector:
-        slope, total, period = self._get(self._derivatives, x), np.zeros_like(x), self._period
+        slope, total, period = self._get(self._slope_references, x), np.zeros_like(x), self.period
         for part, weight in ((0.5, 1.0), (0.5, 2.0), (1.0, 2.0)):
             total += weight * slope
-            slope = self._get(self._derivatives, x + part * period * slope)
+            slope = self._get(self._slope_references, x + part * period * slope)
         return x + period / 6.0 * (total + slope)
 
     def _steps_without_restart(self, x: Vector) -> tuple[Vector, Vector]:
@@ -314,3 +261,9 @@ class _Restarts:
         for number in range(_STEPS - 1):
             before = self._advance(number)
         return before, self._advance(_STEPS - 1)
+
+
+def _rows(pattern: Pattern) -> Struct:
+    first = np.cumsum([0, *map(len, pattern)], dtype=np.longlong)
+    column = np.array([column for row in pattern for column in row] or [0], dtype=np.longlong)
+    return kernel_library(*KERNEL).struct("Rows", first=first, column=column)

@@ -5,6 +5,7 @@ import re
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from math import isfinite
 from pathlib import Path
 from typing import Any, Final, cast
@@ -74,12 +75,11 @@ def _survey_file(file: Path, name: Path) -> Iterator[SurveyResult]:
         tool, version, step = _tool(first.tool), first.version or "", first.step
     except (FmuError, BadZipFile, OSError, KeyError, ValueError, RuntimeError):
         pass  # `describe` reports it
+    result = partial(SurveyResult, file=name, tool=tool)
     try:
         description = describe(file, _LIMITS)
     except FmuError as error:
-        yield SurveyResult(
-            file=name, tool=tool, interface=version, reason=_reason(error), sentence=_without(file, error)
-        )
+        yield result(interface=version, reason=_reason(error), sentence=_without(file, error))
         return
     ways = {"CS": replace(description, model_exchange=None), "ME": replace(description, co_simulation=None)}
     for way, interface in ways.items():
@@ -93,9 +93,7 @@ def _survey_file(file: Path, name: Path) -> Iterator[SurveyResult]:
         except PlantFailed as failed:
             reason = failed.failure.reason.replace("_", " ") if isinstance(failed.failure, Failure) else "other"
             sentence = str(failed)
-        yield SurveyResult(
-            file=name, tool=tool, interface=f"{description.fmi}.0 {way}", reason=reason, sentence=sentence
-        )
+        yield result(interface=f"{description.fmi}.0 {way}", reason=reason, sentence=sentence)
 
 
 def _reason(error: FmuError) -> str:

@@ -9,7 +9,7 @@ from importlib.resources import files
 from typing import Final
 
 from railgrip.base.units import GRAVITY
-from railgrip.fmus.native.c_library import CLibrary, Struct
+from railgrip.fmus.native.toolchain import CLibrary, Struct
 from railgrip.vehicle.brake import SMALL_SPEED
 from railgrip.vehicle.signals import Layout
 

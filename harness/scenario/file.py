@@ -18,7 +18,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from railgrip.base.errors import ScenarioError
 from railgrip.base.registry import Shelf, not_one_of, shelf
 from railgrip.base.units import cut, place, short
-from railgrip.fmus.native.used_libraries import file_digest
+from railgrip.fmus.native.library import file_digest
 
 DIRECTORY = "directory"
 """Key of the validation context for the folder of the scenario file."""

@@ -8,7 +8,7 @@ from command_line import exit_code
 from sybil import Sybil
 from sybil.parsers.markdown import PythonCodeBlockParser
 
-from railgrip.fmus.native.used_libraries import search_folders
+from railgrip.fmus.native.library import search_folders
 
 PAGE = Path(__file__).parents[2] / "docs/how_to/modelica_libraries.md"
 

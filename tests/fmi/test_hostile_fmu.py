@@ -17,8 +17,7 @@ from faulty_fmu import faulty_fmu
 from railgrip.base.errors import PlantFailed
 from railgrip.base.limits import FMU_LIMITS, FmuLimits
 from railgrip.fmi import IsolatedCoSimulation, Port, bind, describe, shared_budget
-from railgrip.fmi.child import ANSWER, FAILED
-from railgrip.fmi.isolation import KEEPER
+from railgrip.fmi.isolation import ANSWER, FAILED, KEEPER
 from railgrip.vehicle.signals import PLANT
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes of FMUs are held on Linux")

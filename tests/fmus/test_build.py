@@ -16,8 +16,7 @@ from small_fmus import FEATURES
 from railgrip.base.errors import CompilerMissing, InputError, TranslationError
 from railgrip.fmus import build as building
 from railgrip.fmus.build import build_one, choose
-from railgrip.fmus.lock import differences, read_lock, write_lock
-from railgrip.fmus.recipe import read_recipes
+from railgrip.fmus.recipe import differences, read_lock, read_recipes, write_lock
 
 ROOT = Path(building.__file__).parents[1]
 RECIPE = """

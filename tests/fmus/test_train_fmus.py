@@ -15,10 +15,9 @@ from small_fmus import Fmu
 
 from railgrip.base.registry import shelf
 from railgrip.fmus.build import build, fmu
-from railgrip.fmus.lock import differences, read_lock
 from railgrip.fmus.native.dae import LIBRARY, read
 from railgrip.fmus.native.system import explicit
-from railgrip.fmus.recipe import read_recipes
+from railgrip.fmus.recipe import differences, read_lock, read_recipes
 from railgrip.rolling_stock.modelica import class_name, class_text
 from railgrip.rolling_stock.schema import load_train
 

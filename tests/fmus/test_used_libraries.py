@@ -11,8 +11,7 @@ from railgrip.fmus import openmodelica
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native import lower
 from railgrip.fmus.native.dae import read
-from railgrip.fmus.native.library import LARGEST_WHOLE
-from railgrip.fmus.native.used_libraries import UsedClasses, file_digest, scan, used_libraries
+from railgrip.fmus.native.library import LARGEST_WHOLE, UsedClasses, file_digest, scan, used_libraries
 from railgrip.fmus.recipe import Recipe
 
 
@@ -47,7 +46,7 @@ def shelf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "shelf"
     folder.mkdir()
     monkeypatch.setenv("MODELICAPATH", str(folder))
-    monkeypatch.setattr("railgrip.fmus.native.used_libraries.folders_of_openmodelica", tuple)
+    monkeypatch.setattr("railgrip.fmus.native.library.folders_of_openmodelica", tuple)
     return folder
 
 

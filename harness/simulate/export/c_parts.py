@@ -14,11 +14,9 @@ from railgrip.base.records import claim
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
-from railgrip.fmus.native.c_library import Struct
-from railgrip.fmus.native.discrete import WrittenStep, sources, straight_step
-from railgrip.fmus.native.embedded import memory_in_c, sources_of_library
+from railgrip.fmus.native.discrete import WrittenStep, memory_in_c, sources, sources_of_library, straight_step
 from railgrip.fmus.native.package import Source, c_identifier
-from railgrip.fmus.native.toolchain import FMU_FLAGS, static_library
+from railgrip.fmus.native.toolchain import FMU_FLAGS, Struct, static_library
 from railgrip.kernel import headers, kernel, texts
 from railgrip.scenario.onboard import KalmanFilter
 from railgrip.scenario.schema import Scenario

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from railgrip.base.arrays import Indices, Matrix, Vector
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.sampled import Sampled
-from railgrip.fmus.native.c_library import Struct
+from railgrip.fmus.native.toolchain import Struct
 from railgrip.scenario.adhesion import TabulatedRail
 from railgrip.scenario.demand import Driver
 from railgrip.simulate.loop.plausible import Plausibility

@@ -18,9 +18,8 @@ from railgrip.controllers.observation import Observation
 from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
 from railgrip.fmi import CoSimulation
-from railgrip.fmus.native.c_library import Struct
 from railgrip.fmus.native.c_source import in_c
-from railgrip.fmus.native.toolchain import shared_library
+from railgrip.fmus.native.toolchain import Struct, shared_library
 from railgrip.kernel import kernel, rate_of, texts
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.loop.interfaces import BLOCK, DirectEstimator, LoopSensors, Parts, SensorsInC, StateEstimator

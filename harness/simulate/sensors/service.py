@@ -10,7 +10,7 @@ from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from railgrip.base.arrays import generator, markov
 from railgrip.base.errors import ScenarioError
-from railgrip.fmus.native.c_library import Struct
+from railgrip.fmus.native.toolchain import Struct
 from railgrip.kernel import kernel, rate_of
 from railgrip.scenario.onboard import SampledSensors, steps_between
 from railgrip.scenario.quantity import UnitRange

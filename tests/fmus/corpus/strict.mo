@@ -434,5 +434,14 @@ model X parameter Real p(start=2); Real z = p; end X;
 package K constant Real k; end K; package H extends K(k=5); end H; package I = K(k=6); model X parameter Real z = H.k
 + 10*I.k; Real w = z; end X;
 
+// unsupported: two redeclarations in extends clauses; the redeclaration of 'plain' is lost
+model Y extends N(redeclare replaceable A plain); end Y; model X extends Y(redeclare B plain); end X;
+
+// unsupported: two redeclarations in extends clauses, apart; the redeclaration of 'plain' is lost
+model Y extends N(redeclare replaceable A plain); end Y; model Z extends Y; end Z; model X extends Z(redeclare B plain); end X;
+
+// right: two redeclarations of a class in extends clauses; m.q = 5
+model Y extends N(redeclare replaceable model M = A); end Y; model X extends Y(redeclare model M = B); end X;
+
 // right: two redeclarations; y.plain.q = 5
 model Y extends N(redeclare replaceable A plain); end Y; model X Y y(redeclare B plain); end X;
