@@ -4,6 +4,7 @@ import ctypes
 import math
 import shutil
 import sys
+import tempfile
 
 import casadi as ca
 import numpy as np
@@ -18,6 +19,7 @@ from railgrip.fmus.native.c_source import (
     LONGEST,
     MAX_ENTRIES,
     MAX_PRODUCTS,
+    PARTS_OF_A_UNIT,
     eliminate,
     fits,
     interpreter,
@@ -126,12 +128,13 @@ def test_elimination_with_too_many_entries_or_products_uses_pivoting(n):
     assert library.factor(at(np.zeros(n * n)), 1.0, at(factors)) == 1
 
 
-def played(function, prelude, code, given):
-    """Return the results of a function computed by the generated C."""
+def played(function, prelude, code, given, units=None):
+    """Return the results of a function computed by the generated C, with its further translation units."""
+    units = units or {}
     run = f"{EXPORTED} void run(const double **a, double **r) {{ {function.name()}(a, r); }}"
     text = "\n".join(["#include <math.h>", *prelude, code, run])
-    sources = {"model.c": text, "tape.c": (RUNTIME / "tape.c").read_text()}
-    library = ctypes.CDLL(str(toolchain.shared_library(sources, "model", units=["model.c"])))
+    sources = {"model.c": text, "tape.c": (RUNTIME / "tape.c").read_text()} | units
+    library = ctypes.CDLL(str(toolchain.shared_library(sources, "model", units=["model.c", *units], flags=["-O1"])))
     found = [np.zeros(function.nnz_out(k)) for k in range(function.n_out())]
     library.run((POINTER * len(given))(*map(at, given)), (POINTER * len(found))(*map(at, found)))
     return found
@@ -158,18 +161,50 @@ def test_generated_c_computes_the_same_as_casadi(prelude, write, values):
         np.testing.assert_array_equal(result, np.asarray(expected).ravel())
 
 
-def test_a_long_function_is_split_into_parts_that_pass_on_their_values():
-    """A chaotic map amplifies any value lost between two parts."""
+def orbit_of(steps):
+    """Return a chaotic map as a function, and its values from 0.3: it amplifies any value lost between two parts."""
     x = ca.SX.sym("x")
     orbit = [x]
-    for k in range(LONGEST):
+    for k in range(steps):
         orbit.append(3.75 * orbit[-1] * (1 - orbit[-1]) + 1e-3 * orbit[k // 2])
-    function = ca.Function("f_orbit", [x], [ca.vertcat(*orbit), orbit[LONGEST // 3] + orbit[-1]])
-    code = straight(function)
+    function = ca.Function("f_orbit", [x], [ca.vertcat(*orbit), orbit[steps // 3] + orbit[-1]])
+    return function, [np.asarray(values).ravel() for values in function(0.3)]
+
+
+def test_a_long_function_is_split_into_parts_that_pass_on_their_values():
+    function, expected = orbit_of(LONGEST)
+    units = {}
+    code = straight(function, units)
     assert code.count("static void f_orbit") > function.n_instructions() // LONGEST
-    found = played(function, [], code, [np.array([0.3])])
-    for result, expected in zip(found, function(0.3), strict=True):
-        np.testing.assert_array_equal(result, np.asarray(expected).ravel())
+    assert not units
+    for result, values in zip(played(function, [], code, [np.array([0.3])]), expected, strict=True):
+        np.testing.assert_array_equal(result, values)
+
+
+def test_a_very_long_function_has_several_translation_units_and_the_same_values():
+    """Only declarations are in the unit that calls the parts."""
+    function, expected = orbit_of(PARTS_OF_A_UNIT * LONGEST // 4)
+    units = {}
+    code = straight(function, units)
+    assert [*units] == ["f_orbit_0.c", "f_orbit_1.c"]
+    assert len(code) < min(map(len, units.values()))
+    for result, values in zip(played(function, [], code, [np.array([0.3])], units), expected, strict=True):
+        np.testing.assert_array_equal(result, values)
+
+
+def test_units_that_are_compiled_at_the_same_time_give_the_same_library_each_time():
+    sources = {f"part{k}.c": f"double part{k}(double x) {{ return {k} * x; }}" for k in range(5)}
+    first, again = (toolchain.binary(sources, "parts", units=[*sources]) for _ in range(2))
+    assert first == again
+
+
+def test_an_error_in_one_of_several_units_is_printed_and_nothing_is_left_behind(tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    sources = {"right.c": "int f(void) { return 1; }", "wrong.c": "int g(void) { return }", "slow.c": "int h;"}
+    with pytest.raises(BuildFailed, match=r"(?s)^\S+ could not compile parts:\nwrong\.c") as raised:
+        toolchain.binary(sources, "parts", units=[*sources])
+    assert "right.c" not in str(raised.value)
+    assert [*tmp_path.iterdir()] == []
 
 
 def test_a_lowered_class_equals_its_equations(tmp_path):
