@@ -9,11 +9,12 @@ import signal
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
+from time import sleep
 
 from railgrip.base.cache import find, keep
 from railgrip.base.errors import BuildFailed, CompilerMissing
@@ -208,21 +209,21 @@ def _objects(command: Sequence[str], units: Sequence[str], folder: Path, name: s
     # cores. `failure` is the beginning of the message about the first unit that does not compile.
     objects = [f"{Path(unit).stem}.o" for unit in units]
     options = [option for option in command if option != "-shared"]
-    running = set[subprocess.Popen[str]]()
+    running, jobs = set[subprocess.Popen[str]](), list[Future[tuple[int, str]]]()
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        jobs = [
-            pool.submit(_run, [*options, "-c", unit, "-o", made], folder, name, running)
-            for unit, made in zip(units, objects, strict=True)
-        ]
         try:
+            for unit, made in zip(units, objects, strict=True):
+                jobs.append(pool.submit(_run, [*options, "-c", unit, "-o", made], folder, name, running))
             for job in jobs:
                 code, errors = job.result()
                 if code:
                     raise BuildFailed(f"{failure}:\n{_head(errors)}")
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
-            for process in [*running]:
-                _kill(process)
+            while running or not all(job.done() for job in jobs):  # one may be about to start
+                for process in [*running]:
+                    _kill(process)
+                sleep(0.01)
             raise
     return objects
 

@@ -2,18 +2,25 @@
 
 import ctypes
 import math
+import os
+import re
 import shutil
+import signal
 import sys
 import tempfile
+import threading
+import time
 
 import casadi as ca
+import fmpy
 import numpy as np
 import pytest
+from fmpy.validation import validate_fmu
 from scipy.linalg import solve_banded
 from small_fmus import FEATURES
 
 from railgrip.base.errors import BuildFailed, CompilerMissing
-from railgrip.fmus.native import equations, lower, toolchain
+from railgrip.fmus.native import c_source, equations, lower, package, toolchain
 from railgrip.fmus.native.c_source import (
     LARGEST,
     LONGEST,
@@ -27,6 +34,8 @@ from railgrip.fmus.native.c_source import (
     tape,
 )
 from railgrip.fmus.native.code import RUNTIME
+from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.system import explicit
 
 LARGEST_REAL = sys.float_info.max
 
@@ -205,6 +214,67 @@ def test_an_error_in_one_of_several_units_is_printed_and_nothing_is_left_behind(
         toolchain.binary(sources, "parts", units=[*sources])
     assert "right.c" not in str(raised.value)
     assert [*tmp_path.iterdir()] == []
+
+
+def test_compilers_of_further_units_end_with_an_interruption(tmp_path, monkeypatch):
+    """The compiler is a script that sleeps for a minute; the main thread is interrupted once both have started."""
+    script = tmp_path / "cc"
+    answer = '#!/bin/sh\ncase "$*" in *--version*) echo sleeper; exit;; esac\n'
+    script.write_text(f"{answer}echo $$ >> {tmp_path}/running\nexec sleep 60\n")
+    script.chmod(0o755)
+    monkeypatch.setenv("CC", str(script))
+
+    def started():
+        return (tmp_path / "running").read_text().split() if (tmp_path / "running").exists() else []
+
+    def interrupt():
+        while len(started()) < min(2, os.cpu_count()):
+            time.sleep(0.01)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Thread(target=interrupt, daemon=True).start()
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        toolchain.binary({"a.c": "", "b.c": "", "c.c": ""}, "abc")
+    assert time.monotonic() - begin < 30
+    for process in started():
+        with pytest.raises(ProcessLookupError):
+            os.kill(int(process), 0)
+
+
+CHAIN = """model Chain "Coupled oscillators: more operations than one part has"
+  parameter Integer n = 20;
+  Real x[n](each start=1, each fixed=true), v[n](each start=0, each fixed=true);
+  output Real y = sum(x);
+equation
+  for i in 1:n loop
+    der(x[i]) = v[i];
+    der(v[i]) = -sin(x[i])*exp(-x[i]^2) + (if i < n then x[min(i + 1, n)] - x[i] else 0) - 0.1*v[i];
+  end for;
+end Chain;
+"""
+
+
+def test_an_fmu_of_several_units_lists_them_and_steps_like_one_of_a_single_unit(tmp_path, monkeypatch):
+    """What modelDescription.xml and buildDescription.xml list is what must be compiled, and nothing else."""
+    (tmp_path / "Chain.mo").write_text(CHAIN)
+    system = explicit(read("Chain", tmp_path / "Chain.mo"))
+    found = {}
+    for limit in (1, PARTS_OF_A_UNIT):
+        monkeypatch.setattr(c_source, "PARTS_OF_A_UNIT", limit)
+        source = package.sources(system, interfaces=("me", "cs"))
+        file = package.pack(source, tmp_path / f"chain{limit}.fmu")
+        found[limit] = fmpy.simulate_fmu(str(file), fmi_type="CoSimulation", stop_time=2.0, output_interval=0.1)
+        assert validate_fmu(str(file)) == []
+        listed = re.findall('<File name="([^"]*)"/>', source.xml)
+        assert listed == ([] if limit > 1 else [*source.units] * 2)
+        compiled = {name for name in source.files if name == "model.c" or name.startswith("f_")}
+        assert compiled == set(source.units)
+        assert re.findall('SourceFile name="([^"]*)"', package.as_fmi_3(source).files["buildDescription.xml"]) == [
+            *source.units
+        ]
+        assert (len(source.units) > 1) == (limit == 1)
+    np.testing.assert_array_equal(found[1], found[PARTS_OF_A_UNIT])
 
 
 def test_a_lowered_class_equals_its_equations(tmp_path):
