@@ -9,12 +9,12 @@ import signal
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from time import sleep
+from threading import Thread
 
 from railgrip.base.cache import find, keep
 from railgrip.base.errors import BuildFailed, CompilerMissing
@@ -209,21 +209,24 @@ def _objects(command: Sequence[str], units: Sequence[str], folder: Path, name: s
     # cores. `failure` is the beginning of the message about the first unit that does not compile.
     objects = [f"{Path(unit).stem}.o" for unit in units]
     options = [option for option in command if option != "-shared"]
-    running, jobs = set[subprocess.Popen[str]](), list[Future[tuple[int, str]]]()
+    running = set[subprocess.Popen[str]]()
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         try:
-            for unit, made in zip(units, objects, strict=True):
-                jobs.append(pool.submit(_run, [*options, "-c", unit, "-o", made], folder, name, running))
+            jobs = [
+                pool.submit(_run, [*options, "-c", unit, "-o", made], folder, name, running)
+                for unit, made in zip(units, objects, strict=True)
+            ]
             for job in jobs:
                 code, errors = job.result()
                 if code:
                     raise BuildFailed(f"{failure}:\n{_head(errors)}")
         except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            while running or not all(job.done() for job in jobs):  # one may be about to start
+            ending = Thread(target=pool.shutdown, kwargs={"cancel_futures": True})
+            ending.start()
+            while ending.is_alive():  # a compiler may be about to start
                 for process in [*running]:
                     _kill(process)
-                sleep(0.01)
+                ending.join(0.01)
             raise
     return objects
 
