@@ -30,7 +30,7 @@ LONGEST = {
     "test_ideal_bound.py", "test_curves_along_the_track.py", "test_exported_stops.py", "test_brake_equipment.py",
     "test_own_modelica.py", "test_command_line.py", "test_code_blocks.py", "test_gallery.py", "test_site.py",
     "test_signals.py", "test_process_environment.py", "test_train_fmus.py", "test_any_step.py", "test_brake.py",
-    "test_detailed_mechanics.py", "test_two_maxima.py", "test_lateral_judgement.py",
+    "test_detailed_mechanics.py", "test_two_maxima.py", "test_lateral_judgement.py", "test_long_trains.py",
 }  # fmt: skip
 """Files whose tests take fifteen seconds or longer."""
 

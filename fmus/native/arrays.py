@@ -42,15 +42,22 @@ def each(function: Callable[..., Any], count: int = 1) -> Callable[..., Array]:
     ufunc = np.frompyfunc(function, count, 1)
 
     def apply(*arguments: Array) -> Array:
+        if all(a.ndim == 0 for a in arguments):  # most are, and numpy takes longer for them than CasADi
+            return array([function(*(a.item() for a in arguments))])
         with np.errstate(all="ignore"):  # a constant out of the domain is reported with its place
             return as_array(ufunc(*arguments))
 
     return apply
 
 
+def as_sx(value: Any) -> SX:
+    """Return a number or expression as an expression; CasADi takes longer to copy one than to add two."""
+    return value if isinstance(value, SX) else SX(value)
+
+
 def is_number(value: SX | float) -> bool:
     """Return whether an expression is a plain number."""
-    return (value if isinstance(value, SX) else SX(value)).is_constant()
+    return as_sx(value).is_constant()
 
 
 def integer(value: SX) -> int:
@@ -366,7 +373,7 @@ def conditional_requirements(root: Evaluation) -> Iterator[Requirement]:
         used = condition[id(evaluation)]
         for r in evaluation.requirements:
             holds = r.holds if used is None else ca.logic_or(ca.logic_not(used), r.holds)
-            yield Requirement(SX(holds), r.sentence, r.found, r.where)
+            yield Requirement(as_sx(holds), r.sentence, r.found, r.where)
         for part, only_if in evaluation.uses:
             here = both(used, only_if)
             if id(part) not in condition:
@@ -531,7 +538,7 @@ def requirements(operation: str, operands: tuple[Array, ...], text: str, where: 
         operands = operands[1:]
     found: list[Requirement] = []
     for elements in np.broadcast(*operands):
-        holds, words, value = rule(*(SX(element) for element in elements))
+        holds, words, value = rule(*(as_sx(element) for element in elements))
         if not (is_number(holds) and float(holds)):
-            found.append(Requirement(SX(holds), f"{text}: {words}, but it is ", value, where))
+            found.append(Requirement(as_sx(holds), f"{text}: {words}, but it is ", value, where))
     return found

@@ -14,11 +14,11 @@ approach of KPP).
 
 import re
 import string
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from heapq import heapify, heappop, heappush
-from itertools import product
+from itertools import chain, product
 
 import casadi as ca
 
@@ -43,20 +43,33 @@ def strings(name: str, values: Sequence[str | None]) -> str:
     return f"static const char *const {name}[] = {{ {', '.join(entries)} }};"
 
 
-def in_parts(name: str, parameters: str, parts: Iterable[Sequence[str]]) -> list[str]:
+def in_parts(
+    name: str, parameters: str, parts: Sequence[Sequence[str]], units: dict[str, str] | None = None
+) -> list[str]:
     """Return lines of C functions, one for each part, and of the table NAME_parts with all of them.
 
     They are called through a table, because compilers inline a function that is called only once, and the caller would
     then have the length that the division avoids.
+
+    Args:
+        name: Beginning of the names of the functions.
+        parameters: Parameters of each function.
+        parts: Lines of each part.
+        units: Receives the functions of long code as further translation units, file name → text.
     """
-    lines: list[str] = []
-    body: list[str] = []
     voids = " ".join(f"(void){parameter.split()[-1].lstrip('*')};" for parameter in parameters.split(","))
-    for part in parts:
-        body.append(f"{name}{len(body)}")
-        lines += [f"static void {body[-1]}({parameters}) {{", voids, *part, "}"]
+    heads = [f"void {name}{k}({parameters})" for k in range(len(parts))]
+    functions = [[f"{head} {{", voids, *part, "}"] for head, part in zip(heads, parts, strict=True)]
+    if units is None or len(parts) <= PARTS_OF_A_UNIT:
+        lines = [line for first, *rest in functions for line in (f"static {first}", *rest)]
+    else:
+        lines = [f"{head};" for head in heads]
+        for k in range(0, len(parts), PARTS_OF_A_UNIT):
+            bodies = functions[k : k + PARTS_OF_A_UNIT]
+            units[f"{name}_{k // PARTS_OF_A_UNIT}.c"] = "\n".join(["#include <math.h>", *chain(*bodies), ""])
     # One entry more, because C has no empty arrays.
-    return [*lines, f"static void (*const {name}_parts[])({parameters}) = {{ {', '.join([*body, '0'])} }};"]
+    table_of_parts = ", ".join([*(f"{name}{k}" for k in range(len(parts))), "0"])
+    return [*lines, f"static void (*const {name}_parts[])({parameters}) = {{ {table_of_parts} }};"]
 
 
 _PLAIN = frozenset(string.ascii_letters + string.digits + string.punctuation + " ") - frozenset('"\\?')
@@ -72,6 +85,9 @@ def string_literal(text: str) -> str:
 
 LONGEST = 150
 """Maximum number of operations in one part."""
+
+PARTS_OF_A_UNIT = 100
+"""Maximum number of parts in a translation unit: the units of a long train are compiled at the same time."""
 
 PARAMETERS = "const double **restrict arg, double **restrict res, double *restrict w"
 
@@ -168,8 +184,10 @@ class _Operation:
     operands: tuple[_Value, ...]
 
 
-def straight(function: ca.Function) -> str:
+def straight(function: ca.Function, units: dict[str, str] | None = None) -> str:
     """Return C code of an expanded (SX) function NAME: `static void NAME(const double **arg, double **res)`.
+
+    `units` receives parts of a long function, see `in_parts`.
 
     The operations are CasADi's, in its order. A value that several parts use is stored in `w` at the place of CasADi's
     virtual machine, which reuses places as soon as they are free.
@@ -179,7 +197,7 @@ def straight(function: ca.Function) -> str:
     name = function.name()
     return "\n".join(
         [
-            *in_parts(name, PARAMETERS, parts),
+            *in_parts(name, PARAMETERS, parts, units),
             f"static void {name}(const double **arg, double **res) {{",
             f"    double w[{function.sz_w() + 1}];",
             f"    for (int k = 0; k < {len(parts)}; k++) {name}_parts[k](arg, res, w);",

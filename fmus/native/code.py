@@ -1,6 +1,6 @@
 """The C file of an FMU: sizes, tables and model functions, followed by the static FMI side in `runtime/`."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import accumulate
 from pathlib import Path
 
@@ -66,11 +66,6 @@ def split_algebraics(system: System) -> tuple[SX, SX]:
     return column(outputs), column(others)
 
 
-def jacobian(system: System) -> SX:
-    """Return d(derivative)/d(state), sparse."""
-    return ca.jacobian(system.derivative, system.x)
-
-
 def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
     """Return the functions that the runtime calls, as listed in `runtime/layout.h`."""
     v = system.variables
@@ -91,13 +86,13 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
     event = [system.time, system.x, system.u, system.p, system.previous, system.relation,
              system.last_conditions, system.ticks, system.guesses]  # fmt: skip
     ft = ca.densify(ca.jacobian(system.derivative, system.time)) if nx else SX(0, 1)
-    slope = [system.derivative, jacobian(system), ft]
+    slope = [system.derivative, ca.jacobian(system.derivative, system.x), ft]
     definitions: list[tuple[str, list[SX], list[SX]]] = [
         ("f_ode", here, [system.derivative]),
         *([("f_jacobian", here, [*slope, system.indicators])] if "cs" in interfaces else []),
         *(
             [
-                ("f_state_jacobian", here, [system.derivative, jacobian(system)]),
+                ("f_state_jacobian", here, slope[:2]),
                 ("f_output_jacobian", here, [outputs, system.indicators, by_states]),
             ]
             if "me" in interfaces
@@ -178,8 +173,12 @@ def _substitute_dependent(expressions: SX, dependent: Sequence[Scalar], values: 
     return ca.substitute(expressions, vector(dependent), values) if dependent and expressions.numel() else expressions
 
 
-def c_sources(system: System, *, interfaces: Sequence[str], solver: str, tolerance: float) -> dict[str, str]:
-    """Return the C files of an FMU, its GUID empty: `model.c`, which includes the others.
+def c_sources(
+    system: System, *, interfaces: Sequence[str], solver: str, tolerance: float
+) -> tuple[dict[str, str], tuple[str, ...]]:
+    """Return the C files of an FMU, its GUID empty, and the names of its translation units.
+
+    The first is `model.c`; others have parts of long functions. The other files are included in `model.c`.
 
     Args:
         system: The system.
@@ -188,13 +187,13 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         tolerance: Relative error of an internal step, the default of the parameter `_tolerance`.
     """
     groups = groups_of(system)
-    states = jacobian(system).sparsity().get_triplet()
-    outputs = ca.jacobian(split_algebraics(system)[0], system.x).sparsity().get_triplet()
+    every = {f.name(): f for f in functions(system, interfaces)}
+    jacobians = {"jacobian": ("f_jacobian", 1), "state": ("f_state_jacobian", 1), "output": ("f_output_jacobian", 2)}
     patterns = {
-        "jacobian": states if "cs" in interfaces else ([], []),
-        "state": states if "me" in interfaces else ([], []),
-        "output": outputs if "me" in interfaces else ([], []),
+        name: every[function].sparsity_out(result).get_triplet() if function in every else ([], [])
+        for name, (function, result) in jacobians.items()
     }
+    units: dict[str, str] = {}
     elimination = None
     if "cs" in interfaces:
         elimination = eliminate(len(groups["states"]), list(zip(*patterns["jacobian"], strict=True)))
@@ -227,15 +226,15 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
             for axis, places in zip(("row", "column"), pattern, strict=True)
         ),
         *_text_tables(system, groups),
-        _model_functions(system, interfaces),
+        _model_functions(system, every.values(), units),
         '#include "layout.h"',
         elimination.code if elimination else "",
         *(f'#include "{part}"' for part in parts[1:]),
         "",
     ]
-    return {"model.c": "\n".join(body)} | {
-        part: (RUNTIME / part).read_text(encoding="utf-8") for part in ["tape.c", *parts]
-    }
+    files = {"model.c": "\n".join(body)} | units
+    files |= {part: (RUNTIME / part).read_text(encoding="utf-8") for part in ["tape.c", *parts]}
+    return files, ("model.c", *units)
 
 
 def _sizes(system: System, groups: Mapping[str, list[Scalar]]) -> dict[str, int]:
@@ -303,8 +302,8 @@ def nominal(s: Scalar) -> float:
     return abs(s.bound("nominal") or 1.0)
 
 
-def _model_functions(system: System, interfaces: Sequence[str]) -> str:
+def _model_functions(system: System, every: Iterable[ca.Function], units: dict[str, str]) -> str:
     # Rare functions are interpreted, which compiles faster. With clocks f_event is not rare: each tick calls it.
     rare = RARE if system.clocks else RARE | {"f_event", "f_event_checks"}
-    texts = [tape(f) if f.name() in rare and fits(f) else straight(f) for f in functions(system, interfaces)]
+    texts = [tape(f) if f.name() in rare and fits(f) else straight(f, units) for f in every]
     return "\n".join(["#include <math.h>", *interpreter(), *texts])

@@ -92,6 +92,11 @@ def solve(
         if rows[0] not in dependencies:
             continue
         block = [(equations[i], unknowns[int(match[i])]) for i in rows]
+        side = _side_equal_to(block[0][0].residual, block[0][1]) if len(block) == 1 else None
+        if side is not None:
+            names.append(block[0][1])
+            values.append(side)
+            continue
         assignments, core = _eliminate(block)
         if core and not _is_linear(core) and any(u.name() in loops.started for _, u in block):
             assignments, core = _eliminate(block, loops.started)
@@ -110,17 +115,18 @@ def solve(
     residuals_of_loops = ca.vertcat(*[SX(residual) for _, residual in newton]) if newton else SX(0, 1)
     coefficients = [slope for _, slope, _ in divisors]
     expressions, out = ca.substitute_inplace(names, values, [*targets, *coefficients, residuals_of_loops])
-    solution = dict(
-        zip(
-            (s.name() for v in names for s in ca.vertsplit(v)),
-            (e for v in expressions for e in ca.vertsplit(v)),
-            strict=True,
+    if newton:
+        solution = dict(
+            zip(
+                (s.name() for v in names for s in ca.vertsplit(v)),
+                (e for v in expressions for e in ca.vertsplit(v)),
+                strict=True,
+            )
         )
-    )
-    for (unknown, _), residual in zip(newton, ca.vertsplit(out[-1]) if newton else [], strict=True):
-        # The event system has the same loops with the same guesses; the update of the first system is kept.
-        loops.updates.setdefault(unknown.name(), solution[unknown.name()])
-        loops.residuals.setdefault(unknown.name(), residual)
+        for (unknown, _), residual in zip(newton, ca.vertsplit(out[-1]), strict=True):
+            # The event system has the same loops with the same guesses; the update of the first system is kept.
+            loops.updates.setdefault(unknown.name(), solution[unknown.name()])
+            loops.residuals.setdefault(unknown.name(), residual)
     for (name, _, where), coefficient in zip(divisors, out[len(targets) :], strict=False):
         loops.divisors.setdefault(name, (SX(coefficient), where))
     return list(out[: len(targets)])
@@ -189,9 +195,6 @@ def _eliminate(
     """
     equations, unknowns = [e for e, _ in block], [u for _, u in block]
     if len(block) == 1:
-        value = _side_equal_to(equations[0].residual, unknowns[0])
-        if value is not None:
-            return [(unknowns[0], value)], []
         slope = ca.jacobian(equations[0].residual, unknowns[0])
         if ca.depends_on(slope, unknowns[0]):
             return [], block

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from railgrip.base.errors import TranslationError
-from railgrip.fmus.native.arrays import SX, Array, choose, is_number
+from railgrip.fmus.native.arrays import SX, Array, as_sx, choose, is_number
 from railgrip.fmus.native.conditions import EventConditions, Relations, TimeEvents, find_relations, includes_initial
 from railgrip.fmus.native.dae import Dae, Node
 from railgrip.fmus.native.expressions import ExpressionBuilder
@@ -325,7 +325,7 @@ def _requirements(
     of_events = {s.name() for s in [*conditions.last, *conditions.ticks]}
     out: list[Assertion] = []
     for when, r in every:
-        holds, found = SX(next(values)), SX(next(values))
+        holds, found = as_sx(next(values)), as_sx(next(values))
         if is_number(holds):
             if not float(holds):
                 raise TranslationError(f"{r.where}: {dae.class_name}: {r.sentence}{float(found):g}.")
@@ -374,7 +374,7 @@ def _refuse_unsupported(dae: Dae) -> None:
 
 def _with_numbers(v: ModelVariables, equations: list[Equation]) -> list[Equation]:
     residuals = v.with_numbers([e.residual for e in equations])
-    return [Equation(SX(r), e.where) for r, e in zip(residuals, equations, strict=True)]
+    return [Equation(as_sx(r), e.where) for r, e in zip(residuals, equations, strict=True)]
 
 
 def _equations(dae: Dae, evaluate: ExpressionBuilder, system: str) -> list[Equation]:
@@ -388,7 +388,7 @@ def _equations(dae: Dae, evaluate: ExpressionBuilder, system: str) -> list[Equat
         else:
             values = [evaluate(body, point) for point in dae.iterate(owner["domain"]) for body in owner["bodies"]]
         where = dae.where(owner.get("provenance"))
-        out += [Equation(SX(r), where) for value in values for r in value.flat]
+        out += [Equation(as_sx(r), where) for value in values for r in value.flat]
     return out
 
 
@@ -451,11 +451,11 @@ def _solve_start(
     # of each discrete variable whose value before the start depends on these with that value.
     # Initial equations may determine any variable, so they are solved together with the equations of the model.
     starts = v.with_numbers([s.binding for s in states])
-    calculated = [not is_number(SX(value)) for value in starts]
+    calculated = [not is_number(value) for value in starts]
     with evaluate.during("start"):
         initial, targets = _initial_equations(dae, evaluate, v, algebraics)
     before = v.with_numbers([d.binding for d in v.discretes])
-    discretes = {i: SX(e) for i, e in enumerate(before) if not is_number(SX(e)) and i not in targets}
+    discretes = {i: as_sx(e) for i, e in enumerate(before) if not is_number(e) and i not in targets}
     if not initial:
         return column(starts), calculated, discretes
     free = [s for s in states if not s.fixed]

@@ -12,10 +12,13 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from threading import Thread
 from typing import Any, Final
 
 import numpy as np
@@ -159,9 +162,12 @@ def binary(
         files = units or sorted(file for file in sources if file.endswith(".c"))
         options = [option for option in _options(include, flags) if _suits(suffix, option)]
         linking = _linking() if target is None else ("-lm", "-s")
+        failure = f"{' '.join(cc.command)} could not compile {name}"
+        if len(files) > 1:
+            files = _objects([*cc.command, *options], files, folder, name, failure)
         code, errors = _run([*cc.command, *options, *files, "-o", output, *linking], folder, name)
         if code:
-            raise BuildFailed(f"{' '.join(cc.command)} could not compile {name}:\n{_head(errors)}")
+            raise BuildFailed(f"{failure}:\n{_head(errors)}")
         return (folder / output).read_bytes()
 
 
@@ -178,12 +184,11 @@ def static_library(sources: Mapping[str, str], name: str, *, units: Sequence[str
     with scratch("build") as folder:
         for file, text in sources.items():
             (folder / file).write_text(text, encoding="utf-8")
-        options = [option for option in _options((), flags) if option != "-shared"]
-        objects = [f"{Path(unit).stem}.o" for unit in units]
-        for command in ([*cc.command, *options, "-c", *units], [*archiver, "rcs", f"lib{name}.a", *objects]):
-            code, errors = _run(command, folder, name)
-            if code:
-                raise BuildFailed(f"{command[0]} could not make lib{name}.a:\n{_head(errors)}")
+        failure = f"{cc.command[0]} could not make lib{name}.a"
+        objects = _objects([*cc.command, *_options((), flags)], units, folder, name, failure)
+        code, errors = _run([*archiver, "rcs", f"lib{name}.a", *objects], folder, name)
+        if code:
+            raise BuildFailed(f"{archiver[0]} could not make lib{name}.a:\n{_head(errors)}")
         return (folder / f"lib{name}.a").read_bytes()
 
 
@@ -207,8 +212,39 @@ def _suits(suffix: str, option: str) -> bool:
     return suffix != ".dll" or option not in ("-fPIC", "-fvisibility=hidden")
 
 
-def _run(command: Sequence[str], folder: Path, name: str) -> tuple[int, str]:
-    # In a new session, so that child processes of the compiler end with it.
+def _objects(command: Sequence[str], units: Sequence[str], folder: Path, name: str, failure: str) -> list[str]:
+    # The names of the object files of several translation units, of which as many are compiled at a time as there are
+    # cores. `failure` is the beginning of the message about the first unit that does not compile.
+    objects = [f"{Path(unit).stem}.o" for unit in units]
+    options = [option for option in command if option != "-shared"]
+    running = set[subprocess.Popen[str]]()
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        try:
+            jobs = [
+                pool.submit(_run, [*options, "-c", unit, "-o", made], folder, name, running)
+                for unit, made in zip(units, objects, strict=True)
+            ]
+            for job in jobs:
+                code, errors = job.result()
+                if code:
+                    raise BuildFailed(f"{failure}:\n{_head(errors)}")
+        except BaseException:
+            ending = Thread(target=pool.shutdown, kwargs={"cancel_futures": True})
+            ending.start()
+            while ending.is_alive():  # a compiler may be about to start
+                for process in [*running]:
+                    _kill(process)
+                ending.join(0.01)
+            raise
+    return objects
+
+
+def _run(
+    command: Sequence[str], folder: Path, name: str, running: set[subprocess.Popen[str]] | None = None
+) -> tuple[int, str]:
+    # The exit code and the messages of a command, which is in `running` while it runs. In a new session, so that child
+    # processes of the compiler end with it.
+    running = set() if running is None else running
     with subprocess.Popen(
         command,
         cwd=folder,
@@ -219,20 +255,28 @@ def _run(command: Sequence[str], folder: Path, name: str) -> tuple[int, str]:
         errors="replace",
         start_new_session=True,
     ) as process:
+        running.add(process)
         try:
             _, errors = process.communicate(timeout=LONGEST)
         except BaseException as end:
-            if hasattr(os, "killpg"):
-                os.killpg(process.pid, signal.SIGKILL)
-            else:
-                process.kill()
+            _kill(process)
             if isinstance(end, subprocess.TimeoutExpired):
                 raise BuildFailed(
                     f"{command[0]} takes more than {LONGEST} s to compile {name}; divide the class, or give its arrays "
                     "fewer elements."
                 ) from None
             raise
+        finally:
+            running.discard(process)
         return process.returncode, errors
+
+
+def _kill(process: subprocess.Popen[str]) -> None:
+    if hasattr(os, "killpg"):
+        with suppress(ProcessLookupError):  # it has just ended
+            os.killpg(process.pid, signal.SIGKILL)
+    else:
+        process.kill()
 
 
 def _options(include: Sequence[Path], flags: Sequence[str]) -> list[str]:

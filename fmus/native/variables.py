@@ -7,7 +7,7 @@ from graphlib import TopologicalSorter
 import casadi as ca
 import numpy as np
 
-from railgrip.fmus.native.arrays import SX, Array, array, is_number
+from railgrip.fmus.native.arrays import SX, Array, array, as_sx, is_number
 from railgrip.fmus.native.dae import Dae, Node
 from railgrip.fmus.native.expressions import ExpressionBuilder
 
@@ -214,7 +214,7 @@ def _set_start(v: Node, scalars: list[Scalar], evaluate: ExpressionBuilder) -> N
     shape = tuple(v["value_type"]["dimensions"])
     symbolic = None if expression is None else list(np.broadcast_to(evaluate(expression), shape).flat)
     for i, s in enumerate(scalars):
-        s.expression = None if symbolic is None else SX(symbolic[i])
+        s.expression = None if symbolic is None else as_sx(symbolic[i])
         if s.expression is not None and is_number(s.expression):
             s.start = float(s.expression)
         elif values:

@@ -2,22 +2,31 @@
 
 import ctypes
 import math
+import os
+import re
 import shutil
+import signal
 import sys
+import tempfile
+import threading
+import time
 
 import casadi as ca
+import fmpy
 import numpy as np
 import pytest
+from fmpy.validation import validate_fmu
 from scipy.linalg import solve_banded
 from small_fmus import FEATURES
 
 from railgrip.base.errors import BuildFailed, CompilerMissing
-from railgrip.fmus.native import equations, lower, toolchain
+from railgrip.fmus.native import c_source, equations, lower, package, toolchain
 from railgrip.fmus.native.c_source import (
     LARGEST,
     LONGEST,
     MAX_ENTRIES,
     MAX_PRODUCTS,
+    PARTS_OF_A_UNIT,
     eliminate,
     fits,
     interpreter,
@@ -25,6 +34,8 @@ from railgrip.fmus.native.c_source import (
     tape,
 )
 from railgrip.fmus.native.code import RUNTIME
+from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.system import explicit
 
 LARGEST_REAL = sys.float_info.max
 
@@ -126,12 +137,13 @@ def test_elimination_with_too_many_entries_or_products_uses_pivoting(n):
     assert library.factor(at(np.zeros(n * n)), 1.0, at(factors)) == 1
 
 
-def played(function, prelude, code, given):
-    """Return the results of a function computed by the generated C."""
+def played(function, prelude, code, given, units=None):
+    """Return the results of a function computed by the generated C, with its further translation units."""
+    units = units or {}
     run = f"{EXPORTED} void run(const double **a, double **r) {{ {function.name()}(a, r); }}"
     text = "\n".join(["#include <math.h>", *prelude, code, run])
-    sources = {"model.c": text, "tape.c": (RUNTIME / "tape.c").read_text()}
-    library = ctypes.CDLL(str(toolchain.shared_library(sources, "model", units=["model.c"])))
+    sources = {"model.c": text, "tape.c": (RUNTIME / "tape.c").read_text()} | units
+    library = ctypes.CDLL(str(toolchain.shared_library(sources, "model", units=["model.c", *units], flags=["-O1"])))
     found = [np.zeros(function.nnz_out(k)) for k in range(function.n_out())]
     library.run((POINTER * len(given))(*map(at, given)), (POINTER * len(found))(*map(at, found)))
     return found
@@ -158,18 +170,111 @@ def test_generated_c_computes_the_same_as_casadi(prelude, write, values):
         np.testing.assert_array_equal(result, np.asarray(expected).ravel())
 
 
-def test_a_long_function_is_split_into_parts_that_pass_on_their_values():
-    """A chaotic map amplifies any value lost between two parts."""
+def orbit_of(steps):
+    """Return a chaotic map as a function, and its values from 0.3: it amplifies any value lost between two parts."""
     x = ca.SX.sym("x")
     orbit = [x]
-    for k in range(LONGEST):
+    for k in range(steps):
         orbit.append(3.75 * orbit[-1] * (1 - orbit[-1]) + 1e-3 * orbit[k // 2])
-    function = ca.Function("f_orbit", [x], [ca.vertcat(*orbit), orbit[LONGEST // 3] + orbit[-1]])
-    code = straight(function)
+    function = ca.Function("f_orbit", [x], [ca.vertcat(*orbit), orbit[steps // 3] + orbit[-1]])
+    return function, [np.asarray(values).ravel() for values in function(0.3)]
+
+
+def test_a_long_function_is_split_into_parts_that_pass_on_their_values():
+    function, expected = orbit_of(LONGEST)
+    units = {}
+    code = straight(function, units)
     assert code.count("static void f_orbit") > function.n_instructions() // LONGEST
-    found = played(function, [], code, [np.array([0.3])])
-    for result, expected in zip(found, function(0.3), strict=True):
-        np.testing.assert_array_equal(result, np.asarray(expected).ravel())
+    assert not units
+    for result, values in zip(played(function, [], code, [np.array([0.3])]), expected, strict=True):
+        np.testing.assert_array_equal(result, values)
+
+
+def test_a_very_long_function_has_several_translation_units_and_the_same_values():
+    """Only declarations are in the unit that calls the parts."""
+    function, expected = orbit_of(PARTS_OF_A_UNIT * LONGEST // 4)
+    units = {}
+    code = straight(function, units)
+    assert [*units] == ["f_orbit_0.c", "f_orbit_1.c"]
+    assert len(code) < min(map(len, units.values()))
+    for result, values in zip(played(function, [], code, [np.array([0.3])], units), expected, strict=True):
+        np.testing.assert_array_equal(result, values)
+
+
+def test_units_that_are_compiled_at_the_same_time_give_the_same_library_each_time():
+    sources = {f"part{k}.c": f"double part{k}(double x) {{ return {k} * x; }}" for k in range(5)}
+    first, again = (toolchain.binary(sources, "parts", units=[*sources]) for _ in range(2))
+    assert first == again
+
+
+def test_an_error_in_one_of_several_units_is_printed_and_nothing_is_left_behind(tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    sources = {"right.c": "int f(void) { return 1; }", "wrong.c": "int g(void) { return }", "slow.c": "int h;"}
+    with pytest.raises(BuildFailed, match=r"(?s)^\S+ could not compile parts:\nwrong\.c") as raised:
+        toolchain.binary(sources, "parts", units=[*sources])
+    assert "right.c" not in str(raised.value)
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_compilers_of_further_units_end_with_an_interruption(tmp_path, monkeypatch):
+    """The compiler is a script that sleeps for a minute; the main thread is interrupted once both have started."""
+    script = tmp_path / "cc"
+    answer = '#!/bin/sh\ncase "$*" in *--version*) echo sleeper; exit;; esac\n'
+    script.write_text(f"{answer}echo $$ >> {tmp_path}/running\nexec sleep 60\n")
+    script.chmod(0o755)
+    monkeypatch.setenv("CC", str(script))
+
+    def started():
+        return (tmp_path / "running").read_text().split() if (tmp_path / "running").exists() else []
+
+    def interrupt():
+        while len(started()) < min(2, os.cpu_count()):
+            time.sleep(0.01)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Thread(target=interrupt, daemon=True).start()
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        toolchain.binary({"a.c": "", "b.c": "", "c.c": ""}, "abc")
+    assert time.monotonic() - begin < 30
+    for process in started():
+        with pytest.raises(ProcessLookupError):
+            os.kill(int(process), 0)
+
+
+CHAIN = """model Chain "Coupled oscillators: more operations than one part has"
+  parameter Integer n = 20;
+  Real x[n](each start=1, each fixed=true), v[n](each start=0, each fixed=true);
+  output Real y = sum(x);
+equation
+  for i in 1:n loop
+    der(x[i]) = v[i];
+    der(v[i]) = -sin(x[i])*exp(-x[i]^2) + (if i < n then x[min(i + 1, n)] - x[i] else 0) - 0.1*v[i];
+  end for;
+end Chain;
+"""
+
+
+def test_an_fmu_of_several_units_lists_them_and_steps_like_one_of_a_single_unit(tmp_path, monkeypatch):
+    """What modelDescription.xml and buildDescription.xml list is what must be compiled, and nothing else."""
+    (tmp_path / "Chain.mo").write_text(CHAIN)
+    system = explicit(read("Chain", tmp_path / "Chain.mo"))
+    found = {}
+    for limit in (1, PARTS_OF_A_UNIT):
+        monkeypatch.setattr(c_source, "PARTS_OF_A_UNIT", limit)
+        source = package.sources(system, interfaces=("me", "cs"))
+        file = package.pack(source, tmp_path / f"chain{limit}.fmu")
+        found[limit] = fmpy.simulate_fmu(str(file), fmi_type="CoSimulation", stop_time=2.0, output_interval=0.1)
+        assert validate_fmu(str(file)) == []
+        listed = re.findall('<File name="([^"]*)"/>', source.xml)
+        assert listed == ([] if limit > 1 else [*source.units] * 2)
+        compiled = {name for name in source.files if name == "model.c" or name.startswith("f_")}
+        assert compiled == set(source.units)
+        assert re.findall('SourceFile name="([^"]*)"', package.as_fmi_3(source).files["buildDescription.xml"]) == [
+            *source.units
+        ]
+        assert (len(source.units) > 1) == (limit == 1)
+    np.testing.assert_array_equal(found[1], found[PARTS_OF_A_UNIT])
 
 
 def test_a_lowered_class_equals_its_equations(tmp_path):

@@ -253,7 +253,8 @@ def plant_fmu(scenario: Scenario) -> Source:
     model = _with_starts(files["model.c"], vehicle, values)
     description = vehicle.file.co_simulation
     assert description is not None
-    return Source.of(description.identifier, files | {"model.c": model}, _write_start_values(xml, values))
+    units = tuple(dict.fromkeys(file.attrib["name"] for file in ET.fromstring(xml).iter("File"))) or ("model.c",)
+    return Source.of(description.identifier, files | {"model.c": model}, _write_start_values(xml, values), units)
 
 
 def _inputs_at_start(vehicle: VehicleData, binding: Binding) -> dict[str, float]:

@@ -40,7 +40,7 @@ LIBRARY = Path(__file__).parent / "library"
 EQUIPMENT = Path(railgrip.scenario.__file__).parent / "equipment"
 USUAL_SPEED = 120 / 3.6  # m/s, where a train file names none
 _STEPS, _ROUNDS = 2000, 3
-_FULL_BRAKE = {"pressure_command": 1e7, "mu0": 0.5}
+FULL_BRAKE = {"pressure_command": 1e7, "mu0": 0.5}
 _FIRST_SHARE = 0.05  # of the highest pressure, at which a cylinder has begun to fill
 _FULL_SHARE = 0.95  # UIC 540, as the two below
 
@@ -117,7 +117,7 @@ def dry_stop(train: str | Path) -> DryStop:
         hand=hand,
         states=len(plant.states),
         build_s=_build_seconds(data),
-        plant_step_us=plant_step(plant, _FULL_BRAKE, count=_STEPS, rounds=_ROUNDS),
+        plant_step_us=plant_step(plant, FULL_BRAKE, count=_STEPS, rounds=_ROUNDS),
         cycle_us=1e6 * seconds / result.samples,
         coupler_force=np.maximum(push, pull),
         chain=chain_forces(data, hand),

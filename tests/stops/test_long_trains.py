@@ -1,0 +1,57 @@
+"""Freight trains of many wagons: they stop, and their couplers carry what an independent chain of masses has."""
+
+import pytest
+from sampling import FUZZ, sample
+
+from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.package import sources
+from railgrip.fmus.native.system import explicit
+from railgrip.studies.brake_pipe import freight_row, freight_train
+
+WAGONS = sample((3, 10, 40), 1)
+PERMISSIBLE = 240.0
+"""Longitudinal compressive force that wagons with bogies and side buffers must withstand in curves [kN]: Commission
+Decision 2006/861/EC (TSI WAG), 4.2.3.5."""
+
+
+@pytest.fixture(scope="module", params=WAGONS)
+def stop(request):
+    return freight_row(request.param)
+
+
+def test_a_freight_train_stops_where_the_hand_calculation_says(stop):
+    """The calculation has neither slip nor a pipe with friction: within the 3 % of other trains with a brake pipe."""
+    assert stop["simulated"] == pytest.approx(stop["by hand"], rel=0.03)
+
+
+def test_its_couplers_push_as_in_a_chain_of_masses_and_springs(stop):
+    """scipy integrates the chain under the forces of the hand calculation, whose pressure front is sharp."""
+    assert stop["pushes"] == pytest.approx(stop["chain"], rel=0.25)
+    assert stop["pushes"] > stop["pulls"]
+
+
+def test_forty_wagons_push_in_the_order_of_the_permissible_force(stop):
+    """A train of 3600 t must not run in position P in practice: its force is that limit within a factor of two."""
+    if stop["wagons"] == 40:
+        assert PERMISSIBLE / 2 < stop["pushes"] < 2 * PERMISSIBLE
+    else:
+        assert stop["pushes"] < PERMISSIBLE
+
+
+@pytest.mark.skipif(not FUZZ, reason="it translates three trains; make fuzz runs it")
+def test_the_code_of_a_train_grows_in_proportion_to_its_cars(tmp_path):
+    """Each further car adds as much as the one before; 1 % is for the digits of longer indices."""
+    sizes = []
+    for cars in (2, 3, 4):
+        source = tmp_path / f"Cars{cars}.mo"
+        source.write_text(f"block Cars{cars} extends RailBraking.Plants.Consist(cars={cars}); end Cars{cars};")
+        files = sources(explicit(read(f"Cars{cars}", source)), interfaces=("cs",)).files
+        sizes.append(sum(map(len, files.values())))
+    assert sizes[2] - sizes[1] == pytest.approx(sizes[1] - sizes[0], rel=0.01)
+
+
+def test_the_last_wagon_of_a_shorter_train_has_no_coupler():
+    text = freight_train(3, "three")
+    assert text.count("[[cars]]") == 3
+    assert text.count('coupler = "buffers"') == 2
+    assert 'description = "three"' in text
