@@ -134,17 +134,19 @@ def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Ar
             symbols["pre", v["id"]] = array([SX.sym(f"pre({name})") for name in names], shape)
         attributes = v["attributes"]
         fixed = np.broadcast_to(np.ravel(attributes["fixed"] if attributes["fixed"] is not None else False), len(names))
+        # A protected output belongs to the equations of its class, and not to its interface.
+        protected = v["name"] in dae.protected
         of_id[v["id"]] = [
             Scalar(
                 name=name,
                 kind=kind,
                 type=type_,
-                causality=attributes["causality"],
+                causality="local" if protected and kind != "input" else attributes["causality"],
                 symbol=symbol,
                 attributes=attributes,
                 position=i,
                 provenance=v["declaration"],
-                protected=v["name"] in dae.protected,
+                protected=protected,
                 fixed=bool(fixed[i]),
             )
             for i, (name, symbol) in enumerate(zip(names, scalars, strict=True))

@@ -130,6 +130,29 @@ static double magnets_demanded(const Onboard *onboard, const double *pressure)
     return 1.0;
 }
 
+/* The most that each group may demand: what the driver does, except in a train whose own command brings the demand of
+   the driver to the distributors, so that the valves of the groups are open for it. */
+static const double *largest_demand(const Cycle *c)
+{
+#ifdef INPUT_BRAKE_DEMAND
+    return c->onboard->full;
+#else
+    return c->driver ? c->driver->pressure : c->onboard->full;
+#endif
+}
+
+#ifdef INPUT_BRAKE_DEMAND
+/* The brake demand of the driver over full pressure, in the group where it is largest. */
+static double largest_share(const Onboard *onboard, const double *pressure)
+{
+    double share = 0.0;
+
+    for (int g = 0; g < GROUPS; g++)
+        share = fmax(share, pressure[g] / onboard->full[g]);
+    return share;
+}
+#endif
+
 /* The assumed braking force on the body, by the last commands. */
 static double body_force(Cycle *c)
 {
@@ -140,6 +163,9 @@ static double body_force(Cycle *c)
         largest = fmax(largest, onboard->command[g]);
     input[BODY_FORCE_INPUT_SPEED] = onboard->estimate[ESTIMATE_SPEED];
     input[BODY_FORCE_INPUT_APPLIED] = largest > 0.0;
+#ifdef INPUT_BRAKE_DEMAND /* brakes on the rail are for emergencies, and the valves of the groups open before */
+    input[BODY_FORCE_INPUT_APPLIED] *= largest_share(onboard, onboard->driver_demand) >= 1.0;
+#endif
     input[BODY_FORCE_INPUT_MAGNETS] = magnets_demanded(onboard, onboard->driver_demand);
     evaluate(&c->filter->body_force, input, &force);
     return force;
@@ -193,6 +219,7 @@ void observe(Cycle *c)
     const double *reading = onboard->reading, *estimate = onboard->estimate;
     const double speed = c->filter ? estimate[ESTIMATE_SPEED] : reading[READING_SPEED];
     const double *wheelset_speed = c->filter ? estimate + ESTIMATE_WHEELSET_SPEED : reading + READING_WHEELSET_SPEED;
+    const double *largest = largest_demand(c);
     double *observation = c->onboard->observation;
 
     observation[OBSERVATION_SPEED] = speed;
@@ -202,7 +229,7 @@ void observe(Cycle *c)
         observation[OBSERVATION_ADHESION + g] = c->filter ? estimate[ESTIMATE_ADHESION + g] : NOTHING;
         observation[OBSERVATION_PAD_FRICTION + g] = c->filter ? estimate[ESTIMATE_PAD_FRICTION + g] : NOTHING;
         observation[OBSERVATION_WHEELSET_SPEED + g] = c->filter && is_lost(c, g) ? NOTHING : wheelset_speed[g];
-        observation[OBSERVATION_DRIVER_DEMAND + g] = c->driver ? c->driver->pressure[g] : onboard->full[g];
+        observation[OBSERVATION_DRIVER_DEMAND + g] = largest[g];
         observation[OBSERVATION_PRESSURE + g] = reading[READING_CYLINDER_PRESSURE + g];
     }
 }
@@ -229,6 +256,7 @@ static int all_finite(const double *values)
 int compute_command(Cycle *c)
 {
     Onboard *onboard = c->onboard;
+    const double *largest = largest_demand(c);
     double input[VALVE_INPUTS], *limited = onboard->valves.call ? input + VALVE_INPUT_DEMAND : onboard->command;
 
     if (!all_finite(onboard->demand)) { /* the valve logic would treat NaN as a demand to hold */
@@ -237,7 +265,7 @@ int compute_command(Cycle *c)
     }
     copy(onboard->driver_demand, c->driver ? c->driver->pressure : onboard->full, GROUPS);
     for (int g = 0; g < GROUPS; g++) {
-        const double limit = c->driver && c->driver->binding ? onboard->driver_demand[g] : INFINITY;
+        const double limit = c->driver && c->driver->binding ? largest[g] : INFINITY;
         const int is_released = c->filter && c->filter->reference[REFERENCE_TEST_RELEASE + g] != 0.0;
         const double demand = is_released ? 0.0 : onboard->demand[g];
         limited[g] = demand > limit ? limit : demand;
@@ -249,7 +277,7 @@ int compute_command(Cycle *c)
     return all_finite(onboard->command);
 }
 
-/* Write friction, creep curves, force of track and traction, and the demand for magnets to the inputs of the plant. */
+/* Write friction, creep curves, force of track and traction, and the demands for brakes to the inputs of the plant. */
 void update_rail_inputs(Cycle *c)
 {
     advance_rail(c->rail, (double)c->sample * c->period, c->plant->outputs);
@@ -259,5 +287,8 @@ void update_rail_inputs(Cycle *c)
 #ifdef INPUT_MAGNETS
     c->plant->inputs[INPUT_MAGNETS] =
         magnets_demanded(c->onboard, c->driver ? c->driver->pressure : c->onboard->full);
+#endif
+#ifdef INPUT_BRAKE_DEMAND
+    c->plant->inputs[INPUT_BRAKE_DEMAND] = largest_share(c->onboard, c->driver->pressure);
 #endif
 }

@@ -10,7 +10,7 @@ import numpy as np
 from railgrip.base.errors import InputError
 from railgrip.rolling_stock.brakes import Electrodynamic
 from railgrip.rolling_stock.calculation import PARKING_ADHESION, PARKING_SLOPE, parking
-from railgrip.rolling_stock.schema import BogieInTrain, Train, load_train
+from railgrip.rolling_stock.schema import BogieInTrain, BrakePipe, Train, load_train
 from railgrip.rolling_stock.stopping import HandCalculation, by_hand
 from railgrip.scenario.quantity import unusual
 from railgrip.vehicle.brake import LOWEST_PAD_FRICTION, lowest_friction
@@ -25,6 +25,8 @@ _DRAG_OF_ENDS, _DRAG_OF_CAR = 1.5, 0.6  # coefficient; trains have 0.3 to 1, and
 _FAR = 4  # times the usual maximum
 _PISTON_FORCE = 1e5  # N; a piston of 16 in presses with 65 kN at 5 bar
 _AIR_PRESSURE = 1.05e6  # Pa; supply of the main reservoir, EN 14198
+_PIPE_PRESSURE = 5e5  # Pa; of a released brake pipe, and of auxiliary reservoirs (UIC 540)
+_CYLINDER = 3e-3  # m3; of cylinder and hose of a unit, V_cylinder of RailBraking.Vehicles.PartialTrain
 _TREAD = 0.95  # of the wheel radius; units for wheels of two sizes are described once
 _BLOCK_FORCE = 4e4  # N; wagons have 10 to 30 kN, and Open Rails (TrainCar.cs) warns from 20 kN
 _OIL_PISTON = 5e-3  # m2; pistons of hydraulic calipers are smaller than 80 mm
@@ -72,6 +74,7 @@ def findings(train: Train) -> list[TrainRemark]:
         *_brakes(train),
         *friction_findings(train, fastest_stop(train)),
         *_accelerators(train),
+        *_reservoirs(train),
         *_parking(train),
         *_dynamic(train),
     ]
@@ -239,6 +242,26 @@ def _accelerators(train: Train) -> Iterator[TrainRemark]:
                 "faster than sound, because the cells of the pipe smear it",
                 wrong=False,
             )
+
+
+def _reservoirs(train: Train) -> Iterator[TrainRemark]:
+    """Yield cars whose reservoir falls, isothermally, below the pressure of its cylinders in a single application."""
+    is_pipe = isinstance(train.command, BrakePipe)
+    volume = train.command.reservoir if isinstance(train.command, BrakePipe) else train.air and train.air.reservoir
+    if volume is None:
+        return
+    start = _PIPE_PRESSURE if train.air is None or is_pipe else train.air.pressure
+    for number, car in enumerate(train.cars):
+        axles = [(axle.units, train.bogies_in_train[axle.bogie].brake) for axle in train.axles if axle.car == number]
+        air = sum(units * _CYLINDER * brake.pressure_max for units, brake in axles)
+        needed = max((brake.pressure_max for _, brake in axles), default=0.0)
+        if start - air / volume < needed:
+            yield TrainRemark(
+                f"{'[command]' if is_pipe else '[air]'} reservoir",
+                f"of {car.name} falls to {max(start - air / volume, 0.0) / 1e5:.2f} bar when its cylinders fill, below "
+                f"the {needed / 1e5:g} bar of pressure_max; it needs {1e3 * air / (start - needed):.0f} l",
+            )
+            return
 
 
 def _parking(train: Train) -> Iterator[TrainRemark]:

@@ -243,6 +243,9 @@ def _command(train: Train, body_of_car: Sequence[int]) -> dict[str, Any]:
     part_of_car |= {car: f"two_stage{number}" for number, car in enumerate(two_stage, start=1)}
     return {
         "command": train.command,
+        "air": train.air,
+        "has_reservoirs": has_pipe or train.air is not None,
+        "car_of_group": [train.axles[members[0]].car + 1 for members in train.groups],
         "available": available,
         "distributor_of_car": part_of_car,
         "single_stage": [available[car] for car in single] if has_pipe else [],

@@ -183,6 +183,11 @@ FillTime = Annotated[
 SharedBy = Literal["axle", "bogie", "car"]
 
 
+Volume = Annotated[float, UnitRange("m3", at_least=1e-4, at_most=10)]
+_MAIN = "main reservoirs have 7 to 10 bar (EN 14198)"
+_DELIVERY = "compressors of trains deliver 0.5 to 5 m3 of free air in a minute"
+
+
 class Resistance(SourcedTable):
     """Resistances of the train: air, bearings, rolling."""
 
@@ -238,9 +243,46 @@ class BrakePipe(SourcedTable):
     fill_time: FillTime = Field(
         description="time from the first pressure to 95 % of the highest pressure, through a distributor"
     )
-    reservoir: Annotated[float, UnitRange("m3", at_least=1e-4, at_most=10)] = Field(
-        description="volume of the auxiliary reservoir of each car"
+    reservoir: Volume = Field(description="volume of the auxiliary reservoir of each car")
+
+
+AirPressure = Annotated[float, UnitRange("Pa", at_least=1e5, at_most=1.5e6, usual=(5e5, 1.1e6), because=_MAIN)]
+
+
+class AirSupply(SourcedTable):
+    """Reservoirs and compressor; without it there is air without limit behind [command] kind = "electropneumatic".
+
+    Behind a brake pipe there are, without it, auxiliary reservoirs that nothing fills during a stop, and a main
+    reservoir of 1 m3 at 8 bar.
+    """
+
+    main_reservoir: Volume = Field(description="volume of all main reservoirs and the main pipe")
+    pressure: AirPressure = Field(
+        description="pressure at the start of main reservoirs, and of brake reservoirs that they feed"
     )
+    reservoir: Volume | None = Field(
+        default=None, description="brake reservoir of each car; behind a brake pipe it is `reservoir` of [command]"
+    )
+    feed: Literal["main_pipe", "brake_pipe"] = Field(
+        default="main_pipe", description="pipe from which check valves feed the reservoirs of the cars"
+    )
+    conductance: Annotated[float, UnitRange("m3/(s.Pa)", at_least=1e-12, at_most=1e-5)] = Field(
+        description="sonic conductance of the check valve of each reservoir; 10 mm2 have about 2e-8"
+    )
+    compressor: Annotated[
+        float, UnitRange("m3/s", at_least=1e-4, at_most=1, or_zero=True, usual=(5e-3, 0.1), because=_DELIVERY)
+    ] = Field(default=0.0, description="free air that the compressors deliver while they run; 0 for none")
+    compressor_on: AirPressure = Field(default=8.5e5, description="pressure below which compressors start")
+    compressor_off: AirPressure = Field(default=1e6, description="pressure above which they stop")
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if self.compressor_on >= self.compressor_off:
+            raise table_error(
+                f"has compressor_on {self.compressor_on / 1e5:g} bar and compressor_off {self.compressor_off / 1e5:g} "
+                "bar; compressor_on must be lower"
+            )
+        return self
 
 
 @dataclass(frozen=True, slots=True)
@@ -613,6 +655,7 @@ class Train(Table):
         default=None,
         description="command of the emergency brake; without it the pressure follows the demand immediately",
     )
+    air: AirSupply | None = Field(default=None, description="reservoirs and compressor of the brakes")
     resistance: Resistance | None = Field(default=None, description="running resistance by its causes")
     davis: Davis | None = Field(default=None, description="running resistance by speed, instead of [resistance]")
     pads: dict[Name, Pads] = Field(default={}, description="kinds of pads, by name")
@@ -713,7 +756,30 @@ class Train(Table):
                 "[[cars]] bogies: the positions of the axles do not increase along the train; check 'at' and axles"
             )
         self._check_blending()
+        self._check_air()
         return self
+
+    def _check_air(self) -> None:
+        if self.air is None:
+            return
+        if self.command is None:
+            raise table_error("[air] supplies the brakes that a [command] reaches: give [command], too")
+        is_pipe = isinstance(self.command, BrakePipe)
+        if is_pipe == (self.air.reservoir is not None):
+            raise table_error(
+                "[air] needs no reservoir behind a brake pipe, where [command] has it"
+                if is_pipe
+                else "[air] needs the reservoir of each car"
+            )
+        if not is_pipe and self.air.feed == "brake_pipe":
+            raise table_error("[air] feed = 'brake_pipe' needs [command] kind = 'brake_pipe'")
+        for kind, brake in self.brakes.items():
+            source = 5e5 if is_pipe else self.air.pressure
+            if brake.pressure_max > source:
+                raise table_error(
+                    f"[brakes.{kind}] pressure_max is {brake.pressure_max / 1e5:g} bar, but the reservoirs have only "
+                    f"{source / 1e5:g} bar at the start"
+                )
 
     def _check_blending(self) -> None:
         modes = {brake.brake.blending for brake in self.dynamic_groups} - {"added"}

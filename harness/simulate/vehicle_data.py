@@ -72,7 +72,18 @@ from railgrip.vehicle.parameters import (
     units_of_nominal_data,
     with_each,
 )
-from railgrip.vehicle.signals import CURVE, EXTRA, MAGNETS, PLANT, READINGS, SENT, Layout, layout_of
+from railgrip.vehicle.signals import (
+    BRAKE_DEMAND,
+    CURVE,
+    EXTRA,
+    MAGNETS,
+    PLANT,
+    READINGS,
+    SENT,
+    Layout,
+    Signal,
+    layout_of,
+)
 
 CATALOGUE = "TwoPartTrain"
 """Recipe whose parameters are the nominal data of a plant of the same formation that declares none."""
@@ -303,10 +314,12 @@ class VehicleData:
                 "but [dynamic_brakes] of the train file do so, too: its adhesion would be too low; use [estimator] "
                 "kind = 'none' with a controller that needs no estimates, or a filter of your own"
             )
-        if scenario.actuation.kind == "pneumatic" and scenario.demand is not None:
+        has_valves = scenario.actuation.kind == "pneumatic"
+        if has_valves and scenario.demand is not None and BRAKE_DEMAND[0] not in self._demanded:
             raise ScenarioError(
                 f"{name}: [demand] with [actuation] kind = 'pneumatic' acts through the dump valves, which "
-                "[dynamic_brakes] of the train file do not know: they would brake for a full demand; use 'ideal'"
+                "[dynamic_brakes] of the train file do not know: they would brake for a full demand; use 'ideal', or "
+                "give the train a [command]"
             )
 
     def _with_valves(self, parameters: dict[str, float]) -> dict[str, float]:
@@ -459,12 +472,17 @@ class VehicleData:
         extra = tuple(s for s in EXTRA if s.name in self.outputs)
         several = len(self.scenario.adhesion.curves) > 1
         readings = (*READINGS, *self.scenario.sensors.extra_readings(self.scenario, self.outputs))
-        # Without [demand] and such a law it is an emergency brake, and magnets are lowered with its first command.
-        law, has_demand = law_named(self.scenario.controller.kind), self.scenario.demand is not None
-        is_controlled = has_demand or (law is not None and law.exceeds_driver)
-        has_magnets = is_controlled and MAGNETS[0].name in self.file.names("input")
-        sent = (*SENT, *(CURVE if several else ()), *(MAGNETS if has_magnets else ()))
+        sent = (*SENT, *(CURVE if several else ()), *self._demanded)
         return layout_of(self.nominal.formation, output=(*PLANT, *extra), reading=readings, input=sent)
+
+    @property
+    def _demanded(self) -> tuple[Signal, ...]:
+        """Inputs of the plant for demands; without [demand] and a law with one of its own it is an emergency brake."""
+        law, has_demand = law_named(self.scenario.controller.kind), self.scenario.demand is not None
+        exceeds_driver = law is not None and law.exceeds_driver
+        possible = (*(MAGNETS if has_demand or exceeds_driver else ()),
+                    *(BRAKE_DEMAND if has_demand and not exceeds_driver else ()))  # fmt: skip
+        return tuple(signal for signal in possible if signal.name in self.file.names("input"))
 
     @cached_property
     def curves(self) -> NDArray[np.float64]:

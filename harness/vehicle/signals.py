@@ -79,6 +79,7 @@ EXTRA = (
     Signal("contact_force", "wheelset", "N", "force of rail or roller along the track, positive in braking"),
     Signal("resistance_torque", "group", "N.m", "torque of bearing and rolling resistance"),
     Signal("coupler_force", "coupler", "N", "force in the coupler behind each car, positive when it pulls"),
+    Signal("reservoir_pressure", "train", "Pa", "lowest pressure of the reservoirs that supply the cylinders"),
     Signal("dynamic_work", "train", "J", "work of electrodynamic and eddy-current brakes, in resistance_work"),
     Signal("drive_torque", "train", "N.m", "torque of a roller's drive, driving positive"),
 )
@@ -101,6 +102,9 @@ CURVE = (
 
 MAGNETS = (Signal("magnets", "train", "1", "demand for the magnetic track brakes: 1 lowered, 0 lifted"),)
 """Input that follows those of `SENT` for a train that has them, unless it is an emergency brake from the start."""
+
+BRAKE_DEMAND = (Signal("brake_demand", "train", "1", "brake demand of the driver: 0 released, 1 emergency brake"),)
+"""Input that follows them for a train whose [command] carries a [demand] of the driver to the brakes."""
 
 DEMANDED = (Signal("demand", "group", "Pa", "brake cylinder pressure that the controller demands"),)
 """Decisions of the controller; absent from the trace of a stop whose controller commands valves."""

@@ -146,3 +146,12 @@ def test_the_description_matches_the_model(feature):
     assert (units["m/s"].baseUnit.m, units["m/s"].baseUnit.s) == (1, -1)
     assert description.coSimulation.canGetAndSetFMUstate
     assert description.modelExchange.providesDirectionalDerivative
+
+
+def test_outputs_in_a_protected_part_are_no_outputs_of_the_fmu(feature, run):
+    """They belong to the equations of the class alone (Modelica 4.4.2.2: the prefix output acts at an interface)."""
+    fmu = feature("HiddenOutputs")
+    assert fmu.names("output") == ["y"]
+    assert [unknown.variable.name for unknown in fmu.description.outputs] == ["y"]
+    instance = run(fmu, "me")
+    assert instance.get("y") == [2.0]

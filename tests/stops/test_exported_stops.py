@@ -16,7 +16,7 @@ from synthetic import LIBRARY
 
 from railgrip.base.errors import ScenarioError
 from railgrip.fmus.native.package import archive_bytes, as_fmi_3
-from railgrip.scenario.load import load
+from railgrip.scenario.load import load, scenario_of
 from railgrip.simulate.export.c_parts import part_fmu
 from railgrip.simulate.export.controller_and_plant import plant_fmu
 from railgrip.simulate.export.ssp import write_ssp
@@ -82,6 +82,17 @@ def distance(scenario):
 )  # fmt: skip
 def test_a_stop_in_fmpy_equals_that_of_the_harness(changes, tmp_path):
     scenario = scenario_with(*changes)
+    assert braking_distance(exported(scenario, tmp_path)) == pytest.approx(distance(scenario), abs=SAME)
+
+
+def test_a_service_brake_by_wire_in_fmpy_equals_that_of_the_harness(tmp_path):
+    """The FMU of the track has the demand for the wire of the train; the valves of the groups are open for it."""
+    changes = (
+        "controller.kind=slip_three_state", "estimator={kind='none'}", "actuation.kind=pneumatic",
+        'demand.phases=[{pressure="1.2 bar", until={time="4 s"}}, {pressure="full"}]',
+    )  # fmt: skip
+    table = scenario_with(*changes).resolved() | {"vehicle": {"train": "vt642"}}
+    scenario = scenario_of(table, directory=LIBRARY, origin="wire")
     assert braking_distance(exported(scenario, tmp_path)) == pytest.approx(distance(scenario), abs=SAME)
 
 

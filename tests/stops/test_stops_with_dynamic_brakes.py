@@ -106,20 +106,20 @@ def test_valves_relieve_the_cylinders_too(driven):
     assert float(stop.trace["dynamic_work"][-1]) == pytest.approx(hand.dynamic_energy, rel=0.05)
 
 
-@pytest.mark.parametrize(
-    ("changes", "sentence"),
-    [
-        ({"estimator": {"kind": "decentralised"}}, r"\[estimator\] kind 'decentralised' assumes that pressure alone"),
-        (
-            {"actuation": {"kind": "pneumatic"}, "demand": {"phases": [{"pressure": "1 bar"}]}},
-            r"\[demand\] with \[actuation\] kind = 'pneumatic'",
-        ),
-    ],
-)
-def test_parts_that_do_not_know_the_dynamic_brakes_are_refused(driven, changes, sentence):
-    vehicle = VehicleData(scenario(driven, **changes))
-    with pytest.raises(ScenarioError, match=sentence):
+def test_an_estimator_that_does_not_know_the_dynamic_brakes_is_refused(driven):
+    vehicle = VehicleData(scenario(driven, estimator={"kind": "decentralised"}))
+    with pytest.raises(ScenarioError, match=r"\[estimator\] kind 'decentralised' assumes that pressure alone"):
         vehicle.require_known_forces()
+
+
+def test_dump_valves_without_a_command_do_not_know_the_demand(driven, tmp_path):
+    """With a [command], pipe or wire bring the demand to the blending: test_demands_through_the_command.py."""
+    text = driven.read_text(encoding="utf-8").replace('blending = "valve"', 'blending = "added"')
+    file = tmp_path / "direct.toml"
+    file.write_text(text[: text.index("[command]")] + text[text.index("[resistance]") :], encoding="utf-8")
+    demand = {"actuation": {"kind": "pneumatic"}, "demand": {"phases": [{"pressure": "1 bar"}]}}
+    with pytest.raises(ScenarioError, match=r"\[demand\] with \[actuation\] kind = 'pneumatic'"):
+        VehicleData(scenario(file, **demand)).require_known_forces()
 
 
 def test_plausibility_allows_the_force_of_the_magnets(driven):

@@ -121,9 +121,10 @@ def coaches(tmp_path):
     return vehicle
 
 
-def test_position_r_goes_low_at_its_changeover_speed(coaches, tmp_path):
+@pytest.mark.parametrize("actuation", ["ideal", "pneumatic"])
+def test_position_r_goes_low_at_its_changeover_speed(coaches, tmp_path, actuation):
     """All coaches except the second have half of the pressure below 50 km/h, and not before."""
-    scenario = dry(coaches("staged", distributor="R"), "120 km/h", tmp_path)
+    scenario = dry(coaches("staged", distributor="R"), "120 km/h", tmp_path, actuation={"kind": actuation})
     stop = run_stop(scenario)
     assert stop.outcome is Outcome.STANDSTILL, stop.reason
     speed, pressure = stop.trace["speed"].values, stop.trace["cylinder_pressure"].values
@@ -131,7 +132,8 @@ def test_position_r_goes_low_at_its_changeover_speed(coaches, tmp_path):
     high = (speed > 50 / 3.6) & (stop.trace["time"].values > 8)
     assert pressure[high] == pytest.approx(full, rel=1e-2)
     falling = np.argmax((pressure[:, 0] < 0.995 * full) & (stop.trace["time"].values > 8))
-    assert 3.6 * speed[falling] == pytest.approx(50, abs=0.2)
+    # Valves follow with 0.4 s, in which the train loses half a kilometre an hour.
+    assert 3.6 * speed[falling] == pytest.approx(50, abs=0.2 if actuation == "ideal" else 0.5)
     assert pressure[-1] == pytest.approx([full / 2 if i != 1 else full for i in range(3)], rel=1e-2)
     by_calculation = by_hand(load_train(tmp_path / "staged.toml"), 120 / 3.6).distance
     assert stop.metrics.distance == pytest.approx(by_calculation, rel=0.03)

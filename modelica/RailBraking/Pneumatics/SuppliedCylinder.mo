@@ -25,6 +25,6 @@ without backflow; with <code>relayed</code> also vented to its pressure while th
 <a href=\"modelica://RailBraking.Pneumatics.PartialValveCylinder\">PartialValveCylinder</a>.
 </p>
 <h4>Limitations</h4>
-<p>A distributor cannot release the cylinders through the fill valve: command the vent valve.</p>
+<p>Without <code>relayed</code> a distributor cannot release the cylinders: command the vent valve.</p>
 </html>"));
 end SuppliedCylinder;

@@ -1,0 +1,173 @@
+"""Demands of the driver through brake pipe and wire: graduated steps, release, re-application, and reservoirs."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from railgrip import cli
+from railgrip.base.errors import ScenarioError
+from railgrip.rolling_stock.check import findings
+from railgrip.rolling_stock.schema import load_train
+from railgrip.scenario.load import load, scenario_of
+from railgrip.simulate.run import run_stop
+
+# Coupled axles halve the build time of a plant and have no effect on its air.
+TRAIN = (Path(cli.__file__).parent / "templates" / "train.toml").read_text(encoding="utf-8").replace(
+    "coupled = false", "coupled = true"
+)  # fmt: skip
+FULL, FREE = 3.2e5, 101325.0  # Pa
+UNITS = 8  # of a car: two bogies of two axles with two units each
+CYLINDER = 3e-3  # m3, of a unit
+
+
+def write(folder, name, *, command=None, air=""):
+    begin, end = TRAIN.index("[command]"), TRAIN.index("[resistance]")
+    text = TRAIN[:begin] + (TRAIN[begin:end] if command is None else command) + air + TRAIN[end:]
+    (folder / f"{name}.toml").write_text(text.replace("NAME", name), encoding="utf-8")
+    return folder / f"{name}.toml"
+
+
+def stop_of(file, phases, **changes):
+    """Return a stop with phases of demands: (pressure, duration in s), the last one without."""
+    *first, last = phases
+    demand = [{"pressure": p, "until": {"duration": t}} for p, t in first] + [{"pressure": last}]
+    table = load(Path("plain")).resolved() | {
+        "vehicle": {"train": file.name}, "start": {"speed": "100 km/h"}, "estimator": {"kind": "none"},
+        "controller": {"kind": "full_brake"}, "actuation": {"kind": "pneumatic"}, "demand": {"phases": demand},
+    }  # fmt: skip
+    table["adhesion"]["mu0"] = 0.3
+    return run_stop(scenario_of(table | changes, directory=file.parent, origin="demand")).trace
+
+
+PIPE = """[command]
+kind = "brake_pipe"
+diameter = "32 mm"
+branch_volume = "3 l"
+fill_time = "4 s"
+reservoir = "100 l"
+estimated = true
+
+"""
+
+
+def test_a_brake_pipe_applies_in_steps_releases_and_applies_again(tmp_path):
+    """1 % of the full pressure is what leaks and the control of the pipe leave.
+
+    The release choke has the time constant 17 s/ln(p_max/0.4 bar); a second is what the pipe takes to be filled.
+    """
+    file = write(tmp_path, "piped", command=PIPE)
+    trace = stop_of(file, [(0, 2), (0.4 * FULL, 8), (0.2 * FULL, 12), (0, 12), "full"])
+    pressure = trace["cylinder_pressure"].values[:, 0]
+
+    def at(time):
+        return pressure[np.searchsorted(trace["time"].values, time)]
+
+    assert pressure[trace["time"].values < 2.0].max() == 0.0
+    assert [at(9.9), at(21.9)] == pytest.approx([0.4 * FULL, 0.2 * FULL], abs=0.01 * FULL)
+    choke = 17 / np.log(FULL / 0.4e5)
+    released = trace["time"].values[np.flatnonzero((pressure < 0.4e5) & (trace["time"].values > 22))[0]] - 22
+    assert 0.0 < released - choke * np.log(0.2 * FULL / 0.4e5) < 1.0
+    assert at(33.9) < 0.2e5
+    assert at(40.0) == pytest.approx(FULL, rel=0.01)  # applied again, within 4 s and the rise of the pipe
+    assert np.all(np.diff(trace["reservoir_pressure"].values) < 1.0)  # nothing fills the reservoirs
+
+
+AIR = """[air]
+main_reservoir = "50 l"
+pressure = "7 bar"
+reservoir = "21 l"
+conductance = "1e-6 m3/(s.Pa)"
+compressor = "2e-3 m3/s"
+estimated = true
+
+"""
+
+
+@pytest.fixture(scope="module")
+def cycled(tmp_path_factory):
+    """Full brake for 3 s and release for 3 s, five times, with small reservoirs and a small compressor."""
+    file = write(tmp_path_factory.mktemp("air"), "supplied", air=AIR)
+    return stop_of(file, [phase for _ in range(5) for phase in (("full", 3), (0, 3))] + ["full"])
+
+
+def test_reservoirs_balance_compressor_and_cylinders(cycled):
+    """(p − p_0) V/p_free = q t − air used, at rest; 2 % of 7 bar is what the check valves hold back in motion."""
+    volume, time = 50e-3 + 2 * 21e-3, cycled["time"].values
+    expected = 7e5 + FREE / volume * (2e-3 * time - cycled["air_used"].values)
+    assert cycled["reservoir_pressure"].values == pytest.approx(expected, abs=0.02 * 7e5)
+    once = np.searchsorted(time, 2.9)
+    filled = 2 * UNITS * CYLINDER * cycled["cylinder_pressure"].values[once, 0] / FREE
+    assert float(cycled["air_used"][once]) == pytest.approx(filled, rel=0.03)  # and what leaked
+
+
+def test_an_exhausted_reservoir_limits_the_cylinders(cycled):
+    reservoir, pressure = cycled["reservoir_pressure"].values, cycled["cylinder_pressure"].values.max(axis=1)
+    braked = cycled["brake_demand"].values == 1.0
+    assert reservoir.min() < 0.7 * FULL
+    assert np.all(pressure[braked] < np.maximum(reservoir[braked], 1e4) + 0.1 * FULL)
+    last = cycled["time"].values > 33.0
+    assert pressure[last] == pytest.approx(reservoir[last], rel=0.05)
+
+
+DYNAMIC = {
+    "kind": "electrodynamic", "force": "10 kN", "power": "300 kW", "speed_full": "10 km/h", "speed_end": "5 km/h",
+    "time_constant": "0.3 s", "blending": "valve", "slide_limit": 0.1, "estimated": True,
+}  # fmt: skip
+
+
+def test_dynamic_brakes_take_their_part_of_half_a_brake(tmp_path):
+    """Friction brakes give way to as much force: the stop is as long as without dynamic brakes.
+
+    2 %: pads fade less where they are relieved, and blending has the nominal friction.
+    """
+    plain = write(tmp_path, "plain_train")
+    table = "[dynamic_brakes.motor]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in DYNAMIC.items())
+    text = plain.read_text(encoding="utf-8").replace('name = "plain_train"', 'name = "driven_train"')
+    for effect in ("speed_effect = 0.12", "force_effect = 0.08", "temperature_effect = 0.10"):
+        text = text.replace(effect, effect.split("=")[0] + "= 0.0")
+    plain.write_text(text.replace("driven_train", "plain_train"), encoding="utf-8")
+    driven = tmp_path / "driven_train.toml"
+    text = text.replace("[resistance]", f"{table}\n[resistance]", 1)
+    driven.write_text(text.replace("wheel_radius", 'dynamic_brake = "motor"\nwheel_radius', 1), encoding="utf-8")
+    stops = [stop_of(file, [0.5 * FULL]) for file in (plain, driven)]
+    half = np.searchsorted(stops[0]["time"].values, 8.0)
+    assert stops[0]["cylinder_pressure"].values[half, 0] == pytest.approx(0.5 * FULL, rel=0.01)
+    assert stops[1]["cylinder_pressure"].values[half, 0] < 0.3 * FULL
+    distances = [float(trace["distance"][-1]) for trace in stops]
+    assert distances[1] == pytest.approx(distances[0], rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("air", "command", "sentence"),
+    [
+        (AIR.replace('reservoir = "21 l"\n', ""), None, r"\[air\] needs the reservoir of each car"),
+        (AIR, PIPE, r"\[air\] needs no reservoir behind a brake pipe"),
+        (
+            AIR.rstrip() + '\nfeed = "brake_pipe"\n\n',
+            None,
+            r"\[air\] feed = 'brake_pipe' needs \[command\] kind = 'brake_pipe'",
+        ),
+        (AIR.replace("7 bar", "3 bar"), None, r"pressure_max is 3.2 bar, but the reservoirs have only 3 bar"),
+        (AIR.rstrip() + '\ncompressor_on = "10 bar"\n\n', None, "compressor_on must be lower"),
+        (AIR, "", r"give \[command\], too"),
+    ],
+)
+def test_an_air_supply_that_cannot_be_is_refused(tmp_path, air, command, sentence):
+    file = write(tmp_path, "wrong", command=command, air=air)
+    with pytest.raises(ScenarioError, match=sentence):
+        load_train(file)
+
+
+def test_a_reservoir_that_a_single_application_empties_is_wrong(tmp_path):
+    """7 bar in 20 l less 8 · 3 l of 3.2 bar leave 3.16 bar, isothermally."""
+    wrong = [
+        remark
+        for remark in findings(load_train(write(tmp_path, "small", air=AIR.replace("21 l", "20 l"))))
+        if remark.wrong
+    ]
+    assert [str(remark) for remark in wrong] == [
+        "[air] reservoir: of A falls to 3.16 bar when its cylinders fill, below the 3.2 bar of pressure_max; it "
+        "needs 20 l"
+    ]
