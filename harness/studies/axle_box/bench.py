@@ -47,8 +47,8 @@ def bench_tables(size: Size, recipe: TrainingRecipe, work: Work) -> dict[str, Re
     few = replace(recipe, starts=size.honest_starts)
     at = {speed: few.data([run for run in runs["campaign"] if run.group == speed]) for speed in speeds}
     tasks = [partial(few.fit, data, f"bench.{speed}") for speed, data in at.items()]
-    (ensemble, mean), *fits = work.map(call, [partial(general, runs["design"], size.members), *tasks])
-    networks: dict[int, list[ScaledNetwork]] = dict(zip(speeds, fits, strict=True))
+    trained: list[Any] = work.map(call, [partial(general, runs["design"], size.members), *tasks])
+    (ensemble, mean), networks = trained[0], dict(zip(speeds, trained[1:], strict=True))
     rows: list[dict[str, Any]] = []
     rules = dry_or_not(sets)
     for name in JUDGED:

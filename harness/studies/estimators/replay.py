@@ -40,10 +40,10 @@ FILE: Final = "noises.toml"
 """Factors of each estimator, in the folder `library` of this package; written by `--tune`."""
 
 _SENSORS: Final = read_toml(Path(__file__).parent / "library" / "sensors.toml")
-UNMODELLED: Final[Mapping[Sensors, Mapping[str, float]]] = {kind: one["unmodelled"] for kind, one in _SENSORS.items()}
+UNMODELLED: Final[Mapping[str, Mapping[str, float]]] = {kind: one["unmodelled"] for kind, one in _SENSORS.items()}
 """Sensors → standard deviations of constant errors, as in equipment/service.toml: `speed_scale`, the relative error of
 the radar [1], and `pressure`, the offset of a pressure transducer [Pa]."""
-READINGS: Final[Mapping[Sensors, Mapping[str, float]]] = {kind: one["readings"] for kind, one in _SENSORS.items()}
+READINGS: Final[Mapping[str, Mapping[str, float]]] = {kind: one["readings"] for kind, one in _SENSORS.items()}
 """Sensors → standard deviation of each reading, in its unit. A wheelset speed has the error of a tooth pitch at
 50 rad/s; the bias of the accelerometer is a state."""
 
