@@ -6,7 +6,7 @@ value follows from relations between outputs: slip is (v - r w)/sqrt(v² + v_sma
 law at slip, speed, load and mu0.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
 from functools import partial
 from math import inf, isnan
@@ -176,7 +176,7 @@ def _require_compiled_parameters(vehicle: VehicleData, plant: LoopPlant, paramet
         contacts = tuple(
             vehicle.contact_with({**parameters, **curve, "r_wheel": radius / (1.0 + radius * bend)}) for radius in known
         )
-        require_curve(file, layout, rows, contacts, curve)
+        require_curve(file, layout, rows, known, contacts, curve)
 
 
 def require_python_plant(vehicle: VehicleData, plant: CustomPlant) -> CustomPlant:
@@ -341,7 +341,12 @@ def require_radius(file: str, layout: Layout, rows: Matrix, expected: tuple[floa
 
 
 def require_curve(
-    file: str, layout: Layout, rows: Matrix, contacts: tuple[Contact, ...], curve: Mapping[str, float]
+    file: str,
+    layout: Layout,
+    rows: Matrix,
+    radii: Sequence[float],
+    contacts: tuple[Contact, ...],
+    curve: Mapping[str, float],
 ) -> None:
     """Compare the adhesion of each wheelset with that of the expected creep curve.
 
@@ -349,6 +354,7 @@ def require_curve(
         file: Name of the FMU.
         layout: Layout of the plant's vectors.
         rows: Outputs of the plant on the rail of the probe, one row per sample.
+        radii: Radius of each group [m].
         contacts: Contact law of each group, with the expected curve.
         curve: Expected curve, by the names of the plant's parameters.
 
@@ -358,9 +364,13 @@ def require_curve(
     group_of = np.repeat(np.arange(layout.formation.groups), layout.formation.wheelsets_per_group)
     speed = rows[:, layout.output["speed"]][:, 0]
     slip, adhesion, load = (rows[:, layout.output[name]] for name in ("slip", "adhesion", "wheelset_load"))
+    # In a long train the front brakes before the rear, and each car has its own speed, by its wheels unless they lock.
+    rolling = slip < 0.5
+    of_car = rows[:, layout.output["wheelset_speed"]] * np.array(radii) / (1.0 - np.where(rolling, slip, 0.0))
+    of_car = np.where(rolling, of_car, speed[:, np.newaxis])
     for i, g in enumerate(group_of):
         rail = np.full(len(rows), _RAIL)
-        expected = contacts[g](slip[:, g], speed, load[:, i], rail)
+        expected = contacts[g](slip[:, g], of_car[:, g], load[:, i], rail)
         # At walking pace the regularisation of the slip matters, and a probe from there does not reveal the curve.
         error = np.where(speed > _WALKING, np.abs(adhesion[:, i] - expected), 0.0)
         worst = int(np.argmax(error))

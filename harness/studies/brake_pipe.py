@@ -5,13 +5,16 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from time import perf_counter
 from typing import Annotated, Any
 
 import numpy as np
 from typer import Option
 
+from railgrip.base.cache import VARIABLE
 from railgrip.base.files import scratch, write_text
 from railgrip.campaign.work import Work
+from railgrip.campaign.workers import environment
 from railgrip.fmi import Description
 from railgrip.fmi.description import describe
 from railgrip.fmi.mapping import Port, bind
@@ -27,7 +30,7 @@ from railgrip.scenario.file import inline_toml, locate, merge
 from railgrip.scenario.load import read_toml
 from railgrip.simulate.named_models import plant_description
 from railgrip.simulate.run import run_stop
-from railgrip.studies.bench.stop import plant_step
+from railgrip.studies.bench import plant_step
 from railgrip.studies.study import Study
 from railgrip.studies.trains.stops import FULL_BRAKE, dry_scenario, filling_of
 
@@ -106,12 +109,12 @@ def freight_row(wagons: int) -> dict[str, object]:
     """Return size and durations of a freight train, and its emergency stop from 100 km/h on a dry rail."""
     with scratch("study") as folder:
         file = folder / f"{FREIGHT}.toml"
-        # A title that no train had: it is part of what the cache looks up, so the FMU is built.
         file.write_text(freight_train(wagons, folder.as_posix()), encoding="utf-8")
         train, scenario = load_train(file), dry_scenario(file, FREIGHT_SPEED)
-        begin = sum(os.times()[:4])  # the C compiler is a child
-        plant = plant_description(scenario)
-        seconds = sum(os.times()[:4]) - begin
+        with environment({VARIABLE: f"{folder}/cache"}):  # everything is built
+            begin, start = sum(os.times()[:4]), perf_counter()  # the C compiler is a child
+            plant = plant_description(scenario)
+            processor, wall = sum(os.times()[:4]) - begin, perf_counter() - start
         step = plant_step(plant, FULL_BRAKE, count=500, rounds=3)
         trace = run_stop(scenario).trace
     hand = by_hand(train, FREIGHT_SPEED)
@@ -124,7 +127,8 @@ def freight_row(wagons: int) -> dict[str, object]:
     return {
         "wagons": wagons,
         "states": len(plant.states),
-        "build": seconds,
+        "build": wall,
+        "of the processor": processor,
         "step and wagon": step / wagons,
         "simulated": float(trace["distance"].values[-1]),
         "by hand": hand.distance,
@@ -218,6 +222,6 @@ _FORMS = {
     **dict.fromkeys(("simulated", "by hand"), "{:.1f} m"),
     **dict.fromkeys(("last car begins", "filling to 95 %"), "{:.2f} s"),
     **dict.fromkeys(("largest coupler force", "pushes", "pulls", "quasi-static", "chain"), "{:.1f} kN"),
-    "build": "{:.1f} s",
+    **dict.fromkeys(("build", "of the processor"), "{:.1f} s"),
     "step and wagon": "{:.1f} µs",
 }

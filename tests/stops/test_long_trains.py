@@ -8,7 +8,7 @@ from railgrip.fmus.native.package import sources
 from railgrip.fmus.native.system import explicit
 from railgrip.studies.brake_pipe import freight_row, freight_train
 
-WAGONS = sample((3, 10, 40), 1)
+WAGONS = sample((3, 10, 20, 40), 1)
 PERMISSIBLE = 240.0
 """Longitudinal compressive force that wagons with bogies and side buffers must withstand in curves [kN]: Commission
 Decision 2006/861/EC (TSI WAG), 4.2.3.5."""
