@@ -58,14 +58,17 @@ def test_heated_contacts_keep_their_law_on_elastic_shafts():
 
 
 @pytest.fixture(scope="module")
-def train_file():
-    """A train file under a demand that rises and falls, with simple and with detailed mechanics."""
+def train_file(tmp_path_factory):
+    """A train file under a demand that rises and falls at once, with simple and with detailed mechanics."""
+    text = shelf("trains")["vt642"].read_text(encoding="utf-8")
+    file = tmp_path_factory.mktemp("direct") / "direct.toml"
+    file.write_text(text[: text.index("[command]")] + text[text.index("[resistance]") :], encoding="utf-8")
     steps = {"phases": [{"pressure": "1.5 bar", "until": {"duration": "2 s"}}, {"pressure": "0.5 bar"}]}
     table = {"name": "short", "limits": {"horizon": "4 s"}, "demand": steps, "estimator": {"kind": "none"}}
     table |= {"controller": {"kind": "full_brake"}, "adhesion": {"kind": "constant", "mu0": 0.3}}
 
     def traced(mechanics):
-        changed = merge(train_of("vt642"), table | {"truth": {"mechanics": mechanics}})
+        changed = merge(train_of(str(file)), table | {"truth": {"mechanics": mechanics}})
         return rg.run(scenario_of(changed, directory=Path(), origin="test")).trace
 
     return {mechanics: traced(mechanics) for mechanics in ("simple", "detailed")}
