@@ -80,7 +80,7 @@ def test_the_rigging_of_a_train_file_has_hysteresis(train_file):
     def ratio_at(trace, pressure):
         read, force = (trace[name].values[:, 0] for name in ("cylinder_pressure", "pad_force"))
         time = trace["time"].values
-        applying, releasing = (time > 0.5) & (time < 1.2), (time > 2.05) & (time < 2.3)
+        applying, releasing = (time > 0.05) & (time < 0.3), (time > 2.05) & (time < 2.3)
         applied = np.interp(pressure, read[applying], force[applying])
         return float(np.interp(-pressure, -read[releasing], force[releasing]) / applied)
 
