@@ -255,6 +255,12 @@ def _reservoirs(train: Train) -> Iterator[TrainRemark]:
         axles = [(axle.units, train.bogies_in_train[axle.bogie].brake) for axle in train.axles if axle.car == number]
         air = sum(units * _CYLINDER * brake.pressure_max for units, brake in axles)
         needed = max((brake.pressure_max for _, brake in axles), default=0.0)
+        if needed >= start:
+            yield TrainRemark(
+                "[brakes] pressure_max",
+                f"of {car.name} is {needed / 1e5:g} bar, but its reservoir has only {start / 1e5:g} bar at the start",
+            )
+            return
         if start - air / volume < needed:
             yield TrainRemark(
                 f"{'[command]' if is_pipe else '[air]'} reservoir",

@@ -773,13 +773,6 @@ class Train(Table):
             )
         if not is_pipe and self.air.feed == "brake_pipe":
             raise table_error("[air] feed = 'brake_pipe' needs [command] kind = 'brake_pipe'")
-        for kind, brake in self.brakes.items():
-            source = 5e5 if is_pipe else self.air.pressure
-            if brake.pressure_max > source:
-                raise table_error(
-                    f"[brakes.{kind}] pressure_max is {brake.pressure_max / 1e5:g} bar, but the reservoirs have only "
-                    f"{source / 1e5:g} bar at the start"
-                )
 
     def _check_blending(self) -> None:
         modes = {brake.brake.blending for brake in self.dynamic_groups} - {"added"}
