@@ -130,17 +130,6 @@ static double magnets_demanded(const Onboard *onboard, const double *pressure)
     return 1.0;
 }
 
-/* The most that each group may demand: what the driver does, except in a train whose own command brings the demand of
-   the driver to the distributors, so that the valves of the groups are open for it. */
-static const double *largest_demand(const Cycle *c)
-{
-#ifdef INPUT_BRAKE_DEMAND
-    return c->onboard->full;
-#else
-    return c->driver ? c->driver->pressure : c->onboard->full;
-#endif
-}
-
 #ifdef INPUT_BRAKE_DEMAND
 /* The brake demand of the driver over full pressure, in the group where it is largest. */
 static double largest_share(const Onboard *onboard, const double *pressure)
@@ -152,6 +141,21 @@ static double largest_share(const Onboard *onboard, const double *pressure)
     return share;
 }
 #endif
+
+/* Write the most that each group may demand: what the driver does. Where the command of the train brings the largest
+   demand to all distributors, the valves of the groups that have it are open, and those of other groups hold theirs. */
+static void largest_demands(const Cycle *c, double *largest)
+{
+    const Onboard *onboard = c->onboard;
+
+    copy(largest, c->driver ? c->driver->pressure : onboard->full, GROUPS);
+#ifdef INPUT_BRAKE_DEMAND
+    const double share = largest_share(onboard, largest) * (1.0 - 1e-9);
+    for (int g = 0; g < GROUPS; g++)
+        if (largest[g] >= share * onboard->full[g])
+            largest[g] = onboard->full[g];
+#endif
+}
 
 /* The assumed braking force on the body, by the last commands. */
 static double body_force(Cycle *c)
@@ -219,9 +223,9 @@ void observe(Cycle *c)
     const double *reading = onboard->reading, *estimate = onboard->estimate;
     const double speed = c->filter ? estimate[ESTIMATE_SPEED] : reading[READING_SPEED];
     const double *wheelset_speed = c->filter ? estimate + ESTIMATE_WHEELSET_SPEED : reading + READING_WHEELSET_SPEED;
-    const double *largest = largest_demand(c);
-    double *observation = c->onboard->observation;
+    double largest[GROUPS], *observation = c->onboard->observation;
 
+    largest_demands(c, largest);
     observation[OBSERVATION_SPEED] = speed;
     observation[OBSERVATION_ACCELERATION] = reading[READING_ACCELERATION];
     for (int g = 0; g < GROUPS; g++) {
@@ -256,14 +260,14 @@ static int all_finite(const double *values)
 int compute_command(Cycle *c)
 {
     Onboard *onboard = c->onboard;
-    const double *largest = largest_demand(c);
-    double input[VALVE_INPUTS], *limited = onboard->valves.call ? input + VALVE_INPUT_DEMAND : onboard->command;
+    double largest[GROUPS], input[VALVE_INPUTS], *limited = onboard->valves.call ? input + VALVE_INPUT_DEMAND : onboard->command;
 
     if (!all_finite(onboard->demand)) { /* the valve logic would treat NaN as a demand to hold */
         copy(onboard->command, onboard->demand, GROUPS);
         return 0;
     }
     copy(onboard->driver_demand, c->driver ? c->driver->pressure : onboard->full, GROUPS);
+    largest_demands(c, largest);
     for (int g = 0; g < GROUPS; g++) {
         const double limit = c->driver && c->driver->binding ? largest[g] : INFINITY;
         const int is_released = c->filter && c->filter->reference[REFERENCE_TEST_RELEASE + g] != 0.0;

@@ -74,6 +74,16 @@ def test_a_brake_pipe_applies_in_steps_releases_and_applies_again(tmp_path):
     assert np.all(np.diff(trace["reservoir_pressure"].values) < 1.0)  # nothing fills the reservoirs
 
 
+def test_a_group_is_not_braked_beyond_its_demand(tmp_path):
+    """The pipe brings the largest demand to all cars; 3 % of full pressure is the band of the valves."""
+    file = write(tmp_path, "piped", command=PIPE)
+    groups = [0.4 * FULL, 0.2 * FULL, 0, 0.4 * FULL]
+    trace = stop_of(file, [(groups, 8), (0, 4), "full"])
+    pressure = trace["cylinder_pressure"].values[np.searchsorted(trace["time"].values, 7.9)]
+    assert pressure[[0, 3]] == pytest.approx(0.4 * FULL, abs=0.01 * FULL)
+    assert pressure[1:3] == pytest.approx([0.2 * FULL, 0], abs=0.03 * FULL)
+
+
 AIR = """[air]
 main_reservoir = "50 l"
 pressure = "7 bar"
