@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Literal, get_type_hints
 
 from railgrip.controllers.sampled import Expression, FormulaBuilder
@@ -39,9 +40,9 @@ SlipSource = Literal["read", "estimated"]
 SEARCHED = "searched"
 """Name of the set that `railgrip maintain tune-control` writes on the training rails."""
 
-TYPE_TEST = "type_test"
-"""Name of the set searched on the training cases of the type test, for laws whose `SEARCHED` set must stay as it is
-because tables that compare them with the papers use it."""
+TYPE_TEST = MappingProxyType({1: "type_test", 2: "type_test_2"})
+"""Names of the sets searched on the training cases of a version of the type test, for laws whose `SEARCHED` set must
+stay as it is because tables that compare them with the papers, or version 1, use it."""
 
 
 def file_of(kind: str, name: str) -> str:

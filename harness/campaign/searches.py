@@ -220,6 +220,7 @@ def search(
     *,
     rails: Path = RAILS,
     rail_stops: Sequence[PlannedStop] | None = None,
+    version: int | None = None,
     sets: int = _SETS,
     budget: int | None = None,
 ) -> Optimum:
@@ -233,12 +234,12 @@ def search(
         slip: Second element.
         notify: Called after each generation with its number and the best reduction against the reference.
         rails: Campaign with the axes rail and equipment.
-        rail_stops: Stops of the type test in place of rails, each with the variant rail, to find the set of the type
-            test.
+        rail_stops: Training cases of the type test in place of rails, each with the variant rail.
+        version: Version of the type test that they are of; None for rails.
         sets: Sets of parameters to try per searched parameter; rounded up to whole generations.
         budget: Total number of sets to try; None for `sets`.
     """
-    name = set_of(law, type_test=rail_stops is not None)
+    name = set_of(law, version)
     file = registry.files(registry.LAWS)[file_of(law, name).removesuffix(".toml")]
     start = tuned_values(file, name, actuation, slip)
     if rail_stops is None:
@@ -320,9 +321,18 @@ def _effort(parameters: int, sets: int, budget: int | None) -> tuple[int, int]:
     return population, max(0, math.ceil((sets * parameters if budget is None else budget) / population) - 1)
 
 
-def set_of(law: str, *, type_test: bool) -> str:
-    """Return the name of the set that a search finds: that of the type test, if the law has one, or the only one."""
-    return TYPE_TEST if type_test and f"{law}.{TYPE_TEST}" in registry.files(registry.LAWS) else SEARCHED
+def set_of(law: str, version: int | None) -> str:
+    """Return the name of the set that a search finds.
+
+    Args:
+        law: A key of `RANGES`.
+        version: Version of the type test whose training cases are searched; None for the training rails.
+
+    Returns:
+        The set of that version, if the law has one, or the only one.
+    """
+    name = TYPE_TEST.get(version or 0, SEARCHED)
+    return name if f"{law}.{name}" in registry.files(registry.LAWS) else SEARCHED
 
 
 def text_of(law: str, results: Mapping[tuple[str, SlipSource], Optimum], command: str = "make tune-control") -> str:

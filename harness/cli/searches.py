@@ -68,7 +68,7 @@ def tune_control(
     """Search the parameters of the control laws.
 
     Parameters that are not searched stay as they are in the file of the law. For a law of the published tables, --cases
-    writes `<law>.type_test.toml`, so that the accepted distances do not change.
+    writes `<law>.type_test.toml` or `<law>.type_test_2.toml`, so that the accepted distances do not change.
     """
     unknown = sorted(set(law or ()) - RANGES.keys())
     if unknown:
@@ -93,7 +93,14 @@ def tune_control(
                 with progress(name):
                     notify = partial(note, name)
                     optima[actuation, slip] = laws.search(
-                        each, actuation, slip, notify, pool, rail_stops=stops, budget=budget
+                        each,
+                        actuation,
+                        slip,
+                        notify,
+                        pool,
+                        rail_stops=stops,
+                        version=version if cases else None,
+                        budget=budget,
                     )
                 say(text_of(each, {(actuation, slip): optima[actuation, slip]}))
             command = " ".join(
@@ -102,7 +109,7 @@ def tune_control(
                     *(f"{name} {value}" for name, value in options.items() if value),
                 )
             )
-            path = out / file_of(each, set_of(each, type_test=cases is not None))
+            path = out / file_of(each, set_of(each, version if cases else None))
             text = text_of(each, optima, command if any(options.values()) else "make tune-control")
             write_text(path, text + _others(path, optima))
 

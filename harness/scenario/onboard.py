@@ -136,7 +136,8 @@ class BuiltInLaw(_TrainLevelTable):
         exclude_if=lambda tuning: tuning is None,
         validate_default=True,
         description="set of parameters: paper, where a publication gives them; searched, on training rails for this "
-        "actuation; type_test, on the training cases of the type test, with valves; or another file of the law. Those "
+        "actuation; type_test and type_test_2, on the training cases of a version of the type test, with valves; or "
+        "another file of the law. Those "
         "of slip-based control are for slip as read, where the estimator is 'none', or else as estimated",
     )
     parameters: Parameters = Field(default={}, description="what differs from that set")

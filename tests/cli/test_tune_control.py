@@ -15,7 +15,7 @@ from railgrip.campaign.searches import EQUIPMENT, RANGES, Optimum, parameters_of
 from railgrip.cli.app import main
 from railgrip.controllers.law import GroupLaw, Law
 from railgrip.controllers.laws.slip_two_state import SlipLevels
-from railgrip.controllers.parameters import TYPE_TEST, file_of
+from railgrip.controllers.parameters import SEARCHED, TYPE_TEST, file_of
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.file import merge
 from railgrip.scenario.load import read_toml, scenario_of
@@ -24,7 +24,8 @@ from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.type_test.entrants import entrants, training
 
 CAMPAIGNS = Path(__file__).parents[2] / "harness" / "scenario" / "campaigns"
-TWICE = {law for law in RANGES if set_of(law, type_test=True) == TYPE_TEST}
+OF_THE_TEST = [(law, version) for law in sorted(RANGES) for version in TYPE_TEST if set_of(law, version) != SEARCHED]
+"""Laws with a set for a version of the type test that is not their only one."""
 CASES = [(law, *case) for law, cases in RANGES.items() for case in cases]
 
 
@@ -40,25 +41,29 @@ def test_no_rail_of_a_reported_campaign_is_a_training_rail(judged):
     assert not {s.seed for s in trained} & {s.seed for s in other_rails}
 
 
-def text_with(law: str, type_test: bool) -> str:
-    return files(registry.LAWS).joinpath(file_of(law, set_of(law, type_test=type_test))).read_text(encoding="utf-8")
+def text_with(law: str, version: int | None) -> str:
+    return files(registry.LAWS).joinpath(file_of(law, set_of(law, version))).read_text(encoding="utf-8")
 
 
-def committed(law: str, type_test: bool = False):
-    return tomllib.loads(text_with(law, type_test))
+def committed(law: str, version: int | None = None):
+    return tomllib.loads(text_with(law, version))
 
 
 SETS = [
-    *((*case, False) for case in CASES),
-    *((law, "pneumatic", slip, True) for law in sorted(TWICE) for slip in committed(law, True)["pneumatic"]),
+    *((*case, None) for case in CASES),
+    *(
+        (law, "pneumatic", slip, version)
+        for law, version in OF_THE_TEST
+        for slip in committed(law, version)["pneumatic"]
+    ),
 ]
-"""Law, actuation, slip, and whether it is the set for the type test."""
+"""Law, actuation, slip, and the version of the type test that the set is for."""
 
 
-@pytest.mark.parametrize(("law", "actuation", "slip", "type_test"), SETS)
-def test_optimised_parameters_are_within_their_search_ranges(law, actuation, slip, type_test):
+@pytest.mark.parametrize(("law", "actuation", "slip", "version"), SETS)
+def test_optimised_parameters_are_within_their_search_ranges(law, actuation, slip, version):
     """Apart from rounding to two digits."""
-    values, ranges = dict(committed(law, type_test)[actuation][slip]), RANGES[law][actuation, slip]
+    values, ranges = dict(committed(law, version)[actuation][slip]), RANGES[law][actuation, slip]
     if "high" in values:
         values["high_over_low"] = values.pop("high") / values["low"]
     assert set(values) == set(ranges)
@@ -94,21 +99,31 @@ def test_levels_depend_on_actuation_and_source_of_slip(law, actuation, slip):
     assert levels("paper") == {"low": 0.10, "high": 0.15, "hold": hold}
 
 
-@pytest.mark.parametrize(("law", "actuation", "slip"), [one[:3] for one in SETS if one[3]])
-def test_a_scenario_uses_the_set_for_the_type_test(law, actuation, slip):
-    values = committed(law, type_test=True)[actuation][slip]
-    assert parameters_in(law_with(actuation, slip, kind=law, tuning="type_test"), values) == values
+@pytest.mark.parametrize(("law", "actuation", "slip", "version"), [one for one in SETS if one[3]])
+def test_a_scenario_uses_the_set_for_the_type_test(law, actuation, slip, version):
+    values = dict(committed(law, version)[actuation][slip])
+    assert parameters_in(law_with(actuation, slip, kind=law, tuning=TYPE_TEST[version]), values) == values
     assert values != committed(law)[actuation][slip]  # otherwise the assertion above proves nothing
 
 
-@pytest.mark.parametrize("law", sorted(TWICE))
-def test_the_set_for_the_type_test_requires_valves(law):
-    with pytest.raises(ScenarioError, match=f"tuning 'type_test': {law} has no set for ideal .* there is pneumatic"):
-        law_with("ideal", "estimated", kind=law, tuning="type_test")
+@pytest.mark.parametrize(("law", "version"), OF_THE_TEST)
+def test_the_set_for_the_type_test_requires_valves(law, version):
+    name = TYPE_TEST[version]
+    with pytest.raises(ScenarioError, match=f"tuning '{name}': {law} has no set for ideal .* there is pneumatic"):
+        law_with("ideal", "estimated", kind=law, tuning=name)
+
+
+@pytest.mark.parametrize("version", TYPE_TEST)
+def test_each_version_of_the_type_test_has_the_sets_of_its_own_training_cases(version):
+    """Levels of publications and those set by hand are named in the entrant."""
+    for name, entrant in entrants(version).items():
+        controller = entrant.tables["controller"]
+        if controller["kind"] in RANGES and entrant.tuned and name != "adhesion_literal":
+            assert controller.get("tuning", SEARCHED) == set_of(controller["kind"], version), name
 
 
 def test_an_unavailable_set_of_a_law_is_refused():
-    with pytest.raises(ScenarioError, match=r"tuning is 'type_test'; wheel_reference has searched"):
+    with pytest.raises(ScenarioError, match=r"tuning is 'type_test'; wheel_reference has searched, type_test_2"):
         law_with("pneumatic", "read", kind="wheel_reference", tuning="type_test")
     with pytest.raises(ScenarioError, match=r"tuning is 'paper'; full_brake has no set"):
         law_with("pneumatic", "read", kind="full_brake", tuning="paper")
@@ -142,7 +157,7 @@ def test_a_search_on_training_cases_does_not_change_the_set_of_the_papers(tmp_pa
 @pytest.mark.parametrize("law", list(RANGES))
 def test_the_committed_parameters_result_from_a_search(law):
     """The file includes the distances of the search, as `text_of` writes them."""
-    text = text_with(law, type_test=False)
+    text = text_with(law, None)
     if text.startswith(f"# Parameters of {law} before any search."):
         assert not entrants()[law].tuned  # so comparisons do not present it as tuned
         return
@@ -150,13 +165,13 @@ def test_the_committed_parameters_result_from_a_search(law):
     assert text.count("% against slip-based control, on:") == len(RANGES[law])
 
 
-@pytest.mark.parametrize("law", sorted(TWICE))
-def test_the_sets_for_the_type_test_result_from_training_cases(law):
-    text, valves = text_with(law, type_test=True), committed(law, type_test=True)["pneumatic"]
-    command = f"railgrip maintain tune-control --law {law} --cases 16 --budget 32"
+@pytest.mark.parametrize(("law", "version"), OF_THE_TEST)
+def test_the_sets_for_the_type_test_result_from_training_cases(law, version):
+    text, valves = text_with(law, version), committed(law, version)["pneumatic"]
+    command = f"railgrip maintain tune-control --law {law} --cases 16 --budget 32" + (version > 1) * " --version 2"
     assert text.startswith(text_of(law, {}, command).rstrip())
     assert text.count("# The best of 32 sets: ") == len(valves)
-    for case in training(16):
+    for case in training(16, version):
         assert text.count(f"#   {case.variants['rail']}: ") == len(valves)
 
 

@@ -20,7 +20,7 @@ from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.parameters import SEARCHED, TYPE_TEST, file_of
 
 ACCEPTED = Path(__file__).with_name("law_responses.json")
-SETS = (SEARCHED, "paper", TYPE_TEST)
+SETS = (SEARCHED, "paper", *TYPE_TEST.values())
 PERIODS = {"ideal": 1e-3, "pneumatic": 1e-2}
 DURATION = 24.0
 """Seconds: six slides, from short and shallow to long and deep."""

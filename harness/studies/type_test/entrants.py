@@ -63,11 +63,16 @@ def entrants(version: int = 1) -> dict[str, Entrant]:
     """Return the built-in entrants in a version of the type test by name: references first, then baselines."""
     tables = read_toml(LIBRARY / "entrants.toml")
     all_of_them = {
-        name: validate_table(Entrant, table, directory=LIBRARY, origin=f"entrants: {name}")
+        name: validate_table(Entrant, _table_in(version, **table), directory=LIBRARY, origin=f"entrants: {name}")
         for name, table in tables.items()
         if table.get("since", 1) <= version
     }
     return dict(sorted(all_of_them.items(), key=lambda item: get_args(Role).index(item[1].role)))
+
+
+def _table_in(version: int, *, version_2: Mapping[str, Any] | None = None, **table: Any) -> dict[str, Any]:
+    """Return the table of an entrant with those that override it in a version."""
+    return merge(table, version_2 or {}) if version == 2 else table
 
 
 def entrants_named(arguments: Sequence[str], ours: Mapping[str, Entrant]) -> dict[str, Entrant]:
