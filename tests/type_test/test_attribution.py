@@ -8,6 +8,7 @@ import pytest
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.attribution import (
     AS_IS,
+    ENTRANTS,
     LAW,
     distance_with,
     gains_of,
@@ -18,14 +19,14 @@ from railgrip.studies.attribution import (
     table_of,
     without_dead_time,
 )
-from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of, training_cases
+from railgrip.studies.type_test.entrants import campaign_of, train_of, training_cases
 from railgrip.studies.type_test.track_case import HEADLINES
 
 PATCHES = replace(HEADLINES[0], speed=8.0, faults=("radar stuck", "valve slow"))
 
 
 def scenario_of(case, law=LAW):
-    return campaign_of([case], {law: entrants(2)[law]}, train_of(None)).stops[0].scenario
+    return campaign_of([case], {law: ENTRANTS[law]}, train_of(None)).stops[0].scenario
 
 
 @pytest.fixture(scope="module")

@@ -116,7 +116,7 @@ class TypeTest(Study):
         """Run missing stops, judge all stops, and rank the controllers."""
         self._require_consistent()
         judging, ours = limits_of(self.limits), entrants(self._version)
-        known = entrants(max(VERSIONS))
+        known = entrants(max(VERSIONS)) | ours
         candidates = ours if self.controller is None else entrants_named(self.controller, known)
         taking_part = ours | candidates
         if self.against is not None and self.against not in taking_part:
