@@ -4,13 +4,17 @@ import ctypes
 import os
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import pytest
 
 from railgrip.base import cache
 from railgrip.base.errors import InputError
+from railgrip.fmus.native import equations, toolchain
 from railgrip.fmus.native.toolchain import shared_library
 
 ONE = {"one.c": '__attribute__((visibility("default"))) int one(void) { return 1; }'}
@@ -88,6 +92,29 @@ def test_concurrent_writers_may_cache_the_same_file(own_cache):
         paths = set(pool.map(lambda _: cache.keep("libraries", "key", "a.so", b"content" * 10000), range(64)))
     assert paths == {cache.find("libraries", "key", "a.so")}
     assert [file.name for file in paths.pop().parent.iterdir()] == ["a.so"]
+
+
+@posix
+def test_what_several_need_at_once_is_compiled_and_translated_once(own_cache, monkeypatch):
+    """Threads wait for each other like processes: each has opened the locked folder itself."""
+    made: list[str] = []
+
+    def counted(module: ModuleType, name: str, result: Any) -> None:
+        def make(*arguments: Any, **options: Any) -> Any:
+            made.append(name)
+            time.sleep(0.1)  # without a lock, all threads have found nothing by then
+            return result
+
+        monkeypatch.setattr(module, name, make)
+
+    counted(toolchain, "binary", b"compiled")
+    counted(equations, "lower_here", "translated")
+    monkeypatch.setattr(equations.Model, "from_bytes", lambda content: content)
+    with ThreadPoolExecutor(4) as pool:
+        libraries = list(pool.map(lambda _: shared_library(ONE, "one").read_bytes(), range(4)))
+        models = list(pool.map(lambda _: equations.lower("RailBraking.Plants.Wagon"), range(4)))
+    assert (libraries, models) == ([b"compiled"] * 4, [b"translated"] * 4)
+    assert made == ["binary", "lower_here"]
 
 
 def test_the_least_recently_used_files_are_removed_beyond_the_limit(own_cache, monkeypatch):

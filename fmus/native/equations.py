@@ -91,11 +91,14 @@ def lower(class_name: str, modelica_path: Path | None = None) -> Model:
     key, name = digest([class_name, uses_digest(library, (), class_name), compiler_digest()]), f"{class_name}.json"
     file = cache.find("models", key, name)
     if file is None:
-        if is_trusted(library):
-            text = lower_here(class_name, library)
-        else:
-            text = separate_process.call("lower", class_name, library)
-        file = cache.keep("models", key, name, text.encode())
+        with cache.one_maker("models", key):
+            file = cache.find("models", key, name)
+            if file is None:
+                if is_trusted(library):
+                    text = lower_here(class_name, library)
+                else:
+                    text = separate_process.call("lower", class_name, library)
+                file = cache.keep("models", key, name, text.encode())
     # The file is read even if it has just been written, so that every process computes with the same functions.
     return Model.from_bytes(file.read_bytes())
 

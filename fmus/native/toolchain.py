@@ -25,7 +25,7 @@ import numpy as np
 from cffi import FFI
 from numpy.typing import NDArray
 
-from railgrip.base.cache import find, keep
+from railgrip.base.cache import find, keep, one_maker
 from railgrip.base.errors import BuildFailed, CompilerMissing
 from railgrip.base.files import scratch
 from railgrip.base.programs import environment_of_programs, find_program
@@ -133,9 +133,12 @@ def shared_library(
     options = _options(include, flags)
     inputs = json.dumps([cc.command, cc.version, options, [*units], sorted(sources.items())])
     key = hashlib.sha256(inputs.encode()).hexdigest()
-    return find("libraries", key, file) or keep(
-        "libraries", key, file, binary(sources, name, units=units, include=include, flags=flags)
-    )
+    if found := find("libraries", key, file):
+        return found
+    with one_maker("libraries", key):  # the first stops of two processes need the same libraries at the same time
+        return find("libraries", key, file) or keep(
+            "libraries", key, file, binary(sources, name, units=units, include=include, flags=flags)
+        )
 
 
 def binary(

@@ -102,13 +102,14 @@ def one_maker(kind: str, key: str) -> Generator[None]:
     Without locks of folders, as on Windows, several processes may make the same files.
 
     Raises:
-        InputError: The cache cannot be written.
+        InputError: The cache cannot be written, or other users can write to it.
     """
     place = folder() / kind / key
     try:
         folder().parent.mkdir(parents=True, exist_ok=True)
         for above in (folder(), place.parent, place):
             above.mkdir(mode=0o700, exist_ok=True)
+            _require_private(above)
     except OSError as error:
         raise _cannot_write(place, error) from error
     with lock_folder(place, wait=True):

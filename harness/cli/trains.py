@@ -11,7 +11,7 @@ from railgrip.base.errors import InputError
 from railgrip.cli.app import AsJson, complete, print_json
 from railgrip.report.console import remark, say, show_all, show_table
 from railgrip.report.style import save
-from railgrip.rolling_stock.check import checked_train, findings, friction_findings, stops_by_hand
+from railgrip.rolling_stock.check import checked_train, findings, friction_findings, stops_by_hand, usual_speeds
 from railgrip.rolling_stock.drawing import drawing
 from railgrip.rolling_stock.schema import TravelSpeed, load_train
 from railgrip.rolling_stock.tables import (
@@ -114,7 +114,7 @@ def calculate(
 
     path = locate(file, "trains")
     train = checked_train(file)
-    speeds = sorted({_speed("--speed", text) for text in speed or ()}) or sorted(stops_by_hand(train))
+    speeds = sorted({_speed("--speed", text) for text in speed or ()}) or usual_speeds(train)
     for each in speeds:
         if wrong := friction_findings(train, each):
             raise InputError("\n".join(f"{path.name}: {finding}" for finding in wrong))

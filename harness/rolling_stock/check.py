@@ -119,9 +119,14 @@ def friction_findings(train: Train, speed: float) -> list[TrainRemark]:
     return list(remarks.values())
 
 
+def usual_speeds(train: Train) -> list[float]:
+    """Return the speeds of [[reference]], ascending, or `USUAL_SPEED` without any [m/s]."""
+    return sorted({reference.speed for reference in train.reference} or {USUAL_SPEED})
+
+
 def stops_by_hand(train: Train) -> dict[float, HandCalculation]:
-    """Return speed [m/s] → stop for the speeds of [[reference]], or for `USUAL_SPEED` without any."""
-    return {speed: by_hand(train, speed) for speed in sorted({r.speed for r in train.reference} or {USUAL_SPEED})}
+    """Return speed [m/s] → stop for the usual speeds of a train."""
+    return {speed: by_hand(train, speed) for speed in usual_speeds(train)}
 
 
 def _resistance(train: Train) -> Iterator[TrainRemark]:

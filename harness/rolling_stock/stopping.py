@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from railgrip.base.arrays import Matrix, Vector
 from railgrip.base.errors import InputError
 from railgrip.base.units import GRAVITY
-from railgrip.rolling_stock.brakes import SHAPE, BlockLaw, RailBrake, TrackBrake
+from railgrip.rolling_stock.brakes import CONSTANT, SHAPE, BlockLaw, RailBrake, TrackBrake
 from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, Train
 from railgrip.scenario.table import Table
 
@@ -315,7 +315,9 @@ def _brakes_of(train: Train) -> tuple[dict[str, Vector], Vector]:
     wheel = _each([part.data for part in parts], "wheel_radius")
     brakes = {name: _each([part.brake for part in parts], name) for name in ("friction_radius", *_BRAKE)}
     brakes |= {name: _each([part.pads for part in parts], name) for name in PAD_EFFECTS}
-    brakes |= {name: np.array([getattr(part.law, name) for part in parts]) for name in SHAPE}
+    if any(part.law is not CONSTANT for part in parts):
+        brakes |= {name: np.array([getattr(part.law, name) for part in parts]) for name in SHAPE}
+        brakes["nominal_shape"] = _shape(brakes, brakes["speed_nominal"], brakes["force_nominal"])
     units = np.array([axle.units for axle in train.axles])
     radius = brakes["friction_radius"]
     return brakes | {"sliding": radius / wheel, "lever": units * radius / wheel}, wheel
@@ -415,13 +417,15 @@ def _friction_force(brakes: dict[str, Vector], speed: float | Matrix, pad_force:
     slower = 1 - speed * brakes["sliding"] / brakes["speed_nominal"]
     friction = brakes["pad_friction"] * (1 + brakes["speed_effect"] * slower)
     friction = friction * (1 - brakes["force_effect"] * (pad_force / brakes["force_nominal"] - 1))
-    return brakes["lever"] * friction * _block_shape(brakes, speed, pad_force) * pad_force
+    lever = brakes["lever"] * friction
+    if "nominal_shape" in brakes:
+        lever = lever * (_shape(brakes, speed * brakes["sliding"], pad_force) / brakes["nominal_shape"])
+    return lever * pad_force
 
 
-def _block_shape(brakes: dict[str, Vector], speed: float | Matrix, pad_force: Vector) -> Vector:
-    """Return the friction of blocks over the nominal one; 1 for pads."""
-    law = BlockLaw(factor=1, **{name: cast(Any, brakes[name]) for name in SHAPE})
-    return law.shape(speed * brakes["sliding"], pad_force) / law.shape(brakes["speed_nominal"], brakes["force_nominal"])
+def _shape(brakes: dict[str, Vector], speed: Matrix, pad_force: Vector) -> Vector:
+    """Return the friction of blocks over that at infinite force and speed; 1 for pads."""
+    return BlockLaw(factor=1, **{name: cast(Any, brakes[name]) for name in SHAPE}).shape(speed, pad_force)
 
 
 def wire_of(train: Train, bogie: int) -> tuple[float, float]:
