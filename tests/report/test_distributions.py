@@ -73,6 +73,12 @@ def test_draws_are_compared_one_by_one():
     assert abc.vs_sbc.shorter_interval == pytest.approx((0.025 ** (1 / 101), 1))
 
 
+def test_draws_without_anything_random_are_reported():
+    """Their intervals would look like those of a distribution, and only one stop has been seen."""
+    same, different = distribution_table(distributions_of(stops([300.0] * 3, [310.0, 311.0, 312.0]))).rows
+    assert (same["5–95 %"], different["5–95 %"]) == ("all the same", "310.0 – 312.0 m")
+
+
 @pytest.mark.parametrize("actuations", [("ideal",), ("ideal", "pneumatic")])
 def test_a_table_for_the_documentation_names_the_settings_that_differ(actuations):
     drawn = pandas.concat([stops(np.ones(3), np.ones(3)).assign(actuation=name) for name in actuations])
