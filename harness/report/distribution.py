@@ -91,10 +91,7 @@ def distribution_table(distributions: Frame) -> ReportTable:
             **_question(one),
             "draws": str(one.draws) if one.stood == one.draws else f"{one.draws}, {one.draws - one.stood} without stop",
             "median": _metres(one.median),
-            # Without anything random there is no distribution.
-            "5–95 %": f"{_metres(one.low, '')} – {_metres(one.high)}"
-            if one.distances.nunique() > 1
-            else "all the same",
+            "5–95 %": f"{_metres(one.low, '')} – {_metres(one.high)}",
             "worst (draw)": f"{_metres(one.worst)} ({one.worst_draw})",
             **{f"{figure.column}, median": getattr(one, name) for name, figure in _OVER_DRAWS.items()},
             **paired_texts("SBC 10/15 %", one.vs_sbc),
