@@ -112,7 +112,7 @@ class Sweep:
             f"{', '.join(f'{key} ({len(values)})' for key, values in self.axes.items()) or 'nothing'}",
             f"  {', '.join(f'{count} {outcome}' for outcome, count in outcomes.items())}",
             f"  shortest {line(0)}",
-            f"  median {line(len(known) // 2)}",
+            f"  median {f'{known.median():.2f} m of {len(known)} with standstill' if len(known) else 'none'}",
             f"  longest {line(-1)}",
         )
         return "\n".join(lines)

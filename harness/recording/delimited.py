@@ -89,9 +89,27 @@ def read_delimited(path: Path, separator: str | None = None, decimal: str | None
     if decimal is None and _has_decimal_commas(path, frame):
         decimal = ","
         frame = _table(path, encoding, separator, decimal, skipped)
-    frame = frame.rename(columns={name: str(name).strip() for name in frame.columns})
+    frame.columns = _labels(header, [str(name) for name in frame.columns])
+    units = {
+        label: units[name.strip()] for label, name in zip(frame.columns, header, strict=False) if name.strip() in units
+    }
     values = {str(name): frame[name].to_numpy() for name in frame.columns}
     return Columns(values=values, units=units, decimal=decimal or ".", notices=tuple(notices))
+
+
+def _labels(header: Sequence[str], found: Sequence[str]) -> list[str]:
+    """Return the names of columns without spaces at their ends; those that occur several times have their number.
+
+    Otherwise one of them would be taken for the other.
+
+    Args:
+        header: Names as written.
+        found: Names by pandas, which has one for each column.
+    """
+    names = [name.strip() or other for name, other in zip(header, found, strict=False)]
+    counts = Counter(names)
+    labels = [f"column {n}: {name}" if counts[name] > 1 else name for n, name in enumerate(names, start=1)]
+    return [*labels, *found[len(labels) :]]
 
 
 def _other_lines(path: Path, encoding: str, separator: str, head: Sequence[str]) -> tuple[list[int], list[int]]:
@@ -267,6 +285,7 @@ DAY: Final = 86400.0
 HOUR: Final = 3600.0
 _NUMERIC_DATE = re.compile(r"(?<!\d)(\d{1,2})([./-])(\d{1,2})[./-](\d{2,4})\b")
 """A date that ends with its year; whether its day or its month is first is a custom."""
+_MINUTES_AND_SECONDS = re.compile(r"(?<![\d:+-])\d+:\d+[.,]\d|^\s*\d+:\d+\s*$")
 _COUNTERS: Final = {f"{bits} bits": float(2**bits) for bits in (16, 24, 31, 32)}
 _TICKS: Final = (1.0, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
 """Seconds of a count."""
@@ -291,6 +310,7 @@ def seconds_of_stamps(file: str, name: str, values: Any, order: str | None) -> V
         texts = column.dropna().astype(str)
         # "12:00:01,250" has a decimal comma.
         column = column.astype("string").str.replace(r",(\d+)\s*$", r".\1", regex=True)
+        _require_seconds(file, name, texts)
         is_day_first = _is_day_first(file, name, texts, order)
     else:
         is_day_first = False
@@ -307,6 +327,17 @@ def seconds_of_stamps(file: str, name: str, values: Any, order: str | None) -> V
     return np.asarray(seconds, dtype=np.float64)
 
 
+def _require_seconds(file: str, name: str, texts: Any) -> None:
+    """Refuse times with one colon and a fraction: pandas reads minutes and seconds, 05:12.5, as hours and minutes."""
+    short_ones = texts[texts.str.contains(_MINUTES_AND_SECONDS)]
+    if len(short_ones):
+        raise EstimationError(
+            f"{file}: column '{name}' has times such as {short(short_ones.iloc[0])}, with one colon; write hours, "
+            "minutes and seconds, as 10:05:12.5, or seconds as a number. Spreadsheets save times without their hours: "
+            "give the cells the format hh:mm:ss.000 before saving."
+        )
+
+
 def _is_day_first(file: str, name: str, texts: Any, order: str | None) -> bool:
     """Return whether the day is first in dates that end with their year.
 
@@ -320,9 +351,16 @@ def _is_day_first(file: str, name: str, texts: Any, order: str | None) -> bool:
     if (dates[1] == ".").all():
         return True
     first, second = (dates[k].astype(int) for k in (0, 2))
+    is_one_date = len(dates[[0, 2, 3]].drop_duplicates()) == 1
+    if not is_one_date and (dates[3].str.len() < 4).any():
+        raise EstimationError(
+            f"{file}: column '{name}' has dates such as {short(texts.iloc[0])}, whose year has two digits and may be "
+            "first or last; if it is last, write order = 'day first' or order = 'month first' in time of [data] "
+            "(inspect: --order), else write years with four digits."
+        )
     if (first > 12).any() or (second > 12).any():
         return bool((first > 12).any())
-    if len(dates[[0, 2, 3]].drop_duplicates()) == 1 or (first == second).all():
+    if is_one_date or (first == second).all():
         return True
     raise EstimationError(
         f"{file}: column '{name}' has dates such as {short(texts.iloc[0])}, whose day or month may be first; write "

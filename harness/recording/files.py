@@ -211,7 +211,11 @@ def series_of_table(path: Path, file: Columns, table: DataTable, columns: Sequen
             "'unchanged' in [data] if a blank cell repeats the value above it, else blank = 'missing'."
         )
     if table.blank == "unchanged":
-        blocks = {name: _filled(values) for name, values in blocks.items()}
+        # Several rows of an instant, such as one for each signal, are one state: that after the last of them.
+        last = np.searchsorted(time, time, side="right") - 1 if _rises(time) else np.arange(time.size)
+        blocks = {
+            name: _filled(values)[last] if values.shape == time.shape else values for name, values in blocks.items()
+        }
     series: dict[str, Series] = {}
     for name, values in blocks.items():
         if values.shape != time.shape:
@@ -233,6 +237,10 @@ def is_change_driven(columns: Iterable[Vector]) -> bool:
     repeats = [np.mean(np.diff(values[np.isfinite(values)]) == 0.0) for values in blocks]
     # Loggers with several rates fill rows together; a row of changes has one or a few.
     return bool(np.median(shares) > 0.5 and np.median(rows) < len(blocks) / 2 and max(repeats) < 0.02)
+
+
+def _rises(time: Vector) -> bool:
+    return bool(np.isfinite(time).all() and (np.diff(time) >= 0.0).all())
 
 
 def _filled(values: Vector) -> Vector:

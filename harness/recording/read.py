@@ -198,7 +198,10 @@ def require_signals(
 
 
 def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[Vector, Vector]:
-    """Return a signal on instants that rise; rows without a time or with one that repeats are left out."""
+    """Return a signal on instants that rise; rows without a time are left out.
+
+    Of rows with the same time, the first one that has a value counts.
+    """
     finite = np.isfinite(series.time)
     time, values = series.time[finite], series.values[finite]
     if time.size and np.abs(time).max() > _LATEST:
@@ -218,7 +221,10 @@ def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[V
         repeats.append(Flag(signal="time", kind="time", begin=at, end=at, samples=gaps, remark="no time"))
     # Signals of one table share their instants, whose errors are reported once.
     flags.extend(flag for flag in repeats if flag not in flags)
-    return time[~again], values[~again]
+    first = np.flatnonzero(~again)
+    found = np.where(np.isfinite(values), np.arange(values.size), values.size)
+    kept = np.minimum.reduceat(found, first) if first.size else first
+    return time[first], np.where(kept < values.size, values[np.minimum(kept, values.size - 1)], np.nan)
 
 
 def _usual(steps: Vector) -> float:

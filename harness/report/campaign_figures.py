@@ -330,7 +330,9 @@ def sweep_figure(axes: Mapping[str, Sequence[Any]], distances: NDArray[np.float6
             panel.plot(places, line, ".", color=palette.GREY, ms=3)
         with np.errstate(all="ignore"):
             median = np.nanmedian(lines, axis=0)
-        panel.plot(places, median, "o-", color=palette.BLUE, label=f"median over {', '.join(others)}")
+        panel.plot(
+            places, median, "o-", color=palette.BLUE, label=f"median of those with standstill, over {', '.join(others)}"
+        )
     else:
         labels = _line_labels([(name, axes[name]) for name in names if name != longest])
         for line, label, colour in zip(lines, labels, palette.LINES, strict=False):

@@ -16,6 +16,7 @@ from railgrip.base.units import cut, short
 from railgrip.report.frame import Frame
 from railgrip.report.page import Page
 from railgrip.report.results import provenance, read_results
+from railgrip.report.statistics import relative_change
 from railgrip.report.stop import (
     CAMPAIGN_FILE,
     STOP_FILE,
@@ -414,17 +415,21 @@ def _distances(distances: Frame, pairs: Mapping[str, Stops]) -> ReportTable:
 
 
 def _change_sentences(distances: Frame, pairs: Mapping[str, Stops]) -> list[str]:
-    """Return a sentence for each further campaign on the differences of all distances."""
+    """Return a sentence for each further campaign on the differences of all distances; without standstill, infinite."""
     sentences: list[str] = []
     for letter in distances.columns[1:]:
-        changes = (distances[letter] / distances["A"] - 1).dropna().sort_index().sort_values(kind="stable")
-        if changes.empty:
+        if (distances[letter] + distances["A"]).isna().all():
             sentences.append(f"{letter} against A: no stop came to a standstill in both.")
             continue
-        (least, median, most), (best, worst) = changes.iloc[[0, len(changes) // 2, -1]], changes.index[[0, -1]]
+        both = distances[[letter, "A"]].fillna(math.inf).itertuples(index=False)
+        changes = pandas.Series([relative_change(*pair) for pair in both], distances.index)
+        changes = changes.sort_index().sort_values(kind="stable")
+        least, median, most = (
+            percent(each) or "endless" for each in (changes.iloc[0], changes.median(), changes.iloc[-1])
+        )
         sentences.append(
             f"{letter} against A over {len(changes)} stops: {(changes > 0).sum()} longer, {(changes < 0).sum()} "
-            f"shorter, median {percent(median)}, from {percent(least)} ({best}) to {percent(most)} ({worst})."
+            f"shorter, median {median}, from {least} ({changes.index[0]}) to {most} ({changes.index[-1]})."
         )
         different = [name for name, pair in pairs.items() if pair["A"].outcome is not pair[letter].outcome]
         if different:

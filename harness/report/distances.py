@@ -320,7 +320,9 @@ def _controllers(frame: Frame) -> list[_Contender]:
     for name, own in compared.groupby("controller_label", sort=False):
         shares = own["reduction_vs_sbc"].dropna()
         if len(shares):
-            median, smallest, largest = map(change, (shares.median(), shares.max(), shares.min()))
+            median, smallest, largest = (
+                change(share) or "endless" for share in (shares.median(), shares.max(), shares.min())
+            )
             text = f"{median} in the median of {len(shares)} stops, from {smallest} to {largest}"
             text = text if len(shares) > 1 else f"{median} in one stop"
             candidates.append(_Contender(name=str(name), change=-shares.median(), text=text, stops=own))

@@ -9,6 +9,7 @@ import pandas
 from railgrip.report.limits import limits_of
 from railgrip.report.reference import controller_of, label, references, setting_of
 from railgrip.report.results import Results
+from railgrip.report.statistics import endless
 from railgrip.report.stop import Stop
 from railgrip.scenario.campaign import DRAW
 from railgrip.scenario.conditioning import RepeatedDistances
@@ -68,7 +69,7 @@ def frame_of(results: Results) -> Frame:
       plant's parameters in the seventh digit; this median, the shortest and the longest distance [m], or None if they
       agree; text with the distances with FMUs of other compilers, and with other lots of sensors.
     - `reduction_vs_sbc`, `reduction_vs_tuned`: 1 − distance over that of the published, or the best tuned, SBC in the
-      same conditions.
+      same conditions; −∞ without standstill.
     - `paper_distance`, `paper_reduction`: published distance [m], and its reduction against the published SBC.
     - `outcome`, `breaks`, `stop`: outcome, clauses that the stop breaks, and name in the campaign.
     - `outside`: maximum share of time in which a true adhesion or pad friction was outside ±2σ of the estimate.
@@ -227,6 +228,6 @@ def _estimator(scenario: Mapping[str, Any]) -> str:
 
 
 def _reduction(distance: float | None, reference: Stop | None, own: Stop) -> float:
-    """Return 1 − distance over that of the reference; NaN if one is missing, and for the reference itself."""
+    """Return 1 − distance over that of the reference, −∞ without standstill; NaN if there is no reference."""
     before = reference.braking_distance if reference is not None and reference is not own else None
-    return nan if distance is None or before is None else 1 - distance / before
+    return nan if before is None else 1 - endless(distance) / before

@@ -347,6 +347,12 @@ def _stops(
         for change in (*each.changes, last):
             tables = tables.overlay(tables.origin, change)
         stop = PlannedStop(name=each.name, variants=each.variants, scenario=tables.value(Scenario))
+        lot = getattr(stop.scenario.sensors, "seed", None)
+        if each.seeds and lot is not None:
+            raise ScenarioError(
+                f"{tables.origin}: [sensors] seed is {lot}, so that all draws would have the same sensors and noise; "
+                "remove it: [draws] has the seeds of rail and sensors"
+            )
         yield from _draw_stops(stop, campaign.draws) if campaign.draws and each.seeds else (stop,)
 
 

@@ -270,9 +270,16 @@ def _gpx_points(path: Path) -> tuple[list[int], Array, Array]:
     points: list[tuple[int, float, float, float]] = []
     open_point: dict[str, Any] = {}
     parser = expat.ParserCreate()
+    tracks = 0
 
     def begin(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal tracks
         name = tag.rpartition(":")[2]
+        tracks += name == "trk"
+        if tracks > 1:
+            raise ValueError(
+                f"line {parser.CurrentLineNumber}: a second track (trk) begins; a line is one, remove others"
+            )
         if name == "trkpt":
             open_point.update(line=parser.CurrentLineNumber, ele="", inside=False, **attributes)
         open_point["inside"] = name == "ele" and "line" in open_point
@@ -305,24 +312,26 @@ def _gpx_points(path: Path) -> tuple[list[int], Array, Array]:
         raise ValueError(f"is not XML, as GPX files are ({problem})") from problem
     if len(points) < 2:
         raise ValueError(f"has {len(points)} points of a track (trkpt); a line takes two or more")
-    lines, latitude, longitude, height = (np.array(column) for column in zip(*points, strict=True))
-    way = _lengths(latitude, longitude, height)
-    kept = [0]
-    for number in range(1, len(way)):
-        if way[number] - way[kept[-1]] >= _CLOSEST:
-            kept.append(number)
+    kept, way = _apart(points)
     if len(kept) < 2:
         raise ValueError("has a track whose points are at one place")
-    return [int(lines[number]) for number in kept], way[kept], height[kept]
+    return [points[number][0] for number in kept], np.array(way), np.array([points[number][3] for number in kept])
 
 
-def _lengths(latitude: Array, longitude: Array, height: Array) -> Array:
-    """Return the horizontal distance of each point from the first, along the points [m]."""
+def _apart(points: list[tuple[int, float, float, float]]) -> tuple[list[int], list[float]]:
+    """Return the points that lie apart, by number, and the horizontal distance along them from the first [m].
+
+    Each is compared with the last one that is kept: steps between readings at rest would add up.
+    """
     from railgrip.scenario.track_geometry import Place, local  # takes a fifth of a second
 
-    steps = [0.0]
-    for i in range(len(latitude) - 1):
-        place = Place(latitude=float(latitude[i]), longitude=float(longitude[i]), height=float(height[i]))
-        north, east, _ = local(latitude[i + 1], longitude[i + 1], height[i], place)
-        steps.append(float(np.hypot(north, east)))
-    return np.cumsum(steps)
+    kept, way = [0], [0.0]
+    for number, (_, latitude, longitude, _) in enumerate(points):
+        _, *place, height = points[kept[-1]]
+        origin = Place(latitude=place[0], longitude=place[1], height=height)
+        north, east, _ = local(latitude, longitude, height, origin)
+        step = float(np.hypot(north, east))
+        if step >= _CLOSEST:
+            kept.append(number)
+            way.append(way[-1] + step)
+    return kept, way

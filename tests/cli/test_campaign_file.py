@@ -61,6 +61,14 @@ def test_each_matching_stop_is_repeated_for_each_drawn_seed_without_a_trace(proj
     assert [(stop.scenario.seed, stop.keep_trace) for stop in plan.stops if stop not in drawn] == [(7, True)] * 2
 
 
+def test_draws_of_sensors_with_a_seed_of_their_own_are_refused(project):
+    """All draws would have one lot of sensors: the distribution would look narrower than it is."""
+    lots = '[axes.equipment]\na = "service"\n[axes.lot.a]\nsensors.seed = 5\n'
+    assert campaign(project, lots).stops[0].scenario.sensors.seed == 5
+    with pytest.raises(ScenarioError, match=r"\[sensors\] seed is 5, so that all draws would have the same sensors"):
+        campaign(project, lots + "[draws]\nfirst = 1\nlast = 2\n")
+
+
 def test_the_first_matching_entry_gives_the_expected_outcome(project):
     plan = campaign(
         project,

@@ -75,6 +75,52 @@ def test_one_date_needs_no_order(tmp_path):
     np.testing.assert_allclose(times_of(path, time={"column": "t", "unit": "timestamp"})[0], T, atol=1e-6)
 
 
+@pytest.mark.parametrize("form", ["%M:%S.%f", "%M:%S,%f", "2025-01-04 %M:%S.%f"])
+def test_times_of_minutes_and_seconds_are_refused(tmp_path, form):
+    """Spreadsheets write them; as hours and minutes, which pandas reads, they would last sixty times as long."""
+    path = csv(tmp_path, {"t": stamps(form, "2025-01-04 10:00"), "v": V})
+    with pytest.raises(
+        EstimationError, match=r"has times such as .*, with one colon; write hours, minutes and seconds"
+    ):
+        times_of(path, time={"column": "t", "unit": "timestamp"})
+
+
+@pytest.mark.parametrize("form", ["%y-%m-%d %H:%M:%S.%f", "%y/%m/%d %H:%M:%S.%f", "%d-%m-%y %H:%M:%S.%f"])
+@pytest.mark.parametrize("begin", ["2025-01-30 23:59:30", "2025-01-31 23:59:30"])
+def test_years_of_two_digits_over_midnight_are_asked_for(tmp_path, form, begin):
+    """The year may be first: 25-01-31 and 25-02-01 as days of 2031 and 2001 are 30 years apart."""
+    path = csv(tmp_path, {"t": stamps(form, begin), "v": V})
+    with pytest.raises(EstimationError, match=r"whose year has two digits and may be first or last"):
+        times_of(path, time={"column": "t", "unit": "timestamp"})
+
+
+def test_years_of_two_digits_behind_dots_are_last(tmp_path):
+    path = csv(tmp_path, {"t": stamps("%d.%m.%y %H:%M:%S.%f"), "v": V})
+    np.testing.assert_allclose(times_of(path, time={"column": "t", "unit": "timestamp"})[0], T, atol=1e-6)
+
+
+@pytest.mark.parametrize("header", ["t,v,p,v", "t,v,p,v ", "t, v,p,v"])
+def test_a_name_of_two_columns_names_neither(tmp_path, header):
+    path = csv(tmp_path, header + "\n0,1,5,9\n0.5,2,5,8\n1,3,5,7\n")
+    with pytest.raises(EstimationError, match=r"has no column 'v'; it has t, column 2: v, p, column 4: v"):
+        times_of(path)
+    found = read_series(path, table({"v": {"column": "column 4: v", "unit": "m/s"}}))
+    assert found["column 4: v"].values.tolist() == [9.0, 8.0, 7.0]
+
+
+@pytest.mark.parametrize("blank", ["unchanged", "missing"])
+def test_rows_of_one_signal_each_at_the_same_instant_are_one_sample(tmp_path, blank):
+    """A bus logger writes a row for each message; the later ones are not a period late, and not lost."""
+    v, p = 20.0 - T, 3.0 + 0.1 * T
+    rows = "".join(f"{t},{v[k]},\n{t},,{p[k]}\n" for k, t in enumerate(T))
+    columns = SPEED | {"p": {"column": "p", "unit": "bar"}}
+    recording = read_recording(
+        csv(tmp_path, "t,v,p\n" + rows), table(columns, blank=blank), {"v": "m/s", "p": "Pa"}, ["p"], ["v"]
+    ).recording
+    np.testing.assert_allclose(recording["reading_p"].values, 1e5 * p)
+    np.testing.assert_allclose(recording["reading_v"].values, v)
+
+
 def test_times_of_day_as_hhmmss_are_recognised(tmp_path):
     seconds = 13 * 3600 + 59 * 60 + 10 + T
     number = np.floor(seconds / 3600) * 1e4 + np.floor(seconds % 3600 / 60) * 100 + seconds % 60

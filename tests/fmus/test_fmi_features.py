@@ -101,6 +101,18 @@ def test_reset_restores_the_initial_state(feature, run):
     assert instance.count("bounces") == 0
 
 
+@pytest.mark.parametrize("begin", [-1e7, 1e7, 1.7e9])
+def test_the_time_may_be_the_product_of_the_steps(feature, run, begin):
+    """Seconds since 1970 are rounded to 2e-7 s, a millionth of a step to 1e-9 s; the state has the same rounding."""
+    fmu = feature("Driven")
+    near, far = (run(fmu, time=time) for time in (0.0, begin))
+    for instance, time in ((near, 0.0), (far, begin)):
+        instance.set(k=5.0, u=10.0)
+        for k in range(200):
+            instance.instance.doStep(time + k * 1e-3, 1e-3)
+    assert far.get("x")[0] == pytest.approx(near.get("x")[0], abs=1e-5)
+
+
 def test_a_parameter_tuned_between_steps_takes_effect(feature, run):
     """der(x) = u − k x settles at u/k."""
     instance = run(feature("Driven"))

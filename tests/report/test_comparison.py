@@ -4,6 +4,7 @@ import json
 import sys
 from dataclasses import replace
 
+import pandas
 import pytest
 from pages import needs_nothing_else, plots_of
 from synthetic import LIBRARY
@@ -11,7 +12,7 @@ from synthetic_runner import DECELERATION, run_stop
 
 import railgrip as rg
 from railgrip.base.errors import RecordError
-from railgrip.report.comparison import compare, flat
+from railgrip.report.comparison import _change_sentences, compare, flat
 from railgrip.report.index import scenario_table
 from railgrip.report.stop import write_stop
 from railgrip.scenario.keys import units_of_keys
@@ -140,6 +141,20 @@ def test_campaigns_are_compared_stop_by_stop(write_campaign, tmp_path, slip):
     assert not any(key.startswith("controller") for key in question)
     with pytest.raises(RecordError, match="holds a campaign and another is a stop; name a stop of the campaign"):
         compare(tmp_path / "a", slip)
+
+
+def test_the_median_change_of_campaigns_is_that_of_all_pairs(slip):
+    """Of an even number it is between two of them, and a stop without standstill is endless, not left out."""
+    pairs = {name: dict.fromkeys("AB", slip) for name in ("one", "two", "three", "four")}
+
+    def sentence(first, second):
+        distances = pandas.DataFrame({"A": first, "B": second}, list(pairs)[: len(first)], dtype=float)
+        return _change_sentences(distances, pairs)[0]
+
+    assert "1 longer, 1 shorter, median −2.5 %, from −10.0 % (one) to +5.0 % (two)" in sentence([100, 100], [90, 105])
+    without = sentence([100, 100, 100, None], [90, None, None, None])
+    assert "over 4 stops: 2 longer, 1 shorter, median endless, from −10.0 % (one) to endless" in without
+    assert sentence([100, None], [None, 100]) == "B against A: no stop came to a standstill in both."
 
 
 def few(stop):

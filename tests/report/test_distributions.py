@@ -3,6 +3,7 @@
 import math
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas
@@ -12,9 +13,9 @@ from scipy import stats
 from scipy.stats import norm
 
 from railgrip.report.campaign_figures import distribution_figure, exceedance_figure
-from railgrip.report.distances import documentation_tables, write_table
+from railgrip.report.distances import documentation_tables, headline, write_table
 from railgrip.report.distribution import compare_pairs, distribution_table, distributions_of, quantile_table
-from railgrip.report.frame import frame_of
+from railgrip.report.frame import _reduction, frame_of
 from railgrip.report.index import write_report
 from railgrip.report.results import read_results
 from railgrip.report.statistics import quantile_interval
@@ -71,6 +72,21 @@ def test_draws_are_compared_one_by_one():
     assert abc.vs_sbc.shorter == 1
     # None of n is longer: the bound of Clopper and Pearson is (α/2)^(1/n).
     assert abc.vs_sbc.shorter_interval == pytest.approx((0.025 ** (1 / 101), 1))
+
+
+def test_stops_without_standstill_count_in_the_headline_as_endless():
+    """A law that stops in two of five cases, and shorter there, is not shorter in the median of the two."""
+    distances = [90.0, 95.0, None, None, None]
+    sbc = SimpleNamespace(braking_distance=100.0)
+    reductions = [_reduction(distance, sbc, SimpleNamespace()) for distance in distances]
+    assert reductions == pytest.approx([0.1, 0.05, -math.inf, -math.inf, -math.inf])
+    assert math.isnan(_reduction(90.0, sbc, sbc))
+    breaks = [[], [], *[["stops"]] * 3]
+    rows = [
+        row(None, distance, reduction_vs_sbc=reduction, breaks=broken)
+        for distance, reduction, broken in zip(distances, reductions, breaks, strict=True)
+    ]
+    assert "by endless in the median of 5 stops, from −10.0 % to endless" in headline(frame(*rows))
 
 
 @pytest.mark.parametrize("actuations", [("ideal",), ("ideal", "pneumatic")])

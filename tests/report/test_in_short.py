@@ -60,6 +60,8 @@ def test_a_sweep_prints_its_shortest_and_longest_stop():
     assert len(lines) == 5
     assert lines[0] == "Sweep of 6 stops over start.speed (3), controller.kind (2)"
     assert lines[2] == "  shortest 52.63 m with start.speed = 10.0, controller.kind = adhesion_based"
+    # The mean of the third and fourth of six distances.
+    assert lines[3] == f"  median {np.median(sweep().distances):.2f} m of 6 with standstill"
     assert lines[4] == "  longest 900.00 m with start.speed = 30.0, controller.kind = full_brake"
 
 

@@ -59,6 +59,16 @@ def test_heights_give_the_same_line_in_either_order(tmp_path, is_falling):
     assert line.slopes == pytest.approx([0.005, -0.008, 0.0])
 
 
+def test_a_receiver_at_rest_adds_nothing_to_the_length(tmp_path):
+    """Its position wanders by decimetres: ten minutes of steps of 0.3 m would be 180 m of line."""
+    head, point, tail = GPX.format(47.0, 47.0, 47.01, 47.02).partition('<trkpt lat="47.01"')
+    rest = "".join(f'<trkpt lat="{47.0 + 3e-6 * (k % 2):.7f}" lon="8.0"><ele>100</ele></trkpt>\n' for k in range(600))
+    for name, text in (("run", head + point + tail), ("rest", head + rest + point + tail)):
+        (tmp_path / f"{name}.gpx").write_text(text, encoding="utf-8")
+    run, rested = (read_line(tmp_path / f"{name}.gpx", 0.2) for name in ("run", "rest"))
+    np.testing.assert_allclose(rested.chainages, run.chainages)
+
+
 def test_a_gpx_track_has_the_length_of_the_meridian(tmp_path):
     """A degree of latitude at 47.005° is 111132.954 − 559.822 cos 2φ + 1.175 cos 4φ m (WGS84)."""
     (tmp_path / "line.gpx").write_text(GPX.format(47.0, 47.0, 47.01, 47.02), encoding="utf-8")
@@ -102,6 +112,7 @@ def test_a_wrong_line_is_refused_with_its_place(tmp_path, text, keys, sentence):
         (GPX.format(47.0, 47.0, 47.01, 47.02).replace("<ele>110</ele>", ""), "line 5: a point of the track needs"),
         (GPX.format(47.0, 47.0, 47.0, 47.0), "at one place"),
         ("<gpx></gpx>", "has 0 points"),
+        ("<gpx>\n<trk/>\n<trk/></gpx>", "line 3: a second track"),
         ("distance,slope\n0,0\n", "is not XML"),
         ('<!DOCTYPE gpx [<!ENTITY a "b">]><gpx></gpx>', "document type"),
         (GPX.format(47.0, 47.0, 47.01, 47.02).replace("110", "1100"), "line 5: the height changes by 1000 m"),

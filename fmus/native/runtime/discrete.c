@@ -111,7 +111,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_se
     if (s->phase != RUNNING) return refuse(M, "fmi2DoStep: not initialised, or terminated");
     /* The importer's time may be a rounded sum: a deviation of a hundredth of a period is tolerated, a lost sample is not. */
     if (!(fabs(t - s->v[TIME]) <= 0.01 * PERIOD))
-        return refuse(M, "fmi2DoStep: a step was requested from %.9g s, but this FMU is at %.9g s", t, s->v[TIME]);
+        return refuse(M, "fmi2DoStep: a step was requested from %.17g s, but this FMU is at %.17g s", t, s->v[TIME]);
     int is_whole = whole >= 1 && fabs(periods - whole) <= 0.01 && s->into == 0;
     if (!is_whole && !(h > 0 && fraction >= 1 && fabs(periods * fraction - 1) <= 0.01))
         return refuse(M, "fmi2DoStep: a step is a whole number of periods of %.9g s, or a whole part of one, got %.9g s",
