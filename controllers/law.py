@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from functools import cache
 from math import isfinite
 from pathlib import Path
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from railgrip.base.names import ElementName
 from railgrip.base.system import SampledSystem
@@ -52,6 +52,29 @@ class Tuning(Parameters):
     def units(cls) -> dict[str, str]:
         """Return the unit of each parameter that a user may change."""
         return {name: unit for name, (unit, *_) in cls.meanings().items() if name not in cls.FIXED}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetSlipTuning(Tuning):
+    """Parameters of a law that moves its set slip; it seeks the peak between `slip_least` and `slip_most`."""
+
+    period: Annotated[float, "s", "between two decisions"]
+    slip_start: Annotated[float, "1", "set slip at the start"]
+    slip_least: Annotated[float, "1", "smallest set slip"] = 0.005
+    slip_most: Annotated[float, "1", "largest set slip"] = 0.3
+
+    def __post_init__(self) -> None:
+        """Check the parameters.
+
+        Raises:
+            ValueError: See `Tuning`; or slips are not in order.
+        """
+        Tuning.__post_init__(self)
+        if not self.slip_least <= self.slip_start <= self.slip_most < 1.0:
+            raise ValueError(
+                f"{self.LAW}: slips must have slip_least <= slip_start <= slip_most < 1, got "
+                f"{self.slip_least}, {self.slip_start} and {self.slip_most}."
+            )
 
 
 NO_PARAMETERS = Tuning()
@@ -229,6 +252,18 @@ class GroupLaw(Law):
         found = tuned_values(file, name, actuation, slip) if file.exists() else {}
         names = cls.tuning.meanings().keys()
         return cls.tuning(**{key: value for key, value in {**found, **others}.items() if key in names})
+
+
+class SetSlipLaw(GroupLaw):
+    """A law with a state `set_slip` of each group, which it moves where adhesion is higher."""
+
+    brake_data = FULL_PRESSURE
+    needs = ("adhesion",)
+
+    def __init__(self, groups: Sequence[Brake], tuning: SetSlipTuning) -> None:
+        """Control `groups` with one `tuning`; the set slip starts at its `slip_start`."""
+        super().__init__(groups, tuning)
+        self.state[[quantity.name.startswith("set_slip") for quantity in self.formula.states]] = tuning.slip_start
 
 
 def by_name(groups: Sequence[Brake]) -> dict[str, float]:

@@ -10,14 +10,13 @@ use of the estimated adhesion is this project's.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.law import Demand, GroupObservation, Ranges, Tuning, pressure_for
+from railgrip.controllers.law import Demand, GroupObservation, Ranges, pressure_for
 from railgrip.controllers.laws.slope_seeking import SlopeSeeking, SlopeTuning
-from railgrip.controllers.parameters import SEARCHED, SlipSource
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every, within
 from railgrip.controllers.train_level import PAD_FRICTION, T_REDISTRIBUTION
 from railgrip.vehicle.brake import pad_force
@@ -99,17 +98,6 @@ class DecelerationControl(SlopeSeeking):
     exceeds_driver = True
     # `railgrip study stop_at_target` searches this law by the error of the stopping point, not by the distance.
     ranges: ClassVar[Ranges] = {}
-
-    @classmethod
-    def load_tuning(cls, actuation: str, slip: SlipSource, name: str = SEARCHED, /, **others: float) -> Tuning:
-        """Return the parameters of one of the law's sets, with those of `SlopeSeeking` for slide protection.
-
-        Raises:
-            ValueError: See `GroupLaw.load_tuning`.
-        """
-        slope = asdict(SlopeSeeking.load_tuning(actuation, slip, SEARCHED, **others))
-        inherited = {key: value for key, value in slope.items() if key not in cls.tuning.__annotations__}
-        return super().load_tuning(actuation, slip, name, **{**inherited, **others})
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:

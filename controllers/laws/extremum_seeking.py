@@ -1,29 +1,23 @@
 """Extremum seeking as in the literature: the set slip is dithered and moves in the direction of higher adhesion."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.law import Demand, GroupObservation, Ranges, SetSlipLaw, SetSlipTuning
 from railgrip.controllers.laws.constant_slip import slip_control
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, within
-from railgrip.vehicle.brake import Brake
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ExtremumSeekingTuning(Tuning):
+class ExtremumSeekingTuning(SetSlipTuning):
     """Parameters of extremum seeking.
 
-    The peak is sought between `slip_least` and `slip_most`. `adhesion_small`: wheels that hardly brake carry no
-    information on the rail.
+    `adhesion_small`: wheels that hardly brake carry no information on the rail.
     """
 
-    period: Annotated[float, "s", "between two decisions"]
-    slip_start: Annotated[float, "1", "set slip at the start"]
-    slip_least: Annotated[float, "1", "smallest set slip"] = 0.005
-    slip_most: Annotated[float, "1", "largest set slip"] = 0.3
     dither: Annotated[float, "1", "amplitude of the dither over the set slip"]
     frequency: Annotated[float, "Hz", "of the dither"]
     washout_time: Annotated[float, "s", "time constant of the high-pass over the adhesion"]
@@ -42,14 +36,9 @@ class ExtremumSeekingTuning(Tuning):
         """Check the parameters.
 
         Raises:
-            ValueError: See `Tuning`; or slips are not in order, or the dither is too fast for the period.
+            ValueError: See `SetSlipTuning`; or the dither is too fast for the period.
         """
-        Tuning.__post_init__(self)
-        if not self.slip_least <= self.slip_start <= self.slip_most < 1.0:
-            raise ValueError(
-                "ExtremumSeeking: slips must have slip_least <= slip_start <= slip_most < 1, got "
-                f"{self.slip_least}, {self.slip_start} and {self.slip_most}."
-            )
+        SetSlipTuning.__post_init__(self)
         if self.dither >= 1.0:
             raise ValueError(f"ExtremumSeeking: dither is a share of the set slip, below 1, got {self.dither}.")
         if self.frequency * self.period >= 0.25:
@@ -59,7 +48,7 @@ class ExtremumSeekingTuning(Tuning):
             )
 
 
-class ExtremumSeeking(GroupLaw):
+class ExtremumSeeking(SetSlipLaw):
     """Extremum seeking with sinusoidal dither, washout and demodulation; an inner PI loop controls the slip.
 
     Per group, with estimated adhesion α:
@@ -74,8 +63,6 @@ class ExtremumSeeking(GroupLaw):
     """
 
     description = "Wheel-slide protection by extremum seeking"
-    brake_data = FULL_PRESSURE
-    needs = ("adhesion",)
     tuning = ExtremumSeekingTuning
     ranges: ClassVar[Ranges] = {
         ("pneumatic", "estimated"): {
@@ -88,12 +75,6 @@ class ExtremumSeeking(GroupLaw):
             "integral_time": (0.1, 2.0),
         }
     }
-
-    def __init__(self, groups: Sequence[Brake], tuning: ExtremumSeekingTuning) -> None:
-        """Control `groups` with one `tuning`; the set slip starts at its `slip_start`."""
-        super().__init__(groups, tuning)
-        starts = [quantity.name.startswith("set_slip") for quantity in self.formula.states]
-        self.state[starts] = tuning.slip_start
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:

@@ -1,27 +1,21 @@
 """Perturb and observe: the set slip changes in steps, which change their direction when adhesion has fallen."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.law import Demand, GroupObservation, Ranges, SetSlipLaw, SetSlipTuning
 from railgrip.controllers.laws.constant_slip import slip_control
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, every, within
-from railgrip.vehicle.brake import Brake
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PerturbObserveTuning(Tuning):
+class PerturbObserveTuning(SetSlipTuning):
     """Parameters of perturb and observe.
 
-    Peaks are between `slip_least` and `slip_most`. `adhesion_small`: a wheel that is hardly braked carries no
-    information on the rail.
+    `adhesion_small`: a wheel that is hardly braked carries no information on the rail.
     """
 
-    period: Annotated[float, "s", "between two decisions"]
-    slip_start: Annotated[float, "1", "first set slip"]
-    slip_least: Annotated[float, "1", "minimum of the set slip"] = 0.005
-    slip_most: Annotated[float, "1", "maximum of the set slip"] = 0.3
     step: Annotated[float, "1", "relative change of the set slip in a step"]
     interval: Annotated[float, "s", "between two steps"]
     settling: Annotated[float, "1", "share of the interval after a step in which adhesion is not averaged", 0.9] = 0.5
@@ -37,14 +31,9 @@ class PerturbObserveTuning(Tuning):
         """Check the parameters.
 
         Raises:
-            ValueError: See `Tuning`; or slips are not in order, or an interval has no sample to average.
+            ValueError: See `SetSlipTuning`; or an interval has no sample to average.
         """
-        Tuning.__post_init__(self)
-        if not self.slip_least <= self.slip_start <= self.slip_most < 1.0:
-            raise ValueError(
-                "PerturbObserve: slips must have slip_least <= slip_start <= slip_most < 1, got "
-                f"{self.slip_least}, {self.slip_start} and {self.slip_most}."
-            )
+        SetSlipTuning.__post_init__(self)
         if (1.0 - self.settling) * self.interval < self.period:
             raise ValueError(
                 f"PerturbObserve: an interval of {self.interval} s with a settling share of {self.settling} has no "
@@ -52,7 +41,7 @@ class PerturbObserveTuning(Tuning):
             )
 
 
-class PerturbObserve(GroupLaw):
+class PerturbObserve(SetSlipLaw):
     """Maximum-adhesion tracking by perturb and observe; PI control holds the slip.
 
     Each group has a set slip, a direction d of 1 or −1 and the mean ᾱ of its estimated adhesion over the last part of
@@ -68,8 +57,6 @@ class PerturbObserve(GroupLaw):
     """
 
     description = "Wheel-slide protection by perturb and observe"
-    brake_data = FULL_PRESSURE
-    needs = ("adhesion",)
     tuning = PerturbObserveTuning
     ranges: ClassVar[Ranges] = {
         ("pneumatic", "estimated"): {
@@ -80,12 +67,6 @@ class PerturbObserve(GroupLaw):
             "integral_time": (0.1, 2.0),
         }
     }
-
-    def __init__(self, groups: Sequence[Brake], tuning: PerturbObserveTuning) -> None:
-        """Control `groups` with one `tuning`, starting with its first set slip."""
-        super().__init__(groups, tuning)
-        starts = [quantity.name.startswith("set_slip") for quantity in self.formula.states]
-        self.state[starts] = tuning.slip_start
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:

@@ -6,24 +6,20 @@ from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.law import Demand, GroupObservation, Ranges, SetSlipLaw, SetSlipTuning
 from railgrip.controllers.laws.constant_slip import slip_control
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, every, within
 from railgrip.vehicle.brake import Brake
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RecursiveSlopeTuning(Tuning):
+class RecursiveSlopeTuning(SetSlipTuning):
     """Parameters of tracking by recursive least squares.
 
-    Peaks are between `slip_least` and `slip_most`. `covariance_max` limits the growth of the covariance while the slip
+    `covariance_max` limits the growth of the covariance while the slip
     does not change. `adhesion_small`: wheels that hardly brake carry no information on the rail.
     """
 
-    period: Annotated[float, "s", "between two decisions"]
-    slip_start: Annotated[float, "1", "first set slip"]
-    slip_least: Annotated[float, "1", "minimum of the set slip"] = 0.005
-    slip_most: Annotated[float, "1", "maximum of the set slip"] = 0.3
     washout_time: Annotated[float, "s", "time constant of the high-pass of slip and adhesion"]
     memory: Annotated[float, "s", "time constant of forgetting"]
     covariance_max: Annotated[float, "1", "maximum of the covariance of the slope over the noise"] = 1e3
@@ -44,19 +40,14 @@ class RecursiveSlopeTuning(Tuning):
         """Check the parameters.
 
         Raises:
-            ValueError: See `Tuning`; or slips are not in order, or the excitation is not smaller than the set slip.
+            ValueError: See `SetSlipTuning`; or the excitation is not smaller than the set slip.
         """
-        Tuning.__post_init__(self)
-        if not self.slip_least <= self.slip_start <= self.slip_most < 1.0:
-            raise ValueError(
-                "RecursiveSlope: slips must have slip_least <= slip_start <= slip_most < 1, got "
-                f"{self.slip_least}, {self.slip_start} and {self.slip_most}."
-            )
+        SetSlipTuning.__post_init__(self)
         if self.dither >= 1.0:
             raise ValueError(f"RecursiveSlope: dither is a share of the set slip, below 1, got {self.dither}.")
 
 
-class RecursiveSlope(GroupLaw):
+class RecursiveSlope(SetSlipLaw):
     """Gradient tracking of the maximum adhesion; PI control holds the slip.
 
     Per group, with x and y the high-pass filtered relative slip s/s_set and relative adhesion α/ᾱ, the elasticity
@@ -72,8 +63,6 @@ class RecursiveSlope(GroupLaw):
     """
 
     description = "Wheel-slide protection on the slope from recursive least squares"
-    brake_data = FULL_PRESSURE
-    needs = ("adhesion",)
     tuning = RecursiveSlopeTuning
     ranges: ClassVar[Ranges] = {
         ("pneumatic", "estimated"): {
@@ -90,8 +79,7 @@ class RecursiveSlope(GroupLaw):
     def __init__(self, groups: Sequence[Brake], tuning: RecursiveSlopeTuning) -> None:
         """Control `groups` with one `tuning`, starting with its first set slip and an unknown slope."""
         super().__init__(groups, tuning)
-        for state, start in (("set_slip", tuning.slip_start), ("covariance", tuning.covariance_max)):
-            self.state[[quantity.name.startswith(state) for quantity in self.formula.states]] = start
+        self.state[[quantity.name.startswith("covariance") for quantity in self.formula.states]] = tuning.covariance_max
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:

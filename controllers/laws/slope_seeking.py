@@ -12,13 +12,14 @@ shrinking by it, are this project's.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import pi
 from typing import Annotated, ClassVar
 
 import casadi as ca
 
 from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges, Tuning, pressure_for
+from railgrip.controllers.parameters import SEARCHED, SlipSource
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every, within
 from railgrip.vehicle.brake import piston_force
 
@@ -141,6 +142,18 @@ class SlopeSeeking(GroupLaw):
     # The set point moves all the time, which would cause a valve pulse at every decision. With 20 instead of 6 kPa a
     # slide takes half the valve strokes and no more distance.
     valve_band = 20e3
+
+    @classmethod
+    def load_tuning(cls, actuation: str, slip: SlipSource, name: str = SEARCHED, /, **others: float) -> Tuning:
+        """Return the parameters of one of the law's sets; a law derived from this one has this one's for the slope.
+
+        Raises:
+            ValueError: See `GroupLaw.load_tuning`.
+        """
+        if cls is not SlopeSeeking:
+            slope = asdict(SlopeSeeking.load_tuning(actuation, slip, SEARCHED, **others))
+            others = {key: value for key, value in slope.items() if key not in cls.tuning.__annotations__} | others
+        return super().load_tuning(actuation, slip, name, **others)
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:

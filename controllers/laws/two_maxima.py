@@ -11,13 +11,13 @@ this project's.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from math import log
 from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.law import Demand, Ranges, Tuning
+from railgrip.controllers.law import Demand, Ranges
 from railgrip.controllers.laws.slope_seeking import (
     SlopeSeeking,
     SlopeTuning,
@@ -27,7 +27,6 @@ from railgrip.controllers.laws.slope_seeking import (
     slope_targets,
     weighted_mean,
 )
-from railgrip.controllers.parameters import SEARCHED, SlipSource
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every, within
 
 
@@ -116,16 +115,6 @@ class TwoMaxima(SlopeSeeking):
             "comparison_time": (0.5, 2.0),
         }
     }
-
-    @classmethod
-    def load_tuning(cls, actuation: str, slip: SlipSource, name: str = SEARCHED, /, **others: float) -> Tuning:
-        """Return the parameters of one of the law's sets, with those of `SlopeSeeking` for the slope.
-
-        Raises:
-            ValueError: See `GroupLaw.load_tuning`.
-        """
-        slope = asdict(SlopeSeeking.load_tuning(actuation, slip, SEARCHED, **others))
-        return super().load_tuning(actuation, slip, name, **{**slope, **others})
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:

@@ -12,16 +12,14 @@ import numpy as np
 from railgrip.base.errors import EstimationError, InputError
 from railgrip.base.names import ElementName, did_you_mean
 from railgrip.base.system import Variable
-from railgrip.estimators.prediction import CasadiPrediction, PredictionInC, with_state_names
-from railgrip.fmi import Description, FmuPrediction, describe
-from railgrip.fmus.build import build_class, fmu
-from railgrip.fmus.native import Model, lower
-from railgrip.fmus.native.library import LIBRARY, library_of
-from railgrip.fmus.recipe import read_recipes
+from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
+from railgrip.fmi import Description, FmuPrediction
+from railgrip.fmus.native import Model
+from railgrip.fmus.native.library import LIBRARY
 from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.modelica import nominal_data
 from railgrip.scenario.file import NamedFile
-from railgrip.simulate.named_models import consist_description, prediction_description
+from railgrip.simulate.named_models import consist_description, prediction_description, prediction_model
 from railgrip.simulate.train_prediction import (
     CENTRAL,
     CentralPrediction,
@@ -141,16 +139,6 @@ class PredictionModel:
 
 
 @cache
-def file_of(model: str) -> Path:
-    """Return the FMU of a class of RailBraking.Predictions, built if it is out of date."""
-    name = model.rpartition(".")[2]
-    entry = read_recipes().recipes.get(name)
-    if entry is not None and entry.class_name in (model, f"RailBraking.Predictions.{model}"):
-        return fmu(name)
-    return build_class(model if "." in model else f"RailBraking.Predictions.{model}", LIBRARY, "me").path
-
-
-@cache
 def select_outputs(source: Model, model: str, outputs: tuple[str, ...]) -> Model:
     """Return a model with some of its outputs, in their order; `wheelset_speed` selects all its elements.
 
@@ -175,22 +163,17 @@ def select_outputs(source: Model, model: str, outputs: tuple[str, ...]) -> Model
     return replace(source, outputs=tuple(source.outputs[i] for i in places), output=selection)
 
 
-@cache
-def model_of(model: str, outputs: tuple[str, ...] | None = None) -> Model:
-    """Return a class of RailBraking.Predictions as functions, with all outputs or some; cached in the process.
+def model_of(model: str) -> Model:
+    """Return a class of RailBraking.Predictions as functions; cached in the process.
 
     Raises:
-        EstimationError: The class or an output does not exist.
+        EstimationError: The class does not exist.
     """
-    if outputs is not None:
-        return select_outputs(model_of(model), model, outputs)
-    if "." in model:
-        return with_state_names(lower(model))
     classes = (LIBRARY / "Predictions" / "package.order").read_text(encoding="utf-8").split()
-    if model not in classes:
+    if "." not in model and model not in classes:
         hint = did_you_mean(model, classes) or f"there is {', '.join(classes)}."
         raise EstimationError(f"there is no prediction '{model}'; {hint}")
-    return with_state_names(lower(f"RailBraking.Predictions.{model}"))
+    return prediction_model(model)
 
 
 def units_of(model: str | Model) -> dict[str, str]:
@@ -206,25 +189,14 @@ def of_class(name: str, library: NamedFile | None = None) -> PredictionModel:
         EstimationError: The class does not exist in RailBraking.Predictions.
         railgrip.base.errors.InputError: The class does not exist in the user's library, or does not compile.
     """
-    if library is None:
-        return _of_model(name, model_of(name), lambda: describe(file_of(name)))
-    model = _lower(name, library.path, library.digest())
-    return _of_model(name, model, partial(prediction_description, name, library))
-
-
-@cache
-def _lower(name: str, library: Path, digest: str) -> Model:  # pyright: ignore[reportUnusedParameter]
-    return with_state_names(lower(name, library_of(library)))
-
-
-def _of_model(name: str, model: Model, describe_fmu: Callable[[], Description]) -> PredictionModel:
+    model = model_of(name) if library is None else prediction_model(name, library)
     return PredictionModel(
         name=name,
         model=model,
         parameters=tuple(model.parameters),
         units={variable.name: variable.unit for variable in model.parameters},
         resolve=lambda given: {variable.name: variable.start for variable in model.parameters} | dict(given),
-        describe=describe_fmu,
+        describe=partial(prediction_description, name, library),
         outputs_of_fmu=tuple(variable.name for variable in model.outputs),
     )
 

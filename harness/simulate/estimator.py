@@ -5,9 +5,9 @@ that does not know them takes the train for faster than it is as soon as no sens
 slide protection then releases wheelsets that roll.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from math import inf
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,10 +22,10 @@ from railgrip.controllers.free_wheel import FreeWheel
 from railgrip.controllers.sampled import Expression, FormulaBuilder, Sampled, choose, either, every, within
 from railgrip.estimators.design import NOISE_SETS, FilterContext, FilterKind, Gate, NoiseSet, pad_gate
 from railgrip.estimators.filters.decentralised import Consist
-from railgrip.estimators.prediction import CasadiPrediction, with_state_names
+from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmi import Description, FmuPrediction, SteppedFmuPrediction
-from railgrip.fmus.native import Model, lower
-from railgrip.fmus.native.library import library_of
+from railgrip.fmus.native import Model
+from railgrip.fmus.recipe import FmiType
 from railgrip.rolling_stock.brakes import RailBrake, TrackBrake
 from railgrip.rolling_stock.schema import Train
 from railgrip.scenario.file import NamedFile
@@ -33,10 +33,10 @@ from railgrip.scenario.onboard import KalmanFilter
 from railgrip.scenario.quantity import in_units
 from railgrip.simulate.loop.interfaces import StateEstimator
 from railgrip.simulate.named_models import (
-    compile_class,
     consist_description,
     description_of,
     prediction_description,
+    prediction_model,
     require_role,
     units_of,
 )
@@ -154,7 +154,8 @@ def _of_nominal_data(
         readings = prediction.outputs
     else:
         train = central_of(formation, data)
-        prediction = _prepare_model(stop, table, train.model, train.parameters, train.source)
+        describe = partial(consist_description, train.source)
+        prediction = _prepare_model(stop, table, train.model, train.parameters, describe)
         readings = train.readings
     gate = pad_gate(max(release_pressure(data, g, RELEASED_PADS) for g in groups), formation.groups)
     mean = start_of(prediction.states, formation, data, vehicle.scenario.start.speed)
@@ -222,7 +223,7 @@ def _of_class(stop: Opening, table: KalmanFilter, name: str) -> tuple[_Central, 
     model = _prediction_model(table, name, layout)
     values = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
     parameters = {v.name: v.start for v in model.parameters} | values
-    prediction = _prepare_model(stop, table, model, parameters, None)
+    prediction = _prepare_model(stop, table, model, parameters, partial(prediction_description, name, table.library))
     gate = pad_gate(release_pressure(parameters, 0, RELEASED_PADS), groups)
     radius, speed = parameters["r_wheel"], stop.vehicle.scenario.start.speed
     start = {"speed": speed} | {f"wheelset_speed[{g + 1}]": speed / radius for g in range(groups)}
@@ -236,18 +237,17 @@ def _of_class(stop: Opening, table: KalmanFilter, name: str) -> tuple[_Central, 
 
 
 def _prepare_model(
-    stop: Opening, table: KalmanFilter, model: Model, parameters: Mapping[str, float], consist: Path | None
+    stop: Opening,
+    table: KalmanFilter,
+    model: Model,
+    parameters: Mapping[str, float],
+    describe: Callable[[FmiType], Description],
 ) -> _Central:
     """Return a model with its parameters, as an FMU if the estimator requires one, else in CasADi."""
     if _kind_of(table).prediction != "fmu":
         return CasadiPrediction(model, parameters)
     groups = {group: [v.name for v in getattr(model, group)] for group in ("states", "inputs", "outputs")}
-    interface = "me_cs" if table.interface == "co_simulation" else "me"
-    if consist is not None:
-        description = consist_description(consist, interface)
-    else:
-        assert table.model is not None  # otherwise the prediction is a ConsistPrediction
-        description = prediction_description(table.model, table.library, interface)
+    description = describe("me_cs" if table.interface == "co_simulation" else "me")
     return _open_prediction(stop, table, description, parameters=parameters, **groups)
 
 
@@ -257,10 +257,7 @@ def _prediction_model(table: KalmanFilter, name: str, layout: Layout) -> Model:
     Raises:
         ScenarioError: The model is for another vehicle, or lacks variables that the loop requires of every prediction.
     """
-    library = table.library
-    model = with_state_names(
-        compile_class(f"RailBraking.Predictions.{name}") if library is None else lower(name, library_of(library.path))
-    )
+    model = prediction_model(name, table.library)
     where = f"[estimator] model '{name}'"
     states, groups = [variable.name for variable in model.states], layout.formation.groups
     prediction_groups = sum(name.startswith("wheelset_speed[") for name in states)

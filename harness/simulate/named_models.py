@@ -15,10 +15,12 @@ from railgrip.base.limits import FMU_LIMITS, FmuLimits
 from railgrip.base.names import ElementName
 from railgrip.base.registry import shelf
 from railgrip.base.units import Unit
+from railgrip.estimators.prediction import with_state_names
 from railgrip.fmi import Description, describe
 from railgrip.fmi.draft import OTHER_NAMES, arrays_of, likeness
 from railgrip.fmus.build import build_class, fmu
 from railgrip.fmus.native import Model, lower
+from railgrip.fmus.native.library import LIBRARY, library_of
 from railgrip.fmus.recipe import FmiType, read_recipes
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import BOOLEAN
@@ -245,14 +247,36 @@ def has_contacts_of_library(scenario: Scenario) -> bool:
             return isinstance(source, TrainFile)
 
 
+def prediction_model(model: str, library: NamedFile | None = None) -> Model:
+    """Return a prediction as CasADi functions, compiled once in a process.
+
+    Args:
+        model: A class of RailBraking.Predictions, or the full name of a class.
+        library: A user's library that has the class; None for RailBraking.
+    """
+    if library is None:
+        return _prediction_model(_full_name(model), LIBRARY, "")
+    return _prediction_model(model, library_of(library.path), library.digest())
+
+
+@cache
+def _prediction_model(class_name: str, library: Path, digest: str) -> Model:  # pyright: ignore[reportUnusedParameter]
+    return with_state_names(lower(class_name, library))
+
+
 def prediction_description(model: str, library: NamedFile | None = None, interface: FmiType = "me") -> Description:
-    """Return the description of a prediction FMU: of a recipe, or of a class in a user's library."""
+    """Return the description of the FMU of a prediction, built if it is out of date; see `prediction_model`."""
     if library is not None:
         return description_of(_class_file(model, library.path, library.digest(), interface))
-    if interface == "me":
-        return description_of(recipe_file(model))
-    recipe = read_recipes()[model]
-    return description_of(_class_file(recipe.class_name, recipe.library, "", interface))
+    class_name, name = _full_name(model), model.rpartition(".")[2]
+    recipe = read_recipes().recipes.get(name)
+    if interface == "me" and recipe is not None and recipe.class_name == class_name:
+        return description_of(recipe_file(name))
+    return description_of(_class_file(class_name, LIBRARY, "", interface))
+
+
+def _full_name(model: str) -> str:
+    return model if "." in model else f"RailBraking.Predictions.{model}"
 
 
 def consist_description(source: Path, interface: FmiType = "me") -> Description:

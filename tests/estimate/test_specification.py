@@ -129,7 +129,7 @@ def test_track_force_is_computed_or_mapped_but_not_both(tmp_path):
 
 
 def test_all_errors_of_an_estimation_are_reported_before_compilation(tmp_path, monkeypatch):
-    monkeypatch.setattr("railgrip.estimation.models.fmu", lambda name: pytest.fail("an FMU was built"))
+    monkeypatch.setattr("railgrip.estimation.models.prediction_description", lambda *_: pytest.fail("an FMU was built"))
     monkeypatch.setattr("railgrip.estimation.sources.trace_of", lambda *_: pytest.fail("a stop was simulated"))
     changes = [
         "model.parameters.lod='98 kN'",

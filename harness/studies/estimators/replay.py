@@ -20,7 +20,7 @@ import xarray
 from railgrip.base.errors import FilterDiverged, InputError
 from railgrip.base.names import ElementName, state_name
 from railgrip.estimation.models import READ_STATES, PredictionModel, of_class, of_train
-from railgrip.estimation.run import FilterData, FilterRun, Settings, by_name, filter_data, run_kind
+from railgrip.estimation.run import FilterData, FilterRun, Settings, context_of, filter_data, run_kind
 from railgrip.estimators.belief import Array, Matrix, Vector
 from railgrip.estimators.design import NOISE_SETS, FilterContext, NoiseSet, pad_gate
 from railgrip.estimators.ekf import ExtendedKalmanFilter
@@ -300,15 +300,10 @@ def _task(case: RecordingCase, estimator: str, noise: NoiseSet) -> tuple[FilterC
         start_deviation=dict(zip(prediction.states, np.sqrt(start), strict=True)),
     )
     data = filter_data(recording_of_case(case), prediction, settings)
-    context = FilterContext(
-        prediction=prediction,
-        process_noise=by_name("process", settings.process, prediction.states),
-        reading_noise=by_name("readings", settings.readings, prediction.outputs),
-        period=data.step,
+    context = replace(
+        context_of(prediction, settings, data),
         gate=pad_gate(model.release_pressure({}, RELEASED_PADS), case.groups),
         outlier_limit=[OUTLIER_LIMITS.get(ElementName.of(name).array, math.inf) for name in prediction.outputs],
-        mean=data.mean,
-        covariance=data.covariance,
     )
     return context, data
 
