@@ -3,6 +3,7 @@
 Stops with a result are not run again. Results of another version of the program are not reused.
 """
 
+import ast
 import hashlib
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -56,10 +57,12 @@ _QUESTIONS = ("railgrip/scenario/library/", "railgrip/scenario/campaigns/", "rai
 def sources_digest(study: str | None = None) -> str:
     """Return a SHA-256 of every source that a stop depends on: the package's code and the Modelica library.
 
-    With the name of a study, also of its module or folder and of all scenario files, on which the study's results
-    depend.
+    With the name of a study, also of its module or folder, of those of the studies that it imports, and of all scenario
+    files, on which the study's results depend.
     """
     roots = {name: Path(import_module(name).__path__[0]) for name in _PACKAGES} | {"modelica": MODELICA}
+    used = studies_used(study, roots["railgrip"] / "studies") if study else ()
+    of_studies = tuple(f"railgrip/studies/{name}{end}" for name in used for end in "/.")
     digest = hashlib.sha256()
     for name, root in roots.items():
         for path in sorted(file for file in root.rglob("*") if file.suffix in _KINDS):
@@ -69,12 +72,33 @@ def sources_digest(study: str | None = None) -> str:
             ):
                 continue
             place = f"{name}/{path.relative_to(root).as_posix()}"
-            is_of_study = study is not None and place.startswith(
-                (f"railgrip/studies/{study}/", f"railgrip/studies/{study}.")
-            )
-            if is_of_study or not place.startswith(_UNCONCERNED if study else (*_UNCONCERNED, *_QUESTIONS)):
+            if place.startswith(of_studies) or not place.startswith(
+                _UNCONCERNED if study else (*_UNCONCERNED, *_QUESTIONS)
+            ):
                 digest.update(place.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
+
+
+def studies_used(study: str, folder: Path) -> set[str]:
+    """Return the names of a study in a folder and of all studies that it imports, directly or through others."""
+    used, waiting = set[str](), {study}
+    while waiting:
+        name = waiting.pop()
+        used.add(name)
+        for path in (*folder.glob(f"{name}.py"), *(folder / name).rglob("*.py")):
+            waiting |= _imported_studies(path) - used
+    return used
+
+
+def _imported_studies(path: Path) -> set[str]:
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_bytes(), str(path))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names |= {f"{node.module}.{alias.name}" for alias in node.names}
+        elif isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+    of_studies = {name.split(".")[2] for name in names if name.startswith("railgrip.studies.")}
+    return of_studies - {"study"}  # the interface, which computes nothing
 
 
 def input_versions(study: str | None = None) -> dict[str, str]:

@@ -231,5 +231,6 @@ def _mean(forces_at: Callable[[float], DevelopedForces], upper: float, lower: fl
         return np.asarray(sum(w * getattr(part, name) for w, part in zip(weights, parts, strict=True)))
 
     return DevelopedForces(
-        friction=mean("friction"), dynamic=mean("dynamic"), rail=mean("rail"), resistance=float(mean("resistance"))
-    )
+        friction=mean("friction"), dynamic=mean("dynamic"), left=mean("left"), rail=mean("rail"),
+        resistance=float(mean("resistance")),
+    )  # fmt: skip

@@ -67,7 +67,7 @@ def checked_train(path: Path) -> Train:
 def findings(train: Train) -> list[TrainRemark]:
     """Return all inconsistent or unusual values, errors first."""
     results = [
-        *(TrainRemark(key, words, wrong=False) for key, words in unusual(train)),
+        *(TrainRemark(key, words, wrong=False) for key, words in unusual(_once(train))),
         *_masses(train),
         *_resistance(train),
         *_places(train),
@@ -81,6 +81,11 @@ def findings(train: Train) -> list[TrainRemark]:
     if not any(finding.wrong for finding in results):
         results += _stops(train)
     return sorted(results, key=lambda result: not result.wrong)
+
+
+def _once(train: Train) -> Train:
+    """Return the tables of a train as in its file, where equal cars are one entry."""
+    return train.model_copy(update={"cars": train.entries})
 
 
 def fastest_stop(train: Train) -> float:
@@ -148,10 +153,10 @@ def _masses(train: Train) -> Iterator[TrainRemark]:
         pairs = [("[[cars]] mass", "all cars together", sum(car.mass for car in train.cars), train.mass)]
     else:
         load = [sum(axle.mass for axle in train.axles if axle.car == i) for i in range(len(train.cars))]
-        pairs = [
-            (f"[cars[{i}]] mass", car.name, car.mass, on_axles)
-            for i, (car, on_axles) in enumerate(zip(train.cars, load, strict=True), start=1)
-        ]
+        of_entry = {
+            f"[cars[{car.entry}]] mass": (car, on_axles) for car, on_axles in zip(train.cars, load, strict=True)
+        }
+        pairs = [(key, car.name, car.mass, on_axles) for key, (car, on_axles) in of_entry.items()]
     for key, who, mass, on_axles in pairs:
         if abs(mass - on_axles) > _SAME_MASS * mass:
             yield TrainRemark(
@@ -183,7 +188,7 @@ def _masses(train: Train) -> Iterator[TrainRemark]:
 
 
 def _places(train: Train) -> Iterator[TrainRemark]:
-    for number, car in enumerate(train.cars, start=1):
+    for number, car in enumerate(train.entries, start=1):
         for mount in car.bogies:
             half = train.bogies[mount.kind].wheelbase / 2
             if not mount.shared and (mount.at < half or mount.at + half > car.length):

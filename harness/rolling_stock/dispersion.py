@@ -12,13 +12,15 @@ from railgrip.scenario.table import Table, table_error
 Array = NDArray[np.float64]
 Extent = Literal["train", "group", "unit"]
 Quantity = Literal[
-    "pad_friction", "efficiency", "friction_radius", "pressure", "wheel_radius", "mass", "build_up", "track_brake"
+    "pad_friction", "efficiency", "friction_radius", "pressure", "wheel_radius", "mass", "build_up", "track_brake",
+    "dynamic_brake",
 ]  # fmt: skip
 
 EXTENTS: tuple[Extent, ...] = ("train", "group", "unit")
 """A group is what shares a brake valve; a unit is a brake unit."""
 _FINEST: dict[Quantity, Extent] = {
     "pressure": "group", "wheel_radius": "group", "mass": "train", "build_up": "group", "track_brake": "train",
+    "dynamic_brake": "train",
 }  # fmt: skip
 _WIDEST = 0.15
 """Maximum relative standard deviation: with a larger one, a factor six deviations below is not positive."""
@@ -107,8 +109,8 @@ class CommonCause(Table):
     source: _Source
 
 
-class ComponentFailure(Table):
-    """Probability that a component has failed when the train brakes, its uncertainty, and common-cause failures."""
+class Failure(Table):
+    """Probability that a component has failed when the train brakes, and its uncertainty."""
 
     probability: Annotated[float, UnitRange("1", at_least=0, at_most=0.1)] = Field(
         description="median of the probability that it has failed when the train brakes"
@@ -117,13 +119,18 @@ class ComponentFailure(Table):
         description="95 % quantile over median of the lognormal distribution of the probability, which is its median"
     )
     source: _Source
-    common_cause: CommonCause = Field(description="failures that several components have at once")
 
     def quantile(self, standard: float) -> float:
         """Return the probability a number of standard deviations of its logarithm above the median, limited to 1."""
         from scipy.special import ndtri  # as above
 
         return min(self.probability * self.error_factor ** (standard / float(ndtri(0.95))), 1.0)
+
+
+class ComponentFailure(Failure):
+    """The same of one of several components, with their common-cause failures."""
+
+    common_cause: CommonCause = Field(description="failures that several components have at once")
 
 
 class Failures(Table):
@@ -134,4 +141,9 @@ class Failures(Table):
     )
     stuck_valve: ComponentFailure = Field(
         description="a group whose vent valve stays open; all valves of the train share a common cause"
+    )
+    dynamic_brake: Failure | None = Field(
+        default=None,
+        description="all electrodynamic and eddy-current brakes of the train without force, so that friction brakes "
+        "replace those that relieve them; needed for K factors of a train that has them",
     )

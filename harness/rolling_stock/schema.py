@@ -11,7 +11,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, StrictBool, StrictInt, model_validator
+from pydantic import AfterValidator, Field, PrivateAttr, StrictBool, StrictInt, model_validator
 
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import GRAVITY
@@ -39,7 +39,7 @@ from railgrip.scenario.file import locate
 from railgrip.scenario.load import read_toml, require_kind, validate_table
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.surface import Sander
-from railgrip.scenario.table import Length, Name, Table, table_error
+from railgrip.scenario.table import Length, Name, Table, optional, table_error
 
 # Values outside the limits are refused: they have a wrong unit, or are of another part. Values outside the usual range
 # are valid, and `railgrip.rolling_stock.check` remarks on them.
@@ -495,10 +495,17 @@ class Coupler(SourcedTable):
     strength: Strength = Field(description="maximum permissible force")
 
 
+MOST_CARS = 64
+
+
 class Car(SourcedTable):
     """A car: its mass in the stop, and its bogies."""
 
     name: Name = Field(description="name of the car in figures and messages")
+    count: Annotated[StrictInt, Field(ge=1, le=MOST_CARS)] | None = optional(
+        "number of such cars, one behind the other, with names NAME-1, NAME-2, …; the other keys are those of each, "
+        "but the last car of the train has no coupler"
+    )
     length: CarLength = Field(description="length over couplers")
     mass: CarMass = Field(description="mass during the stop, with bogies and load")
     axle_masses: tuple[AxleMass, ...] = Field(
@@ -520,6 +527,29 @@ class Car(SourcedTable):
     load_valve: Name | None = Field(
         default=None, description="name in [load_valves] of what adapts its brakes to its mass"
     )
+    _entry: int = PrivateAttr(default=1)
+
+    @property
+    def entry(self) -> int:
+        """Number of its entry in [[cars]], from 1."""
+        return self._entry
+
+    def each(self, entry: int) -> "list[Car]":
+        """Return the cars of this entry of [[cars]], whose number is given."""
+        names = [self.name] if self.count is None else [f"{self.name}-{i + 1}" for i in range(self.count)]
+        cars = [self.model_copy(update={"name": name, "count": None}) for name in names]
+        for car in cars:
+            car._entry = entry
+        return cars
+
+
+def _cars_of(entries: tuple[Car, ...]) -> tuple[Car, ...]:
+    cars = [car for number, entry in enumerate(entries, start=1) for car in entry.each(number)]
+    if len(cars) > MOST_CARS:
+        raise table_error(f"has {len(cars)} cars with those of count; a train has {MOST_CARS} at most")
+    if entries and entries[-1].count is not None:
+        cars[-1] = cars[-1].model_copy(update={"coupler": None})
+    return tuple(cars)
 
 
 class PublishedStop(Table):
@@ -671,7 +701,9 @@ class Train(Table):
     distributors: dict[Name, Distributor] = Field(default={}, description="kinds of distributors, by name")
     accelerators: dict[Name, Accelerator] = Field(default={}, description="kinds of accelerators, by name")
     load_valves: dict[Name, LoadValve] = Field(default={}, description="brakes that follow the load, by name")
-    cars: tuple[Car, ...] = Field(min_length=1, max_length=64, description="cars, the leading one first")
+    cars: Annotated[tuple[Car, ...], AfterValidator(_cars_of)] = Field(
+        min_length=1, max_length=MOST_CARS, description="cars, the leading one first"
+    )
     sanders: tuple[Sander, ...] = Field(
         default=(), max_length=256, description="sanders, for scenarios with [adhesion.sand]"
     )
@@ -717,7 +749,7 @@ class Train(Table):
                     f"[bogies.{kind}] dynamic_units: a brake on the rail belongs to the bogie, not to axles"
                 )
         for number, car in enumerate(self.cars, start=1):
-            where = f"[cars[{number}]]"
+            where = f"[cars[{car.entry}]]"
             _require_names("bogies", [mount.kind for mount in car.bogies], self.bogies, f"{where} bogies")
             _require_names("couplers", [car.coupler] if car.coupler else [], self.couplers, f"{where} coupler")
             for key, table in (("distributor", self.distributors), ("accelerator", self.accelerators)):
@@ -789,6 +821,11 @@ class Train(Table):
                     f"[bogies] {', '.join(bogies)} share a brake valve, but have different brake or build_up: blending "
                     "relieves one pressure; give each bogie its own valve"
                 )
+
+    @property
+    def entries(self) -> tuple[Car, ...]:
+        """The first car of each entry of [[cars]]."""
+        return tuple(next(cars) for _, cars in groupby(self.cars, key=lambda car: car.entry))
 
     @property
     def rail_brakes(self) -> tuple[tuple[BogieInTrain, str, RailBrake], ...]:

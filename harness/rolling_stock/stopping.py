@@ -182,24 +182,20 @@ def scattered_distances(train: Train, speed: float, deviations: Mapping[str, Mat
     return s
 
 
-def developed_deceleration(train: Train, speed: float) -> tuple[Vector, Vector]:
+def developed_deceleration(train: Train, speed: float, *, dynamic: bool = True) -> tuple[Vector, Vector]:
     """Return speeds, falling [m/s], and decelerations [m/s2] of a stop with fully developed brakes.
 
     Args:
         train: The train.
         speed: Speed at the brake demand [m/s].
+        dynamic: As for `by_hand`.
 
     Raises:
         InputError: The train does not stop within ten minutes.
     """
-    stop = _stop(train, speed, developed=True)
+    stop = _stop(train, speed, developed=True, dynamic=dynamic)
     deceleration = stop.car_force.sum(axis=1) / stop.car_mass.sum()
     return speed - _STEP * (np.cumsum(deceleration) - deceleration / 2), deceleration
-
-
-def track_brake_force(train: Train, speed: float) -> float:
-    """Return the force of all brakes on the rail itself at a speed [m/s], developed [N]."""
-    return sum(_rail_force(brake, speed, inf) for *_, brake in train.rail_brakes)
 
 
 def _drag(train: Train, speed: Any) -> Any:
@@ -242,12 +238,14 @@ class DevelopedForces:
     Attributes:
         friction: Rim force of the friction brakes of each axle, shape (axles,) [N].
         dynamic: Rim force of the electrodynamic and rotating eddy-current brakes of each axle, shape (axles,) [N].
+        left: Share of the pad force that is left to the friction brakes of each axle, shape (axles,).
         rail: Force of each brake on the rail itself [N].
         resistance: Running resistance [N].
     """
 
     friction: Vector
     dynamic: Vector
+    left: Vector
     rail: Vector
     resistance: float
 
@@ -267,9 +265,12 @@ def developed_forces(train: Train, start: float, *, dynamic: bool = True) -> Cal
     def at(speed: float) -> DevelopedForces:
         shares = [1.0 if d is None or (start >= d.speed_up and speed >= d.speed_down) else d.low_share for d in stages]
         friction, electric = rims.at(speed, np.array(shares), inf)
+        left, _ = rims.blend(speed, np.array(shares), inf)
         rail = [_rail_force(b, speed, inf) if dynamic or isinstance(b, TrackBrake) else 0.0 for b in on_rail]
         resistance = rolling + _drag(train, speed)
-        return DevelopedForces(friction=friction, dynamic=electric, rail=np.array(rail), resistance=resistance)
+        return DevelopedForces(
+            friction=friction, dynamic=electric, left=left, rail=np.array(rail), resistance=resistance
+        )
 
     return at
 
@@ -393,10 +394,16 @@ class _RimForces:
 
     def at(self, speed: float, share: Vector, step: float) -> tuple[Vector, Vector]:
         """Return friction and dynamic force of each axle [N] after a step [s] with shares of the highest pressure."""
+        pads = _pad_force(self._brakes, share * self._brakes["pressure_max"])
+        left, dynamic = self.blend(speed, share, step)
+        return _friction_force(self._brakes, speed, left * pads), dynamic
+
+    def blend(self, speed: float, share: Vector, step: float) -> tuple[Vector, Vector]:
+        """Return the share of the pad force that is left to friction, and the dynamic force [N], of each axle."""
         brakes = self._brakes
-        pads = _pad_force(brakes, share * brakes["pressure_max"])
         if not self._groups:
-            return _friction_force(brakes, speed, pads), np.zeros(len(pads))
+            return np.ones(len(self._valve_of_axle)), np.zeros(len(self._valve_of_axle))
+        pads = _pad_force(brakes, share * brakes["pressure_max"])
         of_axle = brakes["lever"] * brakes["pad_friction"] * pads
         demand = np.bincount(self._valve_of_axle, of_axle, self._valves)
         available = np.array([float(each.force_at(speed)) for each in self._alike])[self._kind]
@@ -410,7 +417,7 @@ class _RimForces:
         lacking = np.maximum(demand - provided, 0.0)
         surplus = max(float(demand.sum() - provided.sum()), 0.0) / max(float(lacking.sum()), 1e-3)
         left = (surplus if self._across else 1.0) * lacking / np.maximum(demand, 1e-9)
-        return _friction_force(brakes, speed, left[self._valve_of_axle] * pads), self._parts @ force
+        return left[self._valve_of_axle], self._parts @ force
 
 
 def _friction_force(brakes: dict[str, Vector], speed: float | Matrix, pad_force: Vector) -> Vector:

@@ -95,14 +95,8 @@ def _front(description: Description, volume: float, conductance: float) -> float
 
 def freight_train(wagons: int, title: str) -> str:
     """Return the file of `freight_train` with its first wagons only, and with another description."""
-    head, *cars = re.split(
-        r"^(?=\[\[cars\]\])", locate(FREIGHT, "trains").read_text(encoding="utf-8"), flags=re.MULTILINE
-    )
-    cars = cars[:wagons]
-    cars[-1] = re.sub(r"^coupler = .*\n", "", cars[-1], flags=re.MULTILINE)
-    return re.sub(
-        r"^description = .*$", lambda _: f'description = "{title}"', head, count=1, flags=re.MULTILINE
-    ) + "".join(cars)
+    text = locate(FREIGHT, "trains").read_text(encoding="utf-8").replace(f"count = {max(WAGONS)}", f"count = {wagons}")
+    return re.sub(r"^description = .*$", lambda _: f'description = "{title}"', text, count=1, flags=re.MULTILINE)
 
 
 def freight_row(wagons: int) -> dict[str, object]:

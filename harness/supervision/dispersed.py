@@ -12,7 +12,12 @@ from railgrip.estimators.belief import Array
 from railgrip.rolling_stock.brakes import SHAPE, BlockLaw
 from railgrip.rolling_stock.dispersion import EXTENTS, Dispersion, Quantity
 from railgrip.rolling_stock.schema import Train
-from railgrip.rolling_stock.stopping import PAD_EFFECTS, by_hand, developed_deceleration, track_brake_force
+from railgrip.rolling_stock.stopping import (
+    PAD_EFFECTS,
+    by_hand,
+    developed_deceleration,
+    developed_forces,
+)
 from railgrip.vehicle.brake import piston_force
 
 PARTS = 4
@@ -35,12 +40,15 @@ class DispersedBrake(ABC):
         nominal: Deceleration in each step, from the slowest, and of the whole stop [m/s2].
         equivalent_time: Nominal [s].
         distance: Nominal [m].
+        without: The same brake without its dynamic brakes, whose ratios are to the same nominal values; None without
+            any.
     """
 
     units: tuple[int | tuple[int, ...], ...]
     nominal: Array
     equivalent_time: float
     distance: float
+    without: "DispersedBrake | None" = None
 
     def __init__(
         self,
@@ -104,6 +112,7 @@ class DispersedBrake(ABC):
     def _deviations(self, standard: Array | None) -> Deviations:
         n, groups = 1 if standard is None else len(standard), self._extents["group"]
         extents = {"pressure": groups, "wheel_radius": groups, "mass": 1, "build_up": 1, "track_brake": 1}
+        extents["dynamic_brake"] = 1
         deviations = {
             name: np.full((n, extents.get(name, len(self._group))), 0.0 if name == "pressure" else 1.0)
             for name in get_args(Quantity)
@@ -128,13 +137,18 @@ class DispersedBrake(ABC):
 class TrainBrake(DispersedBrake):
     """The emergency brake of a train file.
 
-    The nominal deceleration is that of the calculation by hand. Forces of friction brakes and magnets disperse; all
-    other forces are nominal. Valves with like brakes are like groups: their units count together, and of units that
-    differ the strongest fail first.
+    The nominal deceleration is that of the calculation by hand. Forces of friction brakes, magnets and dynamic brakes
+    disperse; the running resistance is nominal. Where dynamic brakes relieve friction brakes, only the force that is
+    left to these has their dispersion. Valves with like brakes are like groups: their units count together, and of
+    units that differ the strongest fail first.
     """
 
-    def __init__(self, train: Train, dispersion: Sequence[Dispersion], speeds: Sequence[float]) -> None:
+    def __init__(
+        self, train: Train, dispersion: Sequence[Dispersion], speeds: Sequence[float], *, dynamic: bool = True
+    ) -> None:
         """Create the brake from the train, dispersions, and limits of the steps of speed, falling to 0 [m/s].
+
+        Without `dynamic`, friction brakes replace electrodynamic and eddy-current brakes where these relieve them.
 
         Raises:
             InputError: The train does not stop within ten minutes.
@@ -143,7 +157,8 @@ class TrainBrake(DispersedBrake):
         for axles in _units_of_valves(train):
             bogies = sorted(train.bogies_in_train[train.axles[axle].bogie].kind for axle in axles)
             kinds.setdefault(tuple(bogies), []).append(axles)
-        super().__init__([tuple(map(len, valves)) for valves in kinds.values()], dispersion, speeds)
+        acting = [one for one in dispersion if one.quantity != "dynamic_brake" or train.dynamic_groups]
+        super().__init__([tuple(map(len, valves)) for valves in kinds.values()], acting, speeds)
         axles = np.array([axle for valves in kinds.values() for units in valves for axle in units])
         parts = [train.bogies_in_train[train.axles[axle].bogie] for axle in axles]
         self._unit = {name: np.array([getattr(part.brake, name) for part in parts]) for name in _UNIT}
@@ -161,24 +176,29 @@ class TrainBrake(DispersedBrake):
                 self._turning[group_of_axle[number]] += turning
             else:
                 self._rest += turning
-        self._mass, self._build_up = train.mass, by_hand(train, speeds[0]).equivalent_time
+        self._dynamic = dynamic
+        self._mass, self._build_up = train.mass, by_hand(train, speeds[0], dynamic=dynamic).equivalent_time
         nominal = self._deviations(None)
-        strength = self._unit_forces(nominal, np.ones(len(axles)))[0][0]
+        whole = np.ones(len(axles))
+        strength = self._unit_forces(nominal, whole, whole)[0][0]
         for kind in np.unique(self._kind):
             members = np.flatnonzero(self._kind == kind)
             self._place[members[np.argsort(strength[members], kind="stable")]] = np.arange(len(members))
-        self._parts = [self._parts_of(train, axles, high, low) for high, low in pairwise(self.speeds)]
+        self._parts = [part for high, low in pairwise(self.speeds) for part in self._parts_of(train, axles, high, low)]
         self._finish()
+        if dynamic and any(bogie.dynamic_brake for bogie in train.bogies_in_train):
+            self.without = TrainBrake(train, dispersion, speeds, dynamic=False)
+            self.without.nominal, self.without.equivalent_time = self.nominal, self.equivalent_time
 
     def service_decelerations(self) -> Array:
         """Return the deceleration without magnets in each step, from the slowest, shape (steps,) [m/s2]."""
         without = {**self._deviations(None), "track_brake": np.zeros((1, 1))}
         return self._stops([int(np.sum(n)) for n in self.units], without)[0][0]
 
-    def _parts_of(self, train: Train, axles: Array, high: float, low: float) -> tuple[Array, list["_ForcesAtSpeed"]]:
-        """Return a step of speed in a stop that begins just below its upper limit: shares of pressure, and parts."""
+    def _parts_of(self, train: Train, axles: Array, high: float, low: float) -> list["_ForcesAtSpeed"]:
+        """Return the parts of a step of speed in a stop that begins just below its upper limit."""
         begin = high * (1 - 1e-9)  # at its upper threshold a distributor is in the high stage, below it is not
-        speeds, decelerations = developed_deceleration(train, begin)
+        speeds, decelerations = developed_deceleration(train, begin, dynamic=self._dynamic)
         inert = float(self._mass + self._turning.sum() + self._rest)
         cars = np.array([train.axles[axle].car for axle in axles])
         stages = [
@@ -186,26 +206,30 @@ class TrainBrake(DispersedBrake):
             for part in train.stages_of_car
         ]
         share = np.array(stages)[cars]
-        still, falling = (force[0] for force in self._unit_forces(self._deviations(None), share))
+        forces_at = developed_forces(train, begin, dynamic=self._dynamic)
         parts: list[_ForcesAtSpeed] = []
         for number in range(PARTS):
             speed = (high**2 - (number + 0.5) * (high**2 - low**2) / PARTS) ** 0.5
             whole = inert * float(np.interp(speed, speeds[::-1], decelerations[::-1]))
-            magnets = track_brake_force(train, speed)
+            forces = forces_at(speed)
+            magnets, left, dynamic = sum(forces.rail.tolist()), forces.left[axles], float(forces.dynamic.sum())
             of_speed = self._speed_factor(speed)
+            still, falling = (force[0] for force in self._unit_forces(self._deviations(None), share, left))
             friction = float(still @ of_speed - speed * falling.sum())
-            parts.append(_ForcesAtSpeed(speed, of_speed, magnets, whole - magnets - friction))
-        return share, parts
+            others = whole - magnets - dynamic - friction
+            parts.append(_ForcesAtSpeed(speed, share, left, of_speed, magnets, dynamic, others))
+        return parts
 
-    def _unit_forces(self, deviations: Deviations, share: Array) -> tuple[Array, Array]:
+    def _unit_forces(self, deviations: Deviations, share: Array, left: Array) -> tuple[Array, Array]:
         """Return the force at the rim of each unit at standstill [N], and its decrease with speed [N s/m].
 
-        Both have the shape (n, units); `share` is that of the highest pressure in each unit. That of blocks is for
-        their nominal speed: `_speed_factor` has their law over speed.
+        Both have the shape (n, units); `share` is that of the highest pressure in each unit, and `left` that of the
+        pad force which dynamic brakes leave. That of blocks is for their nominal speed: `_speed_factor` has their law
+        over speed.
         """
         unit = self._unit
         lever = unit["lever"] * deviations["friction_radius"] / deviations["wheel_radius"][:, self._group]
-        force = (
+        force = left * (
             unit["efficiency"]
             * unit["rigging"]
             * deviations["efficiency"]
@@ -235,15 +259,17 @@ class TrainBrake(DispersedBrake):
         steps: list[Array] = []
         distance = np.zeros(len(inert))
         forces: dict[bytes, tuple[Array, Array]] = {}
-        for (high, low), (share, parts) in zip(pairwise(self.speeds), self._parts, strict=True):
-            if share.tobytes() not in forces:
-                still, falling = self._unit_forces(deviations, share)
-                forces[share.tobytes()] = still, falling @ brakes
-            still, falling = forces[share.tobytes()]
+        for number, (high, low) in enumerate(pairwise(self.speeds)):
             inverse = np.zeros(len(inert))
-            for part in parts:
+            for part in self._parts[PARTS * number : PARTS * (number + 1)]:
+                pressed = part.share.tobytes() + part.left.tobytes()
+                if pressed not in forces:
+                    still, falling = self._unit_forces(deviations, part.share, part.left)
+                    forces[pressed] = still, falling @ brakes
+                still, falling = forces[pressed]
                 force = still @ (brakes * part.of_speed) - part.speed * falling
-                inverse += inert / (force + part.magnets * deviations["track_brake"][:, 0] + part.others)
+                force = force + part.magnets * deviations["track_brake"][:, 0] + part.others
+                inverse += inert / (force + part.dynamic * deviations["dynamic_brake"][:, 0])
             steps.append(PARTS / inverse)
             distance += (high**2 - low**2) / (2 * PARTS) * inverse
         time = self._build_up * deviations["build_up"][:, 0]
@@ -252,13 +278,24 @@ class TrainBrake(DispersedBrake):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _ForcesAtSpeed:
-    """A part of a step of speed: its speed [m/s], the factor of the friction of blocks of each unit, the force of the
-    magnets, and that of all but friction brakes and magnets [N].
+    """A part of a step of speed.
+
+    Attributes:
+        speed: Its speed [m/s].
+        share: Share of the highest pressure in each unit.
+        left: Share of the pad force of each unit that dynamic brakes leave.
+        of_speed: Factor of speed on the friction of blocks of each unit.
+        magnets: Force of all brakes on the rail [N].
+        dynamic: Force of all electrodynamic and rotating eddy-current brakes [N].
+        others: All other forces [N].
     """
 
     speed: float
+    share: Array
+    left: Array
     of_speed: Array
     magnets: float
+    dynamic: float
     others: float
 
 

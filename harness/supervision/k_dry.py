@@ -10,6 +10,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from railgrip.base.arrays import generator
+from railgrip.base.errors import InputError
 from railgrip.estimators.belief import Array
 from railgrip.rolling_stock.dispersion import Failures
 from railgrip.supervision import rare
@@ -83,6 +84,7 @@ def k_factors(
     runs: int,
     samples: int,
     guides: Sequence[int] | None = None,
+    without: DispersingBrake | None = None,
     notify: Callable[[str], None] = lambda what: None,
 ) -> QuasiStatic:
     """Return K of a quasi-static brake for all EBCL; the same arguments give the same numbers.
@@ -94,7 +96,12 @@ def k_factors(
         runs: Independent runs, for the intervals.
         samples: Draws of each failure state in each run.
         guides: Outputs whose worst points are sampled, all of them unless given; other outputs scatter more.
+        without: The same train without its dynamic brakes, which fail as `failures.dynamic_brake`; its ratios are to
+            the same nominal values.
         notify: Receives the progress.
+
+    Raises:
+        InputError: The train has dynamic brakes, but their failures are not given.
     """
     begin = time.perf_counter()
     smallest = PROBABILITIES[-1]
@@ -103,14 +110,21 @@ def k_factors(
     highest = rates_of(failures, float(ndtri((1 + _CONFIDENCE) / 2)))
     deep, neglected = rare.states_of(brake.units, highest, neglect=_NEGLECT * smallest)
     available = [state.available for state in deep]
-    probabilities = rates.of_states(brake.units, available).tolist()
-    states = tuple(State(*state) for state in zip(available, probabilities, strict=True))
+    probabilities = rates.of_states(brake.units, available)
+    cases, lost = [(brake, "", 1.0)], _loss(failures, without)
+    if without is not None:
+        cases = [(brake, "", 1 - lost), (without, " without dynamic brakes", lost)]
+    states = tuple(
+        State(*state) for *_, share in cases for state in zip(available, (share * probabilities).tolist(), strict=True)
+    )
     parts: list[list[list[Sample]]] = [[[] for _ in range(runs)] for _ in brake.outputs]
-    for number, state in enumerate(deep, start=1):
-        notify(f"failure state {number} of {len(deep)}")
-        performance = partial(brake.ratios, state.available)
-        points = rare.worst_points(performance, brake.dimension, rare.depth(state, smallest), guides)
-        random = generator(seed, f"k_factors {state.available}")
+    sampled = [(of, words, share, state) for of, words, share in cases for state in deep]
+    for number, (of, words, share, state) in enumerate(sampled, start=1):
+        notify(f"failure state {number} of {len(sampled)}")
+        performance = partial(of.ratios, state.available)
+        depth = rare.depth(State(state.available, share * state.probability), smallest)
+        points = rare.worst_points(performance, of.dimension, depth, guides)
+        random = generator(seed, f"k_factors {state.available}{words}")
         for run in range(runs):
             ratios, weights = rare.importance_sample(performance, points, samples, random)
             for output, of_output in enumerate(parts):
@@ -120,6 +134,10 @@ def k_factors(
     k = tuple(rare.estimates(of_output, PROBABILITIES, neglected) for of_output in pooled)
     counts = np.array(available)
     drawn = np.array([numbers.of_states(brake.units, counts) for numbers in _draw_rates(failures, seed)])
+    if failures.dynamic_brake is not None and without is not None:
+        standard = generator(seed, "k_factors dynamic brakes").permutation(_standard()).tolist()
+        losses = np.array([[failures.dynamic_brake.quantile(each)] for each in standard])
+        drawn = np.hstack([(1 - losses) * drawn, losses * drawn])
     equal = [1 / runs] * runs
     k_of_rates = tuple(
         rare.widen(of, [rare.pool_samples(state, equal) for state in zip(*part, strict=True)], drawn, PROBABILITIES)
@@ -135,6 +153,17 @@ def k_factors(
     )
 
 
+def _loss(failures: Failures, without: DispersingBrake | None) -> float:
+    if without is None:
+        return 0.0
+    if failures.dynamic_brake is None:
+        raise InputError(
+            "[failures] has no dynamic_brake; K factors of a train with electrodynamic or eddy-current brakes need the "
+            "probability that these are off: give [failures.dynamic_brake] probability, error_factor and source"
+        )
+    return failures.dynamic_brake.quantile(0.0)
+
+
 def rates_of(failures: Failures, *standard: float) -> Rates:
     """Return the failure probabilities, standard deviations of their logarithms above their medians."""
     isolated, stuck = failures.isolated_unit, failures.stuck_valve
@@ -147,8 +176,11 @@ def rates_of(failures: Failures, *standard: float) -> Rates:
     )
 
 
+def _standard() -> Array:
+    return ndtri((np.arange(_RATES) + 0.5) / _RATES)
+
+
 def _draw_rates(failures: Failures, seed: int) -> list[Rates]:
     random = generator(seed, "k_factors rates")
-    standard = ndtri((np.arange(_RATES) + 0.5) / _RATES)
-    pairs = zip(standard, random.permutation(standard), strict=True)
+    pairs = zip(_standard(), random.permutation(_standard()), strict=True)
     return [rates_of(failures, float(first), float(last)) for first, last in pairs]

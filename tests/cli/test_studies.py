@@ -1,15 +1,19 @@
 """Studies: one command for all, results of cases cached by content, and sentences for missing studies."""
 
 import itertools
+import subprocess
+import sys
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from one_process import one_process
 
+from railgrip import studies
 from railgrip.base.errors import EstimationError, InputError
-from railgrip.campaign.run import input_versions
+from railgrip.campaign.run import input_versions, sources_digest, studies_used
 from railgrip.campaign.work import work
 from railgrip.scenario.load import load
 from railgrip.studies import bench, names, summary
@@ -122,3 +126,66 @@ def test_a_result_of_another_package_version_is_not_reused(study_work, monkeypat
     assert study_work.map(counted, [Case(7.0)]) == first
     monkeypatch.setattr("railgrip.campaign.work.input_versions", lambda study: input_versions(study) | {"numpy": "0"})
     assert study_work.map(counted, [Case(7.0)]) != first
+
+
+def imported_by_each_study():
+    """Return study → other studies that Python has imported with it, in a new interpreter."""
+    program = """
+import sys
+from importlib import import_module
+from railgrip.studies import module_of, names
+for name in names():
+    for module in [m for m in sys.modules if m.startswith("railgrip.studies.")]:
+        del sys.modules[module]
+    import_module(module_of(name))
+    print(name, *sorted({m.split(".")[2] for m in sys.modules if m.startswith("railgrip.studies.")} - {"study"}))
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    return {line.split()[0]: set(line.split()[1:]) for line in done.stdout.splitlines()}
+
+
+def test_a_digest_has_all_studies_whose_code_a_study_runs():
+    """What Python imports; `studies_used` also has what is imported inside of functions."""
+    folder = Path(studies.__file__).parent
+    found = imported_by_each_study()
+    assert found.keys() == set(names())
+    for study, imported in found.items():
+        assert imported <= studies_used(study, folder), study
+    assert "pad_monitor" in found["fleet"]
+    assert "trains" in found["brake_pipe"]
+
+
+@pytest.mark.parametrize(
+    ("changed", "moves"),
+    [
+        ("studies/fleet.py", True),
+        ("studies/fleet.toml", True),
+        ("studies/pads/life.py", True),
+        ("studies/pads/library/life.toml", True),
+        ("studies/rig.py", True),
+        ("studies/other.py", False),
+        ("studies/fleet_of_ships.py", False),
+        ("studies/study.py", False),
+        ("report/page.py", False),
+        ("base/units.py", True),
+    ],
+)
+def test_a_digest_changes_with_every_file_of_the_studies_that_are_used(tmp_path, monkeypatch, changed, moves):
+    texts = {
+        "studies/fleet.py": "from railgrip.studies.pads.life import live\nfrom railgrip.studies.study import Study\n",
+        "studies/pads/life.py": "def live():\n    import railgrip.studies.rig as rig\n",
+        "studies/rig.py": "from railgrip.studies import fleet\n",
+    }
+    others = ("fleet.toml", "pads/library/life.toml", "other.py", "fleet_of_ships.py", "study.py")
+    for name in (*texts, *(f"studies/{name}" for name in others), "report/page.py", "base/units.py"):
+        path = tmp_path / "railgrip" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(texts.get(name, ""))
+    monkeypatch.setattr("railgrip.campaign.run._PACKAGES", ("railgrip",))
+    monkeypatch.setattr("railgrip.campaign.run.MODELICA", tmp_path / "modelica")
+    monkeypatch.setattr(
+        "railgrip.campaign.run.import_module", lambda name: SimpleNamespace(__path__=[str(tmp_path / name)])
+    )
+    before = sources_digest.__wrapped__("fleet")
+    (tmp_path / "railgrip" / changed).open("a").write("\n")
+    assert (sources_digest.__wrapped__("fleet") != before) == moves

@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.stats import binom, norm
-from synthetic import POSITION_R
+from synthetic import MOTOR, POSITION_R
 
+from railgrip import cli
 from railgrip.base.errors import InputError
 from railgrip.base.registry import shelf
 from railgrip.rolling_stock import schema
@@ -124,6 +125,80 @@ def test_k_agrees_with_plain_draws(per):
     draws = brake.ratios(units, np.random.default_rng(5).standard_normal((200_000, brake.dimension)))
     for output, of_output in enumerate(result.k):
         assert of_output[2].value == pytest.approx(np.quantile(draws[:, output], 0.01), rel=4e-3)
+
+
+def electric_train(*, blending, force):
+    """Return two cars of `railgrip new train` with a motor under each, whose forces do not depend on the speed.
+
+    No running resistance, and pads of constant friction: closed forms have the forces of the brakes alone.
+    """
+    text = (Path(cli.__file__).parent / "templates" / "train.toml").read_text(encoding="utf-8")
+    tables = tomllib.loads(text.replace("NAME", "electric"))
+    for effect in ("speed_effect", "force_effect", "temperature_effect"):
+        tables["pads"]["organic"][effect] = 0.0
+    del tables["resistance"]
+    tables["davis"] = {"constant": 0, "linear": 0, "quadratic": 0, "estimated": True}
+    motor = MOTOR | {"force": force, "power": "10 MW", "blending": blending, "speed_full": "1 km/h", "speed_end": 0}
+    tables["dynamic_brakes"] = {"motor": motor}
+    tables["bogies"]["motor"] = tables["bogies"]["trailer"] | {"dynamic_brake": "motor"}
+    for car in tables["cars"]:
+        car["bogies"][0]["kind"] = "motor"
+    return train_of(tables, "electric.toml")
+
+
+FASTER = 10.0, 9.999, 0.0
+"""A step of speed above the fade-out of motors, whose forces are constant there."""
+
+
+@pytest.mark.usefixtures("few")
+@pytest.mark.parametrize("blending", ["valve", "train", "added"])
+@pytest.mark.parametrize("force", ["4 kN", "9 kN"])
+def test_pads_and_motors_have_the_dispersion_of_their_own_force(blending, force):
+    """K = 1 − 5 % z F/(F_friction + F_motors), forces by plain arithmetic: motors at four of eight axles."""
+    train, motors = electric_train(blending=blending, force=force), 4 * 1e3 * float(force.split()[0])
+    (unit,) = train.brakes.values()
+    pads = unit.efficiency * unit.rigging * (unit.pressure_max * unit.piston_area - unit.spring_force)
+    full = 8 * 2 * pads * unit.pad_friction * unit.friction_radius / train.bogies["motor"].wheel_radius
+    friction = full if blending == "added" else full - motors
+    assert friction > 0
+    for quantity, part in (("pad_friction", friction), ("dynamic_brake", motors)):
+        brake = TrainBrake(train, (dispersion(quantity),), FASTER)
+        units = [int(np.sum(n)) for n in brake.units]
+        ratios = brake.ratios(units, np.array([[-2.0], [0.0], [1.0]]))[:, 1]
+        assert ratios == pytest.approx(1 + 0.05 * np.array([-2.0, 0.0, 1.0]) * part / (friction + motors), rel=1e-6)
+
+
+def test_dynamic_brakes_that_fail_are_a_mixture_of_two_brakes():
+    """Motors alone brake without dispersion; with the probability q they are off, and pads of 5 % replace them.
+
+    P(K < k) = q Φ((k − 1)/5 %) for k < 1, and the quantile of P has the argument P/q.
+    """
+    train, q = electric_train(blending="train", force="60 kN"), 0.1
+    brake = TrainBrake(train, (dispersion("pad_friction"),), FASTER)
+    assert brake.without is not None
+    of_brake = failures()
+    lost = Failures.model_validate(
+        of_brake.model_dump() | {"dynamic_brake": {"probability": q, "error_factor": 1, "source": "a test"}}
+    )
+    result = k_factors(brake, lost, seed=1, runs=4, samples=2000, without=brake.without)
+    assert sum(state.probability for state in result.states) == pytest.approx(1.0)
+    for level in (2, 3, 6, 9):
+        expected = 1 + 0.05 * norm.ppf(PROBABILITIES[level] / q)
+        assert result.k[1][level].value == pytest.approx(expected, abs=2e-3)
+    with pytest.raises(InputError, match=r"\[failures\] has no dynamic_brake"):
+        k_factors(brake, of_brake, seed=1, runs=2, samples=20, without=brake.without)
+
+
+def test_motors_that_add_their_force_and_are_off_lack_it():
+    """Without them the ratio is that of the forces, since rotating masses are the same."""
+    train = electric_train(blending="added", force="9 kN")
+    brake = TrainBrake(train, (dispersion("mass"),), FASTER)
+    (unit,) = train.brakes.values()
+    pads = unit.efficiency * unit.rigging * (unit.pressure_max * unit.piston_area - unit.spring_force)
+    friction = 16 * pads * unit.pad_friction * unit.friction_radius / train.bogies["motor"].wheel_radius
+    assert brake.without is not None
+    ratio = brake.without.ratios([int(np.sum(n)) for n in brake.units], np.zeros((1, 1)))[0, 1]
+    assert ratio == pytest.approx(friction / (friction + 36e3), rel=1e-6)
 
 
 SENSE = {

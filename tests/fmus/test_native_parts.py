@@ -1,6 +1,7 @@
 """Parts of the built-in compiler, each tested separately."""
 
 import ctypes
+import importlib.util
 import math
 import os
 import re
@@ -331,6 +332,24 @@ def test_without_a_system_compiler_zig_is_used(monkeypatch):
     monkeypatch.setenv("PATH", "")
     monkeypatch.delenv("CC", raising=False)
     assert toolchain.compiler().command[1:] == ("-P", "-m", "ziglang", "cc")
+
+
+@pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="the Python package ziglang is not installed")
+def test_zig_compiles_several_units_at_a_time(monkeypatch, tmp_path):
+    """Three compilers start at once and fill the empty cache of zig; each unit has its part of the sum."""
+    monkeypatch.setenv("PATH", "")
+    monkeypatch.delenv("CC", raising=False)
+    for name in ("ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR"):
+        monkeypatch.setenv(name, str(tmp_path / name))
+    monkeypatch.setattr("os.cpu_count", lambda: 3)
+    units = {f"unit{i}.c": f"#include <math.h>\ndouble part{i}(double x) {{ return {i} + cos(x); }}\n" for i in (1, 2)}
+    declared = 'double part1(double x), part2(double x);\n__attribute__((visibility("default"))) '
+    units["all.c"] = f"{declared}double sum(double x) {{ return part1(x) + part2(x); }}\n"
+    library = tmp_path / f"sum{toolchain.SUFFIX}"
+    library.write_bytes(toolchain.binary(units, "sum"))
+    function = ctypes.CDLL(str(library)).sum
+    function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double]
+    assert function(0.0) == 5.0
 
 
 def test_a_c_error_is_printed():

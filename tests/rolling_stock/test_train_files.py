@@ -9,6 +9,7 @@ import pytest
 from railgrip.base.errors import ScenarioError
 from railgrip.base.registry import shelf
 from railgrip.rolling_stock.check import findings
+from railgrip.rolling_stock.modelica import class_text
 from railgrip.rolling_stock.schema import NAMED, load_train, train_of
 
 
@@ -34,6 +35,63 @@ def test_every_table_states_the_source_of_its_numbers(tables):
     assert "ours.toml: [brakes.disc] has numbers without an origin" in refused(tables)
     tables["brakes"]["disc"] |= {"source": "data sheet", "estimated": ["rigg"]}
     assert "[brakes.disc] calls 'rigg' estimated, which it does not have" in refused(tables)
+
+
+def with_three_first_cars(tables, **keys):
+    """Return the tables with three cars like the first, written out, and the same with `count`."""
+    first, last = {**tables["cars"][0], **keys}, tables["cars"][1]
+    written = [{**first, "name": f"A-{number}"} for number in (1, 2, 3)]
+    return tables | {"cars": [*written, last]}, tables | {"cars": [{**first, "count": 3}, last]}
+
+
+def test_count_is_the_same_as_cars_written_out(tables):
+    """Axles, groups, valves, sanders by wheelset, and the plant are those of the longer file."""
+    tables["sanders"] = [{"wheelset": 14, "rate": "2 kg/min", "delay": 1}]
+    written, counted = (train_of(each, "ours.toml") for each in with_three_first_cars(tables))
+    assert counted.model_dump() == written.model_dump()
+    assert (counted.axles, counted.groups_per_valve) == (written.axles, written.groups_per_valve)
+    assert class_text(counted, pneumatic=True) == class_text(written, pneumatic=True)
+    assert train_of(counted.model_dump(mode="json"), "again.toml").model_dump() == written.model_dump()
+
+
+@pytest.mark.parametrize("count", [1, 4])
+def test_the_last_car_of_a_count_at_the_end_has_no_coupler(tables, count):
+    tables["cars"] = [{**tables["cars"][0], "coupler": "bar", "count": count}]
+    train = train_of(tables, "ours.toml")
+    assert [car.coupler for car in train.cars] == ["bar"] * (count - 1) + [None]
+    assert [car.name for car in train.cars] == [f"A-{number + 1}" for number in range(count)]
+
+
+def test_messages_number_entries_of_the_file_and_name_each_once(tables):
+    """The fourth car of the train is the second entry; equal cars have one finding."""
+    _, counted = with_three_first_cars(tables, axle_masses=["12 t"] * 4, length="50.5 m")
+    counted["cars"][0]["bogies"] = [{"kind": "trailer", "at": at} for at in ("0.5 m", "20.5 m")]
+    keys = [finding.key for finding in findings(train_of(counted, "ours.toml"))]
+    assert [keys.count(key) for key in ("[cars[1]] mass", "[cars[1]] bogies", "[cars[1]] length")] == [1, 1, 1]
+    assert not any(key.startswith("[cars[2]]") for key in keys)
+    counted["cars"][1] = {**counted["cars"][1], "coupler": "bar"}
+    assert "[cars[2]] is the last car" in refused(counted)
+
+
+@pytest.mark.parametrize(
+    ("count", "sentence"),
+    [
+        (0, "[cars[1]] count is 0"),
+        (65, "[cars[1]] count is 65"),
+        (64, "cars has 65 cars with those of count; a train has 64 at most"),
+        (2.0, "[cars[1]] count is 2.0"),
+        (True, "[cars[1]] count is True"),
+    ],
+)
+def test_a_count_is_a_whole_number_of_cars_of_one_train(tables, count, sentence):
+    tables["cars"][0] = {**tables["cars"][0], "count": count}
+    assert sentence in refused(tables)
+
+
+def test_a_shared_bogie_at_the_end_of_a_count_is_refused(tables):
+    jacobs = [{"kind": "trailer", "at": "24 m", "shared": True}]
+    tables["cars"] = [{**tables["cars"][0], "bogies": jacobs, "axle_masses": ["11 t"] * 2, "count": 2}]
+    assert "[cars[1]] is the last car" in refused(tables)
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
 from railgrip.base.registry import shelf
 from railgrip.rolling_stock.schema import load_train
-from railgrip.rolling_stock.stopping import track_brake_force
+from railgrip.rolling_stock.stopping import developed_forces
 from railgrip.scenario.load import load
 from railgrip.simulate.assembly import assemble
 from railgrip.simulate.estimator import body_force_of
@@ -41,7 +41,7 @@ def test_developed_forces_are_those_of_the_hand_calculation(path):
     for speed in SPEEDS:
         for _ in range(4000):  # 20 s, more than ten time constants
             (found,) = force.call([speed, 1.0, 1.0])
-        assert found == pytest.approx(track_brake_force(train, speed), rel=1e-4)
+        assert found == pytest.approx(developed_forces(train, speed)(speed).rail.sum(), rel=1e-4)
 
 
 def test_magnets_act_after_their_delay_and_are_lifted():
@@ -49,7 +49,7 @@ def test_magnets_act_after_their_delay_and_are_lifted():
     train = load_train(Path("tram"))
     brake, period = next(brake for *_, brake in train.rail_brakes), 0.001
     force = body_force_of(train, period)
-    full = track_brake_force(train, 10.0)
+    full = developed_forces(train, 10.0)(10.0).rail.sum()
 
     def after(seconds, *inputs):
         for _ in range(round(seconds / period)):

@@ -298,7 +298,10 @@ def quasi_static(
     """Return K of the quasi-static brake for all EBCL; the same specification gives the same numbers."""
     effort = specification.estimate
     seed, runs, samples = specification.seed, effort.runs, effort.samples
-    return k_factors(brake, specification.failures, seed=seed, runs=runs, samples=samples, notify=notify)
+    without = brake.without if isinstance(brake, DispersedBrake) else None
+    return k_factors(
+        brake, specification.failures, seed=seed, runs=runs, samples=samples, without=without, notify=notify
+    )
 
 
 def scenario_of_draw(

@@ -199,11 +199,7 @@ def repeat_cars(text: str, cars: int) -> str:
     name = re.search(r'^name = "(.*)"$', head, re.MULTILINE)
     assert name is not None  # or the file has been refused
     head = head.replace(name[0], f'name = "{name[1]}_{cars}"', 1)
-    rows = [
-        re.sub(r'^name = ".*"$', f'name = "C{number}"', second, flags=re.MULTILINE) for number in range(1, cars + 1)
-    ]
-    rows[-1] = re.sub(r"^coupler = .*\n", "", rows[-1], flags=re.MULTILINE)
-    return head + "".join("[[cars]]" + row for row in rows)
+    return head + "[[cars]]" + re.sub(r"^(name = .*)$", rf"\1\ncount = {cars}", second, count=1, flags=re.MULTILINE)
 
 
 _FRICTION = 0.02  # of the untreated rail in the trial
