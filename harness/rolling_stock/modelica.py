@@ -95,6 +95,7 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         array=_array,
         lowest=_lowest,
         total=_total,
+        of_groups=lambda part, member: _of_groups(train, part, member),
         **_command(train, body_of_car),
     )
 
@@ -137,17 +138,32 @@ def _parameters(train: Train, body_of_car: Sequence[int]) -> dict[str, Sequence[
 
 
 def _bogie(train: Train, bogie: BogieInTrain, body_of_car: Sequence[int]) -> dict[str, Any]:
-    groups = [number for number, members in enumerate(train.groups, start=1) if members[0] in bogie.axles]
+    first = bogie.axles[0]
+    groups = [
+        {
+            "number": number,
+            "n": len(members),
+            "w": _places(members),
+            "places": _places([axle - first for axle in members]),
+        }
+        for number, members in enumerate(train.groups, start=1)
+        if members[0] in bogie.axles
+    ]
     return {
         "title": bogie.kind,
         "kind": _identifier(bogie.kind),
-        "blocks": bogie.brake.blocks,
         "n": len(bogie.axles),
-        "groups": len(groups),
-        "g": f"{groups[0]}:{groups[-1]}",
-        "w": f"{bogie.axles[0] + 1}:{bogie.axles[-1] + 1}",
+        "groups": groups,
+        "force": " + ".join(f"sum(wheels{group['number']}.F)" for group in groups),
+        "torque": " + ".join(f"wheels{group['number']}.torque" for group in groups),
+        "g": f"{groups[0]['number']}:{groups[-1]['number']}",
+        "w": _places(bogie.axles),
         "body": body_of_car[bogie.cars[0]] + 1,
     }
+
+
+def _places(axles: Sequence[int]) -> str:
+    return f"{axles[0] + 1}:{axles[-1] + 1}"
 
 
 def _dynamic_brakes(train: Train, body_of_car: Sequence[int]) -> list[dict[str, Any]]:
@@ -156,7 +172,6 @@ def _dynamic_brakes(train: Train, body_of_car: Sequence[int]) -> list[dict[str, 
     found: list[dict[str, Any]] = []
     for each in train.dynamic_groups:
         axle, brake = train.axles[train.groups[each.group][0]], each.brake
-        first = next(g for g, members in enumerate(train.groups) if train.axles[members[0]].bogie == axle.bogie)
         is_electric = isinstance(brake, Electrodynamic)
         found.append(
             {
@@ -165,8 +180,6 @@ def _dynamic_brakes(train: Train, body_of_car: Sequence[int]) -> list[dict[str, 
                 "law": f"P_max={_digits(each.units * brake.power)}" if is_electric else f"v_peak={brake.speed_peak}",
                 "force": brake.largest(each.units, each.load) if is_electric else each.units * brake.force,
                 "group": each.group + 1,
-                "bogie": axle.bogie + 1,
-                "shaft": each.group - first + 1,
                 "body": body_of_car[axle.car] + 1,
                 "place": 0 if brake.blending == "added" else place_of_valve[each.valve],
             }
@@ -311,6 +324,14 @@ def _lowest(signal: str, groups: range) -> str:
 
 def _total(member: str, part: str, parts: Sequence[object]) -> str:
     return " + ".join(f"{part}{number}.{member}" for number in range(1, len(parts) + 1))
+
+
+def _of_groups(train: Train, part: str, member: str) -> str:
+    # The sum over all groups, that of each bogie first.
+    groups_of: dict[int, list[str]] = {}
+    for number, members in enumerate(train.groups, start=1):
+        groups_of.setdefault(train.axles[members[0]].bogie, []).append(f"{part}{number}.{member}")
+    return " + ".join(f"({' + '.join(groups)})" for groups in groups_of.values())
 
 
 def _array(values: Iterable[float]) -> str:

@@ -456,7 +456,9 @@ class Bogie(SourcedTable):
             raise table_error("has axles whose positions do not start at 0 or do not increase")
         gap = self.wheelbase / (len(self.axles) - 1)
         if any(abs(at - i * gap) > 0.05 * gap for i, at in enumerate(self.axles)):
-            raise table_error("has axles that are not equally spaced; RailBraking.Components.Bogie needs equal spacing")
+            raise table_error(
+                "has axles that are not equally spaced; RailBraking.Components.BogieFrame needs equal spacing"
+            )
         for key in ("units", "inertia", "dynamic_units", "parking_units"):
             count = len(getattr(self, key))
             if count not in (1, len(self.axles)):

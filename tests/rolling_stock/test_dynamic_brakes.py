@@ -264,7 +264,7 @@ def test_commands_name_the_brakes(electric, tmp_path):
 def test_the_class_of_a_train_has_its_brakes(electric):
     text = class_text(with_brake(electric), pneumatic=True)
     assert len(re.findall(r"ElectrodynamicBrake dynamic\d", text)) == 4
-    assert "connect(bogie3.shaft[2], motor4.shaft);" in text
+    assert "connect(wheels6.shaft, motor4.shaft);" in text
     assert "eddy_current1.force" in class_text(
         train_of(electric | {"dynamic_brakes": {"motor": RAIL}}, "rail"), pneumatic=False
     )
