@@ -109,7 +109,7 @@ class CommonCause(Table):
     source: _Source
 
 
-class Failure(Table):
+class FailureProbability(Table):
     """Probability that a component has failed when the train brakes, and its uncertainty."""
 
     probability: Annotated[float, UnitRange("1", at_least=0, at_most=0.1)] = Field(
@@ -127,7 +127,7 @@ class Failure(Table):
         return min(self.probability * self.error_factor ** (standard / float(ndtri(0.95))), 1.0)
 
 
-class ComponentFailure(Failure):
+class ComponentFailure(FailureProbability):
     """The same of one of several components, with their common-cause failures."""
 
     common_cause: CommonCause = Field(description="failures that several components have at once")
@@ -142,7 +142,7 @@ class Failures(Table):
     stuck_valve: ComponentFailure = Field(
         description="a group whose vent valve stays open; all valves of the train share a common cause"
     )
-    dynamic_brake: Failure | None = Field(
+    dynamic_brake: FailureProbability | None = Field(
         default=None,
         description="all electrodynamic and eddy-current brakes of the train without force, so that friction brakes "
         "replace those that relieve them; needed for K factors of a train that has them",
