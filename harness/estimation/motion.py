@@ -302,7 +302,10 @@ def braking_of(run: xarray.Dataset, course: CourseTable) -> Braking:
     force = force_along(slope, curvature, course.mass, course.curve_law)
     brakes, period = brake_mask(run), period_of(run)
     if not brakes.any():
-        raise EstimationError(f"{who}: the train did not brake.")
+        raise EstimationError(
+            f"{who}: the train did not brake: no cylinder fills, and braking is never 1; check the unit of "
+            "cylinder_pressure, or give the signal braking"
+        )
     onset = int(np.argmax(brakes))
     last = int(np.flatnonzero(np.append(True, traction_mask(run)[:onset]))[-1])  # number of samples until driving ended
     first = last + round(COASTING / period) if last else 0

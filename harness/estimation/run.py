@@ -50,7 +50,8 @@ FINE_STEP = 0.6
 class Settings:
     """Settings of a filter besides its model.
 
-    A name without index refers to all elements of an array; a name with index (`w[2]`) takes precedence over it.
+    A name without index refers to all elements of an array; a name with index (`wheelset_speed[2]`) takes precedence
+    over it.
 
     Attributes:
         process: Density of the noise of each state, (unit of the state)²/s.

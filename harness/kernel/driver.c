@@ -1,4 +1,4 @@
-/* The driver of driver.h; driver.py describes it. */
+/* The driver of driver.h; scenario/demand.py describes it. */
 
 #include <math.h>
 

@@ -1,4 +1,4 @@
-/* The faults of faults.h; faults.py defines them. */
+/* The faults of faults.h; simulate/faults/site.py defines them. */
 
 #include <math.h>
 

@@ -1,4 +1,4 @@
-/* The rail of rail.h under a train; rail.py describes recovery and sand. */
+/* The rail of rail.h under a train; scenario/surface.py describes recovery and sand. */
 
 #include <math.h>
 
@@ -33,7 +33,7 @@ static void move_wheelset(Recovery *recovery, int w, double location, double los
     recovery->location[w] = location;
 }
 
-/* Set the friction that slip leaves under each wheelset: f of `SlipEnergy` in rail.py. */
+/* Set the friction that slip leaves under each wheelset: f of `SlipEnergy` in scenario/surface.py. */
 static void apply_recovery(Recovery *recovery, const double *outputs, double *mu0)
 {
     const double speed = outputs[OUTPUT_SPEED], distance = outputs[OUTPUT_DISTANCE];

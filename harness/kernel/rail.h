@@ -5,7 +5,7 @@
 #include "export.h"
 #include "layout.h"
 
-/* Symbols are those of `SlipEnergy` in rail.py. */
+/* Symbols are those of `SlipEnergy` in scenario/surface.py. */
 typedef struct {
     double *energy;                              /* slip energy dissipated in each cell, per wheel of each pair [J/m] */
     const double *position;                      /* distance of each wheelset behind the leading one */

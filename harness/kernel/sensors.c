@@ -1,4 +1,4 @@
-/* The instruments of sensors.h; sensors.py describes them. */
+/* The instruments of sensors.h; simulate/sensors/service.py describes them. */
 
 #include <math.h>
 
@@ -22,7 +22,7 @@ static double tooth(const Encoder *encoder, long long count)
 }
 
 /* Return the reading of an encoder whose wheel turns at a speed [rad/s]; NaN without a new one. `ServiceSensors`
-   in sensors.py describes it. */
+   in simulate/sensors/service.py describes it. */
 EXPORT double read_encoder(Encoder *encoder, long long sample, double speed)
 {
     const double time = (double)sample * encoder->period;

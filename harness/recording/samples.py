@@ -66,7 +66,7 @@ def with_signals(
             columns[variable][index] = np.asarray(values, dtype=np.float64)
             units[variable] = unit_text
     dimensions = {variable: dimension_of(variable) for variable, parts in columns.items() if None not in parts}
-    # A group that one signal leaves out, another has.
+    # A dimension whose size this signal does not show may have it from another signal.
     sizes = {str(dimension): size for dimension, size in trace.sizes.items()}
     for variable, dimension in dimensions.items():
         most = max(index for index in columns[variable] if index is not None)

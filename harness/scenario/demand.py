@@ -300,4 +300,4 @@ def _require_pressures(count: int, highest: float, full: Sequence[float], where:
             "unit: '3 bar' in a scenario, 'pressure [kPa]', [bar] or [psi] in the first line of a file"
         )
     if highest > max(full):
-        raise ScenarioError(f"{where} asks for {highest:g} Pa, full brake is {max(full):g} Pa; write 'full'")
+        raise ScenarioError(f"{where} asks for {highest:g} Pa, but full brake is {max(full):g} Pa; write 'full'")

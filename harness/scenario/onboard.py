@@ -96,7 +96,7 @@ class KalmanFilter(Table):
                 "makes its prediction from the vehicle's nominal data when it is decentralised; leave out model"
             )
         if self.file is not None and (self.kind != "fmu" or self.model is not None):
-            raise table_error("has a file, which only kind 'fmu' without a model takes")
+            raise table_error("has a file: set kind = 'fmu' and leave out model, or leave out file")
         if self.interface == "co_simulation" and self.kind != "fmu":
             raise table_error(
                 f"has interface 'co_simulation' with kind '{self.kind}'; set kind = 'fmu', or leave out interface"

@@ -79,7 +79,7 @@ class Line(Table):
             raise table_error(f"low_adhesion must be in order and not overlap, got {stretches}")
         for kind in ("EoA", "SvL"):
             if sum(target.kind == kind for target in self.target) > 1:
-                raise table_error(f"target: there is one {kind} at most")
+                raise table_error(f"target: there is one {kind} at most; leave out the others")
         eoa, svl = self.one("EoA"), self.one("SvL")
         if eoa is not None and svl is not None and svl.at < eoa.at:
             raise table_error(f"target: the SvL at {svl.at:g} m is in front of the EoA at {eoa.at:g} m")

@@ -42,6 +42,8 @@ def sources() -> tuple[Path, ...]:
 def prose(path: Path) -> list[tuple[int, str]]:
     """Return the docstrings and comments of a file with their line numbers."""
     text = path.read_text(encoding="utf-8")
+    if path.suffix != ".py":
+        return [(text.count("\n", 0, c.start()) + 1, c[0]) for c in re.finditer(r"/\*.*?\*/", text, re.DOTALL)]
     found = [
         (token.start[0], token.string)
         for token in tokenize.generate_tokens(io.StringIO(text).readline)
@@ -165,9 +167,10 @@ def missing(text: str) -> list[str]:
 
 
 def test_references_in_docstrings_and_comments_exist():
+    in_c = [ROOT / name for name in tracked() if name.endswith((".c", ".h")) and name.startswith(PACKAGES)]
     wrong = [
         f"{path.relative_to(ROOT)}:{line}: {name}"
-        for path in sources()
+        for path in (*sources(), *in_c)
         for line, text in prose(path)
         for name in missing(text)
     ]

@@ -6,6 +6,7 @@ import pytest
 
 from railgrip.report.baseline import load_baseline
 from railgrip.studies import names
+from railgrip.studies.study import Study, study_named
 
 BASELINES = Path(__file__).parents[1] / "baselines"
 
@@ -18,6 +19,13 @@ def test_every_baseline_can_be_run_and_accepts_a_figure(path):
         assert baseline.study in names()
     else:
         assert (path.parent / baseline.campaign).exists()
+
+
+@pytest.mark.parametrize("study", names())
+def test_every_study_with_headlines_has_a_baseline(study):
+    accepted = {load_baseline(path).study for path in BASELINES.glob("*.toml")}
+    has_headlines = study_named(study).headlines is not Study.headlines
+    assert study in accepted or not has_headlines, f"add tests/baselines/{study}.toml; CONTRIBUTING.md describes it"
 
 
 def test_the_accepted_figures_meet_the_requirements():

@@ -166,7 +166,7 @@ def test_a_profile_states_its_unit(header, pascals, tmp_path):
 @pytest.mark.parametrize(
     ("pressure", "words"),
     [
-        ("3.5 bar", r"\[demand.phases\[1\]\] pressure asks for 350000 Pa, full brake is 340000 Pa"),
+        ("3.5 bar", r"\[demand.phases\[1\]\] pressure asks for 350000 Pa, but full brake is 340000 Pa"),
         ([0, 0, 0], "is for 3 groups, the vehicle has 2"),
         (3.4, r"pressure is 3.4 Pa at most, at which no brake acts .* state the unit: '3 bar' in a scenario"),
     ],

@@ -53,7 +53,10 @@ def isolated_units(scenario: Scenario, formation: Formation, units: Mapping[str,
         for group in places(fault.group, formation.groups, where, "group"):
             name = f"n_units[{group + 1}]"
             if name not in units:
-                raise ScenarioError(f"{where} isolates units of a group, but the plant has no parameter {name}")
+                raise ScenarioError(
+                    f"{where} isolates units of a group, but the plant has no parameter {name}; "
+                    "leave out value to isolate the group"
+                )
             counts[name] = counts.get(name, units[name]) - amount_of(fault.value, "1", where, fault.kind)
             if counts[name] <= 0.0:
                 raise ScenarioError(
@@ -144,7 +147,10 @@ class SupplyLoss(Fault):
             ScenarioError: The plant lacks the output for its air consumption.
         """
         if "air_used" not in site.outputs:
-            raise ScenarioError(f"{site.where} empties a reservoir, but the plant does not show the air that it uses")
+            raise ScenarioError(
+                f"{site.where} empties a reservoir, but the plant has no output air_used; "
+                "take a plant with it, or leave out this fault"
+            )
         volume = amount_of(self.value, "m3", site.where, self.kind)
         samples = self.samples(site.scenario)
         refill = (self.refill or 0.0) * site.scenario.periods.communication
