@@ -14,6 +14,7 @@ from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, Train
 from railgrip.scenario.faults import Fault
 from railgrip.scenario.onboard import SensorModel
 from railgrip.simulate.estimator import _NOISE_PREFIX
+from railgrip.studies.estimators.replay import ESTIMATORS
 from railgrip.studies.type_test.case_set import VERSIONS
 from railgrip.studies.type_test.entrants import entrants
 
@@ -48,6 +49,10 @@ ON_PAGES = {
 """Page, or pages of which any may have it → kinds."""
 
 
+OTHER_FORMS = {"compiled", "decentralised", "python"}
+"""Forms of the filter `fmu`: in C, by parts of the train, and in numpy."""
+
+
 @pytest.mark.parametrize(("page", "kind"), [(page, kind) for page, kinds in ON_PAGES.items() for kind in kinds])
 def test_each_kind_is_on_its_page(page, kind):
     text = "".join(path.read_text(encoding="utf-8") for path in DOCS.glob(page))
@@ -63,6 +68,11 @@ def test_each_law_takes_part_in_the_type_test(law):
     # Under an emergency brake, as in all its cases, such a law is the slide protection that it contains.
     kinds |= {law} if registry.part(registry.LAWS, law, GroupLaw).exceeds_driver else set()
     assert law in kinds, f"add an entrant with kind = '{law}' to harness/studies/type_test/library/entrants.toml"
+
+
+@pytest.mark.parametrize("kind", sorted(set(registry.modules(registry.FILTERS)) - OTHER_FORMS))
+def test_each_filter_takes_part_in_the_comparison_of_estimators(kind):
+    assert kind in ESTIMATORS, f"add '{kind}' to ESTIMATORS in harness/studies/estimators/replay.py"
 
 
 @pytest.mark.parametrize("model", TRAINS)
