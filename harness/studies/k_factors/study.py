@@ -18,7 +18,7 @@ from railgrip.report.palette import lead_to_trail
 from railgrip.report.style import band, dress, figure, legend
 from railgrip.report.table import ReportTable, write_tables
 from railgrip.rolling_stock.check import checked_train
-from railgrip.rolling_stock.dispersion import Normal, Uniform
+from railgrip.rolling_stock.dispersion import ComponentFailure, FailureProbability, Normal, Uniform
 from railgrip.rolling_stock.schema import Train
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.schema import Scenario
@@ -145,15 +145,21 @@ def assumptions(specification: KFactorSpecification) -> dict[str, ReportTable]:
         for one in specification.dispersion
     ]
     failures = [
-        (name.replace("_", " "), one.probability, one.error_factor, one.source, one.common_cause.beta,
-         one.common_cause.source)
+        (name.replace("_", " "), one.probability, one.error_factor, one.source, *_common_cause(one))
         for name, one in specification.failures
-    ]  # fmt: skip
+        if one is not None
+    ]
     columns = ("component", "probability", "error factor", "source", "β", "source of β")
     return {
         "dispersion": ReportTable.of(("quantity", "drawn for each", "distribution", "source"), dispersion, left=4),
         "failures": replace(ReportTable.of(columns, failures, "{:g}"), left=("component", "source", "source of β")),
     }
+
+
+def _common_cause(failure: FailureProbability) -> tuple[float | None, str]:
+    if isinstance(failure, ComponentFailure):
+        return failure.common_cause.beta, failure.common_cause.source
+    return None, ""
 
 
 def _extent(dispersion: Normal | Uniform) -> str:
