@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, Final, TypeVar
 
 from railgrip.base.units import to_si
-from railgrip.controllers.parameters import TYPE_TEST
 from railgrip.scenario.load import read_toml
 
 CONTROLLERS: Final[Mapping[str, Any]] = read_toml(Path(__file__).parent / "library" / "controllers.toml")
@@ -34,7 +33,7 @@ def label(scenario: Mapping[str, Any]) -> str:
     """Return the name of the controller of a resolved scenario, for slip-based control with the thresholds."""
     controller, kind = scenario["controller"], controller_of(scenario)
     name = CONTROLLERS[kind]["name"] if kind in CONTROLLERS else kind
-    name += ", of the type test" if controller.get("tuning") in TYPE_TEST.values() else ""
+    name += ", of the type test" if str(controller.get("tuning")).startswith("type_test") else ""
     if kind not in _SLIP_BASED:
         return name
     return f"{name} {'/'.join(f'{100 * threshold:.3g}' for threshold in _thresholds(controller))} %"

@@ -536,7 +536,7 @@ class Car(SourcedTable):
         """Number of its entry in [[cars]], from 1."""
         return self._entry
 
-    def each(self, entry: int) -> "list[Car]":
+    def each(self, entry: int) -> Sequence["Car"]:
         """Return the cars of this entry of [[cars]], whose number is given."""
         names = [self.name] if self.count is None else [f"{self.name}-{i + 1}" for i in range(self.count)]
         cars = [self.model_copy(update={"name": name, "count": None}) for name in names]

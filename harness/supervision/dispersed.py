@@ -200,7 +200,8 @@ class TrainBrake(DispersedBrake):
         begin = high * (1 - 1e-9)  # at its upper threshold a distributor is in the high stage, below it is not
         speeds, decelerations = developed_deceleration(train, begin, dynamic=self._dynamic)
         inert = float(self._mass + self._turning.sum() + self._rest)
-        cars = np.array([train.axles[axle].car for axle in axles])
+        indices: list[int] = axles.tolist()
+        cars = np.array([train.axles[axle].car for axle in indices])
         stages = [
             1.0 if part is None or (begin >= part.speed_up and low >= part.speed_down) else part.low_share
             for part in train.stages_of_car
@@ -212,7 +213,7 @@ class TrainBrake(DispersedBrake):
             speed = (high**2 - (number + 0.5) * (high**2 - low**2) / PARTS) ** 0.5
             whole = inert * float(np.interp(speed, speeds[::-1], decelerations[::-1]))
             forces = forces_at(speed)
-            magnets, left, dynamic = sum(forces.rail.tolist()), forces.left[axles], float(forces.dynamic.sum())
+            magnets, left, dynamic = sum(forces.rail.tolist()), forces.left[indices], float(forces.dynamic.sum())
             of_speed = self._speed_factor(speed)
             still, falling = (force[0] for force in self._unit_forces(self._deviations(None), share, left))
             friction = float(still @ of_speed - speed * falling.sum())
