@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import log
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,6 @@ from railgrip.report.page import Page
 from railgrip.report.statistics import bootstrap_interval
 from railgrip.report.table import ReportTable, write_tables
 from railgrip.scenario.faults import READ_BY
-from railgrip.scenario.file import merge
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.assembly import StopAssembly, assemble
 from railgrip.simulate.ideal import KnownRail
@@ -154,12 +153,13 @@ class TruthEstimator:
 def scenario_with(scenario: Scenario, *, truth: bool, ideal_actuation: bool) -> Scenario:
     """Return a stop without the faults and valves that the law is relieved of."""
     parts = (*(READ_BY if truth else ()), *(("valve", "supply") if ideal_actuation else ()))
-    table = scenario.tables()
-    table["faults"] = [fault for fault in table.get("faults", ()) if fault["part"] not in parts]
+    tables = scenario.tables()
+    changes: dict[str, Any] = {"faults": [fault for fault in tables.get("faults", ()) if fault["part"] not in parts]}
     if ideal_actuation:
-        vehicle = {"vehicle": {"plant": "TwoPartTrain"}} if "train" not in table["vehicle"] else {}
-        table = merge(table, {"actuation": {"kind": "ideal"}, **vehicle})
-    return Scenario.model_validate(table)
+        changes["actuation"] = {"kind": "ideal"}
+        if "train" not in tables["vehicle"]:
+            changes["vehicle"] = {"plant": "TwoPartTrain"}
+    return scenario.revised(changes)
 
 
 def distance_with(case: tuple[Scenario, bool, bool]) -> float:

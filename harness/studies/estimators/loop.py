@@ -134,8 +134,7 @@ def scenario_of_case(case: LoopCase) -> schema.Scenario:
         changes["estimator"] = {"model": model, "noise": "service", "outlier_limit": dict(OUTLIER_LIMITS)}
         if period:
             changes["periods"] = {"estimator": period}
-    tables = case.scenario.tables()
-    return schema.Scenario.model_validate(tables | {name: tables[name] | table for name, table in changes.items()})
+    return case.scenario.revised(changes)
 
 
 def stops_of_type_test(work: Work, count: int) -> Frame:
