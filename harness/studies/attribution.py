@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from typer import Option
 
 from railgrip.api import Estimate
+from railgrip.base.arrays import Array
 from railgrip.campaign.work import Work
 from railgrip.controllers.law import Law
 from railgrip.controllers.observation import Observation
@@ -93,8 +94,6 @@ def without_dead_time(scenario: Scenario) -> Scenario:
     dead = {name: "0 s" for name in VALVES if name.startswith("dead")}
     return scenario.revised({"vehicle": {"parameters": dead}, "controller": {"parameters": dead}})
 
-
-Array = NDArray[np.float64]
 
 PAGE = Path("docs/type_test.md")
 """From the folder of the project, where the command runs."""

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from typer import Option
 
+from railgrip.base.arrays import Mask
 from railgrip.campaign.work import Work
 from railgrip.estimation.judge import errors, judge, rms
 from railgrip.estimation.models import units_of
@@ -41,8 +42,6 @@ from railgrip.studies.papers import adhesion_and_brake_friction as published
 from railgrip.studies.papers.adhesion_and_brake_friction import LIMIT, RECOVERY
 from railgrip.studies.papers.pages import write_results
 from railgrip.studies.study import Study
-
-Mask = NDArray[np.bool_]
 
 
 def outside_events(recording: xarray.Dataset, settled: float) -> Mask:

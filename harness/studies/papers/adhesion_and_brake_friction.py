@@ -10,9 +10,9 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
-from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
+from railgrip.base.arrays import Vector
 from railgrip.estimation.judge import errors
 from railgrip.recording.samples import period_of, reading_of, truth_of
 from railgrip.report import palette, style
@@ -20,8 +20,6 @@ from railgrip.report.table import ReportTable
 from railgrip.scenario.load import read_toml
 from railgrip.studies.papers.pages import PaperRow, arrow, canvas, comparison, dimension
 from railgrip.trace.bound import Contact
-
-Vector = NDArray[np.float64]
 
 PAGE = "adhesion_and_brake_friction.md"
 
