@@ -30,7 +30,7 @@ share of 20 % is within the luck of one stop; a consistent filter has most of on
 
 
 _FULL = 1.002
-"""Utilisation of adhesion above which a stop states what exceeds the ideal bound."""
+"""Utilisation of adhesion above which a remark on a stop states what can exceed the ideal bound."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -304,13 +304,17 @@ class Metrics:
         if not np.isfinite(self.utilisation):
             return ""
         allowed = f" (creep curve: at most {self.adhesion_allowed:.4f})" if np.isfinite(self.adhesion_allowed) else ""
-        share = f"{100 * self.utilisation:.1f} % of the possible adhesion used{allowed}"
-        if self.utilisation <= _FULL:
-            return share
+        return f"{100 * self.utilisation:.1f} % of the possible adhesion used{allowed}"
+
+    def excess_over_bound(self) -> str:
+        """Return a sentence on how a stop can use more adhesion than its ideal bound; empty if it does not."""
+        if not self.utilisation > _FULL:
+            return ""
+        limit = "[limits] alpha_max, which groups exceeded, and " if max(self.time_over_alpha_max) > 0.0 else ""
         return (
-            f"{share}; more than 100 %, because the bound has the brakes and the resistance of each group: wheelsets "
-            "that regain speed after a slide exceed it, and so does a brake on the wheelsets whose torque the plant "
-            "does not include in brake_torque"
+            f"The stop uses more than 100 % of the possible adhesion: its ideal bound has {limit}the brakes and the "
+            "resistance of each group at constant slip. Wheelsets that regain speed after a slide exceed that, and so "
+            "does a brake on the wheelsets whose torque the plant does not include in brake_torque."
         )
 
     def of_train(self, name: str) -> float:
