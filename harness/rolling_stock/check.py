@@ -323,15 +323,20 @@ def _stops(train: Train) -> Iterator[TrainRemark]:
                 f"{_DESIGN_ADHESION:g} (LOC&PAS TSI 4.2.4.6.1)",
                 wrong=most > _HIGHEST_ADHESION,
             )
-    for number, car in enumerate(train.cars[:-1], start=1):
-        if car.coupler is None:
-            continue
-        force, strength = abs(float(fastest.coupler_force[number - 1])), train.couplers[car.coupler].strength
-        if force > strength:
+    for kind, coupler in train.couplers.items():
+        forces = {
+            place: abs(float(fastest.coupler_force[place]))
+            for place, car in enumerate(train.cars[:-1])
+            if car.coupler == kind
+        }
+        overloaded = [place for place, force in forces.items() if force > coupler.strength]
+        if overloaded:
+            worst = max(overloaded, key=lambda place: forces[place])
+            others = f"{len(overloaded)} of {len(forces)} such couplers beyond that, and "
             yield TrainRemark(
-                f"[couplers.{car.coupler}] strength",
-                f"is {strength / 1e3:g} kN, but braking alone loads the coupler behind {car.name} by "
-                f"{force / 1e3:.0f} kN",
+                f"[couplers.{kind}] strength",
+                f"is {coupler.strength / 1e3:g} kN, but braking alone loads {others if len(overloaded) > 1 else ''}"
+                f"the coupler behind {train.cars[worst].name} by {forces[worst] / 1e3:.0f} kN",
             )
     slowest = min(stops)
     for kind in {car.distributor: None for car in train.cars if car.distributor}:
