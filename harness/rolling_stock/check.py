@@ -171,7 +171,8 @@ def _masses(train: Train) -> Iterator[TrainRemark]:
             if unsprung >= load:
                 yield TrainRemark(
                     f"[bogies.{kind}] frame_mass",
-                    f"frame and axles have {unsprung / 1e3:g} t, but the bogie's axles carry only {load / 1e3:g} t",
+                    f"frame and axles have a mass of {unsprung / 1e3:g} t, but the bogie's axles carry only "
+                    f"{load / 1e3:g} t",
                 )
                 break
     rotating = (
@@ -201,7 +202,8 @@ def _places(train: Train) -> Iterator[TrainRemark]:
         if gaps and min(gaps) <= 2 * bogie.wheel_radius:
             yield TrainRemark(
                 f"[bogies.{kind}] axles",
-                f"wheels of {2e3 * bogie.wheel_radius:g} mm touch where axles are {1e3 * min(gaps):g} mm apart",
+                f"wheels with a diameter of {2e3 * bogie.wheel_radius:g} mm touch where axles are "
+                f"{1e3 * min(gaps):g} mm apart",
             )
 
 
@@ -226,7 +228,7 @@ def _brakes(train: Train) -> Iterator[TrainRemark]:
         if wheels and brake.friction_radius > 1.001 * min(wheels):
             yield TrainRemark(
                 f"[brakes.{kind}] friction_radius",
-                f"is {brake.friction_radius:g} m, beyond the wheels of {min(wheels):g} m",
+                f"is {brake.friction_radius:g} m, beyond the wheel, whose radius is {min(wheels):g} m",
             )
         elif brake.blocks and wheels and brake.friction_radius < _TREAD * max(wheels):
             yield TrainRemark(
@@ -296,7 +298,7 @@ def _dynamic(train: Train) -> Iterator[TrainRemark]:
     for kind, brake in train.dynamic_brakes.items():
         where = f"[dynamic_brakes.{kind}]"
         if kind not in used:
-            yield TrainRemark(where, "is on no bogie: give dynamic_brake of [bogies]", wrong=False)
+            yield TrainRemark(where, "is on no bogie: name it as dynamic_brake in a table of [bogies]", wrong=False)
         if isinstance(brake, Electrodynamic) and brake.power < brake.force * brake.speed_full:
             yield TrainRemark(
                 f"{where} power",

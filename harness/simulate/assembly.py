@@ -245,8 +245,8 @@ def _signals(
 def _require_demand(scenario: Scenario, *, commands_valves: bool) -> None:
     if commands_valves and scenario.demand is not None:
         raise ScenarioError(
-            f"{scenario.name}: [demand] limits the pressures that a controller demands, but that of [controller] "
-            "commands the valves; leave out [demand], or let it give demand [Pa]"
+            f"{scenario.name}: [demand] limits the pressures that a controller demands, but the FMU of [controller] "
+            "commands the valves instead; leave out [demand], or name an FMU whose output is the demand [Pa]"
         )
 
 
@@ -284,8 +284,8 @@ def evaluate_stop(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus
         ending = Ending(
             outcome=Outcome.IMPLAUSIBLE,
             reason=f"The plant used {100 * share:.1f} % of the adhesion at the peak of the creep curve, and more than "
-            "100 % cannot be: its contact is not that of [adhesion] polach, or a force that it counts as adhesion does "
-            "not act between wheel and rail.",
+            "100 % is impossible: its contact is not that of [adhesion] polach, or it counts a force as adhesion that "
+            "does not act between wheel and rail.",
             samples=ending.samples,
         )
     metrics = measure(

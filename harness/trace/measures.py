@@ -143,10 +143,10 @@ def adhesion_at_slide(trace: xarray.Dataset) -> float:
 
 
 def over_the_rail(trace: xarray.Dataset) -> float:
-    """Return ∫ F dt / ∫ F_peak dt of the train, F_peak at the peak of the creep curve: above 1 it cannot be.
+    """Return ∫ F dt / ∫ F_peak dt of the train, with the force F_peak at the peak of the creep curve; at most 1.
 
-    `utilisation` may be: its bound is also what the brakes draw and what the operator allows. NaN without a bound, and
-    if the plant outputs the adhesion neither of wheelsets nor of groups.
+    `utilisation` may exceed 1, because its bound is also what the brakes draw and what the operator allows. NaN without
+    a bound, and if the plant outputs the adhesion neither of wheelsets nor of groups.
     """
     if "peak_adhesion" not in trace:
         return float("nan")

@@ -22,11 +22,14 @@ from railgrip.trace import measures
 Each = tuple[float, ...]
 
 OVERCONFIDENT = 2.0
-"""Median of NIS over its expected one from which a filter is called too sure: its deviations are off by 40 %."""
+"""Median of NIS over the expected median above which a filter is overconfident: its errors are 40 % larger than its
+standard deviations."""
 
 MOSTLY = 0.5
-"""Share of a stop outside ±2σ from which a filter is called too sure. Slow states err in long stretches, so that a
-share of 20 % is within the luck of one stop; a consistent filter has most of one stop in twenty outside."""
+"""Share of a stop outside ±2σ above which a filter is overconfident.
+
+Errors of slow states last long, so that a share of 20 % in one stop is chance. In one stop of twenty a consistent
+filter is outside most of the time."""
 
 
 _FULL = 1.002
@@ -272,8 +275,8 @@ class Metrics:
     def doubts(self) -> tuple[str, ...]:
         """Return one sentence for each reason to doubt the estimator's claimed accuracy; empty without reasons.
 
-        A stop under a filter that errs is still a stop, with its distance: the train did brake so. So this is no
-        outcome; `diverged` is the outcome of a belief with which no controller can go on.
+        They do not change the outcome, because the train stopped in this distance although its filter erred. A filter
+        with whose estimate no controller can go on ends the stop as `diverged`.
         """
         sentences: list[str] = []
         if self.estimator_lost is not None:
