@@ -378,7 +378,7 @@ def _means(figures: Mapping[str, Mapping[str, float]]) -> dict[str, dict[str, fl
         for letter, values in figures.items()
     }
     missing = {
-        name for by_figure in series.values() for _, of in by_figure if of.notna().any() for name in of.index[of.isna()]
+        name for by_figure in series.values() for _, of in by_figure if of.notna().any() for name in of[of.isna()].index
     }
 
     def mean(name: str, of: pandas.Series) -> tuple[str, float]:
