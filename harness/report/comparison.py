@@ -378,7 +378,12 @@ def _means(figures: Mapping[str, Mapping[str, float]]) -> dict[str, dict[str, fl
         for letter, values in figures.items()
     }
     missing = {
-        name for by_figure in series.values() for _, of in by_figure if of.notna().any() for name in of[of.isna()].index
+        name
+        for by_figure in series.values()
+        for _, of in by_figure
+        if of.notna().any()
+        for name, value in of.items()
+        if math.isnan(value)
     }
 
     def mean(name: str, of: pandas.Series) -> tuple[str, float]:
