@@ -1,6 +1,7 @@
 """Conventions of the project that no linter checks; .importlinter checks imports between packages."""
 
 import ast
+import re
 from collections import Counter
 from pathlib import Path
 
@@ -20,6 +21,13 @@ def test_all_errors_for_users_have_one_base_class():
         if isinstance(node, ast.ClassDef)
         and any(ast.unparse(base).endswith(("Error", "Exception")) for base in node.bases)
     ]
+
+
+def test_types_of_arrays_are_defined_once():
+    own = re.compile(r"^\w+ = NDArray\[np\.(float64|bool_|intp)\]", re.MULTILINE)
+    defined = {path.relative_to(ROOT).as_posix() for path in MODULES if own.search(path.read_text(encoding="utf-8"))}
+    others = ", ".join(sorted(defined - {"harness/base/arrays.py"}))
+    assert not others, f"{others}: import Vector, Matrix, Array, Indices or Mask from railgrip.base.arrays instead"
 
 
 def test_modules_are_named_for_their_contents():

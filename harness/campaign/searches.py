@@ -22,11 +22,11 @@ from pathlib import Path
 from typing import Any, NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import Bounds, differential_evolution
 from scipy.stats.qmc import Sobol
 
 from railgrip.base import registry
+from railgrip.base.arrays import Vector
 from railgrip.base.files import write_text
 from railgrip.campaign.workers import workers
 from railgrip.controllers.law import GroupLaw
@@ -153,7 +153,6 @@ _SEED = 2021
 _SETS = 24
 """Sets of parameters that are tried per searched parameter: the same effort for every law."""
 
-Vector = NDArray[np.float64]
 
 Mapped = Callable[[Callable[[Vector], float], Iterable[Vector]], list[float]]
 """Returns the values of a function at points."""

@@ -70,10 +70,9 @@ def run(
         return
     # A foreign plant may not output its adhesion, and then has no utilisation.
     share = f", {used}" if (used := metrics.use_of_adhesion()) else ""
-    if metrics.utilisation > 1.001:  # possible: the bound is also limited by the operator's limit
-        share += (
-            f" ([limits] alpha_max {scenario.limits.alpha_max:g} exceeded for {max(metrics.time_over_alpha_max):.2f} s)"
-        )
+    over = max(metrics.time_over_alpha_max)
+    if metrics.utilisation > 1.001 and over > 0.0:  # possible: the bound is also limited by the operator's limit
+        share += f" ([limits] alpha_max {scenario.limits.alpha_max:g} exceeded for {over:.2f} s)"
     travelled = f"{metrics.distance_travelled:.2f} m in {metrics.duration:.2f} s"
     say(f"{scenario.name}: {stop.outcome.value}, {travelled}{share}")
     for sentence in metrics.doubts():

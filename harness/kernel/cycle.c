@@ -31,12 +31,10 @@ static int step_plant(Plant *plant, double time)
     return failure;
 }
 
-static int is_brake_demanded(const Driver *driver)
+static int is_braking(const double *demand)
 {
-    if (!driver)
-        return 1; /* full brake */
     for (int g = 0; g < GROUPS; g++)
-        if (driver->pressure[g] != 0.0)
+        if (demand[g] != 0.0)
             return 1;
     return 0;
 }
@@ -47,7 +45,7 @@ static int is_standing(Cycle *c)
     const double speed = c->plant->outputs[OUTPUT_SPEED];
 
     c->has_moved |= speed > c->stop_speed;
-    return speed <= c->stop_speed && (c->has_moved || is_brake_demanded(c->driver));
+    return speed <= c->stop_speed && (c->has_moved || is_braking(driver_demand(c)));
 }
 
 /* Record the plant's outputs and inputs, and the demands that led to these inputs. */

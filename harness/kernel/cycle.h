@@ -69,13 +69,13 @@ typedef struct {
     const double *maximum;      /* maximum pressures for the demands of a law in Python; null: no limit */
     const double *radius;       /* wheel radius of each group that the estimator assumes, else the nominal one */
     const double *magnets;      /* the law's demand for magnetic track brakes; null: those of the driver */
-    const double *full;         /* pressures of full brake, the driver's demand if `driver` is null */
+    const double *full;         /* pressures of full brake; see `driver_demand` in onboard.c */
     double reading[READINGS];   /* newest reading of every sensor */
     double estimate[ESTIMATES]; /* standard deviations as variances until the end of the stop */
     double observation[OBSERVATIONS];
     double replacement[OBSERVATIONS]; /* estimates that replace parts of the observation; NaN: no replacement */
     double demand[GROUPS], command[GROUPS];
-    double driver_demand[GROUPS]; /* at the last decision; those of full brake without a driver */
+    double driver_demand[GROUPS]; /* at the last decision */
     long long has_reading, has_estimator;
     long long is_pascal; /* whether a demand was large enough to be in Pa; until then Python checks every demand */
     Rate estimator_rate, controller_rate;
@@ -96,7 +96,7 @@ typedef struct {
     Plant *plant;
     Plausibility *plausibility;
     Rail *rail;
-    Driver *driver; /* null: full brake */
+    Driver *driver; /* null: full brake, see `driver_demand` */
     Instruments *instruments;
     Faults *faults; /* null: no faults */
     Filter *filter; /* null: no filter, or an estimator without states */

@@ -39,7 +39,7 @@ static int sample_track(Cycle *c, const double *input, const double *parameter, 
     if (c->driver)
         drive(c->driver, c->sample, c->plant->outputs);
     update_rail_inputs(c);
-    copy(write_outputs(output, c->plant->inputs), c->driver ? c->driver->pressure : c->onboard->full, GROUPS);
+    copy(write_outputs(output, c->plant->inputs), driver_demand(c), GROUPS);
     return 0;
 }
 

@@ -115,8 +115,14 @@ void read_states(Cycle *c)
     }
 }
 
-/* The demand for magnetic track brakes: that of the law, else 1 while all groups are to brake fully, which is an
-   emergency brake. A plant without an input for it has no other. */
+/* The pressures [Pa] that the driver demands; without a driver those of full brake. */
+const double *driver_demand(const Cycle *c)
+{
+    return c->driver ? c->driver->pressure : c->onboard->full;
+}
+
+/* The demand for magnetic track brakes: that of the law, else 1 in an emergency brake, in which all groups are to brake
+   fully, and 0 otherwise. It is always 1 for a plant without an input for it. */
 static double magnets_demanded(const Onboard *onboard, const double *pressure)
 {
 #ifdef INPUT_MAGNETS
@@ -142,13 +148,14 @@ static double largest_share(const Onboard *onboard, const double *pressure)
 }
 #endif
 
-/* Write the most that each group may demand: what the driver does. Where the command of the train brings the largest
-   demand to all distributors, the valves of the groups that have it are open, and those of other groups hold theirs. */
+/* Write the highest pressure that each group may demand: that of the driver. Where the command of the train brings the
+   largest demand to all distributors, the valves of the groups that have it are open, and those of other groups hold
+   theirs. */
 static void largest_demands(const Cycle *c, double *largest)
 {
     const Onboard *onboard = c->onboard;
 
-    copy(largest, c->driver ? c->driver->pressure : onboard->full, GROUPS);
+    copy(largest, driver_demand(c), GROUPS);
 #ifdef INPUT_BRAKE_DEMAND
     const double share = largest_share(onboard, largest) * (1.0 - 1e-9);
     for (int g = 0; g < GROUPS; g++)
@@ -266,7 +273,7 @@ int compute_command(Cycle *c)
         copy(onboard->command, onboard->demand, GROUPS);
         return 0;
     }
-    copy(onboard->driver_demand, c->driver ? c->driver->pressure : onboard->full, GROUPS);
+    copy(onboard->driver_demand, driver_demand(c), GROUPS);
     largest_demands(c, largest);
     for (int g = 0; g < GROUPS; g++) {
         const double limit = c->driver && c->driver->binding ? largest[g] : INFINITY;
@@ -289,10 +296,9 @@ void update_rail_inputs(Cycle *c)
     if (c->driver)
         c->plant->inputs[INPUT_TRACK_FORCE] += c->driver->force;
 #ifdef INPUT_MAGNETS
-    c->plant->inputs[INPUT_MAGNETS] =
-        magnets_demanded(c->onboard, c->driver ? c->driver->pressure : c->onboard->full);
+    c->plant->inputs[INPUT_MAGNETS] = magnets_demanded(c->onboard, driver_demand(c));
 #endif
 #ifdef INPUT_BRAKE_DEMAND
-    c->plant->inputs[INPUT_BRAKE_DEMAND] = largest_share(c->onboard, c->driver->pressure);
+    c->plant->inputs[INPUT_BRAKE_DEMAND] = largest_share(c->onboard, driver_demand(c));
 #endif
 }

@@ -4,6 +4,7 @@
 
 #include "cycle.h"
 
+const double *driver_demand(const Cycle *c);
 void complete_slip(Plant *plant);
 void read_sensors(Instruments *instruments, long long sample, const double *outputs);
 void store_readings(Cycle *c);

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, field, replace
 from pathlib import Path
 from string import ascii_uppercase
@@ -29,7 +29,7 @@ from railgrip.report.table import ReportTable, percent, text
 from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace.measures import Loss, course_of, loss
-from railgrip.trace.metrics import FIGURES, Metrics
+from railgrip.trace.metrics import FIGURES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -249,6 +249,7 @@ def _compare_stops(names: Sequence[str], stops: Stops) -> Comparison:
     sentences += [sentence for letter, lost in along.items() for sentence in _where(letter, lost)]
     if without := [name for name, stop in zip(names, stops.values(), strict=True) if not stop.has_trace]:
         sentences.append(f"Where along the track is not known: no samples were kept of {', '.join(without)}.")
+    figures = {letter: stop.figures.flat() for letter, stop in stops.items()}
     return Comparison(
         names=names,
         headlines=[
@@ -258,8 +259,10 @@ def _compare_stops(names: Sequence[str], stops: Stops) -> Comparison:
         question=_question(
             {letter: question_of(stop) | {"scenario digest": stop.digest} for letter, stop in stops.items()}
         ),
-        answer=_answer(stops, Metrics.flat, "Figures of each group and wheelset"),
-        overview=_answer(stops, _means, "Differences of the results"),
+        answer=_answer(
+            stops, {letter: stop.figures.flat() for letter, stop in stops.items()}, "Figures of each group and wheelset"
+        ),
+        overview=_answer(stops, _means(figures), "Differences of the results"),
         along=along,
         sentences=sentences,
         provenance={
@@ -346,9 +349,8 @@ def _value(value: Any) -> str:
     return f"{text_[:8]}…" if len(text_) == 64 and text_.isalnum() else cut(text_, 80)
 
 
-def _answer(stops: Stops, figures_of: Callable[[Metrics], Mapping[str, float]], title: str) -> ReportTable:
-    """Return the figures that differ with their units, and the outcomes if they do."""
-    by_letter = {letter: figures_of(stop.figures) for letter, stop in stops.items()}
+def _answer(stops: Stops, by_letter: Mapping[str, Mapping[str, float]], title: str) -> ReportTable:
+    """Return the figures that differ with their units, and the outcomes if they do; `by_letter` has those of stops."""
     names = dict.fromkeys(name for figures in by_letter.values() for name in figures)
     figures = pandas.DataFrame(by_letter, index=list(names), dtype=float)
     table = _with_differences(figures[figures.nunique(axis=1, dropna=False) > 1])
@@ -362,11 +364,36 @@ def _answer(stops: Stops, figures_of: Callable[[Metrics], Mapping[str, float]], 
     return ReportTable(rows, forms, ("figure", "unit"), title)
 
 
-def _means(metrics: Metrics) -> dict[str, float]:
-    """Return figure → value, for arrays the mean; histograms are omitted, as their mean has no meaning."""
-    values = pandas.Series({name: value for name, value in metrics.flat().items() if name.count("[") < 2}, dtype=float)
-    by_figure = values.groupby(lambda name: ElementName.of(str(name)).array, sort=False)
-    return {str(name) if len(of) == 1 else f"{name}, mean of {len(of)}": of.mean() for name, of in by_figure}
+def _means(figures: Mapping[str, Mapping[str, float]]) -> dict[str, dict[str, float]]:
+    """Return figure → value of each stop, by letter; of an array the mean of the elements that all stops have.
+
+    Its label says how many these are. An element is missing (NaN) where it does not exist, as the utilisation of
+    isolated wheelsets. A stop that has no element of a figure at all is not considered. Histograms are omitted, as
+    their mean has no meaning.
+    """
+    series = {
+        letter: pandas.Series(
+            {name: value for name, value in values.items() if name.count("[") < 2}, dtype=float
+        ).groupby(lambda name: ElementName.of(str(name)).array, sort=False)
+        for letter, values in figures.items()
+    }
+    missing = {
+        name
+        for by_figure in series.values()
+        for _, of in by_figure
+        if of.notna().any()
+        for name, value in of.items()
+        if math.isnan(value)
+    }
+
+    def mean(name: str, of: pandas.Series) -> tuple[str, float]:
+        if len(of) == 1:
+            return name, float(of.iloc[0])
+        common = of[~of.index.isin(missing)]
+        count = f"{len(of)}" if len(common) == len(of) else f"{len(common)} of {len(of)}"
+        return f"{name}, mean of {count}", float(common.mean())
+
+    return {letter: dict(mean(str(name), of) for name, of in by_figure) for letter, by_figure in series.items()}
 
 
 # ---- campaigns --------------------------------------------------------------------------------------------------

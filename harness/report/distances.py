@@ -265,12 +265,14 @@ class _Contender:
         change: Median of its distance over that of the reference, minus 1.
         text: The change with its range or interval, and the number of stops.
         stops: Its stops.
+        incomparable: Number of them without a change, because the reference does not come to a standstill.
     """
 
     name: str
     change: float
     text: str
     stops: Frame
+    incomparable: int = 0
 
     @property
     def violations(self) -> dict[str, int]:
@@ -290,7 +292,7 @@ def headline(frame: Frame, reference: ReferenceVariant | None = None, changes: S
     count = f"{frame['distance'].count()} of {len(frame)} stops come to a standstill."
     candidates = _controllers(frame) if reference is None else _variants(changes)
     if not candidates:
-        return count
+        return f"{_gap(int(_without_reference(frame).sum()))}{count}"
     against = "slip-based control with 10 and 15 %" if reference is None else f"{reference.axis} {reference.variant}"
     kinds = "controllers" if reference is None else "variants"
     shortest = min(candidates, key=lambda candidate: candidate.change)
@@ -299,7 +301,8 @@ def headline(frame: Frame, reference: ReferenceVariant | None = None, changes: S
         none = f"none of the {len(candidates)} {kinds} keeps all clauses" if len(candidates) > 1 else ""
         breaks = f"{shortest.name} breaks {_breaks(shortest)}"
         what = f"{none}: {breaks}" if none else breaks
-        return f"Against {against}, {what}. It changes the distance by {shortest.text} and is not recommended. {count}"
+        what = f"Against {against}, {what}. It changes the distance by {shortest.text} and is not recommended. "
+        return f"{what}{_gap(shortest.incomparable)}{count}"
     best = min(allowed, key=lambda candidate: candidate.change)
     others = ""
     if len(allowed) == 1 < len(candidates):
@@ -311,11 +314,27 @@ def headline(frame: Frame, reference: ReferenceVariant | None = None, changes: S
         if shortest is not best
         else ""
     )
-    return f"Against {against}, {best.name} changes the distance by {best.text}{others}.{more} {count}"
+    what = f"Against {against}, {best.name} changes the distance by {best.text}{others}.{more} "
+    return f"{what}{_gap(best.incomparable)}{count}"
+
+
+def _gap(count: int) -> str:
+    """Return a sentence on stops that cannot be compared; empty for none."""
+    if not count:
+        return ""
+    whose = "1 stop has" if count == 1 else f"{count} stops have"
+    return f"{whose} no change, because slip-based control does not come to a standstill there. "
+
+
+def _without_reference(frame: Frame) -> pandas.Series:
+    """Return whether the slip-based control that a stop is compared with does not come to a standstill."""
+    keys = pandas.Series(list(frame[[*PLACE, "draw"]].itertuples(index=False, name=None)), frame.index, dtype=object)
+    failed = keys[(frame["reference"] == "published") & frame["distance"].isna()]
+    return keys.isin(set(failed)) & (frame["reference"] != "published") & (frame["controller"] != "ideal_bound")
 
 
 def _controllers(frame: Frame) -> list[_Contender]:
-    compared = frame[frame["controller"] != "ideal_bound"]
+    compared, without = frame[frame["controller"] != "ideal_bound"], _without_reference(frame)
     candidates: list[_Contender] = []
     for name, own in compared.groupby("controller_label", sort=False):
         shares = own["reduction_vs_sbc"].dropna()
@@ -325,7 +344,10 @@ def _controllers(frame: Frame) -> list[_Contender]:
             )
             text = f"{median} in the median of {len(shares)} stops, from {smallest} to {largest}"
             text = text if len(shares) > 1 else f"{median} in one stop"
-            candidates.append(_Contender(name=str(name), change=-shares.median(), text=text, stops=own))
+            gaps = int(without[own.index].sum())
+            candidates.append(
+                _Contender(name=str(name), change=-shares.median(), text=text, stops=own, incomparable=gaps)
+            )
     return candidates
 
 

@@ -9,9 +9,8 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from railgrip.base.arrays import Array
 
 CONFIDENCE: Final = 0.95
 

@@ -171,7 +171,8 @@ def _masses(train: Train) -> Iterator[TrainRemark]:
             if unsprung >= load:
                 yield TrainRemark(
                     f"[bogies.{kind}] frame_mass",
-                    f"frame and axles have {unsprung / 1e3:g} t, but the bogie's axles carry only {load / 1e3:g} t",
+                    f"frame and axles have a mass of {unsprung / 1e3:g} t, but the bogie's axles carry only "
+                    f"{load / 1e3:g} t",
                 )
                 break
     rotating = (
@@ -201,7 +202,8 @@ def _places(train: Train) -> Iterator[TrainRemark]:
         if gaps and min(gaps) <= 2 * bogie.wheel_radius:
             yield TrainRemark(
                 f"[bogies.{kind}] axles",
-                f"wheels of {2e3 * bogie.wheel_radius:g} mm touch where axles are {1e3 * min(gaps):g} mm apart",
+                f"wheels with a diameter of {2e3 * bogie.wheel_radius:g} mm touch where axles are "
+                f"{1e3 * min(gaps):g} mm apart",
             )
 
 
@@ -226,7 +228,7 @@ def _brakes(train: Train) -> Iterator[TrainRemark]:
         if wheels and brake.friction_radius > 1.001 * min(wheels):
             yield TrainRemark(
                 f"[brakes.{kind}] friction_radius",
-                f"is {brake.friction_radius:g} m, beyond the wheels of {min(wheels):g} m",
+                f"is {brake.friction_radius:g} m, beyond the wheel, whose radius is {min(wheels):g} m",
             )
         elif brake.blocks and wheels and brake.friction_radius < _TREAD * max(wheels):
             yield TrainRemark(
@@ -296,7 +298,7 @@ def _dynamic(train: Train) -> Iterator[TrainRemark]:
     for kind, brake in train.dynamic_brakes.items():
         where = f"[dynamic_brakes.{kind}]"
         if kind not in used:
-            yield TrainRemark(where, "is on no bogie: give dynamic_brake of [bogies]", wrong=False)
+            yield TrainRemark(where, "is on no bogie: name it as dynamic_brake in a table of [bogies]", wrong=False)
         if isinstance(brake, Electrodynamic) and brake.power < brake.force * brake.speed_full:
             yield TrainRemark(
                 f"{where} power",
@@ -323,15 +325,20 @@ def _stops(train: Train) -> Iterator[TrainRemark]:
                 f"{_DESIGN_ADHESION:g} (LOC&PAS TSI 4.2.4.6.1)",
                 wrong=most > _HIGHEST_ADHESION,
             )
-    for number, car in enumerate(train.cars[:-1], start=1):
-        if car.coupler is None:
-            continue
-        force, strength = abs(float(fastest.coupler_force[number - 1])), train.couplers[car.coupler].strength
-        if force > strength:
+    for kind, coupler in train.couplers.items():
+        forces = {
+            place: abs(float(fastest.coupler_force[place]))
+            for place, car in enumerate(train.cars[:-1])
+            if car.coupler == kind
+        }
+        overloaded = [place for place, force in forces.items() if force > coupler.strength]
+        if overloaded:
+            worst = max(overloaded, key=lambda place: forces[place])
+            others = f"{len(overloaded)} of {len(forces)} such couplers beyond that, and "
             yield TrainRemark(
-                f"[couplers.{car.coupler}] strength",
-                f"is {strength / 1e3:g} kN, but braking alone loads the coupler behind {car.name} by "
-                f"{force / 1e3:.0f} kN",
+                f"[couplers.{kind}] strength",
+                f"is {coupler.strength / 1e3:g} kN, but braking alone loads {others if len(overloaded) > 1 else ''}"
+                f"the coupler behind {train.cars[worst].name} by {forces[worst] / 1e3:.0f} kN",
             )
     slowest = min(stops)
     for kind in {car.distributor: None for car in train.cars if car.distributor}:

@@ -2,14 +2,12 @@
 
 from typing import Annotated, Literal, Self
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from railgrip.base.arrays import Array
 from railgrip.scenario.quantity import Magnitude, UnitRange
 from railgrip.scenario.table import Table, table_error
 
-Array = NDArray[np.float64]
 Extent = Literal["train", "group", "unit"]
 Quantity = Literal[
     "pad_friction", "efficiency", "friction_radius", "pressure", "wheel_radius", "mass", "build_up", "track_brake",

@@ -14,8 +14,8 @@ from typing import Any, Final
 from xml.parsers import expat
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Array
 from railgrip.base.errors import InputError
 from railgrip.base.files import read_text
 from railgrip.base.units import conversion, unit
@@ -42,8 +42,8 @@ class TabulatedQuantity:
     axis: str
     unit: str
     has_unit: bool
-    points: NDArray[np.float64]
-    values: NDArray[np.float64]
+    points: Array
+    values: Array
 
     def doubt(self, shortest: float, longest: float) -> str:
         """Return the reason to doubt the unit of the axis, in words that follow the name of the file, or ''.
@@ -88,7 +88,7 @@ def read_curve(path: Path, origin: float | None = None) -> TabulatedQuantity:
     return columns
 
 
-def along(chainages: NDArray[np.float64], origin: float) -> NDArray[np.float64]:
+def along(chainages: Array, origin: float) -> Array:
     """Return the distances of a train [m], rising, at chainages in its direction of travel, rising or falling."""
     return chainages - origin if chainages[-1] > chainages[0] else origin - chainages
 
@@ -175,7 +175,7 @@ def read_columns(
     )
 
 
-def _numbers(rows: Sequence[tuple[int, list[str]]], count: int) -> NDArray[np.float64]:
+def _numbers(rows: Sequence[tuple[int, list[str]]], count: int) -> Array:
     try:
         values = np.array([row for _, row in rows], dtype=np.float64)
         if (
@@ -198,8 +198,6 @@ def _is_of_numbers(row: Sequence[str], count: int) -> bool:
     except ValueError:
         return False
 
-
-Array = NDArray[np.float64]
 
 _CLOSEST = 1.0
 """Distance [m] below which two points of a GPX track are one: receivers repeat their position at rest."""

@@ -23,6 +23,7 @@ from railgrip.scenario.vehicle_table import RecipePlant, TrainFile
 from railgrip.simulate.faults.sensor import DistortedReading
 from railgrip.simulate.named_models import remarks_on_train
 from railgrip.simulate.vehicle_data import VehicleData
+from railgrip.trace.metrics import Metrics
 
 _FAR = 4.0
 """Factor on the range of a search beyond which a parameter of a law is unusual."""
@@ -148,6 +149,12 @@ def remarks_after(scenario: Scenario, duration: float, distance: float) -> list[
         for key, begin, unit, end in late
         if begin >= end
     ]
+
+
+def remarks_on_use(scenario: Scenario, metrics: Metrics) -> list[str]:
+    """Return a remark if a stop uses more adhesion than the ideal bound allows."""
+    sentence = metrics.excess_over_bound()
+    return [f"{scenario.name}: {sentence}"] if sentence else []
 
 
 def _speed(scenario: Scenario) -> Iterator[str]:

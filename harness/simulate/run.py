@@ -19,7 +19,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.simulate.assembly import StopAssembly, assemble
 from railgrip.simulate.ideal import ANALYSES
 from railgrip.simulate.loop.loop import Ending, Loop
-from railgrip.simulate.remarks import remarks_before
+from railgrip.simulate.remarks import remarks_before, remarks_on_use
 from railgrip.simulate.user_parts import NO_CUSTOM_PARTS, CustomParts, problem_with
 from railgrip.trace.measures import distance_travelled, since_brake_demand
 from railgrip.vehicle.formation import Formation
@@ -47,7 +47,10 @@ def run_stop(
         remarks = remarks_before(scenario)
         for sentence in remarks:
             notify(sentence)
-        return replace(analysis(scenario, progress), remarks=tuple(remarks))
+        stop = analysis(scenario, progress)
+        for sentence in (excess := remarks_on_use(scenario, stop.metrics)):
+            notify(sentence)
+        return replace(stop, remarks=(*remarks, *excess))
     with assemble(scenario, notify, objects) as parts:
         ending = parts.run(progress)
     stop = parts.stop(ending)

@@ -4,13 +4,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import log
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from typer import Option
 
 from railgrip.api import Estimate
+from railgrip.base.arrays import Array
 from railgrip.campaign.work import Work
 from railgrip.controllers.law import Law
 from railgrip.controllers.observation import Observation
@@ -18,7 +19,6 @@ from railgrip.report.page import Page
 from railgrip.report.statistics import bootstrap_interval
 from railgrip.report.table import ReportTable, write_tables
 from railgrip.scenario.faults import READ_BY
-from railgrip.scenario.file import merge
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.assembly import StopAssembly, assemble
 from railgrip.simulate.ideal import KnownRail
@@ -95,8 +95,6 @@ def without_dead_time(scenario: Scenario) -> Scenario:
     return scenario.revised({"vehicle": {"parameters": dead}, "controller": {"parameters": dead}})
 
 
-Array = NDArray[np.float64]
-
 PAGE = Path("docs/type_test.md")
 """From the folder of the project, where the command runs."""
 
@@ -154,12 +152,13 @@ class TruthEstimator:
 def scenario_with(scenario: Scenario, *, truth: bool, ideal_actuation: bool) -> Scenario:
     """Return a stop without the faults and valves that the law is relieved of."""
     parts = (*(READ_BY if truth else ()), *(("valve", "supply") if ideal_actuation else ()))
-    table = scenario.tables()
-    table["faults"] = [fault for fault in table.get("faults", ()) if fault["part"] not in parts]
+    tables = scenario.tables()
+    changes: dict[str, Any] = {"faults": [fault for fault in tables.get("faults", ()) if fault["part"] not in parts]}
     if ideal_actuation:
-        vehicle = {"vehicle": {"plant": "TwoPartTrain"}} if "train" not in table["vehicle"] else {}
-        table = merge(table, {"actuation": {"kind": "ideal"}, **vehicle})
-    return Scenario.model_validate(table)
+        changes["actuation"] = {"kind": "ideal"}
+        if "train" not in tables["vehicle"]:
+            changes["vehicle"] = {"plant": "TwoPartTrain"}
+    return scenario.revised(changes)
 
 
 def distance_with(case: tuple[Scenario, bool, bool]) -> float:

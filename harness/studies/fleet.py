@@ -206,7 +206,7 @@ def train_stops(case: TrainCase) -> TrainStops:
     stops = list(live(life, range(case.stops)))
     return TrainStops(
         estimates=tuple(stop_estimate(recording, temperature) for recording, temperature in stops),
-        distances=tuple(float(truth_of(recording, "v").sum() * period_of(recording)) for recording, _ in stops),
+        distances=tuple(float(truth_of(recording, "speed").sum() * period_of(recording)) for recording, _ in stops),
         pads=first_health(life),
         radii=radii,
     )

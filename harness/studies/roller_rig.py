@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from typer import Option
 
+from railgrip.base.arrays import Mask
 from railgrip.campaign.work import Work
 from railgrip.estimation.judge import errors, judge, rms
 from railgrip.estimation.models import units_of
@@ -42,8 +43,6 @@ from railgrip.studies.papers.adhesion_and_brake_friction import LIMIT, RECOVERY
 from railgrip.studies.papers.pages import write_results
 from railgrip.studies.study import Study
 
-Mask = NDArray[np.bool_]
-
 
 def outside_events(recording: xarray.Dataset, settled: float) -> Mask:
     """Return the samples outside protection events, shape (k,).
@@ -61,13 +60,13 @@ def outside_events(recording: xarray.Dataset, settled: float) -> Mask:
 def excursions(recording: xarray.Dataset, estimates: xarray.Dataset, settled: float) -> dict[str, float]:
     """Return measures of an estimate of adhesion outside `LIMIT`, named as in `Row`.
 
-    `alpha_largest`: error anywhere after the start has settled; `alpha_outside`: outside protection events;
+    `adhesion_largest`: error anywhere after the start has settled; `adhesion_outside`: outside protection events;
     `samples_outside`: over the limit outside events; `excursions`: stretches over the limit, anywhere; `longest` of
     them [s]; `kept`: whether the paper's statement holds, within the limit outside events, corrected in time in them.
     """
     time = recording["time"].values
     after = time >= time[0] + settled
-    error = np.abs(errors(recording, estimates, "alpha"))
+    error = np.abs(errors(recording, estimates, "group_adhesion"))
     outside = outside_events(recording, settled)
     # A filter that ended early counts as lost: NaN is over the limit.
     over = ~(error <= LIMIT) & after
@@ -75,8 +74,8 @@ def excursions(recording: xarray.Dataset, estimates: xarray.Dataset, settled: fl
     lengths = (edges[1::2] - edges[::2]) * period_of(recording)
     outside_and_over, longest = int(np.sum(over & outside)), float(np.max(lengths, initial=0.0))
     return {
-        "alpha_largest": float(np.max(error[after], initial=0.0)),
-        "alpha_outside": float(np.max(error[outside], initial=0.0)),
+        "adhesion_largest": float(np.max(error[after], initial=0.0)),
+        "adhesion_outside": float(np.max(error[outside], initial=0.0)),
         "samples_outside": outside_and_over,
         "excursions": lengths.size,
         "longest": longest,
@@ -86,7 +85,7 @@ def excursions(recording: xarray.Dataset, estimates: xarray.Dataset, settled: fl
 
 FILTERS = ("rig_paper", "rig_own")
 SCENARIOS: tuple[str, ...] = ("rig_slide", "rig_sand")
-WRONG_START = ("start.mean.alpha=0.1", "start.deviation.alpha=0.1")
+WRONG_START = ("start.mean.group_adhesion=0.1", "start.deviation.group_adhesion=0.1")
 """Both filters assume an adhesion of 0.1 at the start, where the wheelset rolls: the paper shows how a wrong start is
 corrected, but not which."""
 SETTLED = 0.5
@@ -117,8 +116,9 @@ Row = dict[str, Any]
 """One filter on one run, as the files have it; errors against the truth, after the start has settled.
 
 scenario, filter: Of the rig, and name of the estimation; period, speed_noise: of the samples [s], and 1σ of the
-roller's speed [m/s]; alpha_…, mu_b_…: of adhesion and pad friction, see `judge`; alpha_largest, alpha_outside,
-samples_outside, excursions, longest, kept: see `excursions`; ended: why the filter ended early, or nothing."""
+roller's speed [m/s]; adhesion_…, pad_friction_…: of adhesion and pad friction, see `judge`; adhesion_largest,
+adhesion_outside, samples_outside, excursions, longest, kept: see `excursions`; ended: why the filter ended early, or
+nothing."""
 
 
 def recording_of_rig(scenario: Scenario) -> xarray.Dataset:
@@ -137,17 +137,17 @@ def row_of(scenario: Scenario, name: str, recording: xarray.Dataset, estimates: 
     """Return the errors of a filter on a run."""
     assert isinstance(scenario.sensors, White)
     after = recording["time"].values >= SETTLED
-    alpha, pads = (asdict(judge(recording, estimates, state, after)) for state in ("alpha", "mu_b"))
+    adhesion, pads = (asdict(judge(recording, estimates, state, after)) for state in ("group_adhesion", "pad_friction"))
     return {
         "scenario": scenario.name,
         "filter": name,
         "period": scenario.periods.trace,
         "speed_noise": scenario.sensors.noise["speed"].si("m/s"),
-        **{f"alpha_{figure}": alpha[figure] for figure in ("rmse", "bias", "nees", "sd")},
+        **{f"adhesion_{figure}": adhesion[figure] for figure in ("rmse", "bias", "nees", "sd")},
         **excursions(recording, estimates, SETTLED),
-        **{f"mu_b_{figure}": pads[figure] for figure in ("rmse", "bias", "largest", "nees")},
-        "mu_b_covered": pads["coverage"],
-        "mu_b_sd": pads["sd"],
+        **{f"pad_friction_{figure}": pads[figure] for figure in ("rmse", "bias", "largest", "nees")},
+        "pad_friction_covered": pads["coverage"],
+        "pad_friction_sd": pads["sd"],
         "ended": str(estimates.attrs["ended"]),
     }
 
@@ -199,7 +199,7 @@ def fit_of(case: tuple[str, float]) -> Row:
             estimates = estimate(read, prediction, settings, units=units_of(specification.model.prediction.model))
             found.append(excursions(read, estimates, SETTLED))
         kept = sum(bool(each["kept"]) for each in found)
-        row[encoder] = f"{np.median([each['alpha_outside'] for each in found]):.4f}, kept {kept} of {len(found)}"
+        row[encoder] = f"{np.median([each['adhesion_outside'] for each in found]):.4f}, kept {kept} of {len(found)}"
     states = np.stack([truth_of(recording, state) for state in equations.states], axis=1)
     inputs = samples(recording, equations.inputs)
     window = round(RECOVERY / period)
@@ -222,10 +222,10 @@ def trust_of(case: tuple[float, float]) -> Row:
     They are the rms error and the largest in the slide, the range of figure 6, and the rms error after the start.
     """
     reading, process = case
-    changes = (f"noise.readings.wheelset_speed={reading}", f"noise.process.w={process}")
+    changes = (f"noise.readings.wheelset_speed={reading}", f"noise.process.wheelset_speed={process}")
     specification = load_specification(LIBRARY / "rig_paper.toml", (*WRONG_START, *changes))
     recording = recording_of_rig(load(Path("rig_sand")))
-    error = errors(recording, estimate_of(specification, recording), "alpha")
+    error = errors(recording, estimate_of(specification, recording), "group_adhesion")
     time = recording["time"].values
     slide = error[(time >= published.DEEP_SLIDE[0]) & (time <= published.DEEP_SLIDE[1])]
     found = rms(slide), float(np.max(np.abs(slide))), rms(error[time >= time[0] + SETTLED])
@@ -240,7 +240,7 @@ WAGONS: Mapping[str, Mapping[str, float]] = {
     "as printed": {"adhesion_share": 0.5, "resistance_transfer": 1.0, "adhesion_transfer": 0.0},
 }
 """Parameters of `WagonPrediction` with equations (4), (5) and (12) corrected, and as printed."""
-WAGON_STATES: Final = {"α": "alpha", "μ_B front": "mu_b[1]", "μ_B rear": "mu_b[2]"}
+WAGON_STATES: Final = {"α": "group_adhesion", "μ_B front": "pad_friction[1]", "μ_B rear": "pad_friction[2]"}
 
 
 def wagon_of(name: str) -> Row:
@@ -319,7 +319,9 @@ class RollerRig(Study):
             write_results(published.PAGE, tables, figures, found)
         charts = dict(list(figures.items())[2:])  # without the schematic drawings of wagon and rig
         errors_of_tests = {f"{name}_tunings.png": tunings(*test) for name, test in tests.items()}
-        rmse = {name: [row["alpha_rmse"] for row in rows if row["filter"] == name] for name in ("rig-paper", "rig-own")}
+        rmse = {
+            name: [row["adhesion_rmse"] for row in rows if row["filter"] == name] for name in ("rig-paper", "rig-own")
+        }
         paper, own = (f"{min(errors):.4f} to {max(errors):.4f}" for errors in rmse.values())
         return Page(
             title="Roller rig: adhesion and pad friction estimated",
@@ -344,17 +346,16 @@ class RollerRig(Study):
         for row in _rows(scenarios, work.map(run_test, scenarios)):
             who = f"{row['scenario']}, {row['filter']}"
             findings += [
-                extreme(f"{who}: adhesion error outside protection events", row["alpha_outside"]),
+                extreme(f"{who}: adhesion error outside protection events", row["adhesion_outside"]),
                 Finding(f"{who}: longest adhesion error above 0.02", row["longest"], "s", 1.01 * row["period"]),
-                mean(f"{who}: adhesion RMSE", row["alpha_rmse"]),
-                mean(f"{who}: pad friction RMSE", row["mu_b_rmse"]),
+                mean(f"{who}: adhesion RMSE", row["adhesion_rmse"]),
+                mean(f"{who}: pad friction RMSE", row["pad_friction_rmse"]),
             ]
         wagon = load_specification(LIBRARY / "wagon.toml")
         recording = recording_of_estimation(wagon)
         estimates = estimate_of(wagon, recording)
         findings += [
-            mean(f"wagon: {state} RMSE", judge(recording, estimates, state).rmse)
-            for state in ("alpha", "mu_b[1]", "mu_b[2]")
+            mean(f"wagon: {state} RMSE", judge(recording, estimates, state).rmse) for state in WAGON_STATES.values()
         ]
         return findings
 
@@ -383,9 +384,10 @@ def table_of(rows: Sequence[Row], **first: str) -> ReportTable:
 
 
 _COLUMNS = {
-    "filter": "filter", "α rmse": "alpha_rmse", "α bias": "alpha_bias", "α largest": "alpha_largest",
-    "outside events": "alpha_outside", "longest > 0.02": "longest", "kept": "kept", "α NEES": "alpha_nees",
-    "μ rmse": "mu_b_rmse", "μ bias": "mu_b_bias", "μ NEES": "mu_b_nees", "μ sd claimed": "mu_b_sd",
+    "filter": "filter", "α rmse": "adhesion_rmse", "α bias": "adhesion_bias", "α largest": "adhesion_largest",
+    "outside events": "adhesion_outside", "longest > 0.02": "longest", "kept": "kept", "α NEES": "adhesion_nees",
+    "μ rmse": "pad_friction_rmse", "μ bias": "pad_friction_bias", "μ NEES": "pad_friction_nees",
+    "μ sd claimed": "pad_friction_sd",
 }  # fmt: skip
 
 _FORMS: Mapping[str, Form] = {

@@ -7,10 +7,10 @@ from typing import Annotated, Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 from typer import Option
 
 from railgrip.api import Scenario
+from railgrip.base.arrays import Vector
 from railgrip.campaign.work import Work
 from railgrip.report import palette, style
 from railgrip.report.page import Page
@@ -20,8 +20,6 @@ from railgrip.scenario.surface import named_set
 from railgrip.simulate.run import run_stop
 from railgrip.studies.papers.creep_curves import OWN_WAY, RAILS, SLIPS, SPEED, curves, maxima
 from railgrip.studies.study import Study
-
-Vector = NDArray[np.float64]
 
 PAGE = Path("docs/rail_models.md")
 """From the folder of the project, where the command runs."""

@@ -7,11 +7,10 @@ from math import inf
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import InputError
-
-Vector = NDArray[np.float64]
 
 TOP = 250.0
 """Speed up to which curves are computed [m/s]: beyond that of any train (160 m/s) with all margins of supervision."""
@@ -88,7 +87,7 @@ class Deceleration:
 
     speeds: Vector
     locations: Vector
-    values: NDArray[np.float64]
+    values: Vector
 
     @classmethod
     def of(cls, function: Callable[..., Vector], over_speed: Sequence[Steps], over_location: Sequence[Steps]) -> Self:

@@ -6,7 +6,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import ArrayLike
 
-from railgrip.supervision.curve import Vector
+from railgrip.base.arrays import Vector
 
 GRAVITY = 9.81
 """Acceleration of gravity of §3.13.4.3.2 [m/s2]."""

@@ -15,10 +15,10 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from railgrip.base.arrays import Vector
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.table import Delay, Length, Speed, Table, table_error
 from railgrip.scenario.track import Gradient
-from railgrip.supervision.curve import Vector
 from railgrip.supervision.limits import BrakingCase, limits_of
 from railgrip.supervision.line import Line, Target
 from railgrip.supervision.model import BrakingModel

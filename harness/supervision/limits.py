@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import InputError
 from railgrip.supervision import fixed
-from railgrip.supervision.curve import BrakingCurve, Deceleration, Steps, Vector, braking_curve, combine
+from railgrip.supervision.curve import BrakingCurve, Deceleration, Steps, braking_curve, combine
 from railgrip.supervision.line import Line, Target
 from railgrip.supervision.model import BrakingModel, highest_on_low_adhesion, safe_deceleration
 from railgrip.supervision.national import NationalValues

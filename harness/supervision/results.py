@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from railgrip.base.arrays import Vector
 from railgrip.base.errors import InputError
 from railgrip.report import palette, style
 from railgrip.report.table import ReportTable
 from railgrip.supervision import fixed
-from railgrip.supervision.curve import Steps, Vector, braking_curve
+from railgrip.supervision.curve import Steps, braking_curve
 from railgrip.supervision.limits import (
     BrakingCase,
     Limits,

@@ -240,10 +240,12 @@ def with_bound(
     resistance_lever: float = 0.0,
     search: Callable[[Contact, Array, Array, Array], tuple[Array, Array]] = peak,
     dynamics: Mapping[int, DynamicLimit] = MappingProxyType({}),
+    stride: float = _STRIDE,
 ) -> xarray.Dataset:
     """Return the trace with the variables that a comparison with the ideal needs; the brake of a group may be isolated.
 
-    `search` finds the peak, as `railgrip.trace.bound.peak` does. `dynamics` has the dynamic brakes of groups.
+    `search` finds the peak, as `railgrip.trace.bound.peak` does. `dynamics` has the dynamic brakes of groups. The peak
+    is found every `stride` [s], with 0 at every sample, and is a straight line in between.
 
     `peak_slip`, `peak_adhesion` (time, group): of the creep curve. `brake_limit` (time, group).
     `ideal_adhesion` (time, group): the bound. `ideal_share` (time, wheelset): what each wheelset contributes
@@ -255,7 +257,7 @@ def with_bound(
     groups = formation.group_of_wheelset
     period = time[1] - time[0] if len(time) > 1 else _STRIDE
     # The last sample is always among them, so that nothing is extrapolated.
-    instants = np.unique(np.append(np.arange(0, len(time), max(1, round(_STRIDE / period))), len(time) - 1))
+    instants = np.unique(np.append(np.arange(0, len(time), max(1, round(stride / period))), len(time) - 1))
 
     peak_slip, peak_each = np.empty((len(time), formation.groups)), np.empty(load.shape)
     for group, members in enumerate(formation.members()):

@@ -143,18 +143,20 @@ def adhesion_at_slide(trace: xarray.Dataset) -> float:
 
 
 def over_the_rail(trace: xarray.Dataset) -> float:
-    """Return ∫ F dt / ∫ F_peak dt of the train, F_peak at the peak of the creep curve: above 1 it cannot be.
+    """Return ∫ F dt / ∫ F_peak dt of the train, with the force F_peak at the peak of the creep curve; at most 1.
 
-    `utilisation` may be: its bound is also what the brakes draw and what the operator allows. NaN without a bound.
+    `utilisation` may exceed 1, because its bound is also what the brakes draw and what the operator allows. NaN without
+    a bound, and if the plant outputs the adhesion neither of wheelsets nor of groups.
     """
     if "peak_adhesion" not in trace:
         return float("nan")
-    load = formation_in(trace).sum_by_group(trace["wheelset_load"].values)
-    impulse, possible = (
-        np.trapezoid((trace[name].values * load).sum(axis=1), trace["time"].values)
-        for name in ("group_adhesion", "peak_adhesion")
-    )
-    return float(impulse / possible) if possible > 0 else float("nan")
+    load = trace["wheelset_load"].values
+    group_load, time = formation_in(trace).sum_by_group(load), trace["time"].values
+    force = (trace["adhesion"].values * load).sum(axis=1)
+    if np.isnan(force).all():
+        force = (trace["group_adhesion"].values * group_load).sum(axis=1)
+    possible = np.trapezoid((trace["peak_adhesion"].values * group_load).sum(axis=1), time)
+    return float(np.trapezoid(force, time) / possible) if possible > 0 else float("nan")
 
 
 def time_over_limit(trace: xarray.Dataset, alpha_max: float) -> tuple[float, ...]:

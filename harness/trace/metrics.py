@@ -22,15 +22,18 @@ from railgrip.trace import measures
 Each = tuple[float, ...]
 
 OVERCONFIDENT = 2.0
-"""Median of NIS over its expected one from which a filter is called too sure: its deviations are off by 40 %."""
+"""Median of NIS over the expected median above which a filter is overconfident: its errors are 40 % larger than its
+standard deviations."""
 
 MOSTLY = 0.5
-"""Share of a stop outside ±2σ from which a filter is called too sure. Slow states err in long stretches, so that a
-share of 20 % is within the luck of one stop; a consistent filter has most of one stop in twenty outside."""
+"""Share of a stop outside ±2σ above which a filter is overconfident.
+
+Errors of slow states last long, so that a share of 20 % in one stop is chance. In one stop of twenty a consistent
+filter is outside most of the time."""
 
 
 _FULL = 1.002
-"""Utilisation of adhesion above which a stop states what exceeds the ideal bound."""
+"""Utilisation of adhesion above which a remark on a stop states what can exceed the ideal bound."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -272,8 +275,8 @@ class Metrics:
     def doubts(self) -> tuple[str, ...]:
         """Return one sentence for each reason to doubt the estimator's claimed accuracy; empty without reasons.
 
-        A stop under a filter that errs is still a stop, with its distance: the train did brake so. So this is no
-        outcome; `diverged` is the outcome of a belief with which no controller can go on.
+        They do not change the outcome, because the train stopped in this distance although its filter erred. A filter
+        with whose estimate no controller can go on ends the stop as `diverged`.
         """
         sentences: list[str] = []
         if self.estimator_lost is not None:
@@ -304,13 +307,17 @@ class Metrics:
         if not np.isfinite(self.utilisation):
             return ""
         allowed = f" (creep curve: at most {self.adhesion_allowed:.4f})" if np.isfinite(self.adhesion_allowed) else ""
-        share = f"{100 * self.utilisation:.1f} % of the possible adhesion used{allowed}"
-        if self.utilisation <= _FULL:
-            return share
+        return f"{100 * self.utilisation:.1f} % of the possible adhesion used{allowed}"
+
+    def excess_over_bound(self) -> str:
+        """Return a sentence on how a stop can use more adhesion than its ideal bound; empty if it does not."""
+        if not self.utilisation > _FULL:
+            return ""
+        limit = "[limits] alpha_max, which groups exceeded, and " if max(self.time_over_alpha_max) > 0.0 else ""
         return (
-            f"{share}; more than 100 %, because the bound has the brakes and the resistance of each group: wheelsets "
-            "that regain speed after a slide exceed it, and so does a brake on the wheelsets whose torque the plant "
-            "does not include in brake_torque"
+            f"The stop uses more than 100 % of the possible adhesion: its ideal bound has {limit}the brakes and the "
+            "resistance of each group at constant slip. Wheelsets that regain speed after a slide exceed that, and so "
+            "does a brake on the wheelsets whose torque the plant does not include in brake_torque."
         )
 
     def of_train(self, name: str) -> float:
@@ -377,7 +384,7 @@ class Metrics:
 FIGURES: Final[Mapping[str, Figure]] = {
     name: replace(figure, title=figure.title or name.replace("_", " "))
     for name, hint in get_type_hints(Metrics, include_extras=True).items()
-    for figure in hint.__metadata__
+    for figure in getattr(hint, "__metadata__", ())  # a test names a field without Figure
 }
 """Declarations of all figures by name."""
 

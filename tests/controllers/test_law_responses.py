@@ -22,6 +22,7 @@ from railgrip.controllers.parameters import SEARCHED, TYPE_TEST, file_of
 ACCEPTED = Path(__file__).with_name("law_responses.json")
 SETS = (SEARCHED, "paper", *TYPE_TEST.values())
 PERIODS = {"ideal": 1e-3, "pneumatic": 1e-2}
+COMMAND = "`python tests/controllers/test_law_responses.py`"
 DURATION = 24.0
 """Seconds: six slides, from short and shallow to long and deep."""
 
@@ -74,11 +75,16 @@ LAWS = tuned_laws()
 def test_the_response_of_each_law_is_the_accepted_one(name):
     """Equal to 1e-6: another C library changes last digits; a parameter changed by 1 % has a far larger effect."""
     accepted = json.loads(ACCEPTED.read_text(encoding="utf-8"))
-    assert response(*LAWS[name]) == pytest.approx(accepted[name], rel=1e-6)
+    assert name in accepted, f"{name} is a new set of parameters: accept its response by {COMMAND}"
+    assert response(*LAWS[name]) == pytest.approx(accepted[name], rel=1e-6), (
+        f"{name} demands other pressures than before: its law or its parameters changed. If that is intended, accept "
+        f"the response by {COMMAND} and say in the commit which braking distances move"
+    )
 
 
 def test_every_accepted_response_is_of_a_law():
-    assert set(json.loads(ACCEPTED.read_text(encoding="utf-8"))) == set(LAWS)
+    others = ", ".join(sorted(set(json.loads(ACCEPTED.read_text(encoding="utf-8"))) - set(LAWS)))
+    assert not others, f"no law has the parameters of {others}: if they were removed on purpose, run {COMMAND}"
 
 
 if __name__ == "__main__":

@@ -170,10 +170,12 @@ PERIOD = 0.01
 def protected(error, busy):
     """Return a recording with active protection where `busy` is set, and an estimate with a given error."""
     samples = len(error)
-    recording = recording_of({"protecting": (busy, "1")}, period=PERIOD, truth={"alpha": (np.full(samples, 0.05), "1")})
+    recording = recording_of(
+        {"protecting": (busy, "1")}, period=PERIOD, truth={"group_adhesion": (np.full(samples, 0.05), "1")}
+    )
     estimates = xarray.Dataset(
         {"mean": (("time", "state"), (0.05 + np.asarray(error))[:, None])},
-        coords={"time": recording["time"], "state": ["alpha"]},
+        coords={"time": recording["time"], "state": ["group_adhesion"]},
     )
     return recording, estimates
 
@@ -197,8 +199,8 @@ def test_excursions_inside_and_outside_events_are_counted_and_timed():
     counts = excursions(*protected(error, busy), settled=0.1)
     assert (counts["excursions"], counts["samples_outside"]) == (2, 1)
     assert counts["longest"] == pytest.approx(5 * PERIOD)
-    assert counts["alpha_largest"] == pytest.approx(0.05)
-    assert counts["alpha_outside"] == pytest.approx(0.03)
+    assert counts["adhesion_largest"] == pytest.approx(0.05)
+    assert counts["adhesion_outside"] == pytest.approx(0.03)
     assert not counts["kept"]
 
 

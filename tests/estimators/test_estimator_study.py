@@ -32,7 +32,6 @@ from railgrip.studies.estimators.judge import (
     interval_score,
     largest_of_last,
     pads_are_identifiable,
-    read_factors,
     search,
     step_delay,
     truths_of,
@@ -60,6 +59,7 @@ from railgrip.studies.estimators.replay import (
     force_over_load_deviation,
     model_of_estimator,
     noise_of,
+    read_factors,
     replay,
     states,
     with_unmodelled,
@@ -425,9 +425,9 @@ def test_uncertainty_of_load_and_inertia_is_claimed_where_no_state_has_it(short)
 
 def test_factors_are_read_as_they_were_written(tmp_path):
     found = {
-        ("fmu", "ideal"): {"all": 3.0, "alpha": 0.5},
+        ("fmu", "ideal"): {"all": 3.0, "process.group_adhesion": 0.5},
         ("fmu", "worn"): {"all": 1.0},
-        ("loaded", "worn"): {"d": 9.0},
+        ("loaded", "worn"): {"process.d": 9.0},
     }
     write_factors(tmp_path / "noises.toml", found)
     assert read_factors(tmp_path / "noises.toml") == found
@@ -470,7 +470,8 @@ def test_a_search_that_is_not_possible_is_refused_before_it_begins(options, sent
 
 
 def test_the_common_factor_multiplies_every_deviation_and_no_other_factor_does():
-    plain, common, one = (noise_of("fmu", "service", factors) for factors in ({}, {"all": 3.0}, {"alpha": 3.0}))
+    changes = {}, {"all": 3.0}, {"process.group_adhesion": 3.0}
+    plain, common, one = (noise_of("fmu", "service", factors) for factors in changes)
     for field in ("process", "readings", "start"):
         before, after = getattr(plain, field), getattr(common, field)
         assert after == {name: pytest.approx(3.0 * value) for name, value in before.items()}

@@ -47,9 +47,12 @@ def test_errors_above_the_limit_count_once_per_interval_in_the_deep_slide():
     for begin, end in ((1.0, 1.1), (4.0, 4.2), (6.0, 6.01), (12.0, 12.5)):
         error[(time >= begin) & (time < end)] = -1.1 * page.LIMIT
     error[(time >= 8.0) & (time < 8.5)] = 0.9 * page.LIMIT
-    recording = recording_of({"speed": (time, "m/s")}, period=PERIOD, truth={"alpha": (np.full(time.size, 0.05), "1")})
+    recording = recording_of(
+        {"speed": (time, "m/s")}, period=PERIOD, truth={"group_adhesion": (np.full(time.size, 0.05), "1")}
+    )
     estimates = xarray.Dataset(
-        {"mean": (("time", "state"), (0.05 + error)[:, None])}, coords={"time": recording["time"], "state": ["alpha"]}
+        {"mean": (("time", "state"), (0.05 + error)[:, None])},
+        coords={"time": recording["time"], "state": ["group_adhesion"]},
     )
     assert page.peaks_in_slide(recording, estimates) == 2
 
@@ -64,9 +67,10 @@ def test_the_start_is_corrected_when_the_error_stays_within_the_limit():
         (2.5, 2.6, 0.0),
     ):
         error = np.where((time >= begin - 1e-9) & (time < end - 1e-9), 0.03, 0.0)
-        recording = recording_of({"speed": (time, "m/s")}, period=PERIOD, truth={"alpha": (0 * time, "1")})
+        recording = recording_of({"speed": (time, "m/s")}, period=PERIOD, truth={"group_adhesion": (0 * time, "1")})
         estimates = xarray.Dataset(
-            {"mean": (("time", "state"), error[:, None])}, coords={"time": recording["time"], "state": ["alpha"]}
+            {"mean": (("time", "state"), error[:, None])},
+            coords={"time": recording["time"], "state": ["group_adhesion"]},
         )
         assert page.settling(recording, estimates) == pytest.approx(expected, abs=PERIOD / 10)
 
@@ -77,17 +81,22 @@ def test_late_errors_are_those_of_adhesion_from_the_published_instant_on():
     late = time >= 110.0
     error = np.where(late, 0.01, 0.3)
     error[-1] = 0.04
-    truth = {"alpha": (np.full(time.size, 0.05), "1"), "w": (time, "rad/s"), "v": (time, "m/s")}
+    truth = {
+        "group_adhesion": (np.full(time.size, 0.05), "1"),
+        "wheelset_speed": (time, "rad/s"),
+        "speed": (time, "m/s"),
+    }
     recording = recording_of({"speed": (time, "m/s")}, period=PERIOD, truth=truth)
     mean = np.stack([time + 1e-3, time - 2e-3, 0.05 + error], axis=1)
     estimates = xarray.Dataset(
-        {"mean": (("time", "state"), mean)}, coords={"time": recording["time"], "state": ["w", "v", "alpha"]}
+        {"mean": (("time", "state"), mean)},
+        coords={"time": recording["time"], "state": ["wheelset_speed", "speed", "group_adhesion"]},
     )
     found = page.late_errors(recording, estimates)
-    assert found["w"] == pytest.approx(1e-3, rel=1e-6)
-    assert found["v"] == pytest.approx(2e-3, rel=1e-6)
+    assert found["wheelset_speed"] == pytest.approx(1e-3, rel=1e-6)
+    assert found["speed"] == pytest.approx(2e-3, rel=1e-6)
     assert found["largest"] == pytest.approx(0.04)
-    assert found["alpha"] == pytest.approx(np.sqrt(1e-4 + (16e-4 - 1e-4) / late.sum()), rel=1e-6)
+    assert found["adhesion"] == pytest.approx(np.sqrt(1e-4 + (16e-4 - 1e-4) / late.sum()), rel=1e-6)
 
 
 def test_the_response_of_a_lag_is_its_time_constant():

@@ -1,6 +1,7 @@
 """A comparison lists differences of scenario and result, with units and signs, and their place."""
 
 import json
+import math
 import sys
 from dataclasses import replace
 
@@ -73,6 +74,22 @@ def test_each_differing_figure_of_the_result_has_unit_and_sign(slip, adhesion):
     assert comparison.sentences[0].startswith("B stops in 259.9")
     assert "longest_lock[1]" not in rows(comparison.answer, "figure"), "equal in both"
     assert "−" in str(comparison.overview)
+
+
+def test_means_are_of_the_elements_that_all_stops_have(slip, adhesion):
+    """The brakes of the first wheelset of B are isolated, and A was read from a plant without adhesion of groups."""
+    nan, each = float("nan"), slip.metrics.utilisation_wheelset
+    a = replace(slip, metrics=replace(slip.metrics, adhesion_peak=(nan,) * 4, utilisation_wheelset=(*each[:5], 0.1)))
+    b = replace(adhesion, metrics=replace(adhesion.metrics, utilisation_wheelset=(nan, *each[1:])))
+    overview = rows(compare(a, b).overview, "figure")
+    used = overview["utilisation_wheelset, mean of 5 of 6"]
+    assert used["A"] == pytest.approx((sum(each[1:5]) + 0.1) / 5)
+    assert used["B"] == pytest.approx(sum(each[1:]) / 5)
+    assert used["unit"] == ""
+    assert "utilisation_wheelset, mean of 6" not in overview
+    peak = overview["adhesion_peak, mean of 4"]
+    assert math.isnan(peak["A"])
+    assert peak["B"] == pytest.approx(sum(adhesion.metrics.adhesion_peak) / 4)
 
 
 def test_a_stop_without_a_standstill_has_no_difference_of_distances(slip):

@@ -89,6 +89,23 @@ def test_stops_without_standstill_count_in_the_headline_as_endless():
     assert "by endless in the median of 5 stops, from −10.0 % to endless" in headline(frame(*rows))
 
 
+def test_the_headline_counts_the_stops_whose_reference_does_not_come_to_a_standstill():
+    """Slip-based control slides through in one of three draws, and in the other two is 10 % longer."""
+    rows = [row(draw, 90.0, reduction_vs_sbc=share, breaks=[]) for draw, share in enumerate((0.1, 0.1, math.nan))]
+    others = [
+        row(draw, distance, "slip_two_state", "published", breaks=[]) for draw, distance in enumerate((100, 100, None))
+    ]
+    sentence = "no change, because slip-based control does not come to a standstill there. 5 of 6 stops come"
+    text = headline(frame(*rows, *others))
+    assert "in the median of 2 stops" in text
+    assert f"1 stop has {sentence}" in text
+    assert "no change" not in headline(frame(*rows[:2], *others[:2]))
+    # Nor does a campaign without any comparison stay silent; one without slip-based control has none.
+    alone = headline(frame(rows[2], others[2]))
+    assert alone.startswith("1 stop has no change")
+    assert headline(frame(rows[2])) == "1 of 1 stops come to a standstill."
+
+
 @pytest.mark.parametrize("actuations", [("ideal",), ("ideal", "pneumatic")])
 def test_a_table_for_the_documentation_names_the_settings_that_differ(actuations):
     drawn = pandas.concat([stops(np.ones(3), np.ones(3)).assign(actuation=name) for name in actuations])

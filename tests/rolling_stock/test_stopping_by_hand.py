@@ -208,6 +208,20 @@ def test_an_inconsistency_is_reported_with_its_key(tables, change, key, words):
     assert words in wrong[0].sentence
 
 
+def test_overloaded_couplers_of_a_kind_are_one_sentence(tables):
+    """Six heavy cars push on a light one with equal brakes: of rigid cars the k-th coupler carries k/6 of the last."""
+    tables["cars"][0] |= {"mass": "150 t", "count": 6}
+    tables["couplers"]["bar"]["strength"] = "1 MN"
+    forces = np.abs(next(iter(stops_by_hand(train_of(tables, "ours.toml")).values())).coupler_force)
+    assert forces == pytest.approx(forces[5] * np.arange(1, 7) / 6, rel=0.1)
+    tables["couplers"]["bar"]["strength"] = float(forces[2:4].mean())
+    wrong = [one.sentence for one in findings(train_of(tables, "ours.toml")) if "braking alone" in one.sentence]
+    name = tables["cars"][0]["name"]
+    words = f"loads 3 of 6 such couplers beyond that, and the coupler behind {name}-6 by {forces[5] / 1e3:.0f} kN"
+    (sentence,) = wrong
+    assert words in sentence
+
+
 def test_a_brake_that_requires_too_much_adhesion_is_unusual(tables):
     tables["brakes"]["disc"]["pressure_max"] = "5 bar"
     (one,) = findings(train_of(tables, "ours.toml"))

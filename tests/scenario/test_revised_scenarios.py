@@ -46,6 +46,14 @@ def test_a_revised_scenario_keeps_its_train_file(scenario: Scenario) -> None:
     assert revised.resolved()["vehicle"]["train"] == "mine.toml"
 
 
+def test_a_replaced_table_keeps_no_key_and_the_others_keep_their_files(scenario: Scenario) -> None:
+    patched = scenario.revised({"adhesion": {"patch": [{"begin": "10 m", "length": "5 m", "mu0": 0.05}]}})
+    replaced = patched.replaced({"adhesion": {"kind": "constant", "mu0": 0.6, "polach": "dry"}})
+    assert patched.adhesion.patch
+    assert not replaced.adhesion.patch
+    assert replaced.vehicle == scenario.vehicle
+
+
 def test_the_ideal_bound_finds_the_train_file(scenario: Scenario) -> None:
     assert _full_brake(scenario).vehicle == scenario.vehicle
 
@@ -70,7 +78,12 @@ def test_the_tables_of_a_scenario_give_an_equal_one(name: str) -> None:
 def test_no_module_validates_what_results_record() -> None:
     """`resolved` has paths relative to the scenario's folder; validated again they would start at the current one."""
     folder = Path(railgrip.__file__).parent
-    offences = [
-        file.name for file in folder.rglob("*.py") if re.search(r"model_validate\([^()]*\.resolved\(", file.read_text())
-    ]
+    texts = {file: file.read_text(encoding="utf-8") for file in folder.rglob("*.py")}
+    offences = [file.name for file, text in texts.items() if re.search(r"model_validate\([^()]*\.resolved\(", text)]
     assert not offences
+    others = [file.name for file, text in texts.items() if "Scenario.model_validate(" in text]
+    others.remove("schema.py")
+    assert not others, (
+        f"{', '.join(others)} validates the tables of a scenario itself: use Scenario.revised, which overlays keys, or "
+        "Scenario.replaced, which replaces tables; both keep the files that the scenario names"
+    )

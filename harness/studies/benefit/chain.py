@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from railgrip.base.arrays import generator
+from railgrip.base.arrays import Array, generator
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_text
 from railgrip.base.units import GRAVITY
@@ -29,7 +28,6 @@ from railgrip.supervision.model import BrakingModel
 from railgrip.supervision.national import NationalValues
 from railgrip.supervision.trains import model_of_train
 
-Array = NDArray[np.float64]
 Ends = tuple[float, float]
 
 BASE: Final = "without"

@@ -6,7 +6,6 @@ the same errors: one coordinate search on training cases, with the same budget f
 
 import hashlib
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
@@ -384,14 +383,8 @@ def search_cases(cases: Sequence[RecordingCase], estimators: Sequence[str] = SEA
     ]
 
 
-def read_factors(path: Path) -> dict[tuple[str, str], Mapping[str, float]]:
-    """Return the factors in a file of `write_factors` by estimator and sensors."""
-    tables = tomllib.loads(path.read_text(encoding="utf-8"))
-    return {(estimator, sensors): row for estimator, rows in tables.items() for sensors, row in rows.items()}
-
-
 def write_factors(path: Path, found: Mapping[tuple[str, str], Mapping[str, float]]) -> None:
-    """Write factors by estimator and sensors as the file that `noise_of` reads."""
+    """Write factors by estimator and sensors as a file that `read_factors` reads."""
     lines = ["# Factors of standard deviations; written by `railgrip study estimators --tune`."]
     for (estimator, sensors), factors in found.items():
         values = ", ".join(f"{name} = {value:.4g}" for name, value in factors.items())

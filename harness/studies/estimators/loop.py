@@ -11,9 +11,9 @@ from typing import Any, Final
 
 import numpy as np
 import pandas
-from numpy.typing import NDArray
 
 from railgrip.api import Scenario
+from railgrip.base.arrays import Vector
 from railgrip.campaign.work import Work
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.report.frame import Frame, groups_of
@@ -30,8 +30,6 @@ from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of
 from railgrip.studies.type_test.judge import EQUAL
 from railgrip.studies.type_test.track_case import TrackCase
 from railgrip.vehicle.signals import Layout
-
-Vector = NDArray[np.float64]
 
 ESTIMATES: Final = ("present", "fmu", "disturbed", "disturbed, 10 ms", "true state")
 """Estimates of a stop: those of the scenario, of an estimator of the study in every sample or every 10 ms, as on its
@@ -134,8 +132,7 @@ def scenario_of_case(case: LoopCase) -> schema.Scenario:
         changes["estimator"] = {"model": model, "noise": "service", "outlier_limit": dict(OUTLIER_LIMITS)}
         if period:
             changes["periods"] = {"estimator": period}
-    tables = case.scenario.tables()
-    return schema.Scenario.model_validate(tables | {name: tables[name] | table for name, table in changes.items()})
+    return case.scenario.revised(changes)
 
 
 def stops_of_type_test(work: Work, count: int) -> Frame:

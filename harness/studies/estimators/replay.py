@@ -5,11 +5,9 @@ errors that are in no equation of the predictions: load, inertia, radar scale, p
 """
 
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
-from importlib.resources import files
 from pathlib import Path
 from time import process_time
 from typing import Final
@@ -30,6 +28,7 @@ from railgrip.estimators.smoother import smooth
 from railgrip.fmi import FmuPrediction, describe
 from railgrip.fmus.native import Model
 from railgrip.recording.samples import knows, truth_of
+from railgrip.report.comparison import flat
 from railgrip.scenario.file import NamedFile, locate
 from railgrip.scenario.load import read_toml
 from railgrip.simulate.estimator import RELEASED_PADS
@@ -119,11 +118,17 @@ def entry_of(estimator: str) -> Entry:
     return ESTIMATORS.get(estimator, Entry())
 
 
-PROCESS_FACTORS: Final = {"group_adhesion": "alpha", "pad_friction": "mu_b", "wheelset_speed": "w", "d": "d"}
-READING_FACTORS: Final = {"wheelset_speed": "wheelset_speed", "acceleration": "acceleration"}
 ALL: Final = "all"
-FACTORS: Final = (ALL, *PROCESS_FACTORS.values(), *READING_FACTORS.values())
-"""Factors of standard deviations that are searched; those of process noises have the symbol of the state.
+FACTORS: Final = (
+    ALL,
+    "process.group_adhesion",
+    "process.pad_friction",
+    "process.wheelset_speed",
+    "process.d",
+    "readings.wheelset_speed",
+    "readings.acceleration",
+)
+"""Factors of standard deviations that are searched, by table and name of a `NoiseSet`.
 
 `all` multiplies every one: the gains of a Kalman filter remain, its deviations change.
 """
@@ -142,24 +147,30 @@ def noise_of(estimator: str, sensors: Sensors, factors: Mapping[str, float] | No
     # The process noise of adhesion of a prediction with a track force, see noises.toml.
     process = {**physical.process, "group_adhesion": NOISE_SETS["disturbed_service"].process["group_adhesion"]}
 
-    def scaled(values: Mapping[str, float], keys: Mapping[str, str]) -> dict[str, float]:
-        return {
-            name: value * common * (chosen.get(keys[name], 1.0) if name in keys else 1.0)
-            for name, value in values.items()
-        }
+    def scaled(table: str, values: Mapping[str, float]) -> dict[str, float]:
+        return {name: value * common * chosen.get(f"{table}.{name}", 1.0) for name, value in values.items()}
 
     return NoiseSet(
         name=f"{estimator}, {sensors} sensors",
-        process=scaled(process, PROCESS_FACTORS),
-        readings=scaled(READINGS[sensors], READING_FACTORS),
-        start=scaled(physical.start, {}),
+        process=scaled("process", process),
+        readings=scaled("readings", READINGS[sensors]),
+        start=scaled("start", physical.start),
     )
 
 
 def factors_of(estimator: str, sensors: Sensors) -> Mapping[str, float]:
     """Return the factors of an estimator from the file; empty if the file lacks it."""
-    text = (files("railgrip.studies.estimators") / "library" / FILE).read_text(encoding="utf-8")
-    return tomllib.loads(text).get(estimator if estimator in SEARCHED else "fmu", {}).get(sensors, {})
+    found = read_factors(Path(__file__).parent / "library" / FILE)
+    return found.get((estimator if estimator in SEARCHED else "fmu", sensors), {})
+
+
+def read_factors(path: Path) -> dict[tuple[str, str], Mapping[str, float]]:
+    """Return the factors in a file of `--tune` by estimator and sensors."""
+    return {
+        (estimator, sensors): flat(factors)
+        for estimator, rows in read_toml(path).items()
+        for sensors, factors in rows.items()
+    }
 
 
 LOAD_DEVIATION: Final = NOISE_SETS["loaded_service"].start["payload"]

@@ -21,7 +21,6 @@ from railgrip.studies.estimators.judge import (
     SearchCase,
     bounds_of,
     errors_of,
-    read_factors,
     search,
     search_cases,
     truths_of,
@@ -43,7 +42,14 @@ from railgrip.studies.estimators.recordings import (
     require_file,
     require_one_of_each_name,
 )  # fmt: skip
-from railgrip.studies.estimators.replay import ESTIMATORS, FACTORS, REFERENCES, SEARCHED, model_of_estimator
+from railgrip.studies.estimators.replay import (
+    ESTIMATORS,
+    FACTORS,
+    REFERENCES,
+    SEARCHED,
+    model_of_estimator,
+    read_factors,
+)
 from railgrip.studies.estimators.tables import (
     ESTIMATIONS,
     available,

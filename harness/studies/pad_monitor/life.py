@@ -205,7 +205,7 @@ def _stop(
     for g in range(groups):
         signals[f"wheelset_speed[{g + 1}]"] = (wheels[:, g], "rad/s")
         signals[f"cylinder_pressure[{g + 1}]"] = (np.maximum(pressure[:, g], 0.0), "Pa")
-    truth: dict[str, tuple[Vector, str]] = {"v": (trace["speed"].values, "m/s")}
-    truth |= {f"mu_b[{g + 1}]": (trace["pad_friction"].values[:, g], "1") for g in range(groups)}
+    truth: dict[str, tuple[Vector, str]] = {"speed": (trace["speed"].values, "m/s")}
+    truth |= {f"pad_friction[{g + 1}]": (trace["pad_friction"].values[:, g], "1") for g in range(groups)}
     recording = recording_of(signals, period=PERIOD, truth=truth, name=f"stop-{number:04d}")
     return recording, discs + 10.0 * noise(groups)

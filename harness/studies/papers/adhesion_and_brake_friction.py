@@ -10,9 +10,9 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
-from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
+from railgrip.base.arrays import Vector
 from railgrip.estimation.judge import errors
 from railgrip.recording.samples import period_of, reading_of, truth_of
 from railgrip.report import palette, style
@@ -20,8 +20,6 @@ from railgrip.report.table import ReportTable
 from railgrip.scenario.load import read_toml
 from railgrip.studies.papers.pages import PaperRow, arrow, canvas, comparison, dimension
 from railgrip.trace.bound import Contact
-
-Vector = NDArray[np.float64]
 
 PAGE = "adhesion_and_brake_friction.md"
 
@@ -136,7 +134,7 @@ def points_of_slide(recording: xarray.Dataset, contact: Contact) -> dict[str, An
     1 is the peak of the curve, 2 the largest slip, 3 the wheelset rolling again. `way`: samples from 2 to 3.
     """
     part = recording.sel(time=slice(*DEEP_SLIDE))
-    slip, adhesion = truth_of(part, "slip"), truth_of(part, "alpha")
+    slip, adhesion = truth_of(part, "slip"), truth_of(part, "group_adhesion")
     release = int(np.argmax(slip))
     again = release + int(np.argmax(slip[release:] < 1e-3))
     slips = np.concatenate([[0.0], np.geomspace(1e-3, 0.5, 60)])
@@ -190,7 +188,7 @@ def record_figure(test: str, recording: xarray.Dataset, estimates: Mapping[str, 
     names = [str(line.get_label()) for line in lines]
     style.legend(inputs, lines, names, loc="lower left", bbox_to_anchor=(0.0, 0.98), ncols=4)
     measured = measured_adhesion(recording)
-    friction.plot(time, truth_of(recording, "mu_b"), color=palette.BLACK, lw=1.2, ls="--", label="true")
+    friction.plot(time, truth_of(recording, "pad_friction"), color=palette.BLACK, lw=1.2, ls="--", label="true")
     # The noisiest line looks like a band and is drawn first, below the true value.
     for name, estimate in estimates.items():
         width = 1.6 if name == "rig-paper" else 0.6
@@ -225,7 +223,7 @@ def _draw_statement(statement: Statement, adhesion: Axes, friction: Axes, top: f
 def over_slip_figure(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset]) -> Figure:
     """Draw adhesion over slip and its absolute error in the deep slide of the sanding test (figure 6)."""
     part = recording.sel(time=slice(*DEEP_SLIDE))
-    slip, truth = 100 * truth_of(part, "slip"), truth_of(part, "alpha")
+    slip, truth = 100 * truth_of(part, "slip"), truth_of(part, "group_adhesion")
     drawing, (above, below) = style.panels(8, 6, 2, 1, sharex=True)
     above.plot(slip, measured_adhesion(part), color=LOAD_CELLS, lw=2.2, label="load cells")
     for name, estimate in estimates.items():
@@ -283,14 +281,14 @@ def measures(
         found[test] = {"speed": style.KMH * float(reading_of(recording, "speed")[0]), **brakings(recording)}
         found[test]["rises"] = begin = STATEMENTS[test][-1].begin
         courses = {name: estimate["mean"].sel(state="pad_friction").values for name, estimate in estimates.items()}
-        courses["true"] = truth_of(recording, "mu_b")
+        courses["true"] = truth_of(recording, "pad_friction")
         found[test]["pad friction"] = {name: _rise(course, recording, begin) for name, course in courses.items()}
         found[test]["settling"] = {name: settling(recording, estimate) for name, estimate in estimates.items()}
         found[test]["response"] = response(recording)
         found[test]["late"] = {name: late_errors(recording, estimate) for name, estimate in estimates.items()}
         found[test]["oscillation"] = _oscillation(courses["rig-paper"], recording)
         found[test]["filters"] = {
-            row["filter"]: {key: row[key] for key in ("alpha_outside", "longest", "excursions")}
+            row["filter"]: {key: row[key] for key in ("adhesion_outside", "longest", "excursions")}
             for row in scores
             if row["scenario"].replace("-", "_") == test
         }
@@ -307,14 +305,18 @@ def measures(
 
 
 def late_errors(recording: xarray.Dataset, estimates: xarray.Dataset) -> dict[str, float]:
-    """Return rms errors after the start of w [rad/s] and v [m/s], and rms and largest error of adhesion after 110 s."""
+    """Return errors of a filter: rms of both speeds after the start [rad/s, m/s], and of adhesion after 110 s.
+
+    Of adhesion also the largest error.
+    """
     time = recording["time"].values - recording["time"].values[0]
     found = {
-        state: float(np.sqrt(np.mean(errors(recording, estimates, state)[time >= 0.5] ** 2))) for state in ("w", "v")
+        state: float(np.sqrt(np.mean(errors(recording, estimates, state)[time >= 0.5] ** 2)))
+        for state in ("wheelset_speed", "speed")
     }
-    late = errors(recording, estimates, "alpha")[time >= STATEMENTS["rig_slide"][-1].begin]
+    late = errors(recording, estimates, "group_adhesion")[time >= STATEMENTS["rig_slide"][-1].begin]
     if late.size:
-        found |= {"alpha": float(np.sqrt(np.mean(late**2))), "largest": float(np.max(np.abs(late)))}
+        found |= {"adhesion": float(np.sqrt(np.mean(late**2))), "largest": float(np.max(np.abs(late)))}
     return found
 
 
@@ -336,7 +338,7 @@ def settling(recording: xarray.Dataset, estimates: xarray.Dataset) -> float:
     Infinite if it is not within the first second.
     """
     time = recording["time"].values - recording["time"].values[0]
-    over = ~(np.abs(errors(recording, estimates, "alpha")) <= LIMIT) & (time <= 2.0)
+    over = ~(np.abs(errors(recording, estimates, "group_adhesion")) <= LIMIT) & (time <= 2.0)
     last = float(time[np.flatnonzero(over)[-1]]) if over.any() else -period_of(recording)
     return last + period_of(recording) if last < 1.0 else float("inf")
 
@@ -370,7 +372,7 @@ def _oscillation(friction: Vector, recording: xarray.Dataset) -> float:
 
 def peaks_in_slide(recording: xarray.Dataset, estimates: xarray.Dataset) -> int:
     """Return the number of intervals of figure 6 with an error of adhesion above `LIMIT`."""
-    over = np.abs(errors(recording, estimates, "alpha")) > LIMIT
+    over = np.abs(errors(recording, estimates, "group_adhesion")) > LIMIT
     time = recording["time"].values
     over &= (time >= DEEP_SLIDE[0]) & (time <= DEEP_SLIDE[1])
     return int(np.sum(np.diff(over.astype(int)) > 0))
@@ -403,7 +405,7 @@ def compare_with_paper(found: Mapping[str, Any]) -> list[PaperRow]:
         outside = f"error of adhesion outside protection events, {NAMES[name]}"
         longest = f"longest error above {LIMIT:g}, {NAMES[name]}"
         rows += [
-            PaperRow("Fig. 6", outside, (-np.inf, LIMIT), judged["alpha_outside"], "{:.4f}"),
+            PaperRow("Fig. 6", outside, (-np.inf, LIMIT), judged["adhesion_outside"], "{:.4f}"),
             PaperRow("Fig. 6", longest, (-np.inf, RECOVERY), judged["longest"], "{:.3f} s"),
         ]
     rows += [
@@ -429,14 +431,14 @@ def _compare_slide(slide: Mapping[str, Any]) -> list[PaperRow]:
         rows.append(PaperRow("Fig. 4", quantity, (0.02, 0.05), adhesion, "{:.3f}", is_chosen=True))
     rows += _compare_estimates("Fig. 4", slide)
     for name, late in slide["late"].items():  # of these errors the paper publishes words only
-        outside = slide["filters"][name]["alpha_outside"]
+        outside = slide["filters"][name]["adhesion_outside"]
         rows += [
             PaperRow("Fig. 4", f"largest error of adhesion outside protection events, {NAMES[name]}",
                      "almost identical", f"{outside:.4f}"),
             PaperRow("Fig. 4", f"error of adhesion from 110 s on, rms / largest, {NAMES[name]}",
-                     "well approximated", f"{late['alpha']:.4f} / {late['largest']:.3f}"),
+                     "well approximated", f"{late['adhesion']:.4f} / {late['largest']:.3f}"),
             PaperRow("Fig. 4", f"rms error of ω_W / v_x, {NAMES[name]}", "no remarkable difference",
-                     f"{late['w']:.1e} rad/s / {late['v']:.1e} m/s"),
+                     f"{late['wheelset_speed']:.1e} rad/s / {late['speed']:.1e} m/s"),
         ]  # fmt: skip
     return rows
 

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
+from railgrip.base.arrays import Mask, Vector
 from railgrip.report import style
 from railgrip.report.figures import draw_adhesion
 from railgrip.report.stop import Stop
@@ -106,9 +106,6 @@ def used_table(found: Mapping[str, Any]) -> ReportTable:
     ]
     return ReportTable.of((" / ".join(SPANS), *found), rows)
 
-
-Vector = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 GROUP, WHEELSET = 0, 0
 """The wheelset of figure 4, whose brake is strong enough for the peak; it is coupled with the second one."""

@@ -6,17 +6,15 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from railgrip.api import Scenario
+from railgrip.base.arrays import Vector
 from railgrip.report import palette, style
 from railgrip.scenario.adhesion import FrictionTable, TabulatedRail
 from railgrip.scenario.surface import Recovery, SlipEnergy, named_set
 from railgrip.scenario.track import Track, track_force_of
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.vehicle.signals import layout_of
-
-Vector = NDArray[np.float64]
 
 CLEAN = Recovery(mu0=0.3, A=0.4, B=0.6, rate=1.9e-4)
 """A clean dry rail, and how fast slip uncovers it: Allotta, Meli, Ridolfi and Rindi (2014)."""
