@@ -212,7 +212,9 @@ def noticed(mutant: Mutant | None, stops: str, *, only_first: bool = False) -> d
 
 def _environment(place: Path) -> dict[str, str]:
     """Return the environment of a process that imports a copy; it does not use the user's cache for FMUs."""
-    return os.environ | {"PYTHONPATH": str(place / "sources"), "RAILGRIP_CACHE": str(PLACE / "cache")}
+    # The tests that are copied import modules in the folder `tests`.
+    modules = os.pathsep.join([str(place / "sources"), str(ROOT / "tests")])
+    return os.environ | {"PYTHONPATH": modules, "RAILGRIP_CACHE": str(PLACE / "cache")}
 
 
 def independent_check(mutant: Mutant) -> tuple[str, bool] | None:
@@ -225,16 +227,17 @@ def independent_check(mutant: Mutant) -> tuple[str, bool] | None:
     file = mutant.edits[0].file.removeprefix("modelica/RailBraking/").removesuffix(".mo")
     if file not in checks:
         return None
-    place = PLACE / _folder(mutant)
-    tests = place / "sources/tests/modelica"
-    shutil.copytree(ROOT / "tests/modelica", tests, dirs_exist_ok=True)
-    test, *selection = checks[file].split()
-    command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", str(tests / test), *selection]
-    done = subprocess.run(
-        command, env=_environment(place), capture_output=True, text=True, cwd=place / "sources", check=False
-    )
+    done = run_copied_tests(PLACE / _folder(mutant), checks[file].split())
     assert done.returncode in (0, 1), f"{mutant.meaning}: {checks[file]} does not run: {done.stdout[-2000:]}"
     return checks[file], done.returncode == 1
+
+
+def run_copied_tests(place: Path, arguments: Sequence[str]) -> subprocess.CompletedProcess[str]:
+    """Run pytest with arguments in a copy of tests/modelica next to the sources that `copied` has made."""
+    tests = place / "sources/tests/modelica"
+    shutil.copytree(ROOT / "tests/modelica", tests, dirs_exist_ok=True)
+    command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *arguments]
+    return subprocess.run(command, env=_environment(place), capture_output=True, text=True, cwd=tests, check=False)
 
 
 def regression(place: Path, stops: str, *, only_first: bool) -> dict[str, str]:

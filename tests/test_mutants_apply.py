@@ -1,5 +1,7 @@
 """Each mutant of `make mutants` still finds the text that it changes; `make mutants` itself runs the mutants."""
 
+import tomllib
+
 import mutants
 import pytest
 
@@ -19,3 +21,14 @@ def test_the_text_of_each_mutant_is_found(mutant, tmp_path):
         if not copy.exists():
             copy.write_bytes((mutants.ROOT / edit.file).read_bytes())
         edit.apply(sources)
+
+
+def test_the_independent_checks_run(tmp_path):
+    checks = tomllib.loads(mutants.DATA.read_text(encoding="utf-8"))["checks"].values()
+    files = {check.split()[0] for check in checks}
+    mutants.copied(tmp_path)
+    done = mutants.run_copied_tests(tmp_path, ["--collect-only", *sorted(files)])
+    assert done.returncode == 0, f"the checks of `make mutants` cannot be collected: {done.stdout[-2000:]}"
+    for check in checks:
+        word = check.partition("-k ")[2]
+        assert word in done.stdout, f"{check}: no test of this name"
