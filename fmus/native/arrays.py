@@ -524,21 +524,19 @@ def extended(operation: str, operands: tuple[Array, ...]) -> tuple[Array, ...]:
     return (each(move)(operands[0]), *operands[1:])
 
 
-def requirements(operation: str, operands: tuple[Array, ...], text: str, where: str) -> list[Requirement]:
+def requirements(operation: str, operands: tuple[Array, ...]) -> list[Rule]:
     """Return the requirements of an operation on arrays that does not always fulfil them by its form.
 
     Args:
         operation: Name in the DAE, one of `PARTIAL`.
         operands: Operands, elementwise or scalars that apply to each element.
-        text: Modelica text of the operation.
-        where: File and line.
     """
     rule, _, _ = _RULES[operation]
     if rule is _divisor:
         operands = operands[1:]
-    found: list[Requirement] = []
+    found: list[Rule] = []
     for elements in np.broadcast(*operands):
         holds, words, value = rule(*(as_sx(element) for element in elements))
         if not (is_number(holds) and float(holds)):
-            found.append(Requirement(as_sx(holds), f"{text}: {words}, but it is ", value, where))
+            found.append((holds, words, value))
     return found

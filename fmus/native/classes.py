@@ -141,6 +141,7 @@ class Tree:
     content: Node
     sources: Sources
     _elements: dict[str, dict[str, Element]] = field(default_factory=dict[str, dict[str, Element]])
+    _bases: dict[str, list[Class]] = field(default_factory=dict[str, list[Class]])
 
     @cached_property
     def roots(self) -> dict[str, Class]:
@@ -180,6 +181,11 @@ class Tree:
 
     def bases(self, class_: Class) -> list[Class]:
         """Return the classes that a class extends, directly or not."""
+        if class_.name not in self._bases:
+            self._bases[class_.name] = self._find_bases(class_)
+        return self._bases[class_.name]
+
+    def _find_bases(self, class_: Class) -> list[Class]:
         found: dict[str, Class] = {}
         pending = [class_]
         while pending:
@@ -506,12 +512,13 @@ def walk(tree: Any) -> Iterator[tuple[Node, frozenset[str]]]:
     stack: list[tuple[Any, frozenset[str]]] = [(tree, frozenset())]
     while stack:
         node, bound = stack.pop()
-        inside: list[Any] = node if isinstance(node, list) else []
+        inside: Any = node
         if isinstance(node, dict):
-            bound |= {index["ident"]["text"] for index in node.get("indices", ())}
+            if "indices" in node:
+                bound |= {index["ident"]["text"] for index in node["indices"]}
             yield node, bound
-            inside = list(node.values())
-        stack += [(value, bound) for value in reversed(inside) if isinstance(value, list | dict)]
+            inside = node.values()
+        stack += [(value, bound) for value in reversed(inside) if isinstance(value, (list, dict))]
 
 
 def without_places(tree: Any) -> Any:

@@ -63,11 +63,14 @@ def find_relations(dae: Dae, evaluate: ExpressionBuilder, with_numbers: Callable
     listed = {r["expression"] for r in conditions["relations"]}
     sites += [({}, i, {}) for i in _relations_of_time(dae) if i not in listed]
     place: dict[Site, SX] = {}
+    of_symbols: dict[tuple[str, ...], list[int]] = {}  # equal relations have equal symbols
     for root, expression, binding in sites:
         (live,) = with_numbers([evaluate.live(expression, binding).item()])
-        number = next((k for k, other in enumerate(out.live) if ca.is_equal(other, live, _DEPTH)), None)
+        similar = of_symbols.setdefault(tuple(sorted(s.name() for s in ca.symvar(live))), [])
+        number = next((k for k in similar if ca.is_equal(out.live[k], live, _DEPTH)), None)
         if number is None:
             number = len(out.live)
+            similar.append(number)
             operation = dae.expressions[expression]["operation"]
             sign = SIGN.get(operation.get("operator", ""))
             indicator = live - 0.5  # of a relation that is not an inequality

@@ -7,7 +7,7 @@ import threading
 from codecs import BOM_UTF8
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
 from pathlib import Path
@@ -67,6 +67,7 @@ class Dae:
     content: Node
     protected: frozenset[str]
     sources: Mapping[int, tuple[str, bytes]]
+    _initial: dict[tuple[int, int], bool] = field(default_factory=dict[tuple[int, int], bool])
 
     @property
     def expressions(self) -> list[Node]:
@@ -147,13 +148,20 @@ class Dae:
         span = provenance.get("span")
         if not span or span["source"] not in self.sources:
             return False
-        _, text = self.sources[span["source"]]
-        keywords = _SECTION.findall(code_of(text[: span["start"]].decode(errors="replace")))
-        return bool(keywords) and bool(keywords[-1])
+        place = span["source"], span["start"]
+        if place not in self._initial:  # a class has many instances, and their assertions the same place
+            _, text = self.sources[span["source"]]
+            keywords = _SECTION.findall(code_of(text[: span["start"]].decode(errors="replace")))
+            self._initial[place] = bool(keywords) and bool(keywords[-1])
+        return self._initial[place]
 
     def is_read(self, variable: int) -> bool:
         """Return whether an expression refers to a variable."""
-        return any(node["operation"].get("coordinate", {}).get("id") == variable for node in self.expressions)
+        return variable in self._read
+
+    @cached_property
+    def _read(self) -> set[int]:
+        return {node["operation"].get("coordinate", {}).get("id") for node in self.expressions}
 
     def refuse(self, construct: str, provenance: Node | None) -> TranslationError:
         """Return the error for an unsupported construct, for the caller to raise."""
@@ -168,13 +176,18 @@ class Dae:
         # A name may start in a component of an array, where the class of the component is written once for all.
         ends = {".".join(name[-k:]) for name in names.values() for k in range(2, len(name) + 1)}
         in_arrays = {_without_subscripts(end) for end in ends if "]." in end}
+        others = set[tuple[int, int, int]]()  # places of other names; instances of a class have the same places
         for node in self.expressions:
             operation, span = node["operation"], node["provenance"].get("span")
             if operation["kind"] not in ("coordinate", "literal") or not span or span["source"] not in self.sources:
                 continue
+            place = span["source"], span["start"], span["end"]
+            if place in others:
+                continue
             _, text = self.sources[span["source"]]
             written = text[span["start"] : span["end"]].decode(errors="replace")
             if _without_subscripts(written) not in in_arrays:
+                others.add(place)
                 continue
             name = names.get(operation.get("coordinate", {}).get("id"), [])
             end = ".".join(name[-len(_without_subscripts(written).split(".")) :])

@@ -22,6 +22,7 @@ from railgrip.fmus.native.arrays import (
     Requirement,
     array,
     as_array,
+    as_sx,
     both,
     choose,
     conditional_requirements,
@@ -105,6 +106,7 @@ class ExpressionBuilder:
         """Start without memory symbols: every relation has its present value."""
         self.dae, self.symbols, self.time = dae, symbols, time
         self.relations: dict[Site, SX] = {}
+        self._memory = set[str]()  # the names of their symbols
         self.conditions: Any = None
         self.required = {when: Evaluation() for when in ("running", "watched", "start", "event")}
         self._top = Frame()
@@ -174,7 +176,7 @@ class ExpressionBuilder:
 
     def remember(self, relations: dict[Site, SX]) -> None:
         """Replace these occurrences of relations by their memory symbols from now on."""
-        self.relations = relations
+        self.relations, self._memory = relations, {s.name() for s in relations.values()}
         self._top = Frame()
 
     def __call__(self, expression: int, binding: Binding | None = None) -> Array:
@@ -212,9 +214,12 @@ class ExpressionBuilder:
             raise self._refusal("this form of an expression", node) from error
 
     def _require(self, name: str, operands: tuple[Array, ...], node: Node) -> None:
-        if name in PARTIAL:
-            place = node["provenance"]
-            self._user.requirements += requirements(name, operands, self.dae.text(place), self.dae.where(place))
+        if name in PARTIAL and (unfulfilled := requirements(name, operands)):
+            text, where = self.dae.text(node["provenance"]), self.dae.where(node["provenance"])
+            self._user.requirements += [
+                Requirement(as_sx(holds), f"{text}: {rule}, but it is ", found, where)
+                for holds, rule, found in unfulfilled
+            ]
 
     def _refusal(self, construct: str, node: Node) -> Exception:
         text = self.dae.text(node["provenance"])
@@ -287,8 +292,7 @@ class ExpressionBuilder:
         return out
 
     def _keeps_value(self, condition: SX) -> bool:
-        memory = {s.name() for s in self.relations.values()}
-        return bool(memory) and any(s.name() in memory for s in ca.symvar(condition))
+        return bool(self._memory) and any(s.name() in self._memory for s in ca.symvar(condition))
 
     def _array(self, operation: Node, node: Node, frame: Frame) -> Array:
         elements = [self._value(element, frame) for element in operation["elements"]]

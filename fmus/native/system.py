@@ -153,7 +153,8 @@ def explicit(dae: Dae) -> System:
     evaluate.conditions = conditions.level
 
     equations = _with_numbers(v, _equations(dae, evaluate, "continuous"))
-    for equation in equations:
+    # First of all equations together, because each call has a fixed cost.
+    for equation in equations if ca.depends_on(column([e.residual for e in equations]), column(ticks)) else ():
         if ca.depends_on(equation.residual, column(ticks)):
             raise TranslationError(
                 f"{equation.where}: {dae.class_name}: initial() and sample() are supported in when clauses only; "
