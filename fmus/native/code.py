@@ -299,7 +299,7 @@ def _text_tables(system: System, groups: Mapping[str, list[Scalar]]) -> list[str
 
 def nominal(s: Scalar) -> float:
     """Return the nominal value of a variable, 1 if the model does not declare it."""
-    return abs(s.bound("nominal") or 1.0)
+    return abs(s.bounds.get("nominal") or 1.0)
 
 
 def _model_functions(system: System, every: Iterable[ca.Function], units: dict[str, str]) -> str:

@@ -99,7 +99,7 @@ def _steps(dae: Dae, expression: int) -> int | None:
     left = dae.expressions[node["operation"]["lhs"]] if node["operation"].get("operator") == "greater_equal" else node
     if left["operation"].get("builtin") != "sin":
         return None
-    product = dae.expressions[left["operation"]["arguments"][0]]
+    product = dae.expressions[left["operation"]["operands"][0]]
     span = node["provenance"]["span"]
     here = dae.by_span[span["source"], span["start"], span["end"]]
     is_step = left in here and product in here and any(n["operation"].get("builtin") in STEPS for n in here)
@@ -118,7 +118,7 @@ def _relations_of_time(dae: Dae) -> list[int]:
             for n in dae.by_span.get((span["source"], span["start"], span["end"]), [])
             if n["operation"]["kind"] == "binary" and n["operation"]["operator"] in SIGN
         ]
-        if not nodes or any(n["binder_domain"] is not None for n in nodes):
+        if not nodes or any(n["domains"] for n in nodes):
             raise dae.refuse(
                 f"a time event of this form is not supported: {dae.text(event['provenance'])}", event["provenance"]
             )

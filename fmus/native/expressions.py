@@ -3,7 +3,7 @@
 from collections.abc import Callable, Generator, Hashable, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import casadi as ca
@@ -190,7 +190,7 @@ class ExpressionBuilder:
     def _value(self, expression: int, frame: Frame) -> Array:
         # An expression without loop variables has the same value at all points, unless its relations have a memory for
         # each point.
-        if frame.function is None and not self.relations and self.dae.expressions[expression]["binder_domain"] is None:
+        if frame.function is None and not self.relations and not self.dae.expressions[expression]["domains"]:
             frame = self._top
         return self._once(frame.memo, expression, lambda: self._new_value(expression, frame))
 
@@ -295,16 +295,38 @@ class ExpressionBuilder:
         return bool(self._memory) and any(s.name() in self._memory for s in ca.symvar(condition))
 
     def _array(self, operation: Node, node: Node, frame: Frame) -> Array:
-        elements = [self._value(element, frame) for element in operation["elements"]]
+        elements = [self._value(element, frame) for element in operation["operands"]]
         require(len({e.shape for e in elements}) == 1, "the elements of an array have equal sizes (10.4)")
         return np.stack(elements).astype(object)
 
     def _range(self, operation: Node, node: Node, frame: Frame) -> Array:
         first, step, last = (
-            operation[k]["value"] if operation.get(k) else 1 for k in ("start", "explicit_step", "stop")
+            1 if operation[f"{k}_expression"] is None else self._whole_number(operation[f"{k}_expression"], frame, node)
+            for k in ("start", "explicit_step", "stop")
         )
         values = range(first, last + (1 if step > 0 else -1), step)
         return array([SX(float(value)) for value in values], (len(values),))
+
+    def _whole_number(self, expression: int, frame: Frame, node: Node) -> int:
+        value = self._value(expression, frame).item()
+        while not is_number(value):  # of a parameter, before `know` replaces it by its value
+            bindings = {s.name(): self._bindings.get(s.name()) for s in ca.symvar(value)}
+            if None in bindings.values():
+                raise self._refusal("a range that is only known at run time", node)
+            numbers = ca.vertcat(*[SX(self(i).flat[k]) for i, k in bindings.values()])
+            value = ca.substitute(value, ca.vertcat(*ca.symvar(value)), numbers)
+        require(float(value).is_integer(), f"a range has whole numbers, got {float(value):g}")
+        return integer(value)
+
+    @cached_property
+    def _bindings(self) -> dict[str, tuple[int, int]]:
+        # Name of a scalar parameter → expression of its binding and place in that.
+        return {
+            name: (v["attributes"]["binding"], place)
+            for v in self.dae.variables
+            if v["attributes"]["binding"] is not None
+            for place, name in enumerate(v["scalar_names"])
+        }
 
     def _comprehension(self, operation: Node, node: Node, frame: Frame) -> Array:
         points = list(self.dae.iterate(operation["domain"]))
@@ -388,7 +410,7 @@ class ExpressionBuilder:
         apply = ELEMENTWISE.get(name) or SHAPED.get(name)
         if apply is None:
             raise self._refusal(f"built-in operator {name}", node)
-        arguments = tuple(self._value(argument, frame) for argument in operation["arguments"])
+        arguments = tuple(self._value(argument, frame) for argument in operation["operands"])
         self._require(name, arguments, node)
         return apply(*(extended(name, arguments) if self._is_guarded else arguments))
 
@@ -408,13 +430,13 @@ class ExpressionBuilder:
                     f"an assert inside function {function['name']} is not supported; assert in the model that calls it",
                     statement["provenance"],
                 )
-        key = ("call", operation["function"], tuple(operation["arguments"]))
+        key = ("call", operation["function"], tuple(operation["operands"]))
         if key not in frame.memo:
             if function["name"] in self._calls:
                 raise self._refusal(f"the recursive function {function['name']}", node)
             frame.memo[key] = Frame(function=function, arguments=[])
         inside = frame.memo[key]
-        inside.arguments = [self._value(argument, frame) for argument in operation["arguments"]]
+        inside.arguments = [self._value(argument, frame) for argument in operation["operands"]]
         self._calls.append(function["name"])
         try:
             return self._definition(function["results"][operation["output"]], inside)
@@ -428,15 +450,12 @@ class ExpressionBuilder:
         is_builtin = external["language"] == "builtin" and external["symbol"] in _BUILTIN_IN_LIBRARIES
         if not is_builtin or None in expressions or external["result"] != 0:
             raise self._refusal(f"external function {function['name']}", node)
-        values = [self._value(argument, frame) for argument in operation["arguments"]]
-        call = {"builtin": external["symbol"], "arguments": expressions}
+        values = [self._value(argument, frame) for argument in operation["operands"]]
+        call = {"builtin": external["symbol"], "operands": expressions}
         return self._builtin(call, node, Frame(function=function, arguments=values))
 
     def _function_value(self, operation: Node, node: Node, frame: Frame) -> Array:
-        return self._definition(operation["definition"], frame)
-
-    _function_fold_parameter = _function_value
-    _function_fold_output = _function_value
+        return self._definition(operation["definition_ordinal"], frame)
 
     def _definition(self, number: int, frame: Frame) -> Array:
         self._define(number, frame)

@@ -430,7 +430,7 @@ def _split_states(
         states.append(
             Scalar(
                 name=symbol.name(), kind="state", type="real", causality="local", symbol=symbol,
-                attributes={"unit": None, "description": None}, position=0, provenance={}, protected=False,
+                attributes={"unit": None, "description": None}, provenance={}, protected=False,
             )
         )  # fmt: skip
     former = [s for s in v.states if s.name in former_states]
@@ -564,7 +564,7 @@ def _event_equations(
         for branch in owner["branches"]:
             active, where = conditions.active(branch["activation"]), dae.where(branch["provenance"])
             for target, value in zip(owner["targets"], branch["values"], strict=True):
-                elements = _at_event(evaluate, value["expression"], active)
+                elements = _at_event(evaluate, value["value"], active)
                 for scalar, element in zip(v.of_id[target], elements.flat, strict=True):
                     branches.setdefault(slot[scalar.name], []).append((active, SX(element), where))
     equations: list[Equation] = []
