@@ -32,9 +32,16 @@ def array(values: Iterable[Any], shape: tuple[int, ...] = ()) -> Array:
     return out.reshape(shape)
 
 
+def scalar(value: Any) -> Array:
+    """Return a 0-dimensional object array."""
+    out = np.empty(1, dtype=object)
+    out[0] = value
+    return out.reshape(())
+
+
 def as_array(value: Any) -> Array:
     """Return `value` as an array; numpy unwraps 0-dimensional results."""
-    return value if isinstance(value, np.ndarray) else array([value])
+    return value if isinstance(value, np.ndarray) else scalar(value)
 
 
 def each(function: Callable[..., Any], count: int = 1) -> Callable[..., Array]:
@@ -43,7 +50,7 @@ def each(function: Callable[..., Any], count: int = 1) -> Callable[..., Array]:
 
     def apply(*arguments: Array) -> Array:
         if all(a.ndim == 0 for a in arguments):  # most are, and numpy takes longer for them than CasADi
-            return array([function(*(a.item() for a in arguments))])
+            return scalar(function(*(a.item() for a in arguments)))
         with np.errstate(all="ignore"):  # a constant out of the domain is reported with its place
             return as_array(ufunc(*arguments))
 
@@ -119,20 +126,23 @@ def _product(a: Array, b: Array) -> Array:
 
 
 def _same_shapes(function: Callable[[SX, SX], SX]) -> Callable[[Array, Array], Array]:
+    elementwise = each(function, 2)
+
     def apply(a: Array, b: Array) -> Array:
-        require(a.shape == b.shape, f"{_shape(a)} and {_shape(b)}: the sizes of both sides must be equal (10.6)")
-        return each(function, 2)(a, b)
+        if a.shape != b.shape:
+            raise ShapeError(f"{_shape(a)} and {_shape(b)}: the sizes of both sides must be equal (10.6)")
+        return elementwise(a, b)
 
     return apply
 
 
 def _elementwise(function: Callable[[SX, SX], SX]) -> Callable[[Array, Array], Array]:
+    elementwise = each(function, 2)
+
     def apply(a: Array, b: Array) -> Array:
-        require(
-            a.shape == b.shape or a.ndim == 0 or b.ndim == 0,
-            f"{_shape(a)} and {_shape(b)}: the sizes must be equal, or one side a scalar (10.6)",
-        )
-        return each(function, 2)(a, b)
+        if a.shape != b.shape and a.ndim and b.ndim:
+            raise ShapeError(f"{_shape(a)} and {_shape(b)}: the sizes must be equal, or one side a scalar (10.6)")
+        return elementwise(a, b)
 
     return apply
 
@@ -151,7 +161,7 @@ def _whole_power(a: Array, exponent: Array) -> Array:
         f"{_shape(a)} ^ {_shape(exponent)}: the base must be a square matrix and the exponent a scalar (10.6.7)",
     )
     n = count(exponent)
-    out, square = _identity(array([SX(a.shape[0])])), a
+    out, square = _identity(scalar(SX(a.shape[0]))), a
     while n:
         if n % 2:
             out = _product(out, square)
@@ -204,11 +214,13 @@ ELEMENTWISE: dict[str, Callable[..., Array]] = {name: each(getattr(ca, name)) fo
 
 
 def _fold(pair: Callable[[SX, SX], SX], neutral: float) -> Callable[..., Array]:
+    elementwise = _elementwise(pair)
+
     def fold(*arguments: Array) -> Array:
         if len(arguments) == 2:
-            return _elementwise(pair)(*arguments)
+            return elementwise(*arguments)
         elements = list(arguments[0].flat)
-        return array([reduce(pair, elements) if elements else SX(neutral)])
+        return scalar(reduce(pair, elements) if elements else SX(neutral))
 
     return fold
 
@@ -281,7 +293,7 @@ def _size(a: Array, axis: Array | None = None) -> Array:
         return array([SX(n) for n in a.shape], (a.ndim,))
     k = count(axis)
     require(1 <= k <= a.ndim, f"size(A, {k}): A has {a.ndim} dimensions (10.3.1)")
-    return array([SX(a.shape[k - 1])])
+    return scalar(SX(a.shape[k - 1]))
 
 
 def _concatenate(parts: Sequence[Array], axis: int) -> Array:
@@ -302,8 +314,8 @@ def _matrix_cat(axis: int) -> Callable[..., Array]:
 SHAPED: dict[str, Callable[..., Array]] = {
     "min": _fold(ca.fmin, sys.float_info.max),  # Modelica Language Specification 3.6, section 10.3.4
     "max": _fold(ca.fmax, -sys.float_info.max),
-    "sum": lambda a: array([reduce(operator.add, a.flat, SX(0))]),
-    "product": lambda a: array([reduce(operator.mul, a.flat, SX(1))]),
+    "sum": lambda a: scalar(reduce(operator.add, a.flat, SX(0))),
+    "product": lambda a: scalar(reduce(operator.mul, a.flat, SX(1))),
     "zeros": lambda *sizes: _fill(SX(0), *sizes),
     "ones": lambda *sizes: _fill(SX(1), *sizes),
     "fill": lambda value, *sizes: _fill(value.item(), *sizes),
@@ -321,7 +333,7 @@ SHAPED: dict[str, Callable[..., Array]] = {
     "scalar": _scalar,
     "vector": _vector,
     "matrix": _matrix,
-    "ndims": lambda a: array([SX(a.ndim)]),
+    "ndims": lambda a: scalar(SX(a.ndim)),
     "size": _size,
 }
 

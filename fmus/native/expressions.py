@@ -32,6 +32,7 @@ from railgrip.fmus.native.arrays import (
     is_number,
     require,
     requirements,
+    scalar,
 )
 from railgrip.fmus.native.dae import Binding, Dae, Node
 
@@ -107,6 +108,7 @@ class ExpressionBuilder:
         self.dae, self.symbols, self.time = dae, symbols, time
         self.relations: dict[Site, SX] = {}
         self._memory = set[str]()  # the names of their symbols
+        self._remembered = set[int]()  # the ids of their expressions
         self.conditions: Any = None
         self.required = {when: Evaluation() for when in ("running", "watched", "start", "event")}
         self._top = Frame()
@@ -176,7 +178,8 @@ class ExpressionBuilder:
 
     def remember(self, relations: dict[Site, SX]) -> None:
         """Replace these occurrences of relations by their memory symbols from now on."""
-        self.relations, self._memory = relations, {s.name() for s in relations.values()}
+        self.relations = relations
+        self._memory, self._remembered = {s.name() for s in relations.values()}, {number for number, _ in relations}
         self._top = Frame()
 
     def __call__(self, expression: int, binding: Binding | None = None) -> Array:
@@ -190,14 +193,18 @@ class ExpressionBuilder:
     def _value(self, expression: int, frame: Frame) -> Array:
         # An expression without loop variables has the same value at all points, unless its relations have a memory for
         # each point.
-        if frame.function is None and not self.relations and not self.dae.expressions[expression]["domains"]:
+        node = self.dae.expressions[expression]
+        if node["operation"]["kind"] == "literal" and expression not in self._remembered:  # a third of all expressions
+            return self._literal(node["operation"], node, frame)
+        if frame.function is None and not self.relations and not node["domains"]:
             frame = self._top
         return self._once(frame.memo, expression, lambda: self._new_value(expression, frame))
 
     def _new_value(self, expression: int, frame: Frame) -> Array:
-        memory = self.relations.get(site(expression, frame.binding)) if frame.function is None else None
+        is_relation = expression in self._remembered and frame.function is None
+        memory = self.relations.get(site(expression, frame.binding)) if is_relation else None
         value = self._compute(expression, frame)  # for its requirements, even if its value is the memory
-        return value if memory is None else array([memory])
+        return value if memory is None else scalar(memory)
 
     def _compute(self, expression: int, frame: Frame) -> Array:
         # A node of kind K is evaluated by the method _K(operation, node, frame).
@@ -229,21 +236,21 @@ class ExpressionBuilder:
         ((kind, value),) = operation["value"].items()
         if kind == "string":
             raise self._refusal("a String in an equation", node)
-        if value not in self._numbers:  # a third of all expressions, of which few differ
-            self._numbers[value] = array([SX(float(value))])
+        if value not in self._numbers:  # few differ
+            self._numbers[value] = scalar(SX(float(value)))
         return self._numbers[value]
 
     def _coordinate(self, operation: Node, node: Node, frame: Frame) -> Array:
         coordinate = operation["coordinate"]
         kind: str = coordinate["kind"]
         if kind == "time":
-            return array([self.time])
+            return scalar(self.time)
         if kind == "binder":
-            return array([SX(float(frame.binding[coordinate["domain"], coordinate["ordinal"]]))])
+            return scalar(SX(float(frame.binding[coordinate["domain"], coordinate["ordinal"]])))
         if kind == "function_parameter":
             return frame.arguments[coordinate["ordinal"]]
         if kind == "condition":
-            return array([self.conditions(coordinate["id"])])
+            return scalar(self.conditions(coordinate["id"]))
         store = STORE.get(kind, kind)
         if (store, coordinate.get("id")) not in self.symbols:
             raise self._refusal(f"a reference of kind {kind}", node)
@@ -258,8 +265,10 @@ class ExpressionBuilder:
             raise self._refusal(f"operator {operation['operator']}", node)
         name, left = operation["operator"], self._value(operation["lhs"], frame)
         # The second operand of `and` and `or` may be guarded by the first (3.3).
-        decided = left.item() if name in ("and", "or") and left.ndim == 0 else None
-        with self.under(ca.logic_not(decided) if name == "or" and decided is not None else decided):
+        if name in ("and", "or") and left.ndim == 0:
+            with self.under(left.item() if name == "and" else ca.logic_not(left.item())):
+                right = self._value(operation["rhs"], frame)
+        else:
             right = self._value(operation["rhs"], frame)
         value = apply(*(extended(name, (left, right)) if self._is_guarded else (left, right)))
         if not (name == "power" and left.ndim):  # the power of a matrix consists of products

@@ -7,6 +7,7 @@ order of the expressions, and the statements of a function assign variables; her
 
 from collections.abc import Iterator, Sequence
 from itertools import islice, product
+from math import pi
 from typing import Any
 
 from railgrip.fmus.native.classes import Node
@@ -22,12 +23,13 @@ def convert(stored: Node) -> Node:
         stored: The object `storage` of rumoca's JSON of a DAE; parts of it are in the result.
     """
     types = stored["value_types"]
+    expressions, steps = _expressions(stored["expressions"])
     return {
         "value_types": types,
         "variables": [_variable(i, v, types[v["value_type"]]) for i, v in enumerate(stored["variables"])],
         "functions": [_function(f) for f in stored["functions"]],
         "domains": stored["domains"],
-        "expressions": _expressions(stored["expressions"]),
+        "expressions": expressions,
         "systems": {
             "continuous": {"owners": [_tagged(o) for o in stored["continuous_equation_operations"]]},
             "initialization": {
@@ -42,9 +44,9 @@ def convert(stored: Node) -> Node:
                 ]
             },
             "conditions": {
-                "relations": [{"id": i, **_tagged(r)} for i, r in enumerate(stored["relations"])],
+                "relations": [_relation(i, r, expressions, steps) for i, r in enumerate(stored["relations"])],
                 "conditions": [_with_operation(c, "node") for c in stored["conditions"]],
-                "structured_roots": [_tagged(r) for r in stored["structured_roots"]],
+                "structured_roots": stored["structured_roots"],
             },
             "events": {
                 "time_events": stored["time_events"],
@@ -71,7 +73,9 @@ def _tagged(value: Any) -> Node:
     if isinstance(value, str):
         return {"kind": value}
     ((kind, content),) = value.items()
-    return {"kind": kind, **(content if isinstance(content, dict) else {_CONTENT.get(kind, "id"): content})}
+    if kind == "quotient_owner":  # the condition under which its steps cause events
+        return {"kind": "always"}
+    return {**(content if isinstance(content, dict) else {_CONTENT.get(kind, "id"): content}), "kind": kind}
 
 
 def _activated(node: Node) -> Node:
@@ -109,13 +113,46 @@ def _variable(number: int, variable: Node, value_type: Node) -> Node:
     }
 
 
-def _expressions(stored: Node) -> list[Node]:
+def _relation(number: int, relation: Node, expressions: Sequence[Node], steps: Sequence[int]) -> Node:
+    if "quotient_owner" in relation:
+        expression = steps[relation["quotient_owner"]["owner"]]
+        return {"id": number, "expression": expression, "provenance": expressions[expression]["provenance"]}
+    return {"id": number, **_tagged(relation)}
+
+
+def _expressions(stored: Node) -> tuple[list[Node], list[int]]:
+    # The expressions, and the ids of the relations that represent the steps of mod, rem and div.
     out: list[Node] = []
+    steps: list[int] = []
     operands, subscripts = iter(stored["operands"]), iter(stored["subscripts"])
     for node, provenance in zip(stored["nodes"], stored["provenance"], strict=True):
-        operation = _operation(node, operands, subscripts, out)
-        out.append({"operation": operation, "domains": _domains(operation, out), "provenance": provenance})
-    return out
+        if "runtime_quotient_owner" in node:
+            operations = _quotient(node["runtime_quotient_owner"], len(out))
+            if len(operations) > 1:
+                steps.append(len(out) + len(operations) - 1)
+        else:
+            operations = [_operation(node, operands, subscripts, out)]
+        out += [{"operation": operation, "provenance": provenance} for operation in operations]
+    for expression in out:
+        _domains(expression, out)
+    return out, steps
+
+
+def _quotient(content: Node, number: int) -> list[Node]:
+    # In a model, unlike in a function, sin(π lhs/rhs) >= 0 represents the steps; these expressions have ids, too.
+    lhs, rhs = content["lhs"], content["rhs"]
+    value: Node = {"kind": "builtin", "builtin": content["builtin"], "operands": [lhs, rhs]}
+    if "model" not in content["kind"]:
+        return [value]
+    return [
+        value,
+        {"kind": "binary", "operator": "divide", "lhs": lhs, "rhs": rhs},
+        {"kind": "literal", "value": {"real": pi}},
+        {"kind": "binary", "operator": "multiply", "lhs": number + 2, "rhs": number + 1},
+        {"kind": "builtin", "builtin": "sin", "operands": [number + 3]},
+        {"kind": "literal", "value": {"real": 0.0}},
+        {"kind": "binary", "operator": "greater_equal", "lhs": number + 4, "rhs": number + 5},
+    ]
 
 
 def _operation(node: Node, operands: Iterator[int], subscripts: Iterator[Node], before: Sequence[Node]) -> Node:
@@ -124,7 +161,7 @@ def _operation(node: Node, operands: Iterator[int], subscripts: Iterator[Node], 
         return {"kind": kind, "value": content}
     if kind == "coordinate":
         return {"kind": kind, "coordinate": _tagged(content)}
-    operation = {"kind": kind, **content}
+    operation = {**content, "kind": kind}
     if "operand_count" in content:
         operation["operands"] = list(islice(operands, content["operand_count"]))
     if "subscript_count" in content:
@@ -137,22 +174,30 @@ def _operation(node: Node, operands: Iterator[int], subscripts: Iterator[Node], 
 _NONE = frozenset[int]()
 
 
-def _domains(operation: Node, before: Sequence[Node]) -> frozenset[int]:
-    # The domains of the loop variables on which an expression depends.
-    kind = operation["kind"]
-    if kind == "coordinate":
-        coordinate = operation["coordinate"]
-        return frozenset([coordinate["domain"]]) if coordinate["kind"] == "binder" else _NONE
-    found = _NONE
+def _domains(expression: Node, every: Sequence[Node]) -> frozenset[int]:
+    # The domains of the loop variables on which an expression depends, which become a part of it.
+    if "domains" not in expression:
+        operation = expression["operation"]
+        kind, found = operation["kind"], _NONE
+        if kind == "coordinate" and operation["coordinate"]["kind"] == "binder":
+            found = frozenset([operation["coordinate"]["domain"]])
+        elif kind not in ("coordinate", "literal", "function_value"):
+            for number in _parts(operation):
+                found |= _domains(every[number], every)
+            if kind == "comprehension":
+                found -= {operation["domain"]}
+        expression["domains"] = found
+    return expression["domains"]
+
+
+def _parts(operation: Node) -> Iterator[int]:
     for key in ("operand", "lhs", "rhs", "base", "value", "body"):
-        if isinstance(number := operation.get(key), int):
-            found |= before[number]["domains"]
-    for number in operation.get("operands", ()):
-        found |= before[number]["domains"]
+        if key in operation:
+            yield operation[key]
+    yield from operation.get("operands", ())
     for subscript in operation.get("subscripts", ()):
         if "expression" in subscript:
-            found |= before[subscript["expression"]]["domains"]
-    return found - {operation["domain"]} if kind == "comprehension" else found
+            yield subscript["expression"]
 
 
 def _function(function: Node) -> Node:

@@ -229,7 +229,8 @@ def _bounds(v: Node, scalars: list[Scalar], evaluate: ExpressionBuilder) -> Iter
 
 
 def _elements(v: Node, value: Array) -> list[SX]:
-    return [as_sx(element) for element in np.broadcast_to(value, tuple(v["value_type"]["dimensions"])).flat]
+    shape = tuple(v["value_type"]["dimensions"])
+    return [as_sx(element) for element in (value if value.shape == shape else np.broadcast_to(value, shape)).flat]
 
 
 def _evaluate_structural(dae: Dae, scalars: list[Scalar]) -> list[SX]:
