@@ -149,6 +149,8 @@ def _may_return(indicators: SX, derivative: SX, time: SX) -> bool:
     # what their derivatives contain as well is resolved.
     if ca.depends_on(indicators, time):
         return True
+    if not _count_returning(indicators):  # this is most often so, and of all three expressions takes least time
+        return False
     return _count_returning(ca.vertcat(indicators, derivative)) > _count_returning(derivative)
 
 
