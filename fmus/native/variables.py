@@ -49,6 +49,12 @@ class Scalar:
         """Symbolic binding or start, a number if none is declared."""
         return SX(self.start) if self.expression is None else self.expression
 
+    def set_expression(self, expression: SX) -> None:
+        """Set the symbolic binding or start; a number is also the value before initialisation."""
+        self.expression = expression
+        if is_number(expression):
+            self.start = float(expression)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelVariables:
@@ -174,7 +180,7 @@ def settle(
     if symbolic and constants[0].numel():
         bindings = ca.substitute([p.binding for p in symbolic], [constants[0]], [constants[1]])
         for p, expression in zip(symbolic, bindings, strict=True):
-            p.expression = expression
+            p.set_expression(expression)
     free = [p for p in parameters if p.expression is None or is_number(p.expression)]
     dependent = [p for p in symbolic if not is_number(p.binding)]
     dependent, dependent_values = _sort_dependent(dependent)
@@ -209,9 +215,7 @@ def _set_start(v: Node, scalars: list[Scalar], evaluate: ExpressionBuilder) -> N
     if expression is None:
         return
     for s, value in zip(scalars, _elements(v, evaluate(expression)), strict=True):
-        s.expression = value
-        if is_number(value):
-            s.start = float(value)
+        s.set_expression(value)
 
 
 _Bound = tuple[Scalar, str, SX]

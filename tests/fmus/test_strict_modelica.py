@@ -61,13 +61,18 @@ def test_values_that_are_not_finite_numbers_at_build_time_are_refused(tmp_path, 
         explicit(dae)
 
 
-def test_bounds_are_computed_from_defaults_of_parameters(tmp_path):
+def test_bounds_and_starts_are_computed_from_defaults_of_parameters(tmp_path):
     text = """model X
-      parameter Real p = 2; parameter Integer n = 3;
+      parameter Real p = 2; parameter Integer n = 3; parameter Real q = 2*n;
       function f input Real u; output Real y; algorithm y := 0; for i in 1:3 loop y := y + i*u; end for; end f;
       Real x[2](max = {p^2, sum(1:n)}, each min = -p, each nominal = f(p)) = {time, 1};
+      Real z(start = p*q, fixed = true);
+    equation
+      der(z) = -z;
     end X;"""
-    scalars = {s.name: s for s in explicit(read("P.X", file_of(tmp_path, text))).algebraics}
+    system = explicit(read("P.X", file_of(tmp_path, text)))
+    assert [z.start for z in system.states] == [12]  # the Integer n is compiled in, so that q is a number
+    scalars = {s.name: s for s in system.algebraics}
     assert scalars["x[1]"].bounds == {"minimum": -2, "maximum": 4, "nominal": 12}
     assert scalars["x[2]"].bounds == {"minimum": -2, "maximum": 6, "nominal": 12}
 
