@@ -21,8 +21,9 @@ BASE = (FOLDER / "Strict.mo").read_text()
 CASES = [(*comment.split(": ", 1), text) for comment, text in paragraphs("strict.mo")]
 """Group, name and expectation, and text of a class X of the package with what else it needs.
 
-Invalid classes that the front end accepts are `lenient`, `illegal` or, if a value cannot be computed, `undefined`; others
-are refused by the `front end`, valid ones are `unsupported` or `right`. Their expectation is the message, as a regular expression, or values of parameters.
+Invalid classes that the front end accepts are `lenient`, `illegal` or, if a value cannot be computed, `undefined`;
+others are refused by the `front end`, valid ones are `unsupported` or `right`. Their expectation is the message, as a
+regular expression, or values of parameters.
 """
 
 
