@@ -319,11 +319,12 @@ class ExpressionBuilder:
     def _whole_number(self, expression: int, frame: Frame, node: Node) -> int:
         value = self._value(expression, frame).item()
         while not is_number(value):  # of a parameter, before `know` replaces it by its value
-            bindings = {s.name(): self._bindings.get(s.name()) for s in ca.symvar(value)}
-            if None in bindings.values():
+            symbols = ca.symvar(value)
+            if any(s.name() not in self._bindings for s in symbols):
                 raise self._refusal("a range that is only known at run time", node)
-            numbers = ca.vertcat(*[SX(self(i).flat[k]) for i, k in bindings.values()])
-            value = ca.substitute(value, ca.vertcat(*ca.symvar(value)), numbers)
+            bindings = [self._bindings[s.name()] for s in symbols]
+            numbers = [SX(self(binding).flat[place]) for binding, place in bindings]
+            value = ca.substitute(value, ca.vertcat(*symbols), ca.vertcat(*numbers))
         require(float(value).is_integer(), f"a range has whole numbers, got {float(value):g}")
         return integer(value)
 
@@ -333,7 +334,7 @@ class ExpressionBuilder:
         return {
             name: (v["attributes"]["binding"], place)
             for v in self.dae.variables
-            if v["attributes"]["binding"] is not None
+            if v["role"] in ("parameter", "constant") and v["attributes"]["binding"] is not None
             for place, name in enumerate(v["scalar_names"])
         }
 
