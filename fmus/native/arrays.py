@@ -114,9 +114,12 @@ def _shape(a: Array) -> str:
     return f"[{', '.join(map(str, a.shape))}]" if a.ndim else "a scalar"
 
 
+_times = each(operator.mul, 2)
+
+
 def _product(a: Array, b: Array) -> Array:
     if a.ndim == 0 or b.ndim == 0:
-        return as_array(a * b)
+        return _times(a, b)
     require(
         a.ndim <= 2 and b.ndim <= 2 and a.shape[-1] == b.shape[0],
         f"{_shape(a)} * {_shape(b)}: the factors are vectors or matrices with equal inner sizes (10.6.4)",
