@@ -32,9 +32,16 @@ def array(values: Iterable[Any], shape: tuple[int, ...] = ()) -> Array:
     return out.reshape(shape)
 
 
+def scalar(value: Any) -> Array:
+    """Return a 0-dimensional object array."""
+    out = np.empty(1, dtype=object)
+    out[0] = value
+    return out.reshape(())
+
+
 def as_array(value: Any) -> Array:
     """Return `value` as an array; numpy unwraps 0-dimensional results."""
-    return value if isinstance(value, np.ndarray) else array([value])
+    return value if isinstance(value, np.ndarray) else scalar(value)
 
 
 def each(function: Callable[..., Any], count: int = 1) -> Callable[..., Array]:
@@ -43,7 +50,7 @@ def each(function: Callable[..., Any], count: int = 1) -> Callable[..., Array]:
 
     def apply(*arguments: Array) -> Array:
         if all(a.ndim == 0 for a in arguments):  # most are, and numpy takes longer for them than CasADi
-            return array([function(*(a.item() for a in arguments))])
+            return scalar(function(*(a.item() for a in arguments)))
         with np.errstate(all="ignore"):  # a constant out of the domain is reported with its place
             return as_array(ufunc(*arguments))
 
@@ -107,9 +114,12 @@ def _shape(a: Array) -> str:
     return f"[{', '.join(map(str, a.shape))}]" if a.ndim else "a scalar"
 
 
+_times = each(operator.mul, 2)
+
+
 def _product(a: Array, b: Array) -> Array:
     if a.ndim == 0 or b.ndim == 0:
-        return as_array(a * b)
+        return _times(a, b)
     require(
         a.ndim <= 2 and b.ndim <= 2 and a.shape[-1] == b.shape[0],
         f"{_shape(a)} * {_shape(b)}: the factors are vectors or matrices with equal inner sizes (10.6.4)",
@@ -119,20 +129,23 @@ def _product(a: Array, b: Array) -> Array:
 
 
 def _same_shapes(function: Callable[[SX, SX], SX]) -> Callable[[Array, Array], Array]:
+    elementwise = each(function, 2)
+
     def apply(a: Array, b: Array) -> Array:
-        require(a.shape == b.shape, f"{_shape(a)} and {_shape(b)}: the sizes of both sides must be equal (10.6)")
-        return each(function, 2)(a, b)
+        if a.shape != b.shape:
+            raise ShapeError(f"{_shape(a)} and {_shape(b)}: the sizes of both sides must be equal (10.6)")
+        return elementwise(a, b)
 
     return apply
 
 
 def _elementwise(function: Callable[[SX, SX], SX]) -> Callable[[Array, Array], Array]:
+    elementwise = each(function, 2)
+
     def apply(a: Array, b: Array) -> Array:
-        require(
-            a.shape == b.shape or a.ndim == 0 or b.ndim == 0,
-            f"{_shape(a)} and {_shape(b)}: the sizes must be equal, or one side a scalar (10.6)",
-        )
-        return each(function, 2)(a, b)
+        if a.shape != b.shape and a.ndim and b.ndim:
+            raise ShapeError(f"{_shape(a)} and {_shape(b)}: the sizes must be equal, or one side a scalar (10.6)")
+        return elementwise(a, b)
 
     return apply
 
@@ -151,7 +164,7 @@ def _whole_power(a: Array, exponent: Array) -> Array:
         f"{_shape(a)} ^ {_shape(exponent)}: the base must be a square matrix and the exponent a scalar (10.6.7)",
     )
     n = count(exponent)
-    out, square = _identity(array([SX(a.shape[0])])), a
+    out, square = _identity(scalar(SX(a.shape[0]))), a
     while n:
         if n % 2:
             out = _product(out, square)
@@ -204,11 +217,13 @@ ELEMENTWISE: dict[str, Callable[..., Array]] = {name: each(getattr(ca, name)) fo
 
 
 def _fold(pair: Callable[[SX, SX], SX], neutral: float) -> Callable[..., Array]:
+    elementwise = _elementwise(pair)
+
     def fold(*arguments: Array) -> Array:
         if len(arguments) == 2:
-            return _elementwise(pair)(*arguments)
+            return elementwise(*arguments)
         elements = list(arguments[0].flat)
-        return array([reduce(pair, elements) if elements else SX(neutral)])
+        return scalar(reduce(pair, elements) if elements else SX(neutral))
 
     return fold
 
@@ -281,7 +296,7 @@ def _size(a: Array, axis: Array | None = None) -> Array:
         return array([SX(n) for n in a.shape], (a.ndim,))
     k = count(axis)
     require(1 <= k <= a.ndim, f"size(A, {k}): A has {a.ndim} dimensions (10.3.1)")
-    return array([SX(a.shape[k - 1])])
+    return scalar(SX(a.shape[k - 1]))
 
 
 def _concatenate(parts: Sequence[Array], axis: int) -> Array:
@@ -302,8 +317,8 @@ def _matrix_cat(axis: int) -> Callable[..., Array]:
 SHAPED: dict[str, Callable[..., Array]] = {
     "min": _fold(ca.fmin, sys.float_info.max),  # Modelica Language Specification 3.6, section 10.3.4
     "max": _fold(ca.fmax, -sys.float_info.max),
-    "sum": lambda a: array([reduce(operator.add, a.flat, SX(0))]),
-    "product": lambda a: array([reduce(operator.mul, a.flat, SX(1))]),
+    "sum": lambda a: scalar(reduce(operator.add, a.flat, SX(0))),
+    "product": lambda a: scalar(reduce(operator.mul, a.flat, SX(1))),
     "zeros": lambda *sizes: _fill(SX(0), *sizes),
     "ones": lambda *sizes: _fill(SX(1), *sizes),
     "fill": lambda value, *sizes: _fill(value.item(), *sizes),
@@ -321,7 +336,7 @@ SHAPED: dict[str, Callable[..., Array]] = {
     "scalar": _scalar,
     "vector": _vector,
     "matrix": _matrix,
-    "ndims": lambda a: array([SX(a.ndim)]),
+    "ndims": lambda a: scalar(SX(a.ndim)),
     "size": _size,
 }
 
@@ -524,21 +539,19 @@ def extended(operation: str, operands: tuple[Array, ...]) -> tuple[Array, ...]:
     return (each(move)(operands[0]), *operands[1:])
 
 
-def requirements(operation: str, operands: tuple[Array, ...], text: str, where: str) -> list[Requirement]:
+def requirements(operation: str, operands: tuple[Array, ...]) -> list[Rule]:
     """Return the requirements of an operation on arrays that does not always fulfil them by its form.
 
     Args:
         operation: Name in the DAE, one of `PARTIAL`.
         operands: Operands, elementwise or scalars that apply to each element.
-        text: Modelica text of the operation.
-        where: File and line.
     """
     rule, _, _ = _RULES[operation]
     if rule is _divisor:
         operands = operands[1:]
-    found: list[Requirement] = []
+    found: list[Rule] = []
     for elements in np.broadcast(*operands):
         holds, words, value = rule(*(as_sx(element) for element in elements))
         if not (is_number(holds) and float(holds)):
-            found.append(Requirement(as_sx(holds), f"{text}: {words}, but it is ", value, where))
+            found.append((holds, words, value))
     return found

@@ -75,12 +75,14 @@ def in_parts(
 _PLAIN = frozenset(string.ascii_letters + string.digits + string.punctuation + " ") - frozenset('"\\?')
 """Characters that need no escape in a C string literal; `??` begins a trigraph."""
 
+# Always three digits, so that a digit that follows in the text is not read as part of the escape.
+_ESCAPES = {octet: f"\\{octet:03o}" for octet in range(256) if chr(octet) not in _PLAIN}
+
 
 def string_literal(text: str) -> str:
     """Return a C string literal of a text in UTF-8; NUL, which would end the string, becomes U+FFFD."""
     octets = text.replace("\0", "\ufffd").encode(errors="replace")
-    # Always three digits, so that a digit that follows in the text is not read as part of the escape.
-    return '"' + "".join(c if (c := chr(octet)) in _PLAIN else f"\\{octet:03o}" for octet in octets) + '"'
+    return f'"{octets.decode("latin-1").translate(_ESCAPES)}"'
 
 
 LONGEST = 150

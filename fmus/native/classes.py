@@ -141,6 +141,7 @@ class Tree:
     content: Node
     sources: Sources
     _elements: dict[str, dict[str, Element]] = field(default_factory=dict[str, dict[str, Element]])
+    _bases: dict[str, list[Class]] = field(default_factory=dict[str, list[Class]])
 
     @cached_property
     def roots(self) -> dict[str, Class]:
@@ -180,6 +181,11 @@ class Tree:
 
     def bases(self, class_: Class) -> list[Class]:
         """Return the classes that a class extends, directly or not."""
+        if class_.name not in self._bases:
+            self._bases[class_.name] = self._find_bases(class_)
+        return self._bases[class_.name]
+
+    def _find_bases(self, class_: Class) -> list[Class]:
         found: dict[str, Class] = {}
         pending = [class_]
         while pending:
@@ -395,14 +401,19 @@ def read_tree(model: Any, class_name: str, sources: Sources) -> Tree:
         TranslationError: A quoted name contains a quotation mark.
     """
     text: str = model.codegen(str(DECLARATIONS)).files[0].content
-    # minijinja writes `none` outside of texts, and an escape of Rust within.
-    text = re.sub(r'"(?:[^"\\]|\\.)*"|\bnone\b', lambda m: "null" if m[0] == "none" else m[0], text)
-    text = re.sub(r"\\u\{([0-9a-f]+)\}", lambda m: f"\\u{int(m[1], 16):04x}", text)
     try:
-        return Tree(json.loads(text, strict=False), sources)
+        return Tree(json.loads(_as_json(text), strict=False), sources)
     except json.JSONDecodeError as error:
         # rumoca does not escape quoted names, so a quotation mark in a name ends the string.
         raise TranslationError(f"{class_name}: a quoted name with a quotation mark in it is not translated.") from error
+
+
+def _as_json(text: str) -> str:
+    # minijinja writes `none` outside of strings, and escapes as Rust within, so that no control character remains.
+    parts = text.replace("\\\\", "\0").replace('\\"', "\1").split('"')
+    parts[::2] = "\2".join(parts[::2]).replace("none", "null").split("\2")
+    text = '"'.join(parts).replace("\1", '\\"')
+    return re.sub(r"\\u\{([0-9a-f]+)\}", lambda m: f"\\u{int(m[1], 16):04x}", text).replace("\0", "\\\\")
 
 
 def locate(node: Node, sentence: str, sources: Sources) -> str:
@@ -502,16 +513,17 @@ def prefix(value: "str | Node") -> str:
 
 
 def walk(tree: Any) -> Iterator[tuple[Node, frozenset[str]]]:
-    """Yield all nodes of a tree, outer ones first, each with the iteration variables around it."""
+    """Yield all nodes of a tree but places, outer ones first, each with the iteration variables around it."""
     stack: list[tuple[Any, frozenset[str]]] = [(tree, frozenset())]
     while stack:
         node, bound = stack.pop()
-        inside: list[Any] = node if isinstance(node, list) else []
+        inside: Any = node
         if isinstance(node, dict):
-            bound |= {index["ident"]["text"] for index in node.get("indices", ())}
+            if "indices" in node:
+                bound |= {index["ident"]["text"] for index in node["indices"]}
             yield node, bound
-            inside = list(node.values())
-        stack += [(value, bound) for value in reversed(inside) if isinstance(value, list | dict)]
+            inside = [value for key, value in node.items() if key not in ("span", "location")]
+        stack += [(value, bound) for value in reversed(inside) if isinstance(value, (list, dict))]
 
 
 def without_places(tree: Any) -> Any:

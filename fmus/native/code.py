@@ -149,6 +149,8 @@ def _may_return(indicators: SX, derivative: SX, time: SX) -> bool:
     # what their derivatives contain as well is resolved.
     if ca.depends_on(indicators, time):
         return True
+    if not _count_returning(indicators):  # this is most often so, and of all three expressions takes least time
+        return False
     return _count_returning(ca.vertcat(indicators, derivative)) > _count_returning(derivative)
 
 
@@ -299,7 +301,7 @@ def _text_tables(system: System, groups: Mapping[str, list[Scalar]]) -> list[str
 
 def nominal(s: Scalar) -> float:
     """Return the nominal value of a variable, 1 if the model does not declare it."""
-    return abs(s.bound("nominal") or 1.0)
+    return abs(s.bounds.get("nominal") or 1.0)
 
 
 def _model_functions(system: System, every: Iterable[ca.Function], units: dict[str, str]) -> str:

@@ -63,11 +63,14 @@ def find_relations(dae: Dae, evaluate: ExpressionBuilder, with_numbers: Callable
     listed = {r["expression"] for r in conditions["relations"]}
     sites += [({}, i, {}) for i in _relations_of_time(dae) if i not in listed]
     place: dict[Site, SX] = {}
+    of_symbols: dict[tuple[str, ...], list[int]] = {}  # equal relations have equal symbols
     for root, expression, binding in sites:
         (live,) = with_numbers([evaluate.live(expression, binding).item()])
-        number = next((k for k, other in enumerate(out.live) if ca.is_equal(other, live, _DEPTH)), None)
+        similar = of_symbols.setdefault(tuple(sorted(s.name() for s in ca.symvar(live))), [])
+        number = next((k for k in similar if ca.is_equal(out.live[k], live, _DEPTH)), None)
         if number is None:
             number = len(out.live)
+            similar.append(number)
             operation = dae.expressions[expression]["operation"]
             sign = SIGN.get(operation.get("operator", ""))
             indicator = live - 0.5  # of a relation that is not an inequality
@@ -96,7 +99,7 @@ def _steps(dae: Dae, expression: int) -> int | None:
     left = dae.expressions[node["operation"]["lhs"]] if node["operation"].get("operator") == "greater_equal" else node
     if left["operation"].get("builtin") != "sin":
         return None
-    product = dae.expressions[left["operation"]["arguments"][0]]
+    product = dae.expressions[left["operation"]["operands"][0]]
     span = node["provenance"]["span"]
     here = dae.by_span[span["source"], span["start"], span["end"]]
     is_step = left in here and product in here and any(n["operation"].get("builtin") in STEPS for n in here)
@@ -115,7 +118,7 @@ def _relations_of_time(dae: Dae) -> list[int]:
             for n in dae.by_span.get((span["source"], span["start"], span["end"]), [])
             if n["operation"]["kind"] == "binary" and n["operation"]["operator"] in SIGN
         ]
-        if not nodes or any(n["binder_domain"] is not None for n in nodes):
+        if not nodes or any(n["domains"] for n in nodes):
             raise dae.refuse(
                 f"a time event of this form is not supported: {dae.text(event['provenance'])}", event["provenance"]
             )

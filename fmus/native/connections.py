@@ -8,6 +8,9 @@ from typing import Any
 
 from railgrip.fmus.native.classes import Class, Element, Node, Tree, path_of, prefix, walk
 
+_Places = dict[str, list[tuple[Node, list[Node], int]]]
+"""Simple name of a component → flat variables, the parts of their names, and its place among these."""
+
 
 def findings(tree: Tree, flat: Mapping[str, Node]) -> Iterator[str]:
     """Yield a sentence with file and line for each connect equation that is misread or forbidden.
@@ -16,12 +19,23 @@ def findings(tree: Tree, flat: Mapping[str, Node]) -> Iterator[str]:
         tree: Declarations of the class and of those that it uses.
         flat: Variables of the flat class by name; empty if it could not be flattened.
     """
+    places = _places(flat)
     for class_ in tree.every:
         equations: list[Node] = [node["Connect"] for node, _ in walk(class_.content) if "Connect" in node]
         for equation in equations:
             yield from _forms(tree, class_, equation)
-            yield from _sizes(tree, class_, equation, flat)
+            yield from _sizes(tree, class_, equation, places)
         yield from _sources(tree, class_, equations)
+
+
+def _places(flat: Mapping[str, Node]) -> _Places:
+    # So that not the names of all variables are searched for each reference.
+    found: _Places = {}
+    for variable in flat.values():
+        parts: list[Node] = (variable.get("component_ref") or {}).get("parts") or []
+        for place, part in enumerate(parts):
+            found.setdefault(part["ident"], []).append((variable, parts, place))
+    return found
 
 
 def _forms(tree: Tree, class_: Class, equation: Node) -> Iterator[str]:
@@ -35,7 +49,7 @@ def _forms(tree: Tree, class_: Class, equation: Node) -> Iterator[str]:
             )
 
 
-def _sizes(tree: Tree, class_: Class, equation: Node, flat: Mapping[str, Node]) -> Iterator[str]:
+def _sizes(tree: Tree, class_: Class, equation: Node, places: _Places) -> Iterator[str]:
     # rumoca connects the first elements of two arrays of different sizes and leaves the others open.
     sides = [equation["lhs"], equation["rhs"]]
     paths = [tree.component_path(class_, side) for side in sides]
@@ -43,7 +57,7 @@ def _sizes(tree: Tree, class_: Class, equation: Node, flat: Mapping[str, Node]) 
         return
     if not any(element.rank for path in paths for element in path):
         return
-    counts = [_count(tree, class_, side, flat) for side in sides]
+    counts = [_count(tree, class_, side, places) for side in sides]
     for prefix_ in counts[0].keys() & counts[1].keys():
         shapes = [counts[i][prefix_] for i in (0, 1)]
         if shapes[0] != shapes[1]:
@@ -56,31 +70,28 @@ def _sizes(tree: Tree, class_: Class, equation: Node, flat: Mapping[str, Node]) 
 
 
 def _count(
-    tree: Tree, class_: Class, reference: Node, flat: Mapping[str, Node]
+    tree: Tree, class_: Class, reference: Node, places: _Places
 ) -> dict[tuple[tuple[str, str], ...], tuple[int, ...]]:
     # Instance of the class → sizes of the array of connectors in it: the largest subscripts of its variables.
     names = [part["ident"]["text"] for part in reference["parts"]]
     family = {class_.name, *(b.name for b in tree.bases(class_))}
     family |= {c.name for c in tree.every if class_ in tree.bases(c)}
     found: dict[tuple[tuple[str, str], ...], tuple[int, ...]] = {}
-    for variable in flat.values():
-        parts = (variable.get("component_ref") or {}).get("parts") or []
-        texts = [part["ident"] for part in parts]
-        for start in range(len(parts) - len(names) + 1):
-            if texts[start : start + len(names)] != names:
-                continue
-            owner = tree.component_of_id.get(parts[start]["def_id"])
-            if owner is None or owner[0].name not in family:
-                continue
-            selected = parts[start : start + len(names)]
-            subscripts = [_subscript(s) for part in selected for s in part["subs"]]
-            if None in subscripts:
-                continue
-            at_end = start + len(names) == len(parts)
-            sizes = (*(s or 0 for s in subscripts), *(variable["dims"] if at_end else ()))
-            key = tuple((p["ident"], str([_subscript(s) for s in p["subs"]])) for p in parts[:start])
-            before = found.get(key, sizes)
-            found[key] = tuple(map(max, before, sizes)) if len(before) == len(sizes) else sizes
+    for variable, parts, start in places.get(names[0], []):
+        selected = parts[start : start + len(names)]
+        if [part["ident"] for part in selected] != names:
+            continue
+        owner = tree.component_of_id.get(parts[start]["def_id"])
+        if owner is None or owner[0].name not in family:
+            continue
+        subscripts = [_subscript(s) for part in selected for s in part["subs"]]
+        if None in subscripts:
+            continue
+        at_end = start + len(names) == len(parts)
+        sizes = (*(s or 0 for s in subscripts), *(variable["dims"] if at_end else ()))
+        key = tuple((p["ident"], str([_subscript(s) for s in p["subs"]])) for p in parts[:start])
+        before = found.get(key, sizes)
+        found[key] = tuple(map(max, before, sizes)) if len(before) == len(sizes) else sizes
     return found
 
 

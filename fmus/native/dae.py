@@ -7,7 +7,7 @@ import threading
 from codecs import BOM_UTF8
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
 from pathlib import Path
@@ -39,14 +39,12 @@ from railgrip.fmus.native.library import (
 )
 from railgrip.fmus.native.names import Call
 from railgrip.fmus.native.rewriting import rewrite
+from railgrip.fmus.native.stored_dae import VERSION, convert
 
-FRONT = Path(__file__).parent / "front"
 _CACHE_OF_RUMOCA = "XDG_CACHE_HOME"
 """Environment variable in which rumoca finds the folder of its cache, on every platform."""
 
 _SECTION = re.compile(r"\b(initial\s+)?(?:equation|algorithm)\b")
-
-SCHEMA = ("rumoca.checked-dae-template", 6)
 
 Binding = Mapping[tuple[int, int], int]
 """Values of loop variables: (domain, ordinal of the binder) → value."""
@@ -58,7 +56,7 @@ class Dae:
 
     Attributes:
         class_name: Full Modelica name.
-        content: rumoca's checked DAE template, schema `SCHEMA`.
+        content: rumoca's checked DAE, see `stored_dae`.
         protected: Names of the variables that are protected, or are in a protected component.
         sources: Source id to (file name, text); spans are byte offsets into the text.
     """
@@ -67,6 +65,7 @@ class Dae:
     content: Node
     protected: frozenset[str]
     sources: Mapping[int, tuple[str, bytes]]
+    _initial: dict[tuple[int, int], bool] = field(default_factory=dict[tuple[int, int], bool])
 
     @property
     def expressions(self) -> list[Node]:
@@ -97,18 +96,20 @@ class Dae:
 
     def shape(self, value_type: int) -> tuple[int, ...]:
         """Return the dimensions of a value type."""
-        return tuple(self.content["value_types"][value_type]["value_type"]["dimensions"])
+        return tuple(self.content["value_types"][value_type]["dimensions"])
 
     def extents(self, domain: int) -> tuple[int, ...]:
         """Return the sizes of an iteration domain."""
-        return tuple(self.content["domains"][domain]["extents"])
+        return tuple(map(len, self._ranges(domain)))
 
     def iterate(self, domain: int) -> Iterator[dict[tuple[int, int], int]]:
         """Yield the loop variables of every point of an iteration domain, last index fastest."""
-        binders = self.content["domains"][domain]["domain"]["binders"]
-        ranges = [range(b["lower"], b["upper"] + (1 if b["step"] > 0 else -1), b["step"]) for b in binders]
-        for point in product(*ranges):
+        for point in product(*self._ranges(domain)):
             yield {(domain, ordinal): value for ordinal, value in enumerate(point)}
+
+    def _ranges(self, domain: int) -> list[range]:
+        binders = self.content["domains"][domain]["domain"]["binders"]
+        return [range(b["lower"], b["upper"] + (1 if b["step"] > 0 else -1), b["step"]) for b in binders]
 
     def where(self, provenance: Node | None) -> str:
         """Return `file.mo:line` of a node's provenance."""
@@ -147,13 +148,20 @@ class Dae:
         span = provenance.get("span")
         if not span or span["source"] not in self.sources:
             return False
-        _, text = self.sources[span["source"]]
-        keywords = _SECTION.findall(code_of(text[: span["start"]].decode(errors="replace")))
-        return bool(keywords) and bool(keywords[-1])
+        place = span["source"], span["start"]
+        if place not in self._initial:  # a class has many instances, and their assertions the same place
+            _, text = self.sources[span["source"]]
+            keywords = _SECTION.findall(code_of(text[: span["start"]].decode(errors="replace")))
+            self._initial[place] = bool(keywords) and bool(keywords[-1])
+        return self._initial[place]
 
     def is_read(self, variable: int) -> bool:
         """Return whether an expression refers to a variable."""
-        return any(node["operation"].get("coordinate", {}).get("id") == variable for node in self.expressions)
+        return variable in self._read
+
+    @cached_property
+    def _read(self) -> set[int]:
+        return {node["operation"].get("coordinate", {}).get("id") for node in self.expressions}
 
     def refuse(self, construct: str, provenance: Node | None) -> TranslationError:
         """Return the error for an unsupported construct, for the caller to raise."""
@@ -168,13 +176,18 @@ class Dae:
         # A name may start in a component of an array, where the class of the component is written once for all.
         ends = {".".join(name[-k:]) for name in names.values() for k in range(2, len(name) + 1)}
         in_arrays = {_without_subscripts(end) for end in ends if "]." in end}
+        others = set[tuple[int, int, int]]()  # places of other names; instances of a class have the same places
         for node in self.expressions:
             operation, span = node["operation"], node["provenance"].get("span")
             if operation["kind"] not in ("coordinate", "literal") or not span or span["source"] not in self.sources:
                 continue
+            place = span["source"], span["start"], span["end"]
+            if place in others:
+                continue
             _, text = self.sources[span["source"]]
             written = text[span["start"] : span["end"]].decode(errors="replace")
             if _without_subscripts(written) not in in_arrays:
+                others.add(place)
                 continue
             name = names.get(operation.get("coordinate", {}).get("id"), [])
             end = ".".join(name[-len(_without_subscripts(written).split(".")) :])
@@ -282,9 +295,8 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool, 
                 model = _session(path.parent, further).load(str(path), model=class_name)
             else:
                 model = _new_session(further).loads(read_text(path), model=class_name, filename=alias)
-            template = model.codegen(str(FRONT)).files[0].content
+            stored = json.loads(model.to_json("dae", pretty=False))
             flat = _first_object(model.to_json("flat", pretty=False), "variables")
-            sources = _sources(model, path, alias, further)
     except BaseException as error:
         is_panic = type(error).__name__ == "PanicException"  # of rumoca, no Exception, and nowhere to import from
         if not is_panic and not isinstance(error, rumoca.RumocaError | RuntimeError):
@@ -294,8 +306,7 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool, 
         if is_panic:
             sentences = limits(str(error), path, class_name) or [_describe_panic(str(error), path, class_name)]
             raise TranslationError("\n".join(sentences)) from error
-        # `codegen` raises RuntimeError, and its message begins with the name of the template.
-        message = str(error).replace(alias, str(path)).rpartition("_dae.json': ")[2]
+        message = str(error).replace(alias, str(path))
         message = message if further is None else message.replace(f"{further}{os.sep}", "")
         if nested := nested_arrays(message, path, class_name):
             raise TranslationError("\n".join(nested)) from error
@@ -307,13 +318,12 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool, 
         hints = "".join(f"\n  {place}" for place in places(message, path, class_name))
         where = path if further is None else short(path, path, further)
         raise InputError(f"{class_name} does not compile ({where}): {message}{hints}") from error
-    content = _parse_template(template)
-    schema = (content["schema"]["name"], content["schema"]["version"])
-    if schema != SCHEMA:
+    if stored["schema_version"] != VERSION:
         raise InputError(
-            f"rumoca {rumoca.version()} writes the DAE as {schema}, this compiler reads {SCHEMA}; "
-            "install the version pinned in pyproject.toml."
+            f"rumoca {rumoca.version()} writes version {stored['schema_version']} of the DAE, this compiler reads "
+            f"{VERSION}; install the version of rumoca that is pinned in pyproject.toml."
         )
+    content, sources = convert(stored["storage"]), _sources(stored, path, alias, further)
     tree = read_tree(model, class_name, sources)
     protected = frozenset(name for name, variable in flat.items() if variable["is_protected"])
     dae = Dae(class_name=class_name, content=content, protected=protected, sources=sources)
@@ -342,11 +352,10 @@ def _describe_panic(message: str, path: Path, class_name: str) -> str:
     return f"{where}: {class_name}: rumoca, the front end, fails on this class: {detail[1] if detail else message}"
 
 
-def _sources(model: rumoca.Model, path: Path, alias: str, further: Path | None) -> Sources:
-    files = _first_object(model.to_json("dae", pretty=False), "source_map")["files"]
+def _sources(stored: Node, path: Path, alias: str, further: Path | None) -> Sources:
     return {
         number: (short(path if name == alias else Path(name), path, further), text.encode())
-        for number, name, text in files
+        for number, name, text in stored["source_map"]["files"]
     }
 
 
@@ -362,7 +371,8 @@ def _diagnosis(class_name: str, path: Path, alias: str, further: Path | None) ->
             else:
                 session, text = _new_session(further), read_text(path) + importing
             model = session.loads(text, model=name, filename=alias)
-            tree = read_tree(model, class_name, _sources(model, path, alias, further))
+            stored = json.loads(model.to_json("dae", pretty=False))
+            tree = read_tree(model, class_name, _sources(stored, path, alias, further))
     except (rumoca.RumocaError, RuntimeError) as error:
         message = str(error).replace(alias, str(path)).replace(name, class_name)
         if "unresolved import" in message:
@@ -392,15 +402,6 @@ def _environment_of_rumoca() -> Generator[None]:
                     os.putenv(name, os.environ[name])
                 else:
                     os.unsetenv(name)
-
-
-def _parse_template(template: str) -> Node:
-    try:
-        return json.loads(template, strict=False)  # a text may contain a tab or any other control character
-    except json.JSONDecodeError:
-        # JSON lacks these four of Modelica's escapes; the others are the same.
-        others = {"a": r"\u0007", "v": r"\u000b", "?": "?", "'": "'"}
-        return json.loads(re.sub(r"\\(.)", lambda m: others.get(m[1], m[0]), template), strict=False)
 
 
 def _first_object(text: str, key: str) -> Node:
@@ -479,13 +480,13 @@ def connect_outer(content: Node, outer: Names) -> list[str]:
             continue
         expression = {
             "operation": {"kind": "coordinate", "coordinate": {"kind": other["role"], "id": other["id"]}},
-            "binder_domain": None,
+            "domains": frozenset[int](),
             "provenance": mine["declaration"],
         }
         content["expressions"].append(expression)
         number = len(content["expressions"]) - 1
         if mine["role"] in ("parameter", "constant"):
-            mine["attributes"] |= {"binding": number, "binding_values": None, "start": None, "start_values": None}
+            mine["attributes"] |= {"binding": number, "start": None}
         elif not _define(content, mine["id"], number):
             impossible.append(name)
     return impossible
@@ -494,6 +495,6 @@ def connect_outer(content: Node, outer: Names) -> list[str]:
 def _define(content: Node, variable: int, expression: int) -> bool:
     for owner in content["systems"]["discrete_values"]["owners"]:
         if owner["targets"] == [variable] and len(owner["branches"]) == 1:
-            owner["branches"][0]["values"][0]["expression"] = expression
+            owner["branches"][0]["values"][0]["value"] = expression
             return True
     return False

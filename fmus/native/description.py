@@ -117,7 +117,7 @@ def _attributes(s: Scalar) -> dict[str, str]:
     if type_ == "Boolean":
         return out
     for key, name in (("min", "minimum"), ("max", "maximum"), ("nominal", "nominal")):
-        value = s.bound(name)
+        value = s.bounds.get(name)
         if key == "nominal" and value is not None:  # FMI requires a positive one; solvers take 1 for zero
             value = abs(value) or None
         # A bound of 1e300 or more represents infinity.

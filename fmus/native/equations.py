@@ -175,9 +175,9 @@ def _variables(scalars: "Sequence[Scalar]") -> tuple[Variable, ...]:
             unit=s.attributes.get("unit") or "",
             start=s.start,
             description=s.attributes.get("description") or "",
-            minimum=s.bound("minimum"),
-            maximum=s.bound("maximum"),
-            nominal=s.bound("nominal") or 1.0,
+            minimum=s.bounds.get("minimum"),
+            maximum=s.bounds.get("maximum"),
+            nominal=s.bounds.get("nominal") or 1.0,
         )
         for s in scalars
     )

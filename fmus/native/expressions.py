@@ -3,7 +3,7 @@
 from collections.abc import Callable, Generator, Hashable, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import casadi as ca
@@ -22,6 +22,7 @@ from railgrip.fmus.native.arrays import (
     Requirement,
     array,
     as_array,
+    as_sx,
     both,
     choose,
     conditional_requirements,
@@ -31,6 +32,7 @@ from railgrip.fmus.native.arrays import (
     is_number,
     require,
     requirements,
+    scalar,
 )
 from railgrip.fmus.native.dae import Binding, Dae, Node
 
@@ -105,6 +107,8 @@ class ExpressionBuilder:
         """Start without memory symbols: every relation has its present value."""
         self.dae, self.symbols, self.time = dae, symbols, time
         self.relations: dict[Site, SX] = {}
+        self._memory = set[str]()  # the names of their symbols
+        self._remembered = set[int]()  # the ids of their expressions
         self.conditions: Any = None
         self.required = {when: Evaluation() for when in ("running", "watched", "start", "event")}
         self._top = Frame()
@@ -175,6 +179,7 @@ class ExpressionBuilder:
     def remember(self, relations: dict[Site, SX]) -> None:
         """Replace these occurrences of relations by their memory symbols from now on."""
         self.relations = relations
+        self._memory, self._remembered = {s.name() for s in relations.values()}, {number for number, _ in relations}
         self._top = Frame()
 
     def __call__(self, expression: int, binding: Binding | None = None) -> Array:
@@ -188,14 +193,18 @@ class ExpressionBuilder:
     def _value(self, expression: int, frame: Frame) -> Array:
         # An expression without loop variables has the same value at all points, unless its relations have a memory for
         # each point.
-        if frame.function is None and not self.relations and self.dae.expressions[expression]["binder_domain"] is None:
+        node = self.dae.expressions[expression]
+        if node["operation"]["kind"] == "literal" and expression not in self._remembered:  # a third of all expressions
+            return self._literal(node["operation"], node, frame)
+        if frame.function is None and not self.relations and not node["domains"]:
             frame = self._top
         return self._once(frame.memo, expression, lambda: self._new_value(expression, frame))
 
     def _new_value(self, expression: int, frame: Frame) -> Array:
-        memory = self.relations.get(site(expression, frame.binding)) if frame.function is None else None
+        is_relation = expression in self._remembered and frame.function is None
+        memory = self.relations.get(site(expression, frame.binding)) if is_relation else None
         value = self._compute(expression, frame)  # for its requirements, even if its value is the memory
-        return value if memory is None else array([memory])
+        return value if memory is None else scalar(memory)
 
     def _compute(self, expression: int, frame: Frame) -> Array:
         # A node of kind K is evaluated by the method _K(operation, node, frame).
@@ -212,9 +221,12 @@ class ExpressionBuilder:
             raise self._refusal("this form of an expression", node) from error
 
     def _require(self, name: str, operands: tuple[Array, ...], node: Node) -> None:
-        if name in PARTIAL:
-            place = node["provenance"]
-            self._user.requirements += requirements(name, operands, self.dae.text(place), self.dae.where(place))
+        if name in PARTIAL and (unfulfilled := requirements(name, operands)):
+            text, where = self.dae.text(node["provenance"]), self.dae.where(node["provenance"])
+            self._user.requirements += [
+                Requirement(as_sx(holds), f"{text}: {rule}, but it is ", found, where)
+                for holds, rule, found in unfulfilled
+            ]
 
     def _refusal(self, construct: str, node: Node) -> Exception:
         text = self.dae.text(node["provenance"])
@@ -224,21 +236,21 @@ class ExpressionBuilder:
         ((kind, value),) = operation["value"].items()
         if kind == "string":
             raise self._refusal("a String in an equation", node)
-        if value not in self._numbers:  # a third of all expressions, of which few differ
-            self._numbers[value] = array([SX(float(value))])
+        if value not in self._numbers:  # few differ
+            self._numbers[value] = scalar(SX(float(value)))
         return self._numbers[value]
 
     def _coordinate(self, operation: Node, node: Node, frame: Frame) -> Array:
         coordinate = operation["coordinate"]
         kind: str = coordinate["kind"]
         if kind == "time":
-            return array([self.time])
+            return scalar(self.time)
         if kind == "binder":
-            return array([SX(float(frame.binding[coordinate["domain"], coordinate["ordinal"]]))])
+            return scalar(SX(float(frame.binding[coordinate["domain"], coordinate["ordinal"]])))
         if kind == "function_parameter":
             return frame.arguments[coordinate["ordinal"]]
         if kind == "condition":
-            return array([self.conditions(coordinate["id"])])
+            return scalar(self.conditions(coordinate["id"]))
         store = STORE.get(kind, kind)
         if (store, coordinate.get("id")) not in self.symbols:
             raise self._refusal(f"a reference of kind {kind}", node)
@@ -253,8 +265,10 @@ class ExpressionBuilder:
             raise self._refusal(f"operator {operation['operator']}", node)
         name, left = operation["operator"], self._value(operation["lhs"], frame)
         # The second operand of `and` and `or` may be guarded by the first (3.3).
-        decided = left.item() if name in ("and", "or") and left.ndim == 0 else None
-        with self.under(ca.logic_not(decided) if name == "or" and decided is not None else decided):
+        if name in ("and", "or") and left.ndim == 0:
+            with self.under(left.item() if name == "and" else ca.logic_not(left.item())):
+                right = self._value(operation["rhs"], frame)
+        else:
             right = self._value(operation["rhs"], frame)
         value = apply(*(extended(name, (left, right)) if self._is_guarded else (left, right)))
         if not (name == "power" and left.ndim):  # the power of a matrix consists of products
@@ -287,20 +301,42 @@ class ExpressionBuilder:
         return out
 
     def _keeps_value(self, condition: SX) -> bool:
-        memory = {s.name() for s in self.relations.values()}
-        return bool(memory) and any(s.name() in memory for s in ca.symvar(condition))
+        return bool(self._memory) and any(s.name() in self._memory for s in ca.symvar(condition))
 
     def _array(self, operation: Node, node: Node, frame: Frame) -> Array:
-        elements = [self._value(element, frame) for element in operation["elements"]]
+        elements = [self._value(element, frame) for element in operation["operands"]]
         require(len({e.shape for e in elements}) == 1, "the elements of an array have equal sizes (10.4)")
         return np.stack(elements).astype(object)
 
     def _range(self, operation: Node, node: Node, frame: Frame) -> Array:
         first, step, last = (
-            operation[k]["value"] if operation.get(k) else 1 for k in ("start", "explicit_step", "stop")
+            1 if operation[f"{k}_expression"] is None else self._whole_number(operation[f"{k}_expression"], frame, node)
+            for k in ("start", "explicit_step", "stop")
         )
         values = range(first, last + (1 if step > 0 else -1), step)
         return array([SX(float(value)) for value in values], (len(values),))
+
+    def _whole_number(self, expression: int, frame: Frame, node: Node) -> int:
+        value = self._value(expression, frame).item()
+        while not is_number(value):  # of a parameter, before `know` replaces it by its value
+            symbols = ca.symvar(value)
+            if any(s.name() not in self._bindings for s in symbols):
+                raise self._refusal("a range that is only known at run time", node)
+            bindings = [self._bindings[s.name()] for s in symbols]
+            numbers = [SX(self(binding).flat[place]) for binding, place in bindings]
+            value = ca.substitute(value, ca.vertcat(*symbols), ca.vertcat(*numbers))
+        require(float(value).is_integer(), f"a range has whole numbers, got {float(value):g}")
+        return integer(value)
+
+    @cached_property
+    def _bindings(self) -> dict[str, tuple[int, int]]:
+        # Name of a scalar parameter → expression of its binding and place in that.
+        return {
+            name: (v["attributes"]["binding"], place)
+            for v in self.dae.variables
+            if v["role"] in ("parameter", "constant") and v["attributes"]["binding"] is not None
+            for place, name in enumerate(v["scalar_names"])
+        }
 
     def _comprehension(self, operation: Node, node: Node, frame: Frame) -> Array:
         points = list(self.dae.iterate(operation["domain"]))
@@ -384,7 +420,7 @@ class ExpressionBuilder:
         apply = ELEMENTWISE.get(name) or SHAPED.get(name)
         if apply is None:
             raise self._refusal(f"built-in operator {name}", node)
-        arguments = tuple(self._value(argument, frame) for argument in operation["arguments"])
+        arguments = tuple(self._value(argument, frame) for argument in operation["operands"])
         self._require(name, arguments, node)
         return apply(*(extended(name, arguments) if self._is_guarded else arguments))
 
@@ -404,13 +440,13 @@ class ExpressionBuilder:
                     f"an assert inside function {function['name']} is not supported; assert in the model that calls it",
                     statement["provenance"],
                 )
-        key = ("call", operation["function"], tuple(operation["arguments"]))
+        key = ("call", operation["function"], tuple(operation["operands"]))
         if key not in frame.memo:
             if function["name"] in self._calls:
                 raise self._refusal(f"the recursive function {function['name']}", node)
             frame.memo[key] = Frame(function=function, arguments=[])
         inside = frame.memo[key]
-        inside.arguments = [self._value(argument, frame) for argument in operation["arguments"]]
+        inside.arguments = [self._value(argument, frame) for argument in operation["operands"]]
         self._calls.append(function["name"])
         try:
             return self._definition(function["results"][operation["output"]], inside)
@@ -424,15 +460,12 @@ class ExpressionBuilder:
         is_builtin = external["language"] == "builtin" and external["symbol"] in _BUILTIN_IN_LIBRARIES
         if not is_builtin or None in expressions or external["result"] != 0:
             raise self._refusal(f"external function {function['name']}", node)
-        values = [self._value(argument, frame) for argument in operation["arguments"]]
-        call = {"builtin": external["symbol"], "arguments": expressions}
+        values = [self._value(argument, frame) for argument in operation["operands"]]
+        call = {"builtin": external["symbol"], "operands": expressions}
         return self._builtin(call, node, Frame(function=function, arguments=values))
 
     def _function_value(self, operation: Node, node: Node, frame: Frame) -> Array:
-        return self._definition(operation["definition"], frame)
-
-    _function_fold_parameter = _function_value
-    _function_fold_output = _function_value
+        return self._definition(operation["definition_ordinal"], frame)
 
     def _definition(self, number: int, frame: Frame) -> Array:
         self._define(number, frame)

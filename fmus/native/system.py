@@ -153,7 +153,8 @@ def explicit(dae: Dae) -> System:
     evaluate.conditions = conditions.level
 
     equations = _with_numbers(v, _equations(dae, evaluate, "continuous"))
-    for equation in equations:
+    # First of all equations together, because each call has a fixed cost.
+    for equation in equations if ca.depends_on(column([e.residual for e in equations]), column(ticks)) else ():
         if ca.depends_on(equation.residual, column(ticks)):
             raise TranslationError(
                 f"{equation.where}: {dae.class_name}: initial() and sample() are supported in when clauses only; "
@@ -429,7 +430,7 @@ def _split_states(
         states.append(
             Scalar(
                 name=symbol.name(), kind="state", type="real", causality="local", symbol=symbol,
-                attributes={"unit": None, "description": None}, position=0, provenance={}, protected=False,
+                attributes={"unit": None, "description": None}, provenance={}, protected=False,
             )
         )  # fmt: skip
     former = [s for s in v.states if s.name in former_states]
@@ -563,7 +564,7 @@ def _event_equations(
         for branch in owner["branches"]:
             active, where = conditions.active(branch["activation"]), dae.where(branch["provenance"])
             for target, value in zip(owner["targets"], branch["values"], strict=True):
-                elements = _at_event(evaluate, value["expression"], active)
+                elements = _at_event(evaluate, value["value"], active)
                 for scalar, element in zip(v.of_id[target], elements.flat, strict=True):
                     branches.setdefault(slot[scalar.name], []).append((active, SX(element), where))
     equations: list[Equation] = []

@@ -1,8 +1,9 @@
 """The scalar variables of a flat class: symbols, start values, and the parameters that may be set."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from graphlib import TopologicalSorter
+from math import isfinite
 
 import casadi as ca
 import numpy as np
@@ -23,8 +24,8 @@ class Scalar:
         kind: parameter, constant, input, state, algebraic or discrete.
         type: real, integer, boolean or enumeration.
         attributes: Attributes of the whole declared variable, which may be an array.
-        position: Index among the elements of that array, row by row.
         start: Value before initialisation, with every parameter at its default.
+        bounds: Attribute minimum, maximum or nominal → its value, with every parameter at its default.
         expression: Symbolic binding (parameters) or start (others), or None.
         fixed: Whether the start value is an initial condition.
         protected: Whether it is hidden from users of the class.
@@ -36,25 +37,23 @@ class Scalar:
     causality: str
     symbol: SX
     attributes: Node
-    position: int
     provenance: Node
     protected: bool
     start: float = 0.0
     expression: SX | None = None
     fixed: bool = False
+    bounds: dict[str, float] = field(default_factory=dict[str, float])
 
     @property
     def binding(self) -> SX:
         """Symbolic binding or start, a number if none is declared."""
         return SX(self.start) if self.expression is None else self.expression
 
-    def bound(self, name: str) -> float | None:
-        """Return the attribute minimum, maximum or nominal if it is a number, else None."""
-        # One value, or one for each element.
-        values = self.attributes.get(f"{name}_values")
-        if not values or values[min(self.position, len(values) - 1)] is None:
-            return None
-        return float(values[min(self.position, len(values) - 1)])
+    def set_expression(self, expression: SX) -> None:
+        """Set the symbolic binding or start; a number is also the value before initialisation."""
+        self.expression = expression
+        if is_number(expression):
+            self.start = float(expression)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,7 +143,6 @@ def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Ar
                 causality="local" if protected and kind != "input" else attributes["causality"],
                 symbol=symbol,
                 attributes=attributes,
-                position=i,
                 provenance=v["declaration"],
                 protected=protected,
                 fixed=bool(fixed[i]),
@@ -168,6 +166,7 @@ def settle(
     for v in dae.variables:
         if v["value_type"]["scalar"] != "string":
             _set_start(v, of_id[v["id"]], evaluate)
+    bounds = [bound for v in dae.variables for bound in _bounds(v, of_id[v["id"]], evaluate)]
     every = [s for scalars in of_id.values() for s in scalars]
     by_kind = {kind: [s for s in every if s.kind == kind] for kind in KINDS}
 
@@ -181,7 +180,7 @@ def settle(
     if symbolic and constants[0].numel():
         bindings = ca.substitute([p.binding for p in symbolic], [constants[0]], [constants[1]])
         for p, expression in zip(symbolic, bindings, strict=True):
-            p.expression = expression
+            p.set_expression(expression)
     free = [p for p in parameters if p.expression is None or is_number(p.expression)]
     dependent = [p for p in symbolic if not is_number(p.binding)]
     dependent, dependent_values = _sort_dependent(dependent)
@@ -199,7 +198,7 @@ def settle(
         derivatives=[s for (store, _), symbols_ in symbols.items() if store == "derivative" for s in symbols_.flat],
         previous=[s for (store, _), symbols_ in symbols.items() if store == "pre" for s in symbols_.flat],
     )
-    _set_default_starts(every, out)
+    _set_default_values(dae, every, bounds, out)
     return out
 
 
@@ -212,15 +211,30 @@ def _is_structural(p: Scalar) -> bool:
 def _set_start(v: Node, scalars: list[Scalar], evaluate: ExpressionBuilder) -> None:
     a = v["attributes"]
     has_binding = a["binding"] is not None and scalars and scalars[0].kind in ("parameter", "constant", "input")
-    expression, values = (a["binding"], a["binding_values"]) if has_binding else (a["start"], a["start_values"])
+    expression = a["binding"] if has_binding else a["start"]
+    if expression is None:
+        return
+    for s, value in zip(scalars, _elements(v, evaluate(expression)), strict=True):
+        s.set_expression(value)
+
+
+_Bound = tuple[Scalar, str, SX]
+"""A variable, the name of one of its attributes, and the expression of that."""
+
+
+def _bounds(v: Node, scalars: list[Scalar], evaluate: ExpressionBuilder) -> Iterator[_Bound]:
+    if v["value_type"]["scalar"] not in ("real", "integer"):
+        return
+    for name in ("minimum", "maximum", "nominal"):
+        if v["attributes"][name] is not None:
+            with evaluate.during("never"):
+                values = _elements(v, evaluate(v["attributes"][name]))
+            yield from ((s, name, value) for s, value in zip(scalars, values, strict=True))
+
+
+def _elements(v: Node, value: Array) -> list[SX]:
     shape = tuple(v["value_type"]["dimensions"])
-    symbolic = None if expression is None else list(np.broadcast_to(evaluate(expression), shape).flat)
-    for i, s in enumerate(scalars):
-        s.expression = None if symbolic is None else as_sx(symbolic[i])
-        if s.expression is not None and is_number(s.expression):
-            s.start = float(s.expression)
-        elif values:
-            s.start = float(values[i])
+    return [as_sx(element) for element in (value if value.shape == shape else np.broadcast_to(value, shape)).flat]
 
 
 def _evaluate_structural(dae: Dae, scalars: list[Scalar]) -> list[SX]:
@@ -253,15 +267,26 @@ def _sort_dependent(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
     return order, list(values)
 
 
-def _set_default_starts(every: list[Scalar], v: ModelVariables) -> None:
+def _set_default_values(dae: Dae, every: list[Scalar], bounds: list[_Bound], v: ModelVariables) -> None:
     symbols = ca.vertcat(v.constants[0], vector(v.free), vector(v.dependent))
     free = ca.vertcat(*[SX(p.start) for p in v.free])
     dependent = ca.vertcat(*v.dependent_values)
     if v.dependent and v.free:
         dependent = ca.substitute(dependent, vector(v.free), free)
     numbers = ca.vertcat(v.constants[1], free, dependent)
-    symbolic = [s for s in every if s.expression is not None and not is_number(s.expression)]
-    values = ca.substitute([s.binding for s in symbolic], [symbols], [numbers]) if symbolic else []
-    for s, value in zip(symbolic, values, strict=True):
-        if is_number(value):
+    starts = [(s, "start", s.expression) for s in every if s.expression is not None]
+    symbolic = [value for _, _, value in (*starts, *bounds) if not is_number(value)]
+    values = iter(ca.substitute(symbolic, [symbols], [numbers]) if symbolic else [])
+    for s, name, expression in (*starts, *bounds):
+        value = expression if is_number(expression) else next(values)
+        what = f"the value of {s.name}" if name == "start" and s.kind in KINDS[:3] else f"the {name} of {s.name}"
+        if not is_number(value):
+            if s.kind == "input":
+                continue
+            raise dae.refuse(f"{what} depends on a variable that changes (4.4.4)", s.provenance)
+        if not isfinite(float(value)):
+            raise dae.refuse(f"{what} is not a finite number if every parameter has its default value", s.provenance)
+        if name == "start":
             s.start = float(value)
+        else:
+            s.bounds[name] = float(value)

@@ -10,7 +10,7 @@ from corpus.case import FOLDER, paragraphs
 
 from railgrip.base.errors import InputError, TranslationError
 from railgrip.fmus.native import lower
-from railgrip.fmus.native.dae import FRONT, read
+from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.library import LIBRARY
 from railgrip.fmus.native.system import column, explicit
 from railgrip.fmus.native.variables import vector
@@ -21,8 +21,9 @@ BASE = (FOLDER / "Strict.mo").read_text()
 CASES = [(*comment.split(": ", 1), text) for comment, text in paragraphs("strict.mo")]
 """Group, name and expectation, and text of a class X of the package with what else it needs.
 
-Invalid classes that the front end accepts are `lenient` or `illegal`, others are refused by the `front end`, valid ones
-are `unsupported` or `right`. Their expectation is the message, as a regular expression, or values of parameters.
+Invalid classes that the front end accepts are `lenient`, `illegal` or, if a value cannot be computed, `undefined`;
+others are refused by the `front end`, valid ones are `unsupported` or `right`. Their expectation is the message, as a
+regular expression, or values of parameters.
 """
 
 
@@ -49,9 +50,32 @@ def test_classes_refused_by_the_front_end_are_still_refused(tmp_path, sentence, 
     """The front end alone refuses them; the compiler then names file and line, if not in its words."""
     file = file_of(tmp_path, text)
     with pytest.raises((rumoca.RumocaError, RuntimeError), match=sentence):
-        rumoca.Session(roots=[]).loads(file.read_text(), model="P.X").codegen(str(FRONT))
+        rumoca.Session(roots=[]).loads(file.read_text(), model="P.X")
     with pytest.raises(InputError, match=r"P\.mo:\d+"):
         read("P.X", file)
+
+
+@pytest.mark.parametrize(("sentence", "text"), cases("undefined"))
+def test_values_that_are_not_finite_numbers_at_build_time_are_refused(tmp_path, sentence, text):
+    dae = read("P.X", file_of(tmp_path, text), complete=True)
+    with pytest.raises(TranslationError, match=rf"P\.mo:\d+: P\.X: .*{sentence}"):
+        explicit(dae)
+
+
+def test_bounds_and_starts_are_computed_from_defaults_of_parameters(tmp_path):
+    text = """model X
+      parameter Real p = 2; parameter Integer n = 3; parameter Real q = 2*n;
+      function f input Real u; output Real y; algorithm y := 0; for i in 1:3 loop y := y + i*u; end for; end f;
+      Real x[2](max = {p^2, sum(1:n)}, each min = -p, each nominal = f(p)) = {time, 1};
+      Real z(start = p*q, fixed = true);
+    equation
+      der(z) = -z;
+    end X;"""
+    system = explicit(read("P.X", file_of(tmp_path, text)))
+    assert [z.start for z in system.states] == [12]  # the Integer n is compiled in, so that q is a number
+    scalars = {s.name: s for s in system.algebraics}
+    assert scalars["x[1]"].bounds == {"minimum": -2, "maximum": 4, "nominal": 12}
+    assert scalars["x[2]"].bounds == {"minimum": -2, "maximum": 6, "nominal": 12}
 
 
 @pytest.mark.parametrize(("values", "text"), cases("right"))

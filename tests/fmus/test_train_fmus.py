@@ -233,4 +233,4 @@ def test_every_state_of_a_train_file_has_a_nominal_value(tmp_path: Path, train: 
     library.write_text(class_text(found, pneumatic=True), encoding="utf-8")
     system = explicit(read(name, library))
     assert len(system.states) > 20
-    assert [state.name for state in system.states if state.bound("nominal") is None] == []
+    assert [state.name for state in system.states if "nominal" not in state.bounds] == []

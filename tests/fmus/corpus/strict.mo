@@ -391,8 +391,23 @@ model Y outer A g; Real z = g.q; end Y; model X inner B g; Y y; end X;
 // front end: a partial component; partial model
 model X Law i; end X;
 
-// front end: a parameter that varies; runtime coordinate
+// undefined: a parameter that varies; the value of a.q depends on a variable that changes
 model X Real x = time; A a(q=x); end X;
+
+// undefined: a start that varies; the start of z depends on a variable that changes
+model X Real x = time; Real z(start=x, fixed=true); equation der(z) = -z; end X;
+
+// undefined: a maximum that varies; the maximum of x depends on a variable that changes
+model X Real x(max=time) = 1; end X;
+
+// undefined: an infinite parameter; the value of q is not a finite number
+model X parameter Real p = 1e200; parameter Real q = p*p; Real x = q; end X;
+
+// undefined: the start of a root of a negative number; the start of x is not a finite number
+model X parameter Real p = -1; Real x(start=sqrt(p), fixed=true); equation der(x) = -x; end X;
+
+// undefined: a minimum without a value; the minimum of x is not a finite number
+model X parameter Real p = -1; Real x(min=log(p)) = 1; end X;
 
 // right: modifiers of a component; n.n.q = 1; n.arr[1].q = 2
 model X N n(n(q=1), arr(each q=2), a(r=3)); end X;
