@@ -310,7 +310,8 @@ class _DynamicBrake(SourcedTable):
         return self
 
     def _fade(self, speed: Any) -> Any:
-        return np.clip((speed - self.speed_end) / (self.speed_full - self.speed_end), 0.0, 1.0)
+        # np.clip takes ten times as long for a number, and a stop by hand has ten thousands of them.
+        return np.minimum(np.maximum((speed - self.speed_end) / (self.speed_full - self.speed_end), 0.0), 1.0)
 
 
 class _AxleBrake(_DynamicBrake):

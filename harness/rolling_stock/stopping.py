@@ -69,6 +69,19 @@ def by_hand(train: Train, speed: float, *, dynamic: bool = True) -> HandCalculat
     Raises:
         InputError: The train does not stop within ten minutes.
     """
+    stops = _KEPT.get(id(train), (train, {}))[1]
+    _KEPT.clear()
+    _KEPT[id(train)] = train, stops
+    if (speed, dynamic) not in stops:
+        stops[speed, dynamic] = _calculate(train, speed, dynamic=dynamic)
+    return stops[speed, dynamic]
+
+
+_KEPT: dict[int, tuple[Train, dict[tuple[float, bool], HandCalculation]]] = {}
+"""Stops of the latest train, by its identity: the checks, the calculation and its page ask for the same ones."""
+
+
+def _calculate(train: Train, speed: float, *, dynamic: bool) -> HandCalculation:
     stop, developed = (_stop(train, speed, developed=is_developed, dynamic=dynamic) for is_developed in (False, True))
     return replace(
         stop,
@@ -89,6 +102,9 @@ def _stop(train: Train, speed: float, *, developed: bool, dynamic: bool = True) 
     cars = (of_car == np.arange(len(train.cars))[:, None]).astype(float)  # a row per car, 1 for each of its axles
     on_rail = [(b.cars[0], brake) for b, _, brake in train.rail_brakes if dynamic or isinstance(brake, TrackBrake)]
     car_of_rail = np.array([car for car, _ in on_rail], dtype=np.intp)
+    # Equal brakes have equal forces: a long train has few kinds.
+    kinds = list({id(brake): brake for _, brake in on_rail}.values())
+    kind_of_rail = np.array([next(i for i, kind in enumerate(kinds) if kind is b) for _, b in on_rail], dtype=np.intp)
     rims = _RimForces(train, brakes, dynamic=dynamic)
     build_up = _PressureBuildUp(train, speed)
     head_start = inf if developed else 0.0
@@ -100,7 +116,7 @@ def _stop(train: Train, speed: float, *, developed: bool, dynamic: bool = True) 
         now = t + _STEP / 2 + head_start  # forces in the middle of a step
         friction, electric = rims.at(v, build_up.share(now, v), inf if developed else _STEP)
         braking = friction + electric + rolling
-        rail = np.array([_rail_force(brake, v, now) for _, brake in on_rail])
+        rail = np.array([_rail_force(kind, v, now) for kind in kinds], dtype=float)[kind_of_rail]
         drag = _drag(train, v)
         deceleration = (float(braking.sum()) + float(rail.sum()) + drag) / inert
         adhesion = np.maximum(adhesion, shares @ (braking - turning * deceleration))

@@ -17,7 +17,7 @@ from railgrip.simulate.run import run_stop
 
 ROOT = Path(__file__).parents[2]
 PLAIN = ROOT / "harness/scenario/library/plain.toml"
-LAW = ("controller.kind=slip_three_state", "estimator.kind=none", "adhesion.mu0=0.06", "start.speed=40 km/h")
+LAW = ("controller.kind=slip_three_state", "estimator.kind=none", "adhesion.mu0=0.06", "start.speed=20 km/h")
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +74,8 @@ def test_the_right_map_gives_the_stop_of_the_law(law: Path) -> None:
 def test_a_mistake_is_noticed(name: str, law: Path) -> None:
     sentences: list[str] = []
     try:
-        stop = run_stop(scenario_of(law, MISTAKES[name]), notify=sentences.append)
+        short = scenario_of(law, MISTAKES[name]).revised({"limits": {"horizon": "8 s"}})  # some never brake
+        stop = run_stop(short, notify=sentences.append)
     except InputError:
         return
     is_announced = any("changed no pressure" in sentence for sentence in sentences)

@@ -94,22 +94,21 @@ GUARDED = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("form", GUARDED)
-def test_a_guarded_operation_need_not_be_defined(built, run, tmp_path, form):
-    """Closed forms; y at an event is that of the event's time, located within 1e-10 s."""
-    equation, expected = GUARDED[form]
-    y = "discrete Real y(start=0,fixed=true)" if "when" in equation else "Real y"
+def test_guarded_operations_need_not_be_defined(built, run, tmp_path):
+    """Closed forms, all in one class; y at an event is that of the event's time, located within 1e-10 s."""
+    declarations, equations = list[str](), list[str]()
+    for k, (equation, _) in enumerate(GUARDED.values()):
+        declarations.append(f"discrete Real y{k}(start=0,fixed=true);" if "when" in equation else f"Real y{k};")
+        equations.append(re.sub(r"\by\b", f"y{k}", equation.replace("P.f", "f").replace("t[3]", "t[2]")))
     file = tmp_path / "P.mo"
     file.write_text(
-        f"{FUNCTION}\nmodel M Real x(start=-0.5,fixed=true); {y}; parameter Real t[2] = {{1, 2}};"
-        f"\nequation\nder(x) = 1;\n"
-        f"{equation.replace('P.f', 'f')}\nend M;\nend P;\n"
+        f"{FUNCTION}\nmodel M Real x(start=-0.5,fixed=true); parameter Real t[2] = {{1, 2}};\n"
+        + "\n".join([*declarations, "equation", "der(x) = 1;", *equations, "end M;", "end P;", ""])
     )
-    if form == "index":
-        file.write_text(file.read_text().replace("t[3]", "t[2]"))
     instance = run(built(file, "P.M"))
     instance.steps(10, 0.1)
-    assert instance.get("y")[0] == pytest.approx(expected, rel=1e-6)
+    found = dict(zip(GUARDED, instance.get(*(f"y{k}" for k in range(len(GUARDED)))), strict=True))
+    assert found == pytest.approx({form: expected for form, (_, expected) in GUARDED.items()}, rel=1e-6)
 
 
 def test_a_guarded_root_in_a_derivative_passes_its_boundary(modelica, run):

@@ -6,13 +6,16 @@ Also where parts fail, and where blocks of samples end.
 import math
 from dataclasses import replace
 from fractions import Fraction
+from itertools import product
 
+import kernel_calls
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from kernel_calls import along_track, holds, phase_of, service_sensors
 from reference import brake
+from sampling import FUZZ
 from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
 
 from railgrip.base.errors import Failure, LoopError, PlantFailed
@@ -28,15 +31,29 @@ from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.surface import Recovery, SlipEnergy
 from railgrip.scenario.track import TrackForce
 from railgrip.simulate.faults.site import Faults
-from railgrip.simulate.loop.interfaces import BLOCK, Clock, Parts, StateEstimator
+from railgrip.simulate.loop import loop
+from railgrip.simulate.loop.interfaces import Clock, Parts, StateEstimator
 from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.loop.plausible import Plausibility, Slowing, slowing_of
+from railgrip.simulate.sensors import service, white
 from railgrip.simulate.sensors.ideal import IdealSensors
 from railgrip.simulate.sensors.white import WhiteSensors
 from railgrip.simulate.value_checks import DemandLimits
 from railgrip.trace.recorder import Recorder
 from railgrip.vehicle import signals
 from railgrip.vehicle.brake import Brake
+
+BLOCK = 256
+"""Samples in a block: fewer than in a stop, so that a few hundred samples reach over its end."""
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _short_blocks():
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (kernel_calls, loop, service, white):
+            patch.setattr(module, "BLOCK", BLOCK)
+        yield
+
 
 RADIUS = (0.38,) * 4
 LAID = 0.5, 0.1
@@ -289,7 +306,7 @@ def test_horizons_at_the_seams_of_a_block(samples):
     assert (outcome, written) == (Outcome.HORIZON, samples + 1)
 
 
-@pytest.mark.parametrize("sample", [1, 500, BLOCK - 1, BLOCK, BLOCK + 1])
+@pytest.mark.parametrize("sample", [1, 100, BLOCK - 1, BLOCK, BLOCK + 1])
 def test_a_plant_that_fails(sample):
     """The rows before are kept; the failing call is the step from the sample before."""
     outcome, reason, written = same(lambda: Plant(fails_at=sample))
@@ -304,7 +321,7 @@ def test_a_train_at_standstill(sample):
 
 
 @pytest.mark.parametrize("valves", [False, True])
-@pytest.mark.parametrize("calls", [0, 300, BLOCK, BLOCK + 1])
+@pytest.mark.parametrize("calls", [0, 100, BLOCK, BLOCK + 1])
 def test_a_law_that_returns_nan(calls, valves):
     """Also where valve logic could hold the pressure."""
     outcome, reason, written = same(controller=lambda: law_that_ends(calls), valves=valves)
@@ -338,7 +355,7 @@ def test_demands_are_limited_before_the_train_level_decides(every):
     assert 0.9 < limits.limited / len(range(0, BLOCK + 1, every[1])) < 1.0  # 1 − (3.4/8)⁴ of them, 97 %
 
 
-@pytest.mark.parametrize("call", [1, 300, BLOCK - 1, BLOCK, BLOCK + 1])
+@pytest.mark.parametrize("call", [1, 100, BLOCK - 1, BLOCK, BLOCK + 1])
 @pytest.mark.parametrize("way", ["fails_at", "negative_at"])
 def test_a_filter_that_diverges(call, way):
     """The first step is that of sample 1; its row is not kept."""
@@ -347,21 +364,30 @@ def test_a_filter_that_diverges(call, way):
     assert reason.startswith("Made up: no. At" if way == "fails_at" else "The estimator diverged: a variance")
 
 
-@pytest.mark.parametrize("lacks", [(), ("deflection", "locked", "group_adhesion")])
-@pytest.mark.parametrize("sensors", ["ideal", "white", "service"])
-@pytest.mark.parametrize("filter_", [None, Filter])
-@pytest.mark.parametrize(
-    ("controller", "valves", "every", "over_time"),
+CHOICES = (
+    [(), ("deflection", "locked", "group_adhesion")],
+    ["ideal", "white", "service"],
+    [None, Filter],
     [(SLIP, False, (1, 1), False), (HOLD, True, (5, 10), True), (HOLD, False, (2, 3), False)],
 )
-def test_combinations_of_parts(lacks, sensors, filter_, controller, valves, every, over_time):
+COMBINATIONS = [
+    [choice[k] for choice, k in zip(CHOICES, number, strict=True)]
+    for number in product(*(range(len(choice)) for choice in CHOICES))
+    if FUZZ or sum(number) % 2 == 0
+]
+"""Half of the combinations, in which any two choices occur together, or all of them."""
+
+
+@pytest.mark.parametrize(("lacks", "sensors", "filter_", "law"), COMBINATIONS)
+def test_combinations_of_parts(lacks, sensors, filter_, law):
     """Sensors without a new reading, missing plant outputs, parts with different periods.
 
-    The stops reach into the second block and beyond the end of the table of friction, which is 1 s or 1 m long.
+    The stops reach into the fifth block and beyond the end of the table of friction, which is 1 s or 1 m long.
     """
+    controller, valves, every, over_time = law
     outcome, _, _ = same(
         lambda: Plant(speed=12.0, slowing=10.6, lacks=lacks), controller, filter_,
-        sensors=sensors, valves=valves, every=every, over_time=over_time, samples=BLOCK + 300,
+        sensors=sensors, valves=valves, every=every, over_time=over_time, samples=1400,
     )  # fmt: skip
     assert outcome is Outcome.STANDSTILL
 
@@ -377,7 +403,7 @@ def test_a_rail_changed_by_slip(reach):
 
     clean, rows = Recovery(mu0=0.3, A=0.4, B=0.6, rate=1e-2), []
     ended, _, _ = same(
-        lambda: Plant(speed=12.0, slowing=10.6, wrong=slides), samples=BLOCK + 300,
+        lambda: Plant(speed=12.0, slowing=10.6, wrong=slides), samples=1400,
         slip_energy=lambda: SlipEnergy(LAYOUT, clean, LAID, reach),
         keep=lambda recorder: rows.append(recorder.rows[: recorder.written, recorder.columns["mu0"]].copy()),
     )  # fmt: skip
@@ -461,7 +487,7 @@ def showing(signal, change, element=0):
     return wrong
 
 
-@pytest.mark.parametrize("sample", [1, 300, BLOCK - 1, BLOCK, BLOCK + 1])
+@pytest.mark.parametrize("sample", [1, 100, BLOCK - 1, BLOCK, BLOCK + 1])
 @pytest.mark.parametrize(
     ("signal", "element", "value", "words"),
     [
@@ -497,7 +523,7 @@ def test_a_plant_with_impossible_outputs_is_implausible(sample, signal, element,
 )
 def test_a_plant_with_wrong_units_or_signs(signal, change, latest):
     """It ends early."""
-    outcome, reason, written = same(lambda: Plant(wrong=showing(signal, change)))
+    outcome, reason, written = same(lambda: Plant(wrong=showing(signal, change)), samples=550)
     assert outcome is Outcome.IMPLAUSIBLE
     assert written <= latest
     assert f"outputs {signal}" in reason

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from python_parts import same_stop
+from small_train import one_bogie
 
 from railgrip.base.errors import RailgripError, ScenarioError
 from railgrip.scenario.load import load, scenario_of
@@ -79,10 +80,11 @@ def test_parts_in_python_with_an_estimator(rail):
     assert set(np.unique(stop.trace["curve_k_A"].values)) >= {0.04, 1.0}
 
 
-def test_valves_service_sensors_and_a_train_file():
+def test_valves_service_sensors_and_a_train_file(tmp_path):
+    (tmp_path / "small.toml").write_text(one_bogie(), encoding="utf-8")
     parts = ("actuation.kind=pneumatic", "sensors.kind=white", "limits.horizon=4 s")
-    table = scenario(*WITHOUT, *parts, PATCH).resolved() | {"vehicle": {"train": "tram"}}
-    assert run_stop(scenario_of(table, directory=Path(), origin="tram")).trace["curve_k_A"].values.min() == 0.04
+    table = scenario(*WITHOUT, *parts, PATCH).resolved() | {"vehicle": {"train": "small.toml"}}
+    assert run_stop(scenario_of(table, directory=tmp_path, origin="small")).trace["curve_k_A"].values.min() == 0.04
 
 
 def test_wheelsets_of_a_wagon():

@@ -53,19 +53,27 @@ def test_the_estimator_keeps_its_prediction_and_errs_more(stop_of):
 
 
 def test_heated_contacts_keep_their_law_on_elastic_shafts():
-    stop = rg.run(rg.Scenario.load("wet_two_maxima", {**DETAILED, "limits.horizon": "1 s"}))
+    """On the wagon, whose FMU is built in half of the time of the two-part train."""
+    adhesion = {"kind": "constant", "polach": "wet_two_maxima", "mu0": 0.05}
+    changes = {**DETAILED, "adhesion": adhesion, "limits.horizon": "3 s"}
+    stop = rg.run(rg.Scenario.load("wagon", changes), controller="full_brake")
+    assert float(stop.trace["slip"].max()) > 0.25  # where the second maximum is
     assert stop.metrics.utilisation <= 1.0
 
 
 @pytest.fixture(scope="module")
 def train_file(tmp_path_factory):
-    """A train file under a demand that rises and falls at once, with simple and with detailed mechanics."""
+    """A train file under a demand that rises and falls at once, with simple and with detailed mechanics.
+
+    Its pressure follows in 0.1 s. tests/stops/test_trains_in_files.py has the same class, which is built once.
+    """
     text = shelf("trains")["vt642"].read_text(encoding="utf-8")
     file = tmp_path_factory.mktemp("direct") / "direct.toml"
     file.write_text(text[: text.index("[command]")] + text[text.index("[resistance]") :], encoding="utf-8")
     steps = {"phases": [{"pressure": "1.5 bar", "until": {"duration": "2 s"}}, {"pressure": "0.5 bar"}]}
     table = {"name": "short", "limits": {"horizon": "4 s"}, "demand": steps, "estimator": {"kind": "none"}}
     table |= {"controller": {"kind": "full_brake"}, "adhesion": {"kind": "constant", "mu0": 0.3}}
+    table |= {"actuation": {"kind": "ideal"}, "vehicle": {"parameters": {"T_pressure": "0.1 s"}}}
 
     def traced(mechanics):
         changed = merge(train_of(str(file)), table | {"truth": {"mechanics": mechanics}})
@@ -113,7 +121,7 @@ def test_the_waves_of_the_rail_have_the_published_spectrum():
 
 VARIANTS = """package Variants
   block Uneven
-    extends RailBraking.Plants.TwoPartTrainPneumatic(redeclare block TrainRail = RailBraking.Tracks.UnevenRail);
+    extends RailBraking.Plants.TwoPartTrain(redeclare block TrainRail = RailBraking.Tracks.UnevenRail);
   end Uneven;
   block Elastic
     extends RailBraking.Plants.Wagon(redeclare block TrainShaft = RailBraking.Components.ElasticShaft);
@@ -146,6 +154,7 @@ def full_brake_of(library):
 
 
 DRY = ("adhesion.mu0", 0.3)
+IDEAL = {"actuation.kind": "ideal", "vehicle.plant": "TwoPartTrain"}
 
 
 @pytest.mark.parametrize("parameter", [("hysteresis", 0.06), ("p_seal", 5e3)])
@@ -168,7 +177,7 @@ def test_elastic_shafts_do_not_change_a_dry_stop(library):
 
 def test_wheels_slip_more_where_an_uneven_rail_unloads_them(full_brake_of):
     """Near the peak of the creep curve a smaller load requires more slip for the same force."""
-    fast = (("start.speed", "160 km/h"), ("adhesion.mu0", 0.15), ("limits.horizon", "8 s"))
+    fast = (("start.speed", "160 km/h"), ("adhesion.mu0", 0.15), ("limits.horizon", "8 s"), *IDEAL.items())
     even, uneven = (full_brake_of(variant, *fast) for variant in ("Plain", "Uneven"))
     load, slip = (
         np.stack([stop.trace[name].values[300:] for stop in (even, uneven)]) for name in ("wheelset_load", "slip")
@@ -194,9 +203,13 @@ def test_cases_of_the_type_test_are_detailed_only_with_a_suitable_plant():
 
 @pytest.fixture(scope="module")
 def locomotive(tmp_path_factory):
-    """Return a stop of the six-axle locomotive alone, with detailed mechanics, on a dry rail."""
+    """Return a stop of half of the six-axle locomotive on one bogie, with detailed mechanics, on a dry rail."""
     text = shelf("trains")["loco_coaches"].read_text(encoding="utf-8")
     only = text[: text.index('[[cars]]\nname = "Bpmz-1"')].replace('\ncoupler = "screw"\n', "\n")
+    halves = (('mass = "114 t"', 'mass = "57 t"'), (', { kind = "locomotive", at = "14.55 m" }', ""))
+    for whole, half in halves:
+        assert whole in only
+        only = only.replace(whole, half)
     command = only[only.index("[command]") : only.index("[resistance]")]
     file = tmp_path_factory.mktemp("train") / "locomotive.toml"
     file.write_text(only.replace(command, ""), encoding="utf-8")
@@ -217,12 +230,12 @@ def test_the_loads_of_three_axles_return_to_their_static_values(locomotive):
     """Without a force on the pattern +1, -2, +1 of the deflections of a bogie, they must not drift apart."""
     trace = locomotive.trace
     time, load = trace["time"].values, trace["wheelset_load"].values
-    static = 114e3 * GRAVITY / 6
+    static = 57e3 * GRAVITY / 3
     assert (load > 0.5 * static).all()
     released = load[time > 9.0]
     # The mean over 7 s and some 200 m of rail: waves up to 125 m change the load by 5 % of it, with either sign.
     assert released.mean(axis=0) == pytest.approx(static, rel=5e-3)
-    assert load[(time > 2.0) & (time < 6.0)].sum(axis=1).mean() == pytest.approx(6 * static, rel=5e-3)
+    assert load[(time > 2.0) & (time < 6.0)].sum(axis=1).mean() == pytest.approx(3 * static, rel=5e-3)
     # Least squares line through the released part: a drift of 1 kN/s would be seen at once.
     slope = np.polyfit(time[time > 9.0], released, 1)[0]
     assert np.abs(slope).max() < 1e3

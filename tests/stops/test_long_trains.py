@@ -12,7 +12,7 @@ from railgrip.rolling_stock.modelica import class_name, class_text
 from railgrip.rolling_stock.schema import load_train, train_of
 from railgrip.studies.brake_pipe import freight_row, freight_train
 
-WAGONS = sample((3, 10, 20, 40), 1)
+WAGONS = sample((2, 10, 20, 40), 1)
 PERMISSIBLE = 240.0
 """Longitudinal compressive force that wagons with bogies and side buffers must withstand in curves [kN]: Commission
 Decision 2006/861/EC (TSI WAG), 4.2.3.5."""

@@ -172,8 +172,7 @@ def test_a_prediction_of_a_user_estimates_like_the_class_that_it_extends(mine, k
 
 
 def test_a_prediction_without_a_state_of_the_loop_is_refused(mine):
-    lacking = """within SimpleTrain;
-block Lean
+    lacking = """block Lean
   parameter Real r_wheel = 0.4;
   input Real cylinder_pressure[4];
   output Real speed = v;
@@ -186,10 +185,10 @@ equation
   end for;
 end Lean;
 """
-    library = mine.parent / "SimpleTrain" / "package.mo"
-    library.with_name("Lean.mo").write_text(lacking)
-    estimator = f"estimator={{kind='python', model='SimpleTrain.Lean', library='{library}', noise='train_ideal'}}"
-    with pytest.raises(ScenarioError, match=r"\[estimator\] model 'SimpleTrain\.Lean' has no state pad_friction\[1\]"):
+    library = mine.parent / "Lean.mo"
+    library.write_text(lacking)
+    estimator = f"estimator={{kind='python', model='Lean', library='{library}', noise='train_ideal'}}"
+    with pytest.raises(ScenarioError, match=r"\[estimator\] model 'Lean' has no state pad_friction\[1\]"):
         run_stop(load(mine, [*SHORT, estimator]))
 
 

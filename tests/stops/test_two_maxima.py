@@ -3,6 +3,7 @@
 import itertools
 
 import pytest
+from small_train import one_bogie
 
 import railgrip as rg
 from railgrip.base.errors import ScenarioError
@@ -74,12 +75,16 @@ BRAKED = {"limits.horizon": "4 s", "estimator": {"kind": "none"}, "controller": 
     ("name", "changes", "has_patch"),
     [
         ("wagon", {}, True),
-        ("plain", {"vehicle.plant": None, "vehicle.train": "tram"}, False),
+        ("plain", {"vehicle.plant": None, "vehicle.train": "small.toml"}, False),
         ("plain", {"actuation.kind": "pneumatic", "vehicle.plant": "TwoPartTrainPneumatic"}, False),
     ],
 )
-def test_heat_lowers_adhesion_in_slides_of_every_train_of_the_library(name, changes, has_patch):
+def test_heat_lowers_adhesion_in_slides_of_every_train_of_the_library(name, changes, has_patch, tmp_path):
     """Also where curves differ along the track, with the plant that is compiled fastest."""
+
+    if "vehicle.train" in changes:
+        (tmp_path / "small.toml").write_text(one_bogie(), encoding="utf-8")
+        changes = changes | {"vehicle.train": str(tmp_path / "small.toml")}
 
     def stop(heat):
         patch = {"begin": "30 m", "length": "200 m", "mu0": 0.06, "polach": CURVE | {"B": 0.3} | heat}
