@@ -60,7 +60,8 @@ def interactive(drawing: Figure) -> Plot:
     Raises:
         TypeError: The figure has an artist or a formula that cannot be converted; the page would lack it.
     """
-    drawing.draw_without_rendering()  # lays out panels, ticks and legends
+    if drawing.stale:
+        drawing.draw_without_rendering()  # lays out panels, ticks and legends
     plot = _Plot()
     for axes in drawing.axes:
         plot.add(axes)

@@ -91,7 +91,8 @@ def save(drawing: Figure, path: Path, description: str | None = None) -> Path:
 
 def save_as(drawing: Figure, path: Path, formats: Sequence[str]) -> None:
     """Write a figure in several formats, which replace the suffix of a path."""
-    drawing.draw_without_rendering()
+    if drawing.stale:
+        drawing.draw_without_rendering()
     drawing.set_layout_engine(None)  # the first drawing has placed all parts; "none" would draw again for each format
     for suffix in formats:
         save(drawing, path.with_suffix(f".{suffix}"))
