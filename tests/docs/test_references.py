@@ -62,7 +62,9 @@ def prose(path: Path) -> list[tuple[int, str]]:
     if path.suffix != ".py":
         return [(text.count("\n", 0, c.start()) + 1, c[0]) for c in re.finditer(r"/\*.*?\*/", text, re.DOTALL)]
     found = [
-        (text.count("\n", 0, token.start()) + 1, token[0]) for token in COMMENT.finditer(text) if token[0].startswith("#")
+        (text.count("\n", 0, token.start()) + 1, token[0])
+        for token in COMMENT.finditer(text)
+        if token[0].startswith("#")
     ]
     for node in statements(tree(path)):
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
