@@ -60,8 +60,7 @@ def interactive(drawing: Figure) -> Plot:
     Raises:
         TypeError: The figure has an artist or a formula that cannot be converted; the page would lack it.
     """
-    if drawing.stale:
-        drawing.draw_without_rendering()  # lays out panels, ticks and legends
+    drawing.draw_without_rendering()  # lays out panels, ticks and legends
     plot = _Plot()
     for axes in drawing.axes:
         plot.add(axes)

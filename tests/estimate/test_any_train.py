@@ -248,6 +248,7 @@ def test_a_linear_class_of_a_user_has_the_estimates_of_the_kalman_filter(tmp_pat
     assert rows == {"m": "--set"}
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_page_and_json_have_every_parameter_with_its_origin(trace, tmp_path):
     (tmp_path / "mine.toml").write_text(
         'extends = "train"\n[model]\ntrain = "tram"\n[model.parameters]\nrho_air = 1.3\n'

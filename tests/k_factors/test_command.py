@@ -46,7 +46,7 @@ def test_the_same_file_gives_the_same_bytes_except_for_seconds(tmp_path, capsys,
     assert f"| 3 | 0.001 | {k:.4f} " in written
 
 
-@pytest.mark.usefixtures("in_process", "few_rates")
+@pytest.mark.usefixtures("in_process", "few_rates", "blank_figures")
 def test_stops_in_the_loop_agree_with_the_quasi_static_brake(tmp_path):
     never_run = 25.0 + 1e-9 * time.time_ns() % 1e-3
     study = tmp_path / "short.toml"
