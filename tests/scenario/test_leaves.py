@@ -67,12 +67,12 @@ def test_a_horizon_that_is_not_given_follows_from_the_lowest_friction():
 def test_lengths_and_frictions_are_uniform_within_their_limits():
     """Patches are few, 2 per kilometre, so that hardly any overlap; a merged one is longer than the maximum."""
     lengths, frictions = [], []
-    for seed in range(RAILS):
+    for seed in range(100):
         begins, each, mu0 = patches_of(rail(seed=seed, count="2 1/km"))
         alone = (each <= 15.0) & (begins > 0)
         lengths += each[alone].tolist()
         frictions += mu0[alone].tolist()
-    assert len(lengths) > 15 * RAILS
+    assert len(lengths) > 1500
     assert 5.0 - STEP <= min(lengths) <= max(lengths) <= 15.0
     assert stats.kstest(lengths, stats.uniform(5.0, 10.0).cdf).pvalue > 1e-3
     assert stats.kstest(frictions, stats.uniform(0.03, 0.02).cdf).pvalue > 1e-3
