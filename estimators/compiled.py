@@ -3,6 +3,8 @@
 import ctypes
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
 from types import MappingProxyType
 
 import numpy as np
@@ -24,6 +26,13 @@ DIVERGED = {
 
 MODEL_FAILED = 4
 """Failure code of `step.h` whose message comes from the prediction."""
+
+
+@cache
+def _has_avx2() -> bool:
+    # A cache may belong to several machines: what a filter is compiled for is part of its key.
+    source = files("railgrip.estimators").joinpath("processor.c").read_text(encoding="utf-8")
+    return bool(ctypes.CDLL(str(shared_library({"processor.c": source}, "processor"))).has_avx2())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,7 +76,9 @@ class StepInC:
     def load(self, sources: Mapping[str, str]) -> ctypes.CDLL:
         """Return the library with `int step(double *block)`, compiled now or taken from the cache."""
         self.sources = sources
-        library = ctypes.CDLL(str(shared_library(sources, "filter", flags=("-O3",))))
+        other, flags = ("plain.c", ("-O3", "-DWIDE")) if _has_avx2() else ("wide.c", ("-O3",))
+        units = sorted(name for name in sources if name.endswith(".c") and name != other)
+        library = ctypes.CDLL(str(shared_library(sources, "filter", units=units, flags=flags)))
         self._step = library.step
         self._step.argtypes, self._step.restype = [ctypes.c_void_p], ctypes.c_int
         self._address = ctypes.c_void_p(self._block.ctypes.data)

@@ -65,29 +65,51 @@ def title_of(page, folder, *options):
     return re.search(r"<title>(.*?)</title>", browse(page, folder, "--dump-dom", *options), re.DOTALL).group(1)
 
 
-def in_frame(page, folder, script, width, height=900):
-    """Return the text that a script writes into the title of a frame of this size with a page.
+_COLLECT = """<script>
+addEventListener("load", async () => {
+  const titles = () => [...document.querySelectorAll("iframe")].map((one) => one.contentDocument.title);
+  while (!titles().every(Boolean)) await new Promise((done) => setTimeout(done, 50));
+  document.title = `[${titles().join()}]`;
+});
+</script>"""
+
+
+def in_frames(frames, folder):
+    """Return the texts that scripts write into the titles of frames with pages, in one run of a browser.
 
     A window is never narrower than 500 pixels.
+
+    Args:
+        frames: Page, script, width and height of each frame [pixels].
+        folder: Folder for the profile of the browser.
     """
     folder.mkdir(exist_ok=True)
-    text = page.read_text(encoding="utf-8").replace("</body>", f"{_DRAWN}{script}</body>")
-    (folder / "measured.html").write_text(text, encoding="utf-8")
-    outer = folder / "outer.html"
-    outer.write_text(f'<iframe src="measured.html" style="width:{width}px;height:{height}px;border:0"></iframe>')
-    found = json.loads(title_of(outer, folder, "--window-size=1400,1000"))
-    assert found["width"] == width
+    for number, (page, script, width, height) in enumerate(frames):
+        text = page.read_text(encoding="utf-8").replace("</body>", f"{_DRAWN}{script}</body>")
+        (folder / f"measured{number}.html").write_text(text, encoding="utf-8")
+        frame = f'<iframe src="measured{number}.html" style="width:{width}px;height:{height}px;border:0"></iframe>'
+        (folder / f"frame{number}.html").write_text(frame, encoding="utf-8")
+    outer, count = folder / "outer.html", len(frames)
+    one = '<iframe src="frame{}.html" style="width:1400px;height:950px;border:0;display:block"></iframe>'
+    outer.write_text("".join(map(one.format, range(count))) + _COLLECT, encoding="utf-8")
+    options = (f"--window-size=1400,{1000 * count}", f"--virtual-time-budget={20_000 * count}")
+    found = json.loads(title_of(outer, folder, *options))
+    assert [each["width"] for each in found] == [width for _, _, width, _ in frames]
     return found
 
 
-def drawn(page, folder, width, height=900):
-    """Return the places of texts and axes of a page that a browser draws in a frame of this size."""
-    return in_frame(page, folder, _SCRIPT, width, height)
+def drawn(frames, folder):
+    """Return the places of texts and axes that a browser draws of pages in frames of these widths and heights."""
+    return in_frames([(page, _SCRIPT, width, height) for page, width, height in frames], folder)
 
 
-def defects_on_screen(page, folder, width):
-    """Return a sentence for each defect of the figures of a page on a screen of this width."""
-    found = drawn(page, folder, width)
+def defects_on_screen(pages, folder, *widths):
+    """Return for each page and width of the screen a sentence for each defect of its figures."""
+    return [defects_of(found) for found in drawn([(page, width, 900) for page in pages for width in widths], folder)]
+
+
+def defects_of(found):
+    """Return a sentence for each defect of the figures of a page as `drawn` returns it."""
     defects = []
     for plot in found["plots"]:
         name, texts, frame = plot["name"], plot["texts"], plot["frame"]

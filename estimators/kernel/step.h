@@ -6,7 +6,7 @@
    Every product of matrices here is a sum of rows with factors, and a row has the same length everywhere: WIDTH
    numbers, those beyond N zero. So one function, `combine`, does nearly all the work, its sum kept in registers. Sums
    of rows, unlike dot products, give the same bits whatever the width of the machine's vector instructions: this file
-   is compiled for two widths (plain.c, wide.c), and dispatch.c takes what the machine has. */
+   is compiled for one of two widths (plain.c, wide.c), that of the machine. */
 
 #include <math.h>
 

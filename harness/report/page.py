@@ -92,8 +92,8 @@ class Page:
             from railgrip.report.style import save_as
 
             for name, figure in self.figures.items():
-                save_as(figure, folder / name, formats)
                 plots[name] = interactive(figure)
+                save_as(figure, folder / name, formats, is_laid_out=True)
                 if name in self.narrow:
                     plots[name] = {**plots[name], "narrow": interactive(self.narrow[name])}
         for name, table in self.tables.items():

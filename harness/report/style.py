@@ -89,10 +89,15 @@ def save(drawing: Figure, path: Path, description: str | None = None) -> Path:
     return path
 
 
-def save_as(drawing: Figure, path: Path, formats: Sequence[str]) -> None:
-    """Write a figure in several formats, which replace the suffix of a path."""
-    drawing.draw_without_rendering()
-    drawing.set_layout_engine(None)  # the first drawing has placed all parts; "none" would draw again for each format
+def save_as(drawing: Figure, path: Path, formats: Sequence[str], *, is_laid_out: bool = False) -> None:
+    """Write a figure in several formats, which replace the suffix of a path.
+
+    Args:
+        is_laid_out: Whether the figure was drawn before, which has placed all its parts.
+    """
+    if not is_laid_out:
+        drawing.draw_without_rendering()
+    drawing.set_layout_engine(None)  # all parts are placed; "none" would draw again for each format
     for suffix in formats:
         save(drawing, path.with_suffix(f".{suffix}"))
 

@@ -5,6 +5,7 @@ Source: EN 14531-1, stopping distance by time steps from instantaneous forces; i
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import accumulate
 from math import inf, pi, sqrt
 from typing import Any, cast
@@ -69,19 +70,6 @@ def by_hand(train: Train, speed: float, *, dynamic: bool = True) -> HandCalculat
     Raises:
         InputError: The train does not stop within ten minutes.
     """
-    stops = _KEPT.get(id(train), (train, {}))[1]
-    _KEPT.clear()
-    _KEPT[id(train)] = train, stops
-    if (speed, dynamic) not in stops:
-        stops[speed, dynamic] = _calculate(train, speed, dynamic=dynamic)
-    return stops[speed, dynamic]
-
-
-_KEPT: dict[int, tuple[Train, dict[tuple[float, bool], HandCalculation]]] = {}
-"""Stops of the latest train, by its identity: the checks, the calculation and its page ask for the same ones."""
-
-
-def _calculate(train: Train, speed: float, *, dynamic: bool) -> HandCalculation:
     stop, developed = (_stop(train, speed, developed=is_developed, dynamic=dynamic) for is_developed in (False, True))
     return replace(
         stop,
@@ -90,8 +78,28 @@ def _calculate(train: Train, speed: float, *, dynamic: bool) -> HandCalculation:
     )
 
 
+class _Data:
+    """The data of a train, equal for equal trains."""
+
+    def __init__(self, train: Train) -> None:
+        self.train, self._text = train, train.model_dump_json()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Data) and other._text == self._text
+
+    def __hash__(self) -> int:
+        return hash(self._text)
+
+
 def _stop(train: Train, speed: float, *, developed: bool, dynamic: bool = True) -> HandCalculation:
-    """Return a stop whose brakes build up, or are `developed` from the start."""
+    """Return a stop whose brakes build up, or are `developed` from the start; its arrays are read-only."""
+    return _stop_of(_Data(train), speed, developed, dynamic)
+
+
+# A command checks a train several times, and a study needs the same stops; they take longer than reading the file.
+@lru_cache(maxsize=32)
+def _stop_of(data: _Data, speed: float, developed: bool, dynamic: bool) -> HandCalculation:
+    train = data.train
     brakes, wheel = _brakes_of(train)
     mass, inertia = np.array([[axle.mass, axle.inertia] for axle in train.axles]).T
     rolling = mass * GRAVITY * _rolling(train, wheel)
@@ -135,6 +143,9 @@ def _stop(train: Train, speed: float, *, developed: bool, dynamic: bool = True) 
         v = 0.0 if last else v - deceleration * step
         t += step
         _require_end(train, speed, t)
+    car_force = np.array(history)
+    for array in (adhesion, joints, car_force, car_mass):
+        array.setflags(write=False)
     return HandCalculation(
         distance=s,
         duration=t,
@@ -143,7 +154,7 @@ def _stop(train: Train, speed: float, *, developed: bool, dynamic: bool = True) 
         adhesion=adhesion,
         rotating_mass=float(turning.sum()),
         coupler_force=joints,
-        car_force=np.array(history),
+        car_force=car_force,
         car_mass=car_mass,
         dynamic_energy=float(taken),
     )

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 from typing import cast
 
@@ -21,9 +22,12 @@ Limits = Mapping[str, Vector]
 """Limit → location over speed [m]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class BrakingCase:
-    """A train on a line under national values."""
+    """A train on a line under national values.
+
+    Its decelerations do not depend on the target. A headway has hundreds of targets, so they are calculated once.
+    """
 
     model: BrakingModel
     national: NationalValues
@@ -33,6 +37,20 @@ class BrakingCase:
     def ceiling(self) -> float:
         """Permitted speed V_MRSP [m/s], at most that of the train (§3.13.7.2)."""
         return min(self.model.maximum_speed, self.line.speed or inf)
+
+    @cached_property
+    def safe(self) -> Deceleration:
+        """A_safe(V, d) of the emergency brake (§3.13.6.2)."""
+        return Deceleration.of(
+            lambda a, most, gradient: np.minimum(a, most) + gradient,
+            [safe_deceleration(self.model, self.national)],
+            [highest_deceleration(self), gradient_deceleration(self)],
+        )
+
+    @cached_property
+    def expected(self) -> Deceleration:
+        """A_expected(V, d) of the service brake (§3.13.6.3)."""
+        return brake_on_line(self, self.model.service)
 
 
 def lowest_gradient(line: Line, length: float) -> Steps:
@@ -65,13 +83,7 @@ def emergency_curve(case: BrakingCase, target: Target) -> BrakingCurve:
         InputError: The brake does not slow the train down on a gradient.
     """
     above = float(fixed.ceiling_margin("EBI", target.speed)) if target.speed else 0.0
-    brake = safe_deceleration(case.model, case.national)
-    deceleration = Deceleration.of(
-        lambda a, most, gradient: np.minimum(a, most) + gradient,
-        [brake],
-        [highest_deceleration(case), gradient_deceleration(case)],
-    )
-    return _curve(case, "EBD", deceleration, target, target.at, target.speed + above)
+    return _curve(case, "EBD", case.safe, target, target.at, target.speed + above)
 
 
 def highest_deceleration(case: BrakingCase) -> Steps:
@@ -93,7 +105,7 @@ def service_curve(case: BrakingCase, target: Target) -> BrakingCurve:
     Raises:
         InputError: The brake does not slow the train down on a gradient.
     """
-    return _curve(case, "SBD", brake_on_line(case, case.model.service), target, target.at, target.speed)
+    return _curve(case, "SBD", case.expected, target, target.at, target.speed)
 
 
 def brake_on_line(case: BrakingCase, brake: Steps) -> Deceleration:

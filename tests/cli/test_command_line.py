@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 import synthetic_runner
+from one_process import one_process
 from pages import plots_of
 
 from railgrip.base.errors import RecordError
@@ -143,7 +144,8 @@ def test_a_programming_error_is_not_caught(railgrip):
 
 @pytest.mark.usefixtures("blank_figures")
 def test_an_interrupted_campaign_resumes(railgrip, project):
-    result = railgrip("campaign", "pair.toml", "--out", "out", "--panels", "abc")
+    with one_process():
+        result = railgrip("campaign", "pair.toml", "--out", "out", "--panels", "abc")
     assert result.code == 0, result.err
     assert stops_in(project / "out") == ["wet-abc", "wet-sbc"]
     # 0.8 against 0.95 m/s²

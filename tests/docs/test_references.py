@@ -1,10 +1,9 @@
 """Docstrings and comments name only files, modules, classes and variables that exist."""
 
 import ast
-import io
 import re
 import subprocess
-import tokenize
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -17,6 +16,11 @@ FILE = re.compile(rf"(?<![\w./*<{{-])(?:[\w-]+/)*[\w-]+\.{SUFFIXES}(?!\.?\w|[*(]
 DOTTED = re.compile(r"(?<![\w./`])`?(railgrip(?:\.\w+)+)")
 MODELICA = re.compile(r"(?<![\w.])RailBraking(?:\.[A-Za-z]\w*)+")
 QUOTED = re.compile(r"`([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*)(?:\(\))?`")
+_STRING = r""""{3}(?:[^\\]|\\.)*?"{3}|'{3}(?:[^\\]|\\.)*?'{3}|"(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)*'"""
+COMMENT = re.compile(rf"#[^\n]*|{_STRING}", re.DOTALL)
+"""A comment or a string of Python; Python's own tokenizer takes far longer."""
+TOKEN = re.compile(rf"#[^\n]*|[rbfu]{{0,2}}(?:{_STRING})|[^\W\d]\w*", re.DOTALL | re.IGNORECASE)
+"""A comment, a string or a name of Python."""
 GENERATED = {
     "friction.json",
 }  # fmt: skip
@@ -39,17 +43,30 @@ def sources() -> tuple[Path, ...]:
     return tuple(ROOT / name for name in tracked() if name.endswith(".py") and name.startswith(PACKAGES[:-1]))
 
 
+@cache
+def tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def statements(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the statements in a module or statement, at any depth; most nodes are parts of expressions."""
+    for name in ("body", "orelse", "handlers", "finalbody", "cases"):
+        for each in getattr(node, name, ()):
+            yield each
+            yield from statements(each)
+
+
 def prose(path: Path) -> list[tuple[int, str]]:
     """Return the docstrings and comments of a file with their line numbers."""
     text = path.read_text(encoding="utf-8")
     if path.suffix != ".py":
         return [(text.count("\n", 0, c.start()) + 1, c[0]) for c in re.finditer(r"/\*.*?\*/", text, re.DOTALL)]
     found = [
-        (token.start[0], token.string)
-        for token in tokenize.generate_tokens(io.StringIO(text).readline)
-        if token.type == tokenize.COMMENT
+        (text.count("\n", 0, token.start()) + 1, token[0])
+        for token in COMMENT.finditer(text)
+        if token[0].startswith("#")
     ]
-    for node in ast.walk(ast.parse(text)):
+    for node in statements(tree(path)):
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
             found.append((node.lineno, node.value.value))
     return found
@@ -71,11 +88,9 @@ def identifiers() -> frozenset[str]:
         if path == Path(__file__):
             continue
         if name.endswith(".py"):
-            for token in tokenize.generate_tokens(io.StringIO(path.read_text(encoding="utf-8")).readline):
-                if token.type == tokenize.NAME:
-                    words.add(token.string)
-                elif token.type == tokenize.STRING and not token.string.startswith(('"""', 'r"""')):
-                    words.update(re.findall(r"\w+", token.string))
+            for token in TOKEN.finditer(path.read_text(encoding="utf-8")):
+                if not token[0].startswith(("#", '"""', 'r"""')):
+                    words.update(re.findall(r"\w+", token[0]))
         elif name.endswith((".c", ".h", ".toml", ".mo", ".js", ".jinja")):
             words.update(re.findall(r"\w+", path.read_text(encoding="utf-8")))
     return frozenset(words)
@@ -83,7 +98,7 @@ def identifiers() -> frozenset[str]:
 
 def members(path: Path, names: list[str]) -> bool:
     """Return whether a module has the first name at top level, and each class the next name."""
-    body: list[ast.stmt] = ast.parse(path.read_text(encoding="utf-8")).body
+    body: list[ast.stmt] = tree(path).body
     for name in names:
         found = [node for node in body if name in defined(node)]
         if not found:
@@ -135,11 +150,15 @@ def classes() -> dict[str, set[str]]:
     """Return the classes of the sources with all names in their bodies; classes of equal name are merged."""
     found: dict[str, set[str]] = {}
     for path in sources():
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in statements(tree(path)):
             if isinstance(node, ast.ClassDef):
                 inner = {each.name for each in node.body if isinstance(each, ast.FunctionDef)}
                 inner |= {name for each in node.body for name in defined(each)}
-                inner |= set(re.findall(r"self\.(\w+)", ast.unparse(node)))
+                inner |= {
+                    each.attr
+                    for each in ast.walk(node)
+                    if isinstance(each, ast.Attribute) and isinstance(each.value, ast.Name) and each.value.id == "self"
+                }
                 if node.bases:
                     inner.add("*")
                 found.setdefault(node.name, set()).update(inner)

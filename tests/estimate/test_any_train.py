@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sampling import FUZZ
 from scipy.stats import binom, chi2
 from typer.testing import CliRunner
 
@@ -39,7 +40,7 @@ def squares(noise):
     return of_process | {f"noise.readings.{name}": deviation**2 for name, deviation in noise.readings.items()}
 
 
-TRAINS = Path(railgrip.scenario.__file__).parent / "trains"
+TRAM = Path(railgrip.scenario.__file__).parent / "trains" / "tram.toml"
 
 
 def trace_of_tram(estimator, changes, folder=Path(), **tables):
@@ -76,20 +77,21 @@ def test_the_data_of_a_train_file_are_those_of_its_plant(train):
     assert {name: declared[name] for name in data} == data
 
 
-def test_the_estimates_of_a_train_file_equal_those_of_the_loop(tmp_path):
-    """The same prediction, noises, gate and start give the same bits, in the loop of the stop and from its trace.
+@pytest.fixture(scope="module")
+def mine(tmp_path_factory):
+    """A train file of a user: that of tests/cli/test_new.py, so that both need one FMU."""
+    text = TEMPLATE.read_text(encoding="utf-8").replace("NAME", "mine").replace("coupled = false", "coupled = true")
+    file = tmp_path_factory.mktemp("train") / "mine.toml"
+    file.write_text(text, encoding="utf-8")
+    return file
 
-    The tram has no magnets here: the filter in the loop knows when they are demanded, and a recording does not tell.
-    """
-    text = (TRAINS / "tram.toml").read_text(encoding="utf-8")
-    begin, end = text.index("[track_brakes.magnet]"), text.index("# Stands for the shaft brake")
-    without = text[:begin] + text[end : text.index("[[reference]]")]  # published distances need the magnets
-    text = without.replace('track_brake = "magnet"\n', "").replace('"track_brake", ', "")
-    (tmp_path / "plain.toml").write_text(text, encoding="utf-8")
+
+def test_the_estimates_of_a_train_file_equal_those_of_the_loop(mine):
+    """The same prediction, noises, gate and start give the same bits, in the loop of the stop and from its trace."""
     short = ["limits.horizon=2.5 s", "adhesion.first_fall=1 s", "periods.trace=1 ms"]
-    trace = trace_of_tram("fmu", short, tmp_path, vehicle={"train": "plain.toml"})
+    trace = trace_of_tram("fmu", short, mine.parent, vehicle={"train": mine.name})
     changes = squares(IDEAL) | {
-        "model.train": str(tmp_path / "plain.toml"),
+        "model.train": str(mine),
         "model.class": "ConsistPrediction",
         "between": "held",
     }
@@ -107,7 +109,7 @@ def test_the_estimates_of_a_train_file_equal_those_of_the_loop(tmp_path):
     assert np.ptp(trace["estimate_adhesion"].values) > 0.05
 
 
-RUNS, STEPS, PERIOD, CONFIDENCE = 100, 100, 0.01, 0.999
+RUNS, STEPS, PERIOD, CONFIDENCE = 100 if FUZZ else 50, 100, 0.01, 0.999
 
 
 def drawn(specification, mean, pressure, seed):
@@ -176,20 +178,17 @@ def rg_estimate(recording, specification):
 WHITE = {"speed": "0.1 m/s", "wheelset_speed": "0.1 rad/s", "acceleration": "0.05 m/s**2", "deflection": "0.2 mm"}
 
 
-def test_adhesion_of_a_simulated_train_is_within_its_claimed_intervals(tmp_path):
+def test_adhesion_of_a_simulated_train_is_within_its_claimed_intervals(mine):
     """The plant is not the prediction: its adhesion follows a creep curve, and its suspension other equations.
 
     The bound of 90 % is the one that the study of estimators requires of every family of stops. Chance has a smaller
     effect: errors are correlated over some 0.2 s, the time constant of the filter, so that 4 groups over 10 s have 200
     independent samples, whose coverage scatters by 0.015 around 0.95.
     """
-    text = TEMPLATE.read_text(encoding="utf-8").replace("NAME", "mine").replace("coupled = false", "coupled = true")
-    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
     changes = ["periods.trace=10 ms", "periods.controller=10 ms", "start.speed=60 km/h"]
     tables = {"sensors": {"kind": "white", "noise": WHITE}, "controller": {"kind": "slip_three_state"}}
-    tables |= {"vehicle": {"train": "mine.toml"}, "actuation": {"kind": "pneumatic"}}
-    trace = trace_of_tram("none", changes, tmp_path, **tables)
-    found = rg.estimate(trace, "train", {"model.train": str(tmp_path / "mine.toml")})
+    trace = trace_of_tram("none", changes, mine.parent, **tables, vehicle={"train": mine.name})
+    found = rg.estimate(trace, "train", {"model.train": str(mine)})
     moving = trace["speed"].values > SLOWEST
     for state, name in (("group_adhesion", "group_adhesion"), ("pad_friction", "pad_friction")):
         states = [f"{state}[{group}]" for group in range(1, 5)]
@@ -249,6 +248,7 @@ def test_a_linear_class_of_a_user_has_the_estimates_of_the_kalman_filter(tmp_pat
     assert rows == {"m": "--set"}
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_page_and_json_have_every_parameter_with_its_origin(trace, tmp_path):
     (tmp_path / "mine.toml").write_text(
         'extends = "train"\n[model]\ntrain = "tram"\n[model.parameters]\nrho_air = 1.3\n'
@@ -284,16 +284,14 @@ def test_a_prediction_without_the_track_brakes_of_the_train_is_reported(trace):
     assert "tram has brakes on the rail itself" in warnings
 
 
-def test_a_prediction_without_the_linear_resistance_of_the_train_is_reported(tmp_path):
-    changes = {
-        "start.speed": "10 km/h",
-        "limits.horizon": "1 s",
-        "vehicle.train": "two_car_unit",
-        "estimator.kind": "none",
-    }
-    stop = rg.run(rg.Scenario.load("plain", changes | {"controller.kind": "full_brake", "vehicle.plant": None}))
-    warnings = rg.estimate(stop.trace, "train", {"model.train": "two_car_unit"}).attrs["warnings"]
-    assert "two_car_unit has a linear running resistance of 110 N s/m" in warnings
+def test_a_prediction_without_the_linear_resistance_of_the_train_is_reported(trace, tmp_path):
+    """A prediction needs no Davis coefficient: that of the tram is used with and without it."""
+    text = TRAM.read_text(encoding="utf-8")
+    begin, end = text.index("[resistance]"), text.index("[pads.organic]")
+    davis = '[davis]\nconstant = "450 N"\nlinear = "110 N.s/m"\nquadratic = "3.4 N.s2/m2"\nestimated = true\n\n'
+    (tmp_path / "rolling.toml").write_text(text[:begin] + davis + text[end:], encoding="utf-8")
+    warnings = rg.estimate(trace, "train", {"model.train": str(tmp_path / "rolling.toml")}).attrs["warnings"]
+    assert "tram has a linear running resistance of 110 N s/m" in warnings
 
 
 def test_the_train_of_the_library_estimation_counts_as_default():

@@ -60,6 +60,7 @@ FAULTS = {
 }  # fmt: skip
 
 
+@pytest.mark.usefixtures("blank_figures")
 @pytest.mark.parametrize("fault", FAULTS)
 def test_estimate_and_its_command_agree(tmp_path, fault):
     """Code 2 is an exception and code 3 a warning, and each problem that one states is stated by the other."""

@@ -14,6 +14,7 @@ import pytest
 import xarray
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from sampling import FUZZ
 from typer.testing import CliRunner
 
 import railgrip as rg
@@ -143,6 +144,7 @@ def written(folder: Path, signals: dict[str, np.ndarray], contradictions: str = 
     return ["estimate", str(folder / "run.toml"), "--data", str(folder / "run.csv"), "--out", str(folder / "out")]
 
 
+@pytest.mark.usefixtures("blank_figures")
 @pytest.mark.parametrize(("base", "change", "code", "sentence"), CASES)
 def test_a_wrong_scale_or_clock_is_refused_or_reported(tmp_path, base, change, code, sentence):
     """Impossible signals are refused unless [data] accepts them; doubtful ones are reported in output and result."""
@@ -212,7 +214,7 @@ TAME = st.fixed_dictionaries(
 )
 """Stops with enough adhesion to reveal a delay, which slip would hide."""
 EITHER_WAY = st.booleans()
-few = settings(max_examples=25, derandomize=True)
+few = settings(max_examples=100 if FUZZ else 12, derandomize=True)
 
 
 @given(VEHICLES)

@@ -177,7 +177,7 @@ def few_draws(monkeypatch):
     monkeypatch.setattr(module, "figures_of", stop_by_hand)
 
 
-def test_the_question_of_an_operator_in_one_command(few_draws):
+def test_the_question_of_an_operator_in_one_command(few_draws, monkeypatch):
     """Leaves at .05, level 0.8 to 1.2: all variants have the same levels, and sand halves all distances."""
     study = Benefit(EMU, "sand, slip_two_state", Path("leaves"), draws=6)
     chain = chain_of(study, Here())
@@ -190,6 +190,7 @@ def test_the_question_of_an_operator_in_one_command(few_draws):
     assert np.all(second < first)
     assert np.array_equal(first, third)
     assert np.array_equal(second, last)
+    monkeypatch.setattr(module, "chain_of", lambda *arguments: chain)
     page = study.page(Here())
     assert "shortens the headway by" in page.answer
     assert [row["measure"] for row in page.tables["gains.csv"].rows] == [BASE, "sand", "slip_two_state", "all together"]

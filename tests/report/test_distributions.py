@@ -124,10 +124,10 @@ def test_a_distance_that_depends_on_rounding_has_its_range_in_the_documentation(
 def test_the_interval_of_the_median_has_its_nominal_coverage():
     """In 400 samples of 20 draws from a skewed distribution, the interval misses the true median in up to 5 %."""
     rng = np.random.default_rng(1)
-    misses = 0
+    misses, reference = 0, frame(*(row(n, 1.0) for n in range(20)))
     for _ in range(400):
         changes = rng.exponential(size=20)
-        one_draw = compare_pairs(pandas.Series(1 + changes), frame(*(row(n, 1.0) for n in range(20))))
+        one_draw = compare_pairs(pandas.Series(1 + changes), reference)
         low, high = one_draw.change_interval
         misses += not low <= math.log(2) <= high
     assert misses <= stats.binom.ppf(0.999, 400, 0.05)

@@ -1,10 +1,12 @@
 """No figure has texts that overlap or are cut off, or an empty panel; tests/conftest.py checks those that are saved."""
 
+from functools import cache
 from itertools import product
 
 import numpy as np
 import pytest
 from legible import LOWEST, WIDTHS, defects_on_screen, drawn, needs_browser
+from legible import defects_of as defects_in
 from pages import plots_of, replace_plots
 from readable import defects_of
 from sampling import sample
@@ -41,6 +43,12 @@ def stops(folder):
     return {stop.name: stop for stop in read_results(folder).stops}
 
 
+@pytest.fixture(scope="module")
+def drawings(stops, folder):
+    """Return a function that draws a kind of figure once."""
+    return cache(lambda name: FIGURES[name](stops, folder))
+
+
 def comparison(stops, folder):
     names = ("slip_two_state", "adhesion_based")
     return compare(*(folder / f"trapezoid-ideal-{name}" for name in names)).plot()
@@ -67,8 +75,8 @@ FIGURES = {
 
 
 @pytest.mark.parametrize("name", FIGURES)
-def test_a_figure_is_readable(name, stops, folder):
-    drawing = FIGURES[name](stops, folder)
+def test_a_figure_is_readable(name, drawings):
+    drawing = drawings(name)
     assert defects_of(drawing) == []
     # The version on a page has all panels, too.
     plot = interactive(drawing)
@@ -92,11 +100,11 @@ def page_of(figures, folder):
 
 
 @pytest.fixture(scope="module")
-def pages(folder, stops, tmp_path_factory):
+def pages(folder, drawings, tmp_path_factory):
     """A page of all kinds of figures, that of a campaign, and that of a stop."""
     write_report(folder, panels="abc")
     of_kinds = tmp_path_factory.mktemp("kinds")
-    kinds = {f"figures/{name.replace(' ', '-')}.png": draw(stops, folder) for name, draw in FIGURES.items()}
+    kinds = {f"figures/{name.replace(' ', '-')}.png": drawings(name) for name in FIGURES}
     return {
         "figures": page_of(kinds, of_kinds),
         "campaign": folder / "index.html",
@@ -104,16 +112,28 @@ def pages(folder, stops, tmp_path_factory):
     }
 
 
-@needs_browser
-@pytest.mark.parametrize(("name", "width"), sample([*product(("figures", "campaign", "stop"), WIDTHS)], 5))
-def test_no_text_of_a_page_overlaps_and_no_axis_is_low(name, width, pages, tmp_path):
-    assert defects_on_screen(pages[name], tmp_path, width) == []
+SCREENS = sample([*product(("figures", "campaign", "stop"), WIDTHS)], 5)
+
+
+@pytest.fixture(scope="module")
+def screens(pages, tmp_path_factory):
+    """What a browser draws of the pages, by name, width and height of the screen; one browser draws them all."""
+    sizes = [*((name, width, 900) for name, width in SCREENS), ("campaign", 1280, 800)]
+    found = drawn([(pages[name], width, height) for name, width, height in sizes], tmp_path_factory.mktemp("screens"))
+    return dict(zip(sizes, found, strict=True))
 
 
 @needs_browser
-def test_the_answer_of_a_campaign_is_on_the_first_screen(pages, tmp_path):
+@pytest.mark.parametrize(("name", "width"), SCREENS)
+def test_no_text_of_a_page_overlaps_and_no_axis_is_low(name, width, screens):
+    assert screens[name, width, 900]["plots"]
+    assert defects_in(screens[name, width, 900]) == []
+
+
+@needs_browser
+def test_the_answer_of_a_campaign_is_on_the_first_screen(screens):
     """On a screen of 1280 by 800 pixels: the overview with all of its columns, and the figure."""
-    found = drawn(pages["campaign"], tmp_path, 1280, 800)
+    found = screens["campaign", 1280, 800]
     first = found["plots"][0]
     assert first["name"] == "figures/overview.png"
     assert first["frame"]["bottom"] <= 800
@@ -143,14 +163,15 @@ def many_names_above(axes):
 
 
 @needs_browser
-@pytest.mark.parametrize("spoil", [low, legend_over_lines, many_names_above])
-def test_a_page_mends_what_it_draws_larger_than_a_figure(spoil, tmp_path):
+def test_a_page_mends_what_it_draws_larger_than_a_figure(tmp_path):
     """Legends of plotly.js are larger than those of matplotlib, and panels must not be low."""
-    drawing, axes = panels(6, 3)
-    axes.plot([0, 1], [0, 1], label="a line")
-    spoil(axes)
-    page = page_of({"figures/one.png": drawing}, tmp_path)
-    assert defects_on_screen(page, tmp_path / "screen", 800) == []
+    pages = []
+    for spoil in (low, legend_over_lines, many_names_above):
+        drawing, axes = panels(6, 3)
+        axes.plot([0, 1], [0, 1], label="a line")
+        spoil(axes)
+        pages.append(page_of({"figures/one.png": drawing}, tmp_path / spoil.__name__))
+    assert defects_on_screen(pages, tmp_path / "screen", 800) == [[], [], []]
 
 
 @needs_browser
@@ -164,7 +185,9 @@ def test_a_browser_finds_texts_that_overlap(tmp_path):
     moved = {**note, "text": "another one"}
     packed["figures/one.png"]["layout"]["annotations"].append(moved)
     replace_plots(page, packed)
-    assert "figures/one.png: 'one text' overlaps 'another one'" in defects_on_screen(page, tmp_path / "screen", 800)
+    assert (
+        "figures/one.png: 'one text' overlaps 'another one'" in defects_on_screen([page], tmp_path / "screen", 800)[0]
+    )
 
 
 def crowd_ticks(axes):

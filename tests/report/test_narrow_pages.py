@@ -4,7 +4,7 @@ import json
 import re
 
 import pytest
-from legible import in_frame, needs_browser
+from legible import in_frames, needs_browser
 
 from railgrip.report.campaign_figures import distance_figure
 from railgrip.report.frame import frame_of
@@ -42,15 +42,31 @@ def folder(tmp_path_factory, write_campaign):
     return directory
 
 
-def boxes(page, folder, **what):
-    """Return by name the boxes of elements of a page on a screen of `WIDTH` pixels, in pixels."""
-    return in_frame(page, folder, BOXES.replace("WHAT", json.dumps(what)), WIDTH)
+FRAMES = {
+    "stop": {"caption": ".controls + .caption", "train": "svg circle", "plot": ".plot .svg-container"},
+    "printed stop": {"printed": "html", "plot": ".plot .svg-container"},
+    "campaign": {
+        "head": "table.data th", "cells": "table.data td", "titles": ".annotation",
+        "plot": ".plot:first-of-type .svg-container",
+    },
+}  # fmt: skip
+"""Page → name → selector of elements."""
+
+
+@pytest.fixture(scope="module")
+def boxes(folder, tmp_path_factory):
+    """By page and name the boxes of elements on a screen of `WIDTH` pixels, in pixels; one browser draws all pages."""
+    stop = next(folder.glob("*abc*/index.html"))
+    frames = [
+        (folder / "index.html" if name == "campaign" else stop, BOXES.replace("WHAT", json.dumps(what)), WIDTH, 900)
+        for name, what in FRAMES.items()
+    ]
+    return dict(zip(FRAMES, in_frames(frames, tmp_path_factory.mktemp("screen")), strict=True))
 
 
 @needs_browser
-def test_train_and_signals_of_a_stop_fit_a_narrow_screen(folder, tmp_path):
-    page = next(folder.glob("*abc*/index.html"))
-    found = boxes(page, tmp_path, caption=".controls + .caption", train="svg circle", plot=".plot .svg-container")
+def test_train_and_signals_of_a_stop_fit_a_narrow_screen(boxes):
+    found = boxes["stop"]
     (caption,) = found["caption"]
     assert re.fullmatch(r"\d+\.\d\d s, \d+\.\d m; slip from .*", caption["text"])
     assert caption["size"] >= 12  # pixels: as small as the letters of a table there
@@ -59,8 +75,8 @@ def test_train_and_signals_of_a_stop_fit_a_narrow_screen(folder, tmp_path):
 
 
 @needs_browser
-def test_distances_of_a_campaign_fit_a_narrow_screen(folder, tmp_path):
-    found = boxes(folder / "index.html", tmp_path, head="table.data th", cells="table.data td")
+def test_distances_of_a_campaign_fit_a_narrow_screen(folder, boxes):
+    found = boxes["campaign"]
     (distance,) = (box for box in found["head"] if box["text"] == "distance")
     assert distance["right"] <= WIDTH
     cells = [box for box in found["cells"] if abs(box["right"] - distance["right"]) < 1 and box["text"].endswith(" m")]
@@ -68,18 +84,17 @@ def test_distances_of_a_campaign_fit_a_narrow_screen(folder, tmp_path):
 
 
 @needs_browser
-def test_figures_are_as_wide_as_paper(folder, tmp_path):
+def test_figures_are_as_wide_as_paper(boxes):
     """A4 without margins is 690 pixels wide; the summary leaves most of the height to a figure of a stop."""
-    page = next(folder.glob("*abc*/index.html"))
-    (plot,) = boxes(page, tmp_path, printed="html", plot=".plot .svg-container")["plot"]
+    (plot,) = boxes["printed stop"]["plot"]
     assert plot["right"] - plot["left"] == pytest.approx(690, abs=1)
     assert plot["bottom"] - plot["top"] > 400  # below the text of a narrow screen
 
 
 @needs_browser
-def test_titles_of_panels_of_bars_are_complete(folder, tmp_path):
+def test_titles_of_panels_of_bars_are_complete(boxes):
     """Each is in the drawing, and none overlaps its neighbour."""
-    found = boxes(folder / "index.html", tmp_path, titles=".annotation", plot=".plot:first-of-type .svg-container")
+    found = boxes["campaign"]
     plot = found["plot"][0]
     titles = [box for box in found["titles"] if "km/h" in box["text"]]
     assert [box["text"] for box in titles] == ["start.speed 80 km/h", "start.speed 120 km/h"]
