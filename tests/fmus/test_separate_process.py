@@ -34,7 +34,7 @@ REFUSED = {
         "the recursive function P.f is not supported",
     ),
     "a component of itself": ("model M M a; Real x(start=1); equation der(x) = -x; end M;", "cyclic class"),
-    "0/0": ("model M Real x(start=0/0, fixed=true); equation der(x) = -x; end M;", "non-finite"),
+    "0/0": ("model M Real x(start=0/0, fixed=true); equation der(x) = -x; end M;", "is not a finite number"),
     "no equations": ("model M Real x; end M;", "unbalanced model: 0 equations, 1 unknowns"),
     "an empty file": ("", "no file of it declares M"),
     "10⁸ states": (
