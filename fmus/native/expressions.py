@@ -428,18 +428,17 @@ class ExpressionBuilder:
         function = self.dae.functions[operation["function"]]
         if function["external"]:
             return self._external(function, operation, node, frame)
-        for statement in function["statements"]:
-            if statement["kind"] == "assertion":
-                if not self.dae.text(statement["provenance"]).startswith("assert"):
-                    raise self.dae.refuse(
-                        f"an output of function {function['name']} is not assigned in every case; assign it a value at "
-                        f"the beginning: {self.dae.text(statement['provenance'])}",
-                        statement["provenance"],
-                    )
+        for assertion in function["assertions"]:
+            if not self.dae.text(assertion["provenance"]).startswith("assert"):
                 raise self.dae.refuse(
-                    f"an assert inside function {function['name']} is not supported; assert in the model that calls it",
-                    statement["provenance"],
+                    f"an output of function {function['name']} is not assigned in every case; assign it a value at "
+                    f"the beginning: {self.dae.text(assertion['provenance'])}",
+                    assertion["provenance"],
                 )
+            raise self.dae.refuse(
+                f"an assert inside function {function['name']} is not supported; assert in the model that calls it",
+                assertion["provenance"],
+            )
         key = ("call", operation["function"], tuple(operation["operands"]))
         if key not in frame.memo:
             if function["name"] in self._calls:

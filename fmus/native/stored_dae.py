@@ -204,6 +204,7 @@ def _function(function: Node) -> Node:
     values = [*function["outputs"], *function["locals"]]
     definitions: list[Node] = []
     folds: list[Node] = []
+    assertions: list[Node] = []
     last: dict[int, int] = {}
 
     def define(target: int, expression: int | None = None) -> int:
@@ -214,6 +215,8 @@ def _function(function: Node) -> Node:
     def run(statements: Sequence[Node]) -> None:
         for statement in statements:
             ((kind, content),) = statement.items()
+            if kind == "assertion":
+                assertions.append(content)
             for assignment in {"assignment": [content], "assignment_group": content.get("assignments")}.get(kind, ()):
                 define(assignment["target"], assignment["rhs"])
             if kind == "for":  # the definitions of its parameters are before those of its body
@@ -230,7 +233,7 @@ def _function(function: Node) -> Node:
         "name": function["name"],
         "values": values,
         "definitions": definitions,
-        "statements": [_tagged(s) for s in function["statements"]],
+        "assertions": assertions,
         "folds": folds,
         "results": [last.get(i) for i in range(len(function["outputs"]))],
         "external": function["external"],

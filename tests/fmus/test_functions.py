@@ -40,6 +40,11 @@ SUPPORTED = {
     "early return": (SIMPLE, "y := 1; if u > 1 then y := 2; return; end if; y := 3;", "f(x)", 2),
     "elseif": (SIMPLE, "y := u; if u > 3 then y := 4; elseif u > 1 then y := 5; else y := 6; end if;", "f(x)", 5),
     "protected value": ("input Real u; output Real y; protected Real z = sqrt(u);", "y := z^2;", "f(x)", X),
+    "assigned in a loop only": (SIMPLE, "for i in 1:3 loop y := i*u; end for;", "f(x)", 3 * X),
+    "local assigned in a loop only": (
+        "input Real u; output Real y; protected Real z;",
+        "y := 0; for i in 1:3 loop z := i*u; y := y + z; end for;", "f(x)", 6 * X,
+    ),
     "equality of Reals": (SIMPLE, "if u == 2 then y := 1; else y := 0; end if;", "f(x)", 1),
     "vectorised call": (SIMPLE, "y := 10*u;", "sum(f({x, 1}))", 30),
 }  # fmt: skip
@@ -79,6 +84,16 @@ REFUSED = {
     "Real range": ("y := 0; for i in 0.5:1:2.5 loop y := y + i; end for;", "for i", "must be Integer numbers"),
     "recursion": ("y := if u < 1 then 1 else u*f(u - 1);", "f(u - 1)", "the recursive function P.f"),
     "assert": ('y := u; assert(u > 0, "negative");', "assert", "an assert inside function f"),
+    "assert in a loop": (
+        'y := u; for i in 1:2 loop y := y + 1; if y > 2 then assert(u > 0, "negative"); end if; end for;',
+        "assert",
+        "an assert inside function f",
+    ),
+    "assert alone in loops": (
+        'y := u; for i in 1:2 loop for j in 1:2 loop assert(u > i, "low"); end for; end for;',
+        "assert",
+        "an assert inside function f",
+    ),
     "not assigned": ("if u > 3 then y := 1; end if;", "function f", "not assigned in every case"),
     "sizes": ("y := u + {1, 2};", "{1, 2}", "sizes of the arrays do not fit"),
     "square root": ("y := sqrt(-1);", "sqrt", r"sqrt\(-1\): the argument must not be negative"),
