@@ -111,7 +111,9 @@ def test_valve_commands_require_valves(folder):
 
 def test_valve_commands_accept_no_demand_of_a_driver(folder):
     _, other = with_fmu(VALVE_LAW, folder, "controller.trust=true", "demand.phases=[{pressure=0}]")
-    with pytest.raises(ScenarioError, match=r"\[demand\] limits the pressures .* commands the valves instead; leave out"):
+    with pytest.raises(
+        ScenarioError, match=r"\[demand\] limits the pressures .* commands the valves instead; leave out"
+    ):
         run_stop(other)
 
 
