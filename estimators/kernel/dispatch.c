@@ -6,20 +6,17 @@
 #endif
 
 #if defined(WIDE)
-int step_wide(double *block);
-
-int dispatch(double *block)
-{
-    return step_wide(block);
-}
+#define STEP step_wide
 #else
-int step_plain(double *block);
+#define STEP step_plain
+#endif
+
+int STEP(double *block);
 
 int dispatch(double *block)
 {
-    return step_plain(block);
+    return STEP(block);
 }
-#endif
 
 /* Not called within this library: the C library also has a `step`, which the linker might choose. */
 EXPORT int step(double *block)

@@ -10,6 +10,7 @@ from itertools import islice, product
 from math import pi
 from typing import Any
 
+from railgrip.base.errors import TranslationError
 from railgrip.fmus.native.classes import Node
 
 VERSION = 43
@@ -215,18 +216,24 @@ def _function(function: Node) -> Node:
     def run(statements: Sequence[Node]) -> None:
         for statement in statements:
             ((kind, content),) = statement.items()
-            if kind == "assertion":
-                assertions.append(content)
-            for assignment in {"assignment": [content], "assignment_group": content.get("assignments")}.get(kind, ()):
-                define(assignment["target"], assignment["rhs"])
-            if kind == "for":  # the definitions of its parameters are before those of its body
-                fold: Node = {"domain": content["domain"]}
-                folds.append(fold)
-                fold["initial_definitions"] = [last[target] for target in content["targets"]]
-                fold["parameter_definitions"] = [define(target) for target in content["targets"]]
-                run(content["statements"])
-                fold["update_definitions"] = [last[target] for target in content["targets"]]
-                fold["output_definitions"] = [define(target) for target in content["targets"]]
+            match kind:
+                case "assertion":
+                    assertions.append(content)
+                case "assignment":
+                    define(content["target"], content["rhs"])
+                case "assignment_group":
+                    for assignment in content["assignments"]:
+                        define(assignment["target"], assignment["rhs"])
+                case "for":  # the definitions of its parameters are before those of its body
+                    fold: Node = {"domain": content["domain"]}
+                    folds.append(fold)
+                    fold["initial_definitions"] = [last[target] for target in content["targets"]]
+                    fold["parameter_definitions"] = [define(target) for target in content["targets"]]
+                    run(content["statements"])
+                    fold["update_definitions"] = [last[target] for target in content["targets"]]
+                    fold["output_definitions"] = [define(target) for target in content["targets"]]
+                case _:
+                    raise TranslationError(f"function {function['name']}: statements of kind {kind} are not supported")
 
     run(function["statements"])
     return {
