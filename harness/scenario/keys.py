@@ -103,14 +103,14 @@ def _any_key(tables: dict[str, Any]) -> dict[str, Any]:
 @cache
 def units_of_keys() -> Mapping[str, str]:
     """Return key, as `start.speed`, → SI unit, without keys whose unit depends on the kind of their table."""
-    return _unambiguous((key, entry.unit) for key, entry in _entries(Scenario, "") if isinstance(entry, UnitRange))
+    return _unambiguous((key, entry.unit) for key, entry in entries_of(Scenario, "") if isinstance(entry, UnitRange))
 
 
 @cache
 def meanings_of_keys() -> Mapping[str, str]:
     """Return key → description, without keys whose description depends on the kind of their table."""
     return _unambiguous(
-        (key, entry.description or "") for key, entry in _entries(Scenario, "") if isinstance(entry, FieldInfo)
+        (key, entry.description or "") for key, entry in entries_of(Scenario, "") if isinstance(entry, FieldInfo)
     )
 
 
@@ -121,7 +121,8 @@ def _unambiguous(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
     return {key: text for key, (text, *others) in texts.items() if not others}
 
 
-def _entries(table: type[BaseModel], path: str) -> Iterator[tuple[str, FieldInfo | UnitRange]]:
+def entries_of(table: type[BaseModel], path: str) -> Iterator[tuple[str, FieldInfo | UnitRange]]:
+    """Yield the keys of a table after `path`, at any depth, with their fields and units."""
     for name, field in table.model_fields.items():
         yield f"{path}{name}", field
         yield from _of_annotation(field.annotation, field.metadata, f"{path}{name}")
@@ -135,9 +136,9 @@ def _of_annotation(annotation: Any, metadata: Iterable[Any], key: str) -> Iterat
             yield key, entry
         elif isinstance(entry, ByKind):
             for table in entry.ours().values():
-                yield from _entries(table, f"{key}.")
+                yield from entries_of(table, f"{key}.")
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        yield from _entries(annotation, f"{key}.")
+        yield from entries_of(annotation, f"{key}.")
     elif hasattr(annotation, "__metadata__"):
         yield from _of_annotation(annotation.__origin__, annotation.__metadata__, key)
     else:

@@ -152,8 +152,12 @@ def remarks_after(scenario: Scenario, duration: float, distance: float) -> list[
 
 
 def remarks_on_use(scenario: Scenario, metrics: Metrics) -> list[str]:
-    """Return a remark if a stop uses more adhesion than the ideal bound allows."""
-    sentence = metrics.excess_over_bound()
+    """Return a remark if a stop uses more adhesion than the ideal bound allows.
+
+    The stop of the bound itself has none: the definition of `utilisation` explains it, and the sentence would suspect
+    brakes that the bound has.
+    """
+    sentence = "" if scenario.controller.kind == "ideal_bound" else metrics.excess_over_bound()
     return [f"{scenario.name}: {sentence}"] if sentence else []
 
 

@@ -176,7 +176,8 @@ class Metrics:
         lambda stop: measures.energy_residual(stop.trace), is_compared=True)]
     utilisation: Annotated[float, Figure("1",
         "contact impulse of the train over that of the ideal bound, weighted by time: the mean deceleration over "
-        "time as a share of the bound's, whose differences are not those of distances",
+        "time as a share of the bound's, whose differences are not those of distances; the bound has constant slip, "
+        "and wheelsets that give back rotation when friction rises exceed it, as in the stop of the ideal bound",
         lambda stop: stop.utilisation[0], column="adhesion used", factor=100, form="{:.1f} %", better="more",
         clause="utilisation")]
     adhesion_allowed: Annotated[float, Figure("1",

@@ -8,7 +8,7 @@ from pydantic.fields import FieldInfo
 
 import railgrip as rg
 from railgrip.base import registry
-from railgrip.scenario.keys import _entries
+from railgrip.scenario.keys import entries_of
 from railgrip.scenario.load import read_toml
 from railgrip.scenario.onboard import SensorModel
 from railgrip.vehicle.signals import READINGS
@@ -23,7 +23,8 @@ FOR_PLAIN = {"white": {"kind": "white", "noise": {"speed": "0.1 m/s"}, "bias": {
 def test_each_kind_and_each_of_its_keys_has_a_meaning(kind):
     where = f"harness/simulate/sensors/{kind}.py"
     assert registry.meanings("sensors")[kind], f"{where}: begin the docstring with its meaning, for `railgrip list`"
-    entries = {key: entry for key, entry in _entries(KINDS[kind], "") if isinstance(entry, FieldInfo) and key != "kind"}
+    fields = [(key, entry) for key, entry in entries_of(KINDS[kind], "") if isinstance(entry, FieldInfo)]
+    entries = {key: entry for key, entry in fields if key != "kind"}
     tables = {key.rpartition(".")[0] for key in entries}  # their class has a docstring
     nameless = [key for key, entry in entries.items() if not entry.description and key not in tables]
     assert not nameless, f"{where}: give Field(description=…) to {', '.join(nameless)}, for the reference of scenarios"
