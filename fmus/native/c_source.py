@@ -1,10 +1,11 @@
-"""C source: literals and tables, CasADi functions, and the elimination of a sparse matrix.
+"""C source: literals and tables, functions as tapes, and the elimination of a sparse matrix.
 
 Text from outside (names, messages, places) enters C only as a string literal made by `string_literal`.
 
 CasADi's generator writes each function in one piece, and the time of C compilers grows faster than the length of a
 function. Its code also tests whether an argument or result is NULL, which never happens in an FMU; these tests would
-take longer than the operations. Straight-line code is divided into parts; tables (`runtime/tape.c`) compile faster.
+take longer than the operations. `loops.py` writes what steps call, and `tape` the rest: tables (`runtime/tape.c`)
+compile faster. Long code is divided into parts.
 
 The pivots of I·c − J in a Rosenbrock method are its diagonal elements. Their order is chosen once, for minimum fill-in,
 and (I·c − J) = LU and its solution are generated as straight-line code, without pivoting. A tiny pivot is reported, and
@@ -12,13 +13,12 @@ the caller then uses dense elimination with pivoting. Source: Sandu et al., Atmo
 approach of KPP).
 """
 
-import re
 import string
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cache
 from heapq import heapify, heappop, heappush
-from itertools import chain, product
+from itertools import product
 
 import casadi as ca
 
@@ -43,9 +43,7 @@ def strings(name: str, values: Sequence[str | None]) -> str:
     return f"static const char *const {name}[] = {{ {', '.join(entries)} }};"
 
 
-def in_parts(
-    name: str, parameters: str, parts: Sequence[Sequence[str]], units: dict[str, str] | None = None
-) -> list[str]:
+def in_parts(name: str, parameters: str, parts: Sequence[Sequence[str]]) -> list[str]:
     """Return lines of C functions, one for each part, and of the table NAME_parts with all of them.
 
     They are called through a table, because compilers inline a function that is called only once, and the caller would
@@ -55,18 +53,11 @@ def in_parts(
         name: Beginning of the names of the functions.
         parameters: Parameters of each function.
         parts: Lines of each part.
-        units: Receives the functions of long code as further translation units, file name → text.
     """
     voids = " ".join(f"(void){parameter.split()[-1].lstrip('*')};" for parameter in parameters.split(","))
-    heads = [f"void {name}{k}({parameters})" for k in range(len(parts))]
-    functions = [[f"{head} {{", voids, *part, "}"] for head, part in zip(heads, parts, strict=True)]
-    if units is None or len(parts) <= PARTS_OF_A_UNIT:
-        lines = [line for first, *rest in functions for line in (f"static {first}", *rest)]
-    else:
-        lines = [f"{head};" for head in heads]
-        for k in range(0, len(parts), PARTS_OF_A_UNIT):
-            bodies = functions[k : k + PARTS_OF_A_UNIT]
-            units[f"{name}_{k // PARTS_OF_A_UNIT}.c"] = "\n".join(["#include <math.h>", *chain(*bodies), ""])
+    lines = list[str]()
+    for k, part in enumerate(parts):
+        lines += [f"static void {name}{k}({parameters}) {{", voids, *part, "}"]
     # One entry more, because C has no empty arrays.
     table_of_parts = ", ".join([*(f"{name}{k}" for k in range(len(parts))), "0"])
     return [*lines, f"static void (*const {name}_parts[])({parameters}) = {{ {table_of_parts} }};"]
@@ -84,14 +75,6 @@ def string_literal(text: str) -> str:
     octets = text.replace("\0", "\ufffd").encode(errors="replace")
     return f'"{octets.decode("latin-1").translate(_ESCAPES)}"'
 
-
-LONGEST = 150
-"""Maximum number of operations in one part."""
-
-PARTS_OF_A_UNIT = 100
-"""Maximum number of parts in a translation unit: the units of a long train are compiled at the same time."""
-
-PARAMETERS = "const double **restrict arg, double **restrict res, double *restrict w"
 
 LARGEST = 65535
 """Largest index of work, arguments, results and constants; `Operation` has unsigned shorts."""
@@ -162,98 +145,6 @@ def in_c(functions: Sequence[ca.Function]) -> tuple[dict[str, int], str]:
     return sizes, generator.dump() + _CALL
 
 
-@dataclass(slots=True, eq=False)
-class _Value:
-    """An intermediate value of a function.
-
-    Attributes:
-        text: Its name in C.
-        storage: Expression from which another part reads it; for a constant the same as `text`.
-        parts: Parts that compute or use it; if there are several, it is stored.
-    """
-
-    text: str
-    storage: str
-    parts: set[int] = field(default_factory=set)
-
-
-@dataclass(frozen=True, slots=True)
-class _Operation:
-    """One operation: its result, a value or a place in `res`, and its operands."""
-
-    operation: str
-    result: _Value | str
-    operands: tuple[_Value, ...]
-
-
-def straight(function: ca.Function, units: dict[str, str] | None = None) -> str:
-    """Return C code of an expanded (SX) function NAME: `static void NAME(const double **arg, double **res)`.
-
-    `units` receives parts of a long function, see `in_parts`.
-
-    The operations are CasADi's, in its order. A value that several parts use is stored in `w` at the place of CasADi's
-    virtual machine, which reuses places as soon as they are free.
-    """
-    steps = list(_steps(function))
-    parts = [_part(steps[k : k + LONGEST]) for k in range(0, len(steps), LONGEST)]
-    name = function.name()
-    return "\n".join(
-        [
-            *in_parts(name, PARAMETERS, parts, units),
-            f"static void {name}(const double **arg, double **res) {{",
-            f"    double w[{function.sz_w() + 1}];",
-            f"    for (int k = 0; k < {len(parts)}; k++) {name}_parts[k](arg, res, w);",
-            "}",
-        ]
-    )
-
-
-def _steps(function: ca.Function) -> Iterator[_Operation]:
-    values: dict[int, _Value] = {}
-    count = 0
-    for k in range(function.n_instructions()):
-        operation = operation_names()[function.instruction_id(k)]
-        to, arguments = function.instruction_output(k), function.instruction_input(k)
-        if operation == "OP_CONST":
-            constant = number(function.instruction_constant(k))
-            values[to[0]] = _Value(constant, constant)
-        elif operation == "OP_INPUT":
-            values[to[0]] = _Value(f"v{k}", f"arg[{arguments[0]}][{arguments[1]}]")
-        else:
-            operands = tuple(values[place] for place in arguments)
-            for operand in operands:
-                operand.parts.add(count // LONGEST)
-            if operation == "OP_OUTPUT":
-                yield _Operation("OP_ASSIGN", f"res[{to[0]}][{to[1]}]", operands)
-            else:
-                values[to[0]] = _Value(f"v{k}", f"w[{to[0]}]", {count // LONGEST})
-                yield _Operation(operation, values[to[0]], operands)
-            count += 1
-
-
-def _part(steps: list[_Operation]) -> list[str]:
-    lines: list[str] = []
-    names: set[str] = set()
-    for step in steps:
-        for operand in step.operands:
-            if operand.text != operand.storage and operand.text not in names:
-                lines.append(f"double {operand.text} = {operand.storage};")
-                names.add(operand.text)
-        value = _template(step.operation).format(x=step.operands[0].text, y=step.operands[-1].text)
-        if isinstance(step.result, str):
-            lines.append(f"{step.result} = {value};")
-            continue
-        names.add(step.result.text)
-        keep = f"{step.result.storage} = " if len(step.result.parts) > 1 else ""
-        lines.append(f"double {step.result.text} = {keep}{value};")
-    return lines
-
-
-@cache
-def _template(operation: str) -> str:
-    return re.sub(r"\b([xy])\b", r"{\1}", IN_C[operation])
-
-
 def fits(function: ca.Function) -> bool:
     """Return whether a function is small enough for the interpreter; a larger one must be compiled."""
     sizes = [function.nnz_in(i) for i in range(function.n_in())]
@@ -271,7 +162,7 @@ def interpreter() -> list[str]:
 
 
 def tape(function: ca.Function) -> str:
-    """Return C code that interprets an expanded (SX) function, with the signature of `straight`."""
+    """Return C code that interprets an expanded (SX) function, with the signature of `loops.looped`."""
     name, constants = function.name(), dict[str, int]()
     rows: list[str] = []
     for k in range(function.n_instructions()):

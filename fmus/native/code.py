@@ -7,7 +7,8 @@ from pathlib import Path
 import casadi as ca
 
 from railgrip.fmus.native.arrays import SX
-from railgrip.fmus.native.c_source import eliminate, fits, interpreter, straight, string_literal, strings, table, tape
+from railgrip.fmus.native.c_source import eliminate, fits, interpreter, string_literal, strings, table, tape
+from railgrip.fmus.native.loops import looped
 from railgrip.fmus.native.structure import Loops
 from railgrip.fmus.native.system import WHEN, Assertion, System, column
 from railgrip.fmus.native.variables import Scalar, vector
@@ -175,12 +176,8 @@ def _substitute_dependent(expressions: SX, dependent: Sequence[Scalar], values: 
     return ca.substitute(expressions, vector(dependent), values) if dependent and expressions.numel() else expressions
 
 
-def c_sources(
-    system: System, *, interfaces: Sequence[str], solver: str, tolerance: float
-) -> tuple[dict[str, str], tuple[str, ...]]:
-    """Return the C files of an FMU, its GUID empty, and the names of its translation units.
-
-    The first is `model.c`; others have parts of long functions. The other files are included in `model.c`.
+def c_sources(system: System, *, interfaces: Sequence[str], solver: str, tolerance: float) -> dict[str, str]:
+    """Return the C files of an FMU, its GUID empty; `model.c` includes the others.
 
     Args:
         system: The system.
@@ -195,7 +192,6 @@ def c_sources(
         name: every[function].sparsity_out(result).get_triplet() if function in every else ([], [])
         for name, (function, result) in jacobians.items()
     }
-    units: dict[str, str] = {}
     elimination = None
     if "cs" in interfaces:
         elimination = eliminate(len(groups["states"]), list(zip(*patterns["jacobian"], strict=True)))
@@ -228,15 +224,14 @@ def c_sources(
             for axis, places in zip(("row", "column"), pattern, strict=True)
         ),
         *_text_tables(system, groups),
-        _model_functions(system, every.values(), units),
+        _model_functions(system, every.values()),
         '#include "layout.h"',
         elimination.code if elimination else "",
         *(f'#include "{part}"' for part in parts[1:]),
         "",
     ]
-    files = {"model.c": "\n".join(body)} | units
-    files |= {part: (RUNTIME / part).read_text(encoding="utf-8") for part in ["tape.c", *parts]}
-    return files, ("model.c", *units)
+    included = {part: (RUNTIME / part).read_text(encoding="utf-8") for part in ["tape.c", *parts]}
+    return {"model.c": "\n".join(body)} | included
 
 
 def _sizes(system: System, groups: Mapping[str, list[Scalar]]) -> dict[str, int]:
@@ -304,8 +299,8 @@ def nominal(s: Scalar) -> float:
     return abs(s.bounds.get("nominal") or 1.0)
 
 
-def _model_functions(system: System, every: Iterable[ca.Function], units: dict[str, str]) -> str:
+def _model_functions(system: System, every: Iterable[ca.Function]) -> str:
     # Rare functions are interpreted, which compiles faster. With clocks f_event is not rare: each tick calls it.
     rare = RARE if system.clocks else RARE | {"f_event", "f_event_checks"}
-    texts = [tape(f) if f.name() in rare and fits(f) else straight(f, units) for f in every]
+    texts = [tape(f) if f.name() in rare and fits(f) else looped(f) for f in every]
     return "\n".join(["#include <math.h>", *interpreter(), *texts])

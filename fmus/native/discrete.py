@@ -22,9 +22,10 @@ from numpy.typing import NDArray
 from railgrip.base.errors import InputError
 from railgrip.base.names import ElementName
 from railgrip.base.system import SampledSystem, Variable
-from railgrip.fmus.native.c_source import straight, string_literal, table
+from railgrip.fmus.native.c_source import string_literal, table
 from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.description import Writer, document
+from railgrip.fmus.native.loops import looped
 from railgrip.fmus.native.package import Source, c_identifier
 from railgrip.fmus.native.toolchain import WORD, Struct
 
@@ -104,7 +105,7 @@ def straight_step(name: str, step: ca.Function, sizes: Sequence[int]) -> str:
     every = [ca.SX.sym(argument, size) for argument, size in zip("xup", sizes, strict=True)]
     arguments = every[: step.n_in()]
     following, output = step.expand().call(arguments) if arguments else ([], [])
-    return straight(ca.Function(name, every, [ca.densify(following), ca.densify(output)], {"cse": True}))
+    return looped(ca.Function(name, every, [ca.densify(following), ca.densify(output)], {"cse": True}))
 
 
 def _code(system: SampledSystem, waits: int) -> str:

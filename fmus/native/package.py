@@ -100,11 +100,11 @@ def sources(
         step: Suggested communication step [s].
     """
     identifier = c_identifier(system.class_name)
-    files, units = code.c_sources(system, interfaces=interfaces, solver=solver, tolerance=tolerance)
+    files = code.c_sources(system, interfaces=interfaces, solver=solver, tolerance=tolerance)
     xml = description.write(
-        system, identifier=identifier, interfaces=interfaces, solver=solver, tolerance=tolerance, step=step, files=units
+        system, identifier=identifier, interfaces=interfaces, solver=solver, tolerance=tolerance, step=step
     )
-    return Source.of(identifier, files, xml, units)
+    return Source.of(identifier, files, xml)
 
 
 def c_identifier(name: str) -> str:

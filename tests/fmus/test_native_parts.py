@@ -4,7 +4,6 @@ import ctypes
 import importlib.util
 import math
 import os
-import re
 import shutil
 import signal
 import sys
@@ -13,30 +12,16 @@ import threading
 import time
 
 import casadi as ca
-import fmpy
 import numpy as np
 import pytest
-from fmpy.validation import validate_fmu
 from scipy.linalg import solve_banded
 from small_fmus import FEATURES
 
 from railgrip.base.errors import BuildFailed, CompilerMissing
 from railgrip.fmus.native import c_source, equations, lower, package, toolchain
-from railgrip.fmus.native.c_source import (
-    LARGEST,
-    LONGEST,
-    MAX_ENTRIES,
-    MAX_PRODUCTS,
-    PARTS_OF_A_UNIT,
-    eliminate,
-    fits,
-    interpreter,
-    straight,
-    tape,
-)
+from railgrip.fmus.native.c_source import LARGEST, MAX_ENTRIES, MAX_PRODUCTS, eliminate, fits, interpreter, tape
 from railgrip.fmus.native.code import RUNTIME
-from railgrip.fmus.native.dae import read
-from railgrip.fmus.native.system import explicit
+from railgrip.fmus.native.loops import LONGEST, looped
 
 LARGEST_REAL = sys.float_info.max
 
@@ -141,20 +126,19 @@ def test_elimination_with_too_many_entries_or_products_uses_pivoting(n):
     assert library.factor(at(np.zeros(n * n)), 1.0, at(factors)) == 1
 
 
-def played(function, prelude, code, given, units=None):
-    """Return the results of a function computed by the generated C, with its further translation units."""
-    units = units or {}
+def played(function, prelude, code, given):
+    """Return the results of a function computed by the generated C."""
     run = f"{EXPORTED} void run(const double **a, double **r) {{ {function.name()}(a, r); }}"
     text = "\n".join(["#include <math.h>", *prelude, code, run])
-    sources = {"model.c": text, "tape.c": (RUNTIME / "tape.c").read_text()} | units
-    library = ctypes.CDLL(str(toolchain.shared_library(sources, "model", units=["model.c", *units], flags=["-O1"])))
+    sources = {"model.c": text, "tape.c": (RUNTIME / "tape.c").read_text()}
+    library = ctypes.CDLL(str(toolchain.shared_library(sources, "model", units=["model.c"], flags=["-O1"])))
     found = [np.zeros(function.nnz_out(k)) for k in range(function.n_out())]
     library.run((POINTER * len(given))(*map(at, given)), (POINTER * len(found))(*map(at, found)))
     return found
 
 
 @pytest.mark.parametrize("values", [(2.5, 1.75), (1.75, 2.5), (0.5, -1.25)])
-@pytest.mark.parametrize(("prelude", "write"), [(interpreter(), tape), ([], straight)], ids=["tape", "straight"])
+@pytest.mark.parametrize(("prelude", "write"), [(interpreter(), tape), ([], looped)], ids=["tape", "loops"])
 def test_generated_c_computes_the_same_as_casadi(prelude, write, values):
     """Every operation on both sides of its branches, compared bit by bit with CasADi's own evaluation."""
     x, y = ca.SX.sym("x", 2), ca.SX.sym("y")
@@ -186,23 +170,79 @@ def orbit_of(steps):
 
 def test_a_long_function_is_split_into_parts_that_pass_on_their_values():
     function, expected = orbit_of(LONGEST)
-    units = {}
-    code = straight(function, units)
+    code = looped(function)
     assert code.count("static void f_orbit") > function.n_instructions() // LONGEST
-    assert not units
     for result, values in zip(played(function, [], code, [np.array([0.3])]), expected, strict=True):
         np.testing.assert_array_equal(result, values)
 
 
-def test_a_very_long_function_has_several_translation_units_and_the_same_values():
-    """Only declarations are in the unit that calls the parts."""
-    function, expected = orbit_of(PARTS_OF_A_UNIT * LONGEST // 4)
-    units = {}
-    code = straight(function, units)
-    assert [*units] == ["f_orbit_0.c", "f_orbit_1.c"]
-    assert len(code) < min(map(len, units.values()))
-    for result, values in zip(played(function, [], code, [np.array([0.3])], units), expected, strict=True):
-        np.testing.assert_array_equal(result, values)
+def chain_of(n):
+    """Return the forces in a chain of n wagons, as a function whose operands are in every order that occurs.
+
+    Operands are the same element for all wagons, that of a neighbour, one in reverse order, or a sum over all; results
+    are computed values, elements of arguments and constants, some of them twice, in order and in reverse.
+    """
+    x, v, p = ca.SX.sym("x", n), ca.SX.sym("v", n), ca.SX.sym("p")
+    gaps = [ca.tanh(p * (x[i + 1] - x[i])) for i in range(n - 1)]
+    behind, ahead = [ca.SX(0), *gaps], [*gaps, ca.SX(0)]
+    forces = [a - b - v[i] * ca.fabs(v[i]) for i, (a, b) in enumerate(zip(ahead, behind, strict=True))]
+    total = ca.sum1(ca.vertcat(*forces))
+    crossed = [f * v[n - 1 - i] / (1 + total**2) for i, f in enumerate(forces)]
+    power = [ca.if_else(c > 0, c, g * total) for c, g in zip(crossed, reversed(crossed), strict=True)]
+    other = ca.vertcat(v, ca.SX(7), *forces[::-1], x[0], ca.SX(7), total, *crossed[1:], power[0])
+    return ca.Function("f_chain", [x, v, p], [ca.vertcat(*power), other])
+
+
+@pytest.mark.parametrize("n", [2, 3, 17])
+def test_loops_over_equal_parts_compute_the_same_as_casadi(n):
+    function, random = chain_of(n), np.random.default_rng(n)
+    given = [random.uniform(-2, 2, n), random.uniform(-2, 2, n), np.array([0.7])]
+    found = played(function, [], looped(function), given)
+    for result, expected in zip(found, function(*given), strict=True):
+        np.testing.assert_array_equal(result, np.asarray(expected).ravel())
+
+
+def test_code_of_more_equal_parts_differs_only_in_its_tables():
+    """Only the sum over all wagons has an operation more for each wagon."""
+    lengths = []
+    for n in (10, 20, 40):
+        lines = [line for line in looped(chain_of(n)).splitlines() if "_places[]" not in line]
+        lengths.append(len(lines))
+    # The table of parts and the parts themselves grow with the sum, by one line a wagon.
+    assert lengths[2] - lengths[1] <= 1.2 * 20
+    assert lengths[1] - lengths[0] <= 1.2 * 10
+
+
+def random_function(name, random):
+    """Return a function of operations on random elements: equal ones for several parts, of which some differ."""
+    x, parts = ca.SX.sym("x", 6), int(random.integers(1, 6))
+    rows = [[x[int(k)] for k in random.integers(6, size=parts)] for _ in range(3)]
+    for _ in range(random.integers(1, 15)):
+        a, b = (rows[int(k)] for k in random.integers(len(rows), size=2))
+        combine = [ca.SX.__add__, ca.SX.__mul__, ca.fmin, ca.hypot][int(random.integers(4))]
+        shift = int(random.integers(parts))
+        rows.append([combine(a[k], b[(k + shift) % parts]) for k in range(parts)])
+        if random.integers(2):
+            rows[-1][0] = rows[-1][-1] - 0.5
+    every = [value for row in rows for value in row]
+    results = [ca.vertcat(*(every[int(k)] for k in random.permutation(len(every)))), ca.vertcat(*rows[-1])]
+    return ca.Function(name, [x], results, {"cse": True})
+
+
+def test_loops_compute_what_casadi_computes():
+    """A hundred functions, compiled together because a compiler takes a tenth of a second to start."""
+    random = np.random.default_rng(0)
+    functions = [random_function(f"f{k}_", random) for k in range(100)]
+    runs = [f"{EXPORTED} void run{k}(const double **a, double **r) {{ f{k}_(a, r); }}" for k in range(100)]
+    text = "\n".join(["#include <math.h>", *map(looped, functions), *runs])
+    library = ctypes.CDLL(str(toolchain.shared_library({"model.c": text}, "model", flags=["-O1"])))
+    x = np.array([0.3, -1.25, 2.0, 0.75, -0.5, 1.5])
+    for k, function in enumerate(functions):
+        found = [np.zeros(function.nnz_out(i)) for i in range(2)]
+        library[f"run{k}"]((POINTER * 1)(at(x)), (POINTER * 2)(*map(at, found)))
+        for result, expected in zip(found, function(x), strict=True):
+            np.testing.assert_array_equal(result, np.asarray(expected).ravel(), err_msg=f"function {k}")
+    assert sum("for (int k = 0; k < " in line for f in functions for line in looped(f).splitlines()) > 200
 
 
 def test_units_that_are_compiled_at_the_same_time_give_the_same_library_each_time():
@@ -248,41 +288,6 @@ def test_compilers_of_further_units_end_with_an_interruption(tmp_path, monkeypat
     for process in started():
         with pytest.raises(ProcessLookupError):
             os.kill(int(process), 0)
-
-
-CHAIN = """model Chain "Coupled oscillators: more operations than one part has"
-  parameter Integer n = 20;
-  Real x[n](each start=1, each fixed=true), v[n](each start=0, each fixed=true);
-  output Real y = sum(x);
-equation
-  for i in 1:n loop
-    der(x[i]) = v[i];
-    der(v[i]) = -sin(x[i])*exp(-x[i]^2) + (if i < n then x[min(i + 1, n)] - x[i] else 0) - 0.1*v[i];
-  end for;
-end Chain;
-"""
-
-
-def test_an_fmu_of_several_units_lists_them_and_steps_like_one_of_a_single_unit(tmp_path, monkeypatch):
-    """What modelDescription.xml and buildDescription.xml list is what must be compiled, and nothing else."""
-    (tmp_path / "Chain.mo").write_text(CHAIN)
-    system = explicit(read("Chain", tmp_path / "Chain.mo"))
-    found = {}
-    for limit in (1, PARTS_OF_A_UNIT):
-        monkeypatch.setattr(c_source, "PARTS_OF_A_UNIT", limit)
-        source = package.sources(system, interfaces=("me", "cs"))
-        file = package.pack(source, tmp_path / f"chain{limit}.fmu")
-        found[limit] = fmpy.simulate_fmu(str(file), fmi_type="CoSimulation", stop_time=2.0, output_interval=0.1)
-        assert validate_fmu(str(file)) == []
-        listed = re.findall('<File name="([^"]*)"/>', source.xml)
-        assert listed == ([] if limit > 1 else [*source.units] * 2)
-        compiled = {name for name in source.files if name == "model.c" or name.startswith("f_")}
-        assert compiled == set(source.units)
-        assert re.findall('SourceFile name="([^"]*)"', package.as_fmi_3(source).files["buildDescription.xml"]) == [
-            *source.units
-        ]
-        assert (len(source.units) > 1) == (limit == 1)
-    np.testing.assert_array_equal(found[1], found[PARTS_OF_A_UNIT])
 
 
 def test_a_lowered_class_equals_its_equations(tmp_path):
