@@ -102,9 +102,12 @@ class Dae:
         """Return the sizes of an iteration domain."""
         return tuple(map(len, self._ranges(domain)))
 
-    def iterate(self, domain: int) -> Iterator[dict[tuple[int, int], int]]:
-        """Yield the loop variables of every point of an iteration domain, last index fastest."""
-        for point in product(*self._ranges(domain)):
+    def iterate(self, domain: int, count: int | None = None) -> Iterator[dict[tuple[int, int], int]]:
+        """Yield the loop variables, or the first `count` of them, of every point of an iteration domain.
+
+        The last index is the fastest.
+        """
+        for point in product(*self._ranges(domain)[:count]):
             yield {(domain, ordinal): value for ordinal, value in enumerate(point)}
 
     def _ranges(self, domain: int) -> list[range]:

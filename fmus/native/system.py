@@ -1,7 +1,7 @@
 """The checked DAE as explicit expressions: derivatives, algebraic variables, events, initial values."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import casadi as ca
@@ -381,14 +381,20 @@ def _with_numbers(v: ModelVariables, equations: list[Equation]) -> list[Equation
 def _equations(dae: Dae, evaluate: ExpressionBuilder, system: str) -> list[Equation]:
     out: list[Equation] = []
     for owner in dae.systems[system]["owners"]:
-        values: list[Array] = []
-        if owner["kind"] == "residual":
-            values = [evaluate(owner["residual"])]
-        elif owner["scalar_view"] == "RowMajorProjection":
-            values = [evaluate(body) for body in owner["bodies"]]
-        else:
-            values = [evaluate(body, point) for point in dae.iterate(owner["domain"]) for body in owner["bodies"]]
         where = dae.where(owner.get("provenance"))
+        bodies = [owner["residual"]] if owner["kind"] == "residual" else owner["bodies"]
+        points: Iterable[dict[tuple[int, int], int]] = [{}]
+        # The loop variables that are left, all of them for RowMajorProjection, count the elements of an array.
+        match owner.get("scalar_view"):
+            case None | "RowMajorProjection":
+                pass
+            case "BinderSubstitution":
+                points = dae.iterate(owner["domain"])
+            case {"BinderPrefixProjection": {"binder_count": int(count)}}:
+                points = dae.iterate(owner["domain"], count)
+            case view:
+                raise TranslationError(f"{where}: {dae.class_name}: equations of the kind {view} are not supported.")
+        values = [evaluate(body, point) for point in points for body in bodies]
         out += [Equation(as_sx(r), where) for value in values for r in value.flat]
     return out
 

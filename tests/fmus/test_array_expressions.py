@@ -324,3 +324,42 @@ def test_nested_expressions_equal_numpy(tmp_path_factory, batch):
     found = values_of(tmp_path_factory.mktemp("nested"), [(text, np.shape(value)) for text, value in batch])
     for (text, expected), value in zip(batch, found, strict=True):
         np.testing.assert_allclose(value, expected, rtol=1e-9, atol=1e-9, err_msg=text)
+
+
+LOOPS = {
+    "for k in 1:2 loop m[:, k] = {time, 2*time, 3*time}*k; end for;": lambda i, k: (i + 1) * (k + 1),
+    "for i in 1:3 loop m[i, :] = {time, 2*time}*i; end for;": lambda i, k: (i + 1) * (k + 1),
+    "for k in 2:-1:1 loop m[3:-1:1, k] = {5, 7, 9}*k; end for;": lambda i, k: (9, 7, 5)[i] * (k + 1),
+    "for k in 1:2 loop m[{3, 1, 2}, k] = {5, 7, 9}*k; end for;": lambda i, k: (7, 9, 5)[i] * (k + 1),
+    "for k in 1:2 loop m[2:3, k] = {5, 7}*k; m[1, k] = k; end for;": lambda i, k: (1, 5, 7)[i] * (k + 1),
+    "for k in 1:0 loop m[:, k] = {5, 7, 9}; end for; m = fill(4, 3, 2);": lambda i, k: 4,
+    "for j in 1:1, k in 1:2 loop v[j, :, k] = {1, 2, 3}*k; end for; m = v[1, :, :];": lambda i, k: (i + 1) * (k + 1),
+    "for i in 1:3 loop v[:, i, :] = {{1, 2}}*i; end for; m = v[1, :, :];": lambda i, k: (i + 1) * (k + 1),
+    "for k in 1:2 loop der(m[:, k]) = {5, 7, 9}*k; end for;": lambda i, k: (5, 7, 9)[i] * (k + 1),
+}
+"""Equations → element [i, k] of `m` at time 1; MLS 8.3.2 and 10.6.1."""
+
+
+@pytest.mark.parametrize("equations", LOOPS)
+def test_slices_in_loops_are_equations_of_each_element(tmp_path, equations):
+    file = tmp_path / "M.mo"
+    other = "Real v[1, 3, 2];" if "v[" in equations else ""
+    file.write_text(f"model M\n  output Real m[3, 2];\n  {other}\nequation\n  {equations}\nend M;\n")
+    model = lower("M", file)
+    x = 0.0 if not model.states else np.asarray(model.derivative(1.0, 0, 0, 0)).ravel()
+    values = np.asarray(model.output(1.0, x, 0, 0)).reshape(3, 2)
+    np.testing.assert_allclose(values, [[LOOPS[equations](i, k) for k in range(2)] for i in range(3)], rtol=1e-15)
+
+
+def test_a_slice_in_three_dimensions_is_refused_with_what_to_write(tmp_path):
+    """The front end counts an equation of such a slice as one, whatever its size."""
+    file = tmp_path / "M.mo"
+    file.write_text("model M\n  output Real v[1, 1, 2];\nequation\n  v[1:1, 1:1, 1:2] = {{{time, 1}}};\nend M;\n")
+    with pytest.raises(InputError, match=r"slices in three dimensions such as .* write these as a for loop"):
+        lower("M", file)
+    file.write_text(
+        file.read_text()
+        .replace("v[1:1, 1:1, 1:2] =", "for i in 1:1 loop v[i, 1:1, 1:2] =")
+        .replace("{{{time, 1}}};", "{{time, 1}}; end for;")
+    )
+    np.testing.assert_array_equal(lower("M", file).output(3.0, 0, 0, 0), [[3], [1]])
