@@ -201,8 +201,8 @@ elimination is dense then."""
 LARGEST_ELIMINATION = 100_000
 """The same limit for a large system, whose dense factorisation takes a hundred times as many products."""
 
-LINES_OF_A_PART = 100
-"""Lines of one part; a line may have many entries."""
+LINES_OF_A_PART = 30
+"""Lines of one part; a line may have many entries. Three times as many take half as long again to compile."""
 
 SMALLEST_PIVOT = 1e-7
 """Smallest pivot in units of c: below it the diagonal has cancelled, and half of the digits may be lost."""
