@@ -40,7 +40,6 @@ from railgrip.studies.estimators.replay import (
     bound_of,
     columns,
     noise_of,
-    radii,
     replay,
     states,
     with_estimates,
@@ -139,37 +138,14 @@ def errors_of(case: EstimatorCase) -> dict[str, Any]:
     if is_class(estimator):
         trace = trace_with_class(recording_case, estimator)
         return _judge(case, trace, nis=innovations(trace)[0], microseconds=math.nan)
-    recording = recording_of_case(recording_case)
-    names = states("" if estimator == CONSTANT else estimator, recording_case.train)
     try:
-        if estimator == CONSTANT:
-            found = _constant(recording, names, dict(constants))
-        else:
-            found = replay(recording_case, estimator)
+        run = _constant(recording_case, dict(constants)) if estimator == CONSTANT else replay(recording_case, estimator)
     except FilterDiverged:
-        return {"digest": _digest(recording), "diverged": True, "pads": (math.nan,) * recording_case.groups}
-    trace = with_estimates(recording, names, found.mean, found.variance)
-    trace = _with_slip(trace, names, found, radii(estimator, recording_case.train))
-    errors = _judge(case, trace, nis=found.nis_ratio, microseconds=found.microseconds)
+        digest = _digest(recording_of_case(recording_case))
+        return {"digest": digest, "diverged": True, "pads": (math.nan,) * recording_case.groups}
+    trace = with_estimates(recording_case, estimator, run)
+    errors = _judge(case, trace, nis=run.nis_ratio, microseconds=run.microseconds)
     return errors | ({"step_delay": math.nan} if estimator == CONSTANT else {})
-
-
-def _with_slip(trace: xarray.Dataset, names: Sequence[str], run: FilterRun, radius: Vector) -> xarray.Dataset:
-    """Return the recording with the slip 1 − rω/v of estimated speeds, and its deviation, as a trace has them.
-
-    Args:
-        trace: The recording, k samples.
-        names: States of the estimator.
-        run: Its estimates.
-        radius: Nominal radius of each group, shape (groups,) [m].
-    """
-    (place,), wheels, deviation = columns(names, "speed"), columns(names, "wheelset_speed"), np.sqrt(run.variance)
-    speed, of_speed = run.mean[:, [place]], deviation[:, [place]]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = radius * run.mean[:, wheels] / speed
-        of_slip = np.hypot(radius * deviation[:, wheels], ratio * of_speed) / speed
-    groups = ("time", "group")
-    return trace.assign(estimate_slip=(groups, 1.0 - ratio), estimate_slip_sd=(groups, np.abs(of_slip)))
 
 
 def _digest(trace: xarray.Dataset) -> str:
@@ -177,10 +153,10 @@ def _digest(trace: xarray.Dataset) -> str:
     return hashlib.sha256(b"".join(trace[signal.name].values.tobytes() for signal in READINGS)).hexdigest()
 
 
-def _constant(recording: xarray.Dataset, names: Sequence[str], constants: Mapping[str, float]) -> FilterRun:
+def _constant(case: RecordingCase, constants: Mapping[str, float]) -> FilterRun:
     bases = {"group_adhesion": "adhesion", "pad_friction": "pad_friction"}
-    row = [constants.get(bases.get(ElementName.of(name).array, ""), math.nan) for name in names]
-    mean = np.tile(row, (recording.sizes["time"], 1))
+    row = [constants.get(bases.get(ElementName.of(name).array, ""), math.nan) for name in states(CONSTANT, case.train)]
+    mean = np.tile(row, (recording_of_case(case).sizes["time"], 1))
     return FilterRun(mean=mean, variance=np.full(mean.shape, math.nan))
 
 
@@ -341,10 +317,9 @@ def evaluate(estimator: str, sensors: Sensors, cases: Sequence[RecordingCase], f
     noise, total = noise_of(estimator, sensors, factors), 0.0
     for case in cases:
         try:
-            found = replay(case, estimator, noise)
+            trace = with_estimates(case, estimator, replay(case, estimator, noise))
         except FilterDiverged:
             return math.inf
-        trace = with_estimates(recording_of_case(case), states(estimator), found.mean, found.variance)
         for target in ("adhesion", "pad_friction"):
             error, deviation = errors_of_target(trace, target)
             total += math.log(interval_score(error, deviation)) if error.size else 0.0

@@ -283,7 +283,7 @@ def _prediction_of(estimator: str, train: str) -> PredictionInC:
     return _prediction("" if entry_of(estimator).model == MODEL else estimator, train)
 
 
-def radii(estimator: str, train: str) -> Vector:
+def _radii(estimator: str, train: str) -> Vector:
     """Return the nominal wheel radius of each group in the prediction of an estimator, shape (groups,) [m]."""
     model, names = model_of_estimator(estimator, train).model, states(estimator, train)
     values = {variable.name: variable.start for variable in model.parameters}
@@ -390,16 +390,28 @@ def bound_along(context: FilterContext, data: FilterData, truth: Matrix) -> Matr
     return np.einsum("kii->ki", bound)
 
 
-def with_estimates(recording: xarray.Dataset, names: Sequence[str], mean: Matrix, variance: Matrix) -> xarray.Dataset:
-    """Return a recording with estimates of states as a trace has them, for `railgrip.trace.measures`."""
+def with_estimates(case: RecordingCase, estimator: str, run: FilterRun) -> xarray.Dataset:
+    """Return the recording of a case with the estimates of a run as a trace has them, for `railgrip.trace.measures`.
+
+    Slip is 1 − rω/v of the estimated speeds, with the nominal radius r of each group.
+    """
+    names, radius, deviation = states(estimator, case.train), _radii(estimator, case.train), np.sqrt(run.variance)
+    speed, wheels, adhesions, pads = (
+        columns(names, state) for state in ("speed", "wheelset_speed", "group_adhesion", "pad_friction")
+    )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = radius * run.mean[:, wheels] / run.mean[:, speed]
+        of_slip = np.hypot(radius * deviation[:, wheels], ratio * deviation[:, speed]) / run.mean[:, speed]
     groups = ("time", "group")
-    return recording.assign(
-        estimate_speed=("time", mean[:, columns(names, "speed")[0]]),
-        estimate_speed_sd=("time", np.sqrt(variance[:, columns(names, "speed")[0]])),
-        estimate_adhesion=(groups, mean[:, columns(names, "group_adhesion")]),
-        estimate_adhesion_sd=(groups, np.sqrt(variance[:, columns(names, "group_adhesion")])),
-        estimate_pad_friction=(groups, mean[:, columns(names, "pad_friction")]),
-        estimate_pad_friction_sd=(groups, np.sqrt(variance[:, columns(names, "pad_friction")])),
+    return recording_of_case(case).assign(
+        estimate_speed=("time", run.mean[:, speed[0]]),
+        estimate_speed_sd=("time", deviation[:, speed[0]]),
+        estimate_adhesion=(groups, run.mean[:, adhesions]),
+        estimate_adhesion_sd=(groups, deviation[:, adhesions]),
+        estimate_pad_friction=(groups, run.mean[:, pads]),
+        estimate_pad_friction_sd=(groups, deviation[:, pads]),
+        estimate_slip=(groups, 1.0 - ratio),
+        estimate_slip_sd=(groups, np.abs(of_slip)),
     )
 
 
