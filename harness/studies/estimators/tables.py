@@ -48,31 +48,31 @@ def leaderboard(frame: Frame) -> ReportTable:
         frame: A row for each estimator and case: `estimator`, `case`, and the errors of `judge.errors_of`, nested names
             joined by a dot.
     """
-    by_estimator = frame.groupby("estimator", sort=False)
-    medians = by_estimator[["rmse.adhesion", "bias", "delay", "step_delay", "microseconds"]].median()
-    intervals = [median_interval(cases.dropna()) or (math.nan,) * 2 for _, cases in by_estimator["rmse.adhesion"]]
-    names = list(medians.index)
-    table = pandas.DataFrame(
-        {
-            "estimator": names,
-            "cases": by_estimator.size().values,
-            "median RMSE": medians["rmse.adhesion"].values,
-            "from": [low for low, _ in intervals],
-            "to": [high for _, high in intervals],
-            "bias": medians["bias"].values,
-            "delay": medians["delay"].values,
-            "after a step": medians["step_delay"].values,
-            "over constant": [skill(squares_of(frame, name, CONSTANT)) for name in names],
-            "over force balance": [skill(squares_of(frame, name, FORCE_BALANCE)) for name in names],
-            "95 %": [_interval(squares_of(frame, name, FORCE_BALANCE)) for name in names],
-            "diverged": by_estimator["diverged"].sum().values,
-            "step": medians["microseconds"].values,
-        }
-    )
+    rows: list[dict[str, Any]] = []
+    for (name,), cases in groups_of(frame, ["estimator"]):
+        low, high = median_interval(cases["rmse.adhesion"].dropna()) or (math.nan, math.nan)
+        rows.append(
+            {
+                "estimator": name,
+                "cases": len(cases),
+                "median RMSE": cases["rmse.adhesion"].median(),
+                "from": low,
+                "to": high,
+                "bias": cases["bias"].median(),
+                "delay": cases["delay"].median(),
+                "after a step": cases["step_delay"].median(),
+                "over constant": skill(squares_of(frame, name, CONSTANT)),
+                "over force balance": skill(squares_of(frame, name, FORCE_BALANCE)),
+                "95 %": _interval(squares_of(frame, name, FORCE_BALANCE)),
+                "diverged": cases["diverged"].sum(),
+                "step": cases["microseconds"].median(),
+            }
+        )
+    rows.sort(key=lambda row: (math.isnan(row["median RMSE"]), row["median RMSE"]))
     forms: dict[str, Form] = {**dict.fromkeys(("median RMSE", "from", "to"), "{:.4f}"), "bias": "{:+.4f}"}
     forms |= dict.fromkeys(("delay", "after a step"), "{:.2f} s")
     forms |= dict.fromkeys(("over constant", "over force balance"), "{:.2f}") | {"step": "{:.0f} µs"}
-    return _table(table.sort_values("median RMSE", kind="stable"), forms, title="Adhesion")
+    return ReportTable(rows, forms, title="Adhesion")
 
 
 def consistency(frame: Frame) -> ReportTable:
@@ -222,10 +222,6 @@ def _finite(errors: Any) -> Matrix:
     """Return the squares of the rows in which all errors exist."""
     squares = np.array(errors, dtype=np.float64, order="C") ** 2
     return squares[np.isfinite(squares).all(axis=1)]
-
-
-def _table(frame: Frame, forms: dict[str, Form], title: str) -> ReportTable:
-    return ReportTable(frame.to_dict("records"), forms, title=title)
 
 
 def rows_of_estimation(name: str) -> list[dict[str, Any]]:
