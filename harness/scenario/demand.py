@@ -218,14 +218,10 @@ class Driver:
 
 def driver_of(layout: Layout, demand: Demand, period: float, *, binding: bool, origin: str) -> Driver:
     """Return the driver who follows a demand with the nominal brakes of a layout; arguments are those of both."""
-    brakes, full = layout.formation.brakes, layout.formation.pressure_max
-    release_pressure, phases = (
-        [brake.pressure_of(0.0) for brake in brakes],
-        phases_of(layout, demand, full.tolist(), origin),
-    )
-    return Driver(
-        layout, period, full=full, release_pressure=np.array(release_pressure), phases=phases, binding=binding
-    )
+    full = layout.formation.pressure_max
+    release_pressure = np.array([brake.pressure_of(0.0) for brake in layout.formation.brakes])
+    phases = phases_of(layout, demand, full.tolist(), origin)
+    return Driver(layout, period, full=full, release_pressure=release_pressure, phases=phases, binding=binding)
 
 
 def released(layout: Layout, count: int) -> Phases:
