@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from types import MappingProxyType
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from railgrip.base.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import ORDER, GaussianEstimate, Matrix, Order, Vector, seal
-from railgrip.estimators.design import FilterDesign, Gate
+from railgrip.estimators.design import FilterContext, FilterDesign, Gate
 from railgrip.estimators.model_in_c import generate
 from railgrip.estimators.prediction import PredictionInC
 from railgrip.fmus.native.toolchain import shared_library
@@ -180,6 +181,16 @@ class CompiledFilter(StepInC):
         self._run.restype = ctypes.c_int
         # The estimate that `mean` and `covariance` already contain, so that a step from it need not copy it.
         self._last: GaussianEstimate | None = None
+
+    @classmethod
+    def of_context(cls, context: FilterContext) -> Self:
+        """Return the filter of a scenario with its first estimate."""
+        filter_ = cls(
+            context.prediction, context.process_noise, context.reading_noise, context.period, context.gate,
+            context.outlier_limit,
+        )  # fmt: skip
+        filter_.start(context.mean, context.covariance)
+        return filter_
 
     def failure(self, outcome: int) -> str:
         """Return the error for a non-zero return value of a step."""

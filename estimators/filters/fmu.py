@@ -1,9 +1,11 @@
 """The filter in C with a prediction FMU, which it evaluates through FMI 2.0."""
 
-from railgrip.estimators.filters.compiled import Compiled as _Compiled
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.design import FilterKind
 
 
-class Fmu(_Compiled):
+class Fmu(FilterKind):
     """An extended Kalman filter in C with an FMU as its model."""
 
     prediction = "fmu"
+    filter = CompiledFilter

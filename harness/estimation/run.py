@@ -177,9 +177,7 @@ def estimate(
         EstimatorError: Noises or start do not fit the model.
     """
     data = filter_data(recording, prediction, settings, units)
-    process = by_name("[noise] process", settings.process, prediction.states)
-    noise = by_name("[noise] readings", settings.readings, prediction.outputs)
-    filter_ = CompiledFilter(prediction, process, noise, data.step, settings.gate, settings.outlier_limit)
+    filter_ = CompiledFilter.of_context(context_of(prediction, settings, data))
     first = filter_.start(data.mean, data.covariance)
     beliefs, problem = _follow(filter_, first, data)
     count, done = len(data.readings), len(beliefs.mean)
