@@ -204,6 +204,10 @@ LARGEST_ELIMINATION = 100_000
 LINES_OF_A_PART = 30
 """Lines of one part; a line may have many entries. Three times as many take half as long again to compile."""
 
+FACTOR = "int sparse_factor(const double *jacobian, double c, double *a)"
+SOLVE = "void sparse_solve(const double *a, double *b)"
+"""The functions of an elimination in C."""
+
 SMALLEST_PIVOT = 1e-7
 """Smallest pivot in units of c: below it the diagonal has cancelled, and half of the digits may be lost."""
 
@@ -213,7 +217,7 @@ class Elimination:
     """The elimination of one sparsity pattern.
 
     Attributes:
-        code: C code of `int sparse_factor(jacobian, c, a)`, which returns 1 for a tiny pivot, and `sparse_solve(a, b)`.
+        code: C code of `FACTOR`, which returns 1 for a tiny pivot, and `SOLVE`.
         entries: Length of `a`; 0 if elimination is dense.
     """
 
@@ -261,13 +265,13 @@ def eliminate(n: int, pattern: list[tuple[int, int]]) -> Elimination:
             "const double *restrict jacobian, double c, double *restrict a, int *restrict tiny",
             _parts(factors),
         ),
-        "static int sparse_factor(const double *jacobian, double c, double *a) {",
+        f"{FACTOR} {{",
         f"    int tiny = {int(not at)};",
         f"    for (int k = 0; k < {len(_parts(factors))}; k++) factor_parts[k](jacobian, c, a, &tiny);",
         "    return tiny;",
         "}",
         *in_parts("solve", "const double *restrict a, double *restrict b", _parts(solution)),
-        "static void sparse_solve(const double *a, double *b) {",
+        f"{SOLVE} {{",
         f"    for (int k = 0; k < {len(_parts(solution))}; k++) solve_parts[k](a, b);",
         "}",
     ]

@@ -7,7 +7,17 @@ from pathlib import Path
 import casadi as ca
 
 from railgrip.fmus.native.arrays import SX
-from railgrip.fmus.native.c_source import eliminate, fits, interpreter, string_literal, strings, table, tape
+from railgrip.fmus.native.c_source import (
+    FACTOR,
+    SOLVE,
+    eliminate,
+    fits,
+    interpreter,
+    string_literal,
+    strings,
+    table,
+    tape,
+)
 from railgrip.fmus.native.loops import looped
 from railgrip.fmus.native.structure import Loops
 from railgrip.fmus.native.system import WHEN, Assertion, System, column
@@ -24,6 +34,12 @@ RARE = frozenset({
 })  # fmt: skip
 """Functions that no step calls. An estimator requests directional derivatives along the states of a Model Exchange FMU
 at every sample, but these use f_state_jacobian and f_output_jacobian; only others use f_directional."""
+
+ELIMINATION = "elimination.c"
+"""The elimination of a long train, a translation unit of its own, which is compiled at the same time as the others."""
+
+LARGEST_INCLUDED = 3000
+"""Entries of LU up to which the elimination is a part of `model.c`; below, another compiler takes longer to start."""
 
 _RETURNING = frozenset((ca.OP_FLOOR, ca.OP_CEIL, ca.OP_SIN, ca.OP_COS))
 """Operations of functions that may take a value again and again: floor, mod, sin, ..."""
@@ -177,7 +193,9 @@ def _substitute_dependent(expressions: SX, dependent: Sequence[Scalar], values: 
 
 
 def c_sources(system: System, *, interfaces: Sequence[str], solver: str, tolerance: float) -> dict[str, str]:
-    """Return the C files of an FMU, its GUID empty; `model.c` includes the others.
+    """Return the C files of an FMU, its GUID empty.
+
+    `model.c` includes the others except `ELIMINATION`, which is there if it takes long to compile.
 
     Args:
         system: The system.
@@ -195,6 +213,7 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
     elimination = None
     if "cs" in interfaces:
         elimination = eliminate(len(groups["states"]), list(zip(*patterns["jacobian"], strict=True)))
+    is_apart = elimination is not None and elimination.entries > LARGEST_INCLUDED
     parts = [*SHARED, *(part for i in PARTS if i in interfaces for part in PARTS[i])]
     repeating = repeating_discretes(system)
     sizes = _sizes(system, groups) | {
@@ -226,12 +245,13 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         *_text_tables(system, groups),
         _model_functions(system, every.values()),
         '#include "layout.h"',
-        elimination.code if elimination else "",
+        *([f"{FACTOR};", f"{SOLVE};"] if is_apart else [elimination.code] if elimination else []),
         *(f'#include "{part}"' for part in parts[1:]),
         "",
     ]
     included = {part: (RUNTIME / part).read_text(encoding="utf-8") for part in ["tape.c", *parts]}
-    return {"model.c": "\n".join(body)} | included
+    apart = {ELIMINATION: f"#include <math.h>\n{elimination.code}\n"} if elimination and is_apart else {}
+    return {"model.c": "\n".join(body)} | apart | included
 
 
 def _sizes(system: System, groups: Mapping[str, list[Scalar]]) -> dict[str, int]:

@@ -134,6 +134,7 @@ def write(
     solver: str,
     tolerance: float,
     step: float,
+    files: Sequence[str] = ("model.c",),
 ) -> str:
     """Return modelDescription.xml, its GUID empty.
 
@@ -144,6 +145,7 @@ def write(
         solver: See `code.c_sources`.
         tolerance: See `code.c_sources`.
         step: Suggested communication step [s].
+        files: C files that must be compiled; they are listed if `model.c` is not the only one.
     """
     groups = groups_of(system)
     w = Writer()
@@ -172,6 +174,7 @@ def write(
         experiment={"tolerance": repr(tolerance), "stepSize": repr(step)},
         rows=w.rows,
         structure=_structure(w, system, groups),
+        files=files if len(files) > 1 else (),
     )
 
 

@@ -101,10 +101,11 @@ def sources(
     """
     identifier = c_identifier(system.class_name)
     files = code.c_sources(system, interfaces=interfaces, solver=solver, tolerance=tolerance)
+    units = tuple(name for name in ("model.c", code.ELIMINATION) if name in files)
     xml = description.write(
-        system, identifier=identifier, interfaces=interfaces, solver=solver, tolerance=tolerance, step=step
+        system, identifier=identifier, interfaces=interfaces, solver=solver, tolerance=tolerance, step=step, files=units
     )
-    return Source.of(identifier, files, xml)
+    return Source.of(identifier, files, xml, units)
 
 
 def c_identifier(name: str) -> str:

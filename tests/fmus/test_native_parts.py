@@ -4,6 +4,7 @@ import ctypes
 import importlib.util
 import math
 import os
+import re
 import shutil
 import signal
 import sys
@@ -12,16 +13,20 @@ import threading
 import time
 
 import casadi as ca
+import fmpy
 import numpy as np
 import pytest
+from fmpy.validation import validate_fmu
 from scipy.linalg import solve_banded
 from small_fmus import FEATURES
 
 from railgrip.base.errors import BuildFailed, CompilerMissing
-from railgrip.fmus.native import c_source, equations, lower, package, toolchain
+from railgrip.fmus.native import c_source, code, equations, lower, package, toolchain
 from railgrip.fmus.native.c_source import LARGEST, MAX_ENTRIES, MAX_PRODUCTS, eliminate, fits, interpreter, tape
-from railgrip.fmus.native.code import RUNTIME
+from railgrip.fmus.native.code import LARGEST_INCLUDED, RUNTIME
+from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.loops import LONGEST, looped
+from railgrip.fmus.native.system import explicit
 
 LARGEST_REAL = sys.float_info.max
 
@@ -288,6 +293,39 @@ def test_compilers_of_further_units_end_with_an_interruption(tmp_path, monkeypat
     for process in started():
         with pytest.raises(ProcessLookupError):
             os.kill(int(process), 0)
+
+
+CHAIN = """model Chain "Coupled oscillators: an elimination with fill-in"
+  parameter Integer n = 20;
+  Real x[n](each start=1, each fixed=true), v[n](each start=0, each fixed=true);
+  output Real y = sum(x);
+equation
+  for i in 1:n loop
+    der(x[i]) = v[i];
+    der(v[i]) = -sin(x[i])*exp(-x[i]^2) + (if i < n then x[min(i + 1, n)] - x[i] else 0) - 0.1*v[i];
+  end for;
+end Chain;
+"""
+
+
+def test_an_fmu_of_several_units_lists_them_and_steps_like_one_of_a_single_unit(tmp_path, monkeypatch):
+    """What modelDescription.xml and buildDescription.xml list is what must be compiled, and nothing else."""
+    (tmp_path / "Chain.mo").write_text(CHAIN)
+    system = explicit(read("Chain", tmp_path / "Chain.mo"))
+    found = {}
+    for limit in (0, LARGEST_INCLUDED):
+        monkeypatch.setattr(code, "LARGEST_INCLUDED", limit)
+        source = package.sources(system, interfaces=("me", "cs"))
+        file = package.pack(source, tmp_path / f"chain{limit}.fmu")
+        found[limit] = fmpy.simulate_fmu(str(file), fmi_type="CoSimulation", stop_time=2.0, output_interval=0.1)
+        assert validate_fmu(str(file)) == []
+        listed = re.findall('<File name="([^"]*)"/>', source.xml)
+        assert listed == ([] if limit else [*source.units] * 2)
+        assert re.findall('SourceFile name="([^"]*)"', package.as_fmi_3(source).files["buildDescription.xml"]) == [
+            *source.units
+        ]
+        assert source.units == (("model.c",) if limit else ("model.c", "elimination.c"))
+    np.testing.assert_array_equal(found[0], found[LARGEST_INCLUDED])
 
 
 def test_a_lowered_class_equals_its_equations(tmp_path):
