@@ -188,50 +188,62 @@ def _place_members(group: _Group) -> None:
 
 @dataclass(slots=True, kw_only=True)
 class _Writer:
-    """Writes the lines of loops, and collects the table of places and the size of the work array `w`."""
+    """Writes the lines of loops.
+
+    Attributes:
+        table_name: Name of the table of places in C.
+        results: What the results of the function are.
+        table: Places.
+        at: Where a sequence of places begins in the table.
+        work: Size of the work array `w`.
+        free: Places in `w` that are no longer used, by the number of members that they hold.
+        ending: Groups that no loop after this one uses, by the number of the loop.
+    """
 
     table_name: str
     results: _Results
     table: list[int] = field(default_factory=list)
     at: dict[tuple[int, ...], int] = field(default_factory=dict)
     work: int = 0
+    free: dict[int, list[int]] = field(default_factory=lambda: defaultdict(list))
+    ending: dict[int, list[_Group]] = field(default_factory=lambda: defaultdict(list))
 
     def lines(self, loops: Sequence[Sequence[_Group]]) -> Iterator[tuple[int, list[str]]]:
         """Yield the number of members and the body of each loop."""
         for source in self.results:
             if not isinstance(source, _Group):
                 yield from self._copies(source)
-        free: dict[int, list[int]] = defaultdict(list)  # places in `w` that are no longer used, by size
-        ending: dict[int, list[_Group]] = defaultdict(list)
         for number_of_loop, loop in enumerate(loops):
-            size, body = len(loop[0].members), list[str]()
-            for group in loop:
-                last = max((user.loop for user in group.users), default=group.loop)
-                apart = any(not self._is_whole(group, pairs) for pairs in self._results_of(group).values())
-                keep = ""
-                if last > group.loop or apart:
-                    ending[last].append(group)
-                    if free[size]:
-                        group.begin = free[size].pop()
-                    else:
-                        group.begin = self.work
-                        self.work += size
-                    keep = f"w[{self._place(range(group.begin, group.begin + size))}] = "
-                operands = [
-                    self._value(operand, [row[i] for row in group.rows], number_of_loop)
-                    for i, operand in enumerate(group.operands)
-                ]
-                value = _template(group.operation).format(x=operands[0], y=operands[-1])
-                body.append(f"double {group.name} = {keep}{value};")
-                for result, pairs in self._results_of(group).items():
-                    if self._is_whole(group, pairs):
-                        elements = [element for _, element in sorted((group.place[m], e) for e, m in pairs)]
-                        body.append(f"res[{result}][{self._place(elements)}] = {group.name};")
-            yield size, body
+            yield len(loop[0].members), [line for group in loop for line in self._statements(group)]
             for group in loop:
                 yield from self._copies(group)
-            for group in ending.pop(number_of_loop, ()):
-                free[len(group.members)].append(group.begin)
+            for group in self.ending.pop(number_of_loop, ()):
+                self.free[len(group.members)].append(group.begin)
+
+    def _statements(self, group: _Group) -> Iterator[str]:
+        # The value of a group, and the results that it is.
+        columns = zip(group.operands, zip(*group.rows, strict=True), strict=True)
+        x, *others = (self._value(operand, places, group.loop) for operand, places in columns)
+        value = _template(group.operation).format(x=x, y=others[0] if others else x)
+        results = self.results.get(group, {})
+        last = max((user.loop for user in group.users), default=group.loop)
+        if last > group.loop or not all(self._is_whole(group, pairs) for pairs in results.values()):
+            self._store(group)
+            self.ending[last].append(group)
+            value = f"w[{self._place(range(group.begin, group.begin + len(group.members)))}] = {value}"
+        yield f"double {group.name} = {value};"
+        for result, pairs in results.items():
+            if self._is_whole(group, pairs):
+                elements = [element for _, element in sorted((group.place[m], e) for e, m in pairs)]
+                yield f"res[{result}][{self._place(elements)}] = {group.name};"
+
+    def _store(self, group: _Group) -> None:
+        free = self.free[len(group.members)]
+        if free:
+            group.begin = free.pop()
+        else:
+            group.begin = self.work
+            self.work += len(group.members)
 
     def table_lines(self) -> list[str]:
         """Return the lines of the table of places, none if it is empty."""
@@ -240,23 +252,20 @@ class _Writer:
         type_ = "unsigned short" if max(self.table) < 1 << 16 else "int"
         return [f"static const {type_} {self.table_name}[] = {{ {', '.join(map(str, self.table))} }};"]
 
-    def _results_of(self, source: _Source) -> Mapping[int, list[tuple[int, int]]]:
-        return self.results.get(source, {})
-
     @staticmethod
     def _is_whole(group: _Source, pairs: Sequence[tuple[int, int]]) -> bool:
         # Whether each member is one element of the result, which is then written where the member is computed.
         return isinstance(group, _Group) and sorted(m for _, m in pairs) == list(range(len(group.members)))
 
     def _copies(self, source: _Source) -> Iterator[tuple[int, list[str]]]:
-        for result, pairs in self._results_of(source).items():
+        for result, pairs in self.results.get(source, {}).items():
             if self._is_whole(source, pairs):
                 continue
             places = sorted((e, source.place[m] if isinstance(source, _Group) else m) for e, m in pairs)
             to, value = self._place([e for e, _ in places]), self._value(source, [p for _, p in places])
             yield len(places), [f"res[{result}][{to}] = {value};"]
 
-    def _value(self, source: _Source, places: Sequence[int], loop: int | None = None) -> str:
+    def _value(self, source: _Source, places: Sequence[int], loop: int = -1) -> str:
         if isinstance(source, _Constant):
             return source.text
         if isinstance(source, _Argument):
