@@ -25,7 +25,7 @@ from railgrip.base.errors import (
 from railgrip.base.units import cut, place, short
 from railgrip.controllers.observation import Observation
 from railgrip.scenario import schema
-from railgrip.scenario.file import is_folder, merge, nest, parts_of, with_another_plant
+from railgrip.scenario.file import is_folder, nest, parts_of, with_another_plant
 from railgrip.scenario.load import Tables, extend_tables, read_scenario
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.user_parts import Controller, Estimate, Estimator, Plant, Sensors, call_user_code
@@ -115,8 +115,15 @@ class Scenario(schema.Scenario):
 
     def changed(self, changes: Mapping[str, Any]) -> Self:
         """Return the scenario with other values: key → value, as for `load`."""
-        table = merge(self.tables(), nest(_changes(changes)))
-        return self._of(Tables.of(table, self._directory, self.name))
+        return self.revised(nest(_changes(changes)))
+
+    def replaced(self, tables: Mapping[str, Any]) -> Self:
+        """Return the scenario with whole tables in place of its own, of which no key remains.
+
+        Raises:
+            ScenarioError: A key is invalid; the message has a sentence for each problem.
+        """
+        return self._of(Tables.of(self.tables() | dict(tables), self._directory, self.name))
 
     def with_plant(self, plant: str | Path | Mapping[str, Any]) -> Self:
         """Return the scenario with another plant.

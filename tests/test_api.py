@@ -403,3 +403,14 @@ def test_a_modelica_class_of_a_user_is_a_plant(scenario):
     stop = rg.run(scenario.changed(law), plant=keys)
     assert stop.trace.sizes["group"] == 4
     assert stop.scenario.vehicle.model == "SimpleTrain.Car"
+
+
+@pytest.mark.parametrize("method", ["revised", "replaced"])
+def test_a_scenario_with_other_tables_is_refused_with_sentences(method):
+    """As with `changed`: no error of pydantic, and the result has the same class."""
+    scenario = rg.Scenario.load("trapezoid")
+    with pytest.raises(rg.RailgripError, match=r"(?s)\[start\] has no key 'sped'; did you mean 'speed'"):
+        getattr(scenario, method)({"start": {"sped": 20.0}})
+    slower = getattr(scenario, method)({"start": {"speed": 20.0}})
+    assert isinstance(slower, rg.Scenario)
+    assert slower.start.speed == 20.0

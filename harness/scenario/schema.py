@@ -231,16 +231,16 @@ class Scenario(Table):
         """
         return self.model_dump()
 
-    def revised(self, change: Mapping[str, Any]) -> "Scenario":
+    def revised(self, change: Mapping[str, Any]) -> Self:
         """Return the scenario with the keys of `change` overlaid, as `railgrip.scenario.file.merge` does.
 
         Files that the scenario names stay where they are; so they do in `replaced`.
         """
         return self.replaced(merge(self.tables(), change))
 
-    def replaced(self, tables: Mapping[str, Any]) -> "Scenario":
+    def replaced(self, tables: Mapping[str, Any]) -> Self:
         """Return the scenario with whole tables in place of its own, of which no key remains."""
-        return Scenario.model_validate(self.tables() | dict(tables))
+        return self.model_validate(self.tables() | dict(tables))
 
     def digest(self) -> str:
         """Return a SHA-256 of all inputs of the stop: values, and the content of the files they name."""
