@@ -245,7 +245,9 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         *_text_tables(system, groups),
         _model_functions(system, every.values()),
         '#include "layout.h"',
-        *([f"{FACTOR};", f"{SOLVE};"] if is_apart else [elimination.code] if elimination else []),
+        # Their linkage is that of the declarations: FMUs may be linked into one program.
+        *(f"{'' if is_apart else 'static '}{head};" for head in (FACTOR, SOLVE) if elimination),
+        *([elimination.code] if elimination and not is_apart else []),
         *(f'#include "{part}"' for part in parts[1:]),
         "",
     ]

@@ -41,7 +41,7 @@ class _Argument:
 
 
 @dataclass(slots=True, eq=False)
-class _Group:
+class _OperationGroup:
     """Operations with equal expressions.
 
     Attributes:
@@ -60,10 +60,10 @@ class _Group:
 
     name: str
     operation: str
-    operands: "tuple[_Constant | _Argument | _Group, ...]"
+    operands: "tuple[_Constant | _Argument | _OperationGroup, ...]"
     first: int
     members: list[tuple[int, ...]] = field(default_factory=list)
-    users: "list[_Group]" = field(default_factory=list)
+    users: "list[_OperationGroup]" = field(default_factory=list)
     waits: int = 0
     place: list[int] = field(default_factory=list)
     rows: list[tuple[int, ...]] = field(default_factory=list)
@@ -71,7 +71,7 @@ class _Group:
     begin: int = -1
 
 
-_Source = _Constant | _Argument | _Group
+_Source = _Constant | _Argument | _OperationGroup
 _Results = Mapping[_Source, Mapping[int, list[tuple[int, int]]]]
 """Source → number of a result → its elements and the members that they are."""
 
@@ -81,7 +81,7 @@ def looped(function: ca.Function) -> str:
     groups, results = _read(function)
     loops = _arrange(groups)
     name = function.name()
-    writer = _Writer(table_name=f"{name}_places", results=results)
+    writer = _LoopWriter(table_name=f"{name}_places", results=results)
     lines = list(writer.lines(loops))
     parts, count = [list[str]()], 0
     for size, body in lines:
@@ -102,8 +102,8 @@ def looped(function: ca.Function) -> str:
     )
 
 
-def _read(function: ca.Function) -> tuple[list[_Group], _Results]:
-    groups: dict[tuple[object, ...], _Group] = {}
+def _read(function: ca.Function) -> tuple[list[_OperationGroup], _Results]:
+    groups: dict[tuple[object, ...], _OperationGroup] = {}
     values: dict[int, tuple[_Source, int]] = {}
     results: dict[_Source, dict[int, list[tuple[int, int]]]] = defaultdict(lambda: defaultdict(list))
     for k in range(function.n_instructions()):
@@ -121,8 +121,8 @@ def _read(function: ca.Function) -> tuple[list[_Group], _Results]:
             key = operation, *operands
             group = groups.get(key)
             if group is None:
-                group = groups[key] = _Group(f"v{len(groups)}", operation, operands, k)
-                for source in {operand for operand in operands if isinstance(operand, _Group)}:
+                group = groups[key] = _OperationGroup(f"v{len(groups)}", operation, operands, k)
+                for source in {operand for operand in operands if isinstance(operand, _OperationGroup)}:
                     source.users.append(group)
                     group.waits += 1
             values[to[0]] = group, len(group.members)
@@ -130,26 +130,26 @@ def _read(function: ca.Function) -> tuple[list[_Group], _Results]:
     return list(groups.values()), results
 
 
-def _arrange(groups: Sequence[_Group]) -> list[list[_Group]]:
+def _arrange(groups: Sequence[_OperationGroup]) -> list[list[_OperationGroup]]:
     # The groups of each loop, in an order in which operands are computed first. Of those that can follow, the loop
     # takes the one that comes first in CasADi's order, which has each value close to its uses.
-    ready: dict[int, list[tuple[int, _Group]]] = defaultdict(list)
+    ready: dict[int, list[tuple[int, _OperationGroup]]] = defaultdict(list)
 
-    def push(group: _Group) -> None:
+    def push(group: _OperationGroup) -> None:
         heappush(ready[len(group.members)], (group.first, group))
 
     for group in groups:
         if not group.waits:
             push(group)
-    loops: list[list[_Group]] = []
+    loops: list[list[_OperationGroup]] = []
     while any(ready.values()):
         size = min((heap[0][0], size) for size, heap in ready.items() if heap)[1]
-        loop, apart = list[_Group](), list[_Group]()
+        loop, apart = list[_OperationGroup](), list[_OperationGroup]()
         while ready[size] and len(loop) < LONGEST:
             group = heappop(ready[size])[1]
             _place_members(group)
             if any(
-                isinstance(operand, _Group)
+                isinstance(operand, _OperationGroup)
                 and operand.loop == len(loops)
                 and any(row[i] != place for place, row in enumerate(group.rows))
                 for i, operand in enumerate(group.operands)
@@ -168,16 +168,16 @@ def _arrange(groups: Sequence[_Group]) -> list[list[_Group]]:
     return loops
 
 
-def _place_members(group: _Group) -> None:
+def _place_members(group: _OperationGroup) -> None:
     # Order the members as those of an operand of the same size, which makes the places in both equal.
     rows = [
-        tuple(s.place[m] if isinstance(s, _Group) else m for s, m in zip(group.operands, row, strict=True))
+        tuple(s.place[m] if isinstance(s, _OperationGroup) else m for s, m in zip(group.operands, row, strict=True))
         for row in group.members
     ]
     size = len(rows)
     keys = sorted(
         range(len(group.operands)),
-        key=lambda i: not (isinstance(s := group.operands[i], _Group) and len(s.members) == size),
+        key=lambda i: not (isinstance(s := group.operands[i], _OperationGroup) and len(s.members) == size),
     )
     order = sorted(range(size), key=lambda m: [rows[m][i] for i in keys])
     group.place = [0] * size
@@ -187,7 +187,7 @@ def _place_members(group: _Group) -> None:
 
 
 @dataclass(slots=True, kw_only=True)
-class _Writer:
+class _LoopWriter:
     """Writes the lines of loops.
 
     Attributes:
@@ -206,12 +206,12 @@ class _Writer:
     at: dict[tuple[int, ...], int] = field(default_factory=dict)
     work: int = 0
     free: dict[int, list[int]] = field(default_factory=lambda: defaultdict(list))
-    ending: dict[int, list[_Group]] = field(default_factory=lambda: defaultdict(list))
+    ending: dict[int, list[_OperationGroup]] = field(default_factory=lambda: defaultdict(list))
 
-    def lines(self, loops: Sequence[Sequence[_Group]]) -> Iterator[tuple[int, list[str]]]:
+    def lines(self, loops: Sequence[Sequence[_OperationGroup]]) -> Iterator[tuple[int, list[str]]]:
         """Yield the number of members and the body of each loop."""
         for source in self.results:
-            if not isinstance(source, _Group):
+            if not isinstance(source, _OperationGroup):
                 yield from self._copies(source)
         for number_of_loop, loop in enumerate(loops):
             yield len(loop[0].members), [line for group in loop for line in self._statements(group)]
@@ -220,7 +220,7 @@ class _Writer:
             for group in self.ending.pop(number_of_loop, ()):
                 self.free[len(group.members)].append(group.begin)
 
-    def _statements(self, group: _Group) -> Iterator[str]:
+    def _statements(self, group: _OperationGroup) -> Iterator[str]:
         # The value of a group, and the results that it is.
         columns = zip(group.operands, zip(*group.rows, strict=True), strict=True)
         x, *others = (self._value(operand, places, group.loop) for operand, places in columns)
@@ -237,7 +237,7 @@ class _Writer:
                 elements = [element for _, element in sorted((group.place[m], e) for e, m in pairs)]
                 yield f"res[{result}][{self._place(elements)}] = {group.name};"
 
-    def _store(self, group: _Group) -> None:
+    def _store(self, group: _OperationGroup) -> None:
         free = self.free[len(group.members)]
         if free:
             group.begin = free.pop()
@@ -255,13 +255,13 @@ class _Writer:
     @staticmethod
     def _is_whole(group: _Source, pairs: Sequence[tuple[int, int]]) -> bool:
         # Whether each member is one element of the result, which is then written where the member is computed.
-        return isinstance(group, _Group) and sorted(m for _, m in pairs) == list(range(len(group.members)))
+        return isinstance(group, _OperationGroup) and sorted(m for _, m in pairs) == list(range(len(group.members)))
 
     def _copies(self, source: _Source) -> Iterator[tuple[int, list[str]]]:
         for result, pairs in self.results.get(source, {}).items():
             if self._is_whole(source, pairs):
                 continue
-            places = sorted((e, source.place[m] if isinstance(source, _Group) else m) for e, m in pairs)
+            places = sorted((e, source.place[m] if isinstance(source, _OperationGroup) else m) for e, m in pairs)
             to, value = self._place([e for e, _ in places]), self._value(source, [p for _, p in places])
             yield len(places), [f"res[{result}][{to}] = {value};"]
 

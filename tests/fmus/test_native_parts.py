@@ -20,7 +20,7 @@ from fmpy.validation import validate_fmu
 from scipy.linalg import solve_banded
 from small_fmus import FEATURES
 
-from railgrip.base.errors import BuildFailed, CompilerMissing
+from railgrip.base.errors import BuildFailed, CompilerMissing, TranslationError
 from railgrip.fmus.native import c_source, code, equations, lower, package, toolchain
 from railgrip.fmus.native.c_source import LARGEST, MAX_ENTRIES, MAX_PRODUCTS, eliminate, fits, interpreter, tape
 from railgrip.fmus.native.code import LARGEST_INCLUDED, RUNTIME
@@ -325,6 +325,8 @@ def test_an_fmu_of_several_units_lists_them_and_steps_like_one_of_a_single_unit(
             *source.units
         ]
         assert source.units == (("model.c",) if limit else ("model.c", "elimination.c"))
+        # Several FMUs may be linked into one program, in which names of other linkage would clash.
+        assert ("static int sparse_factor" in source.files["model.c"]) == bool(limit)
     np.testing.assert_array_equal(found[0], found[LARGEST_INCLUDED])
 
 
@@ -426,3 +428,15 @@ def test_a_reduction_over_an_empty_set_is_its_neutral_element(tmp_path, size, wa
     model = lower("M", file)
     free = [p.start for p in model.parameters]
     assert tuple(model.output(0, [1], [], free).full().ravel()) == wanted * 2
+
+
+def test_equations_of_an_unknown_kind_of_loop_are_refused(tmp_path):
+    """Another version of the front end may write others; guessed, each could be repeated or left out."""
+    (tmp_path / "Chain.mo").write_text(CHAIN)
+    dae = read("Chain", tmp_path / "Chain.mo")
+    owner = next(o for s in dae.systems.values() for o in s.get("owners", ()) if o.get("scalar_view"))
+    owner["scalar_view"] = "Diagonal"
+    with pytest.raises(
+        TranslationError, match=r"^Chain\.mo:\d+: Chain: equations of the kind Diagonal are not supported"
+    ):
+        explicit(dae)
