@@ -226,6 +226,6 @@ _SCREEN = 100
 """Length of a line of text on a screen [characters]."""
 
 _NOT_ON_SCREEN = frozenset(
-    {"estimator", "repeated", "duration", "longest lock", "valve strokes", "air", "NIS", "outside ±2σ"}
+    {"estimator", "repeated", "duration", "longest lock", "wheel flat", "valve strokes", "air", "NIS", "outside ±2σ"}
 )
 """Columns of the table that are omitted on a screen."""

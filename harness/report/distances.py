@@ -137,8 +137,8 @@ _HEADING = ("actuation", "sensors", "creep curve")
 
 _COLUMNS: Final = (
     "label", *SETTING, "controller_label", "distance", "paper_distance", "reduction_vs_sbc", "paper_reduction",
-    "reduction_vs_tuned", "repeated", "duration", "utilisation", "adhesion_peak", "longest_lock", "breaks",
-    "actuations", "air_used", "estimator", "nis_ratio", "outside",
+    "reduction_vs_tuned", "repeated", "duration", "utilisation", "adhesion_peak", "longest_lock", "flat_length",
+    "breaks", "actuations", "air_used", "estimator", "nis_ratio", "outside",
 )  # fmt: skip
 """Columns of the table of stops in their order; those of further figures follow."""
 

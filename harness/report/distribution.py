@@ -68,7 +68,7 @@ def plain_distributions(distributions: Frame) -> list[dict[str, Any]]:
     """Return the rows as JSON values."""
     shown = distributions.drop(columns="label", errors="ignore").rename(
         columns={name: f"{name}_m" for name in ("distances", "median", "low", "high", "worst")}
-        | {"longest_lock": "longest_lock_s"}
+        | {"longest_lock": "longest_lock_s", "flat_length": "flat_length_m"}
     )
     return [
         row

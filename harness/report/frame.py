@@ -44,12 +44,13 @@ IN_TABLES: Final = {name: figure for name, figure in FIGURES.items() if figure.c
 _COLUMNS: Final = (
     "label", *CONDITIONS, "friction", "draw", "reference", "distance", "repeated", "repeats", "other_repeats",
     "duration", "reduction_vs_sbc", "reduction_vs_tuned", "utilisation", "paper_distance", "paper_reduction", "outcome",
-    "breaks", "adhesion_peak", "longest_lock", "actuations", "air_used", "nis_ratio", "outside", "stop",
+    "breaks", "adhesion_peak", "longest_lock", "flat_length", "actuations", "air_used", "nis_ratio", "outside", "stop",
 )  # fmt: skip
 
 _PLAIN: Final = {
     "distance": "distance_m", "duration": "duration_s", "paper_distance": "paper_distance_m",
-    "longest_lock": "longest_lock_s", "actuations": "valve_strokes", "air_used": "air_l", "nis_ratio": "nis",
+    "longest_lock": "longest_lock_s", "flat_length": "flat_length_m", "actuations": "valve_strokes",
+    "air_used": "air_l", "nis_ratio": "nis",
 }  # fmt: skip
 """Column → its key in JSON, where that differs."""
 

@@ -192,13 +192,15 @@ def longest_lock(trace: xarray.Dataset, *, above: float = -np.inf) -> tuple[floa
     """
     times = _sample_times(trace)
     locked = (trace["locked"].values > 0.5) & (trace["speed"].values > above)[:, None]
-    return tuple(_longest(column, times) for column in locked.T)
+    return tuple(_largest_sum(column, times) for column in locked.T)
 
 
-def _longest(holds: NDArray[np.bool_], times: Array) -> float:
+def _largest_sum(holds: NDArray[np.bool_], values: Array) -> float:
+    """Return the largest sum of values over samples in which a condition holds without interruption; 0 if it never
+    does."""
     turns = np.flatnonzero(np.diff(holds, prepend=False, append=False))
-    instants = np.concatenate([[0.0], np.cumsum(times)])
-    return float(np.max(instants[turns[1::2]] - instants[turns[::2]], initial=0.0))
+    sums = np.concatenate([[0.0], np.cumsum(values)])
+    return float(np.max(sums[turns[1::2]] - sums[turns[::2]], initial=0.0))
 
 
 def locked_distance(trace: xarray.Dataset) -> tuple[float, ...]:
@@ -215,9 +217,47 @@ def tread_power(trace: xarray.Dataset) -> Array:
 
 
 def tread_energy(trace: xarray.Dataset) -> tuple[float, ...]:
-    """Return the energy that each wheelset dissipated in its contacts [J]: what flats are made of."""
+    """Return the energy that each wheelset dissipated in its contacts [J]."""
     time = trace["time"].values
     return tuple(float(np.trapezoid(power, time)) for power in tread_power(trace).T)
+
+
+WEAR = 5.3e-9
+"""Wear of a wheel of steel R8T by the energy of its slip [kg/J], in the mild regime.
+
+Source: Braghin, Lewis, Dwyer-Joyce and Bruni, Wear 261 (2006) 1253: 5.3 µg/m/mm² times Tγ/A in N/mm².
+"""
+
+DENSITY = 7850.0
+"""Density of steel [kg/m3]."""
+
+RAIL_HEAD = 0.3
+"""Radius of the rail head [m], of a rail 60E1 after EN 13674-1."""
+
+
+def flat_length(trace: xarray.Dataset) -> tuple[float, ...]:
+    """Return the estimated length of the longest wheel flat of each wheelset [m]; 0 without a lock.
+
+    A locked wheel loses the volume V = `WEAR` E/`DENSITY`, E half of the energy of the wheelset in one lock. A straight
+    rail cuts it off as a cap of depth d = L²/(8 r) and volume π √(r R) d², r the radius of the wheel and R that of the
+    rail head: L⁴ = 64 r² V/(π √(r R)). A wheelset that turns between two locks has two flats. The radius is the median
+    of (1 − s) v/ω; NaN for a wheelset that locked and never turned, or whose adhesion the plant does not output.
+
+    Source: depth of a new flat of length L from Newton and Clark, J. Mech. Eng. Sci. 21 (1979) 287.
+    """
+    of_wheelset = formation_in(trace).group_of_wheelset
+    energy = tread_power(trace) * _sample_times(trace)[:, None]
+    locked = trace["locked"].values[:, of_wheelset] > 0.5
+    turning = trace["wheelset_speed"].values
+    rolled = (1 - trace["slip"].values) * trace["speed"].values[:, None]
+    lengths: list[float] = []
+    for wheelset, group in enumerate(of_wheelset):
+        worn = _largest_sum(locked[:, wheelset], np.where(locked[:, wheelset], energy[:, wheelset], 0.0))
+        turns = turning[:, group] > 0
+        radius = np.median(rolled[turns, group] / turning[turns, group]) if turns.any() else nan
+        length = (64 * radius**2 * WEAR * worn / 2 / DENSITY / (np.pi * np.sqrt(radius * RAIL_HEAD))) ** 0.25
+        lengths.append(float(length) if worn else 0.0)
+    return tuple(lengths)
 
 
 SLOWEST = 10 / 3.6  # m/s; below, slip is the ratio of two small numbers and no one asks for the adhesion

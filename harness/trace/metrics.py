@@ -211,6 +211,11 @@ class Metrics:
     locked_distance: Annotated[Each, Figure("m", "distance each group was dragged without turning",
         lambda stop: measures.locked_distance(stop.trace), extent="group", combined="maximum", better="less",
         clause="locked_distance")]
+    flat_length: Annotated[Each, Figure("m",
+        "estimated length of the longest wheel flat of each wheelset, from the energy of its slide in one lock; 0 "
+        "without a lock", lambda stop: measures.flat_length(stop.trace), extent="wheelset", combined="maximum",
+        title="length of wheel flat", column="wheel flat", factor=1000, form="{:.0f} mm", over_draws="median",
+        better="less")]
     tread_energy: Annotated[Each, Figure("J", "energy each wheelset dissipated in its contacts",
         lambda stop: measures.tread_energy(stop.trace), extent="wheelset", combined="maximum", better="less")]
     tread_power_peak: Annotated[Each, Figure("W", "greatest power of each wheelset in its contacts",

@@ -14,6 +14,7 @@ PAGES = [
     ROOT / "README.md",
     ROOT / "docs/how_to/driver_demand.md",
     ROOT / "docs/how_to/type_test.md",
+    ROOT / "docs/wheel_flats.md",
     *sorted((ROOT / "docs/tutorials").glob("*.md")),
 ]
 

@@ -38,8 +38,8 @@ def row(draw, distance, controller="adhesion_based", reference=None, **changes):
     values = {
         "label": "random", "scenario": "random", "case": "", "polach": "dry", "actuation": "ideal", "sensors": "ideal",
         "controller": controller, "controller_label": controller, "estimator": "none", "draw": draw,
-        "reference": reference, "distance": math.nan if distance is None else distance, "longest_lock": 0.0,
-        "reduction_vs_sbc": math.nan, "repeats": None,
+        "reference": reference, "distance": math.nan if distance is None else distance,
+        "longest_lock": 0.0, "flat_length": 0.0, "reduction_vs_sbc": math.nan, "repeats": None,
     }  # fmt: skip
     return values | changes
 

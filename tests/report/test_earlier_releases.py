@@ -19,7 +19,7 @@ from railgrip.scenario.load import load
 from railgrip.trace.metrics import FIGURES, Metrics
 
 RELEASE = Path(__file__).parent / "release_0_1_0"
-LATER = {"adhesion_allowed", "adhesion_at_slide", "adhesion_peak", "adhesion_sd"}
+LATER = {"flat_length", "adhesion_allowed", "adhesion_at_slide", "adhesion_peak", "adhesion_sd"}
 """Figures of a stop that the release did not have, besides the errors of readings."""
 
 

@@ -69,6 +69,58 @@ def test_tread_energy_is_force_times_creep_path():
     assert measures.tread_power(trace).max() == pytest.approx(0.1 * LOAD * 0.05 * 20.0)
 
 
+TIME = uniform_stop()["time"].values
+NEVER, ONCE = TIME < 0, (TIME >= 2) & (TIME < 6)
+
+
+@pytest.mark.parametrize(
+    ("locked", "metres"),
+    [(NEVER, 0.0), (ONCE, 64.0), (ONCE | ((TIME >= 8) & (TIME < 9)), 64.0), (NEVER | (TIME < 0.005), 0.2)],
+    ids=["no lock", "one lock", "two locks have two flats", "one sample"],
+)
+def test_the_volume_of_a_flat_is_the_energy_of_its_lock_times_the_rate_of_wear(locked, metres):
+    """Locked over 64 m, 20 t - t²/2 from 2 to 6 s, with a tenth of the load, half of which is on each wheel.
+
+    The volume is that of a cap between wheel and rail, by midpoints of a grid.
+    """
+    slip = np.where(locked, 1.0, 0.05)[:, None] * [1, 0, 0, 1] + [0, 0.05, 0.05, 0]
+    speed = uniform_stop()["speed"].values[:, None]
+    trace = uniform_stop(
+        adhesion=0.1, slip=slip, wheelset_speed=(1 - slip) * speed / 0.4, locked=(slip == 1).astype(float)
+    )
+    lengths = np.array(measures.flat_length(trace))
+    assert not lengths[[2, 3]].any()
+    for length in lengths[[0, 1, 4, 5]]:
+        depth, grid = length**2 / (8 * 0.4), np.linspace(-1, 1, 801) * max(length, 1e-9)
+        x, y = np.meshgrid(grid, grid)
+        cap = np.maximum(depth - x**2 / (2 * 0.4) - y**2 / (2 * 0.3), 0).mean() * (2 * max(length, 1e-9)) ** 2
+        assert cap == pytest.approx(5.3e-9 / 7850 * 0.1 * LOAD / 2 * metres, rel=0.01)
+
+
+@pytest.mark.parametrize(("force", "metres", "within"), [(2e3, 100, 0.01), (4e3, 100, 0.03), (8e3, 300, 0.02)])
+def test_a_flat_of_all_regimes_of_wear_is_shorter_by_some_percent(force, metres, within):
+    """Wear of 5.3 Tγ/A, 55 and 55 + 61.9 (Tγ/A - 77.2) µg/m/mm² on the area of the flat, not below that of Hertz."""
+    steps, volume, factor = 4000, 0.0, 64 * 0.4**2 / (np.pi * np.sqrt(0.4 * 0.3))
+    for _ in range(steps):
+        area = max(120.0, np.pi / 4 * 1e6 * np.sqrt(factor * volume * 0.3 / 0.4))
+        pressure = force / area
+        rate = 5.3 * pressure if pressure < 10.4 else 55 + 61.9 * max(pressure - 77.2, 0)
+        volume += rate * area * 1e-9 / 7850 * metres / steps
+    speed = np.sqrt(2.0 * metres)  # at 1 m/s2
+    trace = uniform_stop(
+        speed=speed, adhesion=2 * force / LOAD, slip=1.0, locked=1.0,
+        wheelset_speed=np.where(np.arange(round(speed * 100) + 1) < 1, speed / 0.4, 0.0)[:, None],
+    )  # fmt: skip
+    trace["slip"].values[0] = 0.0
+    assert 1 - within < (factor * volume) ** 0.25 / measures.flat_length(trace)[0] < 1.002
+
+
+def test_a_wheelset_that_never_turns_or_has_no_adhesion_has_no_estimate():
+    assert np.isnan(measures.flat_length(uniform_stop(wheelset_speed=0.0, locked=1.0))).all()
+    assert np.isnan(measures.flat_length(uniform_stop(adhesion=np.nan, locked=1.0))).all()
+    assert not any(measures.flat_length(uniform_stop(adhesion=np.nan)))
+
+
 def test_valve_strokes_are_changes_of_position():
     time = uniform_stop()["time"].values
     command = np.select([time < 5, time < 10, time < 15], [0.9, 0.0, -1.0], 0.2)
