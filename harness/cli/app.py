@@ -29,6 +29,9 @@ from railgrip.report.console import answer, complain, say, show_messages
 RUN_FAILED = 3
 """Exit code of a run that failed; errors define their own."""
 
+BASELINES = Path("tests/baselines")
+"""Folder of baseline files, unless given."""
+
 
 @dataclass(frozen=True, slots=True)
 class Command:
@@ -202,7 +205,7 @@ class _Main(Commands):
             "doctor": Command("doctor:doctor", "Check versions, compilers, folders and parts of other packages."),
         },
         "Development": {
-            "maintain": Command("app:maintain", "Commands for those who change railgrip itself."),
+            "maintain": Command("app:maintain", "Guard distances by baselines; develop railgrip."),
         },
     }  # fmt: skip
 
@@ -334,7 +337,7 @@ class _Maintain(Commands):
 
 maintain = typer.Typer(
     cls=_Maintain,
-    help="Commands for those who change railgrip itself.",
+    help="Guard distances by baselines: `railgrip new regression` begins. Other commands are for railgrip itself.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
@@ -343,7 +346,7 @@ maintain = typer.Typer(
 
 @maintain.callback()
 def group() -> None:
-    """Commands for those who change railgrip itself."""
+    """Guard distances by baselines: `railgrip new regression` begins. Other commands are for railgrip itself."""
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -1,5 +1,6 @@
 """Commands for accepted numbers: compare them, accept new ones, write them to the documentation, repeat stops."""
 
+import shlex
 from collections.abc import Sequence
 from fnmatch import fnmatch
 from pathlib import Path
@@ -21,10 +22,11 @@ from railgrip.campaign.conditioning import (
 from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.work import work
 from railgrip.campaign.workers import shared_pool
-from railgrip.cli.app import RUN_FAILED, Fresh, ImportFrom, Workers
+from railgrip.cli.app import BASELINES, RUN_FAILED, AsJson, Fresh, ImportFrom, Workers, print_json
 from railgrip.cli.campaigns import run_campaigns
 from railgrip.report.baseline import (
     Baseline,
+    BaselineComparison,
     Findings,
     compare,
     comparison_table,
@@ -36,6 +38,7 @@ from railgrip.report.baseline import (
 )
 from railgrip.report.baseline import accept as accept_numbers
 from railgrip.report.console import complain, say, show_table
+from railgrip.report.junit import junit_xml
 from railgrip.report.results import read_results
 from railgrip.report.table import ReportTable, write_tables, yes_no
 from railgrip.report.validation import (
@@ -49,13 +52,16 @@ from railgrip.scenario.campaign import Campaign, load_campaign
 from railgrip.scenario.conditioning import RepeatedDistances, read_conditioning, text_of
 from railgrip.studies.study import headlines
 
-BASELINES = Path("tests/baselines")
 REGRESS = Path("build/regress")
 
 
 def regress(
     baselines: Annotated[Path, typer.Option(help="Folder of baseline files.")] = BASELINES,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = REGRESS,
+    junit: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="JUnit XML for CI servers: each stop or figure is a test case.")
+    ] = None,
+    as_json: AsJson = False,
     workers: Workers = 2,
     across_compilers: Annotated[
         bool,
@@ -63,33 +69,52 @@ def regress(
     ] = False,
     import_from: ImportFrom = None,
 ) -> None:
-    """Run everything that has a baseline and compare every number."""
-    problem = 0
-    with shared_pool(workers):
-        for path in _baseline_files(baselines):
-            problem = _regress_baseline(path, out, workers, across_compilers, import_from or ()) or problem
-    if problem:
-        raise typer.Exit(problem)
+    """Run everything that has a baseline and compare every number.
 
-
-def _regress_baseline(path: Path, out: Path, workers: int, across_compilers: bool, import_from: Sequence[Path]) -> int:
-    baseline = load_baseline(path)
+    The exit code is 0 if all are kept, 2 for wrong input and 3 for a number that is new, has moved or does not exist.
+    """
+    if junit is not None:  # the report of an earlier run must not stay if this one fails
+        write_text(junit, junit_xml({"regress": {"regress": "did not run to its end; see the output of the command"}}))
+    files = {path: load_baseline(path) for path in _baseline_files(baselines)}
     if across_compilers:
-        if baseline.campaign is None:
-            return 0
-        baseline = baseline.across_compilers()
-    code, findings = _numbers_of(baseline, path, out / path.stem, workers, import_from)
-    comparisons = compare(baseline, findings)
-    show_table(comparison_table(comparisons, path.name), "nothing changed")
-    deviations = [comparison.name for comparison in comparisons if comparison.state != "kept"]
-    if not deviations:
-        return code
-    what = "stops" if baseline.campaign is not None else "figures"
-    complain(
-        f"{path.name}: {len(deviations)} of {len(comparisons)} {what} deviate from their baseline: "
-        f"{', '.join(deviations)}; if that is right, `railgrip maintain accept --reason '…'`"
-    )
-    return RUN_FAILED
+        files = {path: each.across_compilers() for path, each in files.items() if each.campaign is not None}
+        if not files:
+            raise ScenarioError(f"{baselines}: no baseline in it is that of a campaign, as --across-compilers expects")
+    found: dict[Path, Sequence[BaselineComparison]] = {}
+    code = 0
+    with shared_pool(workers):
+        for path, baseline in files.items():
+            problem, findings = _numbers_of(baseline, path, out / path.stem, workers, import_from or ())
+            found[path] = compare(baseline, findings)
+            code = problem or code
+            if not found[path]:
+                raise ScenarioError(f"{path}: stops = {list(baseline.stops)}: {baseline.campaign} has no such stop")
+            if not as_json:
+                show_table(comparison_table(found[path], path.name), "nothing changed")
+    if junit is not None:
+        write_text(junit, junit_xml({path.stem: {one.name: one.sentence for one in found[path]} for path in found}))
+    command = None if code or across_compilers else _accept_command(baselines, out)
+    if as_json:
+        numbers = {path.as_posix(): [one.to_plain() for one in each] for path, each in found.items()}
+        print_json({"baselines": numbers, "accept": command})
+    for path, comparisons in found.items():
+        sentences = [one.sentence for one in comparisons if one.state != "kept"]
+        if sentences:
+            what = "stops" if files[path].campaign is not None else "figures"
+            complain(f"{path.name}: {len(sentences)} of {len(comparisons)} {what} deviate from their baseline:")
+            complain("\n".join(f"  {sentence}" for sentence in sentences))
+            code = RUN_FAILED
+    if code and command is not None:
+        complain(f"If that is right: {command}")
+    if code:
+        raise typer.Exit(code)
+
+
+def _accept_command(baselines: Path, out: Path) -> str:
+    words = ["railgrip", "maintain", "accept", "--reason", "why the new numbers are right"]
+    for option, path, default in (("--baselines", baselines, BASELINES), ("--out", out, REGRESS)):
+        words += [option, str(path)] if path != default else []
+    return shlex.join(words)
 
 
 def accept(
@@ -98,10 +123,17 @@ def accept(
     out: Annotated[Path, typer.Option(help="Folder of the results of the last regress.")] = REGRESS,
 ) -> None:
     """Update the baselines to the results of the last regress."""
+    accepted: dict[Path, tuple[Baseline, Findings, Baseline]] = {}
     for path in _baseline_files(baselines):
         baseline, folder = load_baseline(path), out / path.stem
+        if not folder.is_dir():
+            raise ScenarioError(
+                f"{folder}: there are no results of {path.name}; run `railgrip maintain regress` with the same "
+                "--baselines and --out first"
+            )
         findings = read_findings(folder) if baseline.campaign is None else findings_of(read_results(folder))
-        after = accept_numbers(baseline, findings, reason)
+        accepted[path] = baseline, findings, accept_numbers(baseline, findings, reason)
+    for path, (baseline, findings, after) in accepted.items():
         # A number within its tolerance may have been replaced by a range.
         changes = tuple(
             comparison
@@ -261,6 +293,7 @@ def _baseline_files(folder: Path) -> list[Path]:
     files = sorted(folder.glob("*.toml"))
     if not files:
         raise ScenarioError(
-            f"{folder}: there is no baseline file (*.toml) in it; run in the folder of the project or give --baselines"
+            f"{folder}: there is no baseline file (*.toml) in it; run in the folder of the project, give --baselines, "
+            "or begin with `railgrip new regression stops.toml`"
         )
     return files

@@ -11,7 +11,18 @@ from railgrip.base.errors import ScenarioError
 from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.sweep import csv_of, load_results, write_table
 from railgrip.campaign.work import work
-from railgrip.cli.app import AsJson, Campaigns, Formats, Fresh, ImportFrom, Overrides, Scheduler, Workers, print_json
+from railgrip.cli.app import (
+    BASELINES,
+    AsJson,
+    Campaigns,
+    Formats,
+    Fresh,
+    ImportFrom,
+    Overrides,
+    Scheduler,
+    Workers,
+    print_json,
+)
 from railgrip.cli.runs import runner
 from railgrip.report.baseline import baseline_deviations
 from railgrip.report.comparison import compare as compared
@@ -32,8 +43,6 @@ from railgrip.report.results import Results, by_compiler, read_results, remarks_
 from railgrip.report.stop import require_no_result
 from railgrip.report.table import names_in, page_text, write_tables
 from railgrip.scenario.campaign import Panels, load_campaign, selection_of
-
-BASELINES = Path("tests/baselines")
 
 Against = Annotated[
     str | None,

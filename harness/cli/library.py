@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -10,7 +11,7 @@ import typer
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_text
 from railgrip.base.registry import SECTIONS, Kind, meanings
-from railgrip.cli.app import AsJson, print_json
+from railgrip.cli.app import BASELINES, AsJson, print_json
 from railgrip.report.console import remark, say, show_table
 from railgrip.report.table import ReportTable
 from railgrip.rolling_stock.schema import Train
@@ -74,6 +75,7 @@ _NEXT = {
     "scenario": "railgrip run {file}",
     "train": "railgrip train show {file}",
     "campaign": "railgrip campaign {file}",
+    "regression": "railgrip maintain regress{baselines}",
     "controller": "python {file}",
     "estimator": "python {file}",
     "line": "railgrip study benefit emu387 --line {file}",
@@ -83,16 +85,21 @@ _NEXT = {
 
 def new(
     kind: Annotated[
-        Literal["scenario", "train", "controller", "estimator", "campaign", "line"],
+        Literal["scenario", "train", "controller", "estimator", "campaign", "line", "regression"],
         typer.Argument(help="What to write."),
     ],
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write (.toml or .py); it must not exist yet.")],
+    workflow: Annotated[
+        bool, typer.Option("--workflow", help="With a regression, also a workflow of GitHub Actions that runs it.")
+    ] = False,
 ) -> None:
     """Write a commented file to start from, which runs as it is.
 
     With a TOML file, except that of a line, comes its JSON schema, which editors with Even Better TOML or taplo use to
-    complete and check it.
+    complete and check it. A regression is a campaign, with its baseline below tests/baselines in the same folder.
     """
+    if workflow and kind != "regression":
+        raise InputError(f"--workflow: is an option of `railgrip new regression`, got {kind}")
     template = _LINE if kind == "line" else next(_TEMPLATES.glob(f"{kind}.*"))
     if file.suffix != template.suffix:
         raise InputError(f"{file}: the file of a {kind} ends in {template.suffix}")
@@ -101,14 +108,22 @@ def new(
         wanted, what = r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, no digit first, as Python imports it"
     if not re.fullmatch(wanted, file.stem):
         raise InputError(f"{file}: the name of a {kind} has {what}")
-    if file.exists():
-        raise InputError(f"{file} exists; choose another file")
+    texts = {file: template}
+    if kind == "regression":
+        texts[file.parent / BASELINES / file.name] = _TEMPLATES / "baseline.toml"
+    if workflow:
+        texts[Path(".github/workflows") / f"{file.stem}.yml"] = _TEMPLATES / "workflow.yml"
+    for path in texts:
+        if path.exists():
+            raise InputError(f"{path} exists; choose another file")
     name_of_class = "".join(part[:1].upper() + part[1:] for part in file.stem.split("_")) or "Own"
-    text = template.read_text(encoding="utf-8").replace(kind.upper(), name_of_class).replace("NAME", file.stem)
-    write_text(file, text)
-    if kind in ("scenario", "train", "campaign"):
-        write_schema(kind, file)
-    say(f"{file}; continue with: {_NEXT[kind].format(file=file)}")
+    baselines = "" if file.parent == Path() else f" --baselines {shlex.quote(str(file.parent / BASELINES))}"
+    for path, source in texts.items():
+        text = source.read_text(encoding="utf-8").replace(kind.upper(), name_of_class).replace("NAME", file.stem)
+        write_text(path, text.replace(" --baselines BASELINES", baselines))
+    if kind in ("scenario", "train", "campaign", "regression"):
+        write_schema("campaign" if kind == "regression" else kind, file)
+    say(f"{', '.join(map(str, texts))}; continue with: {_NEXT[kind].format(file=file, baselines=baselines)}")
 
 
 def write_schema(kind: FileKind, file: Path) -> None:

@@ -34,13 +34,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from fnmatch import fnmatch
+from itertools import takewhile
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, StrictInt, TypeAdapter, ValidationError, model_validator
 
 from railgrip.base.errors import RecordError, ScenarioError
-from railgrip.base.files import write_json, write_text
+from railgrip.base.files import read_text, write_json, write_text
 from railgrip.base.records import claim, read_json_value, words_of
 from railgrip.report import table
 from railgrip.report.frame import frame_of, plain_rows
@@ -111,6 +112,11 @@ class AcceptedValue(Table):
             self.value if self.lowest is None else self.lowest,
             self.value if self.highest is None else self.highest,
         )
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Lowest and highest permitted value."""
+        return self.ends[0] - self.tolerance, self.ends[1] + self.tolerance
 
     @property
     def is_range(self) -> bool:
@@ -208,7 +214,8 @@ class BaselineComparison:
     Attributes:
         name: Name of the stop or figure.
         state: `kept` if it and its further figures are within the tolerance, else `moved`; `new` without a baseline;
-            `gone` without a result; `no value` for a stop without standstill or a figure that does not exist.
+            `gone` without a result, also of a stop that has no baseline yet; `no value` for a stop without standstill
+            or a figure that does not exist.
         accepted: Baseline; None for a new number.
         current: Number found, or None.
         moved_figures: Further figures that are missing or outside their tolerance, with accepted value and value found.
@@ -234,6 +241,31 @@ class BaselineComparison:
     def unit(self) -> str:
         """Unit of the number."""
         return self.accepted.unit if self.accepted else self.current.unit if self.current else ""
+
+    @property
+    def sentence(self) -> str:
+        """Deviation from the baseline, with the number before and after and its limits; empty if it is kept."""
+        if self.state == "kept":
+            return ""
+        form = ("{:.2f}" if self.unit == "m" else "{:.4g}") + f" {self.unit}".removesuffix(" 1").rstrip()
+        if self.value is None:
+            found = "no result" if self.state == "gone" else "no standstill" if self.unit == "m" else "no value"
+        else:
+            found = form.format(self.value)
+        if self.accepted is None:
+            return f"{self.name}: {found}; it has no baseline"
+        accepted, lowest, highest = map(form.format, (self.accepted.value, *self.accepted.limits))
+        change = "" if self.change is None else f" ({form.replace(':', ':+').format(self.change)})"
+        moved = f"{self.name}: {accepted} → {found}{change}; permitted is {lowest} to {highest}"
+        return "; ".join([moved, *self.moved_figures])
+
+    def to_plain(self) -> dict[str, Any]:
+        """Return the comparison as JSON values."""
+        limits = (None,) * 3 if self.accepted is None else (self.accepted.value, *self.accepted.limits)
+        names = ("name", "state", "value", "change", "unit", "sentence")
+        return {name: getattr(self, name) for name in names} | dict(
+            zip(("accepted", "lowest", "highest"), limits, strict=True)
+        )
 
 
 def load_baseline(path: Path) -> Baseline:
@@ -310,7 +342,7 @@ def read_findings(directory: Path) -> Findings:
 def compare(baseline: Baseline, findings: Findings) -> tuple[BaselineComparison, ...]:
     """Return every number of baseline and findings, starting with those that require attention."""
     current = {finding.name: finding for finding in findings.values}
-    names = dict.fromkeys([*current, *baseline.accepted])
+    names = dict.fromkeys([*current, *baseline.accepted, *findings.missing])
     comparisons = [_compare(name, baseline.accepted.get(name), current.get(name)) for name in names]
     return tuple(sorted(comparisons, key=lambda comparison: comparison.state == "kept"))
 
@@ -391,9 +423,11 @@ def _accept_finding(finding: Finding, value: float, before: AcceptedValue | None
 
 
 def write_baseline(baseline: Baseline, path: Path) -> None:
-    """Write a baseline file, with its numbers in the order of their names."""
+    """Write a baseline file, with its numbers in the order of their names; comments at its beginning stay."""
     keys = ("campaign", "stops", "study")
-    lines = [f"{key} = {json.dumps(value)}" for key in keys if (value := getattr(baseline, key))]
+    before = read_text(path).splitlines() if path.exists() else []
+    lines = list(takewhile(lambda line: line.startswith("#"), before))
+    lines += [f"{key} = {json.dumps(value)}" for key in keys if (value := getattr(baseline, key))]
     for name, accepted in sorted(baseline.accepted.items()):
         numbers = accepted.model_dump(exclude={"unit", "reason", "compilers", "figures"}, exclude_none=True)
         lines += [
@@ -443,7 +477,7 @@ def _compare(name: str, before: AcceptedValue | None, finding: Finding | None) -
     moved: list[str] = []
     if before is not None and finding is not None:
         moved = [
-            f"{figure} {accepted.value:.6g} → {finding.figures.get(figure, math.nan):.6g}"
+            f"{figure} {accepted.value:.6g} → {finding.figures.get(figure, math.nan):.6g}, ±{accepted.tolerance:.2g}"
             for figure, accepted in before.figures.items()
             if not abs(finding.figures.get(figure, math.nan) - accepted.value) <= accepted.tolerance
         ]
@@ -454,9 +488,8 @@ def _compare(name: str, before: AcceptedValue | None, finding: Finding | None) -
     elif before is None:
         state = "new"
     else:
-        lowest, highest = before.ends
-        is_within = lowest - before.tolerance <= finding.value <= highest + before.tolerance
-        state = "kept" if is_within and not moved else "moved"
+        lowest, highest = before.limits
+        state = "kept" if lowest <= finding.value <= highest and not moved else "moved"
     return BaselineComparison(name=name, state=state, accepted=before, current=finding, moved_figures=tuple(moved))
 
 

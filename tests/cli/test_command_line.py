@@ -373,28 +373,3 @@ def test_ctrl_c_keeps_finished_stops_and_leaves_no_partial_files(program, projec
     while is_alive(process.pid):
         assert time.monotonic() < patience, "a worker was left behind"
         time.sleep(0.05)
-
-
-@pytest.fixture
-def baselines(project):
-    (project / "baselines").mkdir()
-    path = project / "baselines" / "pair.toml"
-    path.write_text('campaign = "../pair.toml"\n', encoding="utf-8")
-    return path
-
-
-@pytest.mark.usefixtures("in_process", "blank_figures")
-def test_a_baseline_is_accepted_with_a_reason_met_and_missed(railgrip, project, baselines):
-    where = ("--baselines", "baselines", "--out", "out")
-    new = railgrip("maintain", "regress", *where)
-    assert new.code == 3
-    assert "2 of 2 stops deviate from their baseline" in new.err
-    assert railgrip("maintain", "accept", "--reason", " ", *where).code == 2
-    assert railgrip("maintain", "accept", "--reason", "First figures.", *where).code == 0
-    assert railgrip("maintain", "regress", *where).code == 0
-    text = baselines.read_text(encoding="utf-8")
-    assert text.count('reason = "First figures."') == 2
-    baselines.write_text(text.replace("value = 2", "value = 3"), encoding="utf-8")
-    result = railgrip("maintain", "regress", *where)
-    assert result.code == 3
-    assert "moved" in result.out

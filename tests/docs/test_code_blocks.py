@@ -1,22 +1,27 @@
-"""The Python code of the tutorials, of the README and of a how-to page runs as printed."""
+"""The Python code of the tutorials, of the README and of other pages runs as printed; of one also the commands."""
 
+import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from command_line import done
-from sybil import Sybil
-from sybil.parsers.markdown import PythonCodeBlockParser
+from sybil import Example, Sybil
+from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser
 
 ROOT = Path(__file__).parents[2]
 PAGES = [
     ROOT / "README.md",
     ROOT / "docs/how_to/driver_demand.md",
+    ROOT / "docs/how_to/regression.md",
     ROOT / "docs/how_to/type_test.md",
     ROOT / "docs/wheel_flats.md",
     *sorted((ROOT / "docs/tutorials").glob("*.md")),
 ]
+COMMANDS = {ROOT / "docs/how_to/regression.md"}
+"""Pages whose commands run, too."""
 
 
 @pytest.fixture
@@ -41,6 +46,14 @@ def commands_in_this_process(
     monkeypatch.setattr(subprocess, "run", run)
 
 
+def run_commands(example: Example) -> None:
+    """Run the commands of a block; a comment gives the exit code of one that does not succeed."""
+    for line in example.parsed.splitlines():
+        code = re.search(r"# exit code (\d)", line)
+        command = [sys.executable, "-m", *shlex.split(line, comments=True)]
+        assert subprocess.run(command, check=False).returncode == int(code[1] if code else 0), line
+
+
 @pytest.mark.usefixtures("commands_in_this_process")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_the_code_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -48,7 +61,8 @@ def test_the_code_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.Mon
     # A page may add "." to the path; Python caches the folder of the first import.
     monkeypatch.setattr(sys, "path", [*sys.path])
     monkeypatch.setattr(sys, "path_importer_cache", {})
-    examples = list(Sybil(parsers=[PythonCodeBlockParser()]).parse(page).examples())
+    parsers = [PythonCodeBlockParser(), *([CodeBlockParser("sh", run_commands)] if page in COMMANDS else [])]
+    examples = list(Sybil(parsers=parsers).parse(page).examples())
     assert examples
     for example in examples:
         example.evaluate()

@@ -41,12 +41,13 @@ def distance(results, name):
     return next(stop.metrics.distance for stop in results.stops if stop.name == name)
 
 
-def baseline(**distances):
-    stops = {
-        name.replace("__", "-"): AcceptedValue(unit="m", value=value, tolerance=0.5, reason="First.")
-        for name, value in distances.items()
-    }
-    return Baseline(campaign="c.toml", accepted=stops)
+def metres(value, tolerance=0.5, **more):
+    return AcceptedValue(unit="m", value=value, tolerance=tolerance, reason="First.", **more)
+
+
+def baseline(**stops):
+    names = {"sbc": SBC, "full": FULL}
+    return Baseline(campaign="c.toml", accepted={names.get(name, name): stop for name, stop in stops.items()})
 
 
 def states(comparisons):
@@ -54,13 +55,7 @@ def states(comparisons):
 
 
 def test_changed_new_and_missing_stops_are_reported_first(results):
-    before = Baseline(
-        campaign="c.toml",
-        accepted={
-            SBC: AcceptedValue(unit="m", value=distance(results, SBC) + 0.6, tolerance=0.5, reason="First."),
-            "gone": AcceptedValue(unit="m", value=100, tolerance=1, reason="First."),
-        },
-    )
+    before = baseline(sbc=metres(distance(results, SBC) + 0.6), gone=metres(100, 1))
     comparisons = compare(before, findings_of(results))
     assert states(comparisons) == {SBC: "moved", FULL: "new", "gone": "gone"}
     assert next(c.change for c in comparisons if c.name == SBC) == pytest.approx(-0.6)
@@ -68,25 +63,16 @@ def test_changed_new_and_missing_stops_are_reported_first(results):
 
 
 def test_a_distance_within_its_tolerance_is_kept(results):
-    stops = {
-        name: AcceptedValue(unit="m", value=distance(results, name) + shift, tolerance=0.5, reason="First.")
-        for name, shift in ((SBC, 0.49), (FULL, -0.49))
-    }
-    assert set(states(compare(Baseline(campaign="c", accepted=stops), findings_of(results))).values()) == {"kept"}
+    before = baseline(sbc=metres(distance(results, SBC) + 0.49), full=metres(distance(results, FULL) - 0.49))
+    assert set(states(compare(before, findings_of(results))).values()) == {"kept"}
 
 
 def test_accepting_changes_only_what_moved_and_keeps_the_relative_tolerance(results):
     moved_distance = distance(results, SBC)
-    baseline = AcceptedValue(unit="m", value=distance(results, FULL) + 0.1, tolerance=0.5, reason="First.")
-    before = Baseline(
-        campaign="c",
-        accepted={
-            SBC: AcceptedValue(unit="m", value=moved_distance / 2, tolerance=moved_distance / 200, reason="First."),
-            FULL: baseline,
-        },
-    )
+    kept = metres(distance(results, FULL) + 0.1)
+    before = baseline(sbc=metres(moved_distance / 2, moved_distance / 200), full=kept)
     after = accept(before, findings_of(results), "Heavier train.")
-    assert after.accepted[FULL].model_copy(update={"adhesion_peak": None, "longest_lock": None}) == baseline
+    assert after.accepted[FULL].model_copy(update={"adhesion_peak": None, "longest_lock": None}) == kept
     assert after.accepted[FULL].adhesion_peak is not None
     assert after.accepted[SBC].value == pytest.approx(moved_distance, abs=1e-3)
     assert after.accepted[SBC].tolerance == pytest.approx(moved_distance / 100, rel=0.05)  # written with two digits
@@ -112,7 +98,7 @@ def test_a_stop_without_standstill_cannot_be_accepted(results):
 
 
 def test_a_stop_without_result_stays_in_the_baseline(results):
-    before = Baseline(campaign="c", accepted={"x": AcceptedValue(unit="m", value=1, tolerance=1, reason="r")})
+    before = baseline(x=metres(1))
     with pytest.raises(ScenarioError, match="x has no result; run the campaign first"):
         accept(before, findings_of(replace(results, missing=("x",))), "Gone.")
     assert "x" not in accept(before, findings_of(results), "No longer planned.").accepted
@@ -175,9 +161,8 @@ def test_a_baseline_belongs_to_a_campaign_or_a_study(tmp_path):
 
 def test_distances_agree_across_compilers_to_half_a_percent():
     """The law as printed stopped in 324.3 m with the built-in compiler and in 279.8 m with OpenModelica, 1e-7 apart."""
-    plain = AcceptedValue(unit="m", value=380.0, tolerance=0.38, reason="First.")
-    differing = plain.model_copy(update={"value": 324.3, "compilers": {"openmodelica": 279.8}})
-    wide = Baseline(campaign="c.toml", accepted={"plain": plain, "differing": differing}).across_compilers()
+    differing = metres(324.3, 0.38, compilers={"openmodelica": 279.8})
+    wide = baseline(plain=metres(380.0, 0.38), differing=differing).across_compilers()
 
     def found(**distances: float) -> dict[str, str]:
         return states(
@@ -195,9 +180,8 @@ def test_distances_agree_across_compilers_to_half_a_percent():
 
 
 def test_the_value_of_another_compiler_is_kept_when_the_distance_moves(tmp_path):
-    stop = AcceptedValue(unit="m", value=324.3, tolerance=0.33, reason="First.", compilers={"openmodelica": 279.8})
-    before = Baseline(campaign="c.toml", accepted={SBC: stop})
-    after = accept(before, Findings(values=(Finding(name=SBC, value=300.0, unit="m"),)), "Another law.")
+    before = baseline(sbc=metres(324.3, 0.33, compilers={"openmodelica": 279.8}))
+    after = accept(before, stop_with(), "Another law.")
     assert after.accepted[SBC].compilers == {"openmodelica": 279.8}
     write_baseline(after, tmp_path / "c.toml")
     assert load_baseline(tmp_path / "c.toml") == after
@@ -205,12 +189,8 @@ def test_the_value_of_another_compiler_is_kept_when_the_distance_moves(tmp_path)
 
 def test_distances_of_another_compiler_beyond_half_a_percent_are_reported(results, tmp_path):
     """Nothing is reported if all FMUs are built-in: their distances have separate tolerances."""
-    stops = {
-        SBC: AcceptedValue(unit="m", value=distance(results, SBC) * 1.01, tolerance=0.1, reason="First."),
-        FULL: AcceptedValue(unit="m", value=distance(results, FULL) * 1.004, tolerance=0.1, reason="First."),
-    }
-    file = tmp_path / "table1.toml"
-    write_baseline(Baseline(campaign="c.toml", accepted=stops), file)
+    file, (moved, kept) = tmp_path / "table1.toml", (distance(results, name) for name in (SBC, FULL))
+    write_baseline(baseline(sbc=metres(moved * 1.01, 0.1), full=metres(kept * 1.004, 0.1)), file)
 
     def made_by(tool):
         versions = {"TwoPartTrain.fmu": tool}
@@ -234,14 +214,7 @@ def stop_with(repeated=None, value=300.0, **figures):
 
 
 def test_a_stop_moves_with_another_figure_than_distance_and_the_table_names_it():
-    accepted = AcceptedValue(
-        unit="m",
-        value=300.0,
-        tolerance=0.3,
-        reason="r",
-        figures={"nis_ratio": AcceptedFigure(value=1.0, tolerance=1e-3)},
-    )
-    before = Baseline(campaign="c", accepted={SBC: accepted})
+    before = baseline(sbc=metres(300.0, 0.3, figures={"nis_ratio": AcceptedFigure(value=1.0, tolerance=1e-3)}))
     assert states(compare(before, stop_with(nis_ratio=1.0009))) == {SBC: "kept"}
     for figures in ({"nis_ratio": 1.0011}, {}):  # a figure that is missing is not kept either
         (moved,) = compare(before, stop_with(**figures))
@@ -277,9 +250,7 @@ def test_repeats_determine_the_accepted_figures_and_their_tolerances(tmp_path):
 
 
 def test_a_smooth_distance_is_kept_to_two_centimetres_and_does_not_move():
-    before = Baseline(
-        campaign="c", accepted={SBC: AcceptedValue(unit="m", value=300.005, tolerance=0.3, reason="First.")}
-    )
+    before = baseline(sbc=metres(300.005, 0.3))
     smooth, rough = accept(before, stop_with(repeats()), "Smooth."), repeats((300.0, 300.03))
     assert smooth.accepted[SBC] == before.accepted[SBC].model_copy(update={"tolerance": 0.02})
     assert accept(before, stop_with(rough), "Rough.").accepted == before.accepted
