@@ -98,8 +98,8 @@ def new(
     With a TOML file, except that of a line, comes its JSON schema, which editors with Even Better TOML or taplo use to
     complete and check it. A regression is a campaign, with its baseline below tests/baselines in the same folder.
     """
-    if workflow and kind != "regression":
-        raise InputError(f"--workflow: is an option of `railgrip new regression`, got {kind}")
+    if workflow and (kind != "regression" or file.is_absolute()):
+        raise InputError(f"--workflow: expects a regression in a file relative to the repository, got {kind} {file}")
     template = _LINE if kind == "line" else next(_TEMPLATES.glob(f"{kind}.*"))
     if file.suffix != template.suffix:
         raise InputError(f"{file}: the file of a {kind} ends in {template.suffix}")

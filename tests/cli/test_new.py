@@ -126,6 +126,11 @@ def test_existing_files_are_not_overwritten(railgrip, folder, kind):
         (("scenario", "my scenario.toml"), "the name of a scenario has letters, digits, dots, - and _"),
         (("rail", "mine.toml"), "'scenario', 'train', 'controller'"),
         (("scenario", "taken/mine.toml"), "mine.toml: cannot be written"),
+        (
+            ("campaign", "mine.toml", "--workflow"),
+            "--workflow: expects a regression in a file relative to the repository",
+        ),
+        (("regression", "/mine.toml", "--workflow"), "got regression /mine.toml"),
     ],
     ids=str,
 )

@@ -97,8 +97,8 @@ def test_the_volume_of_a_flat_is_the_energy_of_its_lock_times_the_rate_of_wear(l
         assert cap == pytest.approx(5.3e-9 / 7850 * 0.1 * LOAD / 2 * metres, rel=0.01)
 
 
-@pytest.mark.parametrize(("force", "metres", "within"), [(2e3, 100, 0.01), (4e3, 100, 0.03), (8e3, 300, 0.02)])
-def test_a_flat_of_all_regimes_of_wear_is_shorter_by_some_percent(force, metres, within):
+@pytest.mark.parametrize(("force", "metres", "within"), [(2e3, 100, 0.01), (8e3, 100, 0.06), (8e3, 5, 0.4)])
+def test_a_flat_of_all_regimes_of_wear_is_shorter_by_little_after_a_long_slide(force, metres, within):
     """Wear of 5.3 Tγ/A, 55 and 55 + 61.9 (Tγ/A - 77.2) µg/m/mm² on the area of the flat, not below that of Hertz."""
     steps, volume, factor = 4000, 0.0, 64 * 0.4**2 / (np.pi * np.sqrt(0.4 * 0.3))
     for _ in range(steps):
