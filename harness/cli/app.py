@@ -205,7 +205,7 @@ class _Main(Commands):
             "doctor": Command("doctor:doctor", "Check versions, compilers, folders and parts of other packages."),
         },
         "Development": {
-            "maintain": Command("app:maintain", "Guard distances by baselines; develop railgrip."),
+            "maintain": Command("app:maintain", "Guard distances by baselines, and develop railgrip."),
         },
     }  # fmt: skip
 
@@ -337,7 +337,7 @@ class _Maintain(Commands):
 
 maintain = typer.Typer(
     cls=_Maintain,
-    help="Guard distances by baselines: `railgrip new regression` begins. Other commands are for railgrip itself.",
+    help="Guard distances by baselines, and develop railgrip. Begin with `railgrip new regression`.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
@@ -346,7 +346,7 @@ maintain = typer.Typer(
 
 @maintain.callback()
 def group() -> None:
-    """Guard distances by baselines: `railgrip new regression` begins. Other commands are for railgrip itself."""
+    """Guard distances by baselines, and develop railgrip. Begin with `railgrip new regression`."""
 
 
 def main(arguments: list[str] | None = None) -> None:

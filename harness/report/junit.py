@@ -19,7 +19,7 @@ def junit_xml(suites: Mapping[str, Mapping[str, str]]) -> str:
     now = datetime.now(UTC).isoformat(timespec="seconds")
     for suite, cases in suites.items():
         counts = {"tests": str(len(cases)), "failures": str(sum(map(bool, cases.values()))), "errors": "0"}
-        element = ElementTree.SubElement(root, "testsuite", name=_legal(suite), **counts, timestamp=now)
+        element = ElementTree.SubElement(root, "testsuite", {"name": _legal(suite), **counts, "timestamp": now})
         for case, sentence in cases.items():
             names = {"classname": _legal(suite), "name": _legal(case)}
             result = ElementTree.SubElement(element, "testcase", names)
