@@ -324,9 +324,9 @@ def choose(compiler: Compiler) -> Literal["openmodelica", "native"]:
 
 
 def _inputs_digest(recipe: Recipe, compiler: str, library: str) -> str:
-    native = compiler == "native"
-    tool = compiler_digest() + toolchain_digest() if native else openmodelica.version_line()
-    return digest([recipe.model_dump_json(), compiler, tool, library])
+    if compiler == "native":
+        return digest([recipe.model_dump_json(), compiler, compiler_digest() + toolchain_digest(), library])
+    return digest([openmodelica.recipe_digest(recipe), compiler, openmodelica.version_line(), library])
 
 
 @lru_cache(maxsize=1)

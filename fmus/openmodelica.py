@@ -1,8 +1,10 @@
 """The OpenModelica compiler: omc on the PATH, run on a script."""
 
 import re
+import shutil
 import signal
 import subprocess
+import sys
 import warnings
 from collections.abc import Sequence
 from functools import lru_cache
@@ -11,12 +13,32 @@ from pathlib import Path
 from railgrip.base.errors import BuildFailed, CompilerMissing
 from railgrip.base.files import scratch, write_bytes
 from railgrip.base.programs import environment_of_programs, find_program
-from railgrip.fmus.native.library import LIBRARY
+from railgrip.fmus.native.library import LIBRARY, digest
 from railgrip.fmus.recipe import Recipe
 
 TOLERANCE = 1e-8
 """Tolerance of CVODE in a co-simulation FMU, which omc reads from the class, not from the importer of the FMU. The
 absolute error is this times the nominal value of a state, 1e5 for a pressure, 1e-3 for a deflection."""
+
+_REQUIRED = ("cmake", "make", "zip")
+"""Programs that omc starts to compile and pack an FMU; on Windows it has its own."""
+
+_JOBS = 2
+"""C compilers that one omc runs at the same time; without a number it runs one for each of a hundred files."""
+
+_LAUNCHER = """\
+for argument; do
+  shift
+  case $argument in
+    *.c) test "$(wc -c < "$argument")" -lt 1000000 || size=large ;;
+  esac
+  set -- "$@" "$argument"
+done
+test -z "$size" || set -- "$@" -O1
+exec "$@"
+"""
+"""Compiles units of a megabyte and more, which only set start values and parameters, with -O1: GCC takes minutes for
+them with -O3. Of several such options GCC and Clang use the last."""
 
 _LINES = 12
 """Maximum number of lines of a build log in a message."""
@@ -50,28 +72,42 @@ def script(recipe: Recipe, library: Path, *, derivatives: bool, further: Sequenc
     packages = [path / "package.mo" if path.is_dir() else path for path in (*further, library)]
     if library != LIBRARY:
         packages.insert(0, LIBRARY / "package.mo")  # any library may use RailBraking
-    prefix = recipe.class_name.replace(".", "_")
-    kind, options, also = "me", [], []
+    options, build = _commands(recipe, derivatives=derivatives)
+    # Without its class, buildModelFMU would report a dozen further errors about a package of that name.
+    loaded = [f'loaded{k} := loadFile("{_escape(str(path.resolve()))}");' for k, path in enumerate(packages)]
+    condition = " and ".join(f"loaded{k}" for k in range(len(packages)))
+    lines = [*options, "getErrorString();", *loaded, "getErrorString();", f"if {condition} then"]
+    return "\n".join([*lines, *build, "end if;", "getErrorString();", ""])
+
+
+def recipe_digest(recipe: Recipe) -> str:
+    """Return the digest of everything in a recipe that the FMU of omc depends on.
+
+    The FMU of a recipe for co-simulation is the same as that for both interfaces.
+    """
+    return digest([str(_commands(recipe, derivatives=not _is_plant(recipe))), _LAUNCHER])
+
+
+def _is_plant(recipe: Recipe) -> bool:
+    return "cs" in recipe.interfaces and not recipe.restarts
+
+
+def _commands(recipe: Recipe, *, derivatives: bool) -> tuple[list[str], list[str]]:
+    kind, options, build = "me", [], []
     if "cs" in recipe.interfaces:
         kind = "me_cs"
         options = ["--fmiFlags=s:cvode"]  # without it, explicit Euler
         if recipe.restarts:
             options.append("-d=fmuExperimental")  # fmi2GetFMUstate and fmi2SetFMUstate
-        also = [f"addClassAnnotation({recipe.class_name}, annotate=experiment(Tolerance={TOLERANCE}));"]
+        build = [f"addClassAnnotation({recipe.class_name}, annotate=experiment(Tolerance={TOLERANCE}));"]
     if derivatives:
-        options = [*options, "-d=-disableDirectionalDerivatives"]  # omc disables them by default
-    lines = [
-        *(f'setCommandLineOptions("{option}");' for option in options),
-        "getErrorString();",
-        *(f'loadFile("{_escape(str(package.resolve()))}");' for package in packages),
-        *also,
-        "getErrorString();",
+        options.append("-d=-disableDirectionalDerivatives")  # omc disables them by default
+    prefix = recipe.class_name.replace(".", "_")
+    build.append(
         f'buildModelFMU({recipe.class_name}, version="2.0", fmuType="{kind}", fileNamePrefix="{prefix}", '
-        'platforms={"static"});',
-        "getErrorString();",
-        "",
-    ]
-    return "\n".join(lines)
+        'platforms={"static"});'
+    )
+    return [f'setCommandLineOptions("{option}");' for option in options], build
 
 
 def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None, further: Sequence[Path] = ()) -> Path:
@@ -90,13 +126,18 @@ def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None, f
         further: Libraries that it uses besides RailBraking, as folders or files.
 
     Raises:
-        CompilerMissing: omc is not on the PATH.
+        CompilerMissing: omc or a program that it needs is not on the PATH.
         BuildFailed: omc built no FMU, or one with parameters without a value; the message quotes omc, with a long log
             of the C compiler shortened.
     """
     log = log or path.with_suffix(".log")
+    if find_program("omc") and (missing := missing_programs()):
+        raise CompilerMissing(
+            f"OpenModelica cannot build {recipe.class_name}: its omc needs {' and '.join(missing)}, which the PATH "
+            "does not have; install them or use --compiler native."
+        )
     messages: list[str] = []
-    is_plant = "cs" in recipe.interfaces and not recipe.restarts
+    is_plant = _is_plant(recipe)
     for derivatives in (False,) if is_plant else (True, False):
         with scratch("build") as folder:
             fmu, message = _run(script(recipe, library, derivatives=derivatives, further=further), recipe, folder)
@@ -113,6 +154,11 @@ def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None, f
     raise BuildFailed(f"OpenModelica could not build {recipe.class_name}:\n{words}")
 
 
+def missing_programs() -> list[str]:
+    """Return the programs that omc needs to build an FMU and that are not on the PATH."""
+    return [] if sys.platform == "win32" else [name for name in _REQUIRED if find_program(name) is None]
+
+
 def _excerpt(text: str, log: Path) -> str:
     # When the C compiler fails, omc passes on all that make and the compiler printed as one message.
     lines = text.splitlines()
@@ -126,7 +172,7 @@ def _excerpt(text: str, log: Path) -> str:
 
 def _run(text: str, recipe: Recipe, folder: Path) -> tuple[Path | None, str]:
     (folder / "export.mos").write_text(text, encoding="utf-8")
-    process = _call("export.mos", folder)
+    process = _call(f"-n={_JOBS}", "export.mos", folder=folder)
     fmu = folder / f"{recipe.class_name.replace('.', '_')}.fmu"
     open_parameters = "\n".join(unset(process.stdout))
     if open_parameters:
@@ -179,13 +225,17 @@ def version_line() -> str:
     return _call("--version").stdout.strip()
 
 
-def _call(argument: str, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
+def _call(*arguments: str, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
     path = find_program("omc")
     if path is None:
         raise CompilerMissing("OpenModelica's omc is not on the PATH; install it or use --compiler native.")
+    environment = environment_of_programs()
+    if folder is not None and (shell := shutil.which("sh", path=environment["PATH"])):
+        (folder / "launcher.sh").write_text(_LAUNCHER, encoding="utf-8")
+        environment.setdefault("CMAKE_C_COMPILER_LAUNCHER", f"{shell};{folder / 'launcher.sh'}")
     return subprocess.run(
-        [path, argument], cwd=folder, capture_output=True, encoding="utf-8", errors="replace", check=False,
-        env=environment_of_programs(),
+        [path, *arguments], cwd=folder, capture_output=True, encoding="utf-8", errors="replace", check=False,
+        env=environment,
     )  # fmt: skip
 
 

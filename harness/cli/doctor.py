@@ -108,8 +108,13 @@ def _compiler() -> Iterator[CheckResult]:
 
 
 def _openmodelica() -> Iterator[CheckResult]:
+    from railgrip.fmus.openmodelica import missing_programs
+
     omc = find_program("omc")
-    yield CheckResult("OpenModelica", omc or "not found; the built-in compiler builds the FMUs")
+    if omc is not None and (missing := " and ".join(missing_programs())):
+        yield CheckResult("OpenModelica", f"{omc} needs {missing}", f"install {missing}, or take omc from the PATH")
+    else:
+        yield CheckResult("OpenModelica", omc or "not found; the built-in compiler builds the FMUs")
 
 
 def _fmus() -> Iterator[CheckResult]:

@@ -95,11 +95,19 @@ def fmpy_that_does_not_import(folder, monkeypatch):
     monkeypatch.setitem(sys.modules, "railgrip.fmi.description", None)
 
 
+def openmodelica_without_zip(folder, monkeypatch):
+    (folder / "omc").write_text("#!/bin/sh\n")
+    (folder / "omc").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{folder}:{os.environ['PATH']}")
+    monkeypatch.setattr("railgrip.fmus.openmodelica.missing_programs", lambda: ["zip"])
+
+
 @pytest.mark.parametrize(
     ("break_it", "sentences"),
     [
         (no_compiler, ["C compiler", "does not start"]),
         (compiler_that_compiles_nothing, ["C compiler", "could not compile doctor", "no licence"]),
+        (openmodelica_without_zip, ["OpenModelica", "omc needs zip", "install zip"]),
         (relative_cache, ["cache: fails: the cache folder must be an absolute path", "correct RAILGRIP_CACHE"]),
         (cache_that_is_a_file, ["cache: fails", "name another folder in RAILGRIP_CACHE"]),
         (no_temporary_folder, ["temporary folder", "cannot be written: No such file", "TMPDIR"]),

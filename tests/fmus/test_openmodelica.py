@@ -29,6 +29,9 @@ def omc(tmp_path, monkeypatch):
         file = folder / "omc"
         file.write_text("\n".join(["#!/bin/sh", *lines, ""]))
         file.chmod(file.stat().st_mode | stat.S_IXUSR)
+        for name in ("cmake", "make", "zip"):
+            (folder / name).write_text("#!/bin/sh\n")
+            (folder / name).chmod(0o755)
         monkeypatch.setenv("PATH", f"{folder}:/bin:/usr/bin")
         openmodelica.version_line.cache_clear()
         return file
@@ -48,8 +51,9 @@ def library(tmp_path):
 def test_the_script_loads_the_package_as_a_user_would(library):
     lines = openmodelica.script(RECIPE, library, derivatives=False).splitlines()
     assert lines[0] == 'setCommandLineOptions("--fmiFlags=s:cvode");'
-    assert f'loadFile("{library / "package.mo"}");' in lines
+    assert f'loaded1 := loadFile("{library / "package.mo"}");' in lines
     (build,) = [line for line in lines if line.startswith("buildModelFMU")]
+    assert lines.index("if loaded0 and loaded1 then") < lines.index(build)
     assert build.startswith('buildModelFMU(Lib.FMUs.Plant, version="2.0", fmuType="me_cs"')
     assert lines.count("getErrorString();") == 3
     assert lines.index("addClassAnnotation(Lib.FMUs.Plant, annotate=experiment(Tolerance=1e-08));") < lines.index(build)
@@ -234,6 +238,37 @@ def test_no_output_and_no_fmu_is_an_error(omc, tmp_path):
     omc("exit 0")
     with pytest.raises(BuildFailed, match="omc ended with 0"):
         openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
+
+
+def test_programs_that_omc_needs_are_required_before_it_runs(omc, monkeypatch, tmp_path):
+    """A build without zip would end in omc's own words after minutes, and be repeated without derivatives."""
+    folder = omc(f"touch {tmp_path / 'ran'}").parent
+    (folder / "cmake").unlink()
+    (folder / "zip").unlink()
+    monkeypatch.setenv("PATH", str(folder))
+    with pytest.raises(CompilerMissing, match="its omc needs cmake and zip, which the PATH does not have; install"):
+        openmodelica.export(PREDICTION, tmp_path, tmp_path / "Plant.fmu")
+    assert not (tmp_path / "ran").exists()
+
+
+def test_the_number_of_c_compilers_is_bounded_and_large_units_are_compiled_quickly(omc, tmp_path):
+    """omc runs a compiler for each of its files at once; gcc -O3 takes minutes for tables of start values."""
+    (tmp_path / "large.c").write_text("/*" + 1_000_000 * "x" + "*/")
+    (tmp_path / "small.c").write_text("")
+    compile_all = "for f in large small; do $launcher echo cc -O3 -c $f.c; done"
+    omc(
+        'test "$1" = -n=2 || exit 1; launcher=$(echo "$CMAKE_C_COMPILER_LAUNCHER" | tr ";" " ")',
+        f"(cd {tmp_path}; {compile_all}) > {tmp_path / 'log'}",
+        "printf 'an fmu' > Lib_FMUs_Plant.fmu",
+    )
+    openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
+    assert (tmp_path / "log").read_text().splitlines() == ["cc -O3 -c large.c -O1", "cc -O3 -c small.c"]
+
+
+def test_a_plant_for_one_or_both_interfaces_is_the_same_fmu_of_omc():
+    both = RECIPE.model_copy(update={"interfaces": ("me", "cs"), "solver": "cvode", "tolerance": 1e-6})
+    assert openmodelica.recipe_digest(both) == openmodelica.recipe_digest(RECIPE)
+    assert openmodelica.recipe_digest(PREDICTION) != openmodelica.recipe_digest(RECIPE)
 
 
 def test_a_missing_omc_is_reported(monkeypatch, tmp_path):
