@@ -16,7 +16,7 @@ DEV    := $(VENV)/.ready-dev
 # The compiler in the wheel ziglang, 0.4 GB, if neither the words of CC nor cc, gcc and clang are programs.
 EXTRA   = $(shell for name in $$CC cc gcc clang; do command -v "$$name" >/dev/null 2>&1 && exit; done; echo '[compiler]')
 
-.PHONY: help install fmus simulate searched shapes unseen adverse report conditioning discretisation convergence headlines validation regress regress-long accept calibrate \
+.PHONY: help install fmus simulate searched shapes unseen adverse report conditioning conditioning-omc discretisation convergence headlines validation regress regress-long accept calibrate \
         tune-control type-test bench mutants test suite kept portable test-omc regress-omc suites fuzz check estimate tune lateral learn monitor k-factors trains docs clean
 .DEFAULT_GOAL := help
 
@@ -77,6 +77,12 @@ report: searched shapes  ## both with a page of the signals of every stop (minut
 conditioning: fmus  ## repeat the stops of the table with the plant's parameters moved by 1e-7, shown beside distances (minutes)
 	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml
 	$(PROGRAM) maintain conditioning harness/scenario/campaigns/shapes.toml --repeats 8 --stops '*-adhesion_literal'
+
+conditioning-omc: $(READY)  ## add distances with FMUs of OpenModelica, which must be on the PATH, for docs/validation.md (an hour)
+	@command -v omc >/dev/null || { echo "conditioning-omc needs OpenModelica's omc on the PATH"; exit 2; }
+	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml --repeats 3
+	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml --repeats 8 --stops '*-adhesion_literal'
+	$(PROGRAM) maintain conditioning harness/scenario/campaigns/adverse.toml --repeats 3
 
 discretisation: fmus  ## repeat the stops of the table with smaller communication steps (hours)
 	$(PROGRAM) maintain discretisation harness/scenario/campaigns/table1.toml --only steps
@@ -149,7 +155,7 @@ portable: $(DEV)  ## what may depend on the platform: installation, compiler, fi
 
 test-omc: $(DEV)  ## compare the built-in compiler with OpenModelica, which must be on the PATH
 	@command -v omc >/dev/null || { echo "test-omc needs OpenModelica's omc on the PATH"; exit 2; }
-	$(RUN) -m pytest -m omc tests/fmus tests/stops
+	$(RUN) -m pytest --numprocesses 2 --dist worksteal -m omc tests/fmus tests/stops
 
 # What else its stops and figures rest on is built when it is asked for.
 regress-omc: $(DEV)  ## compare braking distances with OpenModelica's FMUs with tests/baselines, to 0.5 %

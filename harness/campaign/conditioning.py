@@ -2,7 +2,7 @@
 
 A distance that changes by a centimetre under a perturbation of 1e-7 is a property of the controller; one that changes
 by a tenth is random. All controllers have the same lots, so that their distances can be compared in pairs. If
-OpenModelica is on the PATH, and therefore compiles the plants, those of the built-in compiler are run once in addition.
+OpenModelica is on the PATH, its FMUs are repeated, and their distances are added to those of the built-in compiler.
 """
 
 from collections.abc import Mapping
@@ -11,19 +11,17 @@ from pathlib import Path
 from typing import Literal
 
 from railgrip.base import registry
+from railgrip.base.errors import ScenarioError
 from railgrip.campaign.work import Work
-from railgrip.fmus.build import choose, fmu
 from railgrip.report.stop import Stop, read_stop
+from railgrip.report.table import names
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import SMOOTH, ConditioningFile, RepeatedDistances
-from railgrip.scenario.file import NamedFile
 from railgrip.scenario.onboard import SampledSensors
 from railgrip.scenario.quantity import Parameter
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.vehicle_table import ModelicaPlant, Nudge, RecipePlant
+from railgrip.scenario.vehicle_table import ModelicaPlant, Nudge
 from railgrip.simulate.run import braking_distance
-
-_OTHER = "native"
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,17 +31,15 @@ class Repeats:
     Attributes:
         perturbed: Stops with perturbed parameters of the plant.
         lots: Stops with lots 1, 2, … of the sensors; empty if sensors have no errors.
-        compilers: Compiler → stop with the plant of that compiler.
     """
 
     perturbed: list[PlannedStop]
     lots: list[PlannedStop]
-    compilers: dict[str, PlannedStop]
 
     @property
     def stops(self) -> list[PlannedStop]:
         """All repeats."""
-        return [*self.perturbed, *self.lots, *self.compilers.values()]
+        return [*self.perturbed, *self.lots]
 
 
 def repeats_of(stop: PlannedStop, *, count: int, lots: int, relative: float) -> Repeats:
@@ -54,9 +50,6 @@ def repeats_of(stop: PlannedStop, *, count: int, lots: int, relative: float) -> 
         count: Number of repeats with parameters perturbed by up to `relative`, as a share of their values.
         lots: Number of lots of sensors.
         relative: Maximum perturbation.
-
-    Raises:
-        FmuError: The other compiler cannot build the plant.
     """
     nudges = [Nudge(relative=relative, seed=seed) for seed in range(1, count + 1)]
     sensors = stop.scenario.sensors
@@ -67,7 +60,6 @@ def repeats_of(stop: PlannedStop, *, count: int, lots: int, relative: float) -> 
             for seed in range(1, lots + 1)
             if isinstance(sensors, SampledSensors)
         ],
-        compilers=_other_compiler(stop),
     )
 
 
@@ -101,9 +93,6 @@ def conditioning_of(
             digest=stop.scenario.digest(),
             distances=tuple(sorted(distances, key=lambda distance: (distance is None, distance))),
             lots=tuple(_distance(read_stop(directory / lot.name)) for lot in repeated.lots),
-            compilers={
-                compiler: _distance(read_stop(directory / other.name)) for compiler, other in repeated.compilers.items()
-            },
             figures={
                 name: tuple(each[name] for each in figures)
                 for name in figures[0]
@@ -113,16 +102,33 @@ def conditioning_of(
     return ConditioningFile(relative=relative, stops=stops)
 
 
-def keep_divided_steps(
-    stops: Mapping[str, RepeatedDistances], before: Mapping[str, RepeatedDistances]
+def merged(
+    stops: Mapping[str, RepeatedDistances], before: Mapping[str, RepeatedDistances], compiler: str
 ) -> dict[str, RepeatedDistances]:
-    """Return repeats with the distances at divided communication steps and other tolerances that were measured before.
+    """Return new repeats with what was measured before of the same stops.
 
-    They are kept for stops of the same scenario whose median distance has not changed by more than `SMOOTH`.
+    Distances at divided communication steps, at other tolerances and with the FMUs of other compilers are kept for
+    stops of the same scenario whose median distance has not changed by more than `SMOOTH`. New repeats with the FMUs of
+    another compiler than the built-in one are added to the former ones of the same scenario.
+
+    Raises:
+        ScenarioError: There are no repeats with the built-in compiler's FMUs to which those of another can be added.
     """
+    same = {name: before[name] for name, stop in stops.items() if name in before and before[name].digest == stop.digest}
+    if compiler != "native":
+        if missing := [name for name in stops if name not in same]:
+            raise ScenarioError(
+                f"{names(missing)}: there are no repeats with FMUs of the built-in compiler to compare with; run "
+                "`railgrip maintain conditioning` before without omc on the PATH"
+            )
+        return {
+            name: same[name].model_copy(update={"compilers": same[name].compilers | {compiler: stop.distances}})
+            for name, stop in stops.items()
+        }
+    kept = ("steps", "tolerances", "compilers")
     return {
-        name: stop.model_copy(update={"steps": before[name].steps, "tolerances": before[name].tolerances})
-        if name in before and before[name].digest == stop.digest and abs(before[name].median - stop.median) <= SMOOTH
+        name: stop.model_copy(update={key: getattr(same[name], key) for key in kept})
+        if name in same and abs(same[name].median - stop.median) <= SMOOTH
         else stop
         for name, stop in stops.items()
     }
@@ -192,15 +198,6 @@ def _divide_step(scenario: Scenario, divisor: float, nudge: Nudge) -> Scenario:
     periods = scenario.periods.model_copy(update={"communication": scenario.periods.communication / divisor})
     vehicle = scenario.vehicle.model_copy(update={"nudge": nudge})
     return scenario.model_copy(update={"periods": periods, "vehicle": vehicle})
-
-
-def _other_compiler(stop: PlannedStop) -> dict[str, PlannedStop]:
-    source = stop.scenario.vehicle.source
-    if choose("auto") == _OTHER or not isinstance(source, RecipePlant):
-        return {}
-    path = fmu(source.name, _OTHER)
-    plant = NamedFile(entry=str(path), path=path)
-    return {_OTHER: _with_vehicle(stop, _OTHER, plant=plant, trust=True)}
 
 
 def _with_vehicle(stop: PlannedStop, suffix: str, **vehicle: object) -> PlannedStop:

@@ -15,7 +15,7 @@ from railgrip.campaign.conditioning import (
     Refinement,
     campaign_of,
     conditioning_of,
-    keep_divided_steps,
+    merged,
     repeats_of,
     with_refinement,
 )
@@ -24,6 +24,7 @@ from railgrip.campaign.work import work
 from railgrip.campaign.workers import shared_pool
 from railgrip.cli.app import BASELINES, RUN_FAILED, AsJson, Fresh, ImportFrom, Workers, print_json
 from railgrip.cli.campaigns import run_campaigns
+from railgrip.fmus.build import choose
 from railgrip.report.baseline import (
     Baseline,
     BaselineComparison,
@@ -45,6 +46,7 @@ from railgrip.report.validation import (
     CONVERGENCE,
     CONVERGENCE_CAMPAIGNS,
     TABLES,
+    compilers_table,
     steps_table,
     tolerances_table,
 )
@@ -157,14 +159,16 @@ def validation(
     accepted = _baseline_of_campaign(path)
     figure, numbers = distances_figure(load_campaign(path.parent / str(accepted.campaign)), accepted)
     say(str(save(figure, docs / FILE, numbers)))
+    compared: list[tuple[Campaign, Baseline]] = []
     for name, (page, tables_of) in TABLES.items():
         path = baselines / f"{name}.toml"
         accepted = _baseline_of_campaign(path)
-        write_tables(docs / page, tables_of(load_campaign(path.parent / str(accepted.campaign)), accepted))
+        compared.append((load_campaign(path.parent / str(accepted.campaign)), accepted))
+        write_tables(docs / page, tables_of(*compared[-1]))
         say(str(docs / page))
     page = docs / CONVERGENCE
     campaigns = [load_campaign(shelf("campaigns")[name]) for name in CONVERGENCE_CAMPAIGNS]
-    write_tables(page, {"tolerances": tolerances_table(*campaigns)})
+    write_tables(page, {"tolerances": tolerances_table(*campaigns), "compilers": compilers_table(*compared)})
 
 
 def _baseline_of_campaign(path: Path) -> Baseline:
@@ -194,8 +198,20 @@ def conditioning(
     if not selection.stops:
         raise ScenarioError(f"--stops {stops}: {file.name} has no such stop; it has {loaded.stops[0].name} and others")
     before = read_conditioning(place).stops if place.exists() else {}
-    others = {} if stops == "*" or not before else _previous_repeats(place, relative)
-    repetitions = {stop.name: repeats_of(stop, count=repeats, lots=lots, relative=relative) for stop in selection.stops}
+    others = _previous_repeats(place, relative) if before and (stops != "*" or choose("auto") != "native") else {}
+    compiler = choose("auto")
+    # One repeat by another compiler suffices for a stop whose distance hardly depends on the parameters; sensors do not
+    # depend on the compiler.
+    once = {name for name, stop in before.items() if compiler != "native" and stop.is_smooth}
+    repetitions = {
+        stop.name: repeats_of(
+            stop,
+            count=1 if stop.name in once else repeats,
+            lots=lots if compiler == "native" else 0,
+            relative=relative,
+        )
+        for stop in selection.stops
+    }
     directory = out / loaded.name
     problem = run_campaigns(
         [CampaignRun(campaign_of(selection, repetitions), directory)],
@@ -206,7 +222,7 @@ def conditioning(
     # A repeat without standstill counts as an infinite distance; a repeat that failed has no result, and nothing is
     # written.
     results = conditioning_of(selection, repetitions, directory, relative)
-    kept = keep_divided_steps(results.stops, before)
+    kept = merged(results.stops, before, compiler)
     write_text(place, text_of(results.model_copy(update={"stops": others | kept})))
     rows = [
         {"stop": name, "shortest": stop.lowest, "median": stop.median, "longest": stop.highest, "spreads": stop.spreads}

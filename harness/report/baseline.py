@@ -15,9 +15,9 @@ For a long campaign the file may select stops by patterns, `stops = ["*-slope_se
 
 A distance that depends on rounding (see `railgrip.scenario.conditioning`) is accepted as a range: `value` is the median
 of the repeats, `lowest` and `highest` are the ends of the range, and `tolerance` is the permitted excess beyond an end.
-If the plant of another compiler, equal except for rounding, gives another distance, the file includes it:
+The distances that the repeats have with the FMUs of another compiler, from the shortest to the longest, are added:
 
-    compilers = { openmodelica = 318.27 }
+    compilers = { openmodelica = [316.21, 318.27] }
 
 Further figures of a stop reveal changes that its distance does not, such as another noise of the filter:
 
@@ -94,7 +94,9 @@ class AcceptedValue(Table):
     longest_lock: Annotated[float, UnitRange("s", at_least=0)] | None = None
     valve_strokes: Annotated[StrictInt, Field(ge=0)] | None = None
     reason: Annotated[str, Field(min_length=1)]
-    compilers: dict[str, Number] = Field(default={}, description="compiler → value with its plant, where it differs")
+    compilers: dict[str, tuple[Number, Number]] = Field(
+        default={}, description="other compiler → lowest and highest value with its FMUs"
+    )
     figures: dict[str, AcceptedFigure] = Field(default={}, description="further figure → accepted value")
 
     @model_validator(mode="after")
@@ -145,16 +147,19 @@ class Baseline(Table):
     def across_compilers(self) -> Self:
         """Return the baseline for FMUs of another compiler.
 
-        A stop whose distance is known to differ between compilers may have any distance between the known ones. Figures
-        are not compared: their tolerances apply to the built-in compiler's plant.
+        A stop may have any distance between those that the compilers are known to give, and `ACROSS_COMPILERS` beyond;
+        a stop whose distance depends on rounding may also exceed the range by a quarter, as in another run of one
+        compiler. Figures are not compared: their tolerances apply to the built-in compiler's plant.
         """
         wide: dict[str, AcceptedValue] = {}
         for name, accepted in self.accepted.items():
-            low, high = (choose((*accepted.ends, *accepted.compilers.values())) for choose in (min, max))
-            middle, half = (low + high) / 2, (high - low) / 2
-            wide[name] = accepted.model_copy(
-                update={"value": middle, "tolerance": half + ACROSS_COMPILERS * high, "figures": {}}
+            low, high = (
+                choose(accepted.ends + tuple(end for ends in accepted.compilers.values() for end in ends))
+                for choose in (min, max)
             )
+            middle, half = (low + high) / 2, (high - low) / 2
+            beyond = max(ACROSS_COMPILERS * high, half / 2 if accepted.is_range else 0.0)
+            wide[name] = accepted.model_copy(update={"value": middle, "tolerance": half + beyond, "figures": {}})
         return self.model_copy(update={"accepted": wide})
 
 
@@ -379,6 +384,9 @@ def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
             update["figures"] = _other_figures(finding, finding.repeated)
         if finding.repeated is not None and finding.repeated.is_smooth and abs(finding.value - before.value) <= SMOOTH:
             update["tolerance"] = min(before.tolerance, SMOOTH)
+        if finding.repeated is not None:
+            ends = {other: finding.repeated.ends_of(other) for other in finding.repeated.compilers}
+            update["compilers"] = {other: pair for other, pair in ends.items() if math.isfinite(pair[1])}
         after[name] = before.model_copy(update=update)
     return baseline.model_copy(update={"accepted": after})
 
@@ -437,7 +445,7 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
             *(f"{key} = {json.dumps(getattr(accepted, key), ensure_ascii=False)}" for key in ("unit", "reason")),
         ]
         if accepted.compilers:
-            values = ", ".join(f"{json.dumps(compiler)} = {value!r}" for compiler, value in accepted.compilers.items())
+            values = ", ".join(f"{json.dumps(name)} = {list(ends)!r}" for name, ends in accepted.compilers.items())
             lines.append(f"compilers = {{ {values} }}")
         lines += [
             f"figures.{figure} = {{ value = {each.value!r}, tolerance = {each.tolerance!r} }}"

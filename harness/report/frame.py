@@ -12,7 +12,7 @@ from railgrip.report.results import Results
 from railgrip.report.statistics import endless
 from railgrip.report.stop import Stop
 from railgrip.scenario.campaign import DRAW
-from railgrip.scenario.conditioning import RepeatedDistances
+from railgrip.scenario.conditioning import SMOOTH, RepeatedDistances
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace.metrics import FIGURES
 
@@ -194,10 +194,10 @@ def range_text(conditioning: RepeatedDistances | None, digest: str, distance: fl
 def _other_repeats(repeats: RepeatedDistances | None) -> str:
     if repeats is None:
         return ""
-    texts = [
-        f"{compiler} {'no stop' if other is None else f'{other:.1f} m'}"
-        for compiler, other in repeats.compilers.items()
-    ]
+    texts: list[str] = []
+    for compiler in repeats.compilers:
+        shortest, longest = repeats.ends_of(compiler)
+        texts.append(f"{compiler} {shortest:.1f} m" + (f" – {longest:.1f} m" if longest - shortest > SMOOTH else ""))
     texts += [f"{len(repeats.lots)} lots of sensors {repeats.lots_text}"] if repeats.lots else []
     return "; ".join(texts)
 

@@ -14,12 +14,12 @@ from matplotlib.figure import Figure
 
 from railgrip.base.errors import ScenarioError
 from railgrip.report import palette, style
-from railgrip.report.baseline import AcceptedValue, Baseline
+from railgrip.report.baseline import ACROSS_COMPILERS, AcceptedValue, Baseline
 from railgrip.report.reference import label, locked_text, references
 from railgrip.report.statistics import median_interval
 from railgrip.report.table import ReportTable, names, percent, text
 from railgrip.scenario.campaign import Campaign, PlannedStop
-from railgrip.scenario.conditioning import RepeatedDistances, read_conditioning
+from railgrip.scenario.conditioning import SMOOTH, RepeatedDistances, read_conditioning
 from railgrip.scenario.onboard import SampledSensors
 
 _FIRST = "braking distance"
@@ -266,6 +266,32 @@ def tables_of_cases(campaign: Campaign, baseline: Baseline) -> dict[str, ReportT
     columns = dict.fromkeys(column for row in rows.values() for column in row)
     table = [{"case": case} | {column: row.get(column, "") for column in columns} for case, row in rows.items()]
     return {"distances": ReportTable(table, left=("case",))}
+
+
+def compilers_table(*accepted: tuple[Campaign, Baseline]) -> ReportTable:
+    """Return the accepted distance of each stop, and its distances with OpenModelica's FMUs.
+
+    A difference is that between the nearest ends of both ranges; above `ACROSS_COMPILERS` it is bold.
+    """
+    rows: list[dict[str, Any]] = []
+    for campaign, baseline in accepted:
+        for stop in baseline.selection(campaign).stops:
+            one = baseline.accepted.get(stop.name)
+            if one is None or not one.compilers:
+                continue
+            (low, high), (lowest, highest) = one.ends, one.compilers["openmodelica"]
+            apart = (lowest - high if lowest > high else min(highest - low, 0.0)) / one.value
+            shown = text(100 * apart, "{:+.2f} %")
+            rows.append(
+                {"stop": ", ".join(name.replace("_", " ") for name in stop.variants.values())}
+                | {"built-in compiler": _range_text(low, high), "OpenModelica": _range_text(lowest, highest)}
+                | {"difference": f"**{shown}**" if abs(apart) > ACROSS_COMPILERS else shown}
+            )
+    return ReportTable(rows, left=("stop",))
+
+
+def _range_text(low: float, high: float) -> str:
+    return f"{low:.2f} m" if high - low <= SMOOTH else f"{low:.1f} – {high:.1f} m"
 
 
 TABLES: Mapping[str, tuple[str, Callable[[Campaign, Baseline], dict[str, ReportTable]]]] = {

@@ -47,8 +47,8 @@ class RepeatedDistances(Table):
 
     digest: str = Field(description="of the scenario of the stop")
     distances: tuple[NotNegative | None, ...] = Field(min_length=1, description="[m], from the shortest on")
-    compilers: dict[str, NotNegative | None] = Field(
-        default={}, description="compiler → distance [m] with its plant, parameters as they are"
+    compilers: dict[str, tuple[NotNegative | None, ...]] = Field(
+        default={}, description="other compiler → distances [m] with its FMUs, from the shortest on, parameters moved"
     )
     figures: dict[str, tuple[Number, ...]] = Field(
         default={}, description="figure of `Metrics.compared` → its value in each of the first repeats"
@@ -153,6 +153,11 @@ class RepeatedDistances(Table):
         """
         length = math.inf if distance is None else distance
         return digest == self.digest and self.lowest - self.margin <= length <= self.highest + self.margin
+
+    def ends_of(self, compiler: str) -> tuple[float, float]:
+        """Shortest and longest distance with the FMUs of another compiler [m]."""
+        distances = _endless(self.compilers[compiler])
+        return min(distances), max(distances)
 
     @property
     def lots_text(self) -> str:

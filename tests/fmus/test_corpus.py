@@ -33,6 +33,15 @@ CHAPTERS = ["2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13"]
 LONGEST = 120
 """Time in which a batch must be compiled and simulated [s]; it takes a few seconds."""
 
+FAULTS_OF_OPENMODELICA = {
+    "3.7.5 change of a Boolean": "change() of a Boolean equation: 0 instead of 1 at some events",
+    "8 a linear system whose matrix varies": "tearing divides by an entry of the matrix that is 0 at the start",
+}
+"""Case → construct with which OpenModelica gives other values than the specification.
+
+The values of the built-in compiler are checked for these cases as for all others.
+"""
+
 SIZE = 60
 """Number of cases in one FMU, which saves most of the time of the C compiler."""
 
@@ -66,7 +75,7 @@ def test_the_values_are_right(pool, number, cases):
 @pytest.mark.skipif(shutil.which("omc") is None, reason="OpenModelica's omc is not on the PATH")
 @pytest.mark.parametrize("cases", [[c for c in RULES if c.name.startswith(k)] for k in CHAPTERS], ids=CHAPTERS)
 def test_openmodelica_gives_no_other_values(tmp_path, cases):
-    """It may refuse a class."""
+    """It may refuse a class. A fault may be mended in its next release."""
 
     def simulate(text: str, names: Sequence[str]) -> dict[str, Values] | str:
         file = tmp_path / "Corpus.mo"
@@ -77,7 +86,8 @@ def test_openmodelica_gives_no_other_values(tmp_path, cases):
             return f"refused: {refusal}"
         return {"ModelExchange": run(fmu, names, "ModelExchange")}
 
-    assert {name: verdict for name, verdict in judge(cases, simulate).items() if verdict.startswith("wrong")} == {}
+    wrong = {name: verdict for name, verdict in judge(cases, simulate).items() if verdict.startswith("wrong")}
+    assert {name: verdict for name, verdict in wrong.items() if name not in FAULTS_OF_OPENMODELICA} == {}
 
 
 @pytest.mark.parametrize(
@@ -95,6 +105,10 @@ def test_every_feature_and_context_is_in_the_sample():
     pairs = [case.name.split(" | ") for case in sample()]
     assert {feature for feature, _ in pairs} == FEATURES.keys()
     assert {context for _, context in pairs} == CONTEXTS.keys()
+
+
+def test_faults_of_openmodelica_are_cases_that_the_built_in_compiler_must_get_right():
+    assert {case.name for case in RULES if not case.may_be_refused} >= FAULTS_OF_OPENMODELICA.keys()
 
 
 def test_names_are_unique_and_exceptions_exist():

@@ -12,7 +12,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.campaign.conditioning import (
     campaign_of,
     conditioning_of,
-    keep_divided_steps,
+    merged,
     repeats_of,
     with_refinement,
 )
@@ -60,7 +60,7 @@ def test_repeats_of_another_stop_are_called_stale(digest, distance, text):
 
 
 def test_a_range_is_printed_as_long_as_the_distance_is_in_it():
-    repeats = RepeatedDistances(digest="d", distances=(280.0, 300.0, 324.0), compilers={"native": 290.0})
+    repeats = RepeatedDistances(digest="d", distances=(280.0, 300.0, 324.0), compilers={"openmodelica": (290.0,)})
     assert range_text(repeats, "d", 330.0) == "300.0 m (280.0 – 324.0)"
     assert range_text(repeats, "d", 336.0) == STALE  # beyond a quarter of the range
 
@@ -116,14 +116,24 @@ def test_the_effect_of_a_divided_step_is_compared_with_that_of_rounding():
 
 def test_new_repeats_keep_the_distances_at_divided_steps_of_the_same_stop():
     """The tolerance is that of a smooth distance, 0.02 m."""
-    steps = {2: (280.1,), 4: (280.2,)}
-    before = {"one": FIRM.model_copy(update={"steps": steps})}
+    kept = {"steps": {2: (280.1,), 4: (280.2,)}, "compilers": {"openmodelica": (280.0, 280.4)}}
+    before = {"one": FIRM.model_copy(update=kept)}
     again = FIRM.model_copy(update={"distances": (280.0, 280.011, 280.02)})
-    assert keep_divided_steps({"one": again, "two": FIRM}, before) == {
-        "one": again.model_copy(update={"steps": steps}), "two": FIRM,
+    assert merged({"one": again, "two": FIRM}, before, "native") == {
+        "one": again.model_copy(update=kept), "two": FIRM,
     }  # fmt: skip
     for other in (again.model_copy(update={"digest": "e"}), FIRM.model_copy(update={"distances": (281.0,)})):
-        assert keep_divided_steps({"one": other}, before) == {"one": other}
+        assert merged({"one": other}, before, "native") == {"one": other}
+
+
+def test_distances_of_another_compiler_are_added_to_the_repeats_of_the_same_stop():
+    before, again = {"one": FIRM}, FIRM.model_copy(update={"distances": (280.0, 290.0)})
+    (after,) = merged({"one": again}, before, "openmodelica").values()
+    assert after == FIRM.model_copy(update={"compilers": {"openmodelica": (280.0, 290.0)}})
+    assert after.ends_of("openmodelica") == (280.0, 290.0)
+    for other in ({}, {"one": FIRM.model_copy(update={"digest": "e"})}):
+        with pytest.raises(ScenarioError, match="one: there are no repeats with FMUs of the built-in compiler"):
+            merged({"one": again}, other, "openmodelica")
 
 
 def test_a_divided_step_keeps_the_periods_of_all_other_parts(tmp_path, write_campaign):
