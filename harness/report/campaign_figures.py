@@ -328,11 +328,10 @@ def sweep_figure(axes: Mapping[str, Sequence[Any]], distances: NDArray[np.float6
     if len(lines) > len(palette.LINES):
         for line in lines:
             panel.plot(places, line, ".", color=palette.GREY, ms=3)
-        with np.errstate(all="ignore"):
-            median = np.nanmedian(lines, axis=0)
-        panel.plot(
-            places, median, "o-", color=palette.BLUE, label=f"median of those with standstill, over {', '.join(others)}"
-        )
+        common = lines[np.isfinite(lines).all(axis=1)]
+        if len(common):
+            label = f"median over {', '.join(others)}: {len(common)} of {len(lines)}, with a standstill everywhere"
+            panel.plot(places, np.median(common, axis=0), "o-", color=palette.BLUE, label=label)
     else:
         labels = _line_labels([(name, axes[name]) for name in names if name != longest])
         for line, label, colour in zip(lines, labels, palette.LINES, strict=False):

@@ -16,6 +16,7 @@ from railgrip.report.frame import CONDITIONS, IN_TABLES, PLACE, Frame, groups_of
 from railgrip.report.limits import SUBJECTS
 from railgrip.report.statistics import (
     median_interval,
+    on_common,
     order_interval,
     quantile,
     relative_change,
@@ -52,13 +53,18 @@ class PairedComparison:
 def distributions_of(frame: Frame) -> Frame:
     """Return a row for each controller and conditions with draws, in the order of the stops.
 
+    Controllers under the same conditions have the same draws: a draw that one of them lacks is left out.
+
     Columns: `CONDITIONS`, `label`; the numbers of `draws` and of those that `stood`; `distances`, a series by draw,
     infinite without standstill; `median`, 5 % quantile `low` and 95 % quantile `high` of the distance [m], infinite if
     too many draws have no standstill; the longest distance `worst` [m] and its seed `worst_draw`; `vs_sbc` and
     `vs_tuned`, the comparison with the published and with the best tuned slip-based control or None; and the median of
     each figure that has one over draws.
     """
-    drawn = frame[frame["draw"].notna()]
+    drawn = frame[frame["draw"].notna()].drop_duplicates([*PLACE, "controller_label", "estimator", "draw"], keep="last")
+    drawn = drawn.assign(endless=drawn["distance"].fillna(math.inf), law=drawn["controller_label"] + drawn["estimator"])
+    places = [on_common(here, "law", ["draw"], "endless") for _, here in groups_of(drawn, PLACE)]
+    drawn = pandas.concat([drawn.head(0), *places]).sort_index()
     groups = [of for _, of in groups_of(drawn, (*PLACE, "controller_label", "estimator"))]
     references = {(*(of[name].iloc[0] for name in PLACE), of["reference"].iloc[0]): of for of in groups}
     return pandas.DataFrame([_distribution(of, references) for of in groups])

@@ -10,7 +10,10 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
+import pandas
+
 from railgrip.base.units import to_si
+from railgrip.report.statistics import endless, on_common
 from railgrip.scenario.load import read_toml
 
 CONTROLLERS: Final[Mapping[str, Any]] = read_toml(Path(__file__).parent / "library" / "controllers.toml")
@@ -81,7 +84,8 @@ def references(
 ) -> list[tuple[_Stop | None, _Stop | None]]:
     """Return for each stop those with the published and with the best tuned SBC under the same conditions.
 
-    Conditions are the whole scenario except controller and estimator. The best tuned SBC is chosen for each setting.
+    Conditions are the whole scenario except controller and estimator. The best tuned SBC is chosen for each setting, on
+    the stops that all tuned laws have; there is none if they have no stop in common.
 
     Args:
         stops: Stops of a campaign.
@@ -98,21 +102,24 @@ def references(
         for here, stop, scenario in zip(conditions, stops, scenarios, strict=True)
         if is_published(scenario["controller"])
     }
-    settings: dict[tuple[str, ...], dict[str, list[int]]] = {}
-    for number, resolved in enumerate(scenarios):
-        if _is_tuned(resolved["controller"]):
-            law = json.dumps([resolved["controller"], resolved["estimator"]], sort_keys=True)
-            settings.setdefault(setting_of(resolved), {}).setdefault(law, []).append(number)
-
-    def mean_logarithm(numbers: Sequence[int]) -> float:
-        """Return the mean ln(distance): each stop is weighted by its relative saving."""
-        distances = [distance(stops[number]) for number in numbers]
-        return sum(math.inf if metres is None else math.log(metres) for metres in distances) / len(numbers)
-
-    # One law for all stops of a setting, not the best for each stop, which is not known before the stop.
-    best = [number for laws in settings.values() for number in min(laws.values(), key=mean_logarithm)]
-    tuned = {conditions[number]: stops[number] for number in best}
-    return [(published.get(here), tuned.get(here)) for here in conditions]
+    tuned = pandas.DataFrame(
+        [
+            (setting_of(resolved), json.dumps([resolved["controller"], resolved["estimator"]], sort_keys=True), here,
+             math.log(endless(distance(stop))), stop)
+            for stop, resolved, here in zip(stops, scenarios, conditions, strict=True)
+            if _is_tuned(resolved["controller"])
+        ],
+        columns=["setting", "law", "conditions", "logarithm", "stop"],
+    )  # fmt: skip
+    best: dict[str, _Stop] = {}
+    for _, laws in tuned.drop_duplicates(["law", "conditions"], keep="last").groupby("setting", sort=False):
+        # One law for all stops of a setting, not the best for each stop, which is not known before the stop. Each stop
+        # is weighted by its relative saving.
+        common = on_common(laws, "law", ["conditions"], "logarithm")
+        if len(common):
+            first = common.groupby("law", sort=False)["logarithm"].mean().idxmin()
+            best |= dict(laws.loc[laws["law"] == first, ["conditions", "stop"]].itertuples(index=False))
+    return [(published.get(here), best.get(here)) for here in conditions]
 
 
 def _is_tuned(controller: Mapping[str, Any]) -> bool:

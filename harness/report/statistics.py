@@ -1,7 +1,8 @@
 """Statistics of controllers over draws and cases, with 95 % intervals.
 
-All controllers stop in the same draws or cases and are compared in each of them, so that the difficulty of a draw
-cancels. A stop without standstill counts as an infinite distance; it is never omitted.
+Controllers are compared on the draws or cases that all of them have, so that the difficulty of a draw cancels:
+`on_common` selects these, and `rank` refuses others. A stop without standstill counts as an infinite distance; it is
+never omitted.
 """
 
 import math
@@ -19,6 +20,48 @@ _ENDS: Final = (0.025, 0.975)
 
 _RESAMPLES: Final = 2000
 _SEED: Final = 8
+
+
+def on_common(frame: Any, entrant: str, case: Sequence[str], value: str) -> Any:
+    """Return the rows of the cases in which every entrant has a value: on these alone entrants can be compared.
+
+    An entrant without any value is left out.
+
+    Args:
+        frame: A row for each entrant and case.
+        entrant: Column with the names of controllers, estimators or variants.
+        case: Columns that identify a case.
+        value: Column of the compared value: infinite without standstill, NaN if the entrant does not have the case.
+
+    Raises:
+        ValueError: An entrant has a case twice.
+    """
+    known = frame[frame[value].notna()]
+    if known.duplicated([entrant, *case]).any():
+        raise ValueError(f"an entrant has two rows of the same {', '.join(case)}")
+    shared = known.groupby(list(case), dropna=False)[entrant].transform("nunique") if len(known) else known[entrant]
+    return known[shared == known[entrant].nunique()]
+
+
+def rank(frame: Any, entrant: str, case: Sequence[str], value: str) -> Any:
+    """Return a row for each entrant, by name, the one with the smallest median first.
+
+    Columns are `cases`; `failed`, the number of infinite values, by which entrants are ordered before their medians, so
+    that none is first because it rarely came to a standstill; `median`; `lowest` and `highest`.
+
+    Args:
+        frame: As for `on_common`, which selects rows that are not refused.
+
+    Raises:
+        ValueError: Entrants have different cases.
+    """
+    if len(on_common(frame, entrant, case, value)) < len(frame):
+        raise ValueError(f"entrants have different cases and cannot be ranked by {value}; see on_common")
+    values = frame.groupby(entrant, sort=False)[value]
+    statistics = values.agg(
+        cases="size", failed=lambda own: int(np.isinf(own).sum()), median="median", lowest="min", highest="max"
+    )
+    return statistics.sort_values(["failed", "median"], kind="stable")
 
 
 def finite(value: float) -> float | None:

@@ -15,6 +15,7 @@ from railgrip.estimation.judge import rms
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.frame import Frame, groups_of
 from railgrip.report.page import Page
+from railgrip.report.statistics import rank
 from railgrip.report.table import ReportTable, whole_percent, write_tables
 from railgrip.scenario.file import merge
 from railgrip.scenario.load import read_toml, scenario_of
@@ -147,10 +148,10 @@ _FORMS = {
 
 
 def _answer(frame: Frame) -> str:
-    by_filter = frame.groupby("filter", sort=False)
-    medians = [f"{nees:.2g} ({name})" for name, nees in by_filter["nees"].median().items()]
-    errors = [f"{rms(values.to_numpy()):.4f}" for _, values in by_filter["rmse"]]
+    medians = rank(frame, "filter", AXES[:-1], "nees")["median"].items()
+    errors = [f"{rms(frame['rmse'][frame['filter'] == name].to_numpy()):.4f}" for name, _ in medians]
     return (
-        f"A consistent filter has a NEES of 1; the median over all loads is {', '.join(medians)}. "
+        f"A consistent filter has a NEES of 1; the median over all loads is "
+        f"{', '.join(f'{nees:.2g} ({name})' for name, nees in medians)}. "
         f"In the same order the RMSE of adhesion is {', '.join(errors)}."
     )

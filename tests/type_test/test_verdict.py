@@ -9,7 +9,7 @@ from railgrip.report.limits import limits_of
 from railgrip.studies.type_test.case_set import VERSIONS
 from railgrip.studies.type_test.entrants import entrants
 from railgrip.studies.type_test.family import losses_of, rail_of, recommendation, verdict
-from railgrip.studies.type_test.judge import frame_of_rows, judgements, summaries
+from railgrip.studies.type_test.judge import frame_of_rows, judgements
 from railgrip.studies.type_test.page import ranked
 from railgrip.studies.type_test.study import TypeTest
 from railgrip.studies.type_test.track_case import TABLE_1
@@ -120,10 +120,12 @@ def test_a_law_that_lacks_cases_of_a_rail_is_not_recommended_there():
 def test_a_law_that_was_run_in_fewer_than_half_of_the_cases_is_not_ranked():
     few = {case.name for case in DESIGN[:20]}
     stops = judged({"two_maxima": lambda case: 80.0 if case.name in few else None, "slope_seeking": lambda _: 90.0})
-    board, sentences = ranked(summaries(stops, entrants(2)), candidates=())
+    board, sentences = ranked(stops, entrants(2), candidates=())
     assert set(board["controller"]) == {"slope_seeking", "slip_three_state"}
     assert sentences == [f"two_maxima was run in 20 of {len(DESIGN)} cases and is not ranked."]
-    assert ranked(summaries(stops, entrants(2)), candidates=["two_maxima"])[1] == []
+    board, sentences = ranked(stops, entrants(2), candidates=["two_maxima"])
+    assert set(board["cases"]) == {20}
+    assert sentences == [f"Controllers are compared in the 20 of {len(DESIGN)} cases that all of them have."]
 
 
 def test_every_case_has_one_kind_of_rail():

@@ -175,7 +175,7 @@ def compare(found: Frame) -> ReportTable:
     """Return distances over those with the present estimates in the same cases, with intervals over the cases.
 
     Args:
-        found: Stops by law and estimates, of each the same cases in the same order.
+        found: Stops by law and estimates, of each the same cases in the same order; others are refused.
     """
     rows: list[dict[str, Any]] = []
     for (law, name), stops in groups_of(found, ("law", "estimates")):

@@ -16,7 +16,7 @@ from railgrip.estimation.spec import load_specification, prediction_for, setting
 from railgrip.estimators.belief import Matrix
 from railgrip.recording.samples import period_of, truth_of
 from railgrip.report.frame import Frame, groups_of
-from railgrip.report.statistics import bootstrap_interval, median_interval
+from railgrip.report.statistics import bootstrap_interval, median_interval, on_common, rank
 from railgrip.report.table import Form, ReportTable, share
 from railgrip.studies.estimators.judge import CaseBound
 from railgrip.studies.estimators.recordings import FAMILIES
@@ -42,20 +42,23 @@ STATES: Final = ("group_adhesion", "pad_friction")
 def leaderboard(frame: Frame) -> ReportTable:
     """Return the errors of adhesion of every estimator, the smallest median first.
 
-    Skill is 1 minus the mean squared error over that of the reference, over all cases.
+    Estimators are compared in the cases that all of them have; where one diverged, its error is infinite. Skill is 1
+    minus the mean squared error over that of the reference.
 
     Args:
         frame: A row for each estimator and case: `estimator`, `case`, and the errors of `judge.errors_of`, nested names
             joined by a dot.
     """
+    frame = on_common(frame.assign(error=_endless(frame)), "estimator", ["case"], "error")
     rows: list[dict[str, Any]] = []
-    for (name,), cases in groups_of(frame, ["estimator"]):
-        low, high = median_interval(cases["rmse.adhesion"].dropna()) or (math.nan, math.nan)
+    for name, one in rank(frame, "estimator", ["case"], "error").iterrows():
+        cases = frame[frame["estimator"] == name]
+        low, high = median_interval(cases["error"]) or (math.nan, math.nan)
         rows.append(
             {
                 "estimator": name,
-                "cases": len(cases),
-                "median RMSE": cases["rmse.adhesion"].median(),
+                "cases": one["cases"],
+                "median RMSE": one["median"],
                 "from": low,
                 "to": high,
                 "bias": cases["bias"].median(),
@@ -68,7 +71,6 @@ def leaderboard(frame: Frame) -> ReportTable:
                 "step": cases["microseconds"].median(),
             }
         )
-    rows.sort(key=lambda row: (math.isnan(row["median RMSE"]), row["median RMSE"]))
     forms: dict[str, Form] = {**dict.fromkeys(("median RMSE", "from", "to"), "{:.4f}"), "bias": "{:+.4f}"}
     forms |= dict.fromkeys(("delay", "after a step"), "{:.2f} s")
     forms |= dict.fromkeys(("over constant", "over force balance"), "{:.2f}") | {"step": "{:.0f} µs"}
@@ -76,12 +78,10 @@ def leaderboard(frame: Frame) -> ReportTable:
 
 
 def consistency(frame: Frame) -> ReportTable:
-    """Return coverage, width, NEES and NIS with quantiles over the cases, of estimators that claim a deviation."""
+    """Return coverage, width, NEES and NIS with quantiles over the cases in which all that claim a deviation do so."""
     rows: list[dict[str, Any]] = []
-    for (name,), cases in groups_of(frame, ["estimator"]):
-        if cases["nees"].isna().all():
-            continue
-        quantiles = np.nanquantile(cases["nees"], (0.1, 0.5, 0.9)).tolist()
+    for (name,), cases in groups_of(on_common(frame, "estimator", ["case"], "nees"), ["estimator"]):
+        quantiles = np.quantile(cases["nees"], (0.1, 0.5, 0.9)).tolist()
         rows.append(
             {"estimator": name, "coverage": cases["coverage.adhesion"].mean(), "width": cases["width"].median()}
             | dict(zip(("NEES 10 %", "NEES 50 %", "NEES 90 %"), quantiles, strict=True))
@@ -93,16 +93,17 @@ def consistency(frame: Frame) -> ReportTable:
 
 def others(frame: Frame) -> ReportTable:
     """Return errors and coverage of pad friction and speed, and the skill of pad friction over the constant."""
-    rows: list[dict[str, Any]] = []
-    for (name,), cases in groups_of(frame, ["estimator"]):
-        row: dict[str, Any] = {"estimator": name}
-        for target, title in (("pad_friction", "pad friction"), ("speed", "speed")):
-            row[f"{title} RMSE"] = cases[f"rmse.{target}"].median()
-            row[f"{title} coverage"] = cases[f"coverage.{target}"].mean()
-        rows.append(row | {"pads over constant": skill(squares_of(frame, name, CONSTANT, "pad_friction"))})
+    rows = {name: {"estimator": name} for name in frame["estimator"].unique()}
+    for target, title in (("pad_friction", "pad friction"), ("speed", "speed")):
+        common = on_common(frame, "estimator", ["case"], f"rmse.{target}").groupby("estimator")
+        for name, row in rows.items():
+            row[f"{title} RMSE"] = common[f"rmse.{target}"].median().get(name)
+            row[f"{title} coverage"] = common[f"coverage.{target}"].mean().get(name)
+    for name, row in rows.items():
+        row["pads over constant"] = skill(squares_of(frame, name, CONSTANT, "pad_friction"))
     forms = {"pad friction RMSE": "{:.4f}", "speed RMSE": "{:.3f} m/s"}
     shares = ("pad friction coverage", "speed coverage", "pads over constant")
-    return ReportTable(rows, forms | dict.fromkeys(shares, "{:.2f}"))
+    return ReportTable(list(rows.values()), forms | dict.fromkeys(shares, "{:.2f}"))
 
 
 def available(frame: Frame) -> ReportTable:
@@ -133,8 +134,12 @@ def available(frame: Frame) -> ReportTable:
 
 
 def by_family(frame: Frame, measure: Measure = "rmse") -> ReportTable:
-    """Return the median RMSE of adhesion, or its mean coverage, of each estimator in each family of cases."""
-    errors = _by_case(frame, f"{measure}.adhesion").dropna(axis="columns", how="all")
+    """Return the median RMSE of adhesion, or its mean coverage, of each estimator in each family of cases.
+
+    Cases that an estimator lacks are left out; where one diverged, its error is infinite.
+    """
+    frame = frame.assign(**{"rmse.adhesion": _endless(frame)})
+    errors = _by_case(frame, f"{measure}.adhesion").dropna(axis="columns", how="all").dropna()
     cases = frame.drop_duplicates("case").set_index("case")
     middle = "median" if measure == "rmse" else "mean"
     rows = [
@@ -210,6 +215,11 @@ def squares_of(frame: Frame, estimator: str, reference: str, target: str = "adhe
     """Return the mean squared errors of an estimator and of a reference in the cases that have both, shape (k, 2)."""
     errors = _by_case(frame, f"rmse.{target}")
     return _finite(errors[[estimator, reference]]) if reference in errors else np.empty((0, 2))
+
+
+def _endless(frame: Frame) -> Frame:
+    """Return the RMSE of adhesion, infinite where the estimator diverged."""
+    return frame["rmse.adhesion"].mask(frame["diverged"].astype(bool), math.inf)
 
 
 def _by_case(frame: Frame, figure: str) -> Frame:

@@ -18,7 +18,7 @@ from railgrip.campaign.work import Work
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
-from railgrip.report.statistics import bootstrap_interval
+from railgrip.report.statistics import bootstrap_interval, on_common
 from railgrip.report.table import ReportTable, write_tables
 from railgrip.scenario.file import merge
 from railgrip.scenario.load import read_toml, scenario_of
@@ -228,7 +228,9 @@ def frame_of(
 def table_of(frame: Frame, title: str) -> ReportTable:
     """Return quantiles of the error, shares of short and long stops, and means of sand and air, by rail and system."""
     rows: list[dict[str, Any]] = []
-    for (rail, system), here in frame.groupby(["rail", "system"], sort=False):
+    for (rail, system), here in on_common(frame, "system", ["rail", "draw", "fault"], "error").groupby(
+        ["rail", "system"], sort=False
+    ):
         error = here["error"].to_numpy()
         rows.append(
             {"rail": rail, "system": system, "draws": len(here)}
@@ -243,7 +245,8 @@ def table_of(frame: Frame, title: str) -> ReportTable:
 
 def ratio_of(frame: Frame) -> tuple[str, float, tuple[float, float] | None]:
     """Return the better baseline on slippery rails, and the ratio of P95 with its paired bootstrap interval."""
-    slippery = frame[frame["rail"] == "slippery"].pivot_table(index="draw", columns="system", values="error").abs()
+    slippery = on_common(frame[frame["rail"] == "slippery"], "system", ["rail", "draw", "fault"], "error")
+    slippery = slippery.pivot_table(index="draw", columns="system", values="error").abs()
     baselines = [name for name in SYSTEMS if name != MANAGED]
     better = min(baselines, key=lambda name: slippery[name].quantile(0.95))
     pairs = slippery[[MANAGED, better]].to_numpy()

@@ -14,6 +14,7 @@ from railgrip.report import palette, style
 from railgrip.report.frame import Frame
 from railgrip.report.limits import AssessmentLimits
 from railgrip.report.page import Page
+from railgrip.report.statistics import on_common
 from railgrip.report.table import ReportTable, names, percent, share
 from railgrip.studies.type_test.design import VALIDATION_SEED
 from railgrip.studies.type_test.entrants import Entrant
@@ -75,7 +76,7 @@ def page_of(
         others = packaged[~np.array(is_run)]
         stops, shipped = pandas.concat([found, others] if len(found) else [others]), set(others["controller"])
     stops = judgements(stops, taking_part, limits, only_tuned=version == 1)
-    board, unranked = ranked(summaries(stops, taking_part), candidates)
+    board, unranked = ranked(stops, taking_part, candidates)
     of_ranked = stops[stops["controller"].isin(board["controller"] if len(board) else [])]
     lines, variants_of = _lines(board, candidates), dict(zip(stops["case"], stops["variants"], strict=True))
     drawings = {
@@ -141,21 +142,22 @@ def page_of(
     )
 
 
-def ranked(board: Frame, candidates: Collection[str]) -> tuple[Frame, list[str]]:
-    """Return the controllers to rank, and a sentence on each that was run in fewer than half of the cases.
+def ranked(stops: Frame, taking_part: Mapping[str, Entrant], candidates: Collection[str]) -> tuple[Frame, list[str]]:
+    """Return the leaderboard over the cases that all of its controllers have, and sentences on what it leaves out.
 
-    Quantiles over different cases are not comparable. Candidates and controllers that know the true state, which have
-    no stop in many cases, are listed in any case.
+    Controllers that were run in fewer than half of the cases are left out, except candidates. Those that know the true
+    state, which have no stop in many cases, are listed over the cases that they have.
     """
-    if board.empty:
-        return board, []
-    most = board["cases"].max()
-    is_kept = (2 * board["cases"] >= most) | board["controller"].isin([*candidates, *registry.ANALYSES])
-    sentences = [
-        f"{one.controller} was run in {one.cases} of {most} cases and is not ranked."
-        for one in board[~is_kept].itertuples()
-    ]
-    return board[is_kept], sentences
+    counts = stops.groupby("controller", sort=False)["case"].nunique()
+    most = max(counts, default=0)
+    few = counts[(2 * counts < most) & ~counts.index.isin([*candidates, *registry.ANALYSES])]
+    sentences = [f"{name} was run in {count} of {most} cases and is not ranked." for name, count in few.items()]
+    kept = stops[~stops["controller"].isin(few.index)].assign(endless=stops["distance_m"].fillna(math.inf))
+    laws = on_common(kept[~kept["controller"].isin(list(registry.ANALYSES))], "controller", ["case"], "endless")
+    common = laws["case"].unique()
+    if 0 < len(common) < most:
+        sentences.append(f"Controllers are compared in the {len(common)} of {most} cases that all of them have.")
+    return summaries(kept[kept["case"].isin(common)], taking_part), sentences
 
 
 def table_of(stops: Frame) -> ReportTable:
@@ -403,6 +405,7 @@ def _ratios(stops: Frame, lines: Mapping[str, Mapping[str, Any]]) -> Figure | No
 
 
 def _by_curve(stops: Frame, controllers: Sequence[str]) -> Figure:
+    stops = on_common(stops[stops["controller"].isin(controllers)], "controller", ["case"], "utilisation")
     curve = pandas.Series([variants["curve"] for variants in stops["variants"]], stops.index, dtype=object)
     medians = stops.groupby([stops["controller"], curve])["utilisation"].median().unstack()
     medians = medians.reindex(controllers)
