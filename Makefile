@@ -51,14 +51,14 @@ fmus: $(READY)  ## build the FMUs that are not up to date
 
 # FMUs are built while stops that do not need them run: a stop waits for an FMU that another process builds.
 TABLE1    := $(PROGRAM) campaign harness/scenario/campaigns/table1.toml --panels none
-PUBLISHED := --only controller=full_brake,slip_two_state,slip_three_state,adhesion_literal,adhesion_based,slope_seeking,ideal_bound
+PUBLISHED := --only controller=full_brake,slip_two_state,slip_three_state,slip_three_state_read,adhesion_literal,adhesion_based,slope_seeking,ideal_bound
 
-simulate: $(READY)  ## the published table of braking distances, build/table1/index.html
+simulate: $(READY)  ## braking distances next to the published ones, build/table1/index.html
 	@$(PROGRAM) build --quiet TwoPartTrain TrainPrediction TwoPartTrainPneumatic & $(TABLE1) $(PUBLISHED); code=$$?; wait; exit $$code
-	@echo "More: \`make searched\` adds slip-based control with searched thresholds, \`make shapes\` has other"
+	@echo "More: \`make searched\` adds further slip-based control with searched thresholds, \`make shapes\` has other"
 	@echo "creep curves, \`make report\` adds the signals of every stop."
 
-searched: $(READY)  ## the published table with slip-based control with searched thresholds, build/table1
+searched: $(READY)  ## the same with all slip-based control with searched thresholds, build/table1
 	$(TABLE1)
 
 shapes: $(READY)  ## the controllers of the published table on other creep curves, build/shapes

@@ -380,6 +380,7 @@ def write_description(campaign: Campaign, directory: Path) -> None:
         "name": campaign.name,
         "description": campaign.description,
         "permitted_distance_m": campaign.permitted_distance,
+        "published": list(dict.fromkeys(reference.source for reference in campaign.references)),
         "stops": [
             {
                 "name": stop.name,

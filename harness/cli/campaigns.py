@@ -28,9 +28,10 @@ from railgrip.report.baseline import baseline_deviations
 from railgrip.report.comparison import compare as compared
 from railgrip.report.console import complain, progress, remark, say, show_all
 from railgrip.report.distances import (
-    OVERVIEW_MEANING,
+    caveats_of,
     documentation_tables,
     headline,
+    meaning_of,
     overview_of,
     overview_table,
     reader_tables,
@@ -101,9 +102,10 @@ def campaign(
         if overview is None:
             show_all(reader_tables(frame, hidden=_NOT_ON_SCREEN) or ["no results"])
         else:
-            say(textwrap.fill(f"{run.campaign.name}: {OVERVIEW_MEANING}", _SCREEN))
             show_all([overview_table(overview)])
         _show_result(results, frame, against)
+        for sentence in [] if overview is None else [*caveats_of(overview, results.published), meaning_of(overview)]:
+            say(textwrap.fill(sentence, _SCREEN))
         for sentence in by_compiler(results.stops):
             say(textwrap.fill(sentence, _SCREEN))
         for sentence in remarks_on(results.stops):

@@ -355,8 +355,8 @@ def compare(baseline: Baseline, findings: Findings) -> tuple[BaselineComparison,
 def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
     """Return the baseline with new, moved and removed numbers updated, for a reason.
 
-    Numbers within their tolerance keep value and reason. A distance that does not vary over the repeats gets their
-    tolerance, and its further figures are those found.
+    Numbers within their tolerance keep value and reason, ranges only if the repeats have not changed. A distance that
+    does not vary over the repeats gets their tolerance, and its further figures are those found.
 
     Raises:
         ScenarioError: The reason is empty, or a stop or figure has no value to accept.
@@ -372,10 +372,15 @@ def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
             continue
         if finding.value is None:
             raise ScenarioError(f"accept: {name} has no value (no standstill, no alarm); a baseline must be a number")
-        # A number that has become a range, or the reverse, is accepted anew.
-        is_same_kind = before is not None and (finding.repeated is None or before.is_range == finding.repeated.spreads)
-        if before is None or comparison.state != "kept" or not is_same_kind:
-            before = _accept_finding(finding, finding.value, before, reason.strip())
+        anew = _accept_finding(finding, finding.value, before, reason.strip())
+        # A range is always that of the present repeats, which tables and pages show.
+        is_of_repeats = before is not None and (
+            finding.repeated is None
+            or (not before.is_range and not finding.repeated.spreads)
+            or (before.value, *before.ends) == (anew.value, *anew.ends)
+        )
+        if before is None or comparison.state != "kept" or not is_of_repeats:
+            before = anew
         shown = {"adhesion_peak": finding.adhesion_peak, "longest_lock": finding.longest_lock}
         update: dict[str, object] = {key: None if value is None else round(value, 3) for key, value in shown.items()}
         update["valve_strokes"] = finding.valve_strokes

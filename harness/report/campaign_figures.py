@@ -5,7 +5,7 @@ import math
 import textwrap
 from collections.abc import Mapping, Sequence
 from itertools import cycle
-from math import isfinite, isnan, nan
+from math import isfinite, isnan
 from typing import Any, Final
 
 import numpy as np
@@ -483,7 +483,7 @@ _TICK: Final = 50
 """Distance of ticks [m]."""
 
 
-_ROW: Final = 0.34
+_ROW: Final = 0.36
 """Height of a row [inches]."""
 
 
@@ -492,28 +492,36 @@ _LOWEST: Final = 1.7
 
 
 FIGURE_MEANING: Final = (
-    "In the figure, dots are simulated distances, solid lines ranges of repeated stops, and dashed lines published "
-    "distances; the further left, the shorter the stop."
+    "In the figure, dots are ideal and triangles service equipment, solid lines are ranges of repeated stops, and "
+    "dashed lines published distances; the further left, the shorter the stop."
 )
 
+# Shape and filling distinguish equipment in print, too.
+_MARKS: Final[Mapping[str, Mapping[str, Any]]] = {
+    "ideal": {"marker": "o", "color": palette.BLUE},
+    "service": {"marker": "^", "color": palette.GREEN},
+}
+_OFFSETS: Final = {"ideal": -0.14, "service": 0.14}
+"""Place of the marks of an equipment in a row, so that neither hides the other [rows]."""
 
-def overview_figure(overview: Frame, *, is_narrow: bool = False) -> Figure:
-    """Return a figure with a panel for each case, and in it a row for each law.
 
-    A dot is the distance, a line the range of repeats, a dashed line the published distance of the row's law.
+def overview_figure(overview: Frame, *, width: float = 10.9, is_narrow: bool = False) -> Figure:
+    """Return a figure with a panel for each case, and in it a row for each controller.
+
+    A mark is the distance with an equipment, a line the range of repeats, a dashed line the published distance.
 
     Args:
+        overview: Rows of `railgrip.report.distances.overview_of`, or of some controllers.
+        width: Width [inches].
         is_narrow: Whether panels are below each other, for a screen of the width of a hand.
     """
-    cases, own = list(overview["place"].cat.categories), overview[~overview["is_published"]]
-    kinds = dict(zip(own["line"], own["controller"], strict=True))
-    cells = {(row.line, row.place): row for row in own.itertuples()}
-    published = {(row.controller, row.place): row.distance for row in overview.itertuples() if row.is_published}
-    count, height = len(cases), max(_LOWEST, _ROW * len(kinds))
+    cases = [case for case in overview["place"].cat.categories if (overview["place"] == case).any()]
+    labels = [str(label) for label in overview["controller_label"].unique()]
+    count, height = len(cases), max(_LOWEST, _ROW * len(labels))
     if is_narrow:
         drawing, grid = style.panels(3.2, count * (height + 0.85), count, 1, squeeze=False)
     else:
-        drawing, grid = style.panels(10.9, height + 0.85, 1, count, sharey=True, squeeze=False)
+        drawing, grid = style.panels(width, height + 1.15, 1, count, sharey=True, squeeze=False)
     low, high = _ends(overview)
     for panel, case in zip(grid.flat, cases, strict=True):
         style.dress(panel, title=case, x=FIGURES["distance"].axis if not is_narrow or case == cases[-1] else "")
@@ -522,32 +530,38 @@ def overview_figure(overview: Frame, *, is_narrow: bool = False) -> Figure:
         # Round numbers that are not cut off at the right edge.
         ticks = [tick for tick in range(0, int(high), _TICK) if low <= tick <= high - 0.1 * (high - low)]
         panel.set_xticks(ticks, [f"{tick}" for tick in ticks])
-        panel.set_ylim(len(kinds) - 0.5, -0.5)
+        panel.set_ylim(len(labels) - 0.5, -0.5)
         panel.tick_params(axis="y", length=0)
-        for row, (line, kind) in enumerate(kinds.items()):
-            metres, cell = published.get((kind, case), nan), cells.get((line, case))
-            if isfinite(metres):
-                panel.plot([metres, metres], [row - 0.42, row + 0.42], "--", color=palette.BLACK, linewidth=1.4)
-            if cell is None or not isfinite(cell.distance):
-                continue
-            if cell.ends is not None:
-                panel.plot(cell.ends, [row, row], "-", color=palette.BLUE, linewidth=1.6)
-            panel.plot([cell.distance], [row], "o", color=palette.BLUE, markersize=5.5)
-            panel.annotate(
-                f"{cell.distance:.0f}", (max(cell.ends or (cell.distance,)), row), ha="left", va="center", fontsize=8,
-                xytext=(7, 0), textcoords="offset points", color=palette.BLUE,
-            )  # fmt: skip
+        for one in overview[overview["place"] == case].itertuples():
+            _draw_stated(panel, labels.index(str(one.controller_label)), one)
         if is_narrow or panel is grid.flat[0]:
-            names = [textwrap.fill(line.removesuffix(", simulated"), 18) for line in kinds]
-            panel.set_yticks(range(len(kinds)), names, fontsize=8.5)
+            texts = [textwrap.fill(label, 22) for label in labels]
+            panel.set_yticks(range(len(labels)), texts, fontsize=8.5)
+    keys: dict[str, dict[str, Any]] = {"published": {"color": palette.BLACK, "linestyle": "--"}} | {
+        f"{origin} equipment": {**mark, "linestyle": "-"} for origin, mark in _MARKS.items()
+    }
+    handles = [Line2D([], [], **look) for look in keys.values()]
+    columns = 1 if is_narrow else len(keys)
+    drawing.legend(handles, list(keys), loc="outside lower center", ncols=columns, fontsize=9, frameon=False)
     return drawing
 
 
+def _draw_stated(panel: Axes, row: int, one: Any) -> None:
+    """Draw a distance of an overview into its row."""
+    if one.origin == "published":
+        panel.plot([one.distance] * 2, [row - 0.42, row + 0.42], "--", color=palette.BLACK, linewidth=1.4)
+    elif isfinite(one.distance):
+        y, mark = row + _OFFSETS[one.origin], _MARKS[one.origin]
+        if one.stated.ends is not None:
+            panel.plot(one.stated.ends, [y, y], "-", color=mark["color"], linewidth=1.6)
+        panel.plot([one.distance], [y], markersize=5.5, **mark)
+
+
 def _ends(overview: Frame) -> tuple[float, float]:
-    ends = (end for pair in overview["ends"].dropna() for end in pair)
+    ends = (end for stated in overview["stated"] for end in stated.ends or ())
     values = [value for value in (*overview["distance"], *ends) if isfinite(value)]
-    margin = 0.08 * (max(values) - min(values)) or 1.0
-    return min(values) - margin, max(values) + 2.5 * margin  # room for a number behind the last dot
+    margin = 0.06 * (max(values) - min(values)) or 1.0
+    return min(values) - margin, max(values) + margin
 
 
 _MAX_STOPS = 40

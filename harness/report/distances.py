@@ -2,10 +2,11 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from math import isnan, nan
+from math import isinf, isnan
 from pathlib import Path
+from statistics import median
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final, Literal
 
 import pandas
 
@@ -14,16 +15,18 @@ from railgrip.base.records import claim
 from railgrip.report.distribution import (
     Change,
     ReferenceVariant,
-    change_text,
     distribution_table,
     distributions_of,
     plain_distributions,
+    with_interval,
 )
 from railgrip.report.frame import (
     IN_TABLES,
     PLACE,
     SETTING,
+    VALVES,
     Frame,
+    StatedDistance,
     frame_of,
     groups_of,
     plain_rows,
@@ -34,8 +37,8 @@ from railgrip.report.limits import SUBJECTS
 from railgrip.report.page import write_page
 from railgrip.report.reference import locked_text
 from railgrip.report.results import Results, fmu_tools, from_elsewhere, remarks_on
-from railgrip.report.statistics import endless
-from railgrip.report.table import Form, Link, ReportTable, change, names, percent, share, text
+from railgrip.report.statistics import on_common, rank
+from railgrip.report.table import Form, Link, ReportTable, change, names, percent, share
 
 
 def write_table(results: Results, directory: Path, notes: Sequence[str] = ()) -> tuple[Path, Path]:
@@ -59,6 +62,7 @@ def write_table(results: Results, directory: Path, notes: Sequence[str] = ()) ->
             setting: [table.without(_HEADING) for table in tables_of(here) if table]
             for setting, here in groups_of(frame, SETTING)
         },
+        repeats=repeats_table(frame, {}),
         missing=names(results.missing),
         notes=[*remarks_on(results.stops), *from_elsewhere(results.stops), *notes],
     )
@@ -83,7 +87,15 @@ def reader_tables(
     """
     draws, single = tables_of(frame)
     addresses = [pages.get(stop) for stop in single_stops(frame)["stop"]]
-    return [*draws.parts(), *single.without(hidden).parts(addresses)]
+    above = [_ABOVE_THE_BOUND] if (single_stops(frame)["utilisation"] > 1).any() else []
+    return [*draws.parts(), *single.without(hidden).parts(addresses), *above]
+
+
+_ABOVE_THE_BOUND: Final = (
+    "Adhesion used is above 100 % where wheelsets regain speed after a slide: the contact then brakes the train by "
+    "more than the brakes draw, and the highest force of an instant, to which adhesion used refers, leaves this out. "
+    "The stop of the ideal bound includes it."
+)
 
 
 def setting_tables(frame: Frame, pages: Mapping[str, str]) -> dict[str, list[ReportTable | str]]:
@@ -96,31 +108,34 @@ def setting_tables(frame: Frame, pages: Mapping[str, str]) -> dict[str, list[Rep
 
 
 def repeats_table(frame: Frame, pages: Mapping[str, str]) -> ReportTable | None:
-    """Return the repeats of each stop that was repeated; None without repeats."""
+    """Return the stated distance, that of the run and the repeats of each stop that was repeated; None without any."""
     rows = [
         {
             "stop": Link(row.stop, pages[row.stop]) if row.stop in pages else row.stop,
-            "distance": row.distance,
+            "stated": row.stated.median,
+            "this run": row.distance,
             "repeated": row.repeated,
             "others": row.other_repeats,
         }
         for row in frame[frame["repeated"] != ""].itertuples()
     ]
-    return ReportTable(rows, {"distance": IN_TABLES["distance"].text}, left=("stop", "others")) if rows else None
+    forms: dict[str, Form] = dict.fromkeys(("stated", "this run"), IN_TABLES["distance"].text)
+    return ReportTable(rows, forms, left=("stop", "others")) if rows else None
 
 
 def documentation_tables(frame: Frame) -> dict[str, ReportTable]:
     """Return the tables of a campaign for a page of the documentation, by name.
 
-    `draws` has the distributions over draws, `distances` a row for each other case and a column for each controller; a
-    distance that depends on rounding has its range.
+    `draws` has the distributions over draws, `distances` a row for each other case and a column for each controller; of
+    repeated stops it has median, range and longest lock.
     """
     cases: dict[tuple[str, str], dict[str, str]] = {}
     for row in single_stops(frame).itertuples():
-        distance = "no stop" if isnan(row.distance) else IN_TABLES["distance"].text(row.distance)
-        distance += locked_text(row.longest_lock)
-        ends = "" if row.repeats is None else f"{row.repeats[1]:.1f} – {row.repeats[2]:.1f} m"
-        brackets = "; ".join(filter(None, (ends, change(row.reduction_vs_sbc))))
+        stated = row.stated
+        distance = "no stop" if isinf(stated.median) else IN_TABLES["distance"].text(stated.median)
+        distance += locked_text(stated.lock)
+        ends = "" if stated.ends is None else "{:.1f} – {:.1f} m".format(*stated.ends)
+        brackets = "; ".join(filter(None, (ends, percent(row.stated_vs_sbc))))
         cells = cases.setdefault((row.label, row.polach), {"scenario": row.label, "creep curve": row.polach})
         cells[row.controller_label] = f"{distance} ({brackets})" if brackets else distance
     columns = dict.fromkeys(column for cells in cases.values() for column in cells)
@@ -137,8 +152,8 @@ _HEADING = ("actuation", "sensors", "creep curve")
 
 _COLUMNS: Final = (
     "label", *SETTING, "controller_label", "distance", "paper_distance", "reduction_vs_sbc", "paper_reduction",
-    "reduction_vs_tuned", "repeated", "duration", "utilisation", "adhesion_peak", "longest_lock", "flat_length",
-    "breaks", "actuations", "air_used", "estimator", "nis_ratio", "outside",
+    "reduction_vs_tuned", "duration", "utilisation", "adhesion_peak", "longest_lock", "flat_length", "breaks",
+    "actuations", "air_used", "estimator", "nis_ratio", "outside",
 )  # fmt: skip
 """Columns of the table of stops in their order; those of further figures follow."""
 
@@ -165,11 +180,11 @@ def _stops_table(frame: Frame) -> ReportTable:
     return ReportTable.of_frame(shown[list(columns)].rename(columns=_HEADINGS), _FORMS)
 
 
-_OWN: Final = ("adhesion_literal", "adhesion_based", "ideal_bound")
+_OWN: Final = ("adhesion_literal", "adhesion_based", "slope_seeking", "ideal_bound")
 """Controllers next to those with a published distance: the laws of the published kind, and the bound."""
 
 _LOCKED: Final = 2.0
-"""Lock of a wheelset above which it is given next to the distances of a controller [s]."""
+"""Lock of a wheelset above which it is given next to a range [s]."""
 
 _CASES: Final = 4
 """Maximum number of columns."""
@@ -177,102 +192,128 @@ _CASES: Final = 4
 FIRST: Final = "braking distance"
 """Heading of the column with the controllers."""
 
+Origin = Literal["published", "ideal", "service"]
 
-OVERVIEW_MEANING: Final = (
-    "published and simulated braking distances, with the change against slip-based control (SBC) of the same origin; "
-    "medians where the distance of repeated stops depends on rounding."
-)
+ORIGINS: Final[Mapping[Origin, str]] = {"published": "published", "ideal": "ideal", "service": "in service"}
+
+
+def meaning_of(overview: Frame) -> str:
+    """Return what the columns and rows of an overview mean."""
+    lots = {len(stated.distances) for stated in overview["stated"] if stated.are_lots}
+    service = f", there as medians over {max(lots)} lots of sensors" if lots else ""
+    return (
+        "SBC: slip-based control; ABC: adhesion-based control. Percentages are changes against SBC with 10 and 15 % of "
+        "the same origin. Ideal: exact sensors, and brake cylinders that follow the demand; in service: valves, and "
+        f"sensors with errors{service}. Distances that depend on rounding are the median of repeated stops, and a lock "
+        "next to their range is the longest of a wheelset in them."
+    )
+
+
+def caveats_of(overview: Frame, published: Sequence[str]) -> list[str]:
+    """Return sentences that a reader needs before the distances of an overview.
+
+    Args:
+        published: Sources of the published distances.
+    """
+    is_sbc = overview["reference"] == "published"
+    sentences = [f"Published distances: {'; '.join(published)}."] if published else []
+    if (overview["fitted"] & is_sbc & (overview["origin"] == "ideal")).any():
+        sentences.append(
+            "Slip-based control (SBC) with ideal equipment stops as published because the friction of these scenarios "
+            "was fitted to its distances; all other rows are predictions."
+        )
+    if not (overview["reference"] == "best tuned").any():
+        sentences.append("No SBC with tuned thresholds was run: what a law gains over one is not known here.")
+    return sentences
 
 
 def overview_of(frame: Frame) -> Frame | None:
     """Return published distances next to those of a campaign: a row for each controller, origin and case.
 
-    None if the campaign has no published distances, or too many cases for a screen. The published distances of a
-    controller are before its own.
+    None if the campaign has no published distances, or too many cases for a screen. Stops with valves are those of the
+    same scenarios and creep curves, if they are of one kind of sensors and case.
 
     Columns, besides those of the campaign:
 
-    - `line`: name of the controller, with the origin of the distances; `is_published`: whether they are published
+    - `origin`: one of `ORIGINS`, in this order for each controller
     - `place`: name of the case, with all cases as categories
-    - `distance`: distance [m], the median over repeats that depend on rounding; NaN without standstill
+    - `distance`: stated distance [m], infinite without standstill
     - `change`: change against slip-based control of the same origin; NaN for that itself
-    - `ends`: lowest and highest distance of repeats [m]; None if all repeats agree or are published
-    - `lock`: longest lock of a wheelset [s]; NaN if none of the line is long
     """
-    here = single_stops(frame).merge(frame.loc[frame["paper_distance"].notna(), list(PLACE)].drop_duplicates())
-    if here.empty:
+    single = single_stops(frame)
+    places = frame.loc[frame["paper_distance"].notna(), list(PLACE)].drop_duplicates()
+    ideal = single.merge(places)
+    if ideal.empty:
         return None
-    _, names = short_names(here)
-    here["place"] = [names[label].replace("\n", ", ") for label in here["label"]]
-    cases = here["place"].unique()
-    if len(cases) < len(here[list(PLACE)].drop_duplicates()) or len(cases) > _CASES:
+    _, names = short_names(ideal)
+    ideal["place"] = [names[label].replace("\n", ", ") for label in ideal["label"]]
+    cases = ideal["place"].unique()
+    if len(cases) < len(places) or len(cases) > _CASES:
         return None
-    here["distance"] = [row.distance if row.repeats is None else row.repeats[0] for row in here.itertuples()]
-    here["ends"] = [None if repeats is None else repeats[1:] for repeats in here["repeats"]]
-    sbc = here[here["reference"] == "published"].drop_duplicates("place", keep="last").set_index("place")["distance"]
-    here["change"] = (here["distance"] / here["place"].map(sbc) - 1).where(here["reference"] != "published")
-    here["place"] = pandas.Categorical(here["place"], cases)
-    here = here.drop_duplicates(["controller_label", "place"], keep="last")
-    of_law, label = here.groupby("controller_label"), here["controller_label"]
-    is_compared = of_law["paper_distance"].transform("count") > 0
-    own = here.assign(
-        line=label.where(~is_compared, label + ", simulated"),
-        is_published=False,
-        lock=here["longest_lock"].where(of_law["longest_lock"].transform("max") > _LOCKED),
-    )[is_compared | here["controller"].isin(_OWN)]
-    known = own[own["paper_distance"].notna()]
+    keys = ["scenario", "polach"]
+    served = single[single["actuation"] == VALVES].merge(ideal[[*keys, "place"]].drop_duplicates())
+    if served.duplicated([*keys, "controller_label"]).any():
+        served = served.head(0)
+    here: Frame = pandas.concat([ideal.assign(origin="ideal"), served.assign(origin="service")], ignore_index=True)
+    here = here.drop_duplicates(["controller_label", "origin", "place"], keep="last")
+    here["distance"], here["change"] = [one.median for one in here["stated"]], here["stated_vs_sbc"]
+    with_paper = here.groupby("controller_label")["paper_distance"].transform("count") > 0
+    is_tuned = here["controller_label"].isin(here.loc[here["reference"] == "best tuned", "controller_label"])
+    here = here[with_paper | is_tuned | here["controller"].isin(_OWN)]
+    known = here[here["paper_distance"].notna()]
     published = known.assign(
-        line=known["controller_label"] + ", published",
-        is_published=True,
-        distance=known["paper_distance"],
-        change=-known["paper_reduction"],
-        ends=None,
-        lock=nan,
-    )
-    order = {name: number for number, name in enumerate(label.unique())}
-    lines = pandas.concat([published, own])
-    return lines.sort_values("controller_label", key=lambda names: names.map(order), kind="stable")
+        origin="published", change=-known["paper_reduction"], distance=known["paper_distance"],
+        stated=[StatedDistance((metres,)) for metres in known["paper_distance"]],
+    )  # fmt: skip
+    lines: Frame = pandas.concat([published, here], ignore_index=True)
+    lines["place"] = pandas.Categorical(lines["place"], cases)
+    lines["controller_label"] = pandas.Categorical(lines["controller_label"], single["controller_label"].unique())
+    lines["origin"] = pandas.Categorical(lines["origin"], list(ORIGINS))
+    return lines.sort_values(["controller_label", "origin"], kind="stable", ignore_index=True)
 
 
 def overview_table(overview: Frame) -> ReportTable:
-    """Return a row for each controller, and rows for ranges and locks where they matter."""
-    metres = ["no stop" if isnan(distance) else f"{distance:.1f} m" for distance in overview["distance"]]
-    shown = overview.assign(
-        text=[f"{each} {percent(change)}".rstrip() for each, change in zip(metres, overview["change"], strict=True)],
-        range=["" if ends is None else f"{ends[0]:.1f} – {ends[1]:.1f} m" for ends in overview["ends"]],
-        locked=[text(lock, "{:.1f} s") for lock in overview["lock"]],
-    )
-    rows = [
-        {FIRST: name, **dict.fromkeys(overview["place"].cat.categories, "")}
-        | dict(zip(own["place"], own[column], strict=True))
-        for line, own in shown.groupby("line", sort=False)
-        for name, column in (
-            (line, "text"),
-            ("– range of repeated stops", "range"),
-            ("– longest lock of a wheelset", "locked"),
-        )
-        if any(own[column])
-    ]
+    """Return a row for each controller and origin, and one for the ranges of distances that depend on rounding."""
+    rows: list[dict[str, str]] = []
+    for (controller,), of_controller in groups_of(overview, ("controller_label",)):
+        for number, ((origin,), own) in enumerate(groups_of(of_controller, ("origin",))):
+            name = f"– {ORIGINS[origin]}" if number else f"{controller}, {ORIGINS[origin]}"
+            texts = {row.place: _distance_text(row) for row in own.itertuples()}
+            rows.append({FIRST: name, **dict.fromkeys(overview["place"].cat.categories, "")} | texts)
+            ranges = {row.place: _range_text(row.stated) for row in own.itertuples()}
+            if any(ranges.values()):
+                rows.append({**dict.fromkeys(rows[-1], ""), FIRST: "– – range [m], longest lock"} | ranges)
     return ReportTable(rows, left=(FIRST,))
+
+
+def _distance_text(row: Any) -> str:
+    return "no stop" if isinf(row.distance) else f"{row.distance:.1f} m {percent(row.change)}".rstrip()
+
+
+def _range_text(stated: StatedDistance) -> str:
+    if stated.ends is None or stated.are_lots:
+        return ""
+    lock = f", {stated.lock:.0f} s" if stated.lock > _LOCKED else ""
+    return "{:.1f}–{:.1f}".format(*stated.ends) + lock
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Contender:
-    """A controller, or a variant under some conditions.
+    """A controller, or a variant, on the stops that all of them have.
 
     Attributes:
         name: Name for the sentence.
         change: Median of its distance over that of the reference, minus 1.
         text: The change with its range or interval, and the number of stops.
-        stops: Its stops.
-        incomparable: Number of them without a change, because the reference does not come to a standstill.
+        stops: Its stops, also those that others lack.
+        missed: Sentence on stops without standstill; empty for none.
     """
 
     name: str
     change: float
     text: str
     stops: Frame
-    incomparable: int = 0
+    missed: str = ""
 
     @property
     def violations(self) -> dict[str, int]:
@@ -280,8 +321,18 @@ class _Contender:
         return {clause: int((clauses == clause).sum()) for clause in clauses.unique()}
 
 
+_Group = tuple[str, list[_Contender], str]
+"""Conditions of compared stops as the start of a clause, their contenders, the best first, and a closing sentence."""
+
+_GROUPS: Final = 3
+"""Maximum number of conditions in a summary."""
+
+
 def headline(frame: Frame, reference: ReferenceVariant | None = None, changes: Sequence[Change] = ()) -> str:
     """Return a summary with the controller, or variant, that shortens the distance most without breaking a clause.
+
+    Controllers are compared separately for each equipment, variants for each set of conditions, on the stops that all
+    of them have.
 
     Args:
         frame: Stops of a campaign.
@@ -290,32 +341,41 @@ def headline(frame: Frame, reference: ReferenceVariant | None = None, changes: S
         changes: Changes of the other variants.
     """
     count = f"{frame['distance'].count()} of {len(frame)} stops come to a standstill."
-    candidates = _controllers(frame) if reference is None else _variants(changes)
-    if not candidates:
-        return f"{_gap(int(_without_reference(frame).sum()))}{count}"
-    against = "slip-based control with 10 and 15 %" if reference is None else f"{reference.axis} {reference.variant}"
-    kinds = "controllers" if reference is None else "variants"
-    shortest = min(candidates, key=lambda candidate: candidate.change)
-    allowed = [candidate for candidate in candidates if not candidate.violations]
-    if not allowed:
-        none = f"none of the {len(candidates)} {kinds} keeps all clauses" if len(candidates) > 1 else ""
-        breaks = f"{shortest.name} breaks {_breaks(shortest)}"
-        what = f"{none}: {breaks}" if none else breaks
-        what = f"Against {against}, {what}. It changes the distance by {shortest.text} and is not recommended. "
-        return f"{what}{_gap(shortest.incomparable)}{count}"
-    best = min(allowed, key=lambda candidate: candidate.change)
-    others = ""
-    if len(allowed) == 1 < len(candidates):
-        others = f"; of {len(candidates)} {kinds} it is the only one that keeps all clauses"
-    elif len(allowed) > 1 and best.change < 0:
-        others = f", the largest reduction of the {len(allowed)} of {len(candidates)} {kinds} that keep all clauses"
-    more = (
-        f" {shortest.name} changes it by {percent(shortest.change)}, but breaks {_breaks(shortest)}."
-        if shortest is not best
-        else ""
+    gap = _gap(int(_without_reference(frame).sum())) if reference is None else ""
+    groups = _controllers(frame) if reference is None else _variants(changes)
+    if not groups:
+        return f"{gap}{count}"
+    against = (
+        "slip-based control (SBC) with the published, untuned thresholds of 10 and 15 %"
+        if reference is None
+        else f"{reference.axis} {reference.variant}"
     )
-    what = f"Against {against}, {best.name} changes the distance by {best.text}{others}.{more} "
-    return f"{what}{_gap(best.incomparable)}{count}"
+    kinds = "controllers" if reference is None else "variants"
+    parts = [f"{where if len(groups) > 1 else ''}{_best_of(own, kinds)} {end}".strip() for where, own, end in groups]
+    more = f" Tables have {len(groups) - _GROUPS} further conditions." if len(groups) > _GROUPS else ""
+    joined = " ".join(f"{part[0].upper()}{part[1:]}" if number else part for number, part in enumerate(parts[:_GROUPS]))
+    return f"Against {against}, {joined}{more} {gap}{count}"
+
+
+def _best_of(contenders: Sequence[_Contender], kinds: str) -> str:
+    """Return sentences on the first contender that keeps all clauses, and on a shorter one; empty for no contenders."""
+    if not contenders:
+        return ""
+    missed = "".join(f" {one.missed}" for one in contenders if one.missed)
+    allowed = [one for one in contenders if not one.violations]
+    shortest = contenders[0]
+    if not allowed:
+        none = f"none of the {len(contenders)} {kinds} keeps all clauses: " if len(contenders) > 1 else ""
+        breaks = f"{none}{shortest.name} breaks {_breaks(shortest)}"
+        return f"{breaks}. It changes the distance by {shortest.text} and is not recommended.{missed}"
+    best, others, more = allowed[0], "", ""
+    if len(allowed) == 1 < len(contenders):
+        others = f"; of {len(contenders)} {kinds} it is the only one that keeps all clauses"
+    elif len(allowed) > 1 and best.change < 0:
+        others = f", the largest reduction of the {len(allowed)} of {len(contenders)} {kinds} that keep all clauses"
+    if shortest is not best:
+        more = f" {shortest.name} changes it by {percent(shortest.change)}, but breaks {_breaks(shortest)}."
+    return f"{best.name} changes the distance by {best.text}{others}.{more}{missed}"
 
 
 def _gap(count: int) -> str:
@@ -333,43 +393,81 @@ def _without_reference(frame: Frame) -> pandas.Series:
     return keys.isin(set(failed)) & (frame["reference"] != "published") & (frame["controller"] != "ideal_bound")
 
 
-def _controllers(frame: Frame) -> list[_Contender]:
-    compared, without = frame[frame["controller"] != "ideal_bound"], _without_reference(frame)
-    candidates: list[_Contender] = []
-    for name, own in compared.groupby("controller_label", sort=False):
-        shares = own["reduction_vs_sbc"].dropna()
-        if len(shares):
-            median, smallest, largest = (
-                change(share) or "endless" for share in (shares.median(), shares.max(), shares.min())
-            )
-            text = f"{median} in the median of {len(shares)} stops, from {smallest} to {largest}"
-            text = text if len(shares) > 1 else f"{median} in one stop"
-            gaps = int(without[own.index].sum())
-            candidates.append(
-                _Contender(name=str(name), change=-shares.median(), text=text, stops=own, incomparable=gaps)
-            )
-    return candidates
+def _controllers(frame: Frame) -> list[_Group]:
+    """Return the controllers with a change against published SBC, for each equipment."""
+    compared = frame[(frame["controller"] != "ideal_bound") & frame["stated_vs_sbc"].notna()]
+    several = compared.groupby("controller_label")["estimator"].transform("nunique") > 1
+    labels = compared["controller_label"].astype(str)
+    compared = compared.assign(entrant=labels.where(~several, labels + ", estimator " + compared["estimator"]))
+    return [
+        _group(f"{equipment_text(*equipment)}, ", own, [*PLACE, "draw"], "stated_vs_sbc", "stops")
+        for equipment, own in groups_of(compared, ("actuation", "sensors"))
+    ]
 
 
-def _variants(changes: Sequence[Change]) -> list[_Contender]:
-    """Return the variants other than the reference; several conditions of one variant are several candidates."""
+def equipment_text(actuation: str, sensors: str) -> str:
+    """Return the name of actuation and sensors in a sentence."""
+    known = {("ideal", "ideal"): "with ideal equipment", (VALVES, "service"): "in service"}
+    return known.get((actuation, sensors), f"with actuation {actuation} and sensors {sensors}")
+
+
+def _variants(changes: Sequence[Change]) -> list[_Group]:
+    """Return the variants other than the reference, for each set of conditions."""
     differ = {pair for change in changes for pair in change.conditions.items()}
     differ -= {pair for pair in differ if all(pair in change.conditions.items() for change in changes)}
+    groups: dict[str, list[Frame]] = {}
+    for one in changes:
+        if one.stops["controller"].iloc[0] != "ideal_bound":
+            under = ", ".join(" ".join(pair) for pair in one.conditions.items() if pair in differ)
+            own = one.stops.assign(entrant=one.variant, change=one.stops["draw"].map(one.by_case))
+            groups.setdefault(f"with {under}, ", []).append(own)
+    return [_group(where, pandas.concat(own), ["draw"], "change", "pairs") for where, own in groups.items()]
 
-    def name(change: Change) -> str:
-        under = ", ".join(" ".join(pair) for pair in change.conditions.items() if pair in differ)
-        return f"{change.variant} (with {under})" if under else change.variant
 
-    return [
-        _Contender(
-            name=name(change),
-            change=endless(change.paired.change),
-            text=f"{change_text(change.paired)} in the median of {change.paired.draws} pairs",
-            stops=change.stops,
+def _group(where: str, frame: Frame, case: Sequence[str], value: str, of: str) -> _Group:
+    """Return the entrants of a frame, ranked by a change on the cases that all of them have."""
+    common = on_common(frame, "entrant", case, value)
+    if common.empty:
+        return where, [], f"{names(list(frame['entrant'].unique()))} have no stop in common."
+    ranked = rank(common, "entrant", case, value)
+    contenders: list[_Contender] = []
+    for one in ranked.itertuples():
+        name, missed = str(one.Index), f"did not come to a standstill in {one.failed} of {one.cases}."
+        contenders.append(
+            _Contender(
+                name=name,
+                change=one.median,
+                text=_contender_text(common[common["entrant"] == name], value, of),
+                stops=frame[frame["entrant"] == name],
+                missed=f"{name} {missed}" if one.failed else "",
+            )
         )
-        for change in changes
-        if change.stops["controller"].iloc[0] != "ideal_bound"
-    ]
+    left = frame[value].notna().sum() - len(common)
+    return where, contenders, f"{left} {of} that not all of them have are not compared." if left else ""
+
+
+def _contender_text(own: Frame, value: str, of: str) -> str:
+    """Return the median change with its interval over pairs, or with its range, also against the best tuned SBC."""
+    values = own[value].tolist()
+    if of == "pairs":
+        return f"{with_interval(values)} in the median of {len(values)} pairs"
+    if len(values) == 1:
+        return f"{_percent_or_endless(values[0])} in one stop{_against_tuned(own)}"
+    ends = " to ".join(_percent_or_endless(choose(values)) for choose in (min, max))
+    middle = _percent_or_endless(median(values))
+    return f"{middle} in the median of {len(values)} stops, from {ends}{_against_tuned(own)}"
+
+
+def _against_tuned(own: Frame) -> str:
+    tuned = own["stated_vs_tuned"].tolist()
+    if any(isnan(change) for change in tuned):
+        return ""
+    ends = dict.fromkeys(_percent_or_endless(choose(tuned)) for choose in (min, max))
+    return f" (against the best tuned SBC by {' to '.join(ends)})"
+
+
+def _percent_or_endless(change: float) -> str:
+    return percent(change) or "endless"
 
 
 def _breaks(candidate: _Contender) -> str:

@@ -165,19 +165,18 @@ def worst_table(frame: Frame, pages: Mapping[str, str], count: int = 10) -> Repo
     return ReportTable(cells, {figure.column: figure.text for figure in IN_TABLES.values()})
 
 
-def change_text(paired: PairedComparison) -> str:
-    """Return the median change with its interval in brackets, if there are enough draws for one."""
-    median = percent(paired.change) or "endless"
-    if paired.change_interval is None:
-        return median
-    return f"{median} [{', '.join(percent(end) or 'endless' for end in paired.change_interval)}]"
+def with_interval(changes: Sequence[float]) -> str:
+    """Return the median of changes with its interval in brackets, if there are enough for one."""
+    median = percent(float(np.median(changes))) or "endless"
+    ends = median_interval(changes) or ()
+    return f"{median} [{', '.join(percent(end) or 'endless' for end in ends)}]" if ends else median
 
 
 def paired_texts(name: str, paired: PairedComparison | None) -> dict[str, str]:
     """Return the columns of a table that compare with another controller or variant of this name."""
     change = shorter = ""
     if paired is not None:
-        change = change_text(paired)
+        change = with_interval(paired.changes)
         shorter = text(100 * paired.shorter, "{:.0f} %")
         shorter += f" [{', '.join(text(100 * end, '{:.0f}') for end in paired.shorter_interval)}]"
     return {f"change vs {name}": change, f"shorter than {name}": shorter}
@@ -286,13 +285,15 @@ class Change:
         conditions: Axis → variant, for the axes that are equal in all of these pairs.
         variant: Variant on the axis of the reference.
         paired: The comparison; `label` is the variant of the reference.
-        stops: All stops of the variant under these conditions.
+        stops: All stops of the variant under these conditions, numbered by case in `draw`.
+        by_case: Number of each case that has a pair → change.
     """
 
     conditions: Mapping[str, str]
     variant: str
     paired: PairedComparison
     stops: Frame
+    by_case: Mapping[int, float]
 
 
 def changes_against(reference: ReferenceVariant, stops: Sequence[Stop], frame: Frame) -> tuple[Change, ...]:
@@ -325,8 +326,11 @@ def changes_against(reference: ReferenceVariant, stops: Sequence[Stop], frame: F
         for variant, numbers in variants.items():
             own = paired.iloc[numbers]
             if (pairs := compare_pairs(by_draw(own), base)) is not None:
+                by_case = dict(zip(by_draw(own).index.intersection(by_draw(base).index), pairs.changes, strict=True))
                 compared = replace(pairs, label=reference.variant)
-                changes.append(Change(conditions=dict(conditions), variant=variant, paired=compared, stops=own))
+                changes.append(
+                    Change(conditions=dict(conditions), variant=variant, paired=compared, stops=own, by_case=by_case)
+                )
     return tuple(changes)
 
 

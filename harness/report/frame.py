@@ -1,15 +1,17 @@
 """The stops of a campaign as one table, from which tables, distributions and paired changes are selected."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from math import isfinite, nan
-from typing import Any, Final
+from dataclasses import dataclass
+from math import isfinite, isinf, nan
+from statistics import median
+from typing import Any, Final, Self
 
 import pandas
 
 from railgrip.report.limits import limits_of
 from railgrip.report.reference import controller_of, label, references, setting_of
 from railgrip.report.results import Results
-from railgrip.report.statistics import endless
+from railgrip.report.statistics import endless, relative_change
 from railgrip.report.stop import Stop
 from railgrip.scenario.campaign import DRAW
 from railgrip.scenario.conditioning import SMOOTH, RepeatedDistances
@@ -42,17 +44,59 @@ IN_TABLES: Final = {name: figure for name, figure in FIGURES.items() if figure.c
 """Figures that tables of many stops have."""
 
 _COLUMNS: Final = (
-    "label", *CONDITIONS, "friction", "draw", "reference", "distance", "repeated", "repeats", "other_repeats",
-    "duration", "reduction_vs_sbc", "reduction_vs_tuned", "utilisation", "paper_distance", "paper_reduction", "outcome",
+    "label", *CONDITIONS, "friction", "draw", "reference", "distance", "repeated", "stated", "other_repeats",
+    "duration", "reduction_vs_sbc", "reduction_vs_tuned",
+    "stated_vs_sbc", "stated_vs_tuned", "fitted", "utilisation", "paper_distance", "paper_reduction", "outcome",
     "breaks", "adhesion_peak", "longest_lock", "flat_length", "actuations", "air_used", "nis_ratio", "outside", "stop",
 )  # fmt: skip
 
 _PLAIN: Final = {
-    "distance": "distance_m", "duration": "duration_s", "paper_distance": "paper_distance_m",
+    "stated": "repeats", "distance": "distance_m", "duration": "duration_s", "paper_distance": "paper_distance_m",
     "longest_lock": "longest_lock_s", "flat_length": "flat_length_m", "actuations": "valve_strokes",
     "air_used": "air_l", "nis_ratio": "nis",
 }  # fmt: skip
 """Column → its key in JSON, where that differs."""
+
+
+@dataclass(frozen=True, slots=True)
+class StatedDistance:
+    """The distance that is stated for a stop next to others: of its only run, or the median of its repeats.
+
+    Attributes:
+        distances: Of each run [m], infinite without standstill.
+        lock: Longest lock of a wheelset in these runs [s]; NaN if unknown.
+        are_lots: Whether runs are of lots of sensors, the same ones for all controllers.
+    """
+
+    distances: Sequence[float]
+    lock: float = nan
+    are_lots: bool = False
+
+    @classmethod
+    def of(cls, stop: Stop) -> Self:
+        """Return the distance over lots of sensors if there are any, else over repeats that depend on rounding."""
+        repeats = stop.own_repeats
+        if repeats is None or not (repeats.lots or repeats.spreads):
+            return cls((endless(stop.braking_distance),), max(stop.metrics.longest_lock))
+        if repeats.lots:
+            return cls(repeats.lot_distances, are_lots=True)
+        return cls(repeats.repeated_distances, max(repeats.figures.get("longest_lock", ()), default=nan))
+
+    @property
+    def median(self) -> float:
+        """Median distance [m]."""
+        return median(self.distances)
+
+    @property
+    def ends(self) -> tuple[float, float] | None:
+        """The shortest and the longest distance [m]; None of a single run."""
+        return (min(self.distances), max(self.distances)) if len(self.distances) > 1 else None
+
+    def change_against(self, other: "StatedDistance") -> float:
+        """Return the relative change of the distance, over the same lots the median of the changes in each lot."""
+        if self.are_lots and other.are_lots and len(self.distances) == len(other.distances):
+            return median(map(relative_change, self.distances, other.distances))
+        return relative_change(self.median, other.median)
 
 
 def frame_of(results: Results) -> Frame:
@@ -66,9 +110,12 @@ def frame_of(results: Results) -> Frame:
     - `friction`: maximum friction of a constant rail and of its patches, as text; empty for other rails.
     - `draw`: seed of a stop that is one draw of a distribution, else None.
     - `reference`: "published" or "best tuned" for the stop with this SBC, with which others are compared, else None.
-    - `repeated`, `repeats`, `other_repeats`: text with median and range of the distance under perturbations of the
-      plant's parameters in the seventh digit; this median, the shortest and the longest distance [m], or None if they
-      agree; text with the distances with FMUs of other compilers, and with other lots of sensors.
+    - `repeated`, `other_repeats`: text with median and range of the distance under perturbations of the plant's
+      parameters in the seventh digit, and with the distances with FMUs of other compilers, and with other lots of
+      sensors; `stated`: the `StatedDistance` of these and of the run.
+    - `stated_vs_sbc`, `stated_vs_tuned`: change of the stated distance against that with the published, or the best
+      tuned, SBC in the same conditions; infinite without standstill. All other numbers of a row are of one run.
+    - `fitted`: whether the friction of the rail is fitted to published distances.
     - `reduction_vs_sbc`, `reduction_vs_tuned`: 1 − distance over that of the published, or the best tuned, SBC in the
       same conditions; −∞ without standstill.
     - `paper_distance`, `paper_reduction`: published distance [m], and its reduction against the published SBC.
@@ -100,7 +147,9 @@ def single_stops(frame: Frame) -> Frame:
 
 def plain_rows(frame: Frame) -> list[dict[str, Any]]:
     """Return the rows as JSON values; None for numbers that do not exist."""
-    rows = plain(frame.drop(columns="label", errors="ignore").rename(columns=_PLAIN))
+    shown = frame.drop(columns=["label", "fitted", "stated_vs_sbc", "stated_vs_tuned"], errors="ignore")
+    repeats = [one.ends and (one.median, *one.ends) for one in frame["stated"]]
+    rows = plain(shown.assign(stated=repeats).rename(columns=_PLAIN))
     for row in rows:
         row["air_l"] = None if row["air_l"] is None else 1000 * row["air_l"]
         row["valve_strokes"] = None if row["valve_strokes"] is None else round(row["valve_strokes"])
@@ -142,7 +191,7 @@ def _record(stop: Stop, sbc: Stop | None, tuned: Stop | None, axes: Sequence[str
     scenario, metrics, distance = stop.inputs, stop.figures, stop.braking_distance
     actuation, sensors, polach = setting_of(scenario)
     case = ", ".join(f"{axis} {stop.variants[axis]}" for axis in axes)
-    repeats, is_standstill = stop.own_repeats, stop.outcome is Outcome.STANDSTILL
+    repeats, is_standstill, stated = stop.own_repeats, stop.outcome is Outcome.STANDSTILL, StatedDistance.of(stop)
     figures = {name: metrics.of_train(name) for name in IN_TABLES}
     if actuation != VALVES:
         figures["actuations"] = nan
@@ -162,12 +211,13 @@ def _record(stop: Stop, sbc: Stop | None, tuned: Stop | None, axes: Sequence[str
         "draw": int(stop.variants[DRAW]) if DRAW in stop.variants else None,
         "reference": "published" if sbc is stop else "best tuned" if tuned is stop else None,
         "repeated": range_text(stop.conditioning, stop.digest, distance),
-        "repeats": (repeats.median, repeats.lowest, repeats.highest)
-        if repeats and repeats.spreads and isfinite(repeats.highest)
-        else None,
+        "stated": stated,
         "other_repeats": _other_repeats(repeats),
         "reduction_vs_sbc": _reduction(distance, sbc, stop),
         "reduction_vs_tuned": _reduction(distance, tuned, stop),
+        "stated_vs_sbc": _stated_change(stated, sbc, stop),
+        "stated_vs_tuned": _stated_change(stated, tuned, stop),
+        "fitted": scenario["adhesion"]["polach"]["name"] in scenario["adhesion"].get("calibrated", {}),
         "paper_distance": nan if stop.paper_distance is None else stop.paper_distance,
         "paper_reduction": 1 - stop.paper_distance / published if published and stop.paper_distance else nan,
         "outcome": stop.outcome.value,
@@ -232,3 +282,9 @@ def _reduction(distance: float | None, reference: Stop | None, own: Stop) -> flo
     """Return 1 − distance over that of the reference, −∞ without standstill; NaN if there is no reference."""
     before = reference.braking_distance if reference is not None and reference is not own else None
     return nan if before is None else 1 - endless(distance) / before
+
+
+def _stated_change(stated: StatedDistance, reference: Stop | None, own: Stop) -> float:
+    """Return the change of a stated distance; NaN without a reference that comes to a standstill."""
+    before = StatedDistance.of(reference) if reference is not None and reference is not own else None
+    return nan if before is None or isinf(before.median) else stated.change_against(before)

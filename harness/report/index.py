@@ -23,8 +23,9 @@ from railgrip.report.campaign_figures import (
 )
 from railgrip.report.comparison import flat, unit_of, without_numbers
 from railgrip.report.distances import (
-    OVERVIEW_MEANING,
+    caveats_of,
     headline,
+    meaning_of,
     overview_of,
     overview_table,
     reader_tables,
@@ -46,6 +47,7 @@ from railgrip.report.page import FORMATS, Page
 from railgrip.report.reference import is_published, label
 from railgrip.report.results import Results, from_elsewhere, provenance, read_results, remarks_on
 from railgrip.report.signals import signals_plot
+from railgrip.report.statistics import finite
 from railgrip.report.stop import (
     CAMPAIGN_FILE,
     PAGE_FILES,
@@ -86,7 +88,7 @@ def stop_page(stop: Stop, *, back: str = "") -> Page:
             "scenario": scenario_table(scenario),
             "metrics": metrics_table(stop.figures),
         },
-        plots={"signals": signals_plot(stop.trace)} if stop.has_trace else {},
+        plots={"signals": signals_plot(stop.trace, stop.cars)} if stop.has_trace else {},
         provenance=provenance(stop),
     )
 
@@ -132,8 +134,7 @@ def scenario_table(scenario: Mapping[str, Any]) -> ReportTable:
 _LEGEND: Mapping[str, str] = {
     "reduction_vs_sbc": "Changes are against slip-based control (SBC) on the same rail: with the published thresholds, "
     "10 and 15 % of slip, and with other ones, the best law over all stops of the same actuation and sensors.",
-    "repeated": "Where stops were repeated with the plant's parameters moved in the seventh digit, median and range "
-    "are given next to the distance.",
+    "repeated": "Each row is one run; repeats with the plant's parameters moved in the seventh digit have a table.",
     "draw": "In brackets: intervals that hold 95 %.",
     "outside": "A filter that states its errors correctly has a NIS, the median squared innovation over the expected "
     "one, near 1, and a true adhesion or pad friction outside of ±2σ of its estimate for 5 % of the time; of all "
@@ -244,18 +245,21 @@ def campaign_page(
         draw("exceedance", "", exceedance_figure, distributions, results.permitted_distance)
         draw("distributions", "Braking distances over the draws", distribution_figure, distributions)
     if single["distance"].count():
-        draw("distances", "Braking distances", distance_figure, single)
+        metres = [finite(stated.median) for stated in single["stated"]]
+        stated = single.assign(distance=metres, reduction_vs_sbc=-single["stated_vs_sbc"])
+        draw("distances", "Braking distances", distance_figure, stated.astype({"distance": float}))
     protected = [stop for stop in results.stops if stop.has_trace and stop.inputs["controller"]["kind"] != "full_brake"]
     if protected:
         draw("friction", "Maximum friction at the wheelsets", friction_figure, protected)
     for sbc, abc in pairs:
         draw(f"adhesion-{abc.name}", f"Adhesion of the first wheelset, {abc.name}", adhesion_figure, sbc, abc)
     return Page(
-        title=f"Campaign {results.name}",
-        question="Which braking distance does each controller need in the same conditions? " + results.description,
+        title=results.description.rstrip(".") or f"Campaign {results.name}",
+        question="Which braking distance does each controller need in the same conditions?",
         answer=headline(frame, reference, changes),
+        caveats=() if overview is None else caveats_of(overview, results.published),
         overview=None if overview is None else overview_table(overview),
-        note=f"{OVERVIEW_MEANING[0].upper()}{OVERVIEW_MEANING[1:]} {FIGURE_MEANING}",
+        note="" if overview is None else f"{meaning_of(overview)} {FIGURE_MEANING}",
         narrow={} if overview is None else {"figures/overview.png": overview_figure(overview, is_narrow=True)},
         template="report/campaign.md.jinja",
         values={
@@ -265,7 +269,7 @@ def campaign_page(
             "worst": worst_table(frame, pages).parts(),
             "tables": reader_tables(frame, pages) if overview is None else [],
             "sections": {} if overview is None else setting_tables(frame, pages),
-            "repeats": None if overview is None else repeats_table(frame, pages),
+            "repeats": repeats_table(frame, pages),
             "notes": [*remarks_on(results.stops), *from_elsewhere(results.stops), *notes],
             "missing": names(results.missing),
             "captions": dict(list(captions.items())[1:]),

@@ -8,7 +8,7 @@ for (const table of document.querySelectorAll("table")) {
 }
 for (const table of document.querySelectorAll("table.data")) {
   const body = table.tBodies[0];
-  if (body.rows.length < 3) continue;
+  if (body.rows.length < 3 || table.closest(".overview")) continue;  // rows of an overview belong together
   table.classList.add("sortable");
   for (const [column, head] of [...table.tHead.rows[0].cells].entries()) {
     head.onclick = () => {
@@ -84,8 +84,10 @@ async function draw() {
 }
 if (document.getElementById("plots")) draw();
 
-// Paper: everything is open, and fits on a page of A4 between its margins, across where a table is wide.
-const PAPER = document.querySelector("table.wide") ? { width: 1030, height: 690 } : { width: 690, height: 960 };
+// Paper: everything is open, and figures fit on an upright page of A4 between its margins; wide tables have pages across.
+const PAPER = { width: 690, height: 1000 };
+// The rules of paper, which are applied to the screen while text above a figure is measured.
+const printed = [...document.styleSheets[0].cssRules].find((rule) => rule.media?.mediaText === "print");
 addEventListener("beforeprint", () => {
   for (const one of document.querySelectorAll("details:not([open])")) { one.open = true; one.dataset.closed = "yes"; }
   for (const one of document.querySelectorAll(".plot")) {
@@ -98,7 +100,9 @@ addEventListener("beforeprint", () => {
     }
     const { width, height, meta } = one.layout;
     document.body.style.width = `${PAPER.width}px`;  // text above it is as wide as paper, not as the screen
+    printed.media.mediaText = "all";
     const above = one.closest(".summary") ? one.offsetTop : 0;  // on the first page, below the answer
+    printed.media.mediaText = "print";
     document.body.style.width = "";
     const free = PAPER.height - above - 40;  // room for the caption
     if (meta.train) {
@@ -121,10 +125,10 @@ addEventListener("afterprint", () => {
 });
 
 // The train over its signals: axles coloured by slip or adhesion at a cursor that the mouse or a clock moves.
-function train(place, { positions, cars, time, distance, signals }) {
+function train(place, { positions, cars, colours, time, distance, signals }) {
   const lines = place.data, x = { time: (time = numbers(time)), distance: (distance = numbers(distance)) };
   for (const one of Object.values(signals)) one.values = one.values.map(numbers);
-  const length = Math.max(...positions) || 1;
+  const front = Math.min(0, ...cars.flat()), length = Math.max(...positions, ...cars.flat()) - front || 1;
   const box = document.createElement("div");
   box.innerHTML = `<div class="controls"><button>▶ Play</button><input type="range" min="0" max="${time.length - 1}" value="0">
     <label>axles by <select class="by">${Object.keys(signals).map((name) => `<option>${name}</option>`).join("")}</select></label>
@@ -132,13 +136,12 @@ function train(place, { positions, cars, time, distance, signals }) {
     <p class="caption"></p><svg viewBox="-30 14 1060 76" width="100%" style="max-height: 7rem"></svg>`;
   place.before(box);
   const [button, slider, by, over] = ["button", "input", ".by", ".over"].map((name) => box.querySelector(name));
-  const svg = box.querySelector("svg"), at = (wheelset) => (1000 * positions[wheelset]) / length;
+  const svg = box.querySelector("svg"), at = (behind) => (1000 * (behind - front)) / length;
   const radius = Math.min(13, 400 / positions.length);
-  const bodies = [...new Set(cars)].map((car) => positions.flatMap((_, k) => (cars[k] === car ? [at(k)] : [])));
   svg.innerHTML =
-    bodies.map((axles) => `<rect x="${Math.min(...axles) - 20}" y="18" width="${Math.max(...axles) - Math.min(...axles) + 40}" height="36" rx="8" fill="#eef2f5" stroke="#777"/>`).join("") +
+    cars.map(([begin, end]) => `<rect x="${at(begin) + 2}" y="18" width="${at(end) - at(begin) - 4}" height="36" rx="8" fill="#eef2f5" stroke="#777"/>`).join("") +
     `<line x1="-30" x2="1030" y1="${64 + radius}" y2="${64 + radius}" stroke="#777" stroke-width="2"/>` +
-    positions.map((_, k) => `<circle cx="${at(k)}" cy="64" r="${radius}" stroke="#000"><title>wheelset ${k + 1}</title></circle>`).join("");
+    positions.map((behind, k) => `<circle cx="${at(behind)}" cy="64" r="${radius}" stroke="${colours[k]}" stroke-width="4"><title>wheelset ${k + 1}</title></circle>`).join("");
   const wheels = [...svg.querySelectorAll("circle")], text = box.querySelector(".caption");
   const shade = (share, colours) => {
     const place = Math.max(0, Math.min(1, share || 0)) * (colours.length - 1), low = Math.min(Math.floor(place), colours.length - 2);

@@ -41,6 +41,7 @@ class Page:
         title: Heading of the page.
         question: Question, one sentence.
         answer: The result, in two sentences.
+        caveats: Sentences without which the answer could be misread, below it.
         template: Path in this package of the Markdown text that follows, `*.md.jinja`. It includes each figure except
             the first as `![caption]({{ figures["name.png"] }})`, and tables as variables.
         values: Variables of the template.
@@ -61,6 +62,7 @@ class Page:
     question: str
     answer: str
     template: str
+    caveats: Sequence[str] = ()
     values: Mapping[str, Any] = field(default_factory=dict[str, Any])
     overview: ReportTable | None = None
     note: str = ""

@@ -30,6 +30,12 @@ def lighter(colour: str, steps: int) -> str:
     return mix(colour, "#FFFFFF", 1 - 1 / (1 + 0.5 * steps)) if steps else colour
 
 
+def of_groups(count: int) -> list[str]:
+    """Return a colour for each group of wheelsets; black is that of the train, and further groups have lighter ones."""
+    colours = [colour for colour in LINES if colour != BLACK]
+    return [lighter(colours[number % len(colours)], number // len(colours)) for number in range(count)]
+
+
 def lead_to_trail(count: int) -> list[str]:
     """Return colours from blue, the first wheelset, to purple, the last."""
     first, middle, last = _LEAD_TO_TRAIL

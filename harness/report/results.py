@@ -41,6 +41,7 @@ class StoredCampaign(Stored):
     name: Name
     description: str
     permitted_distance_m: Annotated[FiniteFloat, Field(gt=0)] | None = None
+    published: tuple[str, ...] = Field(default=(), strict=False)
     stops: list[StoredPlan]
 
     @field_validator("stops")
@@ -60,6 +61,7 @@ class Results:
     Attributes:
         missing: Stops without a result, or with one of another scenario.
         permitted_distance: Maximum permitted distance of a stop [m], or None.
+        published: Sources of the published distances.
     """
 
     name: str
@@ -67,6 +69,7 @@ class Results:
     stops: tuple[Stop, ...]
     missing: tuple[str, ...]
     permitted_distance: float | None = None
+    published: tuple[str, ...] = ()
 
 
 def read_results(directory: Path) -> Results:
@@ -103,6 +106,7 @@ def read_results(directory: Path) -> Results:
         stops=tuple(results),
         missing=tuple(missing),
         permitted_distance=campaign.permitted_distance_m,
+        published=campaign.published,
     )
 
 

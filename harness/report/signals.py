@@ -10,7 +10,7 @@ import numpy as np
 import xarray
 from numpy.typing import ArrayLike, NDArray
 
-from railgrip.report.palette import BLACK, SHADES, lead_to_trail
+from railgrip.report.palette import BLACK, SHADES, of_groups
 from railgrip.trace.recorder import formation_in
 
 Role = Literal["train", "group", "wheelset", "optimum", "demand", "estimate"]
@@ -112,10 +112,14 @@ def array(values: ArrayLike) -> dict[str, str]:
     return {"dtype": "f4", "bdata": base64.b64encode(numbers.tobytes()).decode()}
 
 
-def signals_plot(trace: xarray.Dataset) -> dict[str, Any]:
+def signals_plot(trace: xarray.Dataset, cars: Sequence[tuple[float, float]] = ()) -> dict[str, Any]:
     """Return the panels of `signal_panels` over time or distance, a line for each wheelset, for plotly.js.
 
-    For a long train only each n-th sample is drawn; trace.nc has all.
+    Wheelsets have the colour of their group. For a long train only each n-th sample is drawn; trace.nc has all.
+
+    Args:
+        trace: Trace of a stop.
+        cars: Both ends of each car behind the leading wheelset [m]; empty if they are unknown.
     """
     group = formation_in(trace).group_of_wheelset
     panels = [panel for panel in signal_panels(trace) if panel.lines]
@@ -128,7 +132,7 @@ def signals_plot(trace: xarray.Dataset) -> dict[str, Any]:
     ]
     every = max(1, ceil(len(curves) * trace.sizes["time"] / _POINTS))
     places = np.unique(np.append(np.arange(0, trace.sizes["time"], every), trace.sizes["time"] - 1))
-    colours = lead_to_trail(trace.sizes["wheelset"])
+    colours = [of_groups(trace.sizes["group"])[number] for number in group]
     named: set[str] = set()
     data: list[dict[str, Any]] = []
     for number, name, wheelset, dash, values in curves:
@@ -150,7 +154,7 @@ def signals_plot(trace: xarray.Dataset) -> dict[str, Any]:
             }
         )
         named.add(name)
-    return {"data": data, "layout": {**_layout(panels), "meta": {"train": _train(trace, places)}}}
+    return {"data": data, "layout": {**_layout(panels), "meta": {"train": _train(trace, places, cars, colours)}}}
 
 
 def _curves(line: SignalLine, group: NDArray[np.intp]) -> Iterator[tuple[str, int | None, str, NDArray[np.float64]]]:
@@ -160,7 +164,7 @@ def _curves(line: SignalLine, group: NDArray[np.intp]) -> Iterator[tuple[str, in
     elif line.role in ("group", "wheelset"):
         columns = line.values if line.role == "wheelset" else line.values[:, group]
         for wheelset, values in enumerate(columns.T):
-            yield f"wheelset {wheelset + 1}", wheelset, "solid", values
+            yield f"wheelset {wheelset + 1} (group {group[wheelset] + 1})", wheelset, "solid", values
     else:
         for number, values in enumerate(line.values.T):
             wheelset = int(np.argmax(group == number))
@@ -193,7 +197,13 @@ def _layout(panels: Sequence[SignalPanel]) -> dict[str, Any]:
     return layout
 
 
-def _train(trace: xarray.Dataset, places: NDArray[np.intp]) -> dict[str, Any]:
+_OVERHANG = 1.0
+"""Length of a car before its first and behind its last wheelset, if it is unknown [m]."""
+
+
+def _train(
+    trace: xarray.Dataset, places: NDArray[np.intp], cars: Sequence[tuple[float, float]], colours: Sequence[str]
+) -> dict[str, Any]:
     group, wheelsets = formation_in(trace).group_of_wheelset, trace.sizes["wheelset"]
     signals: dict[str, Any] = {}
     for name, low, high, factor, unit in (("slip", 0.001, 1.0, 100, "%"), ("adhesion", 0.01, 0.2, 1, "")):
@@ -205,10 +215,13 @@ def _train(trace: xarray.Dataset, places: NDArray[np.intp]) -> dict[str, Any]:
                              "colours": SHADES}  # fmt: skip
     # A foreign plant may not declare the positions of its wheelsets.
     known = trace["wheelset_position"].values if "wheelset_position" in trace else 2.5 * np.arange(wheelsets)
-    cars = trace["car_of_wheelset"].values if "car_of_wheelset" in trace else np.ones(wheelsets, dtype=int)
+    car_of = trace["car_of_wheelset"].values if "car_of_wheelset" in trace else np.ones(wheelsets, dtype=int)
+    of_cars = (known[car_of == car] for car in np.unique(car_of))
     return {
         "positions": [float(position) for position in known],
-        "cars": [int(car) for car in cars],
+        "cars": list(cars)
+        or [(float(of_car.min()) - _OVERHANG, float(of_car.max()) + _OVERHANG) for of_car in of_cars],
+        "colours": list(colours),
         "time": array(trace["time"].values[places]),
         "distance": array(trace["distance"].values[places]),
         "signals": signals,

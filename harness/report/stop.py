@@ -125,6 +125,7 @@ class StoredStop(Stored):
     classes: dict[str, dict[str, Any]] = {}
     fmu_warnings: dict[str, dict[str, int]] = {}
     remarks: list[str] = []
+    cars: list[Annotated[tuple[FiniteFloat, FiniteFloat], Field(strict=False)]] = []
     trace_sha256: Digest | None
     sha256: Digest
 
@@ -151,6 +152,7 @@ class Stop:
         fmu_warnings: Name of each FMU that warned → kind of message → number. Messages that differ only in numbers
             are of one kind.
         remarks: Sentences on valid but unusual values of the scenario and the files it names.
+        cars: Both ends of each car behind the leading wheelset [m]; empty unless the train is from a train file.
         directory: Folder of its files; None for a stop that was not read from files.
         trace_digest: SHA-256 of the file of the trace; None where the samples were not kept.
         variants: Axis of the campaign → variant.
@@ -172,6 +174,7 @@ class Stop:
     limited_demands: int = 0
     fmu_warnings: Mapping[str, Mapping[str, int]] = field(default_factory=dict[str, Mapping[str, int]])
     remarks: tuple[str, ...] = ()
+    cars: tuple[tuple[float, float], ...] = ()
     directory: Path | None = None
     trace_digest: str | None = None
     variants: Mapping[str, str] = field(default_factory=dict[str, str])
@@ -463,6 +466,7 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
         **({"limited_demands": stop.limited_demands} if stop.limited_demands else {}),
         **({"fmu_warnings": stop.fmu_warnings} if stop.fmu_warnings else {}),
         **({"remarks": list(stop.remarks)} if stop.remarks else {}),
+        **({"cars": stop.cars} if stop.cars else {}),
         _TRACE_DIGEST: None,
     }
     path = directory / TRACE_FILE
@@ -517,6 +521,7 @@ def read_stop(directory: Path) -> Stop:
             classes=stored.classes,
             fmu_warnings=stored.fmu_warnings,
             remarks=tuple(stored.remarks),
+            cars=tuple(stored.cars),
             trace_digest=stored.trace_sha256,
         )
     except FileNotFoundError as problem:

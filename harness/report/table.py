@@ -47,6 +47,10 @@ _MARKDOWN: Final = re.compile(
 )
 """Characters that CommonMark interprets in a text of one line."""
 _HTML: Final = re.compile(rf"{_MARKDOWN.pattern}|[>\"']")
+_UNIT: Final = re.compile(r"(?<=\d) (?=[^\W\d]|%)")
+"""Space between a number and its unit, at which no line is broken."""
+_JOINT: Final = re.compile(r"(?<=[^\W_]{3})(_)(?=[^\W_]{3})")
+"""Underscore between the words of a name, after which a line may be broken."""
 _BAR: Final = re.compile(r"(?<!\\)((?:\\\\)*)\|")
 """A bar of a Markdown cell that would end it: one that no backslash escapes."""
 _NAMED: Final = {"&": "&amp;", "<": "&lt;", ">": "&gt;"}
@@ -204,7 +208,8 @@ class ReportTable:
         is_long = len(cell) > _WRAPPED / 2
         kind = f' class="text{" long" * is_long}"' if column in self.left else ""
         number = f' data-value="{value:.9g}"' if isinstance(value, int | float) and not _is_nan(value) else ""
-        shown = re.sub("&#96;(.+?)&#96;", r"<code>\1</code>", str(as_html(cell)))
+        shown = re.sub("&#96;(.+?)&#96;", r"<code>\1</code>", _UNIT.sub("\u00a0", str(as_html(cell))))
+        shown = _JOINT.sub(r"\1<wbr>", shown)
         if isinstance(value, Link):
             shown = f'<a href="{as_html(value.address)}">{shown}</a>'
         return f"<{tag}{kind}{number}>{shown}</{tag}>"

@@ -5,18 +5,18 @@ import math
 import textwrap
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite
 from typing import Any, Final
 
 import numpy as np
-from matplotlib.axes import Axes
+import pandas
 from matplotlib.figure import Figure
 
 from railgrip.base.errors import ScenarioError
-from railgrip.report import palette, style
 from railgrip.report.baseline import ACROSS_COMPILERS, AcceptedValue, Baseline
+from railgrip.report.campaign_figures import overview_figure
+from railgrip.report.frame import Frame, StatedDistance
 from railgrip.report.reference import label, locked_text, references
-from railgrip.report.statistics import median_interval
+from railgrip.report.statistics import median_interval, on_common, rank
 from railgrip.report.table import ReportTable, names, percent, text
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import SMOOTH, RepeatedDistances, read_conditioning
@@ -37,14 +37,14 @@ class Cell:
         scenario: Resolved scenario of the stop.
         accepted: Accepted distance; None without one.
         paper: Published distance [m]; None without one.
-        lots: Distances by lot of the sensors [m], the same lots for all stops; empty if sensors have no errors.
+        repeats: Repeats of the stop with the accepted distance; None without any.
     """
 
     stop: PlannedStop
     scenario: dict[str, Any]
     accepted: AcceptedValue | None
     paper: float | None = None
-    lots: Sequence[float] = ()
+    repeats: RepeatedDistances | None = None
 
     @property
     def column(self) -> str:
@@ -57,24 +57,22 @@ class Cell:
         return self.stop.variants["equipment"], self.stop.variants["controller"]
 
     @property
-    def distance(self) -> float | None:
-        """Median over the lots of sensors, or the accepted distance [m]."""
-        if self.lots:
-            return float(np.median(self.lots))
-        return self.accepted.value if self.accepted else None
+    def lots(self) -> Sequence[float]:
+        """Distances by lot of the sensors [m], the same lots for all stops; empty if sensors have no errors."""
+        return self.repeats.lot_distances if self.repeats else ()
 
     @property
-    def ends(self) -> tuple[float, float]:
-        """Ends of the range over the lots of sensors, or over perturbed plants [m]."""
+    def stated(self) -> StatedDistance | None:
+        """Distances over the lots of sensors, or the accepted distance with its range; None without one."""
         if self.lots:
-            return min(self.lots), max(self.lots)
-        return self.accepted.ends if self.accepted else (math.nan, math.nan)
-
-    def change_against(self, other: "Cell") -> float | None:
-        """Return the relative change of the distance, over lots the median of the changes in each lot."""
-        if self.lots and other.lots:
-            return float(np.median([own / reference - 1 for own, reference in zip(self.lots, other.lots, strict=True)]))
-        return self.distance / other.distance - 1 if self.distance and other.distance else None
+            return StatedDistance(self.lots, are_lots=True)
+        one = self.accepted
+        if one is None:
+            return None
+        if not one.is_range:
+            return StatedDistance((one.value,), math.nan if one.longest_lock is None else one.longest_lock)
+        locks = self.repeats.figures.get("longest_lock", ()) if self.repeats else ()
+        return StatedDistance((one.ends[0], one.value, one.ends[1]), max(locks, default=math.nan))
 
 
 _Lines = dict[tuple[str, str], dict[str, Cell]]
@@ -86,9 +84,9 @@ def tables(campaign: Campaign, baseline: Baseline) -> dict[str, ReportTable]:
 
     `distances` has a row for each equipment and controller, and a column for each scenario. Brackets contain the change
     against the published SBC, followed by the change against the best tuned SBC if there is one. A distance that
-    depends on rounding, or on the lot of sensors, is given as median and range. Adhesion, lock and strokes are the
-    maximum of the row. `orders` compares controllers in pairs, lot by lot. `discretisation` has the changes with a
-    shorter communication step.
+    depends on rounding, or on the lot of sensors, is given as median and range, with the longest lock in these runs.
+    `runs` has the maximum adhesion, lock and strokes of the runs that were accepted. `orders` compares controllers in
+    pairs, lot by lot. `discretisation` has the changes with a shorter communication step.
 
     Raises:
         ScenarioError: The repeats with other lots of sensors are missing, or belong to another stop.
@@ -100,26 +98,31 @@ def tables(campaign: Campaign, baseline: Baseline) -> dict[str, ReportTable]:
             f"{campaign.name}: there are no repeats with other lots of sensors of {names(stale)} as accepted; run "
             "`railgrip maintain conditioning`"
         )
-    compared_with = references(cells, lambda cell: cell.scenario, lambda cell: cell.distance)
+    compared_with = references(cells, lambda cell: cell.scenario, _metres)
     texts = {
         (cell.line, cell.column): _text(cell, [other for other in others if other is not cell])
         for cell, others in zip(cells, compared_with, strict=True)
     }
     lines = _lines_of(cells)
     columns = list(dict.fromkeys(cell.column for cell in cells))
-    rows = _published_rows(lines.values(), columns)
+    rows, maxima = _published_rows(lines.values(), columns), list[dict[str, Any]]()
     for line, stops in lines.items():
+        name = f"{_EQUIPMENT.get(line[0], line[0])}: {_name(line, lines)}"
+        rows.append({_FIRST: name} | {column: texts.get((line, column), "") for column in columns})
         known = [cell.accepted for cell in stops.values() if cell.accepted]
-        rows.append(
-            {_FIRST: f"{_EQUIPMENT.get(line[0], line[0])}: {_name(line, lines)}"}
-            | {column: texts.get((line, column), "") for column in columns}
+        maxima.append(
+            {"single runs": name}
             | {
                 column: max((value for one in known if (value := getattr(one, key)) is not None), default=None)
                 for column, key in _MAXIMA.items()
             }
         )
-    distances = ReportTable(rows, {"greatest adhesion": "{:.3f}", "longest lock": "{:.1f} s"}, left=(_FIRST,))
-    return {"distances": distances, "orders": _orders(lines, columns), "discretisation": steps_table(campaign)}
+    return {
+        "distances": ReportTable(rows, left=(_FIRST,)),
+        "runs": ReportTable(maxima, {"greatest adhesion": "{:.3f}", "longest lock": "{:.1f} s"}, left=("single runs",)),
+        "orders": _orders(lines, columns),
+        "discretisation": steps_table(campaign),
+    }
 
 
 _MAXIMA: Final = {
@@ -127,7 +130,7 @@ _MAXIMA: Final = {
     "longest lock": "longest_lock",
     "valve strokes": "valve_strokes",
 }
-"""Column → key of an accepted value, of which a row has the maximum."""
+"""Column → key of an accepted value, the figure of one run, of which a row has the maximum."""
 
 
 def _lines_of(cells: Iterable[Cell]) -> _Lines:
@@ -143,12 +146,9 @@ def cells_of(campaign: Campaign, baseline: Baseline) -> list[Cell]:
     cells: list[Cell] = []
     for stop in campaign.stops:
         accepted, reference = baseline.accepted.get(stop.name), campaign.reference_for(stop)
-        repeated = repeats.get(stop.name)
-        lots: Sequence[float] = ()
-        if isinstance(stop.scenario.sensors, SampledSensors) and accepted and repeated and repeated.lots:
-            lots = repeated.lot_distances if repeated.belongs(stop.scenario.digest(), accepted.value) else ()
-        paper = reference.distance if reference else None
-        cells.append(Cell(stop, stop.scenario.resolved(), accepted, paper, lots))
+        repeated, paper = repeats.get(stop.name), reference.distance if reference else None
+        is_own = repeated and accepted and repeated.belongs(stop.scenario.digest(), accepted.value)
+        cells.append(Cell(stop, stop.scenario.resolved(), accepted, paper, repeated if is_own else None))
     return cells
 
 
@@ -312,22 +312,18 @@ def _published_rows(lines: Collection[Mapping[str, Cell]], columns: Sequence[str
             rows.append(
                 {_FIRST: f"*published: {label(next(iter(stops.values())).scenario)}*"}
                 | {column: f"{distances[column]:.1f} m" + _brackets([changes[column]]) for column in columns}
-                | dict.fromkeys(_MAXIMA, "")
             )
     return rows
 
 
 def _text(cell: Cell, others: Sequence[Cell | None]) -> str:
     """Return distance or median and range, the longest lock, and the changes against other stops."""
-    if cell.accepted is None or cell.distance is None:
+    stated = cell.stated
+    if stated is None:
         return ""
-    accepted, range_ = cell.accepted, ""
-    if cell.lots:
-        range_ = f", {min(cell.lots):.1f} – {max(cell.lots):.1f} m"
-    elif accepted.is_range:
-        range_ = f", {accepted.lowest:.1f} – {accepted.highest:.1f} m"
-    changes = [cell.change_against(other) if other else None for other in others]
-    return f"{cell.distance:.1f} m{range_}{locked_text(accepted.longest_lock)}{_brackets(changes)}"
+    range_ = "" if stated.ends is None else ", {:.1f} – {:.1f} m".format(*stated.ends)
+    changes = [stated.change_against(other.stated) if other and other.stated else None for other in others]
+    return f"{stated.median:.1f} m{range_}{locked_text(stated.lock)}{_brackets(changes)}"
 
 
 def _brackets(changes: Sequence[float | None]) -> str:
@@ -350,112 +346,75 @@ BASELINE: Final = "table1"
 FILE: Final = "distances.svg"
 """Name of the figure in the folder of the pages."""
 
-# Shape and filling distinguish equipment in print, too.
-_MARKS: Final[tuple[dict[str, Any], ...]] = (
-    {"marker": "o", "markerfacecolor": "white", "color": palette.BLUE, "markersize": 6},
-    {"marker": "s", "markerfacecolor": palette.VERMILION, "color": palette.VERMILION, "markersize": 5},
-    {"marker": "^", "markerfacecolor": palette.GREEN, "color": palette.GREEN, "markersize": 6},
-)
-_COLUMN: Final = 32.0
-"""Width of a column of numbers [pt]."""
-_BEYOND: Final = "full_brake"
-"""Kind of controller that does not extend the scale: a train that slides stops far behind the others."""
+_WIDTH: Final = 6.67
+"""Width of the figure [inches]: 640 pixels on a page, where 8.5 points are 11 pixels."""
+_SHOWN: Final = ("ideal", "service")
+"""Equipment in the figure."""
+_LAWS: Final = ("adhesion_literal", "adhesion_based", "slope_seeking")
+"""Laws of which the figure has the best one."""
 
 
 def distances_figure(campaign: Campaign, baseline: Baseline) -> tuple[Figure, str]:
-    """Return the figure of a campaign with scenarios, equipment and controllers, and its numbers as text.
+    """Return the figure of the accepted distances of a campaign, and its numbers as text.
 
-    A panel for each scenario has a row for each controller and a mark for each equipment, with the range over lots of
-    sensors, or over perturbed plants. Without repeats with other lots the accepted distance is drawn. Published
-    distances are vertical lines.
+    It has the SBC of the paper and the best tuned one, the law as published, the other law with the shortest stops in
+    service, and the ideal bound, with ideal and service equipment. The title states the changes in service.
     """
-    cells = [cell for cell in cells_of(campaign, baseline) if cell.distance is not None]
-    scenarios = list(dict.fromkeys(cell.column for cell in cells))
-    controllers = list(dict.fromkeys(label(cell.scenario) for cell in cells))
-    equipment = list(dict.fromkeys(cell.line[0] for cell in cells))
-    drawing, panels = style.panels(12, 0.37 * len(controllers) + 1.3, 1, len(scenarios), sharey=True, squeeze=False)
-    drawing.set_layout_engine("constrained", rect=(0.0, 0.0, 0.985, 1.0), w_pad=0.12)
-    for panel, scenario in zip(panels[0], scenarios, strict=True):
-        here = [cell for cell in cells if cell.column == scenario]
-        style.dress(panel, x="braking distance [m]")
-        panel.set_title(scenario, loc="left", fontsize=11, fontweight="bold", pad=36)
-        panel.grid(visible=False, axis="y")
-        for row in range(0, len(controllers), 2):
-            panel.axhspan(row - 0.5, row + 0.5, color="#F1F1F1", linewidth=0, zorder=0)
-        low, high = _scale(here)
-        panel.set_xlim(low, high)
-        _draw_published(panel, here)
-        for cell in here:
-            # A distance beyond the scale is an arrow at its end.
-            row, number = controllers.index(label(cell.scenario)), equipment.index(cell.line[0])
-            distance = cell.distance or 0.0
-            y, mark = row + 0.3 * (number - (len(equipment) - 1) / 2), _mark(number)
-            if distance > high:
-                mark.update(marker=">", clip_on=False)
-            else:
-                panel.plot(cell.ends, [y, y], "-|", color=mark["color"], linewidth=1.6, markersize=5, zorder=3)
-            panel.plot([min(distance, high)], [y], zorder=4, **mark)
-            _write(panel, number, f"{distance:.0f}", (1.0, row), panel.get_yaxis_transform(), va="center")
-        for number, name in enumerate(equipment):
-            _write(panel, number, name, (1.0, 1.01), "axes fraction", va="bottom")
-    panels[0, 0].set_yticks(range(len(controllers)), [textwrap.fill(name, 26) for name in controllers], fontsize=8.5)
-    panels[0, 0].set_ylim(len(controllers) - 0.5, -0.5)
-    for panel in panels[0]:
-        panel.tick_params(axis="y", length=0)
-    handles = [panels[0, 0].plot([], [], linestyle="-", **_mark(number))[0] for number in range(len(equipment))]
-    drawing.legend(
-        handles,
-        [f"{name} equipment, line: range" for name in equipment],
-        loc="outside lower center",
-        ncols=len(equipment),
-        fontsize=9,
-        frameon=False,
-    )
+    rows = _rows_of_figure(campaign, baseline)
+    laws = rows[(rows["origin"] == _SHOWN[-1]) & rows["controller"].isin(_LAWS) & rows["vs_sbc"].notna()]
+    keys = ("controller_label", ["place"], "vs_sbc")
+    best = laws[laws["controller_label"].isin(rank(on_common(laws, *keys), *keys).index[:1])]
+    kept = rows[rows["reference"].notna() | rows["paper"].notna() | (rows["controller"] == "ideal_bound")]
+    shown = rows[rows["controller_label"].isin([*kept["controller_label"], *best["controller_label"]])]
+    published = shown[shown["paper"].notna()]
+    published = published.assign(origin="published", distance=published["paper"])
+    tuned = rows.loc[rows["reference"] == "best tuned", "controller_label"]
+    plain = {name: f"{name.partition(',')[0]} with tuned thresholds" for name in tuned}
+    drawn = pandas.concat([shown, published]).replace({"controller_label": plain})
+    drawing = overview_figure(drawn, width=_WIDTH)
+    drawing.suptitle(_message(best), x=0.01, ha="left", fontsize=9.5, fontweight="bold")
     # So that a figure in a file can be compared with the accepted distances.
     return drawing, "\n".join(
-        f"{cell.stop.name}: {cell.distance:.1f} m, {cell.ends[0]:.1f} to {cell.ends[1]:.1f} m"
-        + ("" if cell.paper is None else f", paper {cell.paper:.1f} m")
-        for cell in cells
+        f"{one.stop}: {one.distance:.1f} m"
+        + ("" if one.stated.ends is None else ", {:.1f} to {:.1f} m".format(*one.stated.ends))
+        + ("" if math.isnan(one.paper) else f", paper {one.paper:.1f} m")
+        for one in shown.itertuples()
     )
 
 
-def _mark(number: int) -> dict[str, Any]:
-    return {"markeredgewidth": 1.5, "linewidth": 1.6, **_MARKS[number % len(_MARKS)]}
+def _rows_of_figure(campaign: Campaign, baseline: Baseline) -> Frame:
+    """Return a row for each accepted stop with the equipment of the figure, with the columns of `overview_figure`."""
+    cells = [cell for cell in cells_of(campaign, baseline) if cell.line[0] in _SHOWN and cell.stated is not None]
+    compared_with = references(cells, lambda cell: cell.scenario, _metres)
+    rows = [
+        {
+            "stop": cell.stop.name, "place": cell.column, "origin": cell.line[0],
+            "controller": cell.scenario["controller"]["kind"], "controller_label": label(cell.scenario),
+            "stated": stated, "distance": stated.median, "paper": math.nan if cell.paper is None else cell.paper,
+            "reference": "published" if sbc is cell else "best tuned" if tuned is cell else None,
+        } | {
+            name: math.nan if other is None or other.stated is None else stated.change_against(other.stated)
+            for name, other in (("vs_sbc", sbc), ("vs_tuned", tuned))
+        }
+        for cell, (sbc, tuned) in zip(cells, compared_with, strict=True)
+        if (stated := cell.stated) is not None
+    ]  # fmt: skip
+    frame = pandas.DataFrame(rows)
+    return frame.assign(place=pandas.Categorical(frame["place"], frame["place"].unique()))
 
 
-def _write(panel: Axes, number: int, text: str, place: tuple[float, float], coordinates: Any, **options: Any) -> None:
-    """Write into a column to the right of a panel, at the height of a place on the panel's edge."""
-    panel.annotate(
-        text,
-        place,
-        xycoords=coordinates,
-        xytext=(_COLUMN * (number + 1), 0),
-        textcoords="offset points",
-        ha="right",
-        fontsize=8,
-        color=_MARKS[number % len(_MARKS)]["color"],
-        annotation_clip=False,
-        **options,
-    )
+def _metres(cell: Cell) -> float | None:
+    return None if cell.stated is None else cell.stated.median
 
 
-def _scale(cells: Sequence[Cell]) -> tuple[float, float]:
-    """Return the ends of the scale [m], which holds all distances but those of `_BEYOND`."""
-    shown = [cell for cell in cells if cell.scenario["controller"]["kind"] != _BEYOND] or cells
-    ends = [end for cell in shown for end in (*cell.ends, cell.paper) if end is not None and isfinite(end)]
-    margin = 0.06 * (max(ends) - min(ends)) or 1.0
-    return min(ends) - margin, max(ends) + margin
-
-
-def _draw_published(panel: Axes, cells: Sequence[Cell]) -> None:
-    for cell in cells:
-        if cell.paper is not None:
-            panel.axvline(cell.paper, color=palette.BLACK, linestyle=(0, (4, 3)), linewidth=1.0, zorder=1)
-            panel.text(
-                *(cell.paper, 1.01),
-                f"published,\n{label(cell.scenario).partition(',')[0]}\n{cell.paper:.1f}",
-                transform=panel.get_xaxis_transform(),
-                ha="center",
-                va="bottom",
-                fontsize=7.5,
-            )
+def _message(best: Frame) -> str:
+    """Return the changes in service by the best law, in a sentence."""
+    if best.empty:
+        return ""
+    against = {"vs_sbc": "slip-based control as published", "vs_tuned": "tuned slip-based control"}
+    parts = []
+    for column, name in against.items():
+        low, high = (f"{-100 * choose(best[column]):.0f}" for choose in (max, min))
+        if best[column].notna().all():
+            parts.append(f"{low if low == high else f'{low} to {high}'} % shorter than {name}")
+    return textwrap.fill(f"In service {best['controller_label'].iloc[0]} stops {' and '.join(parts)}", 80)

@@ -68,17 +68,17 @@ class RepeatedDistances(Table):
     @property
     def lowest(self) -> float:
         """The shortest distance [m]."""
-        return float(np.min(self._all()))
+        return float(np.min(self.repeated_distances))
 
     @property
     def median(self) -> float:
         """Median distance [m]."""
-        return float(np.median(self._all()))
+        return float(np.median(self.repeated_distances))
 
     @property
     def highest(self) -> float:
         """The longest distance [m]."""
-        return float(np.max(self._all()))
+        return float(np.max(self.repeated_distances))
 
     @property
     def spreads(self) -> bool:
@@ -112,7 +112,7 @@ class RepeatedDistances(Table):
 
     def moved_by_step(self, divisor: int) -> float:
         """Return the relative change of the median with a divided communication step; infinite without standstill."""
-        return _moved(self._all(), _endless(self.steps[divisor]))
+        return _moved(self.repeated_distances, _endless(self.steps[divisor]))
 
     def noise_of_step(self, divisor: int) -> float:
         """Return the half width of the 95 % interval of `moved_by_step` if the step has no effect.
@@ -120,7 +120,7 @@ class RepeatedDistances(Table):
         Both medians are of normal draws with the deviation of the undivided repeats; the median's standard error is
         √(π/2) σ/√n (Kendall and Stuart, The Advanced Theory of Statistics 1, 1969, §14.12).
         """
-        return _noise(len(self.distances), len(self.steps[divisor]), _deviation(self._all())) / self.median
+        return _noise(len(self.distances), len(self.steps[divisor]), _deviation(self.repeated_distances)) / self.median
 
     def error_at(self, tolerance: float | None) -> tuple[float, float]:
         """Return the relative error of the median distance at a tolerance, against the tightest one of `tolerances`.
@@ -132,7 +132,7 @@ class RepeatedDistances(Table):
             Error, and the half width of its 95 % interval, with the deviation of the repeats at either tolerance.
         """
         tightest = _endless(self.tolerances[min(self.tolerances)])
-        repeats = self._all() if tolerance is None else _endless(self.tolerances[tolerance])
+        repeats = self.repeated_distances if tolerance is None else _endless(self.tolerances[tolerance])
         spread = math.hypot(_deviation(tightest), _deviation(repeats)) / math.sqrt(2.0)
         noise = _noise(len(tightest), len(repeats), spread)
         return _moved(tightest, repeats), noise / float(np.median(tightest))
@@ -170,7 +170,9 @@ class RepeatedDistances(Table):
         """Distances by lot of the sensors [m], infinite without standstill."""
         return _endless(self.lots)
 
-    def _all(self) -> list[float]:
+    @property
+    def repeated_distances(self) -> list[float]:
+        """Distances with perturbed parameters [m], infinite without standstill."""
         return _endless(self.distances)
 
 

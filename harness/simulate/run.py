@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
+from itertools import accumulate, pairwise
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -14,8 +15,10 @@ from numpy.typing import ArrayLike
 from railgrip.base.errors import PlantFailed, ScenarioError
 from railgrip.controllers.observation import Observation
 from railgrip.report.stop import Stop
+from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
+from railgrip.scenario.vehicle_table import TrainFile
 from railgrip.simulate.assembly import StopAssembly, assemble
 from railgrip.simulate.ideal import ANALYSES
 from railgrip.simulate.loop.loop import Ending, Loop
@@ -50,13 +53,23 @@ def run_stop(
         stop = analysis(scenario, progress)
         for sentence in (excess := remarks_on_use(scenario, stop.metrics)):
             notify(sentence)
-        return replace(stop, remarks=(*remarks, *excess))
+        return replace(stop, remarks=(*remarks, *excess), cars=cars_of(scenario))
     with assemble(scenario, notify, objects) as parts:
         ending = parts.run(progress)
     stop = parts.stop(ending)
     for sentence in stop.remarks[len(parts.remarks) :]:
         notify(sentence)
-    return stop
+    return replace(stop, cars=cars_of(scenario))
+
+
+def cars_of(scenario: Scenario) -> tuple[tuple[float, float], ...]:
+    """Return both ends of each car behind the leading wheelset [m]; none unless the train is from a train file."""
+    source = scenario.vehicle.source
+    if not isinstance(source, TrainFile):
+        return ()
+    train = load_train(source.file.path)
+    ends = list(accumulate((car.length for car in train.cars), initial=-train.axles[0].position))
+    return tuple(pairwise(ends))
 
 
 def braking_distance(scenario: Scenario, import_from: Sequence[Path] = ()) -> float | None:

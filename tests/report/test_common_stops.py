@@ -11,6 +11,7 @@ from test_distributions import frame, row
 
 import railgrip.report
 from railgrip.report.campaign_figures import sweep_figure
+from railgrip.report.distances import headline
 from railgrip.report.distribution import distributions_of
 from railgrip.report.reference import references
 from railgrip.report.statistics import on_common, rank
@@ -80,6 +81,15 @@ def test_distributions_have_the_draws_of_all_controllers():
     abc, sbc = distributions_of(frame(*long, *few)).itertuples()
     assert list(abc.distances.index) == list(sbc.distances.index) == [1, 2, 4]
     assert (abc.median, sbc.stood, sbc.worst) == (102.0, 2, math.inf)
+
+
+def test_laws_without_a_common_stop_are_not_ranked_in_the_headline():
+    apart = frame(row(1, 90.0, stated_vs_sbc=-0.1), row(2, 80.0, "slope_seeking", stated_vs_sbc=-0.2))
+    assert "adhesion_based, slope_seeking have no stop in common. 2 of 2 stops" in headline(apart)
+    longer = [row(draw, 95.0, stated_vs_sbc=-0.05) for draw in (2, 3)]
+    text = headline(pandas.concat([apart, frame(*longer)]))
+    assert "slope_seeking changes the distance by −20.0 % in one stop, the largest reduction of the 2 of 2" in text
+    assert "2 stops that not all of them have are not compared." in text
 
 
 def test_the_median_of_a_sweep_is_over_the_same_combinations_everywhere():

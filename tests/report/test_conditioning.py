@@ -187,6 +187,10 @@ def test_a_chaotic_stop_is_kept_within_the_range_of_its_repeats(tmp_path):
     assert load_baseline(tmp_path / "b.toml") == after
     # Without known repeats it stays a range; repeats that no longer vary make it a number.
     assert accept(after, finding(310.0), "Again.").accepted["x"].is_range
+    # A range follows its repeats, also where the distance is within the one that was accepted.
+    wider = RepeatedDistances(digest="d", distances=(270.0, 300.0, 340.0))
+    moved = accept(after, finding(310.0, wider), "The solver is another one.").accepted["x"]
+    assert (moved.value, *moved.ends, moved.reason) == (300.0, 270.0, 340.0, "The solver is another one.")
     # Repeats within 2 cm give the tolerance of a smooth stop, 2 cm instead of 0.1 %.
     firm = accept(after, finding(280.0, FIRM), "No longer chaotic.").accepted["x"]
     assert (firm.is_range, firm.value, firm.tolerance) == (False, 280.0, 0.02)
@@ -203,8 +207,12 @@ def test_an_incomplete_range_is_refused(tmp_path):
 
 
 def test_the_conditioning_of_table_1_belongs_to_its_stops_or_is_stale():
-    """Committed repeats are printed with a distance only if scenario and distance are those that were repeated."""
+    """Committed repeats are printed with a distance only if scenario and distance are those that were repeated.
+
+    Accepted ranges are those of the repeats: one stop has one distance on all pages.
+    """
     campaign = load_campaign(CAMPAIGNS / "table1.toml")
+    accepted = load_baseline(Path(__file__).parents[1] / "baselines" / "table1.toml").accepted
     repeats_of = read_conditioning(campaign.conditioning).stops
     digests = {stop.name: stop.scenario.digest() for stop in campaign.stops}
     assert set(repeats_of) <= set(digests)
@@ -212,6 +220,10 @@ def test_the_conditioning_of_table_1_belongs_to_its_stops_or_is_stale():
         assert len(one.distances) >= 20
         assert digests[name] == one.digest or range_text(one, digests[name], one.median) == STALE
         assert range_text(one, digests[name], 0.5 * one.lowest) == STALE
+        assert one.spreads == accepted[name].is_range
+        if one.spreads:
+            known = (accepted[name].value, *accepted[name].ends)
+            assert known == pytest.approx((one.median, one.lowest, one.highest), abs=1e-3)
 
 
 def test_the_error_over_the_tolerance_is_against_the_tightest_one():

@@ -15,7 +15,7 @@ from scipy.stats import norm
 from railgrip.report.campaign_figures import distribution_figure, exceedance_figure
 from railgrip.report.distances import documentation_tables, headline, write_table
 from railgrip.report.distribution import compare_pairs, distribution_table, distributions_of, quantile_table
-from railgrip.report.frame import _reduction, frame_of
+from railgrip.report.frame import StatedDistance, _reduction, frame_of
 from railgrip.report.index import write_report
 from railgrip.report.results import read_results
 from railgrip.report.statistics import quantile_interval
@@ -38,8 +38,9 @@ def row(draw, distance, controller="adhesion_based", reference=None, **changes):
     values = {
         "label": "random", "scenario": "random", "case": "", "polach": "dry", "actuation": "ideal", "sensors": "ideal",
         "controller": controller, "controller_label": controller, "estimator": "none", "draw": draw,
-        "reference": reference, "distance": math.nan if distance is None else distance,
-        "longest_lock": 0.0, "flat_length": 0.0, "reduction_vs_sbc": math.nan, "repeats": None,
+        "reference": reference, "distance": math.nan if distance is None else distance, "longest_lock": 0.0,
+        "flat_length": 0.0, "reduction_vs_sbc": math.nan, "stated_vs_sbc": math.nan, "stated_vs_tuned": math.nan,
+        "stated": StatedDistance((math.inf if distance is None else distance,)), "breaks": [],
     }  # fmt: skip
     return values | changes
 
@@ -83,18 +84,18 @@ def test_stops_without_standstill_count_in_the_headline_as_endless():
     assert math.isnan(_reduction(90.0, sbc, sbc))
     breaks = [[], [], *[["stops"]] * 3]
     rows = [
-        row(None, distance, reduction_vs_sbc=reduction, breaks=broken)
-        for distance, reduction, broken in zip(distances, reductions, breaks, strict=True)
+        row(draw, distance, stated_vs_sbc=-reduction, breaks=broken)
+        for draw, (distance, reduction, broken) in enumerate(zip(distances, reductions, breaks, strict=True))
     ]
-    assert "by endless in the median of 5 stops, from −10.0 % to endless" in headline(frame(*rows))
+    text = headline(frame(*rows))
+    assert "by endless in the median of 5 stops, from −10.0 % to endless" in text
+    assert "adhesion_based did not come to a standstill in 3 of 5." in text
 
 
 def test_the_headline_counts_the_stops_whose_reference_does_not_come_to_a_standstill():
     """Slip-based control slides through in one of three draws, and in the other two is 10 % longer."""
-    rows = [row(draw, 90.0, reduction_vs_sbc=share, breaks=[]) for draw, share in enumerate((0.1, 0.1, math.nan))]
-    others = [
-        row(draw, distance, "slip_two_state", "published", breaks=[]) for draw, distance in enumerate((100, 100, None))
-    ]
+    rows = [row(draw, 90.0, stated_vs_sbc=share) for draw, share in enumerate((-0.1, -0.1, math.nan))]
+    others = [row(draw, distance, "slip_two_state", "published") for draw, distance in enumerate((100, 100, None))]
     sentence = "no change, because slip-based control does not come to a standstill there. 5 of 6 stops come"
     text = headline(frame(*rows, *others))
     assert "in the median of 2 stops" in text
@@ -116,7 +117,7 @@ def test_a_table_for_the_documentation_names_the_settings_that_differ(actuations
 
 def test_a_distance_that_depends_on_rounding_has_its_range_in_the_documentation():
     sbc, law = row(None, 400.0, "slip_two_state", "published"), row(None, 380.0)
-    law |= {"reduction_vs_sbc": 0.05, "repeats": (380.0, 377.96, 391.0)}
+    law |= {"stated_vs_sbc": -0.05, "stated": StatedDistance((377.96, 380.0, 391.0))}
     (cells,) = documentation_tables(frame(sbc, law))["distances"].rows
     assert (cells["slip_two_state"], cells["adhesion_based"]) == ("400.0 m", "380.0 m (378.0 – 391.0 m; −5.0 %)")
 

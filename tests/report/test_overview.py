@@ -1,13 +1,14 @@
 """The overview of a campaign: published and simulated distances on one screen."""
 
 import math
+import re
 
 import pandas
 import pytest
 
 from railgrip.report.campaign_figures import overview_figure
-from railgrip.report.distances import overview_of, overview_table
-from railgrip.report.frame import frame_of
+from railgrip.report.distances import caveats_of, headline, meaning_of, overview_of, overview_table
+from railgrip.report.frame import StatedDistance, frame_of
 from railgrip.report.results import read_results
 
 # Schwarz, Posielek and Goetjes (2021), Table 1.
@@ -19,63 +20,106 @@ PUBLISHED = {
 
 @pytest.fixture(scope="module")
 def frame(tmp_path_factory, write_campaign):
-    kept = {"slip_two_state", "slip_three_state", "adhesion_literal", "adhesion_based", "ideal_bound"}
+    kept = {"slip_two_state", "slip_three_state_read", "adhesion_literal", "adhesion_based", "ideal_bound"}
     folder = tmp_path_factory.mktemp("overview")
     write_campaign(folder, lambda stop: stop.variants["controller"] in kept)
     return frame_of(read_results(folder))
 
 
-def at(frame, controller, case):
+def at(frame, controller, case, equipment="ideal"):
     return next(
         row
         for row in frame.itertuples()
-        if (row.controller, row.scenario.replace("_", " ")) == (controller, case) and row.case == "equipment ideal"
+        if (row.controller, row.scenario.replace("_", " ")) == (controller, case)
+        and row.case == f"equipment {equipment}"
     )
 
 
 def test_published_distances_precede_those_of_the_same_law(frame):
     overview = overview_of(frame)
     assert list(overview["place"].cat.categories) == ["trapezoid", "sine sweep", "random"]
-    lines = overview.drop_duplicates("line")
-    assert list(zip(lines["controller"], lines["is_published"], strict=True)) == [
-        ("slip_two_state", True),
-        ("slip_two_state", False),
-        ("adhesion_literal", True),
-        ("adhesion_literal", False),
-        ("adhesion_based", False),
-        ("ideal_bound", False),
+    lines = overview.drop_duplicates(["controller", "origin"])
+    assert list(zip(lines["controller"], lines["origin"], strict=True)) == [
+        *(("slip_two_state", origin) for origin in ("published", "ideal", "service")),
+        *(("slip_three_state_read", origin) for origin in ("ideal", "service")),
+        *(("adhesion_literal", origin) for origin in ("published", "ideal", "service")),
+        *(("adhesion_based", origin) for origin in ("ideal", "service")),
+        ("ideal_bound", "ideal"),
     ]
     assert len(overview) == 3 * len(lines)
     for row in overview.itertuples():
-        if row.is_published:
+        if row.origin == "published":
             metres = PUBLISHED[row.controller][row.place]
             change = metres / PUBLISHED["slip_two_state"][row.place] - 1
         else:
-            metres = at(frame, row.controller, row.place).distance
-            change = metres / at(frame, "slip_two_state", row.place).distance - 1
+            metres = at(frame, row.controller, row.place, row.origin).distance
+            change = metres / at(frame, "slip_two_state", row.place, row.origin).distance - 1
         assert row.distance == metres
         expected = math.nan if row.controller == "slip_two_state" else change
         assert row.change == pytest.approx(expected, nan_ok=True)
 
 
-def test_a_law_that_depends_on_rounding_has_its_median_range_and_lock(frame):
+def test_distance_range_and_lock_of_a_line_are_of_the_same_runs(frame):
+    """The lock of the single run, 17.25 s, is not that of the repeats."""
     changed, place = frame.copy(), at(frame, "adhesion_literal", "trapezoid").Index
-    changed.at[place, "repeats"], changed.at[place, "longest_lock"] = (300.0, 280.0, 324.0), 17.25
+    changed.at[place, "stated"] = StatedDistance((280.0, 300.0, 324.0), 12.3)
+    changed.at[place, "longest_lock"] = 17.25
     texts = [list(row.values()) for row in overview_table(overview_of(changed)).texts]
-    place = next(number for number, row in enumerate(texts) if row[0].endswith("simulated") and "ABC" in row[0])
-    assert texts[place][1].startswith("300.0 m")
-    assert texts[place + 1] == ["– range of repeated stops", "280.0 – 324.0 m", "", ""]
-    assert texts[place + 2][:2] == ["– longest lock of a wheelset", "17.2 s"]
+    place = next(number for number, row in enumerate(texts) if "ABC (paper), published" in row[0])
+    assert texts[place + 1][1].startswith("300.0 m")
+    assert texts[place + 2] == ["– – range [m], longest lock", "280.0–324.0, 12 s", "", ""]
 
 
 def test_a_stop_without_standstill_has_no_distance_and_no_change(frame):
     changed = frame.copy()
-    changed.at[at(frame, "adhesion_based", "random").Index, "distance"] = math.nan
+    changed.at[at(frame, "adhesion_based", "random").Index, "stated"] = StatedDistance((math.inf,))
+    changed.at[at(frame, "adhesion_based", "random").Index, "stated_vs_sbc"] = math.inf
     row = next(
         row for row in overview_table(overview_of(changed)).texts if row["braking distance"].startswith("peak seeking")
     )
     assert row["random"] == "no stop"
     overview_figure(overview_of(changed))
+
+
+def test_stops_with_lots_of_sensors_are_stated_as_medians_and_compared_lot_by_lot():
+    """Of three lots the middle one is 10 % shorter than the same lot of the other; medians would differ by 5 %."""
+    own, other = StatedDistance((90.0, 95.0, 120.0), are_lots=True), StatedDistance((100.0, 80.0, 133.0), are_lots=True)
+    assert own.median == 95.0
+    assert own.ends == (90.0, 120.0)
+    assert own.change_against(other) == pytest.approx(120 / 133 - 1)
+    assert StatedDistance((95.0,)).change_against(other) == pytest.approx(-0.05)
+
+
+def test_a_reader_learns_what_was_fitted_tuned_and_published(frame):
+    overview = overview_of(frame)
+    sentences = caveats_of(overview, ["A. Author (2021), Table 1"])
+    assert sentences[0] == "Published distances: A. Author (2021), Table 1."
+    assert "friction of these scenarios was fitted" in sentences[1]
+    assert len(sentences) == 2
+    without = overview[overview["reference"] != "best tuned"].assign(fitted=False)
+    assert caveats_of(without, []) == [
+        "No SBC with tuned thresholds was run: what a law gains over one is not known here."
+    ]
+    assert meaning_of(overview).startswith("SBC: slip-based control; ABC: adhesion-based control.")
+
+
+def test_the_campaign_names_who_published_the_distances(tmp_path, write_campaign):
+    write_campaign(tmp_path, lambda stop: stop.name == "trapezoid-ideal-slip_two_state")
+    (source,) = read_results(tmp_path).published
+    assert re.match(r"Schwarz, Posielek and Goetjes: .+ \(2021\), Table 1$", source)
+
+
+def test_the_headline_is_of_each_equipment_and_of_common_stops(frame):
+    """Without two of its three stops, on which it is shorter than any other law, peak seeking is compared on one."""
+    named = frame.assign(breaks=[[]] * len(frame))
+    text = headline(named)
+    assert text.startswith(
+        "Against slip-based control (SBC) with the published, untuned thresholds of 10 and 15 %, with"
+    )
+    assert text.count("in the median of 3 stops") == 2
+    lacking = named[(named["controller"] != "adhesion_based") | (named["scenario"] == "random")]
+    assert headline(lacking).count(" in one stop") == 2
+    assert "stops that not all of them have are not compared." in headline(lacking)
 
 
 def test_a_screen_has_the_table(frame):

@@ -16,6 +16,7 @@ from railgrip.report.index import write_report
 from railgrip.report.page import Page
 from railgrip.report.results import read_results
 from railgrip.report.style import panels
+from railgrip.report.table import ReportTable
 from railgrip.trace.metrics import FIGURES
 
 pytestmark = needs_browser
@@ -30,14 +31,14 @@ def folder(tmp_path_factory, write_campaign):
     return directory
 
 
-def printed(page, folder):
-    """Return the text of each printed page, without spaces, and the page sizes in points."""
+def printed(page, folder, convert=None):
+    """Return the text of each printed page, without spaces unless converted, and the page sizes in points."""
     from pypdf import PdfReader  # only where there is a browser
 
     path = folder / "printed.pdf"
     browse(page, folder, "--no-pdf-header-footer", f"--print-to-pdf={path}")
     pages = PdfReader(path).pages
-    return [bare(one.extract_text()) for one in pages], {
+    return [(convert or bare)(one.extract_text()) for one in pages], {
         (round(p.mediabox.width), round(p.mediabox.height)) for p in pages
     }
 
@@ -62,23 +63,41 @@ def test_all_columns_of_a_campaign_are_on_paper(folder, paper):
     overview = overview_of(frame)
     settings = setting_tables(frame, {})
     assert len(settings) == 3
-    for name, (sentence, table) in settings.items():
+    for name, (sentence, table, *_) in settings.items():
         (first,) = [text for text in texts if bare(f"All stops with {name}") in text]
         assert bare(sentence) in first
         assert [column for column in table.columns if bare(column) not in first] == []
-    tables = [overview_table(overview), *(table for _, table in settings.values())]
+    tables = [overview_table(overview), *(table for _, table, *_ in settings.values())]
     assert max(len(table.columns) for table in tables) >= 14
     assert [
         cell for table in tables for row in table.texts for cell in row.values() if bare(cell) not in everything
     ] == []
 
 
-def test_the_figure_of_the_answer_is_printed_as_on_a_wide_screen(folder, paper):
-    """Its panels are next to each other on paper although the window is narrow, and large enough to be read."""
-    everything = "".join(paper[0][:2])
-    (rail,) = overview_of(frame_of(read_results(folder)))["place"].cat.categories
-    assert bare(rail) in everything
-    assert bare("braking distance [m]") in everything
+def test_the_answer_its_table_and_its_figure_are_on_the_first_page(folder, paper):
+    """Panels are next to each other on paper although the window is narrow; no page is half empty."""
+    first = paper[0][0]
+    overview = overview_of(frame_of(read_results(folder)))
+    (rail,) = overview["place"].cat.categories
+    cells = [cell for row in overview_table(overview).texts for cell in row.values()]
+    labels = [rail, "braking distance [m]", "ideal equipment", *cells]
+    assert [label for label in labels if bare(label) not in first] == []
+
+
+def test_names_are_broken_between_their_words_and_the_last_page_is_not_a_remainder(folder, tmp_path):
+    """Columns are as narrow as a name with an underscore permits, and rows fill a page and a line."""
+    rows = [{"scenario": "sine_sweep", **{f"column {n}": "1234.5 m" for n in range(14)}} for _ in range(40)]
+    page = folder / next(folder.glob("*adhesion_based")).name / "index.html"
+    text = page.read_text(encoding="utf-8")
+    for count in sample([36, 37, 38, 39, 40], 2):
+        moved = tmp_path / "moved.html"
+        table = ReportTable(rows[:count], left=("scenario",)).__html__()
+        moved.write_text(re.sub(r"(?s)<h2>Scenario</h2>.*(?=<section class=.provenance)", table, text), "utf-8")
+        pages, _ = printed(moved, tmp_path, lambda extracted: extracted)
+        names = [line for one in pages for line in one.splitlines() if "sine" in line or "sweep" in line]
+        assert {re.sub(r"[ \d.m\u00a0]", "", line) for line in names} <= {"sine_sweep", "sine_", "sweep"}
+        assert "Provenance" in pages[-1]
+        assert "page written" in pages[-1]
 
 
 def test_sections_folded_on_the_screen_are_printed(folder, tmp_path):

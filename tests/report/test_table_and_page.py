@@ -32,8 +32,8 @@ def test_a_table_is_html_in_a_page_of_html(tmp_path):
     )
     text = page.write(tmp_path).read_text(encoding="utf-8")
     assert (
-        '<tr><td class="text">&lt;dry&gt;</td><td data-value="12.34">12.3 m</td><td data-value="0.1">−10.0 %</td>'
-        '<td data-value="1">yes</td></tr>'
+        '<tr><td class="text">&lt;dry&gt;</td><td data-value="12.34">12.3\u00a0m</td>'
+        '<td data-value="0.1">−10.0\u00a0%</td><td data-value="1">yes</td></tr>'
     ) in text
     assert "<h1>a &amp; b</h1>" in text
     assert "less &lt; more" in text
@@ -85,7 +85,7 @@ def test_a_table_is_csv_with_its_values(tmp_path):
 def test_a_page_of_markdown_escapes_markup(tmp_path):
     results = {"name": "a & b", "description": "It's < 1."}
     page = write_page(
-        tmp_path / "page.md", "report/distances.md.jinja", results=results, missing="x", notes=["Note."],
+        tmp_path / "page.md", "report/distances.md.jinja", results=results, repeats=None, missing="x", notes=["Note."],
         sections={("ideal", "service", "dry"): [TABLE.without(("beside", "kept"))]},
     )  # fmt: skip
     assert page.read_text(encoding="utf-8") == (

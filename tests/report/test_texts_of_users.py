@@ -104,7 +104,7 @@ def test_a_text_in_markdown_is_a_paragraph_of_text(text):
 def test_a_table_of_a_markdown_file_keeps_its_columns(tmp_path_factory, text):
     table = ReportTable([{"stop": text, "distance": 1.0}, {"stop": "b", "distance": 2.0}])
     path = write_page(
-        tmp_path_factory.mktemp("page") / "a.md", "report/distances.md.jinja", missing="", notes=[text],
+        tmp_path_factory.mktemp("page") / "a.md", "report/distances.md.jinja", missing="", notes=[text], repeats=None,
         results={"name": "a", "description": text}, sections={("ideal", "ideal", "dry"): [table]},
     )  # fmt: skip
     found = Elements(MarkdownIt("gfm-like", {"linkify": False}).render(path.read_text(encoding="utf-8")))

@@ -1,5 +1,6 @@
 """Any two variants of a campaign are compared in pairs, and a variant that violates a clause is never recommended."""
 
+import re
 from dataclasses import replace
 from functools import cache
 
@@ -119,7 +120,7 @@ def test_page_and_terminal_list_the_pairs(campaign, capfd):
     assert "Variants in pairs" in page
     for text in (page, out):
         assert "change vs none" in text
-        assert "Against sand none, some" in text
+        assert re.search(r"Against sand none,\s+with controller sbc, some", text)
 
 
 def test_a_stop_has_no_variants(campaign):
@@ -165,8 +166,8 @@ def test_a_law_that_satisfies_all_clauses_precedes_one_that_locks(campaign):
     results = locked(harmless(read_results(campaign())), "abc", 9.3)
     reference, changes = changes_of(results)
     text = headline(frame_of(results), reference, changes)
-    assert text.startswith("Against sand none, some (with controller sbc) changes the distance by")
-    assert "of 2 variants it is the only one that keeps all clauses" in text
+    assert text.startswith("Against sand none, with controller sbc, some changes the distance by")
+    assert "With controller abc, some breaks the limit on locked wheels in 8 of 8 stops" in text
 
 
 def test_clauses_are_evaluated_at_their_limits(campaign):

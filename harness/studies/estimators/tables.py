@@ -51,14 +51,14 @@ def leaderboard(frame: Frame) -> ReportTable:
     """
     frame = on_common(frame.assign(error=_endless(frame)), "estimator", ["case"], "error")
     rows: list[dict[str, Any]] = []
-    for name, one in rank(frame, "estimator", ["case"], "error").iterrows():
+    for name, count, median in rank(frame, "estimator", ["case"], "error")[["cases", "median"]].itertuples():
         cases = frame[frame["estimator"] == name]
         low, high = median_interval(cases["error"]) or (math.nan, math.nan)
         rows.append(
             {
                 "estimator": name,
-                "cases": one["cases"],
-                "median RMSE": one["median"],
+                "cases": count,
+                "median RMSE": median,
                 "from": low,
                 "to": high,
                 "bias": cases["bias"].median(),

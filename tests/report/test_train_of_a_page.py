@@ -1,0 +1,56 @@
+"""Over the signals of a stop the train is drawn as it is: each car, and wheelsets in the colour of their group."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from synthetic import LIBRARY
+from synthetic_runner import run_stop
+
+from railgrip.report.index import stop_page
+from railgrip.report.palette import BLACK, of_groups
+from railgrip.report.signals import signals_plot
+from railgrip.report.stop import read_stop, write_stop
+from railgrip.rolling_stock.schema import load_train
+from railgrip.scenario.load import load
+from railgrip.simulate.run import cars_of
+
+COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
+
+
+@pytest.mark.parametrize(("name", "cars"), [("flirt", 4), ("loco_coaches", 11), ("eanos_wagon", 1)])
+def test_cars_have_the_lengths_of_the_train_file(name, cars):
+    """Also those of an articulated train, which move as one body."""
+    scenario = load(LIBRARY / "railcar.toml", [f"vehicle.train={name}"])
+    train, ends = load_train(scenario.vehicle.source.file.path), cars_of(scenario)
+    assert len(ends) == cars
+    assert np.diff(ends).ravel() == pytest.approx([car.length for car in train.cars])
+    assert [end for _, end in ends[:-1]] == [begin for begin, _ in ends[1:]]
+    first = train.axles[0].position
+    assert (ends[0][0], ends[-1][1]) == pytest.approx((-first, train.length - first))
+
+
+def test_a_plant_without_a_train_file_has_the_cars_that_it_declares(tmp_path):
+    scenario = load(LIBRARY / "trapezoid.toml", COARSE)
+    assert cars_of(scenario) == ()
+    train = signals_plot(run_stop(scenario).trace)["layout"]["meta"]["train"]
+    assert all(begin < end for begin, end in train["cars"])
+    known = ((0.0, 12.0), (12.0, 30.0))
+    write_stop(replace(run_stop(scenario), cars=known), tmp_path)
+    plot = stop_page(read_stop(tmp_path)).plots["signals"]
+    assert plot["layout"]["meta"]["train"]["cars"] == list(known)
+
+
+def test_wheelsets_of_a_group_have_one_colour_and_groups_different_ones():
+    stop = run_stop(load(LIBRARY / "trapezoid.toml", COARSE))
+    plot, group = signals_plot(stop.trace), stop.trace["group_of_wheelset"].values
+    colours = plot["layout"]["meta"]["train"]["colours"]
+    assert len(set(colours)) == len(set(group)) > 1
+    assert len(set(zip(colours, group, strict=True))) == len(set(group))
+    for line in plot["data"]:
+        if line["name"].startswith("wheelset"):
+            wheelset = int(line["name"].split()[1])
+            assert line["name"] == f"wheelset {wheelset} (group {group[wheelset - 1]})"
+            assert line["line"]["color"] == colours[wheelset - 1]
+    assert len(set(of_groups(20))) == 20
+    assert BLACK not in of_groups(20)
