@@ -3,6 +3,7 @@
 import gc
 import json
 import os
+import random
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -36,8 +37,16 @@ LONGEST = {
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Start with the longest files: a long file at the end would leave the other process idle."""
-    items.sort(key=lambda item: item.path.name not in LONGEST)
+    """Start with the longest files: a long file at the end would leave the other process idle.
+
+    With RAILGRIP_ORDER, any number, the order of files and of the tests in each is random: none may depend on another.
+    """
+    if number := os.environ.get("RAILGRIP_ORDER"):
+        draw = random.Random(number)
+        of_file = {path: draw.random() for path in sorted({item.path for item in items})}
+        items.sort(key=lambda item: (of_file[item.path], draw.random()))
+    else:
+        items.sort(key=lambda item: item.path.name not in LONGEST)
 
 
 def pytest_collection_finish() -> None:

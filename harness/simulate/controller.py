@@ -30,7 +30,7 @@ from railgrip.scenario.onboard import ControllerFmu, KalmanFilter
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.loop.interfaces import LawStates, LoopController, LoopPlant
-from railgrip.simulate.named_models import description_of, require_role, units_of
+from railgrip.simulate.named_models import description_of_file, require_role, units_of
 from railgrip.simulate.vehicle_data import Opening, VehicleData, law_named
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.parameters import units_of_nominal_data
@@ -249,7 +249,7 @@ def open_controller(stop: Opening, estimates: Collection[str]) -> tuple[LoopCont
     vehicle, scenario, table = stop.vehicle, stop.vehicle.scenario, stop.vehicle.scenario.controller
     if not isinstance(table, ControllerFmu):
         return controller_of(vehicle), False
-    description = description_of(table.file.path, scenario.limits.fmu)
+    description = description_of_file(table.file.path, scenario.limits.fmu)
     name = description.file.name
     stop.add_fmu(description, "controller")
     values = in_units("[controller.parameters]", table.parameters, units_of(description))

@@ -34,7 +34,7 @@ from railgrip.scenario.quantity import in_units
 from railgrip.simulate.loop.interfaces import StateEstimator
 from railgrip.simulate.named_models import (
     consist_description,
-    description_of,
+    description_of_file,
     prediction_description,
     prediction_model,
     require_role,
@@ -170,7 +170,7 @@ def _of_file(stop: Opening, table: KalmanFilter, file: NamedFile) -> FmuPredicti
         FmuError: It is not a prediction.
     """
     layout, scenario = stop.vehicle.layout, stop.vehicle.scenario
-    description = description_of(file.path, scenario.limits.fmu)
+    description = description_of_file(file.path, scenario.limits.fmu)
     require_role(description, "prediction", f"{scenario.name}: [estimator] file")
     if table.interface == "model_exchange" and description.model_exchange is None:
         raise ScenarioError(

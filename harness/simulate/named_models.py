@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
 from hashlib import sha256
 from pathlib import Path
 from types import MappingProxyType
@@ -11,7 +11,7 @@ from typing import Final, Literal, NamedTuple
 from railgrip.base import registry
 from railgrip.base.cache import keep
 from railgrip.base.errors import FmuError, ScenarioError
-from railgrip.base.limits import FMU_LIMITS, FmuLimits
+from railgrip.base.limits import FmuLimits
 from railgrip.base.names import ElementName
 from railgrip.base.registry import shelf
 from railgrip.base.units import Unit
@@ -30,14 +30,23 @@ from railgrip.vehicle.signals import CURVE
 
 
 @cache
-def _describe(path: Path, stamp: tuple[int, int], limits: FmuLimits) -> Description:
-    return describe(path, limits)
+def description_of(path: Path) -> Description:
+    """Return the description of an FMU in the user's cache, read once: its path has the digest of its content.
+
+    The time of its last change does not identify it, because every process that uses the FMU sets it.
+    """
+    return describe(path)
 
 
-def description_of(path: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
-    """Return the description of an FMU, read once for each version of the file."""
+def description_of_file(path: Path, limits: FmuLimits) -> Description:
+    """Return the description of a user's FMU, read once for each version of the file."""
     status = path.stat() if path.exists() else None
     return _describe(path, (status.st_mtime_ns, status.st_size) if status else (0, 0), limits)
+
+
+@lru_cache(maxsize=64)  # there may be a new version for each stop
+def _describe(path: Path, stamp: tuple[int, int], limits: FmuLimits) -> Description:  # pyright: ignore[reportUnusedParameter]
+    return describe(path, limits)
 
 
 @cache
@@ -229,7 +238,7 @@ def plant_description(scenario: Scenario) -> Description:
         case LibraryClass(name, library):
             return description_of(_class_file(name, library.path, library.digest(), "cs"))
         case FmuFile(file):
-            return description_of(file.path, scenario.limits.fmu)
+            return description_of_file(file.path, scenario.limits.fmu)
         case PythonClass(name):
             return Description(
                 file=Path(name), fmi=2, digest="", model=name, guid="", generator="", variables={}, states=(),
