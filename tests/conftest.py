@@ -4,6 +4,7 @@ import gc
 import json
 import os
 import random
+import signal
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -135,6 +136,21 @@ def command(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]):
 
     monkeypatch.setenv("COLUMNS", "200")
     return lambda *arguments: done(capfd, *arguments)
+
+
+@pytest.fixture
+def alarm() -> Iterator[None]:
+    """End a test that hangs."""
+    from waiting import LONGEST
+
+    def give_up(*_: object) -> None:
+        raise TimeoutError(f"waits after {LONGEST:g} s")
+
+    before = signal.signal(signal.SIGALRM, give_up)
+    signal.alarm(int(LONGEST))
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
 
 
 @pytest.fixture

@@ -1,8 +1,7 @@
-"""Files that users name are read only if they are regular, bounded and UTF-8 text; each refusal is immediate."""
+"""Files that users name are read only if they are regular, bounded and UTF-8 text."""
 
 import os
 import socket
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -25,9 +24,6 @@ from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.load import load
 from railgrip.simulate.named_models import plant_description
-
-SECONDS = 5.0
-"""Seconds that a refusal may take, with imports on a busy machine; without a refusal a read would wait for ever."""
 
 
 def make_obstacle(kind: str, path: Path) -> Path:
@@ -68,13 +64,12 @@ needs_posix = pytest.mark.skipif(os.name != "posix", reason="pipes and devices i
 
 
 @needs_posix
+@pytest.mark.usefixtures("alarm")  # a read of a pipe or a device would never end
 @pytest.mark.parametrize("kind", OBSTACLES)
-def test_anything_but_a_readable_text_file_is_refused_at_once(kind, tmp_path):
+def test_anything_but_a_readable_text_file_is_refused(kind, tmp_path):
     path = make_obstacle(kind, tmp_path / "file.toml")
-    begin = time.monotonic()
     with pytest.raises(InputError, match=OBSTACLES[kind]) as refusal:
         read_text(path)
-    assert time.monotonic() - begin < SECONDS
     assert str(path) in str(refusal.value)
 
 
@@ -175,6 +170,7 @@ INPUTS: dict[str, tuple[str, dict[str, str], Callable[[Path], object]]] = {
 
 
 @needs_posix
+@pytest.mark.usefixtures("alarm")
 @pytest.mark.parametrize("kind", OBSTACLES)
 @pytest.mark.parametrize("place", INPUTS)
 def test_every_input_refuses_anything_but_a_readable_file(place, kind, tmp_path):
@@ -185,9 +181,7 @@ def test_every_input_refuses_anything_but_a_readable_file(place, kind, tmp_path)
     for other, text in others.items():
         write(tmp_path, other, text)
     make_obstacle(kind, tmp_path / name)
-    begin = time.monotonic()
     with pytest.raises(InputError) as refusal:
         read(tmp_path / name)
-    assert time.monotonic() - begin < SECONDS
     assert name.partition(".")[0] in str(refusal.value)
     assert len(str(refusal.value)) < 1000

@@ -1,7 +1,6 @@
 """A campaign file yields every combination that it names; an entry that would match nothing is refused."""
 
 import json
-import time
 
 import pytest
 
@@ -168,11 +167,10 @@ MANY = {
 
 
 @pytest.mark.parametrize("lines", MANY.values(), ids=MANY)
-def test_a_campaign_of_too_many_stops_is_refused_before_any_is_created(project, lines):
-    begin = time.monotonic()
+def test_a_campaign_of_too_many_stops_is_refused_before_any_is_created(project, monkeypatch, lines):
+    monkeypatch.setattr("railgrip.scenario.campaign.PlannedStop", lambda **_: pytest.fail("a stop was created"))
     with pytest.raises(ScenarioError, match=r"campaign.toml: has .* a campaign may have 100,000"):
         campaign(project, "\n".join(lines))
-    assert time.monotonic() - begin < 5.0  # a million draws would take longer if each were created
 
 
 @pytest.mark.parametrize("last", [2**63, 2**70, 10**400], ids=["2^63", "2^70", "10^400"])

@@ -4,13 +4,13 @@ import json
 import os
 import re
 import signal
-import time
 from pathlib import Path
 
 import pytest
 import synthetic_runner
 from one_process import one_process
 from pages import plots_of
+from waiting import LONGEST, until
 
 from railgrip.base.errors import RecordError
 from railgrip.base.records import RECORD
@@ -356,20 +356,14 @@ def test_ctrl_c_keeps_finished_stops_and_leaves_no_partial_files(program, projec
     marker = project / "running"
     rewrite(project, 'kind = "adhesion_based"', f'kind = "adhesion_based"\ndescription = "wait {marker}"')
     process = program("campaign", "pair.toml", "--out", "out", "--panels", "abc")
-    patience = time.monotonic() + 600  # so that the test cannot hang; the stop itself waits for the signal
-    while not (marker.exists() and stops_in(project / "out") == ["wet-sbc"]):
-        assert process.poll() is None, process.communicate()
-        assert time.monotonic() < patience
-        time.sleep(0.05)
+    until(lambda: (marker.exists() and stops_in(project / "out") == ["wet-sbc"]) or process.poll() is not None)
+    assert process.poll() is None, process.communicate()
     os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=600)
+    _, err = process.communicate(timeout=LONGEST)
     assert process.returncode == 130
     assert "Interrupted; what had finished is kept." in err
     assert "Traceback" not in err
     assert stops_in(project / "out") == ["wet-sbc"]
     assert list((project / "out").rglob("*.partial")) == []
     # Python's resource tracker ends shortly after its parent; a worker would sleep for an hour.
-    patience = time.monotonic() + 600
-    while is_alive(process.pid):
-        assert time.monotonic() < patience, "a worker was left behind"
-        time.sleep(0.05)
+    until(lambda: not is_alive(process.pid))

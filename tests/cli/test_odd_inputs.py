@@ -1,7 +1,6 @@
 """An input file may be a pipe, a device, a folder, huge, or not text: the command reports it at once in a sentence."""
 
 import os
-import signal
 import zipfile
 
 import pytest
@@ -35,8 +34,6 @@ SUFFIX = {
     "recording": ".csv",
     "adhesion table": ".csv",
 } | dict.fromkeys(("library", "class"), ".mo")
-LIMIT = 20
-"""Seconds after which a command counts as hanging; the slowest takes two on an idle machine."""
 
 
 def pipe(path):
@@ -60,24 +57,11 @@ def no_text(path):
     path.write_bytes(bytes(range(128, 256)) * 10)
 
 
-@pytest.fixture
-def alarm():
-    """End a test that hangs."""
-
-    def give_up(number, frame):
-        raise TimeoutError(f"waits after {LIMIT} s")
-
-    before = signal.signal(signal.SIGALRM, give_up)
-    signal.alarm(LIMIT)
-    yield
-    signal.alarm(0)
-    signal.signal(signal.SIGALRM, before)
-
-
+@pytest.mark.usefixtures("alarm")
 @pytest.mark.skipif(os.name != "posix", reason="named pipes and devices are files on POSIX systems only")
 @pytest.mark.parametrize("make", [pipe, device, folder, huge, no_text])
 @pytest.mark.parametrize("given", COMMANDS)
-def test_an_odd_file_is_refused_in_a_sentence(command, project, monkeypatch, alarm, given, make):
+def test_an_odd_file_is_refused_in_a_sentence(command, project, monkeypatch, given, make):
     monkeypatch.chdir(project)
     path = project / f"odd{SUFFIX.get(given, '.toml')}"
     make(path)

@@ -4,10 +4,10 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
+from waiting import LONGEST, is_running, until
 
 from railgrip.campaign.workers import pool, shared_pool
 
@@ -36,12 +36,6 @@ if __name__ == "__main__":
 """
 
 
-def is_running(process: int) -> bool:
-    status = Path(f"/proc/{process}/stat")
-    # A process that has ended stays in the table until its parent reads its exit code.
-    return status.exists() and status.read_text().rpartition(")")[2].split()[0] != "Z"
-
-
 @pytest.mark.skipif(not Path("/proc").exists(), reason="looks processes up in /proc")
 def test_workers_end_when_their_parent_is_killed(tmp_path):
     """They also remove the files that they unpacked."""
@@ -58,8 +52,7 @@ def test_workers_end_when_their_parent_is_killed(tmp_path):
         assert all(map(is_running, children))
         until(lambda: len(list(folder.iterdir())) == 2)
         parent.send_signal(signal.SIGKILL)
-    until(lambda: not any(map(is_running, children)))
-    assert list(folder.iterdir()) == []
+    until(lambda: not any(map(is_running, children)) and list(folder.iterdir()) == [])
 
 
 def ended(folder: Path, program: str) -> subprocess.CompletedProcess[str]:
@@ -67,7 +60,13 @@ def ended(folder: Path, program: str) -> subprocess.CompletedProcess[str]:
     (folder / "program.py").write_text(program, encoding="utf-8")
     here = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])}
     return subprocess.run(
-        [sys.executable, "program.py"], cwd=folder, env=here, capture_output=True, text=True, timeout=300, check=False
+        [sys.executable, "program.py"],
+        cwd=folder,
+        env=here,
+        capture_output=True,
+        text=True,
+        timeout=LONGEST,
+        check=False,
     )
 
 
@@ -151,15 +150,6 @@ def test_workers_ignore_ctrl_c_whichever_thread_starts_them(tmp_path):
     """From their first instruction: the signal mask is inherited, so no handler must be installed first."""
     result = ended(tmp_path, IN_A_THREAD)
     assert (result.returncode, result.stdout.split()) == (0, ["True", "False"] * 2)
-
-
-def until(state):
-    """Wait up to ten seconds for a condition: far longer than a thread needs to wake up and a process to end."""
-    for _ in range(200):
-        if state():
-            return
-        time.sleep(0.05)
-    raise AssertionError("it did not come to that")
 
 
 def test_a_pool_within_a_shared_pool_uses_its_process():

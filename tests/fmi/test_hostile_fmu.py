@@ -5,7 +5,6 @@ import pickle
 import struct
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from faulty_fmu import faulty_fmu
+from waiting import is_running, until
 
 from railgrip.base.errors import PlantFailed
 from railgrip.base.limits import FMU_LIMITS, FmuLimits
@@ -62,15 +62,8 @@ def left_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Cal
         return [int(line) for line in file.read_text().split()]
 
     yield numbers
-    for number in filter(alive, numbers()):
+    for number in filter(is_running, numbers()):
         os.kill(number, 9)
-
-
-def alive(number: int) -> bool:
-    try:
-        return (Path("/proc") / str(number) / "stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
-    except OSError:
-        return False
 
 
 @pytest.mark.parametrize(("misbehaviour", "count"), [("FORKS", 3), ("KILLS_PARENT", 1)])
@@ -80,10 +73,7 @@ def test_processes_that_leave_their_session_are_ended(
     sentence = stopped(faulty_fmu(foundry, misbehaviour))
     assert sentence.startswith(f"{misbehaviour.lower()}.fmu: at 0.1 s ")
     assert len(left_behind()) == count, "it did start them"
-    deadline = time.monotonic() + 60  # they are killed; a busy machine may need a moment
-    while any(map(alive, left_behind())):
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    until(lambda: not any(map(is_running, left_behind())))
     assert list(scratch.iterdir()) == [], "its files are gone"
 
 

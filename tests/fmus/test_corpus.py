@@ -21,6 +21,7 @@ from corpus.exceptions import REFUSED
 from corpus.features import FEATURES
 from corpus.rules import RULES
 from corpus.verdict import INTERFACES, Simulate, Values, judge, run, simulate
+from waiting import LONGEST
 
 from railgrip.base.errors import BuildFailed
 from railgrip.fmus.openmodelica import export
@@ -30,9 +31,6 @@ ALL = "RAILGRIP_FUZZ" in os.environ
 EVERY = combinations()
 COMBINATIONS = EVERY if ALL else sample()
 CHAPTERS = ["2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13"]
-LONGEST = 120
-"""Time in which a batch must be compiled and simulated [s]; it takes a few seconds."""
-
 FAULTS_OF_OPENMODELICA = {
     "3.7.5 change of a Boolean": "change() of a Boolean equation: 0 instead of 1 at some events",
     "8 a linear system whose matrix varies": "tearing divides by an entry of the matrix that is 0 at the start",

@@ -25,9 +25,7 @@ DAMAGES: tuple[Callable[[bytes], bytes], ...] = (
 def python(code: str, cache: Path) -> "subprocess.CompletedProcess[str]":
     """Run Python with `cache` as the folder of all caches except railgrip's."""
     environment = {**os.environ, "XDG_CACHE_HOME": str(cache), "RAILGRIP_CACHE": str(cache / "own")}
-    return subprocess.run(
-        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False, timeout=120
-    )
+    return subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="it ends with a window of the system there")

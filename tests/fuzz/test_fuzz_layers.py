@@ -5,7 +5,6 @@ The layers are those of users: a file, a file that extends it, a variant of a ca
 
 import os
 import tomllib
-from datetime import timedelta
 from pathlib import Path
 
 import pytest
@@ -23,7 +22,6 @@ GROUPS = 4  # of the two-part train
 KEY = "controller.parameters"
 many = settings(
     max_examples=int(os.environ.get("RAILGRIP_FUZZ", "15")),
-    deadline=timedelta(seconds=60),  # a busy machine, and the imports of the first example
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 

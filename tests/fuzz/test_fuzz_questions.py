@@ -5,7 +5,6 @@
 
 import os
 import tomllib
-from datetime import timedelta
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +32,6 @@ SERVICE = tomllib.loads((ROOM / "equipment" / "service.toml").read_text(encoding
 
 many = settings(
     max_examples=int(os.environ.get("RAILGRIP_FUZZ", "15")),
-    deadline=timedelta(seconds=60),  # a busy machine, and the imports of the first example
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::UserWarning")

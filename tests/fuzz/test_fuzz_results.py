@@ -6,7 +6,6 @@ import os
 import shutil
 import tempfile
 from contextlib import suppress
-from datetime import timedelta
 from pathlib import Path
 
 import h5py
@@ -31,7 +30,6 @@ NAMES = ("trapezoid-ideal-slip_two_state", "trapezoid-ideal-adhesion_based")
 many = settings(
     max_examples=int(os.environ.get("RAILGRIP_FUZZ", "10")),
     derandomize="RAILGRIP_FUZZ" not in os.environ,
-    deadline=timedelta(seconds=60),  # pages with figures, on a busy machine
     phases=(Phase.explicit, Phase.reuse, Phase.generate),  # shrinking takes minutes of drawing
     database=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
