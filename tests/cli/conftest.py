@@ -61,15 +61,15 @@ def railgrip(project, monkeypatch, command):
 
 
 @pytest.fixture
-def program(project):
-    """Start the command line in the project as a separate process group, as a shell does."""
+def program():
+    """Return a function that starts Python in a folder as a separate process group, as a shell does."""
     processes = []
 
-    def start(*arguments):
+    def start(folder, *arguments, **variables):
         process = subprocess.Popen(
-            [sys.executable, "program.py", *map(str, arguments)],
-            cwd=project,
-            env=os.environ | {"PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}", "COLUMNS": "200"},
+            [sys.executable, *arguments],
+            cwd=folder,
+            env=os.environ | {"PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}", "COLUMNS": "200"} | variables,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,

@@ -355,7 +355,7 @@ def is_alive(group):
 def test_ctrl_c_keeps_finished_stops_and_leaves_no_partial_files(program, project):
     marker = project / "running"
     rewrite(project, 'kind = "adhesion_based"', f'kind = "adhesion_based"\ndescription = "wait {marker}"')
-    process = program("campaign", "pair.toml", "--out", "out", "--panels", "abc")
+    process = program(project, "program.py", "campaign", "pair.toml", "--out", "out", "--panels", "abc")
     until(lambda: (marker.exists() and stops_in(project / "out") == ["wet-sbc"]) or process.poll() is not None)
     assert process.poll() is None, process.communicate()
     os.killpg(process.pid, signal.SIGINT)

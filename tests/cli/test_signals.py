@@ -2,8 +2,6 @@
 
 import os
 import signal
-import subprocess
-import sys
 from contextlib import suppress
 from pathlib import Path
 
@@ -14,7 +12,6 @@ from waiting import LONGEST, is_running, until
 from railgrip.fmus.build import fmu
 
 LIBRARY = Path(__file__).parents[2] / "harness" / "scenario" / "library"
-ROOT = Path(__file__).parents[2]
 
 pytestmark = pytest.mark.skipif(not Path("/proc").exists(), reason="looks processes up in /proc")
 
@@ -43,31 +40,6 @@ def place(tmp_path):
         encoding="utf-8",
     )
     return tmp_path
-
-
-def ended(place, arguments, moment, number, *, to_all):
-    """Start the command line, send a signal at a given moment, and return its output and exit code."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "railgrip", *arguments],
-        cwd=place,
-        env=os.environ | {"TMPDIR": str(place / "temporary"), "PYTHONPATH": str(ROOT)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-    try:
-        until(lambda: moment(place, process.pid) or process.poll() is not None)
-        assert process.poll() is None, process.communicate()
-        # A terminal sends Ctrl-C to all processes; `kill` and a service manager send SIGTERM to one.
-        (os.killpg if to_all else os.kill)(process.pid, number)
-        out, err = process.communicate(timeout=LONGEST)
-        until(lambda: not members(process.pid))
-        return out, err, process.returncode
-    finally:
-        if process.poll() is None:
-            os.killpg(process.pid, signal.SIGKILL)
-            process.communicate()
 
 
 def loading(_, process):
@@ -105,13 +77,19 @@ MORE = [
         *MORE,
     ],
 )
-def test_a_signal_ends_the_program_with_a_sentence_and_no_leftovers(place, arguments, moment, number, to_all):
+def test_a_signal_ends_the_program_with_a_sentence_and_no_leftovers(program, place, arguments, moment, number, to_all):
     """Workers end, too."""
-    out, err, code = ended(place, arguments, moment, number, to_all=to_all)
+    process = program(place, "-m", "railgrip", *arguments, TMPDIR=str(place / "temporary"))
+    until(lambda: moment(place, process.pid) or process.poll() is not None)
+    assert process.poll() is None, process.communicate()
+    # A terminal sends Ctrl-C to all processes; `kill` and a service manager send SIGTERM to one.
+    (os.killpg if to_all else os.kill)(process.pid, number)
+    out, err = process.communicate(timeout=LONGEST)
+    until(lambda: not members(process.pid))
     word = "Interrupted" if number == signal.SIGINT else "Terminated"
     messages = [line for line in err.splitlines() if "a process of its own" not in line and not line.endswith(" s")]
     assert messages == [f"{word}; what had finished is kept."], err
-    assert code == 128 + number
+    assert process.returncode == 128 + number
     assert out == ""
     assert list((place / "temporary").iterdir()) == []
     assert [path for path in (place / "out").rglob("*") if path.name.endswith(".partial")] == []
