@@ -43,7 +43,7 @@ from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.load import load
 from railgrip.simulate.assembly import assemble
 from railgrip.simulate.loop.loop import Loop
-from railgrip.simulate.named_models import compile_class, prediction_description
+from railgrip.simulate.named_models import prediction_description, prediction_model
 from railgrip.simulate.run import braking_distance, run_stop
 from railgrip.simulate.train_prediction import central_of, consist_of, start_of
 from railgrip.simulate.user_parts import CustomParts
@@ -66,12 +66,27 @@ Row = tuple[str, str, str]
 """A measurement: its subject, the figure with its unit, and its target, if there is one."""
 
 
+SHARE_OF_QUICK: Final = 0.01
+"""Share of the repetitions that remain in the quick form."""
+
+
+def part(count: int, share: float) -> int:
+    """Return a share of a number of repetitions, at least one."""
+    return max(1, round(share * count))
+
+
 def microseconds(
-    call: Callable[[], object], *, count: int = 1, rounds: int = 9, clock: Callable[[], float] = perf_counter
+    call: Callable[[], object],
+    *,
+    count: int = 1,
+    rounds: int = 9,
+    share: float = 1.0,
+    clock: Callable[[], float] = perf_counter,
 ) -> float:
-    """Return the time of a call that is made `count` times in a row [µs], the median over rounds."""
+    """Return the time of a call that is made `count` times in a row [µs], the median over rounds; see `part`."""
     durations: list[float] = []
-    for _ in range(rounds):
+    count = part(count, share)
+    for _ in range(part(rounds, share)):
         begin = clock()
         for _ in range(count):
             call()
@@ -94,9 +109,9 @@ def machine() -> str:
     return f"{name}, {os.cpu_count()} cores{load}"
 
 
-def steps_of(recipe: str) -> Iterator[Row]:
+def steps_of(recipe: str, share: float) -> Iterator[Row]:
     """Yield the time of set + step of 1 ms + get of a recipe by each interface."""
-    times = step_times(fmu(recipe))
+    times = step_times(fmu(recipe), count=part(2000, share), rounds=part(9, share))
 
     def over_ours(way: str) -> str:
         return f"{median(a / b for a, b in zip(times[way], times['ours'], strict=True)):.2f}"
@@ -199,7 +214,7 @@ class PythonSlipControl:
         return np.where(self._brakes, self._full, 0.0)
 
 
-def of_scenario(what: str, *overrides: str) -> Iterator[Row]:
+def of_scenario(what: str, *overrides: str, share: float) -> Iterator[Row]:
     """Yield the time of a cycle of 1 ms in the library's trapezoid, alternately with a compiled law and one in Python.
 
     A first run compiles everything.
@@ -209,7 +224,7 @@ def of_scenario(what: str, *overrides: str) -> Iterator[Row]:
     cycles = simulated / scenario.periods.communication
     laws = {"compiled": CustomParts(), "Python": CustomParts(controller=PythonSlipControl())}
     cycle: dict[str, list[float]] = {name: [] for name in laws}
-    for _ in range(3):
+    for _ in range(part(3, share)):
         for name, entry in laws.items():
             with assemble(scenario, objects=entry) as parts:
                 begin = process_time()
@@ -218,10 +233,10 @@ def of_scenario(what: str, *overrides: str) -> Iterator[Row]:
     alone = PythonSlipControl()
     with assemble(scenario, objects=CustomParts(controller=alone)) as parts:
         observation = next(Loop(parts.parts).decisions())
-        law = microseconds(lambda: alone.decide(observation), rounds=5)
+        law = microseconds(lambda: alone.decide(observation), rounds=5, share=share)
     compiled, python = (median(cycle[name]) for name in laws)
-    figures = microseconds(lambda: run_stop(scenario), rounds=3, clock=process_time) / cycles
-    bare = microseconds(lambda: braking_distance(scenario), rounds=5, clock=process_time) / cycles
+    figures = microseconds(lambda: run_stop(scenario), rounds=3, share=share, clock=process_time) / cycles
+    bare = microseconds(lambda: braking_distance(scenario), rounds=5, share=share, clock=process_time) / cycles
     yield f"{what}{CYCLE}", f"{compiled:.1f} µs", ""
     yield "  with assembly and figures", f"{figures:.1f} µs", ""
     yield FASTER, f"{1e6 * scenario.periods.communication / figures:.0f}", ""
@@ -231,17 +246,18 @@ def of_scenario(what: str, *overrides: str) -> Iterator[Row]:
     yield "  law in Python over compiled, the law's own time apart", f"{(python - law) / compiled:.2f}", "1.5"
 
 
-def of_predictions() -> Iterator[Row]:
+def of_predictions(share: float) -> Iterator[Row]:
     """Yield the time of a stop without a trace for each kind of filter, and interface of its FMU, in turn."""
     kinds = ("compiled", "fmu", "co_simulation", "python")
     changes = {kind: [f"estimator.kind={kind}"] for kind in kinds} | {
         "co_simulation": ["estimator.interface=co_simulation"]
     }
-    scenarios = {kind: load(Path("trapezoid"), changes[kind]) for kind in kinds}
+    pace = ["start.speed=20 km/h"] if share < 1.0 else []
+    scenarios = {kind: load(Path("trapezoid"), [*changes[kind], *pace]) for kind in kinds}
     seconds: dict[str, list[float]] = {kind: [] for kind in kinds}
     for scenario in scenarios.values():
         braking_distance(scenario)  # compiles everything
-    for _ in range(3):
+    for _ in range(part(3, share)):
         for kind, scenario in scenarios.items():
             begin = process_time()
             braking_distance(scenario)
@@ -254,12 +270,13 @@ def of_predictions() -> Iterator[Row]:
     yield "  prediction FMU over compiled", f"{fmu / compiled:.2f}", "2.5"
 
 
-def of_workers(count: int = 24) -> Iterator[Row]:
+def of_workers(share: float) -> Iterator[Row]:
     """Yield the speed-up of two processes over one.
 
     It is measured from the end of the first stop to that of the last, without the start of processes, which takes
     seconds.
     """
+    count = 3 + part(21, share)
     stops = tuple(
         PlannedStop(name=f"{lot}", variants={}, scenario=load(Path("trapezoid"), [f"seed={lot}"]), keep_trace=False)
         for lot in range(count)
@@ -277,12 +294,12 @@ def of_workers(count: int = 24) -> Iterator[Row]:
     yield "stops that two processes end, over one", f"{rates[1] / rates[0]:.2f}", f"{AT_LEAST}1.9"
 
 
-def of_consists() -> Iterator[Row]:
+def of_consists(share: float) -> Iterator[Row]:
     """Yield step and build of trains of equal four-axle cars with bogie frames on primary suspension.
 
-    Each axle has a brake; the build does not use the cache.
+    Each axle has a brake; the build does not use the cache. The quick form has only the shortest train.
     """
-    for cars in (1, 2, 4, 8, 16):
+    for cars in (1, 2, 4, 8, 16)[: part(5, share)]:
         with tempfile.TemporaryDirectory() as folder:
             # A name that was never built: the description string is part of what the cache looks up.
             source = Path(folder) / "Cars.mo"
@@ -292,15 +309,16 @@ def of_consists() -> Iterator[Row]:
             begin = perf_counter()
             description = describe(build_class("Cars", source, compiler="native").path)
             seconds = perf_counter() - begin
-            step, states = plant_step(description, BRAKING), len(description.states)
+            step, states = plant_step(description, BRAKING, rounds=part(15, share)), len(description.states)
             what = f"train of {cars} four-axle cars, {states} states: step of 1 ms in a loop in C"
             yield what, f"{step:.1f} µs", "25 µs for four cars" if cars == 4 else ""
             yield "  build of its FMU", f"{seconds:.1f} s", "30 s for eight cars" if cars == 8 else ""
 
 
-def of_recipes() -> Iterator[Row]:
+def of_recipes(share: float) -> Iterator[Row]:
     """Yield the cold build of every recipe: into an empty folder, with nothing in the user's cache."""
     names = list(read_recipes().recipes)
+    names = names[: part(len(names), share)]
     with tempfile.TemporaryDirectory() as folder, environment({VARIABLE: f"{folder}/cache"}):
         before, start = _processor(), perf_counter()
         for _ in build(names, "native", Path(folder)):
@@ -314,30 +332,31 @@ def _processor() -> float:
     return sum(os.times()[:4])
 
 
-def of_train(model: str, noise: str, target: str) -> Iterator[Row]:
+def of_train(model: str, noise: str, target: str, share: float) -> Iterator[Row]:
     """Yield the time of a step of each filter of a braked train with consistent readings."""
-    translation = compile_class(f"RailBraking.Predictions.{model}")
-    prediction = CasadiPrediction(translation, {v.name: v.start for v in translation.parameters})
+    equations = prediction_model(model)
+    prediction = CasadiPrediction(equations, {v.name: v.start for v in equations.parameters})
     noise_set = NOISE_SETS[noise]
     noises = noise_set.process_noise(prediction.states), noise_set.reading_noise(prediction.outputs)
     compiled = CompiledFilter(prediction, *noises, 1e-3)
     plain = ExtendedKalmanFilter(prediction, *noises, 1e-3)
     inputs = np.array([2e5, 1e5, 1e5, 2e5, 0.0])
-    mean = np.array([v.start for v in translation.states])
+    mean = np.array([v.start for v in equations.states])
     readings = prediction.output(mean, inputs)
     first = compiled.start(mean, noise_set.start_covariance(prediction.states))
-    advance = in_place(compiled, first, inputs, readings, count=2000)
-    on_values = microseconds(lambda: compiled.step(first, inputs, readings), count=2000)
-    reference = microseconds(lambda: plain.step(first, inputs, readings), count=100)
+    advance = in_place(compiled, first, inputs, readings, count=2000, share=share)
+    on_values = microseconds(lambda: compiled.step(first, inputs, readings), count=2000, share=share)
+    reference = microseconds(lambda: plain.step(first, inputs, readings), count=100, share=share)
     what = f"compiled filter, {len(prediction.states)} states, a step in place as in the loop"
     by_fmu = of_class(model).prediction({})
     stepped = CompiledFilter(by_fmu, *noises, 1e-3)
-    fmu = in_place(stepped, first, inputs, readings, count=2000)
+    fmu = in_place(stepped, first, inputs, readings, count=2000, share=share)
     yield what, f"{advance:.1f} µs", target
     yield "  by the prediction FMU", f"{fmu:.1f} µs", ""
     yield "  prediction FMU over compiled", f"{fmu / advance:.2f}", "2.5"
     itself = stepped_by_fmu(prediction, model, 1e-3)
-    by_co_simulation = in_place(CompiledFilter(itself, *noises, 1e-3), first, inputs, readings, count=2000)
+    filter_ = CompiledFilter(itself, *noises, 1e-3)
+    by_co_simulation = in_place(filter_, first, inputs, readings, count=2000, share=share)
     yield "  by the prediction FMU that integrates itself, Co-Simulation", f"{by_co_simulation:.1f} µs", ""
     yield "  on values", f"{on_values:.1f} µs", ""
     yield "  filter in numpy over compiled", f"{reference / on_values:.0f}", ""
@@ -353,19 +372,30 @@ def stepped_by_fmu(variables: FilterVariables, model: str, period: float) -> Ste
 
 
 def in_place(
-    filter_: CompiledFilter, first: GaussianEstimate, inputs: Vector, readings: Vector, *, count: int, rounds: int = 9
+    filter_: CompiledFilter,
+    first: GaussianEstimate,
+    inputs: Vector,
+    readings: Vector,
+    *,
+    count: int,
+    rounds: int = 9,
+    share: float = 1.0,
 ) -> float:
     """Return the time of a compiled filter's step in place, as the loop uses it [µs]."""
     filter_.hold(first)
     filter_.inputs[:], filter_.readings[:] = inputs, readings
-    return microseconds(filter_.advance, count=count, rounds=rounds)
+    return microseconds(filter_.advance, count=count, rounds=rounds, share=share)
 
 
-def of_groups(groups: int) -> Iterator[Row]:
+def of_groups(groups: int, share: float) -> Iterator[Row]:
     """Yield the time of a step of the decentralised filter over uncoupled wheelsets, two in each bogie."""
     target = "40 µs" if groups == 16 else ""
-    yield f"decentralised filter, {groups} wheelsets that turn apart", f"{decentralised_step(groups):.1f} µs", target
-    yield "  with suspension", f"{decentralised_step(groups, suspension=True):.1f} µs", ""
+    for what, has_frames in (
+        (f"decentralised filter, {groups} wheelsets that turn apart", False),
+        ("  with suspension", True),
+    ):
+        step = decentralised_step(groups, suspension=has_frames, count=part(2000, share), rounds=part(9, share))
+        yield what, f"{step:.1f} µs", "" if has_frames else target
 
 
 def decentralised_step(groups: int, *, suspension: bool = False, count: int = 2000, rounds: int = 9) -> float:
@@ -402,9 +432,10 @@ def decentralised_step(groups: int, *, suspension: bool = False, count: int = 20
     return microseconds(filtered, rounds=rounds, clock=process_time) / count
 
 
-def of_rig() -> Iterator[Row]:
+def of_rig(share: float) -> Iterator[Row]:
     """Yield a step of the compiled filter of the roller rig."""
-    yield "compiled filter of the roller rig, in place", f"{rig_step():.1f} µs", "3 µs"
+    step = rig_step(count=part(20_000, share), rounds=part(7, share))
+    yield "compiled filter of the roller rig, in place", f"{step:.1f} µs", "3 µs"
 
 
 def rig_step(*, count: int = 20_000, rounds: int = 7, period: float = 5e-3) -> float:
@@ -419,7 +450,7 @@ def rig_step(*, count: int = 20_000, rounds: int = 7, period: float = 5e-3) -> f
     return in_place(filter_, first, np.array([20e3]), mean[:2], count=count, rounds=rounds)
 
 
-def of_recording() -> Iterator[Row]:
+def of_recording(share: float) -> Iterator[Row]:
     """Yield the computing times of the field test; a value of the tuning is for five copies of its mean length."""
     field_run, spec, model = run((TEST, cases()[TEST])), specification(), prediction()
     course = spec.course
@@ -427,10 +458,10 @@ def of_recording() -> Iterator[Row]:
     task = task_of(field_run.braking, model)
     filter_ = filter_of(model, task.data.period)
     recording, samples = braking_of(field_run.recording, course).recording, len(task.data.readings)
-    step = microseconds(lambda: follow(task, filter_, PHYSICAL)) / samples
-    duration = microseconds(lambda: estimate_of(spec, recording)) / 1e3
-    track = microseconds(lambda: braking_of(field_run.recording, course), rounds=2) / 1e6
-    value = microseconds(lambda: evaluate("consistent", [task] * 5, filter_, PHYSICAL)) / 1e6
+    step = microseconds(lambda: follow(task, filter_, PHYSICAL), share=share) / samples
+    duration = microseconds(lambda: estimate_of(spec, recording), share=share) / 1e3
+    track = microseconds(lambda: braking_of(field_run.recording, course), rounds=2, share=share) / 1e6
+    value = microseconds(lambda: evaluate("consistent", [task] * 5, filter_, PHYSICAL), share=share) / 1e6
     yield f"13-state filter over a recording of {samples} samples, a sample", f"{step:.1f} µs", "5 µs"
     yield "  estimate of that recording", f"{duration:.0f} ms", ""
     yield "  track and track force from the run before", f"{track:.1f} s", ""
@@ -438,7 +469,7 @@ def of_recording() -> Iterator[Row]:
     yield "  both objectives, 2 · 48 · 61 values", f"{2 * 48 * 61 * value / 60:.1f} min", "30 min"
 
 
-CASES: Final[Mapping[str, Callable[[], Iterator[Row]]]] = {
+CASES: Final[Mapping[str, Callable[..., Iterator[Row]]]] = {
     "cold build of all FMUs": of_recipes,
     **{f"steps of {name}": partial(steps_of, name) for name in ("TwoPartTrain", "TwoPartTrainPneumatic")},
     "trains of 1 to 16 cars": of_consists,
@@ -454,7 +485,7 @@ CASES: Final[Mapping[str, Callable[[], Iterator[Row]]]] = {
     "stops by what the filter evaluates": of_predictions,
     "stops in two processes": of_workers,
 }
-"""Activity → its rows."""
+"""Activity → its rows, which a share of the repetitions gives."""
 
 
 @dataclass(frozen=True)
@@ -464,14 +495,20 @@ class BenchStudy(Study):
     The page lists those that exceed their targets, which is not an error. Run it on an idle machine.
     """
 
+    quick: bool = False
+
     has_cases = False
 
     def page(self, work: Work) -> Page:
-        """Measure one case after the other, in this process, and return the table."""
+        """Measure one case after the other, in this process, and return the table.
+
+        The quick form has one case of each kind, with few repetitions.
+        """
+        first = {getattr(case, "func", case): (doing, case) for doing, case in reversed(CASES.items())}
         rows: list[Row] = []
-        for doing, case in CASES.items():
+        for doing, case in reversed(first.values()) if self.quick else CASES.items():
             work.notify(doing)
-            rows += case()
+            rows += case(share=SHARE_OF_QUICK if self.quick else 1.0)
         table = ReportTable.of(("what", "measured", "target"), rows, title=machine())
         return Page(
             title="Durations",
