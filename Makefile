@@ -1,10 +1,14 @@
 # Everything this project does, from a clone with nothing but Python 3.11+ and make. `make help` lists it.
+# tests/cli/test_every_command.py runs each target in its smallest form.
 PYTHON ?= python3
 # The file by which make knows an environment that it made, so that it never changes one of the user.
 MADE   := .made-by-make
 made_by_make = $(wildcard $(1)/$(MADE) $(1)/.ready)
 ifndef VENV
 VENV   := $(if $(wildcard .venv),$(if $(call made_by_make,.venv),.venv,.venv-dev),.venv)
+endif
+ifneq ($(words $(VENV)),1)
+$(error VENV='$(VENV)': make takes no path with blanks; name a folder without them, relative to this one)
 endif
 BIN    := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 RUN    := $(BIN)/python
@@ -21,7 +25,18 @@ EXTRA   = $(shell for name in $$CC cc gcc clang; do command -v "$$name" >/dev/nu
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
-	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | sort
+	@grep -E '^[a-z0-9-]+:.*##' $(firstword $(MAKEFILE_LIST)) | sed -E 's/:.*## /\t/' | sort
+	@echo "OPTIONS='…' passes options to the commands of a target, as in make bench OPTIONS=--quick and"
+	@echo "make searched OPTIONS='--only controller=full_brake'; TESTS='…' chooses tests, BASELINES=… a folder of baselines."
+
+# Assigned here so that variables of the shell with these names have no effect.
+BASELINES := tests/baselines
+OPTIONS   :=
+TESTS     :=
+TYPES     :=
+REASON    :=
+SUITE     :=
+KIND      :=
 
 # What is imported first writes its bytecode, whatever the shell says: without it every process compiles for five seconds.
 unexport PYTHONDONTWRITEBYTECODE
@@ -54,119 +69,124 @@ TABLE1    := $(PROGRAM) campaign harness/scenario/campaigns/table1.toml --panels
 PUBLISHED := --only controller=full_brake,slip_two_state,slip_three_state,slip_three_state_read,adhesion_literal,adhesion_based,slope_seeking,ideal_bound
 
 simulate: $(READY)  ## braking distances next to the published ones, build/table1/index.html
-	@$(PROGRAM) build --quiet TwoPartTrain TrainPrediction TwoPartTrainPneumatic & $(TABLE1) $(PUBLISHED); code=$$?; wait; exit $$code
+	@$(PROGRAM) build --quiet TwoPartTrain TrainPrediction TwoPartTrainPneumatic & $(TABLE1) $(PUBLISHED) $(OPTIONS); code=$$?; wait; exit $$code
 	@echo "More: \`make searched\` adds further slip-based control with searched thresholds, \`make shapes\` has other"
 	@echo "creep curves, \`make report\` adds the signals of every stop."
 
 searched: $(READY)  ## the same with all slip-based control with searched thresholds, build/table1
-	$(TABLE1)
+	$(TABLE1) $(OPTIONS)
 
 shapes: $(READY)  ## the controllers of the published table on other creep curves, build/shapes
-	$(PROGRAM) campaign harness/scenario/campaigns/shapes.toml
+	$(PROGRAM) campaign harness/scenario/campaigns/shapes.toml $(OPTIONS)
 
 unseen: fmus  ## controllers on a hundred draws of a rail and others they were not tuned on, build/unseen (minutes)
-	$(PROGRAM) campaign harness/scenario/campaigns/unseen.toml
+	$(PROGRAM) campaign harness/scenario/campaigns/unseen.toml $(OPTIONS)
 
 adverse: fmus  ## controllers under creep curves, sensors and trains that do not suit them, build/adverse
-	$(PROGRAM) campaign harness/scenario/campaigns/adverse.toml
+	$(PROGRAM) campaign harness/scenario/campaigns/adverse.toml $(OPTIONS)
 
 report: searched shapes  ## both with a page of the signals of every stop (minutes)
 	$(PROGRAM) report build/table1
 	$(PROGRAM) report build/shapes
 
 conditioning: fmus  ## repeat the stops of the table with the plant's parameters moved by 1e-7, shown beside distances (minutes)
-	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml
-	$(PROGRAM) maintain conditioning harness/scenario/campaigns/shapes.toml --repeats 8 --stops '*-adhesion_literal'
+	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml $(OPTIONS)
+	$(PROGRAM) maintain conditioning harness/scenario/campaigns/shapes.toml --repeats 8 --stops '*-adhesion_literal' $(OPTIONS)
 
 conditioning-omc: $(READY)  ## add distances with FMUs of OpenModelica, which must be on the PATH, for docs/validation.md (an hour)
 	@command -v omc >/dev/null || { echo "conditioning-omc needs OpenModelica's omc on the PATH"; exit 2; }
-	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml --repeats 3
-	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml --repeats 8 --stops '*-adhesion_literal'
-	$(PROGRAM) maintain conditioning harness/scenario/campaigns/adverse.toml --repeats 3
+	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml --repeats 3 $(OPTIONS)
+	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml --repeats 8 --stops '*-adhesion_literal' $(OPTIONS)
+	$(PROGRAM) maintain conditioning harness/scenario/campaigns/adverse.toml --repeats 3 $(OPTIONS)
 
 discretisation: fmus  ## repeat the stops of the table with smaller communication steps (hours)
-	$(PROGRAM) maintain discretisation harness/scenario/campaigns/table1.toml --only steps
+	$(PROGRAM) maintain discretisation harness/scenario/campaigns/table1.toml --only steps $(OPTIONS)
 
 CONVERGENCE := harness/scenario/campaigns/convergence
 NUDGED      := --repeats 10 --relative 1e-5 --lots 0
+TOLERANCES  := --repeats 8 --only tolerances
 
 # Parameters move by as much as the tolerance of the recipe, so that ranges include what errors of that size do to a stop.
 convergence: $(READY)  ## stops with both mechanics at four tolerances of the solver, for docs/validation.md (hours)
-	$(PROGRAM) maintain conditioning $(CONVERGENCE).toml $(NUDGED)
-	$(PROGRAM) maintain conditioning $(CONVERGENCE)_trains.toml $(NUDGED)
-	$(PROGRAM) maintain discretisation $(CONVERGENCE).toml --repeats 8 --only tolerances
-	$(PROGRAM) maintain discretisation $(CONVERGENCE)_trains.toml --repeats 8 --only tolerances
+	$(PROGRAM) maintain conditioning $(CONVERGENCE).toml $(NUDGED) $(OPTIONS)
+	$(PROGRAM) maintain conditioning $(CONVERGENCE)_trains.toml $(NUDGED) $(OPTIONS)
+	$(PROGRAM) maintain discretisation $(CONVERGENCE).toml $(TOLERANCES) $(OPTIONS)
+	$(PROGRAM) maintain discretisation $(CONVERGENCE)_trains.toml $(TOLERANCES) $(OPTIONS)
 	$(PROGRAM) maintain validation
 
 headlines: conditioning discretisation  ## all numbers of the table anew, into baselines and docs: make headlines REASON='…'
-	-$(PROGRAM) maintain regress
-	$(PROGRAM) maintain accept --reason '$(REASON)'
+	-$(PROGRAM) maintain regress --baselines $(BASELINES)
+	$(PROGRAM) maintain accept --baselines $(BASELINES) --reason '$(REASON)'
 	$(PROGRAM) maintain validation
 
 validation: $(READY)  ## write the accepted braking distances into docs/validation.md
 	$(PROGRAM) maintain validation
 
 regress: fmus  ## compare braking distances and headline figures with tests/baselines
-	$(PROGRAM) maintain regress
+	$(PROGRAM) maintain regress --baselines $(BASELINES)
 
+regress-long: BASELINES := tests/baselines/long
 regress-long: $(READY)  ## the same for a train whose FMU takes minutes to build
-	$(PROGRAM) maintain regress --baselines tests/baselines/long --out build/regress-long
+	$(PROGRAM) maintain regress --baselines $(BASELINES) --out build/regress-long
 
 mutants: $(DEV) fmus  ## count the small defects that the regression notices, docs/regression.md (half an hour)
-	$(RUN) tests/mutants.py --first --write
+	$(RUN) tests/mutants.py --first --write $(OPTIONS)
 
 accept: $(READY)  ## move the baselines to the last regress: make accept REASON='why the new distances are right'
-	$(PROGRAM) maintain accept --reason '$(REASON)'
+	$(PROGRAM) maintain accept --baselines $(BASELINES) --reason '$(REASON)'
 
 calibrate: fmus  ## fit the levels of the scenarios to the published distances of slip-based control (minutes)
-	$(PROGRAM) maintain calibrate
+	$(PROGRAM) maintain calibrate $(OPTIONS)
 
 tune-control: fmus  ## search the parameters of slip- and adhesion-based control on rails kept for that (an hour)
-	$(PROGRAM) maintain tune-control
+	$(PROGRAM) maintain tune-control $(OPTIONS)
 
-type-test: fmus  ## all controllers in hundreds of cases that none was tuned on, build/type_test (an hour; QUICK=--quick)
-	$(PROGRAM) study type_test $(QUICK)
+type-test: fmus  ## all controllers in hundreds of cases that none was tuned on, build/type_test (an hour)
+	$(PROGRAM) study type_test $(OPTIONS)
 
-trains: $(READY)  ## trains of this project against published stops, UIC 540 and a trial of sanders, build/trains (QUICK=--quick)
-	$(PROGRAM) study trains $(QUICK)
+trains: $(READY)  ## trains of this project against published stops, UIC 540 and a trial of sanders, build/trains
+	$(PROGRAM) study trains $(OPTIONS)
 
 bench: fmus  ## speed, as medians and ratios in one run
-	$(PROGRAM) study bench
+	$(PROGRAM) study bench $(OPTIONS)
 
 # The tests fill two cores, but for their end; types and distances, in one process each, fill what is left of them.
 test: $(DEV)  ## lint, types, tests, and distances and figures against the accepted ones; prints its processor time
 	@$(RUN) tests/processor_time.py $(MAKE) --no-print-directory --jobs 2 suite kept
 
 kept: check fmus
-	$(PROGRAM) maintain regress --workers 1
+	$(PROGRAM) maintain regress --workers 1 --baselines $(BASELINES)
 
 # A file stays in one process: its tests share what they have built and run. tests/conftest.py has the longest first.
 suite: $(DEV) fmus
-	$(RUN) -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder
+	$(RUN) -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder $(TESTS)
 
 PORTABLE := tests/test_portability.py tests/test_containers.py tests/test_units.py tests/scenario tests/docs/test_code_blocks.py \
             tests/estimate/test_text_formats.py tests/estimate/test_inspection.py tests/estimate/test_specification.py \
             tests/fmus/test_platforms.py tests/fmus/test_under_wine.py
 
+portable: TESTS = $(PORTABLE)
 portable: $(DEV)  ## what may depend on the platform: installation, compiler, files, a stop, the tutorials
 	$(PROGRAM) doctor
 	$(PROGRAM) run trapezoid --out build/portable
-	RAILGRIP_LINK_WINDOWS=1 $(RUN) -m pytest $(PORTABLE)
+	RAILGRIP_LINK_WINDOWS=1 $(RUN) -m pytest $(TESTS)
 
+test-omc: TESTS := tests/fmus tests/stops
 test-omc: $(DEV)  ## compare the built-in compiler with OpenModelica, which must be on the PATH
 	@command -v omc >/dev/null || { echo "test-omc needs OpenModelica's omc on the PATH"; exit 2; }
-	$(RUN) -m pytest --numprocesses 2 --dist worksteal -m omc tests/fmus tests/stops
+	$(RUN) -m pytest --numprocesses 2 --dist worksteal -m omc $(TESTS)
 
 # What else its stops and figures rest on is built when it is asked for.
 regress-omc: $(DEV)  ## compare braking distances with OpenModelica's FMUs with tests/baselines, to 0.5 %
 	@command -v omc >/dev/null || { echo "regress-omc needs OpenModelica's omc on the PATH"; exit 2; }
-	$(PROGRAM) maintain regress --across-compilers --out build/regress-omc
+	$(PROGRAM) maintain regress --across-compilers --baselines $(BASELINES) --out build/regress-omc
 
 monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely the monitor alarms (10 min)
-	$(PROGRAM) study pad_monitor
+	$(PROGRAM) study pad_monitor $(OPTIONS)
 
+fuzz: TESTS = $$(grep -lrE 'RAILGRIP_FUZZ|^from (sampling|hypothesis)' --include='test_*.py' tests)
 fuzz: $(DEV)  ## wrong questions by the thousand, and all cases of which the tests run a sample (an hour)
-	RAILGRIP_FUZZ=1000 $(RUN) -m pytest $$(grep -lrE 'RAILGRIP_FUZZ|^from (sampling|hypothesis)' --include='test_*.py' tests)
+	RAILGRIP_FUZZ=1000 $(RUN) -m pytest $(TESTS)
 
 suites: $(DEV)  ## run a copy of a Modelica test suite: make suites SUITE=/path KIND=compliance|omc|reference [OPTIONS=…]
 	@test -n "$(SUITE)" || { echo "suites needs SUITE=/path of a copy of the suite, and KIND=compliance, omc or reference"; exit 2; }
@@ -178,13 +198,13 @@ check: $(DEV)
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
 	@rm -rf $(TYPED) && mkdir -p $(TYPED) && cp -r harness/* estimators controllers fmus $(TYPED)
-	$(RUN) -m pyright --pythonpath $(RUN)
-	cd build/typed && $(abspath $(BIN))/lint-imports --config $(CURDIR)/.importlinter --no-logo --no-cache
+	$(RUN) -m pyright --pythonpath $(RUN) $(TYPES)
+	PYTHONPATH=build/typed $(BIN)/lint-imports --no-logo --no-cache
 
 ESTIMATIONS := harness/estimation/library
 
 estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' figures and tables, build/estimate
-	$(PROGRAM) study roller_rig
+	$(PROGRAM) study roller_rig $(OPTIONS)
 	$(PROGRAM) observability $(ESTIMATIONS)/rig_own.toml
 	$(PROGRAM) observability $(ESTIMATIONS)/wagon.toml
 	$(PROGRAM) estimate $(ESTIMATIONS)/wagon.toml
@@ -194,24 +214,24 @@ estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' fi
 	  --set model.parameters.adhesion_transfer=0
 	$(PROGRAM) observability $(ESTIMATIONS)/field.toml
 	$(PROGRAM) estimate $(ESTIMATIONS)/field.toml
-	$(PROGRAM) study field_test
+	$(PROGRAM) study field_test $(OPTIONS)
 
 tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/studies/field_test/library
-	$(PROGRAM) maintain tune paper --out harness/studies/field_test/library/paper.toml
-	$(PROGRAM) maintain tune consistent --out harness/studies/field_test/library/consistent.toml
+	$(PROGRAM) maintain tune paper --out harness/studies/field_test/library/paper.toml $(OPTIONS)
+	$(PROGRAM) maintain tune consistent --out harness/studies/field_test/library/consistent.toml $(OPTIONS)
 
 lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters: build/lateral/index.html
-	$(PROGRAM) study lateral
+	$(PROGRAM) study lateral $(OPTIONS)
 
 learn: $(READY)  ## friction from axle-box accelerations: 200 simulated runs, training, honest judgement (cached)
-	$(PROGRAM) study axle_box
+	$(PROGRAM) study axle_box $(OPTIONS)
 
 k-factors: fmus  ## K_dry_rst of ETCS for EBCL 0 to 9, and stops with the controller beside it, build/k_factors (minutes)
-	$(PROGRAM) study k_factors vt642 --loop
+	$(PROGRAM) study k_factors vt642 --loop $(OPTIONS)
 
 # Both notices concern later releases of the tools, whose bounds are in pyproject.toml.
 docs: $(DEV)  ## the documentation as a site, build/site/index.html
-	NO_MKDOCS_2_WARNING=1 DISABLE_MKDOCS_2_WARNING=true $(RUN) -m mkdocs build --strict
+	NO_MKDOCS_2_WARNING=1 DISABLE_MKDOCS_2_WARNING=true $(RUN) -m mkdocs build --strict $(OPTIONS)
 
 clean:  ## remove what was built, except environments
 	rm -rf build

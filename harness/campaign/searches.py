@@ -58,22 +58,22 @@ class FittedLevel(NamedTuple):
     distance: float
 
 
-def calibrate(notify: Callable[[FittedLevel], None]) -> list[FittedLevel]:
-    """Fit every level and write all of them to the scenario files of the library.
+def calibrate(scenarios: Sequence[str], folder: Path, notify: Callable[[FittedLevel], None]) -> list[FittedLevel]:
+    """Fit the levels of scenarios of the library for every shape of the creep curve; write their files to a folder.
 
     Raises:
         ArithmeticError: The distance is not reached with a level from 0.3 to 3.
     """
     fits: list[FittedLevel] = []
     with workers(2) as pool:
-        futures = [pool.submit(fit, scenario, shape) for scenario in TARGETS for shape in SHAPES]
+        futures = [pool.submit(fit, scenario, shape) for scenario in scenarios for shape in SHAPES]
         for answer in futures:
             fits.append(answer.result())
             notify(fits[-1])
-    for scenario in TARGETS:
-        path = LIBRARY / f"{scenario}.toml"
+    for scenario in scenarios:
+        text = (LIBRARY / f"{scenario}.toml").read_text(encoding="utf-8")
         levels = {fit.shape: fit.level for fit in fits if fit.scenario == scenario}
-        write_text(path, with_levels(path.read_text(encoding="utf-8"), levels))
+        write_text(folder / f"{scenario}.toml", with_levels(text, levels))
     return fits
 
 

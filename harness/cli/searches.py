@@ -4,7 +4,7 @@ import tomllib
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -36,14 +36,23 @@ from railgrip.studies.field_test.score import tune as search_for
 from railgrip.studies.type_test.entrants import training
 
 
-def calibrate() -> None:
+def calibrate(
+    scenario: Annotated[
+        Literal["trapezoid", "sine_sweep", "random"] | None,
+        typer.Option(help="The only scenario to fit; all unless given."),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder of the scenario files.")] = Path("harness/scenario/library"),
+) -> None:
     """Fit the levels of the scenarios to the published distances."""
+    make_folder(out)
     with progress("levels, some ten stops each"):
         fit_levels(
+            tuple(TARGETS) if scenario is None else (scenario,),
+            out,
             lambda fit: say(
                 f"{fit.scenario}, {fit.shape}: level {fit.level:.5f}, {fit.distance:.1f} m "
                 f"(target {TARGETS[fit.scenario]} m)"
-            )
+            ),
         )
 
 

@@ -1,0 +1,369 @@
+"""Every command, option, study and target of the Makefile runs to its end in its smallest form.
+
+Commands and options are those of the command line itself, targets those of `make help`; each needs a row here. A line
+with the processor time of each row is printed at the end: `pytest tests/cli/test_every_command.py -s`.
+"""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+from command_line import done
+from one_process import one_process
+from typer.main import get_command
+
+from railgrip.cli.app import app
+from railgrip.fmus.recipe import write_lock
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="make and links to an environment")
+
+ROOT = Path(__file__).parents[2]
+OF_ALL = {"--version", "--quiet", "--verbose"}
+"""Options of every command, which tests/cli/test_commands.py tests."""
+
+OF_STUDIES = "--workers 1 --format svg --fresh --out"
+NEW = "harness/scenario/campaigns"
+
+COMMANDS = {
+    "--version": "railgrip 0",
+    "--quiet --verbose list trains": "emu387",
+    "--show-completion": "_RAILGRIP_COMPLETE",
+    "--install-completion": "completion installed",
+    "run trapezoid --with service --set start.speed=15 --import-from . --out out/stops/run --json": '"standstill"',
+    "campaign table1 --only scenario=trapezoid --only controller=slip_two_state,full_brake --set start.speed=5"
+    " --out out/campaign --workers 1 --fresh --panels none --format svg --import-from . --against slip_two_state":
+        "out/campaign/index.html",
+    "report out/campaign --panels none --format svg --against full_brake": "out/campaign/index.html",
+    "report out/campaign --write own.md": "own.md: campaign, distances",
+    "compare out/stops/run out/campaign/trapezoid-ideal-full_brake --out out/compare --format svg":
+        "out/compare/index.html",
+    "compare out/stops/run out/campaign/trapezoid-ideal-full_brake --json": "{",
+    "table out/stops/run --out out/run.csv": "out/run.csv",
+    "list trains --json": '"emu387"',
+    "new scenario out/own.toml": "out/own.toml",
+    "schema train": '"properties"',
+    "train show emu387 --out out/emu387.svg": "out/emu387.svg",
+    "train check emu387 --json": '"findings"',
+    "train calculate emu387 --speed '80 km/h' --step '40 km/h' --draws 2 --seed 2 --json": "{",
+    "train calculate emu387 --speed '80 km/h' --out out/calculated": "out/calculated/calculation.pdf",
+    "build TwoPartTrain --compiler native": "build/fmus/TwoPartTrain.fmu",
+    "build Own --library own.mo --out out/own.fmu": "out/own.fmu",
+    "build --list": "TwoPartTrain",
+    "build TwoPartTrain --check": "1 FMUs are valid and match lock.toml",
+    "build --check --update": "lock.toml written",
+    "map build/fmus/TwoPartTrain.fmu --speed 5 --wheelsets-of-group 1 --wheelsets-of-group 1 --wheelsets-of-group 1"
+    " --wheelsets-of-group 1 --period 0.001": "[vehicle.formation]",
+    "export trapezoid --with service --set estimator.kind=none --set controller.kind=slip_two_state --part controller"
+    " --fmi 3 --out out/law.fmu": "out/law.fmu",
+    "export plain --library --out out/library": "out/library/plain.h",
+    "export plain --ssp out/plain.ssp": "out/plain.ssp",
+    "inspect out/run.csv --for stop --time 'time [s]' --decimal . --order day-first --out out/stop.toml":
+        "out/stop.toml",
+    "inspect out/run.csv --for train --train emu387 --json": '"proposal"',
+    "estimate rig_own --set name=own --scenario rig_slide --seed 2 --import-from . --out out/estimate --json": "{",
+    "estimate train --train emu387 --data out/stops/run/trace.nc --out out/train": "out/train/index.html",
+    "observability rig_own --set name=own --scenario rig_slide --seed 2 --import-from . --out out/observability":
+        "out/observability/observability.csv",
+    "observability rig_own --data out/estimate/estimates.nc --out out/observed": "out/observed/observability.csv",
+    "monitor out/stops --out out/monitor.png": "out/monitor.png",
+    "doctor": "C compiler",
+    "maintain conditioning one.toml --repeats 2 --relative 1e-6 --lots 0 --stops plain-sbc --out out/conditioning"
+    " --workers 1 --fresh": "one.conditioning.json",
+    "maintain discretisation one.toml --repeats 1 --stops plain-sbc --only steps --workers 1 --fresh": "one.cond",
+    "maintain validation --baselines tests/baselines --docs docs": "docs/validation.md",
+    "maintain fmus out --out out/fmus.csv --write": "out/fmus.csv",
+    "maintain regress --baselines small --out out/regress --workers 1 --across-compilers --import-from .": "",
+    "maintain regress --baselines small --out out/regress --workers 1": "nothing changed",
+    "maintain accept --reason R --baselines small --out out/regress": "nothing changed",
+    "study": "roller_rig",
+    "study attribution --cases 1 --gain-cases 1 --write": "attribution.csv",
+    "study benefit emu387 --measures sand --line leaves --controller slip_two_state --draws 2 --write": "gains.csv",
+    "study brake_pipe --quick": "index.html",
+    "study certificate --cases 1 --write": "certificate.csv",
+    "study estimators --estimator constant --train emu387 --cases 2 --sealed": "index.html",
+    "study estimators --estimator constant --quick": "index.html",
+    "study etcs emu387 --write": "limits.csv",
+    "study filter_consistency --quick": "index.html",
+    "study fleet --quick": "index.html",
+    "study optimum --write": "optimum.csv",
+    "study papers --quick": "index.html",
+    "study stop_at_target --draws 1 --sets 0 --write": "errors.csv",
+    "study stop_at_target --quick": "errors.csv",
+    "study two_maxima --write": "stops.csv",
+    "study lateral --stiffness --quick": "index.html",
+    "study type_test --validation --cases 1 --controller full_brake --limits harness/report/library/limits.toml"
+    " --import-from .": "index.html",
+    "study type_test --sealed --version 2 --cases 1 --controller full_brake": "index.html",
+}  # fmt: skip
+"""Command → a file that it writes, for a study in its folder, or a text that it prints."""
+
+ONE = "--workers 1 --only controller=slip_two_state"
+SEARCH = "--population 8 --generations 1 --stage 1 --seed 2 --workers 1 --import-from ."
+MAKE = {
+    "help": "list the targets",
+    "install": "Nothing to be done",
+    f"simulate PUBLISHED= OPTIONS='{ONE} --only scenario=trapezoid'": "build/table1/index.html",
+    f"unseen OPTIONS='{ONE} --only draw=1'": "build/unseen/index.html",
+    f"adverse OPTIONS='{ONE} --only case=soap'": "build/adverse/index.html",
+    f"report OPTIONS='{ONE} --only scenario=trapezoid --panels none'": "build/shapes/index.html",
+    """headlines REASON=R BASELINES=small OPTIONS="--workers 1 --repeats 2 --stops 'trapezoid-[iw]*-*_two_state'" """:
+        "docs/validation.md",
+    """convergence OPTIONS="--workers 1 --repeats 2 --stops '*-simple-*full_brake'" """: "docs/validation.md",
+    "regress-long BASELINES=small": "build/regress-long/etcs",
+    "calibrate OPTIONS='--scenario trapezoid --out out/levels'": "out/levels/trapezoid.toml",
+    "tune-control OPTIONS='--law slip_three_state --cases 1 --version 2 --budget 5 --workers 1 --out out'":
+        "out/slip_three_state.type_test_2.toml",
+    f"tune OPTIONS='{SEARCH} --campaign {NEW}/field_test.toml'": "harness/studies/field_test/library/consistent.toml",
+    f"type-test OPTIONS='--version 2 --quick --shipped --against slip_two_state --write {OF_STUDIES} out/type_test'":
+        "out/type_test/version_2/index.html",
+    f"trains OPTIONS='--quick {OF_STUDIES} out/trains'": "out/trains/index.html",
+    f"bench OPTIONS='--quick {OF_STUDIES} out/bench'": "out/bench/durations.csv",
+    f"lateral OPTIONS='--quick --prediction equations {OF_STUDIES} out/lateral'": "out/lateral/quick/index.html",
+    f"learn OPTIONS='--quick --inputs lateral {OF_STUDIES} out/axle_box'": "out/axle_box/index.html",
+    f"monitor OPTIONS='--seeds 1 --stops 40 --pressure-offset 4000 {OF_STUDIES} out/pads'": "out/pads/index.html",
+    "k-factors OPTIONS='--set estimate.samples=20 --set estimate.runs=2 --set loop.samples=2 --set loop.runs=2"
+    f" --import-from . --write {OF_STUDIES} out/k_factors'": "out/k_factors/k_factors.json",
+    f"estimate OPTIONS='--quick {OF_STUDIES} out/estimate_studies'": "build/estimate/wagon-relaxing/index.html",
+    "mutants OPTIONS='--stops trapezoid-ideal-slip_two_state --only k_A --workers 1'": "1 of 1 mutants were noticed",
+    "test TESTS=tests/test_units.py TYPES=harness/base/units.py BASELINES=small": "processor time: ",
+    "portable TESTS=tests/test_units.py": "build/portable/stop.json",
+    "fuzz TESTS=tests/test_units.py": " passed",
+    "test-omc TESTS=tests/test_units.py": "test-omc needs OpenModelica's omc on the PATH",
+    "regress-omc BASELINES=small": "regress-omc needs OpenModelica's omc on the PATH",
+    "suites SUITE=suite KIND=compliance OPTIONS='--only Right'": "1 right",
+    "clean": "rm -rf build",
+}  # fmt: skip
+"""Arguments of make → a file that it writes, or a text that it prints; without OpenModelica, so that all can run it."""
+
+ELSEWHERE = {
+    "docs": "docs/test_site.py",
+    "ride": "learned/test_rides.py",
+    "campaign --scheduler": "cli/test_cluster.py",
+    "monitor --map": "estimate/test_monitor_folder.py",
+    "export --platforms": "fmus/test_under_wine.py",
+    "maintain conditioning --import-from": "test_own_classes.py",
+    "study etcs --line": "etcs/test_etcs_command.py",
+    "study etcs --national": "etcs/test_etcs_command.py",
+    "study estimators --tune": "estimators/test_estimator_study.py",
+    "study type_test --train": "type_test/test_type_test_command.py",
+    "study type_test --task": "type_test/test_type_test_command.py",
+    "study type_test --case": "type_test/test_type_test_command.py",
+}
+"""Target, command or option → the test that runs it."""
+
+WHOLE = {
+    "--write": ("brake_pipe", "estimators", "filter_consistency", "fleet", "papers", "trains", "lateral", "axle_box",
+                "roller_rig", "field_test"),
+    "--fit": ("papers",),
+    "--loop": ("estimators",),
+    "--bench": ("axle_box",),
+    "--campaign": ("field_test",),
+    "--import-from": ("field_test",),
+    "--quick": ("benefit",),
+}  # fmt: skip
+"""Options of studies that take minutes in any form, and are not run here: they write the numbers of the whole study."""
+
+
+# Without the variables of a `make test` that runs this test, and without OpenModelica.
+ENVIRONMENT = {name: value for name, value in os.environ.items() if not name.startswith(("MAKE", "MFLAGS"))} | {
+    "PATH": os.pathsep.join(part for part in os.environ["PATH"].split(os.pathsep) if not Path(part, "omc").exists())
+}
+
+
+def tree(command: Any, *path: str) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Yield path and object of a command and of all commands in it."""
+    yield path, command
+    for name in command.list_commands(None) if hasattr(command, "list_commands") else ():
+        yield from tree(command.get_command(None, name), *path, name)
+
+
+ALL = dict(tree(get_command(app)))
+
+
+def words_of(row: str) -> tuple[tuple[str, ...], list[str]]:
+    """Return the path of the command in a row, and its options."""
+    words = shlex.split(row)
+    path = next(tuple(words[:n]) for n in (2, 1, 0) if tuple(words[:n]) in ALL)
+    return path, [word for word in words if word.startswith("--")]
+
+
+def options_of(path: tuple[str, ...]) -> list[list[str]]:
+    """Return the names of each option of a command, without those of all commands."""
+    return [p.opts for p in ALL[path].params if p.opts[0].startswith("--") and not (path and OF_ALL & {*p.opts})]
+
+
+def elsewhere(what: str) -> bool:
+    """Return whether another test, which has the words, runs a target, a command or an option."""
+    file = ELSEWHERE.get(what)
+    if file is None:
+        return False
+    text = (ROOT / "tests" / file).read_text(encoding="utf-8")
+    return all(word in text for word in what.split())
+
+
+def of_make(row: str) -> list[str]:
+    """Return the commands that make would run."""
+    command = ["make", "--dry-run", "--always-make", *shlex.split(row), f"VENV={sys.prefix}"]
+    lines = subprocess.run(command, cwd=ROOT, env=ENVIRONMENT, capture_output=True, text=True, check=True).stdout
+    return lines.replace("\\\n", " ").splitlines()
+
+
+def targets() -> dict[str, str]:
+    """Return the targets that `make help` lists, and their explanations."""
+    lines = subprocess.run(["make", "help"], cwd=ROOT, env=ENVIRONMENT, capture_output=True, text=True, check=True)
+    return dict(line.split("\t", 1) for line in lines.stdout.splitlines() if "\t" in line)
+
+
+def test_each_command_and_each_option_has_a_row() -> None:
+    rows = list(COMMANDS)
+    rows += [line.partition("bin/railgrip ")[2] for row in MAKE for line in of_make(row) if "bin/railgrip " in line]
+    used: dict[tuple[str, ...], set[str]] = {}
+    for row in rows:
+        path, options = words_of(re.split(r" &|;", row)[0])
+        used.setdefault(path, set()).update(options)
+        if path[:1] == ("study",) and len(path) == 2:
+            # tests/cli/test_cluster.py has --scheduler, which is one option for all studies.
+            used[path].update(re.findall(r"--\w+", f"{OF_STUDIES} --scheduler"))
+    missing = [
+        f"railgrip {' '.join(path)}"
+        for path, command in ALL.items()
+        if not hasattr(command, "list_commands") and path not in used and not elsewhere(" ".join(path))
+    ]
+    missing += [
+        f"railgrip {' '.join(path)} {option}"
+        for path in used
+        for option, *others in options_of(path)
+        if not used[path].intersection((option, *others))
+        and not elsewhere(f"{' '.join(path)} {option}")
+        and path[-1] not in WHOLE.get(option, ())
+    ]
+    assert not missing, f"add a row with its smallest form, or the test that runs it: {', '.join(missing)}"
+    unknown = [
+        f"railgrip {' '.join(path)} {option}"
+        for path, options in used.items()
+        for option in options - {"--quick"} - {name for p in ALL[path].params for name in (*p.opts, *p.secondary_opts)}
+    ]
+    assert not unknown, f"there is no such command or option; correct the row: {', '.join(unknown)}"
+
+
+def test_each_target_of_make_help_has_a_row() -> None:
+    run = {shlex.split(row)[0]: set(of_make(row)) for row in MAKE}
+    listed = targets()
+    assert not run.keys() - listed.keys(), "there is no such target in `make help`; correct the row"
+    for target in listed.keys() - run.keys() - ELSEWHERE.keys():
+        # A prerequisite runs with the target that needs it.
+        assert any(set(of_make(f"{target} {row.partition(' ')[2]}")) <= run[row.split()[0]] for row in MAKE), (
+            f"add a row for `make {target}` in its smallest form"
+        )
+
+
+def test_each_row_elsewhere_is_true() -> None:
+    assert [what for what in ELSEWHERE if not elsewhere(what)] == []
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the project, in which commands may write, with an environment that make takes for its own."""
+    folder = tmp_path_factory.mktemp("every") / "a project"
+    skip = shutil.ignore_patterns(".git", ".venv*", "build", "__pycache__", ".*_cache", ".hypothesis")
+    shutil.copytree(ROOT, folder, ignore=skip)
+    (folder / "venv").mkdir()
+    for place in Path(sys.prefix).iterdir():
+        if not place.name.startswith((".ready", ".made")):
+            (folder / "venv" / place.name).symlink_to(place)
+    for name in (".ready", ".ready-dev", ".made-by-make"):
+        (folder / "venv" / name).touch()
+    (folder / "own.mo").write_text("model Own\n  Real x(start=1, fixed=true);\nequation\n  der(x) = -x;\nend Own;\n")
+    (folder / "own.md").write_text("<!-- campaign, distances: written by `railgrip report` -->\n<!-- end -->\n")
+    (folder / "one.toml").write_text(ONE_STOP)
+    suite = folder / "suite" / "ModelicaCompliance"
+    suite.mkdir(parents=True)
+    (suite / "package.mo").write_text("package ModelicaCompliance end ModelicaCompliance;")
+    (suite / "Icons.mo").write_text("within ModelicaCompliance; package Icons model TestCase end TestCase; end Icons;")
+    (suite / "Right.mo").write_text(RIGHT)
+    (folder / "small").mkdir()
+    shutil.copy(ROOT / "tests/baselines/etcs.toml", folder / "small")
+    return folder
+
+
+ONE_STOP = f"""
+name = "one"
+description = "One short stop."
+scenarios = ["{NEW}/../library/plain.toml"]
+conditioning = "one.conditioning.json"
+
+[axes.controller.sbc]
+controller.kind = "slip_two_state"
+start.speed = 5
+"""
+
+RIGHT = """within ModelicaCompliance;
+model Right
+  extends Icons.TestCase;
+  Real x(start=1, fixed=true);
+equation
+  der(x) = 1;
+  assert(x >= 1, "x");
+  annotation(__ModelicaAssociation(TestCase(shouldPass = true)), experiment(StopTime = 0.02));
+end Right;
+"""
+
+
+@pytest.fixture(scope="module")
+def spent() -> Iterator[dict[str, float]]:
+    """Processor time of each row [s], printed at the end."""
+    found: dict[str, float] = {}
+    yield found
+    print()
+    for row, seconds in sorted(found.items(), key=lambda item: -item[1]):
+        print(f"{seconds:6.1f} s  {row}")
+    print(f"{sum(found.values()):6.1f} s  in all")
+
+
+def processor_time() -> float:
+    return sum(os.times()[:4])
+
+
+@pytest.mark.parametrize("row", COMMANDS, ids=lambda row: " ".join(words_of(row)[0]) or row)
+def test_a_command_runs_to_its_end(
+    row: str, project: Path, spent: dict[str, float], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path, options = words_of(row)
+    if "--quick" in options and "--quick" not in {name for names in options_of(path) for name in names}:
+        pytest.skip(f"railgrip {' '.join(path)} has no small form yet")
+    words, folder = shlex.split(row), project
+    if path[:1] == ("study",) and len(path) == 2:
+        folder = project / "out" / path[1]
+        words += [*OF_STUDIES.split(), str(folder)]
+    monkeypatch.chdir(project)
+    monkeypatch.setenv("HOME", str(project / "out"))
+    monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.setattr("railgrip.cli.fmus.write_lock", partial(write_lock, file=project / "fmus/lock.toml"))
+    before = processor_time()
+    with one_process():
+        ended = done(capfd, *words)
+    spent[f"railgrip {row}"] = processor_time() - before
+    assert ended.code == 0, ended.err
+    assert COMMANDS[row] in ended.out + ended.err or list(folder.rglob(COMMANDS[row]))
+
+
+@pytest.mark.parametrize("row", MAKE, ids=lambda row: row.split()[0])
+def test_a_target_runs_to_its_end(row: str, project: Path, spent: dict[str, float]) -> None:
+    if row.startswith("estimate") and ["--quick"] not in options_of(("study", "field_test")):
+        pytest.skip("railgrip study field_test has no small form yet")
+    before = processor_time()
+    ended = subprocess.run(
+        ["make", *shlex.split(row), "VENV=venv"], cwd=project, env=ENVIRONMENT | {"OPTIONS": "--wrong"},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    spent[f"make {row}"] = processor_time() - before
+    assert ended.returncode == (2 if "-omc" in row else 0), ended.stderr
+    assert MAKE[row] in ended.stdout + ended.stderr or (project / MAKE[row]).exists()
