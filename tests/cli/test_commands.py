@@ -104,6 +104,19 @@ def test_the_shell_completes_commands_and_names_of_the_library(words, expected):
         assert HEAVY.isdisjoint(done.stderr.split())
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="runs bash")
+@pytest.mark.parametrize(
+    ("option", "text"),
+    [("--show-completion", "_RAILGRIP_COMPLETE"), ("--install-completion", "bash completion installed")],
+)
+def test_bash_gets_its_completion(option, text, tmp_path):
+    shell = ["bash", "-c", f"{sys.executable} -m railgrip {option}; exit $?"]
+    done = subprocess.run(
+        shell, cwd=tmp_path, env=os.environ | {"HOME": str(tmp_path)}, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, text in done.stdout) == (0, True), done.stderr
+
+
 def test_the_version_is_that_of_the_package(railgrip):
     assert rg.__version__ == version("railgrip")
     result = railgrip("--version")
