@@ -41,7 +41,9 @@ def calibrate(
         Literal["trapezoid", "sine_sweep", "random"] | None,
         typer.Option(help="The only scenario to fit; all unless given."),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder of the scenario files.")] = Path("harness/scenario/library"),
+    out: Annotated[
+        Path, typer.Option(help="Folder of the scenario files.", show_default="the library of the project")
+    ] = Path("harness/scenario/library"),
 ) -> None:
     """Fit the levels of the scenarios to the published distances."""
     make_folder(out)

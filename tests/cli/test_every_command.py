@@ -67,10 +67,11 @@ COMMANDS = {
         "out/stop.toml",
     "inspect out/run.csv --for train --train emu387 --json": '"proposal"',
     "estimate rig_own --set name=own --scenario rig_slide --seed 2 --import-from . --out out/estimate --json": "{",
-    "estimate train --train emu387 --data out/stops/run/trace.nc --out out/train": "out/train/index.html",
+    "estimate train --train vt642 --data out/stops/run/trace.nc --out out/train": "out/train/index.html",
     "observability rig_own --set name=own --scenario rig_slide --seed 2 --import-from . --out out/observability":
         "out/observability/observability.csv",
-    "observability rig_own --data out/estimate/estimates.nc --out out/observed": "out/observed/observability.csv",
+    "run rig_slide --out out/rig": "out/rig/stop.json",
+    "observability rig_own --data out/rig/trace.nc --out out/observed": "out/observed/observability.csv",
     "monitor out/stops --out out/monitor.png": "out/monitor.png",
     "doctor": "C compiler",
     "maintain conditioning one.toml --repeats 2 --relative 1e-6 --lots 0 --stops plain-sbc --out out/conditioning"
@@ -79,7 +80,7 @@ COMMANDS = {
     "maintain validation --baselines tests/baselines --docs docs": "docs/validation.md",
     "maintain fmus out --out out/fmus.csv --write": "out/fmus.csv",
     "maintain regress --baselines small --out out/regress --workers 1 --across-compilers --import-from .": "",
-    "maintain regress --baselines small --out out/regress --workers 1": "nothing changed",
+    "maintain regress --baselines small --out out/regress --workers 1": "kept",
     "maintain accept --reason R --baselines small --out out/regress": "nothing changed",
     "study": "roller_rig",
     "study attribution --cases 1 --gain-cases 1 --write": "attribution.csv",

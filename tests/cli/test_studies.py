@@ -106,11 +106,9 @@ def test_studies_are_listed_with_a_summary(command):
         assert f"{name} {summary(name)}" in " ".join(output.out.split())
 
 
-@pytest.mark.parametrize("name", sorted({*names()} - {"bench", "type_test"}))
-def test_every_study_prints_its_options_and_is_named_after_its_module(name, command):
-    output = command("study", name, "--help")
-    assert (output.code, "--scheduler" in output.out) == (0, True)
-    assert study_named(name).__module__ in (f"railgrip.studies.{name}", f"railgrip.studies.{name}.study")
+def test_every_study_is_named_after_its_module():
+    for name in names():
+        assert study_named(name).__module__ in (f"railgrip.studies.{name}", f"railgrip.studies.{name}.study")
 
 
 def test_a_missing_study_is_reported_in_a_sentence(command):
