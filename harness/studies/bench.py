@@ -543,7 +543,7 @@ def _is_over(figure: str, target: str) -> bool:
     limit = target.removeprefix(AT_LEAST)
     sizes: list[float] = []
     for text in (figure, limit):
-        match = re.match(r"[\d.]+( ([µm]?s|min)\b)?", text)
+        match = re.match(r"-?[\d.]+( ([µm]?s|min)\b)?", text)
         assert match is not None, text
         number, unit = quantity(match[0])
         sizes.append(unit.factor * number)
