@@ -128,7 +128,7 @@ def _up_to_date(order: "_BuildOrder") -> Artifact:
     found = _current(order, inputs)
     if found is not None:
         return found
-    with cache.one_maker(KIND, inputs):  # the processes of a campaign need the same FMU at the same time
+    with cache.one_maker(KIND, inputs, order.name):  # the processes of a campaign need the same FMU at the same time
         return _current(order, inputs) or _compile(order, inputs, _translation_of(order))
 
 
@@ -198,7 +198,7 @@ def build(
         try:
             for order, inputs in stale:
                 with ExitStack() as held:
-                    held.enter_context(cache.one_maker(KIND, inputs))
+                    held.enter_context(cache.one_maker(KIND, inputs, order.name))
                     made = _current(order, inputs)
                     if made is None:
                         job = pool.submit(_compile, order, inputs, _translation_of(order))

@@ -18,7 +18,7 @@ def main(arguments: list[str] | None = None) -> None:
         command_line(arguments)
     except Interrupted as end:
         stop_listening()
-        print(f"{end}; what had finished is kept.", file=sys.stderr)
+        print(f"{end}; {end.kept}.", file=sys.stderr)
         sys.exit(end.code)
     finally:
         stop_listening()

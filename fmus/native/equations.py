@@ -91,7 +91,7 @@ def lower(class_name: str, modelica_path: Path | None = None) -> Model:
     key, name = digest([class_name, uses_digest(library, (), class_name), compiler_digest()]), f"{class_name}.json"
     file = cache.find("models", key, name)
     if file is None:
-        with cache.one_maker("models", key):
+        with cache.one_maker("models", key, class_name.rpartition(".")[2]):
             file = cache.find("models", key, name)
             if file is None:
                 if is_trusted(library):

@@ -135,7 +135,7 @@ def shared_library(
     key = hashlib.sha256(inputs.encode()).hexdigest()
     if found := find("libraries", key, file):
         return found
-    with one_maker("libraries", key):  # the first stops of two processes need the same libraries at the same time
+    with one_maker("libraries", key, name):  # the first stops of two processes need the same libraries at the same time
         return find("libraries", key, file) or keep(
             "libraries", key, file, binary(sources, name, units=units, include=include, flags=flags)
         )

@@ -17,6 +17,7 @@ from pathlib import Path
 
 from platformdirs import user_cache_path
 
+from railgrip.base.activity import activity
 from railgrip.base.errors import InputError
 from railgrip.base.files import lock_folder
 
@@ -96,10 +97,15 @@ def keep(kind: str, key: str, name: str, content: bytes) -> Path:
 
 
 @contextmanager
-def one_maker(kind: str, key: str) -> Generator[None]:
+def one_maker(kind: str, key: str, what: str) -> Generator[None]:
     """Wait until no other process makes the files of a key, so that they are made once; look for them afterwards.
 
     Without locks of folders, as on Windows, several processes may make the same files.
+
+    Args:
+        kind: As for `keep`.
+        key: As for `keep`.
+        what: Name of what is compiled, for the display of progress.
 
     Raises:
         InputError: The cache cannot be written, or other users can write to it.
@@ -112,7 +118,7 @@ def one_maker(kind: str, key: str) -> Generator[None]:
             _require_private(above)
     except OSError as error:
         raise _cannot_write(place, error) from error
-    with lock_folder(place, wait=True):
+    with activity(f"compiling {what}"), lock_folder(place, wait=True):
         yield
 
 

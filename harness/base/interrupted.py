@@ -21,6 +21,8 @@ class Interrupted(BaseException):
         super().__init__(_MEANINGS[signal.Signals(number)])
         self.code = 128 + number
         """Exit code by the convention of shells."""
+        self.kept = "what had finished is kept"
+        """Clause for the user about results."""
 
 
 def listen() -> None:

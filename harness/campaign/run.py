@@ -39,8 +39,7 @@ from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.table import Custom
-from railgrip.scenario.vehicle_table import PythonClass
+from railgrip.simulate.user_files import are_current, dependencies_of, record_files, user_kinds
 
 SOURCES = "sources"
 """Key of the digest of this program's source in the versions of a result."""
@@ -170,12 +169,15 @@ def run(
     """
     require_place(directory)
     make_folder(directory, *FILES)
+    is_own = bool(user_kinds(scenario))
+    if is_own:
+        record_files()
     try:
         stop = runner(scenario, progress, notify)
     except ScenarioError as problem:
         # Parts know the table and the key, but not the name of the scenario.
         raise ScenarioError(f"{scenario.name}: {problem}") if str(problem).startswith("[") else problem from None
-    stop = add_versions(stop)
+    stop = replace(add_versions(stop), dependencies=dependencies_of(scenario) if is_own else {})
     write_stop(stop, directory, keep_trace=keep_trace)
     return stop
 
@@ -219,6 +221,7 @@ def run_campaigns(
     workers: int = 2,
     scheduler: str | None = None,
     fresh: bool = False,
+    import_from: Sequence[Path] = (),
     notify: Callable[[Report], None],
 ) -> list[list[Report]]:
     """Run the stops of campaigns into folders with their names; return the reports in the order of the campaigns.
@@ -234,6 +237,7 @@ def run_campaigns(
         scheduler: Address of a Dask cluster that runs the stops instead of local processes; a shared disk is not
             required.
         fresh: Whether to run stops that have a result.
+        import_from: Folders from which `runner` imports classes of the user.
         notify: Called with the report of each stop at once.
 
     Raises:
@@ -252,7 +256,7 @@ def run_campaigns(
     for number, planned in enumerate(campaigns):
         for stop in planned.campaign.stops:
             folder = planned.directory / stop.name
-            if not fresh and (found := find_result(stop, folder)) is not None:
+            if not fresh and (found := find_result(stop, folder, import_from)) is not None:
                 reports[number][stop.name] = report = _report(stop, "found", found.outcome, found.reason)
                 notify(report)
             else:
@@ -343,20 +347,21 @@ def _failure(order: _StopOrder, problem: RailgripError) -> Report:
     return Report(stop=order.stop, state=state, sentence=str(problem))
 
 
-def find_result(stop: PlannedStop, directory: Path) -> Stop | None:
+def find_result(stop: PlannedStop, directory: Path, import_from: Sequence[Path] = ()) -> Stop | None:
     """Return the result of this stop in a folder, if the present program, packages and compilers would reproduce it.
+
+    Classes of the user, imported from `import_from`, must depend on the same files and packages.
 
     A message names a file of such a result that has changed since.
     """
     if not (directory / STOP_FILE).exists():
         return None
     scenario = stop.scenario
-    parts = (scenario.controller, scenario.estimator, scenario.sensors)
-    if isinstance(scenario.vehicle.source, PythonClass) or any(isinstance(table, Custom) for table in parts):
-        return None  # the imports of a user's class are unknown
     try:
         found = read_stop(directory)
         if found.digest != scenario.digest() or not input_versions().items() <= found.versions.items():
+            return None
+        if user_kinds(scenario) and not are_current(scenario, found.dependencies, import_from):
             return None
         if stop.keep_trace:
             if found.trace_digest is None:  # the samples could not be stored, or were not requested

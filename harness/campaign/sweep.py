@@ -192,7 +192,7 @@ def swept(
     stops = [variant(dict(zip(axes, values, strict=True))) for values in itertools.product(*axes.values())]
     results: dict[int, Result] = {}
     is_portable = workers > 1 and all(_portable(objects) for _, objects in stops)
-    with progress(name, len(stops), is_count=True) as bar:
+    with progress(name, "running stops", len(stops), is_count=True) as bar:
         here = ((number, _result(*stop)) for number, stop in enumerate(stops))
         for number, result in _in_processes(stops, workers) if is_portable else here:
             results[number] = result

@@ -18,6 +18,7 @@ from pydantic import BaseModel
 
 from railgrip.base import cache
 from railgrip.base.errors import InputError, RailgripError
+from railgrip.base.interrupted import Interrupted
 from railgrip.campaign import workers as processes
 from railgrip.campaign.run import CampaignRun, Report, Runner, State, input_versions, run_campaigns
 from railgrip.report.console import Progress, complain, progress
@@ -29,6 +30,8 @@ R = TypeVar("R")
 KIND: Final = "studies"
 """Folder of the results in the user's cache."""
 _NAME: Final = "result"
+_PREPARING, _RUNNING, _EVALUATING = "preparing", "running cases", "evaluating results"
+"""Phases of a study that names none."""
 
 
 class Work:
@@ -47,21 +50,30 @@ class Work:
     ) -> None:
         self.folder, self.count, self.scheduler, self.fresh, self.run_count = folder, count, scheduler, fresh, 0
         self._bar, self._stack, self._study = bar, stack, study
-        self._total = 0
+        self._count = self._total = 0
         self._pool: tuple[Executor, Callable[[], None]] | None = None
 
     def notify(self, doing: str) -> None:
-        """Display the present activity."""
-        self._bar.update(doing=doing)
+        """Display the present phase."""
+        self._bar.update(phase=doing)
 
     def expect(self, count: int) -> None:
         """Increase the total number of cases by `count`."""
         self._total += count
         self._bar.update(total=self._total)
+        self._replace_phase(_RUNNING)
 
     def advance(self) -> None:
         """Count one more case as done."""
-        self._bar.advance()
+        self._count += 1
+        self._bar.update(amount=self._count)
+        if self._count == self._total:
+            self._replace_phase(_EVALUATING)
+
+    def _replace_phase(self, phase: str) -> None:
+        # A phase that the study has named stays until it names the next one.
+        if self._bar.phase in (_PREPARING, _RUNNING, _EVALUATING):
+            self._bar.update(phase=phase)
 
     def map(self, function: Callable[[C], R], cases: Iterable[C], *, keep: bool = True) -> list[R]:
         """Return the result of each case; those that are not in the cache are run, in their order.
@@ -94,14 +106,18 @@ class Work:
             self._pool = self._stack.enter_context(processes.pool(self.count, self.scheduler))
         pool, check = self._pool or (None, lambda: None)
         running = {pool.submit(function, case_of[key]): key for key in missing} if pool else {}
-        for key, result in processes.collect(running, check):
-            if isinstance(result, RailgripError):
-                raise result
-            if keep:
-                cache.keep(KIND, key, _NAME, zlib.compress(pickle.dumps(result)))
-            results[key] = result
-            self.run_count += 1
-            self.advance()
+        try:
+            for key, result in processes.collect(running, check):
+                if isinstance(result, RailgripError):
+                    raise result
+                if keep:
+                    cache.keep(KIND, key, _NAME, zlib.compress(pickle.dumps(result)))
+                results[key] = result
+                self.run_count += 1
+                self.advance()
+        except Interrupted as end:
+            end.kept += "" if keep else ", except for the cases of the last step"
+            raise
         return [results[key] for key in keys]
 
     def measure_times(self, function: Callable[[C], R], cases: Sequence[C]) -> list[R]:
@@ -113,14 +129,23 @@ class Work:
             self.advance()
         return results
 
-    def stops(self, runs: Sequence[CampaignRun], runner: Runner, *, is_any_outcome: bool = False) -> int:
+    def stops(
+        self,
+        runs: Sequence[CampaignRun],
+        runner: Runner,
+        *,
+        import_from: Sequence[Path] = (),
+        is_any_outcome: bool = False,
+    ) -> int:
         """Run the stops of campaigns into their folders; print errors, and return the exit code.
 
         Args:
             runs: As for `run_campaigns`.
             runner: As there.
+            import_from: As there.
             is_any_outcome: Whether a stop may have another outcome than its campaign expects.
         """
+        self.notify("running stops")
         self.expect(sum(len(run.campaign.stops) for run in runs))
         fine: set[State] = {"found", "done", "unexpected"} if is_any_outcome else {"found", "done"}
         code = 0
@@ -133,7 +158,8 @@ class Work:
                 is_refused = report.state == "refused" or code == InputError.exit_code
                 code = InputError.exit_code if is_refused else RailgripError.exit_code
 
-        run_campaigns(runs, runner, workers=self.count, scheduler=self.scheduler, fresh=self.fresh, notify=notify)
+        options: dict[str, Any] = {"scheduler": self.scheduler, "fresh": self.fresh, "import_from": import_from}
+        run_campaigns(runs, runner, workers=self.count, notify=notify, **options)
         return code
 
 
@@ -153,7 +179,7 @@ def work(
     """
     if scheduler is not None:
         processes.require_address(scheduler)
-    with progress(study, 0, is_count=True) as bar, ExitStack() as stack:
+    with progress(study, _PREPARING, is_count=True) as bar, ExitStack() as stack:
         yield Work(bar, stack, study, folder, workers, scheduler, fresh)
 
 

@@ -3,6 +3,7 @@
 import logging
 import multiprocessing
 import os
+import pickle
 import signal
 import sys
 import threading
@@ -19,6 +20,7 @@ from urllib.parse import urlsplit
 
 import pebble
 
+from railgrip.base.activity import FOLDER, forget_activities
 from railgrip.base.errors import InputError, RailgripError, for_user
 from railgrip.base.files import scratch
 from railgrip.base.interrupted import Interrupted, ignore_sigint
@@ -51,7 +53,8 @@ def workers(count: int, *, main: bool = True) -> Generator[Executor]:
     with (
         scratch("workers") as folder,
         # A process starts with `python -c`, which without PYTHONSAFEPATH searches the current folder for modules.
-        environment({**dict.fromkeys(_THREADS, "1"), "TMPDIR": str(folder), "PYTHONSAFEPATH": "1"}),
+        environment(dict.fromkeys(_THREADS, "1") | {"TMPDIR": str(folder), "PYTHONSAFEPATH": "1"}),
+        environment({FOLDER: str(folder / "activities")}),
         nullcontext() if main else _without_main(),
     ):
         context = _LastingLocks()
@@ -189,11 +192,19 @@ class _Pool(Executor):
         resource_tracker.ensure_running()
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        # While a worker receives a task, the others wait, and end after a minute, and the pool with them. On a busy
+        # machine the libraries of a function take longer to load, so that it is unpickled afterwards.
+        task = pickle.dumps((fn, args, kwargs))
         with ignore_sigint():
             try:
-                return self._pool.schedule(fn, args=args, kwargs=kwargs)
+                return self._pool.schedule(_call_pickled, args=(task,))
             except (BrokenExecutor, RuntimeError) as problem:
                 raise RailgripError(f"worker processes cannot be started: {problem}") from problem
+
+
+def _call_pickled(task: bytes) -> Any:
+    function, arguments, named = pickle.loads(task)
+    return function(*arguments, **named)
 
 
 def collect(
@@ -216,6 +227,7 @@ def collect(
                 remedy = "start it and its workers and repeat the command, which keeps what has finished"
                 yield running[future], RailgripError(f"the Dask scheduler ended; {remedy}")
             except (pebble.ProcessExpired, BrokenExecutor) as problem:
+                forget_activities()
                 yield running[future], RailgripError(f"the process that ran it ended: {problem}")
 
 

@@ -114,11 +114,11 @@ def campaign(
             complain(sentence)
     # Drawing takes as long as many stops: the distances do not wait for it.
     for run, baseline in zip(runs, baselines, strict=True):
-        with progress(run.campaign.name) as bar:
+        with progress(run.campaign.name, "reading results") as bar:
             page = write_report(
                 run.directory,
                 panels=panels or run.campaign.panels,
-                notify=lambda what, bar=bar: bar.update(doing=f"drawing {what}"),
+                notify=lambda what, bar=bar: bar.update(phase=f"drawing {what}"),
                 baseline=baseline,
                 formats=formats,
                 against=against,
@@ -150,10 +150,10 @@ def report(
         write_tables(write, chosen)
         say(f"{write}: {'; '.join(chosen)}")
         return
-    with progress("report") as bar:
+    with progress("report", "reading results") as bar:
 
         def draw(what: str) -> None:
-            bar.update(doing=f"drawing {what}")
+            bar.update(phase=f"drawing {what}")
 
         page = write_report(directory, panels=panels, notify=draw, formats=formats, against=against)
     if against is not None:
@@ -230,7 +230,7 @@ def run_campaigns(
 ) -> int:
     """Run campaigns with progress; return the exit code."""
     with work(", ".join(run.campaign.name for run in runs), workers=workers, scheduler=scheduler, fresh=fresh) as job:
-        return job.stops(runs, runner(import_from=import_from))
+        return job.stops(runs, runner(import_from), import_from=import_from)
 
 
 _SCREEN = 100

@@ -83,9 +83,9 @@ def observability(
     for sentence in recording.attrs.get("warnings", ()):
         complain(sentence)
     if data is not None:
-        with progress(f"{specification.name}: filter"):
+        with progress(specification.name, "filter"):
             recording = with_estimates_as_truth(specification, recording)
-    with progress(f"{specification.name}: windows"):
+    with progress(specification.name, "windows"):
         points, windows = observe(specification, recording)
     ranks = [
         {
@@ -121,13 +121,13 @@ def estimate(
     files = ("estimates.nc", "estimates.png", "index.html", "parameters.csv", "settings.csv")
     folder = _folder(out, OUT / specification.name, files)
     recording = _recording(specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ())
-    with progress(f"{specification.name}: filter"):
+    with progress(specification.name, "filter"):
         estimates = estimate_of(specification, recording)
     warnings, problems = (str(estimates.attrs[key]).splitlines() for key in ("warnings", "problems"))
     parameters = model_parameters(specification)
     states = [str(state) for state in estimates["state"].values]
     judgements = {state: judge(recording, estimates, state) for state in states if knows(recording, state)}
-    with progress(f"{specification.name}: page"):
+    with progress(specification.name, "page"):
         page = estimate_page(specification, recording, estimates, judgements, problems).write(folder)
         claim(folder, *files)
         write_bytes(folder / "estimates.nc", bytes(estimates.to_netcdf(engine="h5netcdf")))
@@ -256,7 +256,7 @@ def _of_train(train: str | None) -> list[str]:
 
 
 def _recording(specification: Specification, **source: Any) -> xarray.Dataset:
-    with progress(f"{specification.name}: recording"):
+    with progress(specification.name, "recording"):
         return recording_of_estimation(specification, **source)
 
 
@@ -323,8 +323,10 @@ def ride(
 
     specification = read_ride(file)
     folder = _folder(out, Path("build/rides") / specification.name, RIDE_FILES)
-    with progress(specification.name, 1.0) as bar:
-        trace, apart = ride_with_estimator(specification, file.parent, lambda share: bar.update(amount=share), remark)
+    with progress(specification.name, "preparing", 1.0) as bar:
+        trace, apart = ride_with_estimator(
+            specification, file.parent, lambda share: bar.update(phase="ride", amount=share), remark
+        )
     claim(folder, *RIDE_FILES)
     write_bytes(folder / "ride.nc", bytes(trace.to_netcdf(engine="h5netcdf")))
     save(ride_figure(trace), folder / "ride.png")
@@ -351,11 +353,11 @@ def monitor(
     """Follow the pad friction of each brake group from stop to stop."""
     from railgrip.studies.pad_monitor.watch import MonitorDesign, draw, health_table, stops_in, summary_of, watch
 
-    with progress("reading") as bar:
+    with progress("monitor", "reading stops", is_count=True) as bar:
         evidence, sentences = stops_in(
             folder,
             None if column_map is None else load_specification(column_map),
-            lambda number, of: bar.update(doing=f"stop {number} of {of}"),
+            lambda number, of: bar.update(amount=number, total=of),
         )
     for sentence in sentences:
         say(sentence)

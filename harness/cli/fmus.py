@@ -64,7 +64,7 @@ def build_command(
     elif out is not None:
         raise InputError("--out is for a class of your --library; recipes are copied to build/fmus.")
     else:
-        with progress("building"):
+        with progress("build", "reading recipes"):
             for artifact in build(names or (), choice):
                 say(f"{artifact.path}  {artifact.action} ({artifact.compiler})")
 
@@ -104,7 +104,7 @@ def survey_command(
 
     Each FMU runs in a separate process. The file gives the reason for each that does not step.
     """
-    with progress("stepping"):
+    with progress("survey", "stepping FMUs"):
         rows = [*survey(folder)]
     if not rows:
         raise InputError(f"{folder}: contains no file *.fmu, not even in subfolders.")

@@ -39,12 +39,12 @@ def run(
 
     directory = out or run_folder(scenario)
     require_no_campaign(directory)
-    with progress(scenario.name, scenario.start.speed or None) as bar:
+    with progress(scenario.name, "preparing", scenario.start.speed) as bar:
         stop = run_scenario(
             scenario,
             directory,
             runner(import_from or ()),
-            lambda speed: bar.update(amount=scenario.start.speed - speed),
+            lambda speed: bar.update(phase="stop", amount=scenario.start.speed - speed),
             remark,
         )
     metrics = stop.metrics

@@ -47,7 +47,7 @@ def calibrate(
 ) -> None:
     """Fit the levels of the scenarios to the published distances."""
     make_folder(out)
-    with progress("levels, some ten stops each"):
+    with progress("levels", "some ten stops each"):
         fit_levels(
             tuple(TARGETS) if scenario is None else (scenario,),
             out,
@@ -101,7 +101,7 @@ def tune_control(
             optima: dict[tuple[str, SlipSource], Optimum] = {}
             for actuation, slip in (kind for kind in RANGES[each] if kind[0] in kinds):
                 name = f"{each}, {actuation} actuation, {slip} slip"
-                with progress(name):
+                with progress(name, "searching parameters"):
                     notify = partial(note, name)
                     optima[actuation, slip] = laws.search(
                         each,

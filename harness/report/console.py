@@ -4,25 +4,28 @@ rich is used for tables and bars only: elsewhere it would interpret markup and e
 """
 
 import logging
+import math
 import sys
 import textwrap
 import time
 from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager, nullcontext, suppress
-from functools import partial
 from pathlib import Path
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, Final
 
 from rich.console import Console
 
+from railgrip.base.activity import activities
 from railgrip.base.errors import InputError, for_user
 
 if TYPE_CHECKING:
+    from rich import progress as rich
+
     from railgrip.report.table import ReportTable
 
-REMINDER: Final = 10.0
-"""Time between two lines of progress without a terminal [s]."""
+FIRST_LINE, REMINDER = 3.0, 10.0
+"""Time until the first line of progress without a terminal, and between two lines [s]."""
 
 _WORD: Final = 10
 """Minimum width of a column with longer texts, and of a header in several lines [characters]."""
@@ -138,56 +141,89 @@ def show_all(parts: "Iterable[ReportTable | str]") -> None:
 
 
 class Progress:
-    """The progress of a task: its activity, the amount done, and the total, if it is known."""
+    """The progress of a task: its phase, the amount done, and the total, if it is known.
 
-    def __init__(self, name: str, total: float | None, is_count: bool) -> None:
-        self._name, self._doing, self._amount, self._total, self._is_count = name, "", 0.0, total, is_count
-        self._show: Callable[..., object] = lambda **_: None
+    The amount is displayed between 0 and the total, but not if the total is unknown or 0, and a share not before it is
+    1 %. Compilers that run in this process or its workers are displayed in place of the phase.
+    """
 
-    def update(self, *, doing: str | None = None, amount: float | None = None, total: float | None = None) -> None:
-        """Display the present activity, the amount done, and the total; None leaves a value unchanged."""
-        self._doing = self._doing if doing is None else doing
-        self._amount = self._amount if amount is None else amount
-        self._total = self._total if total is None else total
-        self._show(description=self._task, completed=self._amount, total=self._total)
+    def __init__(self, name: str, phase: str, total: float | None, is_count: bool) -> None:
+        self._name, self.phase, self._amount, self._is_count = name, phase, 0.0, is_count
+        self._total: float | None = None
+        self._bar: tuple[rich.Progress, rich.TaskID] | None = None
+        self.update(total=total)
 
-    def advance(self, doing: str | None = None) -> None:
+    def update(self, *, phase: str | None = None, amount: float | None = None, total: float | None = None) -> None:
+        """Display the present phase, the amount done, and the total; None leaves a value unchanged."""
+        self.phase = phase or self.phase
+        if amount is not None and math.isfinite(amount):
+            self._amount = max(amount, 0.0)
+        if total is not None and 0.0 < total < math.inf:
+            self._total = total
+        self._show()
+
+    def advance(self) -> None:
         """Count one more item as done."""
-        self.update(doing=doing, amount=self._amount + 1)
+        self.update(amount=self._amount + 1)
 
     @property
     def _task(self) -> str:
-        return f"{self._name}: {self._doing}" if self._doing else self._name
+        return f"{self._name}: {', '.join(activities()) or self.phase}"
+
+    @property
+    def _share(self) -> float:
+        """Share that is done; 0 if the total is unknown."""
+        return min(self._amount / self._total, 1.0) if self._total else 0.0
+
+    @property
+    def _measure(self) -> str:
+        if self._is_count:
+            return f"{self._share * self._total:.0f} of {self._total:.0f}" if self._total else ""
+        percent = math.floor(100 * self._share)
+        return f"{percent} %" if percent else ""
 
     def __str__(self) -> str:
-        if self._total is None:
-            return self._task
-        if self._is_count:
-            return f"{self._task}, {self._amount:.0f} of {self._total:.0f}"
-        return f"{self._task}, {100 * self._amount / self._total:.0f} %"
+        return f"{self._task}, {self._measure}" if self._measure else self._task
+
+    def _show(self) -> None:
+        if self._bar is not None:
+            bar, task = self._bar
+            total = 1.0 if self._measure else None
+            bar.update(task, description=self._task, completed=self._share, total=total, measure=self._measure)
 
     @contextmanager
     def on_terminal(self) -> Generator[None]:
         """Show a bar."""
         from rich import progress as rich
 
-        text = rich.TextColumn("{task.description}", markup=False)
-        measure = () if self._total is None else (rich.BarColumn(), rich.MofNCompleteColumn())[: 1 + self._is_count]
-        columns = (rich.SpinnerColumn(), text, *measure, rich.TimeElapsedColumn())
+        text, measure = (
+            rich.TextColumn(f"{{task.{name}}}", markup=False) for name in ("description", "fields[measure]")
+        )
+        columns = (rich.SpinnerColumn(), text, rich.BarColumn(), measure, rich.TimeElapsedColumn())
         with rich.Progress(*columns, console=_err, transient=True) as bar:
-            self._show = partial(bar.update, bar.add_task(self._name, total=self._total))
-            yield
+            self._bar = bar, bar.add_task(self._task, total=None, measure="")
+            with self._repeat(self._show, 1.0, 1.0):
+                yield
 
     @contextmanager
     def in_lines(self) -> Generator[None]:
-        """Print a line every `REMINDER` seconds."""
-        end, start = Event(), time.monotonic()
+        """Print a line after `FIRST_LINE` seconds and then every `REMINDER` seconds."""
+        start = time.monotonic()
+        with self._repeat(lambda: remark(f"{self}, {time.monotonic() - start:.0f} s"), FIRST_LINE, REMINDER):
+            yield
 
-        def remind() -> None:
-            while not end.wait(REMINDER):
-                remark(f"{self}, {time.monotonic() - start:.0f} s")
+    @contextmanager
+    def _repeat(self, call: Callable[[], None], first: float, period: float) -> Generator[None]:
+        """Call a function in a thread, after `first` seconds and then with a period."""
+        end = Event()
 
-        thread = Thread(target=remind, name="progress", daemon=True)
+        def repeat() -> None:
+            wait = first
+            while not end.wait(wait):
+                call()
+                wait = period
+
+        thread = Thread(target=repeat, name="progress", daemon=True)
         thread.start()
         try:
             yield
@@ -197,13 +233,15 @@ class Progress:
 
 
 @contextmanager
-def progress(name: str, total: float | None = None, *, is_count: bool = False) -> Generator[Progress]:
-    """Show progress on standard error: a bar on a terminal, elsewhere a line every `REMINDER` seconds.
+def progress(name: str, phase: str, total: float | None = None, *, is_count: bool = False) -> Generator[Progress]:
+    """Show progress on standard error: a bar on a terminal, elsewhere lines, see `Progress.in_lines`.
 
     Args:
+        name: Name of the task.
+        phase: What is done first, such as "running stops".
         total: Total amount; None if unknown.
         is_count: Whether the total is a number of items, not a share.
     """
-    shown = Progress(name, total, is_count)
+    shown = Progress(name, phase, total, is_count)
     with nullcontext() if _is_quiet() else shown.on_terminal() if _err.is_terminal else shown.in_lines():
         yield shown

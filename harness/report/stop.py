@@ -123,6 +123,7 @@ class StoredStop(Stored):
     versions: dict[str, str]
     fmus: dict[str, str]
     classes: dict[str, dict[str, Any]] = {}
+    dependencies: dict[str, str] = {}
     fmu_warnings: dict[str, dict[str, int]] = {}
     remarks: list[str] = []
     cars: list[Annotated[tuple[FiniteFloat, FiniteFloat], Field(strict=False)]] = []
@@ -147,6 +148,7 @@ class Stop:
         fmus: Name of each FMU → SHA-256 of its file.
         classes: controller, estimator or sensors → class, digest of its source and parameters, as JSON values, where
             it is the user's own.
+        dependencies: Files and packages that these classes consist of or read; see `railgrip.simulate.user_files`.
         limited_demands: Number of decisions of a controller from outside of this project that demanded pressures beyond
             what cylinders take, and were limited.
         fmu_warnings: Name of each FMU that warned → kind of message → number. Messages that differ only in numbers
@@ -171,6 +173,7 @@ class Stop:
     versions: Mapping[str, str]
     fmus: Mapping[str, str]
     classes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict[str, Mapping[str, Any]])
+    dependencies: Mapping[str, str] = field(default_factory=dict[str, str])
     limited_demands: int = 0
     fmu_warnings: Mapping[str, Mapping[str, int]] = field(default_factory=dict[str, Mapping[str, int]])
     remarks: tuple[str, ...] = ()
@@ -463,6 +466,7 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
         "versions": dict(sorted(stop.versions.items())),
         "fmus": dict(sorted(stop.fmus.items())),
         **({"classes": stop.classes} if stop.classes else {}),
+        **({"dependencies": stop.dependencies} if stop.dependencies else {}),
         **({"limited_demands": stop.limited_demands} if stop.limited_demands else {}),
         **({"fmu_warnings": stop.fmu_warnings} if stop.fmu_warnings else {}),
         **({"remarks": list(stop.remarks)} if stop.remarks else {}),
@@ -519,6 +523,7 @@ def read_stop(directory: Path) -> Stop:
             versions=stored.versions,
             fmus=stored.fmus,
             classes=stored.classes,
+            dependencies=stored.dependencies,
             fmu_warnings=stored.fmu_warnings,
             remarks=tuple(stored.remarks),
             cars=tuple(stored.cars),

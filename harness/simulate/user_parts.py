@@ -585,6 +585,10 @@ def call_user_code(call: Callable[[], T], failed: Callable[[str], RailgripError]
         raise failed(_text_of(problem)) from problem
 
 
+CALLS = frozenset((call_user_code.__code__, _Adapter._call.__code__))  # pyright: ignore[reportPrivateUsage]
+"""Code that calls the code of users."""
+
+
 def _text_of(problem: BaseException) -> str:
     if isinstance(problem, RailgripError):
         return str(problem)

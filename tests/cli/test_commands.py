@@ -129,7 +129,7 @@ def test_quiet_prints_results_and_errors_only(railgrip, capfd, option, quiet):
     assert "wet: horizon" in result.out
     assert "no braking distance" in result.err
     before = set(threading.enumerate())
-    with console.progress("a stop"):  # without a terminal, a thread prints it
+    with console.progress("a stop", "running"):  # without a terminal, a thread prints it
         assert bool(set(threading.enumerate()) - before) is not quiet
     console.remark("a remark")
     assert ("a remark" in capfd.readouterr().err) is not quiet

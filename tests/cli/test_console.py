@@ -2,13 +2,17 @@
 
 import os
 import pty
+import re
 import subprocess
 import sys
 import threading
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from waiting import LONGEST
 
+from railgrip.base.activity import FOLDER, activity
 from railgrip.report import console
 from railgrip.report.table import ReportTable
 
@@ -56,15 +60,18 @@ def test_a_table_wider_than_the_screen_keeps_all_columns(monkeypatch, capfd, wid
     [
         ({"total": 8, "is_count": True}, "table1 :x:: drawing [a], 2 of 8, "),
         ({"total": 8}, "table1 :x:: drawing [a], 25 %, "),
+        ({"total": 0, "is_count": True}, "table1 :x:: drawing [a], "),
         ({}, "table1 :x:: drawing [a], "),
     ],
 )
 def test_without_a_terminal_progress_is_printed_now_and_then(monkeypatch, capfd, settings, line):
+    monkeypatch.setattr(console, "FIRST_LINE", 0.01)
     monkeypatch.setattr(console, "REMINDER", 0.02)
     before = set(threading.enumerate())
-    with console.progress("table1 :x:", **settings) as bar:
+    with console.progress("table1 :x:", "running", **settings) as bar:
         bar.advance()
-        bar.advance("drawing [a]")
+        bar.advance()
+        bar.update(phase="drawing [a]")
         err = ""
         while line not in err:  # otherwise the test hangs, which is also a failure
             err += capfd.readouterr().err
@@ -73,19 +80,54 @@ def test_without_a_terminal_progress_is_printed_now_and_then(monkeypatch, capfd,
 
 
 def test_a_task_that_ends_before_the_first_line_prints_nothing(monkeypatch, capfd):
-    monkeypatch.setattr(console, "REMINDER", LONGEST)
-    with console.progress("quick", 1) as bar:
+    monkeypatch.setattr(console, "FIRST_LINE", LONGEST)
+    with console.progress("quick", "running", 1) as bar:
         bar.advance()
     assert capfd.readouterr().err == ""
+
+
+ODD = st.floats() | st.sampled_from([0.0, -0.0, 5e-324, 1e308, -134.0])
+UPDATE = st.fixed_dictionaries({}, optional={"amount": ODD, "total": ODD, "phase": st.sampled_from(["", "drawing"])})
+
+
+@given(total=st.none() | ODD, is_count=st.booleans(), updates=st.lists(UPDATE | st.just("advance"), max_size=6))
+def test_progress_names_a_phase_and_is_between_nothing_and_all(total, is_count, updates):
+    shown = console.Progress("stop", "compiling", total, is_count)
+    for update in updates:
+        shown.advance() if update == "advance" else shown.update(**update)
+        name, phase, measure = re.fullmatch(r"(\w+): (\w+)(?:, (.+))?", str(shown)).groups()
+        assert (name, bool(phase)) == ("stop", True)
+        if measure and is_count:
+            done, all_ = map(float, measure.split(" of "))
+            assert 0 <= done <= all_
+            assert all_ > 0
+        elif measure:
+            assert 1 <= float(measure.removesuffix(" %")) <= 100
+
+
+def test_compilers_of_this_process_and_its_workers_are_displayed(monkeypatch, tmp_path):
+    shown = console.Progress("table1", "running stops", 2, is_count=True)
+    monkeypatch.setenv(FOLDER, str(tmp_path))
+    with activity("compiling A"):
+        worker = "from railgrip.base.activity import *\nwith activity('compiling B'): input()"
+        with subprocess.Popen([sys.executable, "-c", worker], stdin=subprocess.PIPE) as process:
+            while len(list(tmp_path.iterdir())) < 2:
+                assert process.poll() is None
+            while "B" not in (line := str(shown)):
+                assert process.poll() is None
+            process.communicate(b"\n")
+        assert sorted(line.split(": ")[1].split(", ")) == ["0 of 2", "compiling A", "compiling B"]
+        assert str(shown) == "table1: compiling A, 0 of 2"
+    assert str(shown) == "table1: running stops, 0 of 2"
 
 
 WATCHED = """
 from railgrip.report import console
 from railgrip.report.table import ReportTable
-with console.progress("stop :x:", 4, is_count=True) as shown:
-    shown.advance("[red]drawing")
-with console.progress("endless") as shown:
-    shown.update(doing="work")
+with console.progress("stop :x:", "[red]drawing", 4, is_count=True) as shown:
+    shown.advance()
+with console.progress("endless", "start") as shown:
+    shown.update(phase="work", total=0)
 console.say("result :x:")
 """
 
@@ -106,6 +148,6 @@ def test_a_terminal_has_a_progress_bar():
     assert process.returncode == 0, screen
     text = screen.decode()
     assert "stop :x:: [red]drawing" in text
-    assert "1/4" in text
+    assert "1 of 4" in text
     assert "endless: work" in text
     assert "result :x:" in text

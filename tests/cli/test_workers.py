@@ -121,6 +121,29 @@ def test_a_worker_still_starting_when_its_pool_ends_prints_nothing(tmp_path):
     assert (result.returncode, result.stderr) == (130, "")
 
 
+SLOW_LIBRARY = """
+import pebble
+
+from railgrip.campaign.workers import workers
+
+pebble.CONSTS.channel_lock_timeout = 0.5
+
+if __name__ == "__main__":
+    from slow_library import number
+
+    with workers(2) as pool:
+        print(sorted(pool.map(number, range(4))))
+"""
+
+
+def test_workers_wait_while_one_of_them_loads_the_library_of_its_task(tmp_path):
+    """On a busy machine it takes longer than the minute that a worker waits for the pipe of the tasks."""
+    text = "import time\ntime.sleep(2.0)\ndef number(n):\n    return n\n"
+    (tmp_path / "slow_library.py").write_text(text, encoding="utf-8")
+    result = ended(tmp_path, SLOW_LIBRARY)
+    assert (result.returncode, result.stdout, result.stderr) == (0, "[0, 1, 2, 3]\n", "")
+
+
 IN_A_THREAD = """
 import signal
 import threading

@@ -1,0 +1,146 @@
+"""Finished stops with a user's class are kept while all that the class consists of and reads is as it was."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import railgrip as rg
+from railgrip.base import registry
+from railgrip.campaign.run import find_result, run
+from railgrip.cli.runs import runner
+from railgrip.scenario.campaign import PlannedStop
+
+ROOT = Path(__file__).parents[2]
+SHORT = {"limits.horizon": "0.2 s", "start.speed": "30 km/h", "estimator.kind": "none"}
+FILES = {
+    "kept_law.py": """
+import time
+from pathlib import Path
+
+from kept_helper import SHARE
+
+HERE = Path(__file__).parent
+
+
+class Hold:
+    def __init__(self, wait=""):
+        self.wait = wait
+
+    def start(self, formation):
+        from kept_late import FACTOR
+
+        self.demand = SHARE * FACTOR * float((HERE / "weight.txt").read_text()) * formation.pressure_max
+        try:
+            (HERE / "option.txt").read_text()
+        except FileNotFoundError:
+            (HERE / "log.txt").open("a").write("no option")
+        while self.wait and not Path(self.wait).exists():
+            time.sleep(0.01)
+
+    def decide(self, observation):
+        return self.demand
+""",
+    "kept_helper.py": "SHARE = 0.5\n",
+    "kept_late.py": "FACTOR = 1.0\n",
+    "weight.txt": "1.0",
+    "log.txt": "",
+    "data.csv": "",
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("own")
+    (place / "first").mkdir()
+    for name, text in FILES.items():
+        (place / name).write_text(text)
+    return place
+
+
+@pytest.fixture(scope="module")
+def stop(folder):
+    """A stop with the class, which has a result in the folder `out`."""
+    scenario = rg.Scenario.load("trapezoid", {**SHORT, "controller": {"kind": "kept_law:Hold"}})
+    planned = PlannedStop(name="own", variants={}, scenario=scenario)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(folder)  # `start` imports a module
+        run(scenario, folder / "out", runner([folder]))
+    return planned
+
+
+@pytest.mark.parametrize(
+    ("changed", "is_kept"),
+    [
+        (None, True),
+        ("kept_law.py", False),
+        ("kept_helper.py", False),
+        ("kept_late.py", False),
+        ("weight.txt", False),
+        ("option.txt", False),
+        ("first/kept_law.py", False),
+        ("log.txt", True),
+        ("data.csv", True),
+        ("first/weight.txt", True),
+    ],
+)
+def test_a_result_is_kept_while_class_imports_and_files_are_as_they_were(folder, stop, changed, is_kept):
+    """Also a file that the class looked for, and a class of the same name in a folder that is searched earlier."""
+    before = None
+    if changed is not None:
+        path = folder / changed
+        before = path.read_bytes() if path.exists() else None
+        path.write_bytes((before or b"") + b"\n# changed\n")
+    try:
+        found = find_result(stop, folder / "out", [folder / "first", folder])
+    finally:
+        if before is not None:
+            path.write_bytes(before)
+        elif changed is not None:
+            path.unlink()
+    assert (found is not None) is is_kept
+
+
+def test_a_result_of_another_package_or_from_another_folder_is_not_kept(folder, stop, monkeypatch):
+    result = find_result(stop, folder / "out", [folder])
+    assert {"module kept_law", "package numpy"} <= result.dependencies.keys()
+    assert find_result(stop, folder / "out", [folder / "first"]) is None
+    monkeypatch.setattr("railgrip.simulate.user_files.metadata.version", lambda name: "0")
+    assert find_result(stop, folder / "out", [folder]) is None
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals are POSIX")
+def test_an_interrupted_campaign_goes_on_where_it_was(folder):
+    keys = "".join(f'{key} = "{value}"\n' for key, value in SHORT.items())
+    (folder / "two.toml").write_text(
+        f'name = "two"\nscenarios = ["{registry.shelf("library")["trapezoid"]}"]\n[axes.controller.first]\n{keys}'
+        f'controller.kind = "kept_law:Hold"\n[axes.controller.second]\n{keys}'
+        f'controller = {{ kind = "kept_law:Hold", parameters = {{ wait = "{folder / "go"}" }} }}\n'
+    )
+    first, second = (folder / "two" / f"trapezoid-{name}" / "stop.json" for name in ("first", "second"))
+
+    def start():
+        return subprocess.Popen(
+            [*(sys.executable, "-m", "railgrip", "campaign", "two.toml", "--out", "two", "--panels", "none"),
+             "--import-from", ".", "--workers", "1"],
+            cwd=folder, env=os.environ | {"PYTHONPATH": os.pathsep.join((str(ROOT), str(folder)))},
+            stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True,
+        )  # fmt: skip
+
+    with start() as process:
+        while not first.exists():
+            assert process.poll() is None, process.communicate()
+            time.sleep(0.05)
+        os.killpg(process.pid, signal.SIGINT)
+        assert "Interrupted; what had finished is kept." in process.communicate()[1]
+    assert not second.exists()
+    (folder / "go").touch()
+    written = first.stat().st_mtime_ns
+    with start() as process:
+        process.communicate()
+    assert second.exists()
+    assert first.stat().st_mtime_ns == written
