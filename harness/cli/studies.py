@@ -66,12 +66,14 @@ def _command(name: str) -> Any:
         _conduct(study=name, **options)
 
     hints = get_type_hints(study, include_extras=True)
+    help_ = f"Check within a minute that the study runs: {study.quick_form}."
+    hints |= _COMMON | {"quick": Annotated[bool, typer.Option("--quick", help=help_)]}
     parameters = [
         inspect.Parameter(
             field.name,
             inspect.Parameter.KEYWORD_ONLY,
             default=inspect.Parameter.empty if field.default is MISSING else field.default,
-            annotation=_COMMON.get(field.name, hints[field.name]),
+            annotation=hints[field.name],
         )
         for field in fields(study)  # pyright: ignore[reportArgumentType] - every study is a dataclass
     ]
@@ -86,11 +88,5 @@ def _command(name: str) -> Any:
     return command_of(name, command)
 
 
-_COMMON: Final[Mapping[str, Any]] = {
-    "overrides": Overrides,
-    "import_from": ImportFrom,
-    "quick": Annotated[
-        bool, typer.Option(help="Run a reduced study as a check that it runs; its results are meaningless.")
-    ],
-}
+_COMMON: Final[Mapping[str, Any]] = {"overrides": Overrides, "import_from": ImportFrom}
 """Options shared by several studies, by the name of the field."""

@@ -489,13 +489,11 @@ CASES: Final[Mapping[str, Callable[..., Iterator[Row]]]] = {
 
 
 @dataclass(frozen=True)
-class BenchStudy(Study):
+class BenchStudy(Study, quick="one case of each kind, with 1 % of the repetitions"):
     """Measure durations, as medians and ratios of cases that run in turn.
 
     The page lists those that exceed their targets, which is not an error. Run it on an idle machine.
     """
-
-    quick: bool = False
 
     has_cases = False
 

@@ -166,11 +166,10 @@ def stop_row(equipment: str) -> dict[str, object]:
 
 
 @dataclass(frozen=True)
-class BrakePipeStudy(Study):
+class BrakePipeStudy(Study, quick="two grids, and no stops of trains"):
     """Measure the front in the brake pipe of ten coaches, over cells, branch volumes and accelerators."""
 
     write: Annotated[bool, Option("--write", help="Write the table into docs/train_models.md.")] = False
-    quick: bool = False
 
     def page(self, work: Work) -> Page:
         """Return the speed of the front in each case; the small form has two grids."""

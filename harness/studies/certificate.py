@@ -349,15 +349,17 @@ def table_of(stops: Sequence[PlannedStop], counts: Sequence[Mapping[str, int]]) 
 
 
 @dataclass(frozen=True)
-class Certificate(Study):
+class Certificate(Study, quick="1 case", sizes={"cases": 1}):
     """Certify bounded slip in the samples of the type test under laws that seek the maximum of adhesion."""
 
-    cases: Annotated[int | None, Option(min=1, help="Number of cases; those of the quick set unless given.")] = None
+    cases: Annotated[
+        int | None, Option(min=1, help="Number of cases; those of the small set of the type test unless given.")
+    ] = None
     write: Annotated[bool, Option("--write", help=f"Write the table into {PAGE}.")] = False
 
     def page(self, work: Work) -> Page:
         """Run the cases of version 2 of the type test, and return the shares of their samples."""
-        design = VERSIONS[2].draw(self.cases or VERSIONS[2].quick, VERSIONS[2].test)
+        design = VERSIONS[2].draw(self.cases or VERSIONS[2].small, VERSIONS[2].test)
         laws = {name: entrants(2)[name] for name in LAWS}
         stops = campaign_of(design, laws, train_of(None), trains=trains_of(design)).stops
         counts = work.map(_counted, [stop.scenario for stop in stops])

@@ -21,7 +21,7 @@ PAGE = Path("docs/etcs.md")
 
 
 @dataclass(frozen=True)
-class Etcs(Study):
+class Etcs(Study, quick="the whole study"):
     """Draw the braking curves that ETCS supervises for a train, and its stops beneath."""
 
     train: Annotated[

@@ -97,11 +97,10 @@ def _nees(stops: Frame) -> dict[str, float]:
 
 
 @dataclass(frozen=True)
-class FilterConsistency(Study):
+class FilterConsistency(Study, quick="one rail, one seed, and no faults"):
     """Compare errors of adhesion with what the filters claim, under each load and each fault of the type test."""
 
     write: Annotated[bool, Option("--write", help="Write both tables into docs/faults.md.")] = False
-    quick: bool = False
 
     def page(self, work: Work) -> Page:
         """Return errors by load and consistency by fault; the small form is one rail and one seed."""

@@ -1,11 +1,11 @@
 """The interface of a study, and how every study is run."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
-from dataclasses import fields, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from importlib import import_module
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar, Self, get_type_hints
 
 from railgrip.base.errors import InputError
 from railgrip.base.names import nearest
@@ -17,17 +17,41 @@ from railgrip.report.page import FORMATS, Page
 from railgrip.studies import module_of, names
 
 
+@dataclass(frozen=True, kw_only=True)
 class Study(ABC):
     """A study as a frozen dataclass, whose fields are the options of its command.
 
-    `Annotated` describes a field for typer. The fields that many commands share, `overrides`, `import_from` and
-    `quick`, need no description.
+    `Annotated` describes a field for typer. The fields that many commands share, `overrides` and `import_from`, need no
+    description.
+
+    Every study has a quick form, which checks within 60 s on two idle cores that the study runs.
 
     Attributes:
+        quick: Whether to run the quick form.
+        quick_form: Difference of the quick form from the whole study, a clause: "2 draws on each rail in place of 10".
+        quick_sizes: Options with other values in the quick form.
         has_cases: Whether a cluster can run cases of the study, unlike measurements of durations.
     """
 
+    quick: bool = False
+    quick_form: ClassVar[str]
+    quick_sizes: ClassVar[Mapping[str, Any]]
     has_cases: ClassVar[bool] = True
+
+    def __init_subclass__(
+        cls, *, quick: str, sizes: Mapping[str, Any] | None = None, whole: Sequence[str] = ()
+    ) -> None:
+        """Declare the quick form, without which a study cannot be defined.
+
+        Args:
+            cls: The study.
+            quick: See `quick_form`.
+            sizes: See `quick_sizes`; the quick form refuses other values of them.
+            whole: Further options that the quick form refuses, in addition to `write`.
+        """
+        cls.quick_form, cls.quick_sizes, cls._whole = quick, sizes or {}, ("write", *whole)
+
+    _whole: ClassVar[Sequence[str]]
 
     @property
     def name(self) -> str:
@@ -46,6 +70,22 @@ class Study(ABC):
         given = (f"{name} {value}" for name, value in values.items() if value is not None and value is not False)
         return ", ".join((self.name, *given))
 
+    def reduce(self) -> Self:
+        """Return the study with the sizes of its quick form.
+
+        Raises:
+            InputError: Options are given that only the whole study has; the message names all of them.
+        """
+        hints = get_type_hints(type(self), include_extras=True)
+        own = {field.name: field.default for field in fields(self)}
+        given = [name for name in (*self._whole, *self.quick_sizes) if name in own and getattr(self, name) != own[name]]
+        if given:
+            raise InputError(
+                f"{', '.join(_option(name, hints[name]) for name in given)}: only for the whole study; "
+                "leave out --quick."
+            )
+        return replace(self, **self.quick_sizes)
+
     @abstractmethod
     def page(self, work: Work) -> Page:
         """Run the cases of the study and return its page."""
@@ -58,6 +98,14 @@ class Study(ABC):
         of many errors. A changed law changes the number by more.
         """
         return ()
+
+
+def _option(name: str, hint: Any) -> str:
+    """Return the option of a field on the command line."""
+    # Until typer reads a signature, the first name of an annotated option is in place of its default.
+    about = getattr(hint, "__metadata__", (None,))[0]
+    declared = getattr(about, "default", None)
+    return declared if isinstance(declared, str) else f"--{name.replace('_', '-')}"
 
 
 def study_named(name: str) -> type[Study]:
@@ -85,21 +133,33 @@ def conduct(
     """Run a study, write its page and further files; return the page and its path.
 
     Raises:
-        InputError: There is a `scheduler`, but the study has no cases for it, or it is not an address.
+        InputError: There is a `scheduler`, but the study has no cases for it, or it is not an address; or options of
+            the whole study are given for its quick form.
         RecordError: Results cannot be written into the folder; nothing was run.
         RailgripError: A case failed; earlier results are kept in the cache.
     """
     if scheduler is not None and not study.has_cases:
         raise InputError(f"--scheduler {scheduler}: study {study.name} has no cases for a cluster; omit it.")
-    folder = out / study.place
+    if study.quick:
+        study = study.reduce()
+    # The quick form does not overwrite results of the whole study.
+    folder = out / ("quick" if study.quick else "") / study.place
     require_own(folder)
     make_folder(folder)
     with work(study.name, folder, workers=workers, scheduler=scheduler, fresh=fresh) as job:
         page = study.page(job)
         origin = {"study": study.options, **input_versions()}
         page = replace(page, provenance={**origin, **page.provenance})
-        job.notify("page")
+        if study.quick:
+            page = _as_quick(page, study.quick_form)
+        job.notify("drawing the page")
         return page, page.write(folder, formats)
+
+
+def _as_quick(page: Page, form: str) -> Page:
+    about = f"This is the quick form of the study, which checks that it runs: {form}."
+    title, answer = f"{page.title} (quick form)", f"{about} {page.answer}"
+    return replace(page, title=title, answer=answer, screen=(about, *page.screen))
 
 
 def headlines(name: str, *, workers: int = 2) -> Findings:

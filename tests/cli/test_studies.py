@@ -18,7 +18,7 @@ from railgrip.campaign.work import work
 from railgrip.scenario.load import load
 from railgrip.studies import bench, names, summary
 from railgrip.studies.bench import answer
-from railgrip.studies.study import study_named
+from railgrip.studies.study import Study, study_named
 
 COUNT = itertools.count(1)
 
@@ -109,6 +109,45 @@ def test_studies_are_listed_with_a_summary(command):
 def test_every_study_is_named_after_its_module():
     for name in names():
         assert study_named(name).__module__ in (f"railgrip.studies.{name}", f"railgrip.studies.{name}.study")
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_study_has_a_quick_form_that_never_writes_into_the_documentation(name):
+    study = study_named(name)
+    assert len(study.quick_form) > 5
+    quick = study(quick=True).reduce()
+    assert {key: getattr(quick, key) for key in study.quick_sizes} == dict(study.quick_sizes)
+    if "write" in study.__dataclass_fields__:
+        with pytest.raises(InputError, match=r"--write: only for the whole study; leave out --quick\."):
+            study(quick=True, write=True).reduce()
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "words"),
+    [
+        ("benefit", {"draws": 20, "write": True}, "--write, --draws: "),
+        ("type_test", {"count": 24, "case": ["a"]}, "--case, --cases: "),
+        ("papers", {"fit": True}, "--fit: "),
+    ],
+)
+def test_a_quick_form_refuses_options_of_the_whole_study(command, name, options, words):
+    with pytest.raises(InputError, match=words):
+        study_named(name)(quick=True, **options).reduce()
+
+
+def test_a_study_without_a_quick_form_cannot_be_defined():
+    with pytest.raises(TypeError, match="quick"):
+        type("Slow", (Study,), {})
+
+
+def test_the_page_of_a_quick_form_begins_with_what_it_leaves_out(tmp_path, command):
+    done = command("study", "etcs", "--quick", "--out", tmp_path)
+    assert done.code == 0
+    about = "This is the quick form of the study, which checks that it runs: the whole study."
+    assert done.out.startswith(about)
+    page = (tmp_path / "quick" / "index.html").read_text(encoding="utf-8")
+    assert f'<p class="answer">{about}' in page
+    assert "(quick form)</h1>" in page
 
 
 def test_a_missing_study_is_reported_in_a_sentence(command):

@@ -75,7 +75,7 @@ def test_cases_without_a_file_are_reported_in_a_sentence():
     found, sentences = read_shipped(cases(CASES), TRAIN)
     assert found.empty
     assert sentences == [
-        "No results of railgrip's controllers come with these 240 cases; they come with those of --quick."
+        "No results of railgrip's controllers come with these 240 cases; they come with --cases 24."
     ]
 
 

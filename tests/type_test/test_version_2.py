@@ -115,7 +115,7 @@ def test_rails_of_passing_wheels_follow_the_other_cases_and_change_none():
 
 
 def test_the_test_set_has_the_rails_of_table_1_as_the_papers_have_them():
-    published = [case for case in SECOND.design(SECOND.quick, SECOND.test) if CaseSet.of(case.name).part == "t"]
+    published = [case for case in SECOND.design(SECOND.small, SECOND.test) if CaseSet.of(case.name).part == "t"]
     assert [case.scenario for case in published] == ["trapezoid", "sine_sweep", "random"]
     stops = campaign_of(published, {"fuzzy_slip": entrants(2)["fuzzy_slip"]}, train_of(None)).stops
     for case, stop in zip(published, stops, strict=True):
@@ -275,7 +275,7 @@ def test_training_cases_have_their_trains():
 
 
 def test_shipped_results_have_all_controllers_or_a_hint_how_to_renew_them():
-    design = CaseSet(version=2, count=SECOND.quick, seed=SECOND.test).cases()
+    design = CaseSet(version=2, count=SECOND.small, seed=SECOND.test).cases()
     found, (sentence,) = read_shipped(design, train_of(None))
     if found.empty:
         assert "`railgrip study type_test --write` writes" in sentence or "No results" in sentence
@@ -288,8 +288,7 @@ def test_shipped_results_have_all_controllers_or_a_hint_how_to_renew_them():
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"quick": True, "count": 8}, "--cases and --quick: "),
-        ({"quick": True, "case": ["01of24-15595"]}, "--case and --quick: "),
+        ({"count": 8, "case": ["01of24-15595"]}, "--case and --cases: "),
         ({"sealed": True, "validation": True, "controller": ["a"]}, "--sealed and --validation: "),
     ],
 )

@@ -55,7 +55,7 @@ _LEVEL: Final = 1e-3
 
 
 @dataclass(frozen=True)
-class AxleBox(Study):
+class AxleBox(Study, quick="short runs at one speed, and small networks"):
     """Learn friction from axle-box accelerations: train, judge, report, and export as FMUs."""
 
     file: Annotated[
@@ -65,7 +65,6 @@ class AxleBox(Study):
         str | None, Option(help="Motions for the paper's networks, such as 'left, right'; longitudinal unless given.")
     ] = None
     write: Annotated[bool, Option("--write", help="Write tables and figures into docs/papers.")] = False
-    quick: bool = False
     bench: Annotated[
         bool, Option("--bench", help="Only the family of the comparison of estimators, and slip against friction.")
     ] = False
@@ -80,8 +79,8 @@ class AxleBox(Study):
             raise ScenarioError("--quick is for the simulated runs of the study; leave it out with your own runs.")
         if self.bench and (self.file is not None or self.inputs is not None):
             raise ScenarioError("--bench is for the runs of the study; leave out FILE.toml and --inputs.")
-        if self.write and (self.quick or self.file is not None):
-            raise ScenarioError("--write is for the full study on simulated runs; leave out --quick and FILE.toml.")
+        if self.write and self.file is not None:
+            raise ScenarioError("--write is for the simulated runs of the study; leave out FILE.toml.")
 
     @property
     def place(self) -> str:

@@ -47,7 +47,7 @@ _COLOURS = {
 
 
 @dataclass(frozen=True)
-class Benefit(Study):
+class Benefit(Study, quick="the first measure, and 2 stops on the last rail of the line", sizes={"draws": 2}):
     """Find out what sand, a control law or track brakes buy on a line: metres, seconds of headway, and their cost.
 
     What does sanding buy for a train that leaves at .05 from 120 km/h?
@@ -65,7 +65,6 @@ class Benefit(Study):
     draws: Annotated[
         int, Option(help="Stops on each rail of the line; more of them narrow the intervals.", min=2, max=10_000)
     ] = 10
-    quick: bool = False
     write: Annotated[bool, Option("--write", help="Write its tables into docs/benefit.md.")] = False
 
     def page(self, work: Work) -> Page:
@@ -112,17 +111,20 @@ def chain_of(study: Benefit, work: Work) -> BenefitChain:
     Raises:
         InputError: A file or a name is wrong, or the train does not stop on a rail.
     """
-    line = load_study_line(study.line)
+    line, measures = load_study_line(study.line), study.measures
+    if study.quick:
+        line = line.model_copy(update={"rail": (line.rail[-1].model_copy(update={"probability": 1.0}),)})
+        measures = measures.partition(",")[0]
     file = locate(study.train, "trains")
     train = read_train(file)
     if not isinstance(train, Train):
         raise InputError(f"{file.name}: is a file of brake curves; stops need a train file")
     speed = min(max(section.speed for section in line.speed), maximum_speed(train))
-    draws = 2 if study.quick else study.draws
+    draws = study.draws
     rails = [None, *(rail for rail in line.rail for _ in range(draws))]
     seeds = [0, *list(range(1, draws + 1)) * len(line.rail)]
     with scratch("study") as folder:
-        variants = variants_of(file, measures_of(study.measures, line), study.controller, folder)
+        variants = variants_of(file, measures_of(measures, line), study.controller, folder)
         cases = [
             scenario_for(variant, line, rail, draw, speed)
             for variant in variants

@@ -32,8 +32,8 @@ from railgrip.studies.type_test.track_case import TrackCase, track_cases
 from railgrip.trace.bound import with_bound
 from railgrip.vehicle.formation import Formation
 
-COUNT, QUICK, TRAINING = 48, 4, 24
-"""Number of cases of each set, of a quick run, and of a search of noises."""
+COUNT, TRAINING = 48, 24
+"""Number of cases of each set, and of a search of noises."""
 
 SEEDS: Final = MappingProxyType({"training": 31, "test": 32, "sealed": 33})
 """Seeds of the sets: numbers are searched on the first, reported on the second, and the third is for a finished

@@ -30,7 +30,6 @@ from railgrip.studies.estimators.loop import BEST, compare, compare_table_1, sto
 from railgrip.studies.estimators.recordings import (
     COUNT,
     FAMILIES,
-    QUICK,
     SEEDS,
     TRAINING,
     RecordingCase,
@@ -72,7 +71,7 @@ FACTORS_FILE: Final = Path("harness/studies/estimators/library/noises.toml")
 
 
 @dataclass(frozen=True)
-class Estimators(Study):
+class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"count": 2}):
     """Compare estimators of adhesion, pad friction and speed on the same recordings of simulated stops."""
 
     estimator: Annotated[
@@ -84,7 +83,6 @@ class Estimators(Study):
     ] = None
     sealed: Annotated[bool, Option(help="Other cases, for a finished estimator: do not tune on them.")] = False
     count: Annotated[int | None, Option("--cases", min=2, max=1000, help="Number of cases.")] = None
-    quick: Annotated[bool, Option(help="Fewer cases, and no slow estimators.")] = False
     loop: Annotated[bool, Option("--loop", help="Stop under laws of the type test with other estimates instead.")] = (
         False
     )
@@ -104,7 +102,7 @@ class Estimators(Study):
         names = self._names()
         if self.write and self.estimator:
             raise InputError("--write is for all estimators; leave out --estimator.")
-        count, train = self.count or (QUICK if self.quick else COUNT), self._train()
+        count, train = self.count or COUNT, self._train()
         design = recording_cases(count, SEEDS["sealed" if self.sealed else "test"], train)
         rows = rows_of(work, design, recording_cases(count, SEEDS["training"], train), names)
         bounds = work.map(bounds_of, design)
@@ -157,7 +155,7 @@ class Estimators(Study):
         """Compare stops of the type test and of Table 1 with other estimates."""
         if self.estimator or self.train is not None or self.sealed or self.tune:
             raise InputError("--loop compares the same estimates in the same cases; leave out other options.")
-        count = self.count or (QUICK if self.quick else VERSIONS[2].quick)
+        count = self.count or VERSIONS[2].small
         tables = {
             "loop": compare(stops_of_type_test(work, count)),
             "loop_table_1": compare_table_1(stops_of_table_1(work)),

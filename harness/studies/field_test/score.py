@@ -154,16 +154,20 @@ SEEDS = tuple(range(1, 13))
 
 
 def over_seeds(
-    scenario: Scenario, noises: Mapping[str, Noise], work: Work, import_from: Sequence[Path] = ()
+    scenario: Scenario,
+    noises: Mapping[str, Noise],
+    work: Work,
+    import_from: Sequence[Path] = (),
+    seeds: Sequence[int] = SEEDS,
 ) -> tuple[list[Figures], dict[str, list[Figures]]]:
     """Return the errors of the track, and of the filter by the title of its noises, in case 6 with every seed.
 
-    Both are in the order of `SEEDS`; `import_from` as for `run`.
+    Both are in the order of the seeds; `import_from` as for `run`.
 
     Raises:
         EstimationError: See `railgrip.studies.field_test.filtering.run`.
     """
-    scenarios = [scenario.model_copy(update={"seed": seed}) for seed in SEEDS]
+    scenarios = [scenario.model_copy(update={"seed": seed}) for seed in seeds]
     rows = work.map(partial(case_6, noises=noises, import_from=tuple(import_from)), scenarios, keep=not import_from)
     return [track for track, _ in rows], {title: [scores[title] for _, scores in rows] for title in noises}
 

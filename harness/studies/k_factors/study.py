@@ -42,7 +42,8 @@ from railgrip.supervision.rare import estimates, pool_samples
 _LEVELS = (0, 3, 6, 9)
 """EBCL of the panels of convergence."""
 
-_FEW_RUNS, _FEW_SAMPLES = 2, 100
+_FEW = ("estimate.runs=2", "estimate.samples=100")
+_FEW_STOPS = ("loop.runs=2", "loop.samples=20")
 
 _HALF_HEIGHT = 0.012  # of the panels of convergence, in K
 
@@ -53,7 +54,7 @@ _METHOD = "exact enumeration of failure states, importance sampling about the wo
 
 
 @dataclass(frozen=True)
-class KFactors(Study):
+class KFactors(Study, quick="2 runs with few samples"):
     """Print K_dry_rst for EBCL 0 to 9 from the dispersion of a brake's components, with intervals of 95 %."""
 
     file: Annotated[Path, Argument(metavar="FILE.toml", help="Dispersion and failures.")] = Path("vt642")
@@ -68,7 +69,8 @@ class KFactors(Study):
         Raises:
             ScenarioError: The plant is not such a train, its nominal stop does not end, or the file lacks [loop].
         """
-        specification, subject = load_specification(self.file, self.overrides or [])
+        few = (*_FEW, *(_FEW_STOPS if self.loop else ())) if self.quick else ()
+        specification, subject = load_specification(self.file, [*(self.overrides or []), *few])
         folders = self.import_from or []
         if self.loop and specification.loop is None:
             raise ScenarioError(f"{specification.name}: has no [loop], which stops with a controller need")
@@ -98,8 +100,7 @@ class KFactors(Study):
 
     def headlines(self, work: Work) -> list[Finding]:
         """Return K of the stop at four EBCL, from fewer samples of each failure state."""
-        little = [f"estimate.runs={_FEW_RUNS}", f"estimate.samples={_FEW_SAMPLES}"]
-        specification, subject = load_specification(self.file, little)
+        specification, subject = load_specification(self.file, list(_FEW))
         result = quasi_static(specification, brake_of(specification, subject))
         # Seeds are fixed: a thousandth is enough for the arithmetic of another machine.
         return [Finding(f"vt642: K of the stop, EBCL {level}", result.k[-1][level].value, "1") for level in _LEVELS]

@@ -7,7 +7,6 @@ from typing import Annotated, Any, Final
 import pandas
 from typer import Option
 
-from railgrip.base.errors import ScenarioError
 from railgrip.campaign.work import Work
 from railgrip.estimation.models import Kind
 from railgrip.report.baseline import Finding
@@ -219,22 +218,17 @@ _HEADLINES: Final = {
 
 
 @dataclass(frozen=True)
-class Lateral(Study):
+class Lateral(Study, quick="2.5 s of each test at one speed with two seeds"):
     """Estimate creep, force and friction of a wandering wheelset with three filters, and compare their errors."""
 
-    quick: bool = False
     stiffness: Annotated[bool, Option(help="Only runs with an unknown creep stiffness.")] = False
     write: Annotated[bool, Option("--write", help="Write tables and figures into docs/papers.")] = False
     prediction: Annotated[Kind, Option(help="Form of the prediction in the filters: FMUs, or their equations.")] = "fmu"
 
-    def __post_init__(self) -> None:
-        if self.write and self.quick:
-            raise ScenarioError("--write is for the full study; leave out --quick.")
-
     @property
     def place(self) -> str:
-        """Folder of the quick form, and of that on creep stiffness."""
-        return "_".join(name for name in ("quick", "stiffness") if getattr(self, name))
+        """Folder of the runs on creep stiffness."""
+        return "stiffness" if self.stiffness else ""
 
     def page(self, work: Work) -> Page:
         """Return the page of all runs, or of those on creep stiffness."""

@@ -47,7 +47,7 @@ def evidence_of_life(life: Life) -> list[Evidence]:
 
 
 @dataclass(frozen=True)
-class PadMonitor(Study):
+class PadMonitor(Study, quick="1 life of 60 stops", sizes={"seeds": 1, "stops": 60}):
     """Simulate lives with a worn and a sticking brake; print delays of alarms and the rate of false ones."""
 
     seeds: Annotated[int, Option(min=1, help="Lives.")] = SEEDS

@@ -46,8 +46,12 @@ Guarded = Mapping[str, float | None]
 """`distance`: median of three stops [m], None if most of them do not stop; `lock`: the longest lock in them [s]."""
 
 
-def guards(work: Work) -> dict[str, dict[str, Guarded]]:
-    """Return distance and lock of the law as printed without each of its guards, by equipment and scenario."""
+def guards(work: Work, *, is_quick: bool = False) -> dict[str, dict[str, Guarded]]:
+    """Return distance and lock of the law as printed without each of its guards, by equipment and scenario.
+
+    The quick form has two variants, each with one stop in place of their median.
+    """
+    variants, repeats = (tuple(GUARDS)[:2], 1) if is_quick else (tuple(GUARDS), _REPEATS)
     campaign = load_campaign(shelf("campaigns")["table1"])
     planned = {
         f"{stop.variants['equipment']}-{stop.variants['scenario']}": stop.scenario
@@ -56,13 +60,13 @@ def guards(work: Work) -> dict[str, dict[str, Guarded]]:
     columns = [f"{equipment}-{name}" for equipment in _EQUIPMENT for name in SCENARIOS]
     cases = [
         _with_parameters(planned[column], variant, seed)
-        for variant in GUARDS
+        for variant in variants
         for column in columns
-        for seed in range(1, _REPEATS + 1)
+        for seed in range(1, repeats + 1)
     ]
     stops = iter(work.map(distance_and_lock, cases))
-    return {variant: {column: _summary([next(stops) for _ in range(_REPEATS)]) for column in columns}
-            for variant in GUARDS}  # fmt: skip
+    return {variant: {column: _summary([next(stops) for _ in range(repeats)]) for column in columns}
+            for variant in variants}  # fmt: skip
 
 
 def distance_and_lock(scenario: Scenario) -> tuple[float, float]:
@@ -108,7 +112,7 @@ def accepted_ranges() -> dict[str, str]:
 
 def guards_table(found: Mapping[str, Mapping[str, Guarded]]) -> ReportTable:
     """Return a table of `guards`: the accepted distances, then changes by each variant in the same repeats [m]."""
-    first, *variants = GUARDS
+    first, *variants = found
     rows = [(first, *accepted_ranges().values())]
     rows += [
         (variant, *(_changed(one, found[first][column]) for column, one in found[variant].items()))
@@ -122,13 +126,15 @@ _LIMITED: Final = ("adhesion_literal", "adhesion_based", "slope_seeking")
 """Laws with a limit of adhesion."""
 
 
-def excesses(work: Work) -> list[dict[str, Any]]:
-    """Return the maximum adhesion under each law with a limit, and its components; see `excess`."""
+def excesses(work: Work, *, is_quick: bool = False) -> list[dict[str, Any]]:
+    """Return the maximum adhesion under each law with a limit, and its components; see `excess`.
+
+    The quick form has ideal equipment alone.
+    """
     campaign = load_campaign(shelf("campaigns")["table1"])
+    equipment = ("ideal",) if is_quick else ("ideal", "instant", "service")
     stops = campaign.only(
-        lambda stop: (
-            stop.variants["equipment"] in ("ideal", "instant", "service") and stop.variants["controller"] in _LIMITED
-        )
+        lambda stop: stop.variants["equipment"] in equipment and stop.variants["controller"] in _LIMITED
     ).stops
     found = work.map(excess, [stop.scenario for stop in stops])
     return [

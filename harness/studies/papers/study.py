@@ -462,7 +462,7 @@ def validation_tables(found: Mapping[str, Any]) -> dict[str, ReportTable]:
 
 
 @dataclass(frozen=True)
-class Papers(Study):
+class Papers(Study, quick="few variants and repeats of the law as printed, on ideal equipment", whole=("fit",)):
     """Draw figures and tables of the paper on adhesion-based control, with its Table 1 identified."""
 
     fit: Annotated[
@@ -479,11 +479,10 @@ class Papers(Study):
         fits = search(work, known[:KNOWN]) if self.fit else known
         identified = refine(work, fits) if self.fit else read_fits(IDENTIFIED)[0]
         work.notify("guards of the law")
-        guards, excesses = printed.guards(work), printed.excesses(work)
+        guards, excesses = printed.guards(work, is_quick=self.quick), printed.excesses(work, is_quick=self.quick)
         work.notify("figures")
-        cases = [
-            partial(repeat, name, identified.candidate, identified.levels[name], FINAL["abc"]) for name in SCENARIOS
-        ]
+        count = 1 if self.quick else FINAL["abc"]
+        cases = [partial(repeat, name, identified.candidate, identified.levels[name], count) for name in SCENARIOS]
         repeats = dict(zip(SCENARIOS, work.map(call, cases), strict=True))
         of_causes, of_rails = causes(), rails()
         stops = stops_of(identified, median_seed(repeats["trapezoid"]))

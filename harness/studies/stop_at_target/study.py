@@ -35,7 +35,7 @@ PAGE = Path("docs/stop_at_target.md")
 LIBRARY = Path(__file__).parent / "library"
 EQUIPMENT = Path(__file__).parents[2] / "scenario" / "equipment" / "service.toml"
 
-DRAWS, QUICK, HEADLINE = 500, 2, 3
+DRAWS, HEADLINE = 500, 3
 SETS, TRAINING = 16, 12
 """Sets of parameters that are tried for each system, and draws of the training on which they are compared."""
 _POPULATION = 5
@@ -285,17 +285,16 @@ def values_table(found: Mapping[str, Mapping[str, float]]) -> ReportTable:
 
 
 @dataclass(frozen=True)
-class StopAtTarget(Study):
+class StopAtTarget(Study, quick="2 draws, and no search of parameters", sizes={"draws": 2, "sets": 0}):
     """Stop at a target with a driver, deceleration control, and adhesion management, over draws of everything."""
 
     draws: Annotated[int, Option(min=1, help="Draws with magnets; a fifth as many without.")] = DRAWS
     sets: Annotated[int, Option(min=0, help="Sets of parameters for each system; 0 keeps those of the laws.")] = SETS
     write: Annotated[bool, Option("--write", help=f"Write the tables into {PAGE}.")] = False
-    quick: bool = False
 
     def page(self, work: Work) -> Page:
         """Search the parameters, run the draws, and return the errors; the small form has few draws and no search."""
-        count, sets = (QUICK, 0) if self.quick else (self.draws, self.sets)
+        count, sets = self.draws, self.sets
         systems = {name: search(name, work, sets) for name in SYSTEMS}
         draws = draws_of(count, TEST_SEED)
         frames = {

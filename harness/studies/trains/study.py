@@ -46,11 +46,10 @@ HAND = "EN 14531-1 by hand"
 
 
 @dataclass(frozen=True)
-class Trains(Study):
+class Trains(Study, quick="without the longest train, and costs of up to four cars"):
     """Stop the built-in trains, compare them with published stops, and fit sand to a trial of sanders."""
 
     write: Annotated[bool, Option("--write", help="Write its tables into docs/train_models.md.")] = False
-    quick: bool = False
 
     def page(self, work: Work) -> Page:
         """Return all stops; the small form is without the longest train and the cost of more than four cars."""

@@ -37,14 +37,14 @@ class Version:
     """A version of the type test.
 
     Attributes:
-        count, quick: Number of cases of a full test, and of a quick one.
+        count, small: Number of cases of the full set, and of the small one.
         test, validation, training: Seeds of the sets.
         draw: Returns a number of cases of a seed.
         parts: Letter in the names of further cases → their number and draw.
     """
 
     count: int
-    quick: int
+    small: int
     test: int
     validation: int
     training: int
@@ -74,7 +74,7 @@ VERSIONS: Final[Mapping[int, Version]] = MappingProxyType(
     {
         1: Version(
             count=design.CASES,
-            quick=design.QUICK,
+            small=design.SMALL,
             test=design.SEED,
             validation=design.VALIDATION_SEED,
             training=design.TRAINING_SEED,
@@ -82,7 +82,7 @@ VERSIONS: Final[Mapping[int, Version]] = MappingProxyType(
         ),
         2: Version(
             count=432,
-            quick=24,
+            small=24,
             test=25595,
             validation=64105,
             training=3021,
@@ -95,7 +95,7 @@ VERSIONS: Final[Mapping[int, Version]] = MappingProxyType(
     }
 )
 
-"""Number → version. A stop of version 2 takes 0.75 s of processor time in the mean of all controllers in the quick set,
+"""Number → version. A stop of version 2 takes 0.75 s of processor time in the mean of all controllers in the small set,
 so that the full set of one controller takes some 3 minutes on two idle cores."""
 
 SEALED: Final = 48
@@ -176,7 +176,7 @@ def case_named(name: str) -> AnyCase:
         raise ScenarioError(f"--case {cut(name)}: cases of a sealed set are run together, by --sealed")
     found = next((case for case in of_name.cases() if case.name == name), None) if of_name else None
     if found is None:
-        example = design.cases(design.QUICK)[0].name
+        example = design.cases(design.SMALL)[0].name
         raise ScenarioError(f"--case {cut(name)}: there is no such case; it is named like {example}")
     return found
 

@@ -19,8 +19,8 @@ from railgrip.base.units import GRAVITY
 
 KMH: Final = 3.6
 
-CASES, QUICK = 240, 24
-"""Number of cases of a full test, and of a quick one."""
+CASES, SMALL = 240, 24
+"""Number of cases of the full set, and of the small one."""
 
 SEED, VALIDATION_SEED, TRAINING_SEED = 15595, 54105, 2021
 """Seeds of the type test, of the validation set for a finished controller, and of the training set.

@@ -23,7 +23,7 @@ from railgrip.report.frame import Frame, plain
 from railgrip.report.limits import AssessmentLimits
 from railgrip.report.statistics import finite, quantile, quantile_interval
 from railgrip.report.stop import Stop
-from railgrip.studies.type_test.case_set import AnyCase, CaseSet
+from railgrip.studies.type_test.case_set import VERSIONS, AnyCase, CaseSet
 from railgrip.studies.type_test.entrants import LIBRARY, Entrant
 from railgrip.trace.k_wet import k_wet_of_distances
 
@@ -287,7 +287,7 @@ def read_shipped(
         if not (folder / file).exists():
             sentences.append(
                 f"No results of railgrip's controllers come with these {case_set.count} cases; "
-                "they come with those of --quick."
+                f"they come with --cases {VERSIONS[case_set.version].small}."
             )
             continue
         header, *lines = (folder / file).read_text(encoding="utf-8").splitlines()

@@ -64,7 +64,7 @@ PAGE: Final = Path("docs/type_test.md")
 
 
 @dataclass(frozen=True)
-class TypeTest(Study):
+class TypeTest(Study, quick="2 cases", sizes={"count": 2}, whole=("case",)):
     """Stop a train in hundreds of cases under each controller, judge every stop, and rank them."""
 
     controller: Annotated[
@@ -80,7 +80,6 @@ class TypeTest(Study):
     against: Annotated[
         str | None, Option(help="A controller of the test: distances of the others over its own, case by case.")
     ] = None
-    quick: Annotated[bool, Option(help="A tenth of the cases, for a first result.")] = False
     validation: Annotated[bool, Option(help="Other cases, for a finished controller: do not tune on them.")] = False
     count: Annotated[int | None, Option("--cases", min=1, max=10000, help="Number of cases.")] = None
     version: Annotated[
@@ -138,7 +137,9 @@ class TypeTest(Study):
         running = set(named) if self.shipped else self._running(ours, candidates)
         stops = campaign.only(lambda stop: stop.variants["controller"] in running)
         runner = partial(run_stop, objects=CustomParts(folders=tuple(self.import_from or ())))
-        exit_code = work.stops([CampaignRun(stops, work.folder)], runner, is_any_outcome=True)
+        exit_code = work.stops(
+            [CampaignRun(stops, work.folder)], runner, import_from=self.import_from or (), is_any_outcome=True
+        )
         write_description(campaign, work.folder)
         results = read_results(work.folder)
         found = measure(results.stops)
@@ -175,7 +176,7 @@ class TypeTest(Study):
         return replace(page, screen=(*page.screen, *panels), exit_code=exit_code)
 
     def _require_consistent(self) -> None:
-        _require_one_of({"--case": self.case, "--cases": self.count, "--quick": self.quick})
+        _require_one_of({"--case": self.case, "--cases": self.count})
         _require_one_of({"--case": self.case, "--sealed": self.sealed, "--validation": self.validation})
         if self.shipped and (self.sealed or self.train or self.task or self.case):
             raise ScenarioError("--shipped is for sets of cases of the package on its train; leave out other options.")
@@ -188,7 +189,7 @@ class TypeTest(Study):
     def _design(self, digests: Mapping[str, str]) -> tuple[AnyCase, ...]:
         """Return the cases; those with --train have its train in place of the trains of the library."""
         version = VERSIONS[self._version]
-        count = self.count or (version.quick if self.quick else SEALED if self.sealed else version.count)
+        count = self.count or (SEALED if self.sealed else version.count)
         if self.case:
             design = tuple(case_named(name) for name in self.case)
         elif self.sealed:
@@ -223,12 +224,13 @@ class TypeTest(Study):
             write_tables(PAGE, {f"sealed set of {name}": f"{of}{table}" for name, table in results.items()})
             return
         write_shipped(found, design, train_of(None), LIBRARY)
+        is_small = self.count == VERSIONS[self._version].small
         values, suffix = page.values, "" if self._version == 1 else f" of version {self._version}"
         leaders = values["leaders"].without(["K_wet (10 %)", *(["compared"] if self._version == 1 else [])])
         tables: dict[str, ReportTable | str] = {"leaderboard": f"{of}{leaders}"}
         if self._version > 1:
             tables |= {name: f"{of}{values[name]}" for name in ("verdict", "recommendation")}
-        if self._version > 1 and not self.quick:
+        if self._version > 1 and not is_small:
             best = values["losses"].rows[0]["controller"]
             tables |= {
                 "run": " ".join(values["unranked"]) or "All laws were run in at least half of the cases.",
@@ -236,10 +238,10 @@ class TypeTest(Study):
                 "looks": values["looks"],
                 "families": f"{of}{best}:\n\n{values['of_controller'][best]}",
             }
-        if self._version == 1 or not self.quick:
+        if self._version == 1 or not is_small:
             tables["controllers"] = values["controllers"].without(("results",))
         else:
-            suffix += ", quick set"
+            suffix += ", small set"
         write_tables(PAGE, {f"{name}{suffix}": table for name, table in tables.items()})
 
     def _again(self, candidates: Iterable[str]) -> dict[str, str]:
