@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 import railgrip as rg
-from railgrip.base import registry
 from railgrip.campaign.run import find_result, run
 from railgrip.cli.runs import runner
 from railgrip.scenario.campaign import PlannedStop
@@ -117,7 +116,7 @@ def test_a_result_of_another_package_or_from_another_folder_is_not_kept(folder, 
 def test_an_interrupted_campaign_goes_on_where_it_was(folder):
     keys = "".join(f'{key} = "{value}"\n' for key, value in SHORT.items())
     (folder / "two.toml").write_text(
-        f'name = "two"\nscenarios = ["{registry.shelf("library")["trapezoid"]}"]\n[axes.controller.first]\n{keys}'
+        f'name = "two"\nscenarios = ["trapezoid"]\n[axes.controller.first]\n{keys}'
         f'controller.kind = "kept_law:Hold"\n[axes.controller.second]\n{keys}'
         f'controller = {{ kind = "kept_law:Hold", parameters = {{ wait = "{folder / "go"}" }} }}\n'
     )
