@@ -384,6 +384,19 @@ def test_an_estimate_of_another_sign_or_that_never_changes_ends_the_stop(scenari
         assert words in stop.reason
 
 
+def test_a_train_that_speeds_up_before_it_brakes_has_a_negative_estimate(scenario):
+    """A light brake on a steep fall: adhesion from the deceleration is below zero for longer than a second."""
+    falling = scenario.changed(
+        {"controller.kind": "full_brake", "truth.gradient": -0.04, "limits.horizon": "2 s",
+         "demand.phases": [{"pressure": "0.3 bar"}]}
+    )  # fmt: skip
+    step = lambda self, seen: rg.Estimate(adhesion=np.full(4, -seen.acceleration / 9.81))  # noqa: E731
+    own = type("Deceleration", (), {"provides": ("adhesion",), "start": lambda self, *_: None, "step": step})
+    stop = rg.run(falling, estimator=own())
+    assert stop.outcome is rg.Outcome.HORIZON, stop.reason
+    assert stop.trace["estimate_adhesion"].values[-1].max() < -0.02
+
+
 @pytest.mark.parametrize(
     "value",
     [

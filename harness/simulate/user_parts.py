@@ -360,9 +360,7 @@ class CustomEstimator(_Adapter):
             raise ScenarioError(f"{self.name}: `provides` is empty; an estimator names there what its steps give")
         self._formation, self._has_started = _guard_formation(formation), False
         self._checks = {name: UnitCheck(SMALLEST_RECOGNISED.get(name, 0.0)) for name in self.provides}
-        self._signs = {
-            name: SignCheck(name, formation.wheel_radius) for name in self.provides if not name.endswith("_sd")
-        }
+        self._signs = {name: SignCheck(name, formation) for name in self.provides if not name.endswith("_sd")}
         extent: dict[str, Extent] = {signal.name.removeprefix("estimate_"): signal.extent for signal in ESTIMATES}
         self._shapes = {
             name: () if extent[name] == "train" else (formation.width(extent[name]),) for name in self.provides

@@ -28,6 +28,8 @@ _MAX_RATIO = 1.5
 """Above any adhesion, pad friction or slip: a larger estimate is in percent."""
 _SLIDES = 0.1  # slip; readings of the speed of a rolling train are less than 10 % off
 _ROUGHLY_ZERO = 0.02  # adhesion and friction; filters overshoot zero by less
+_BRAKES = 0.2
+"""Share of full pressure from which on a train slows on any gradient; below, an honest estimate may be negative."""
 _SLOWED = 5.0  # m/s; a train that slows by this without a change of slip is not on a rail
 _SIGNS = {
     "slip": "; the wheels read slower than the train: slip is 1 - r w/v, positive in braking",
@@ -137,23 +139,23 @@ class UnitCheck:
 
 
 class _Persistence:
-    """The time for which a condition has held without a break."""
+    """The time for which a condition has held without a break, for each group."""
 
     def __init__(self) -> None:
-        self._since = math.inf
+        self._since: float | Array = math.inf
 
-    def lasts(self, time: float, holds: bool) -> bool:
-        """Return whether the condition, which holds at this time or not, has held for a second."""
-        self._since = min(self._since, time) if holds else math.inf
-        return time >= self._since + PATIENCE
+    def lasts(self, time: float, holds: Array) -> bool:
+        """Return whether the condition, which holds for each group at this time or not, has held for one for 1 s."""
+        self._since = np.where(holds, np.minimum(self._since, time), math.inf)
+        return bool((time >= self._since + PATIENCE).any())
 
 
 class SignCheck:
     """Compares the signs of estimates with those that braking gives them, and looks for estimates that never change."""
 
-    def __init__(self, name: str, wheel_radius: Array) -> None:
-        """Check the estimate of a name on groups with wheels of these radii, shape (groups,) [m]."""
-        self._name, self._radius = name, wheel_radius
+    def __init__(self, name: str, formation: Formation) -> None:
+        """Check the estimate of a name on the groups of a formation."""
+        self._name, self._radius, self._pressure_max = name, formation.wheel_radius, formation.pressure_max
         self._wrong, self._first, self._speed = _Persistence(), np.empty(0), math.nan
 
     def mistake(self, observation: Observation, value: ArrayLike) -> str:
@@ -164,18 +166,21 @@ class SignCheck:
         # Adhesion and friction of pads may be assumptions, or steady in a steady braking.
         return self._stuck(observation, values) if self._name in ("speed", "wheelset_speed", "slip") else ""
 
-    def _is_wrong(self, observation: Observation, values: Array) -> bool:
+    def _is_wrong(self, observation: Observation, values: Array) -> Array:
+        """Return for each group whether its value has the sign that braking does not give it."""
         match self._name:
             case "slip":
                 rolling = max(observation.speed, _SLOWED) / self._radius
                 read = 1.0 - observation.wheelset_speed / rolling
-                return bool(np.any((read > _SLIDES) & (values < -0.5 * read)))
+                return (read > _SLIDES) & (values < -0.5 * read)
             case "adhesion":
-                return bool(observation.driver_demand.max() > 0.0 and np.any(values < -_ROUGHLY_ZERO))
+                # A group without a reading of its pressure counts as braked.
+                is_braked = ~(observation.pressure < _BRAKES * self._pressure_max)
+                return (observation.driver_demand > 0.0) & is_braked & (values < -_ROUGHLY_ZERO)
             case "pad_friction":
-                return bool(np.any(values < -_ROUGHLY_ZERO))
+                return values < -_ROUGHLY_ZERO
             case _:
-                return False
+                return np.zeros(values.shape, dtype=bool)
 
     def _stuck(self, observation: Observation, values: Array) -> str:
         if not self._first.size:

@@ -1,5 +1,7 @@
 """The contracts of `railgrip.testing` for parts of users: built-in parts satisfy them, and violations are reported."""
 
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 
@@ -144,6 +146,36 @@ def test_a_broken_estimator_is_reported(broken, words):
     check_estimator(Reckoned)
     with pytest.raises(ContractBroken, match=words):
         check_estimator(broken)
+
+
+def turn(seen, n):
+    """Return whether it is the turn of each of n groups, 0.3 s each."""
+    return np.arange(n) == int(seen.time / 0.3) % max(n, 2)
+
+
+@pytest.mark.parametrize(
+    ("provides", "value", "words"),
+    [
+        ("adhesion", lambda seen, n: np.where(turn(seen, n), -0.1, 0.08), None),
+        ("adhesion", lambda seen, n: np.full(n, -0.001), None),
+        ("pad_friction", lambda seen, n: np.where(turn(seen, n), -0.1, 0.35), None),
+        ("speed", lambda seen, n: seen.speed - 0.2, None),
+        ("slip", lambda seen, n: seen.slip - np.where(turn(seen, n), 1.0, 0.0), None),
+        ("adhesion", lambda seen, n: np.where(np.arange(n) == n - 1, -0.1, 0.08), "adhesion is positive in braking"),
+        ("pad_friction", lambda seen, n: np.full(n, -0.35), "friction of pads is positive"),
+        ("speed", lambda seen, n: -seen.speed, "other sign"),
+        ("slip", lambda seen, n: -seen.slip, "positive in braking"),
+    ],
+)
+def test_an_estimate_may_be_negative_for_a_moment_but_not_throughout(provides, value, words):
+    """Each group of an honest estimate may be below zero in its turn."""
+    own = type(
+        "Own",
+        (Reckoned,),
+        {"provides": (provides,), "step": lambda self, seen: rg.Estimate(**{provides: value(seen, self.n)})},
+    )
+    with nullcontext() if words is None else pytest.raises(ContractBroken, match=words):
+        check_estimator(own)
 
 
 class Exact:
