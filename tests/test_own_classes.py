@@ -390,9 +390,17 @@ def test_a_train_that_speeds_up_before_it_brakes_has_a_negative_estimate(scenari
         {"controller.kind": "full_brake", "truth.gradient": -0.04, "limits.horizon": "2 s",
          "demand.phases": [{"pressure": "0.3 bar"}]}
     )  # fmt: skip
-    step = lambda self, seen: rg.Estimate(adhesion=np.full(4, -seen.acceleration / 9.81))  # noqa: E731
-    own = type("Deceleration", (), {"provides": ("adhesion",), "start": lambda self, *_: None, "step": step})
-    stop = rg.run(falling, estimator=own())
+
+    class Deceleration:
+        provides = ("adhesion",)
+
+        def start(self, first, formation):
+            """Start without a state."""
+
+        def step(self, observation):
+            return rg.Estimate(adhesion=np.full(4, -observation.acceleration / 9.81))
+
+    stop = rg.run(falling, estimator=Deceleration())
     assert stop.outcome is rg.Outcome.HORIZON, stop.reason
     assert stop.trace["estimate_adhesion"].values[-1].max() < -0.02
 

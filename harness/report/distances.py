@@ -15,10 +15,10 @@ from railgrip.base.records import claim
 from railgrip.report.distribution import (
     Change,
     ReferenceVariant,
+    change_text,
     distribution_table,
     distributions_of,
     plain_distributions,
-    with_interval,
 )
 from railgrip.report.frame import (
     IN_TABLES,
@@ -450,7 +450,7 @@ def _contender_text(own: Frame, value: str, of: str) -> str:
     """Return the median change with its interval over pairs, or with its range, also against the best tuned SBC."""
     values = own[value].tolist()
     if of == "pairs":
-        return f"{with_interval(values)} in the median of {len(values)} pairs"
+        return f"{change_text(values)} in the median of {len(values)} pairs"
     if len(values) == 1:
         return f"{_percent_or_endless(values[0])} in one stop{_against_tuned(own)}"
     ends = " to ".join(_percent_or_endless(choose(values)) for choose in (min, max))

@@ -23,7 +23,7 @@ from railgrip.report.statistics import (
     share_interval,
 )
 from railgrip.report.stop import Stop
-from railgrip.report.table import Link, ReportTable, percent, text
+from railgrip.report.table import Link, ReportTable, percent, text, with_interval
 from railgrip.scenario.campaign import DRAW
 
 
@@ -165,18 +165,17 @@ def worst_table(frame: Frame, pages: Mapping[str, str], count: int = 10) -> Repo
     return ReportTable(cells, {figure.column: figure.text for figure in IN_TABLES.values()})
 
 
-def with_interval(changes: Sequence[float]) -> str:
+def change_text(changes: Sequence[float]) -> str:
     """Return the median of changes with its interval in brackets, if there are enough for one."""
-    median = percent(float(np.median(changes))) or "endless"
-    ends = median_interval(changes) or ()
-    return f"{median} [{', '.join(percent(end) or 'endless' for end in ends)}]" if ends else median
+    form = lambda change: percent(change) or "endless"  # noqa: E731
+    return with_interval(float(np.median(changes)), median_interval(changes), form, without=0.0)
 
 
 def paired_texts(name: str, paired: PairedComparison | None) -> dict[str, str]:
     """Return the columns of a table that compare with another controller or variant of this name."""
     change = shorter = ""
     if paired is not None:
-        change = with_interval(paired.changes)
+        change = change_text(paired.changes)
         shorter = text(100 * paired.shorter, "{:.0f} %")
         shorter += f" [{', '.join(text(100 * end, '{:.0f}') for end in paired.shorter_interval)}]"
     return {f"change vs {name}": change, f"shorter than {name}": shorter}

@@ -18,6 +18,10 @@ CONFIDENCE: Final = 0.95
 _ENDS: Final = (0.025, 0.975)
 """Of `CONFIDENCE`: (1 − 0.95)/2 is not 0.025 in floating point, and the 50th of 2000 would become the 51st."""
 
+FEWEST_DRAWS: Final = 20
+"""Minimum number of draws of a bootstrap interval: in place of 95 % it covers 79 % for the mean of 4 draws, 91 % of 20.
+"""
+
 _RESAMPLES: Final = 2000
 _SEED: Final = 8
 
@@ -113,21 +117,31 @@ def order_interval(values: Sequence[float], share: float) -> tuple[float, float]
     return None if math.isnan(low) or math.isnan(high) else (low, high)
 
 
+def draws_for_interval(share: float = 0.5) -> int:
+    """Return the minimum number of draws of a bootstrap interval of a quantile.
+
+    The ends of the interval are draws, so that it ends too early if all draws are often on one side of the quantile.
+    """
+    return max(FEWEST_DRAWS, math.ceil(math.log(_ENDS[0]) / math.log(max(share, 1.0 - share))))
+
+
 def bootstrap_interval(
     cases: Sequence[Any] | Array,
     statistic: Callable[[Array], Array],
     *,
+    fewest: int = FEWEST_DRAWS,
     interpolate: bool = True,
     resamples: int = _RESAMPLES,
     generator: np.random.Generator | None = None,
 ) -> tuple[float, float] | None:
-    """Return the percentile bootstrap interval of a statistic over cases; None with fewer than two cases.
+    """Return the percentile bootstrap interval of a statistic over cases; None with fewer than `fewest` cases.
 
     `scipy.stats.bootstrap` draws other cases from the same seed, which would move all published intervals.
 
     Args:
         cases: Values of each case, shape (n, …).
         statistic: Function of resampled cases, shape (m, n, …), that returns m values.
+        fewest: Minimum number of cases; for a statistic of quantiles `draws_for_interval`.
         interpolate: Whether ends are interpolated between resamples; the mean of two infinite distances is undefined.
         resamples: Number of resamples.
         generator: Generator of the draws; None for that of all published intervals of stops.
@@ -140,7 +154,7 @@ def bootstrap_interval(
     values = np.asarray(cases, dtype=np.float64)
     if np.isnan(values).any() or (interpolate and np.isinf(values).any()):
         raise ValueError("a bootstrap interval needs a number for each case; leave out the cases without one")
-    if len(values) < 2:
+    if len(values) < fewest:
         return None
     random = np.random.default_rng(_SEED) if generator is None else generator
     draws = random.integers(len(values), size=(resamples, len(values)))
@@ -150,9 +164,9 @@ def bootstrap_interval(
 
 
 def quantile_interval(values: Sequence[float], share: float) -> tuple[float, float] | None:
-    """Return the percentile bootstrap interval of a quantile, which may end in infinite distances."""
+    """Return the percentile bootstrap interval of a quantile, which may be infinite; None with too few values."""
 
     def quantiles(draws: Array) -> Array:
         return np.quantile(draws, share, axis=1, method="inverted_cdf")
 
-    return bootstrap_interval(values, quantiles, interpolate=False)
+    return bootstrap_interval(values, quantiles, fewest=draws_for_interval(share), interpolate=False)

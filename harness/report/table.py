@@ -257,6 +257,26 @@ def whole_percent(value: float) -> str:
     return text(100 * value, "{:.0f} %")
 
 
+def with_interval(
+    value: Any, interval: tuple[Any, Any] | None, form: Form, unit: str = "", *, without: float | None = None
+) -> str:
+    """Return a value with its interval in brackets, if there is one.
+
+    Args:
+        value: Value in its form.
+        interval: Ends of the interval.
+        form: Form of all three numbers.
+        unit: Text that follows the value.
+        without: Value without a difference. If the interval contains it, the text says that no difference is shown.
+    """
+    shown = f"{text(value, form)}{unit}"
+    if interval is None:
+        return shown
+    low, high = interval
+    words = "; no difference shown" if without is not None and low <= without <= high else ""
+    return f"{shown} [{text(low, form)}, {text(high, form)}]{words}"
+
+
 def yes_no(value: bool) -> str:
     """Return "yes" or "no"."""
     return "yes" if value else "no"

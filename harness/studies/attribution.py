@@ -17,7 +17,7 @@ from railgrip.controllers.law import Law
 from railgrip.controllers.observation import Observation
 from railgrip.report.page import Page
 from railgrip.report.statistics import bootstrap_interval
-from railgrip.report.table import ReportTable, write_tables
+from railgrip.report.table import ReportTable, with_interval, write_tables
 from railgrip.scenario.faults import READ_BY
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.assembly import StopAssembly, assemble
@@ -209,7 +209,8 @@ def _ratio_of_means(draws: Array) -> Array:
 
 def _mean(values: Array, form: str) -> str:
     finite = values[np.isfinite(values)]
-    return _with_interval(finite, lambda draws: draws.mean(axis=-1), form) if len(finite) else ""
+    mean = _with_interval(finite, lambda draws: draws.mean(axis=-1), form) if len(finite) else "no stop"
+    return mean if len(finite) == len(values) else f"{mean} ({len(finite)} of {len(values)} cases)"
 
 
 def gains_table(cleans: NDArray[np.bool_], distances: Mapping[str, Mapping[str, Array]]) -> ReportTable:
@@ -222,7 +223,7 @@ def gains_table(cleans: NDArray[np.bool_], distances: Mapping[str, Mapping[str, 
     rows = [
         {"given": piece}
         | {
-            f"{law}, {kind} rails": _mean((of_piece[piece] / of_piece[AS_IS] - 1.0)[members], "{:+.1f}")
+            f"{law}, {members.sum()} {kind} rails": _mean((of_piece[piece] / of_piece[AS_IS] - 1.0)[members], "{:+.1f}")
             for law, of_piece in distances.items()
             for kind, members in (("cleaned", cleans), ("other", ~cleans))
         }
@@ -233,10 +234,9 @@ def gains_table(cleans: NDArray[np.bool_], distances: Mapping[str, Mapping[str, 
 
 
 def _with_interval(cases: Array, statistic: Callable[[Array], Array], form: str) -> str:
-    """Return a statistic of the cases in percent, with its bootstrap interval if there are two or more cases."""
-    text, interval = f"{form.format(100 * float(statistic(cases)))} %", bootstrap_interval(cases, statistic)
-    ends = () if interval is None else (form.format(100 * end) for end in interval)
-    return f"{text} [{', '.join(ends)}]" if interval else text
+    """Return a statistic of the cases in percent, with its bootstrap interval if there are enough cases."""
+    in_percent = lambda draws: 100 * statistic(draws)  # noqa: E731
+    return with_interval(float(in_percent(cases)), bootstrap_interval(cases, in_percent), form, " %")
 
 
 AS_IS = "nothing"
@@ -310,7 +310,7 @@ class Attribution(Study, quick="2 training cases, 1 for the gains", sizes={"case
             write_tables(
                 PAGE,
                 {
-                    "attribution": f"{int(stopped.sum())} {version}{table}",
+                    "attribution": f"{int(stopped.sum())} of {len(design)} {version}{table}",
                     "gains by knowledge": f"{len(for_gains)} {version}{gains}",
                 },
             )

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from railgrip.base.errors import InputError
+from railgrip.report.statistics import FEWEST_DRAWS
 from railgrip.scenario.load import read_toml
 from railgrip.scenario.surface import Sander
 from railgrip.studies.benefit import study as module
@@ -15,13 +16,12 @@ from railgrip.studies.benefit.chain import (
     BASE,
     BenefitChain,
     Variant,
-    interval,
     sand_mass,
     variants_of,
     weighted_quantile,
 )
 from railgrip.studies.benefit.line import LIBRARY, load_study_line, measures_of
-from railgrip.studies.benefit.study import Benefit, chain_of, gain_table
+from railgrip.studies.benefit.study import Benefit, chain_of, cost_table, gain_table, sentences_of
 from railgrip.supervision import trains
 from railgrip.supervision.model import EmergencyStep, ServiceStep, TrainData, model_of
 from railgrip.trace.k_wet import k_wet
@@ -58,10 +58,10 @@ def chain_with(line, brake, distances):
     )  # fmt: skip
 
 
-def draws_of(rails, seed=1):
-    """Return distances on the rails of a line, the last of which are more slippery, shape (rails, 8)."""
+def draws_of(rails, seed=1, count=FEWEST_DRAWS):
+    """Return distances on the rails of a line, the last of which are more slippery, shape (rails, count)."""
     random = np.random.default_rng(seed)
-    return np.stack([DRY * (1 + number * random.uniform(0.1, 0.4, 8)) for number in range(rails)])
+    return np.stack([DRY * (1 + number * random.uniform(0.1, 0.4, count)) for number in range(rails)])
 
 
 def test_a_measure_that_changes_nothing_buys_exactly_nothing(commuter, brake):
@@ -70,8 +70,20 @@ def test_a_measure_that_changes_nothing_buys_exactly_nothing(commuter, brake):
     for values in (chain.quantile(0.95), *chain.seconds, chain.factors):
         gain = values[0] - values[1]
         assert gain[0] == 0.0
-        assert interval(gain) == (0.0, 0.0)
-    assert gain_table(chain).texts[1]["gain, fixed blocks"] == "0.0 s [0.0, 0.0]"
+        assert chain.interval(gain) == (0.0, 0.0)
+    assert gain_table(chain).texts[1]["gain, fixed blocks"] == "0.0 s [0.0, 0.0]; no difference shown"
+
+
+@pytest.mark.parametrize(("count", "has_interval"), [(FEWEST_DRAWS - 1, False), (FEWEST_DRAWS, True)])
+def test_too_few_draws_have_no_intervals_and_the_first_sentence_says_so(commuter, brake, count, has_interval):
+    """A measure that halves what a rail adds to the dry distance; the safe factor is that of the mean on wet rails."""
+    longer = draws_of(4, count=count)
+    chain = chain_with(commuter, brake, [longer, (longer + DRY) / 2])
+    first, *rest = sentences_of(chain)
+    assert first.startswith(f"{100 * max(chain.beyond()):.1f} % of the stops are longer than the safe factor ")
+    assert (f"{count} draws on each rail are too few" in first) != has_interval
+    cells = [*gain_table(chain).texts[1].values(), *cost_table(chain).texts[1].values(), first, *rest]
+    assert any("[" in cell for cell in cells) == has_interval
 
 
 def test_shorter_stops_never_have_a_longer_headway(commuter, brake):

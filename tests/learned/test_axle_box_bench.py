@@ -25,12 +25,12 @@ def test_an_exponent_is_found_with_its_interval():
     friction, speed = np.exp(random.uniform(-3, -1, 80)), random.uniform(7, 27, 80)
     noise = np.exp(0.1 * random.standard_normal(80))
     found = elasticity(friction**-0.3 * speed**1.5 * noise, friction, np.log(speed)[:, np.newaxis])
-    assert found.low < -0.3 < found.high
+    assert found.interval[0] < -0.3 < found.interval[1]
     # Standard error: 0.1 over √80 times 0.58, the deviation of log friction.
-    assert found.high - found.low == pytest.approx(2 * 1.96 * 0.1 / (np.sqrt(80) * 0.58), rel=0.3)
+    assert found.interval[1] - found.interval[0] == pytest.approx(2 * 1.96 * 0.1 / (np.sqrt(80) * 0.58), rel=0.3)
     assert found.explained > 0.6
     none = elasticity(speed * noise, friction, np.log(speed)[:, np.newaxis])
-    assert none.low < 0 < none.high
+    assert none.interval[0] < 0 < none.interval[1]
     assert none.explained < 0.1
 
 

@@ -92,10 +92,10 @@ def test_gains_are_means_over_the_cases_that_stop():
     (row,) = gains_table(np.array([True, True, False]), distances).rows
     assert row == {
         "given": "a piece",
-        f"{LAW}, cleaned rails": "-10.0 %",
-        f"{LAW}, other rails": "-1.0 %",
-        "another, cleaned rails": "+0.0 % [+0.0, +0.0]",  # two cases; one has no interval
-        "another, other rails": "-2.0 %",
+        f"{LAW}, 2 cleaned rails": "−10.0 % (1 of 2 cases)",
+        f"{LAW}, 1 other rails": "−1.0 %",
+        "another, 2 cleaned rails": "+0.0 %",  # two cases have no interval
+        "another, 1 other rails": "−2.0 %",
     }
 
 
@@ -109,4 +109,4 @@ def test_gains_have_all_training_cases_those_of_further_parts_included():
     design = training_cases(16, 2)
     assert len(design) > 16
     rows = gains_of(Stops(), design).rows
-    assert {text for row in rows for column, text in row.items() if column != "given"} == {"-10.0 % [-10.0, -10.0]"}
+    assert {text for row in rows for column, text in row.items() if column != "given"} == {"−10.0 %"}

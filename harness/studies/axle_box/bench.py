@@ -15,7 +15,7 @@ from railgrip.estimation.judge import error_figures
 from railgrip.estimators.belief import Array, Matrix, Vector
 from railgrip.estimators.learned.network import QUANTILE, Ensemble
 from railgrip.report.statistics import bootstrap_interval
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, with_interval
 from railgrip.studies.axle_box.evaluate import ScaledNetwork, TrainingRecipe, estimates_of
 from railgrip.studies.axle_box.instrumented_car import LabelledRun, Pass, gather
 from railgrip.studies.axle_box.training import Size, dry_or_not, general, passes
@@ -114,13 +114,13 @@ class Elasticity:
     """Exponent of friction in a power law of a quantity, with a bootstrap interval of 95 % over runs.
 
     Attributes:
-        value, low, high: The exponent: −0.1 is 7 % more of the quantity at half the friction.
+        value: The exponent: −0.1 is 7 % more of the quantity at half the friction.
+        interval: Its interval; None with too few runs.
         explained: Share of the variance that the other variables leave which friction explains.
     """
 
     value: float
-    low: float
-    high: float
+    interval: tuple[float, float] | None
     explained: float
 
 
@@ -138,9 +138,8 @@ def elasticity(quantity: Vector, friction: Vector, others: Matrix) -> Elasticity
         resamples=RESAMPLES,
         generator=generator(0, "axle_box.elasticity"),
     )
-    low, high = interval or (math.nan, math.nan)
     with_friction, without = (float(np.sum((y - part @ np.linalg.lstsq(part, y)[0]) ** 2)) for part in (x, x[:, 1:]))
-    return Elasticity(value=_slope(y, x), low=low, high=high, explained=1 - with_friction / without)
+    return Elasticity(value=_slope(y, x), interval=interval, explained=1 - with_friction / without)
 
 
 def _slope(y: Vector, x: Matrix) -> float:
@@ -163,7 +162,7 @@ def regression_table(sets: Mapping[str, Sequence[Pass]], runs: Mapping[str, Sequ
             friction = np.array([run.friction for run in part])
             for also, others in (("", held), (", slope of the creep curve", [*held, slopes])):
                 found = elasticity(values, friction, np.column_stack(others))
-                words = f"{found.value:+.2f} [{found.low:+.2f}, {found.high:+.2f}]".replace("-", "−")
+                words = with_interval(found.value, found.interval, "{:+.2f}")
                 rows.append(
                     {
                         "runs": f"{title}, {len(part)} runs",

@@ -12,6 +12,7 @@ from railgrip.base.arrays import Array, generator
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_text
 from railgrip.base.units import GRAVITY
+from railgrip.report.statistics import FEWEST_DRAWS
 from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.file import inline_toml, merge
@@ -27,8 +28,6 @@ from railgrip.supervision.headway import Headway, headways
 from railgrip.supervision.model import BrakingModel
 from railgrip.supervision.national import NationalValues
 from railgrip.supervision.trains import model_of_train
-
-Ends = tuple[float, float]
 
 BASE: Final = "without"
 ALL: Final = "all together"
@@ -189,11 +188,26 @@ class BenefitChain:
     times: Array
     figures: Mapping[str, Array]
 
+    @property
+    def draws(self) -> int:
+        """Stops on each rail."""
+        return self.figures["distance"].shape[2]
+
+    def interval(self, values: Array) -> tuple[float, float] | None:
+        """Return the 95 % percentile interval of resampled values, whose first is the estimate; None with few draws.
+
+        Args:
+            values: Shape (resamples + 1,).
+        """
+        if self.draws < FEWEST_DRAWS:
+            return None
+        low, high = np.quantile(values[1:], _ENDS)
+        return float(low), float(high)
+
     @cached_property
     def weights(self) -> Array:
         """Share of the year of each draw, shape (rails · draws,)."""
-        draws = self.figures["distance"].shape[2]
-        return np.repeat([rail.probability for rail in self.line.rail], draws) / draws
+        return np.repeat([rail.probability for rail in self.line.rail], self.draws) / self.draws
 
     @cached_property
     def resampled(self) -> Mapping[str, Array]:
@@ -218,8 +232,7 @@ class BenefitChain:
     @cached_property
     def k_wet(self) -> Array:
         """K_wet_rst of each variant: by mean distances on rails that are not dry, shape (variants, resamples)."""
-        draws = self.figures["distance"].shape[2]
-        wet = self.weights * np.repeat([not rail.dry for rail in self.line.rail], draws)
+        wet = self.weights * np.repeat([not rail.dry for rail in self.line.rail], self.draws)
         gone = (self.times * self.speed)[:, None]
         mean = (self.resampled["distance"] @ wet) / wet.sum()
         return np.minimum((self.dry[:, None] - gone) / (mean - gone), 1.0)
@@ -300,9 +313,3 @@ class BenefitChain:
                         f"{len(distances)} stops from {3.6 * self.speed:g} km/h on the rail '{rail.name}', so that "
                         "there is no K_wet; raise the friction of the rail or reduce the speed of the line"
                     )
-
-
-def interval(values: Array) -> Ends:
-    """Return the 95 % percentile interval of resampled values, shape (resamples + 1,), whose first is the estimate."""
-    low, high = np.quantile(values[1:], _ENDS)
-    return float(low), float(high)

@@ -16,7 +16,8 @@ from railgrip.campaign.work import Work
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
-from railgrip.report.table import ReportTable, share, write_tables
+from railgrip.report.statistics import FEWEST_DRAWS
+from railgrip.report.table import ReportTable, share, with_interval, write_tables
 from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.schema import Train
 from railgrip.rolling_stock.stopping import by_hand
@@ -26,7 +27,6 @@ from railgrip.studies.benefit.chain import (
     Array,
     BenefitChain,
     figures_of,
-    interval,
     model_for,
     scenario_for,
     variants_of,
@@ -64,7 +64,7 @@ class Benefit(Study, quick="the first measure, and 2 stops on the last rail of t
     controller: Annotated[str, Option(help="Slide protection of the train without measures.")] = "slip_three_state"
     draws: Annotated[
         int, Option(help="Stops on each rail of the line; more of them narrow the intervals.", min=2, max=10_000)
-    ] = 10
+    ] = FEWEST_DRAWS
     write: Annotated[bool, Option("--write", help="Write its tables into docs/benefit.md.")] = False
 
     def page(self, work: Work) -> Page:
@@ -159,39 +159,43 @@ def gain_table(chain: BenefitChain) -> ReportTable:
         row: dict[str, Any] = {"measure": variant.name}
         for name, values in quantiles.items():
             row[name] = float(values[number, 0])
-            row[f"{name} shorter by"] = _gain(values, number, "m", ".0f")
+            row[f"{name} shorter by"] = _gain(chain, values, number, "{:.0f}", " m")
         row |= {"K_wet": float(chain.k_wet[number, 0]), "safe factor": float(chain.factors[number, 0])}
         row["longer stops"] = float(beyond[number])
         for name, values in zip(_SYSTEMS, chain.seconds, strict=True):
             row[f"headway, {name}"] = float(values[number, 0])
-            row[f"gain, {name}"] = _gain(values, number, "s", ".1f")
+            row[f"gain, {name}"] = _gain(chain, values, number, "{:.1f}", " s")
         rows.append(row)
     forms: dict[str, Any] = {**dict.fromkeys(quantiles, "{:.0f} m"), "K_wet": "{:.3f}", "safe factor": "{:.3f}"}
     forms |= {"longer stops": share, **{f"headway, {name}": "{:.1f} s" for name in _SYSTEMS}}
-    return ReportTable(rows, forms, ("measure",), title="Gains, with intervals of 95 %")
+    return ReportTable(rows, forms, ("measure",), title="Gains")
 
 
-def _gain(values: Array, number: int, unit: str, form: str) -> str:
+def _gain(chain: BenefitChain, values: Array, number: int, form: str, unit: str) -> str:
     """Return by how much values are below those without measures, in pairs, with the interval."""
-    return _with_ends(values[0] - values[number], unit, form).replace("-", "−") if number else ""
+    return _with_interval(chain, values[0] - values[number], form, unit, without=0.0) if number else ""
 
 
-def _with_ends(values: Array, unit: str, form: str) -> str:
-    low, high = interval(values)
-    return f"{values[0]:{form}} {unit} [{low:{form}}, {high:{form}}]"
+def _with_interval(
+    chain: BenefitChain, values: Array, form: str, unit: str = "", *, without: float | None = None
+) -> str:
+    return with_interval(values[0], chain.interval(values), form, unit, without=without)
 
 
 def cost_table(chain: BenefitChain) -> ReportTable:
     """Return the means over a year of sand, air and energy at the wheels of a stop, with intervals."""
-    units = {"sand": (1.0, "kg", ".2f"), "air": (1e3, "l", ".0f"), "energy": (1e-6, "MJ", ".2f")}
+    units = {"sand": (1.0, "{:.2f}", " kg"), "air": (1e3, "{:.0f}", " l"), "energy": (1e-6, "{:.2f}", " MJ")}
     names = {"sand": "sand in a stop", "air": "air in a stop", "energy": "wheel energy in a stop"}
     means = {figure: chain.mean(figure) for figure in units}
     rows = [
         {"measure": variant.name}
-        | {names[figure]: _with_ends(means[figure][number] * units[figure][0], *units[figure][1:]) for figure in units}
+        | {
+            names[figure]: _with_interval(chain, means[figure][number] * scale, *form)
+            for figure, (scale, *form) in units.items()
+        }
         for number, variant in enumerate(chain.variants)
     ]
-    return ReportTable(rows, left=("measure",), title="Cost, with intervals of 95 %")
+    return ReportTable(rows, left=("measure",), title="Cost")
 
 
 def rail_table(chain: BenefitChain) -> ReportTable:
@@ -222,14 +226,19 @@ def deciding_table(chain: BenefitChain) -> ReportTable:
 
 
 def sentences_of(chain: BenefitChain) -> list[str]:
-    """Return the conclusions from the results, a sentence each; the first one is the answer."""
+    """Return the conclusions from the results, a sentence each; the first one is the answer with what limits it."""
     line = chain.line
     last, without = chain.variants[-1].name, chain.deciding[0]
     gains = " and by ".join(
-        f"{_gain(values, len(chain.variants) - 1, 's', '.1f')} ({name})"
+        f"{_gain(chain, values, len(chain.variants) - 1, '{:.1f}', ' s')} ({name})"
         for name, values in zip(_SYSTEMS, chain.seconds, strict=True)
     )
-    lines = [f"On the line {line.name}, from {3.6 * chain.speed:.0f} km/h, '{last}' shortens the headway by {gains}."]
+    few = f", and {chain.draws} draws on each rail are too few for intervals" if chain.draws < FEWEST_DRAWS else ""
+    lines = [
+        f"{share(max(chain.beyond()[[0, -1]]))} of the stops are longer than the safe factor behind these seconds "
+        f"assumes{few}: on the line {line.name}, from {3.6 * chain.speed:.0f} km/h, '{last}' shortens the headway by "
+        f"{gains}."
+    ]
     for name, headway, now in zip(_SYSTEMS, without, chain.deciding[-1], strict=True):
         part = max(headway.parts, key=lambda each: headway.parts[each])
         changes = {each: headway.parts[each] - now.parts[each] for each in headway.parts}
@@ -239,10 +248,12 @@ def sentences_of(chain: BenefitChain) -> list[str]:
             f"by the curve {headway.limit}; the part that '{last}' shortens most is {most}, by {changes[most]:.1f} s."
         )
     origin = "of the line file" if "M_NVAVADH" in line.national.model_fields_set else "of the train without measures"
-    low, high = interval(chain.m_nvavadh)
-    draws = chain.figures["distance"].shape[2]
-    lines.append(f"Each rail has {draws} draws; intervals narrow with more --draws, as one over their square root.")
-    lines.append(f"M_NVAVADH {origin}: {chain.m_nvavadh[0]:.3f} [{low:.3f}, {high:.3f}], the same for all measures.")
+    m_nvavadh = _with_interval(chain, chain.m_nvavadh, "{:.3f}")
+    lines.append(
+        f"Each rail has {chain.draws} draws; intervals need {FEWEST_DRAWS}, and narrow with more --draws, as one over "
+        "their square root."
+    )
+    lines.append(f"M_NVAVADH {origin}: {m_nvavadh}, the same for all measures.")
     return lines
 
 
@@ -253,7 +264,7 @@ def stop_table(chain: BenefitChain) -> ReportTable:
         | {name: float(values[number, place, draw]) for name, values in chain.figures.items()}
         for number, variant in enumerate(chain.variants)
         for place, rail in enumerate(chain.line.rail)
-        for draw in range(chain.figures["distance"].shape[2])
+        for draw in range(chain.draws)
     ]
     return ReportTable(rows)
 

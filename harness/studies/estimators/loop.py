@@ -19,7 +19,7 @@ from railgrip.estimators.compiled import CompiledFilter
 from railgrip.report.frame import Frame, groups_of
 from railgrip.report.statistics import bootstrap_interval, endless, quantile, quantile_interval, relative_change
 from railgrip.report.stop import Stop
-from railgrip.report.table import ReportTable
+from railgrip.report.table import ReportTable, with_interval
 from railgrip.scenario import schema
 from railgrip.simulate.assembly import assemble
 from railgrip.simulate.loop.interfaces import Parts, StateEstimator
@@ -188,8 +188,8 @@ def compare(found: Frame) -> ReportTable:
                 "stops": f"{np.isfinite(stops['distance']).sum()} of {len(stops)}",
                 "shorter": sum(ratio < 1.0 - EQUAL for ratio in ratios),
                 "longer": sum(ratio > 1.0 + EQUAL for ratio in ratios),
-                "median": _with_interval(quantile(ratios, 0.5), quantile_interval(ratios, 0.5)),
-                "mean": _with_interval(float(np.exp(np.mean(np.log(ratios)))), _interval_of_mean(ratios)),
+                "median": with_interval(quantile(ratios, 0.5), quantile_interval(ratios, 0.5), "{:.4f}"),
+                "mean": with_interval(float(np.exp(np.mean(np.log(ratios)))), _interval_of_mean(ratios), "{:.4f}"),
                 "maximum": max(ratios),
                 "longest lock": float(stops["lock"].max()),
                 "RMSE": float(np.median(stops["error"])),
@@ -217,12 +217,8 @@ def _present(found: Frame, law: str) -> Frame:
 
 
 def _interval_of_mean(ratios: Sequence[float]) -> tuple[float, float] | None:
-    """Return the percentile bootstrap interval of the geometric mean; None with fewer than two or infinite ratios."""
+    """Return the percentile bootstrap interval of the geometric mean; None with too few or infinite ratios."""
     if math.isinf(max(ratios)):
         return None
     interval = bootstrap_interval(np.log(ratios), lambda draws: draws.mean(axis=1))
     return None if interval is None else (math.exp(interval[0]), math.exp(interval[1]))
-
-
-def _with_interval(value: float, interval: tuple[float, float] | None) -> str:
-    return f"{value:.4f}" + ("" if interval is None else " [{:.4f}, {:.4f}]".format(*interval))

@@ -206,7 +206,7 @@ def skill(squares: Matrix) -> float:
 
 
 def _interval(squares: Matrix) -> str:
-    """Return the percentile bootstrap interval of the skill over the cases; empty with fewer than two."""
+    """Return the percentile bootstrap interval of the skill over the cases; empty with too few."""
     interval = bootstrap_interval(squares, lambda draws: 1.0 - np.divide(*draws.sum(axis=1).T))
     return "" if interval is None else "{:.2f} to {:.2f}".format(*interval).replace("-", "−")
 
