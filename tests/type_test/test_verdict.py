@@ -14,14 +14,14 @@ from railgrip.studies.type_test.page import ranked
 from railgrip.studies.type_test.study import TypeTest
 from railgrip.studies.type_test.track_case import TABLE_1
 
-DESIGN = VERSIONS[2].design(60, VERSIONS[2].test)
+DESIGN = VERSIONS[2].design(360, VERSIONS[2].test)
 LAWS = ("two_maxima", "slope_seeking")
 
 
-def judged(distances):
+def judged(distances, design=DESIGN):
     """Return judgements of stops of constant three-state control, 100 m, and of laws with distances by case."""
     found = []
-    for case in DESIGN:
+    for case in design:
         for law, distance in {"slip_three_state": lambda case: 100.0, **distances}.items():
             if (metres := distance(case)) is not None:
                 variants = {name: value for name, value in case.variants().items() if name != "case"}
@@ -48,6 +48,33 @@ def test_a_law_that_is_not_beaten_anywhere_is_called_best():
     stops = judged({"two_maxima": lambda case: 90.0, "slope_seeking": lambda case: 92.0})
     sentence = verdict(stops)
     assert sentence.startswith("two_maxima is the best law: ")
+
+
+def test_families_that_are_too_small_are_named_and_no_law_is_called_best():
+    """A creep curve with few cases is not compared; that the law is longer there is said."""
+    few = VERSIONS[2].design(24, VERSIONS[2].test)
+    curve = few[0].variants()["curve"]
+    own = [case.name for case in few if case.variants()["curve"] == curve]
+    assert len(own) == 2
+    for metres, words in (
+        (118.0, f"there on *curve: {curve}* (1.090 of slip_three_state in 2 cases)"),
+        (90.0, "in none"),
+    ):
+        sentence = verdict(
+            judged(
+                {
+                    "two_maxima": lambda case, m=metres: (
+                        100.0 if case.name == own[0] else m if case.name == own[1] else 90.0
+                    )
+                },
+                few,
+            )
+        )
+        assert sentence.startswith("two_maxima has the smallest median over the ")
+        assert "best law" not in sentence
+        assert "families have fewer than 5 cases, too few to compare laws" in sentence
+        assert f"*curve: {curve}* (" in sentence
+        assert words in sentence
 
 
 def test_full_brake_beats_no_law():

@@ -5,8 +5,9 @@ other law is clearly shorter in any family.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from statistics import median
 from typing import Any, Final
 
 import pandas
@@ -171,14 +172,14 @@ def _laws(stops: Frame) -> dict[str, dict[str, Any]]:
     return {law: {row.case: row for row in own.itertuples()} for (law,), own in laws}
 
 
-def _families(stops: Mapping[str, Any]) -> dict[str, list[str]]:
-    """Return the cases of each family that has `FEWEST` cases or is that of Table 1."""
+def _families(stops: Mapping[str, Any], *, small: bool = False) -> dict[str, list[str]]:
+    """Return the cases of each family that has `FEWEST` cases or is that of Table 1, or of each smaller one."""
     families: dict[str, list[str]] = {}
     for axis in AXES:
         for name, stop in stops.items():
             if axis in stop.variants:
                 families.setdefault(f"{axis}: {stop.variants[axis]}", []).append(name)
-    return {family: cases for family, cases in families.items() if _counts(family, len(cases))}
+    return {family: cases for family, cases in families.items() if _counts(family, len(cases)) != small}
 
 
 def _counts(family: str, cases: int) -> bool:
@@ -191,21 +192,27 @@ def _ratio(one: Any, other: Any) -> float:
     return 0.0 if math.isnan(other.distance_m) else one.distance_m / other.distance_m
 
 
-def losses_of(law: str, stops: Frame) -> list[FamilyLoss]:
+def losses_of(law: str, stops: Frame, *, small: bool = False) -> list[FamilyLoss]:
     """Return the families in which a law is beaten, with the law that beats it by most, in the order of the axes.
 
     Laws are compared in the cases that both were run in.
+
+    Args:
+        law: The law.
+        stops: Judged stops.
+        small: Whether the families are those with too few cases for a verdict.
     """
     laws = _laws(stops)
     own = laws[law]
     found: list[FamilyLoss] = []
-    for family, cases in _families(own).items():
+    for family, cases in _families(own, small=small).items():
         worst: FamilyLoss | None = None
         for other, of_other in laws.items():
             ratios = [_ratio(own[case], of_other[case]) for case in cases if case in of_other]
-            if other == law or not _counts(family, len(ratios)):
+            if other == law or not ratios or not (small or _counts(family, len(ratios))):
                 continue
-            ratio = quantile(ratios, 0.5)
+            # Of two cases `quantile` is the smaller one, in favour of the law.
+            ratio = median(ratios)
             if ratio > 1.0 + LIMIT and (worst is None or ratio > worst.ratio):
                 worst = FamilyLoss(family=family, other=other, ratio=ratio, cases=len(ratios))
         if worst is not None:
@@ -230,6 +237,8 @@ _COMPARED = "cases in which all laws were run and a baseline keeps the lock clau
 def verdict(stops: Frame) -> str:
     """Return whether the law with the smallest median is best, or where it loses.
 
+    Families with too few cases are named, with the law's losses there: a law is not called best without them.
+
     Args:
         stops: Judged stops.
     """
@@ -241,14 +250,15 @@ def verdict(stops: Frame) -> str:
     cases_of = {law: _families(of_law).keys() for law, of_law in laws.items()}
     every = set[str]().union(*cases_of.values())
     absent = [f"*{family}*" for family in sorted(every - cases_of[first])]
-    found = losses_of(first, stops)
+    found, small = losses_of(first, stops), _small_families(first, stops)
     if not found and not absent:
         return (
-            f"{first} is the best law: its median over the {count} {_COMPARED} is the smallest, and no other law is "
-            f"shorter by more than {limit} in any family of cases."
+            f"{first} {'has the smallest median' if small else 'is the best law: its median is the smallest'} over the "
+            f"{count} {_COMPARED}, and no other law is shorter by more than {limit} in any of the "
+            f"{len(cases_of[first])} families that have {FEWEST} cases or are the rails of {TABLE_1}.{small}"
         )
     reasons = [
-        *([f"loses on {names([f'*{loss.family}* ({_text(loss)})' for loss in found])}"] if found else []),
+        *([f"loses on {_listed(found)}"] if found else []),
         *([f"has too few results on {names(absent)}"] if absent else []),
     ]
     unbeaten = [law for law in order[1:] if every <= cases_of[law] and not losses_of(law, stops)]
@@ -257,12 +267,29 @@ def verdict(stops: Frame) -> str:
         if unbeaten
         else f" No law with results in every family is unbeaten by {limit} in all of them."
     )
-    return f"{first} is best in the median over the {count} {_COMPARED}, but {' and '.join(reasons)}.{rest}"
+    return f"{first} is best in the median over the {count} {_COMPARED}, but {' and '.join(reasons)}.{rest}{small}"
+
+
+def _small_families(law: str, stops: Frame) -> str:
+    """Return a sentence on the families of a law that are too small for a verdict; empty without any."""
+    small = {family: len(cases) for family, cases in _families(_laws(stops)[law], small=True).items()}
+    if not small:
+        return ""
+    lost = _listed(losses_of(law, stops, small=True))
+    return (
+        f" {len(small)} families have fewer than {FEWEST} cases, too few to compare laws, so that none is called best: "
+        f"{', '.join(f'*{family}* ({count})' for family, count in small.items())}. Another law is shorter by more than "
+        f"{100 * LIMIT:.0f} % {f'there on {lost}' if lost else 'in none of them'}."
+    )
+
+
+def _listed(losses: Sequence[FamilyLoss]) -> str:
+    return ", ".join(f"*{loss.family}* ({_text(loss)})" for loss in losses)
 
 
 def _text(loss: FamilyLoss) -> str:
     ratio = "does not stop" if math.isinf(loss.ratio) else f"{loss.ratio:.3f}"
-    return f"{ratio} of {loss.other} in {loss.cases} cases"
+    return f"{ratio} of {loss.other} in {loss.cases} case{'s' if loss.cases > 1 else ''}"
 
 
 def rail_of(variants: Mapping[str, str]) -> str:
@@ -289,9 +316,9 @@ def recommendation(stops: Frame) -> ReportTable:
         for (law,), own in groups_of(of_kind, ("controller",)):
             if len(own) == count:
                 values = over_best(own).tolist()
-                median, high, most = (quantile(values, share) for share in (0.5, 0.95, 1.0))
-                text = " / ".join("no stop" if math.isinf(value) else f"{value:.3f}" for value in (median, high, most))
-                ratios.append((median, law, text))
+                levels = [quantile(values, share) for share in (0.5, 0.95, 1.0)]
+                text = " / ".join("no stop" if math.isinf(value) else f"{value:.3f}" for value in levels)
+                ratios.append((levels[0], law, text))
         row: dict[str, object] = {"rail": kind, "cases": count, "laws": len(ratios)}
         for place, (_, law, text) in zip(("shortest", "second", "third")[:_LISTED], sorted(ratios), strict=False):
             row[place] = f"{law}: {text}"
