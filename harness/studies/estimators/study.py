@@ -1,5 +1,6 @@
 """How well adhesion can be known: the options, page, tables and headline numbers of the study."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -115,8 +116,9 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
             "available": available(frame),
             "pads": pads_by_group(frame, bounds),
             "others": others(frame),
-            "targets": targets(frame, bound),
         }
+        if not (self.estimator or train):  # of this project, for its own estimators on its own train
+            tables["targets"] = targets(frame, bound)
         if not (self.estimator or self.quick or train):
             tables["vehicles"] = vehicles_of(work)
         if self.write:
@@ -126,11 +128,12 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
             title="How well adhesion can be known",
             question="Which estimator has the smallest error of adhesion, and is its claimed error true?",
             answer=(
-                f"The smallest median RMSE of adhesion over {count} recordings is {best['median RMSE']:.4f}, of "
-                f"{best['estimator']}. The prediction, if it were true, would permit {bound:.4f}."
+                f"The smallest median RMSE of adhesion over {count} recordings"
+                f"{', too few to rank estimators,' if math.isnan(best['from']) else ''} is {best['median RMSE']:.4f}, "
+                f"of {best['estimator']}. The prediction, if it were true, would permit {bound:.4f}."
             ),
             template="studies/estimators/estimators.md.jinja",
-            values={"vehicles": ""}
+            values={"vehicles": "", "targets": ""}
             | tables
             | {"count": count, "bound": f"{bound:.4f}", "train": Path(train).stem if train else ""}
             | {"limits": model_of_estimator("fmu", train).limits},
