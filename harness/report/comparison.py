@@ -16,7 +16,7 @@ from railgrip.base.units import cut, short
 from railgrip.report.frame import Frame
 from railgrip.report.page import Page
 from railgrip.report.results import provenance, read_results
-from railgrip.report.statistics import relative_change
+from railgrip.report.statistics import median_interval, relative_change
 from railgrip.report.stop import (
     CAMPAIGN_FILE,
     STOP_FILE,
@@ -25,7 +25,7 @@ from railgrip.report.stop import (
     read_stop,
     require_no_result,
 )
-from railgrip.report.table import ReportTable, percent, text
+from railgrip.report.table import ReportTable, percent, text, with_interval
 from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace.measures import Loss, course_of, loss
@@ -451,12 +451,12 @@ def _change_sentences(distances: Frame, pairs: Mapping[str, Stops]) -> list[str]
         both = distances[[letter, "A"]].fillna(math.inf).itertuples(index=False)
         changes = pandas.Series([relative_change(*pair) for pair in both], distances.index)
         changes = changes.sort_index().sort_values(kind="stable")
-        least, median, most = (
-            percent(each) or "endless" for each in (changes.iloc[0], changes.median(), changes.iloc[-1])
-        )
+        form = lambda change: percent(change) or "endless"  # noqa: E731
+        median = with_interval(float(changes.median()), median_interval(changes.to_numpy()), form, without=0.0)
         sentences.append(
             f"{letter} against A over {len(changes)} stops: {(changes > 0).sum()} longer, {(changes < 0).sum()} "
-            f"shorter, median {median}, from {least} ({changes.index[0]}) to {most} ({changes.index[-1]})."
+            f"shorter, from {form(changes.iloc[0])} ({changes.index[0]}) to {form(changes.iloc[-1])} "
+            f"({changes.index[-1]}), median {median}."
         )
         different = [name for name, pair in pairs.items() if pair["A"].outcome is not pair[letter].outcome]
         if different:

@@ -73,7 +73,7 @@ def _row(rail: str, held: Sequence[float] = SLIPS) -> dict[str, Any]:
 
 
 CLEANED: Mapping[str, Any] = {
-    "name": "cleaned rail",
+    "name": "cleaned_rail",
     "seed": 5501,
     "start": {"speed": 80 / 3.6},
     "limits": {"horizon": 250.0},

@@ -252,6 +252,8 @@ def test_a_small_run_writes_page_tables_and_json(tmp_path):
         page = study.page(job)
     path = page.write(tmp_path)
     assert "posterior Cramér-Rao bound" in path.read_text(encoding="utf-8")
+    assert "targets.csv" not in page.tables  # targets are for the estimators of the project
+    assert "over 2 recordings, too few to rank estimators, is" in page.answer
     rows = json.loads((tmp_path / "estimators.json").read_text(encoding="utf-8"))
     assert {row["estimator"] for row in rows} == {CONSTANT, FORCE_BALANCE, "fmu"}
     assert (tmp_path / "leaderboard.csv").is_file()

@@ -162,15 +162,18 @@ def test_campaigns_are_compared_stop_by_stop(write_campaign, tmp_path, slip):
 
 def test_the_median_change_of_campaigns_is_that_of_all_pairs(slip):
     """Of an even number it is between two of them, and a stop without standstill is endless, not left out."""
-    pairs = {name: dict.fromkeys("AB", slip) for name in ("one", "two", "three", "four")}
+    pairs = {name: dict.fromkeys("AB", slip) for name in ("one", "two", "three", "four", "five", "six")}
 
     def sentence(first, second):
         distances = pandas.DataFrame({"A": first, "B": second}, list(pairs)[: len(first)], dtype=float)
         return _change_sentences(distances, pairs)[0]
 
-    assert "1 longer, 1 shorter, median −2.5 %, from −10.0 % (one) to +5.0 % (two)" in sentence([100, 100], [90, 105])
+    assert "1 longer, 1 shorter, from −10.0 % (one) to +5.0 % (two), median −2.5 %." in sentence([100, 100], [90, 105])
     without = sentence([100, 100, 100, None], [90, None, None, None])
-    assert "over 4 stops: 2 longer, 1 shorter, median endless, from −10.0 % (one) to endless" in without
+    assert "over 4 stops: 2 longer, 1 shorter, from −10.0 % (one) to endless (two), median endless." in without
+    six = sentence([100] * 6, [90, 105, 99, 101, 98, 102])
+    assert six.endswith("median +0.0 % [−10.0 %, +5.0 %]; no difference shown.")
+    assert sentence([100] * 6, [90, 95, 99, 91, 98, 92]).endswith("median −6.5 % [−10.0 %, −1.0 %].")
     assert sentence([100, None], [None, 100]) == "B against A: no stop came to a standstill in both."
 
 
