@@ -333,6 +333,7 @@ SIGNALS = {
     "Plant outputs": signals.PLANT,
     "Further plant outputs": signals.EXTRA,
     "Plant inputs": signals.SENT,
+    "Plant inputs of a train with couplers on an uneven track": signals.CAR_TRACK_FORCE,
     "Plant inputs on a rail with several creep curves": signals.CURVE,
     "Controller": signals.DEMANDED,
     "Driver": signals.TABLE["driver"],

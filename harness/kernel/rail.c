@@ -117,12 +117,38 @@ static void set_curves(Rail *rail, long long point)
     }
 }
 
+/* Return the force of the track if the whole train were at a place; `section` is searched from its last value on. */
+static double force_at(const Rail *rail, long long *section, double place)
+{
+    while (*section + 1 < rail->sections && rail->begins[*section + 1] <= place)
+        (*section)++;
+    while (*section > 0 && rail->begins[*section] > place)
+        (*section)--;
+    if (rail->rates[*section] == 0.0) /* a constant section may begin at minus infinity */
+        return rail->forces[*section];
+    return rail->forces[*section] + rail->rates[*section] * (place - rail->begins[*section]);
+}
+
+/* Set the force of the track: gradient and curve act on each wheelset at its place, by the mass that it carries. */
+static void set_track_force(Rail *rail, double distance)
+{
+    const double leading = force_at(rail, rail->section, distance);
+    double more[WHEELSETS] = {0.0}, sum = 0.0; /* differences to the leading wheelset: zero on an even track */
+
+    for (int w = 1; w < WHEELSETS; w++)
+        sum += more[w] = rail->share[w] * (force_at(rail, rail->section + w, distance - rail->behind[w]) - leading);
+    rail->force = leading + sum;
+    for (int c = 0; c < CARS; c++)
+        rail->car_force[c] = 0.0;
+    for (int w = 0; w < WHEELSETS; w++)
+        rail->car_force[rail->car[w]] += more[w] - rail->share[w] * sum;
+}
+
 /* Update friction and track force for a time, given the plant's outputs; times come in order. */
 EXPORT void advance_rail(Rail *rail, double time, const double *outputs)
 {
     const double distance = outputs[OUTPUT_DISTANCE], last = (double)(rail->points - 1);
     const long long nearest = (long long)fmin(fmax((rail->over_time ? time : distance) / rail->grid + 0.5, 0.0), last);
-    long long section = rail->section;
 
     copy(rail->mu0, rail->friction + nearest * WHEELSETS, WHEELSETS);
     if (rail->curve_at)
@@ -131,14 +157,7 @@ EXPORT void advance_rail(Rail *rail, double time, const double *outputs)
         apply_recovery(rail->recovery, outputs, rail->mu0);
     if (rail->sand)
         apply_sand(rail->sand, time, outputs, rail->mu0);
-    while (section + 1 < rail->sections && rail->begins[section + 1] <= distance)
-        section++;
-    while (section > 0 && rail->begins[section] > distance)
-        section--;
-    rail->section = section;
-    rail->force = rail->forces[section];
-    if (rail->rates[section] != 0.0) /* a constant section may begin at minus infinity */
-        rail->force += rail->rates[section] * (distance - rail->begins[section]);
+    set_track_force(rail, distance);
 }
 
 /* Write the rail inputs of the plant for the last position of the train. */
@@ -146,6 +165,9 @@ EXPORT void write_rail_inputs(const Rail *rail, double *inputs)
 {
     copy(inputs + INPUT_MU0, rail->mu0, WHEELSETS);
     inputs[INPUT_TRACK_FORCE] = rail->force;
+#ifdef INPUT_CAR_TRACK_FORCE
+    copy(inputs + INPUT_CAR_TRACK_FORCE, rail->car_force, CARS);
+#endif
 #ifdef INPUT_CURVE_K_A
     copy(inputs + INPUT_CURVE_K_A, rail->curve, 4 * WHEELSETS);
 #endif

@@ -47,11 +47,15 @@ typedef struct {
     const double *friction;                /* untreated, on an even grid: points x WHEELSETS */
     const double *curves;                  /* k_A, k_S, A, B of each creep curve */
     const unsigned char *curve_at;         /* index of the curve: points x WHEELSETS; null: the plant has a fixed one */
-    const double *begins, *forces, *rates; /* track force: linear in sections */
+    const double *begins, *forces, *rates; /* force of the track if the train were at one place: linear in sections */
+    const double *behind, *share;          /* of each wheelset: distance behind the leading one; share of the mass */
+    const long long *car;                  /* of each wheelset */
     double grid, force;                    /* spacing of the grid [m, or s with over_time]; present track force */
     double mu0[WHEELSETS];
-    double curve[4 * WHEELSETS];                    /* k_A of each wheelset, then k_S, A, B */
-    long long points, over_time, sections, section; /* section: the present one */
+    double curve[4 * WHEELSETS];   /* k_A of each wheelset, then k_S, A, B */
+    double car_force[CARS];        /* track force on each car, beyond its share by mass */
+    long long section[WHEELSETS];  /* in which each wheelset is */
+    long long points, over_time, sections;
     Recovery *recovery;                             /* null: slip does not change friction */
     Sand *sand;                                     /* null: no sander */
 } Rail;

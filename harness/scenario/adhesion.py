@@ -403,10 +403,16 @@ class TabulatedRail:
         """
         self.slip_energy, self.sand, self._kernel = slip_energy, sand, kernel(layout)
         self._energy_places = [layout.output[name] for name in ("adhesion", "wheelset_load")]
-        tables = {"friction": friction.mu0_at, "begins": force.begins, "forces": force.forces, "rates": force.rates}
+        # Wheelsets whose places are not known are at that of the leading one.
+        wheelsets = layout.formation.wheelsets
+        behind, share = (np.resize(values, wheelsets) for values in (force.behind, force.shares))
+        tables = {
+            "friction": friction.mu0_at, "begins": force.begins, "forces": force.forces, "rates": force.rates,
+            "behind": behind, "share": share,
+        }  # fmt: skip
         self.struct = kernel(layout).struct(
             "Rail", grid=friction.step, points=len(friction.mu0_at), over_time=friction.over_time,
-            sections=len(force.begins),
+            sections=len(force.begins), car=np.ascontiguousarray(layout.formation.car_of_wheelset, dtype=np.int64),
             **{name: np.ascontiguousarray(table, dtype=np.float64) for name, table in tables.items()},
         )  # fmt: skip
         self.mu0 = self.struct.view("mu0")

@@ -10,7 +10,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal
 from xml.parsers import expat
 
 import numpy as np
@@ -19,6 +19,9 @@ from railgrip.base.arrays import Array
 from railgrip.base.errors import InputError
 from railgrip.base.files import read_text
 from railgrip.base.units import conversion, unit
+
+Direction = Literal["rising", "falling"]
+"""Of chainages in the direction of travel."""
 
 _HEADER: Final = re.compile(r"\s*(.*?)\s*(?:\[(.*)\]|\((.*)\))?\s*")
 """Name of a column, and its unit in brackets if it has one."""
@@ -37,6 +40,7 @@ class TabulatedQuantity:
         has_unit: Whether the file states the unit of the axis.
         points: Points of the axis, rising, shape (n,), n ≥ 2.
         values: Values of the quantity, shape (n, 1) for all, or (n, columns).
+        direction: Of the axis in the file, which is that of chainages in the direction of travel.
     """
 
     axis: str
@@ -44,6 +48,7 @@ class TabulatedQuantity:
     has_unit: bool
     points: Array
     values: Array
+    direction: Direction = "rising"
 
     def doubt(self, shortest: float, longest: float) -> str:
         """Return the reason to doubt the unit of the axis, in words that follow the name of the file, or ''.
@@ -79,18 +84,23 @@ def read_curve(path: Path, origin: float | None = None) -> TabulatedQuantity:
     """
     columns = read_columns(
         path, axes={"time": "s", "distance": "m"}, name="mu0", si="1", span=(0.0, 1.0), above=True, example="%",
-        falling=origin is not None,
+        if_falling="chainages that fall in the direction of travel need the key origin" if origin is None else None,
     )  # fmt: skip
     if origin is not None:
         if columns.axis == "time":
             raise ValueError("has a column time, and origin is a place on the rail; leave origin out")
-        columns = replace(columns, points=along(columns.points, origin))
+        columns = replace(columns, points=along(columns.points, origin), direction=direction_of(columns.points))
     return columns
+
+
+def direction_of(chainages: Array) -> Direction:
+    """Return the direction of chainages in the direction of travel, from their order."""
+    return "rising" if chainages[-1] > chainages[0] else "falling"
 
 
 def along(chainages: Array, origin: float) -> Array:
     """Return the distances of a train [m], rising, at chainages in its direction of travel, rising or falling."""
-    return chainages - origin if chainages[-1] > chainages[0] else origin - chainages
+    return chainages - origin if direction_of(chainages) == "rising" else origin - chainages
 
 
 def read_columns(
@@ -101,7 +111,7 @@ def read_columns(
     si: str,
     span: tuple[float, float],
     above: bool = False,
-    falling: bool = False,
+    if_falling: str | None = "",
     example: str,
 ) -> TabulatedQuantity:
     """Read a quantity over a rising axis.
@@ -115,7 +125,7 @@ def read_columns(
         si: SI unit of the quantity.
         span: Minimum and maximum of the values in it.
         above: Whether the minimum is excluded.
-        falling: Whether the axis may also fall throughout.
+        if_falling: Remedy for an axis that falls throughout, if there is one; None if it may fall.
         example: Another unit of the quantity, for a message.
 
     Raises:
@@ -156,11 +166,10 @@ def read_columns(
     points = values[:, header.index(axis)]
     quantity = values[:, [header.index(column) for column in columns]]
     steps = np.diff(points)
-    if not (np.all(steps > 0) or (falling and np.all(steps < 0))):
+    falls = axis == "distance" and bool(np.all(steps < 0))
+    if not (np.all(steps > 0) or (falls and if_falling is None)):
         line = rows[1:][int(np.argmin(steps > 0)) + 1][0]
-        is_chainage = not falling and axis == "distance" and np.all(steps < 0)
-        hint = "; chainages that fall in the direction of travel need the key origin" if is_chainage else ""
-        raise ValueError(f"line {line}: {axis} does not rise{hint}")
+        raise ValueError(f"line {line}: {axis} does not rise" + (f"; {if_falling}" if falls and if_falling else ""))
     least, most = span
     inside = np.all(((quantity > least) if above else (quantity >= least)) & (quantity <= most), axis=1)
     if not np.all(inside):
@@ -199,6 +208,10 @@ def _is_of_numbers(row: Sequence[str], count: int) -> bool:
         return False
 
 
+_SORT = (
+    "sort the rows by rising chainage, since a slope holds from its row to the next, and give direction = 'falling' for a "
+    "train that runs to lower chainages"
+)
 _CLOSEST = 1.0
 """Distance [m] below which two points of a GPX track are one: receivers repeat their position at rest."""
 
@@ -237,7 +250,7 @@ def read_line(path: Path, steepest: float) -> LineProfile:
     span = (-steepest, steepest) if name == "slope" else (-500.0, 6000.0)
     table = read_columns(
         path, axes={"distance": "m"}, name=name, si="1" if name == "slope" else "m", span=span,
-        falling=name == "height", example="permille" if name == "slope" else "ft",
+        if_falling=None if name == "height" else _SORT, example="permille" if name == "slope" else "ft",
     )  # fmt: skip
     if table.values.shape[1] != 1:
         raise ValueError(f"has several columns of {name}; a line has one")
@@ -321,14 +334,16 @@ def _apart(points: list[tuple[int, float, float, float]]) -> tuple[list[int], li
 
     Each is compared with the last one that is kept: steps between readings at rest would add up.
     """
-    from railgrip.scenario.track_geometry import Place, local  # takes a fifth of a second
+    import pymap3d  # takes a fifth of a second
 
+    _, latitude, longitude, height = np.array(points).T
+    places = np.stack(pymap3d.geodetic2ecef(latitude, longitude, height), axis=-1)
+    phi, turn = np.radians(latitude), np.radians(longitude)
+    upward = np.stack([np.cos(phi) * np.cos(turn), np.cos(phi) * np.sin(turn), np.sin(phi)], axis=-1)
     kept, way = [0], [0.0]
-    for number, (_, latitude, longitude, _) in enumerate(points):
-        _, *place, height = points[kept[-1]]
-        origin = Place(latitude=place[0], longitude=place[1], height=height)
-        north, east, _ = local(latitude, longitude, height, origin)
-        step = float(np.hypot(north, east))
+    for number, place in enumerate(places):
+        offset = place - places[kept[-1]]
+        step = math.sqrt(max(offset @ offset - (offset @ upward[kept[-1]]) ** 2, 0.0))
         if step >= _CLOSEST:
             kept.append(number)
             way.append(way[-1] + step)

@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from railgrip.base import registry
-from railgrip.scenario.curve import TabulatedQuantity, along, read_curve
+from railgrip.scenario.curve import Direction, TabulatedQuantity, along, direction_of, read_curve
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import Magnitude, UnitRange
 from railgrip.scenario.surface import Polach, Recovery, Sand
@@ -335,6 +335,12 @@ class Points(_Varying):
         return min(mu0 for _, mu0 in self.points) * (1.0 - 3.0 * self.scatter)
 
     @property
+    def direction(self) -> Direction | None:
+        """Direction of the chainages in the direction of travel; None if there is one point."""
+        places = np.array([place.si(self.unit) for place, _ in self.points])
+        return direction_of(places) if len(places) > 1 else None
+
+    @property
     def places(self) -> tuple[float, ...]:
         """Times or distances of the points since the brake demand, in the unit of the axis."""
         places = tuple(place.si(self.unit) for place, _ in self.points)
@@ -389,6 +395,11 @@ class FromTable(_Profile):
             return read_curve(self.file.path, self.origin)
         except ValueError as problem:
             raise table_error(f"file {self.file.entry}: {problem}") from problem
+
+    @property
+    def direction(self) -> Direction:
+        """Direction of the chainages in the direction of travel."""
+        return self.curve.direction
 
     @property
     def over(self) -> Over:

@@ -30,7 +30,7 @@ from railgrip.scenario.onboard import (
     Sensors,
     steps_between,
 )
-from railgrip.scenario.profile import LONGEST_RAIL, Adhesion, FromTable
+from railgrip.scenario.profile import LONGEST_RAIL, Adhesion, FromTable, Points
 from railgrip.scenario.surface import Sander
 from railgrip.scenario.table import ByKind, Name, Seed, Table, optional, table_error
 from railgrip.scenario.track import Track, steepest_fall
@@ -159,6 +159,25 @@ class Scenario(Table):
             )
         return self
 
+    @model_validator(mode="after")
+    def _is_at_one_chainage(self) -> Self:
+        adhesion, line = self.adhesion, self.track.line
+        if line is None or line.is_gpx or not isinstance(adhesion, Points | FromTable) or adhesion.origin is None:
+            return self
+        file = f" of file {adhesion.file.entry}" if isinstance(adhesion, FromTable) else ""
+        if not math.isclose(adhesion.origin, line.origin, abs_tol=1e-3):
+            raise table_error(
+                f"[adhesion] origin{file} is {adhesion.origin:.10g} m, and [track.line] origin of {line.file.entry} is "
+                f"{line.origin:.10g} m: both are the chainage of the leading wheelset at the start; correct one of them"
+            )
+        if adhesion.direction not in (None, line.direction):
+            raise table_error(
+                f"[adhesion] has chainages{file} that are {adhesion.direction} in the direction of travel, and "
+                f"[track.line] direction is '{line.direction}': a train runs one way; correct direction, or reverse the "
+                "order of the points of friction"
+            )
+        return self
+
     @property
     def _longest_step(self) -> float:
         """Maximum communication step [s]: of a built-in plant one that is validated, of others any."""
@@ -208,6 +227,7 @@ class Scenario(Table):
         """Return the files outside the scenario file that affect the stop."""
         table = (self.adhesion.file,) if isinstance(self.adhesion, FromTable) else ()
         controller = (self.controller.file,) if isinstance(self.controller, ControllerFmu) else ()
+        line = (self.track.line.file,) if self.track.line is not None else ()
         prediction = (self.estimator.library, self.estimator.file) if isinstance(self.estimator, KalmanFilter) else ()
         profile = self.demand.file if self.demand is not None else None
         entries = (
@@ -215,6 +235,7 @@ class Scenario(Table):
             self.vehicle.library,
             self.vehicle.train,
             *table,
+            *line,
             *controller,
             *prediction,
             profile,

@@ -2,10 +2,9 @@
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
@@ -13,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, field_validator, model_validator
 
 from railgrip.base.units import GRAVITY
-from railgrip.scenario.curve import LineProfile, read_line
+from railgrip.scenario.curve import Direction, LineProfile, read_line
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import Number, UnitRange
 from railgrip.scenario.table import Chainage, Length, Table, optional, table_error
@@ -141,7 +140,7 @@ class TrackLine(Table):
         "GPX track, whose chainage counts from its first point"
     )
     origin: Chainage = Field(description="chainage of the leading wheelset at the start of the run")
-    direction: Literal["rising", "falling"] = Field(description="of the chainages in the direction of travel")
+    direction: Direction = Field(description="of the chainages in the direction of travel")
 
     @model_validator(mode="after")
     def _check_place(self) -> Self:
@@ -153,6 +152,11 @@ class TrackLine(Table):
                 f"its end: the line is from {low:g} m to {high:g} m"
             )
         return self
+
+    @property
+    def is_gpx(self) -> bool:
+        """Whether chainages count from the first point of a GPX track, and not as on the line."""
+        return self.file.path.suffix.casefold() == ".gpx"
 
     @property
     def way(self) -> float:
@@ -248,33 +252,65 @@ def slope_of(track: Track) -> Callable[[float], float]:
     if (plan := track.plan) is not None:
         course = plan.alignment()
         return lambda distance: plan.way * float(course.slope(plan.place(distance)))
-    begins = [begin for begin, _ in track.slopes]
-    slopes = [0.0, *(slope for _, slope in track.slopes)]
+    begins, slopes = _steps(track.slopes)
     return lambda distance: slopes[bisect_right(begins, distance)]
+
+
+def _steps(sections: Sequence[tuple[float, float]]) -> tuple[list[float], list[float]]:
+    """Return where sections begin, and the value before the first one and of each.
+
+    The track before the start of the stop continues as at the start, unless a section is known to begin later.
+    """
+    begins, values = [begin for begin, _ in sections], [value for _, value in sections]
+    return begins, [values[0] if sections and begins[0] <= 0.0 else 0.0, *values]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackForce:
-    """A force that is constant or linear in sections of the track.
+    """The force of gradients and curves on a train, which act on each wheelset at its place.
+
+    By virtual work, m g dh/ds with the height h of the centre of gravity, which is the mean of the heights of the
+    wheelsets weighted with the mass that they carry, the force of gravity on a train is the sum over the wheelsets of
+    that mass times g sin β at their places, for rigid bodies in roundings much longer than they are high. Curve resistance acts
+    at the wheelsets, too.
 
     Attributes:
         begins: Start of each section, rising, the first at −∞ [m].
-        forces: Force on the train at the start of each section, forward positive [N].
-        rates: Change of the force over each section, 0 for the first [N/m].
+        forces: Force at the start of each section if the whole train were there, forward positive [N].
+        rates: Change of that force over each section, 0 for the first [N/m].
+        behind: Distance of each wheelset behind the leading one [m]; (0,) if it is not known.
+        shares: Share of the mass that each wheelset carries; their sum is 1.
     """
 
     begins: tuple[float, ...]
     forces: tuple[float, ...]
     rates: tuple[float, ...]
+    behind: tuple[float, ...] = (0.0,)
+    shares: tuple[float, ...] = (1.0,)
+
+    @property
+    def is_even(self) -> bool:
+        """Whether the force is the same everywhere."""
+        return len(set(self.forces)) == 1 and not any(self.rates)
 
     def at(self, distance: ArrayLike) -> NDArray[np.float64]:
-        """Return the force [N] with the train at a `distance` [m] since the brake demand, in its shape."""
-        section = np.searchsorted(self.begins, distance, side="right") - 1
+        """Return the force [N] with the leading wheelset at a `distance` [m] since the brake demand, in its shape."""
+        leading = self._at_place(np.asarray(distance, dtype=np.float64))
+        if self.is_even:
+            return leading
+        others = zip(self.behind, self.shares, strict=True)
+        # Differences to the leading wheelset, as in rail.c: they are zero where the track is even.
+        return leading + sum(share * (self._at_place(distance - behind) - leading) for behind, share in others)
+
+    def _at_place(self, place: NDArray[np.float64]) -> NDArray[np.float64]:
+        section = np.searchsorted(self.begins, place, side="right") - 1
         rate, begin = np.array(self.rates)[section], np.array(self.begins)[section]
-        return np.array(self.forces)[section] + rate * np.where(rate, np.asarray(distance) - begin, 0.0)
+        return np.array(self.forces)[section] + rate * np.where(rate, place - begin, 0.0)
 
 
-def track_force_of(track: Track, mass: float) -> TrackForce:
+def track_force_of(
+    track: Track, mass: float, behind: Sequence[float] = (0.0,), shares: Sequence[float] = (1.0,)
+) -> TrackForce:
     """Return the force of a track: the constant one, −m g sin(β) and the curve resistance.
 
     Along a plan it is linear between the places where curvature or slope change their slope, and every metre: 1e-4 N
@@ -283,25 +319,31 @@ def track_force_of(track: Track, mass: float) -> TrackForce:
     Args:
         track: Gradient, curves and constant force.
         mass: Mass of the train [kg].
+        behind: Distance of each wheelset behind the leading one [m].
+        shares: Share of the mass that each wheelset carries.
     """
     if track.plan is not None:
-        return _along(track, track.plan, mass)
-    begins_of_slopes, slopes = zip(*track.slopes, strict=True) if track.slopes else ((), ())
-    places = sorted({*begins_of_slopes, *(section.begin for section in track.curve)})
-    begins = (float("-inf"), *places)
-
-    def force(place: float) -> float:
-        slope = (
-            slopes[bisect_right(begins_of_slopes, place) - 1] if place >= min(begins_of_slopes, default=inf) else 0.0
+        begins, forces, rates = _along(track, track.plan, mass)
+    else:
+        of_slopes, slopes = _steps(track.slopes)
+        of_curves, bends = _steps([(part.begin, 1.0 / part.radius if part.radius else 0.0) for part in track.curve])
+        begins = np.unique([-math.inf, *of_slopes, *of_curves])
+        slope, bend = (
+            np.array(values)[np.searchsorted(places, begins, side="right")]
+            for places, values in ((of_slopes, slopes), (of_curves, bends))
         )
-        curves = [section.radius for section in track.curve if section.begin <= place]
-        bend = 1.0 / curves[-1] if curves and curves[-1] else 0.0
-        return track.force + float(force_along(slope, bend, mass, track.curve_law))
+        forces = track.force + force_along(slope, bend, mass, track.curve_law)
+        rates = np.zeros(begins.size)
+    return TrackForce(
+        begins=tuple(begins.tolist()),
+        forces=tuple(forces.tolist()),
+        rates=tuple(rates.tolist()),
+        behind=tuple(behind),
+        shares=tuple(shares),
+    )
 
-    return TrackForce(begins=begins, forces=tuple(force(place) for place in begins), rates=(0.0,) * len(begins))
 
-
-def _along(track: Track, plan: Plan, mass: float) -> TrackForce:
+def _along(track: Track, plan: Plan, mass: float) -> tuple[NDArray[np.float64], ...]:
     course = plan.alignment()
     ends = sorted((plan.way * (0.0 - plan.start), plan.way * (course.length - plan.start)))
     kinks = plan.way * (np.concatenate([course.curvature.at, course.slope.at]) - plan.start)
@@ -309,11 +351,7 @@ def _along(track: Track, plan: Plan, mass: float) -> TrackForce:
     at = np.clip(plan.place(begins), 0.0, course.length)
     forces = track.force + force_along(plan.way * course.slope(at), course.curvature(at), mass, track.curve_law)
     rates = np.append(np.diff(forces) / np.diff(begins), 0.0)
-    return TrackForce(
-        begins=(float("-inf"), *begins.tolist()),
-        forces=(float(forces[0]), *forces.tolist()),
-        rates=(0.0, *rates.tolist()),
-    )
+    return np.append(-math.inf, begins), np.append(forces[0], forces), np.append(0.0, rates)
 
 
 def force_along(slope: ArrayLike, curvature: ArrayLike, mass: float, law: CurveLaw = "bogie") -> NDArray[np.float64]:

@@ -74,6 +74,7 @@ from railgrip.vehicle.parameters import (
 )
 from railgrip.vehicle.signals import (
     BRAKE_DEMAND,
+    CAR_TRACK_FORCE,
     CURVE,
     EXTRA,
     MAGNETS,
@@ -439,7 +440,14 @@ class VehicleData:
         Raises:
             ScenarioError: As for `mass`.
         """
-        force, slope = track_force_of(self.scenario.track, self.mass), self.scenario.truth.gradient
+        formation, source, slope = self.formation, self.scenario.vehicle.source, self.scenario.truth.gradient
+        masses = np.ones(formation.wheelsets)
+        if isinstance(source, ModelicaPlant) and self.true.mass is not None:
+            masses = self.true.masses
+        elif formation.load is not None:
+            masses = formation.load
+        places = (formation.wheelset_position, tuple((masses / masses.sum()).tolist()))
+        force = track_force_of(self.scenario.track, self.mass, *(places if formation.wheelset_position else ()))
         more = float(force_along(slope, 0.0, self.mass))
         return replace(force, forces=tuple(of_track + more for of_track in force.forces))
 
@@ -472,7 +480,9 @@ class VehicleData:
         extra = tuple(s for s in EXTRA if s.name in self.outputs)
         several = len(self.scenario.adhesion.curves) > 1
         readings = (*READINGS, *self.scenario.sensors.extra_readings(self.scenario, self.outputs))
-        sent = (*SENT, *(CURVE if several else ()), *self._demanded)
+        has_cars = any(ElementName.of(name).array == "car_track_force" for name in self.file.names("input"))
+        cars = CAR_TRACK_FORCE if has_cars and not self.track_force.is_even else ()
+        sent = (*SENT, *cars, *(CURVE if several else ()), *self._demanded)
         return layout_of(self.nominal.formation, output=(*PLANT, *extra), reading=readings, input=sent)
 
     @property

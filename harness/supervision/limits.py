@@ -57,10 +57,11 @@ def lowest_gradient(line: Line, length: float) -> Steps:
     """Return the lowest gradient under a train over the location of its front end, positive uphill (§3.13.4.2)."""
     rows = [(-inf, 0.0), *((section.begin, section.slope) for section in line.gradient)]
     begins, slopes = (np.array(column) for column in zip(*rows, strict=True))
-    ends = np.append(begins[1:], inf) + length
-    fronts = np.unique(np.concatenate([begins, ends[:-1]]))
-    under = (begins <= fronts[:, None]) & (ends > fronts[:, None])
-    return Steps(fronts, np.where(under, slopes, inf).min(axis=1))
+    ends = begins[1:] + length
+    fronts = np.unique(np.concatenate([begins, ends]))
+    # The sections under the train are adjacent: from that of its rear to that of its front.
+    under = np.stack([np.searchsorted(ends, fronts, side="right"), np.searchsorted(begins, fronts, side="right")], axis=1)
+    return Steps(fronts, np.minimum.reduceat(np.append(slopes, inf), under.ravel())[::2])
 
 
 def gradient_deceleration(case: BrakingCase) -> Steps:

@@ -95,11 +95,15 @@ def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], formation: Formation,
         )
         for signal, block in blocks.items()
     }
-    couplers = next((block.shape[1] for signal, block in blocks.items() if signal.extent == "coupler"), 0)
     numbers = {
         "group": (formation.groups, "group of wheelsets that turn as one"),
         "wheelset": (formation.wheelsets, "wheelset, lead to trail"),
-    } | ({"coupler": (couplers, "coupler, lead to trail")} if couplers else {})
+    }
+    numbers |= {
+        signal.extent: (block.shape[1], f"{signal.extent}, lead to trail")
+        for signal, block in blocks.items()
+        if signal.extent in ("car", "coupler") and block.shape[1]
+    }
     of_wheelsets: dict[str, tuple[NDArray[Any], dict[str, str]]] = {
         _GROUPS: (1 + formation.group_of_wheelset, {"long_name": "group that the wheelset turns with"})
     }
@@ -107,8 +111,7 @@ def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], formation: Formation,
         behind = {"units": "m", "long_name": "distance of the wheelset behind the leading one"}
         of_wheelsets["wheelset_position"] = formation.position, behind
     if formation.wheelsets_per_car:
-        cars = np.repeat(1 + np.arange(formation.cars), formation.wheelsets_per_car)
-        of_wheelsets["car_of_wheelset"] = cars, {"long_name": "car that the wheelset carries"}
+        of_wheelsets["car_of_wheelset"] = 1 + formation.car_of_wheelset, {"long_name": "car that the wheelset carries"}
     # Time is counted and multiplied, never summed.
     time = np.arange(count) * period, {"units": "s", "long_name": "time since the brake demand"}
     return xarray.Dataset(

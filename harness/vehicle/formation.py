@@ -15,7 +15,7 @@ from railgrip.base.arrays import Array
 from railgrip.base.units import GRAVITY
 from railgrip.vehicle.brake import Brake, Values
 
-Extent = Literal["train", "group", "wheelset", "coupler"]
+Extent = Literal["train", "car", "group", "wheelset", "coupler"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +100,11 @@ class Formation:
         return len(self.wheelsets_per_car) or 1
 
     @property
+    def car_of_wheelset(self) -> NDArray[np.intp]:
+        """Zero-based car of each wheelset, shape (wheelsets,)."""
+        return np.repeat(np.arange(self.cars), self.wheelsets_per_car or (self.wheelsets,))
+
+    @property
     def position(self) -> Array | None:
         """Distance of each wheelset behind the leading one, shape (wheelsets,) [m]; None if it is not given."""
         return np.array(self.wheelset_position) if self.wheelset_position else None
@@ -121,7 +126,8 @@ class Formation:
 
     def width(self, extent: Extent) -> int:
         """Return the number of values of a quantity with one value for each `extent`."""
-        return {"train": 1, "group": self.groups, "wheelset": self.wheelsets, "coupler": self.cars - 1}[extent]
+        widths = {"train": 1, "car": self.cars, "group": self.groups, "wheelset": self.wheelsets}
+        return (widths | {"coupler": self.cars - 1})[extent]
 
     def members(self) -> Iterator[slice]:
         """Yield the wheelsets of each group."""

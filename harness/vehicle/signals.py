@@ -16,7 +16,7 @@ class Signal:
 
     Attributes:
         name: Name of the variable: that of the plant's output, with a prefix if it comes from another part.
-        extent: What has one value: the train, each group, each wheelset, or each coupler between two cars.
+        extent: What has one value: the train, each car, each group, each wheelset, or each coupler between two cars.
         unit: SI unit, "1" for ratios.
         meaning: Label of axes, and description in files.
     """
@@ -88,9 +88,14 @@ EXTRA = (
 SENT = (
     Signal("command", "group", "1", "command to the plant: cylinder pressure [Pa] or valve (-1 vent, 0 hold, 1 fill)"),
     Signal("mu0", "wheelset", "1", "maximum friction at the wheelset"),
-    Signal("track_force", "train", "N", "force of the track, forward positive"),
+    Signal("track_force", "train", "N", "force of the track on the train, forward positive"),
 )
 """Inputs of the plant, which are bound by these names; see `railgrip.simulate.bound_plant`."""
+
+CAR_TRACK_FORCE = (
+    Signal("car_track_force", "car", "N", "force of the track on each car less its share of track_force by mass"),
+)
+"""Input that follows those of `SENT` for a train with couplers on a track whose gradient or curvature changes."""
 
 CURVE = (
     Signal("curve_k_A", "wheelset", "1", "Polach's k_A of the creep curve at the wheelset"),
@@ -290,7 +295,8 @@ class Layout:
 
     def header(self) -> str:
         """Return sizes and places as C names, such as GROUPS, OUTPUTS and OUTPUT_SPEED."""
-        sizes = {"GROUPS": self.formation.groups, "WHEELSETS": self.formation.wheelsets}
+        formation = self.formation
+        sizes = {"CARS": formation.cars, "GROUPS": formation.groups, "WHEELSETS": formation.wheelsets}
         sizes |= {f"{role}s".upper(): length(places) for role, places in self.places.items()}
         for role, places in self.places.items():
             sizes |= {f"{role}_{name}".upper(): place.start for name, place in places.items()}

@@ -13,6 +13,7 @@ equation
   train.pressure_command = build_up*{3e5, 3e5, 3e5, 3e5, 0, 0, 0, 0};
   train.mu0 = fill(dry.mu0, 8);
   train.track_force = 0;
+  train.car_track_force = zeros(2);
   annotation (
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=60, Tolerance=1e-6, Interval=0.01),

@@ -10,6 +10,7 @@ model EnergyOfAConsist "Energy balance of coupled cars: kinetic energy becomes h
 equation
   train.mu0 = {0.10, 0.11, 0.12, 0.13, 0.13, 0.13, 0.13, 0.13};
   train.track_force = 2000;
+  train.car_track_force = {3000, -3000};
   train.pressure_command = {3e5, 3e5, 3e5, 3e5, 1e5, 1e5, 1e5, 1e5};
   error = (train.kinetic_energy + train.contact_heat + train.pad_heat + train.resistance_work + train.coupler_work)/E
     - 1;

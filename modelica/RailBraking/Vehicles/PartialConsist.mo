@@ -27,6 +27,9 @@ partial block PartialConsist "Train of equal cars, without the supply of the bra
   parameter Types.Stiffness k_coupler(min=1) = 5e7 "Stiffness of a coupler" annotation(Dialog(group="Couplers"));
   parameter Types.Damping c_coupler(min=0) = 5e5 "Damping of a coupler" annotation(Dialog(group="Couplers"));
   parameter Types.Length slack_coupler(min=0) = 0 "Slack of a coupler" annotation(Dialog(group="Couplers"));
+  Interfaces.RealInput car_track_force[cars](each final unit="N", each start=0)
+    "Force of gradient and curve on each car less its share of track_force by mass"
+    annotation(Placement(transformation(extent={{-120, -100}, {-100, -80}})));
 protected
   final parameter Integer wheelsets_of_car = bogies_per_car*axles_per_bogie "Wheelsets of a car"
     annotation(Evaluate=true);
@@ -59,7 +62,7 @@ protected
 equation
   for c in 1:cars loop
     car[c].standstill = standstill;
-    car[c].track_force = track_force*car[c].mass/m_train;
+    car[c].track_force = track_force*car[c].mass/m_train + car_track_force[c];
     v[c] = car[c].v;
     a[c] = car[c].a;
     m_body[c] = car[c].mass;
@@ -97,7 +100,9 @@ equation
 <p>
 Any number of <a href=\"modelica://RailBraking.Vehicles.Car\">Cars</a> with <a
 href=\"modelica://RailBraking.Components.Coupler\">Couplers</a> between them; cars, wheelsets and groups count from
-the front. Gradients and curves act on each car by its mass.
+the front. Gradients and curves act on each car: <code>track_force</code> is their sum, of which each car has its share by mass,
+and <code>car_track_force</code> the difference of each car to that, where cars are on different gradients; its sum is
+zero.
 </p>
 <h4>Limitations</h4>
 <p>
