@@ -298,8 +298,9 @@ def braking_of(run: xarray.Dataset, course: CourseTable) -> Braking:
     who = f"recording '{run.attrs.get('name')}'"
     motion = _motion(run, course, who)
     track = motion.course
-    slope, curvature = (np.interp(motion.distance, track.distance, of) for of in (track.slope, track.curvature))
-    force = force_along(slope, curvature, course.mass, course.curve_law)
+    of_track = force_along(track.slope, track.curvature, course.mass, course.curve_law)
+    behind = course.wheelset_position or (0.0,)
+    force = np.mean([np.interp(motion.distance - each, track.distance, of_track) for each in behind], axis=0)
     brakes, period = brake_mask(run), period_of(run)
     if not brakes.any():
         raise EstimationError(

@@ -55,7 +55,7 @@ from railgrip.recording.table import DataTable
 from railgrip.scenario.file import NamedFile, OtherFileString, locate, nest, read_overrides
 from railgrip.scenario.load import Tables, read_toml, require_kind, require_straight, validate_table
 from railgrip.scenario.quantity import Magnitude, NotNegative, Number, UnitRange, in_units
-from railgrip.scenario.table import Duration, Length, Mass, Name, Parameters, Seed, Table, table_error
+from railgrip.scenario.table import Duration, Length, Mass, Name, Parameters, Seed, Table, optional, table_error
 from railgrip.scenario.track import CurveLaw
 from railgrip.scenario.vehicle_table import TrainName
 from railgrip.simulate.train_prediction import CENTRAL
@@ -190,6 +190,10 @@ class CourseTable(Table):
     """The track force of a train from GNSS, speed and accelerometers; the filter runs from coasting on."""
 
     mass: Mass = Field(description="of the train")
+    wheelset_position: tuple[Length, ...] = optional(
+        "distance of each wheelset behind the place that GNSS reads, which the whole train is at without it",
+        default=(),
+    )
     curve_law: CurveLaw = Field(description="formula of the resistance in curves")
     low_pass: LowPass = LOW_PASS
     trust: SensorDeviations = SENSOR_DEVIATIONS

@@ -209,8 +209,8 @@ def _is_of_numbers(row: Sequence[str], count: int) -> bool:
 
 
 _SORT = (
-    "sort the rows by rising chainage, since a slope holds from its row to the next, and give direction = 'falling' for a "
-    "train that runs to lower chainages"
+    "sort the rows by rising chainage, since a slope holds from its row to the next, and give direction = 'falling' "
+    "for a train that runs to lower chainages"
 )
 _CLOSEST = 1.0
 """Distance [m] below which two points of a GPX track are one: receivers repeat their position at rest."""

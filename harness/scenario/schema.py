@@ -173,8 +173,8 @@ class Scenario(Table):
         if adhesion.direction not in (None, line.direction):
             raise table_error(
                 f"[adhesion] has chainages{file} that are {adhesion.direction} in the direction of travel, and "
-                f"[track.line] direction is '{line.direction}': a train runs one way; correct direction, or reverse the "
-                "order of the points of friction"
+                f"[track.line] direction of {line.file.entry} is '{line.direction}': a train runs one way; correct "
+                "direction, or reverse the order of the points of friction"
             )
         return self
 

@@ -269,10 +269,10 @@ def _steps(sections: Sequence[tuple[float, float]]) -> tuple[list[float], list[f
 class TrackForce:
     """The force of gradients and curves on a train, which act on each wheelset at its place.
 
-    By virtual work, m g dh/ds with the height h of the centre of gravity, which is the mean of the heights of the
-    wheelsets weighted with the mass that they carry, the force of gravity on a train is the sum over the wheelsets of
-    that mass times g sin β at their places, for rigid bodies in roundings much longer than they are high. Curve resistance acts
-    at the wheelsets, too.
+    The centre of gravity of a car rises as the mean of its wheelsets, weighted with the masses that they carry. By
+    virtual work, gravity is therefore the sum of these masses times g sin β at the places of the wheelsets; the height
+    of the centre of gravity above the rail is neglected against the radius of roundings. Curve resistance acts at the
+    wheelsets, too.
 
     Attributes:
         begins: Start of each section, rising, the first at −∞ [m].

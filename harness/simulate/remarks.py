@@ -109,6 +109,26 @@ def remarks_on_pressures(vehicle: VehicleData) -> list[str]:
     ]
 
 
+def remarks_on_track(vehicle: VehicleData) -> list[str]:
+    """Return a remark for a track under the train that is not known, or a place of its wheelsets."""
+    line, behind, force = vehicle.scenario.track.line, vehicle.formation.wheelset_position, vehicle.track_force
+    if force.is_even:
+        return []
+    if not behind:
+        return [
+            f"{vehicle.scenario.name}: [track] gradient and curve under the leading wheelset act on the whole train, "
+            "because the plant does not declare the positions of its wheelsets: give [vehicle.formation] "
+            "wheelset_position, how far each is behind the leading one."
+        ]
+    if line is not None and line.ends[0] > -behind[-1]:
+        return [
+            f"{vehicle.scenario.name}: [track.line] {line.file.entry} begins {-line.ends[0]:g} m behind the leading "
+            f"wheelset, and the last one is {behind[-1]:g} m behind it; behind its end the first gradient is assumed "
+            "to go on."
+        ]
+    return []
+
+
 def remarks_after(scenario: Scenario, duration: float, distance: float) -> list[str]:
     """Return a remark for each part of a scenario that the stop did not reach, and one if it left its track.
 

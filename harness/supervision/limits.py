@@ -60,7 +60,9 @@ def lowest_gradient(line: Line, length: float) -> Steps:
     ends = begins[1:] + length
     fronts = np.unique(np.concatenate([begins, ends]))
     # The sections under the train are adjacent: from that of its rear to that of its front.
-    under = np.stack([np.searchsorted(ends, fronts, side="right"), np.searchsorted(begins, fronts, side="right")], axis=1)
+    under = np.stack(
+        [np.searchsorted(ends, fronts, side="right"), np.searchsorted(begins, fronts, side="right")], axis=1
+    )
     return Steps(fronts, np.minimum.reduceat(np.append(slopes, inf), under.ravel())[::2])
 
 

@@ -1,5 +1,7 @@
 """Gradients from files: CSV and GPX, in either direction of travel, against closed forms."""
 
+import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -22,9 +24,9 @@ GPX = (
 )
 
 
-def scenario(folder: Path, text: str, name: str = "line.csv", **keys: object):
+def scenario(folder: Path, text: str, name: str = "line.csv", adhesion: object = None, **keys: object):
     (folder / name).write_text(text, encoding="utf-8")
-    table = load(Path("plain")).resolved()
+    table = load(Path("plain")).resolved() | ({"adhesion": adhesion} if adhesion else {})
     table["track"] = {"line": {"file": name, "origin": "10.4 km", "direction": "rising"} | keys}
     return scenario_of(table, directory=folder, origin="own")
 
@@ -92,7 +94,7 @@ def test_a_gpx_track_has_the_length_of_the_meridian(tmp_path):
         (SLOPES, {"origin": "10 km", "direction": "falling"}, "does not lie on line.csv, or at its end"),
         (SLOPES.replace("-8", "-800"), {}, "line 3: slope must be at least -0.2"),
         (SLOPES.replace("12.5", "10.5"), {}, "line 4: distance does not rise"),
-        ("distance,slope\n3000,0.005\n2000,0\n1000,0\n", {}, "line 3: distance does not rise"),
+        ("distance,slope\n3000,0.005\n2000,0\n1000,0\n", {}, r"line 3: distance does not rise; sort .*direction ="),
         (HEIGHTS.replace("105", "1050"), {"origin": "0 m"}, "row 2: the height changes by 950 m over 1000 m"),
         ("distance,slope\n0,0.1 %\n100,0\n", {"origin": "0 m"}, "line 2: 2 finite numbers are expected"),
         ("kilometre,slope\n0,1\n1,1\n", {}, "its first line must name distance"),
@@ -144,3 +146,58 @@ def test_a_stop_beyond_the_end_of_the_line_is_remarked(tmp_path):
     made = scenario(tmp_path, SLOPES, origin="13.9 km")
     assert any("ends 100 m from the start" in remark for remark in remarks_after(made, 20.0, 250.0))
     assert not remarks_after(made, 20.0, 90.0)
+
+
+FRICTION = {"kind": "points", "over": "distance", "polach": "wet", "origin": "13 km"}
+FALLING = {"points": [["14 km", 0.3], ["9 km", 0.05]]}
+
+
+@pytest.mark.parametrize(
+    ("friction", "keys", "sentence"),
+    [
+        (FALLING, {}, "are falling .* direction of line.csv is 'rising': a train runs one way"),
+        (FALLING, {"origin": "11 km", "direction": "falling"}, "is 13000 m, and .* is 11000 m: both"),
+        ({"points": FALLING["points"][::-1]}, {"direction": "falling"}, "are rising"),
+        ("14,0.3\n9,0.05", {}, "chainages of file rail.csv that are falling"),
+        (FALLING, {"origin": "13000 m", "direction": "falling"}, ""),
+        ({"points": [["9 km", 0.1]]}, {}, ""),
+        ("14,0.3\n9,0.05", {"direction": "falling"}, ""),
+    ],
+)
+def test_a_train_is_at_one_chainage_and_runs_one_way(tmp_path, friction, keys, sentence):
+    if isinstance(friction, str):
+        (tmp_path / "rail.csv").write_text(f"distance [km],mu0\n{friction}\n", encoding="utf-8")
+        table = {"kind": "table", "polach": "wet", "file": "rail.csv", "origin": "13 km"}
+    else:
+        table = FRICTION | friction
+    made = partial(scenario, tmp_path, SLOPES, adhesion=table, **{"origin": "13 km"} | keys)
+    if not sentence:
+        assert made().track.line.origin == made().adhesion.origin
+        return
+    with pytest.raises(ScenarioError, match=sentence) as refused:
+        made()
+    assert "[adhesion]" in str(refused.value)
+    assert "[track.line]" in str(refused.value)
+
+
+def test_chainages_of_a_gpx_track_are_not_compared_with_those_of_friction(tmp_path):
+    table = FRICTION | FALLING
+    made = scenario(tmp_path, GPX.format(47.0, 47.0, 47.01, 47.02), "line.gpx", adhesion=table, origin="0 m")
+    assert made.adhesion.places[0] == -1000.0
+
+
+def test_the_result_of_a_stop_depends_on_the_content_of_its_line(tmp_path):
+    first = scenario(tmp_path, SLOPES).digest()
+    assert scenario(tmp_path, SLOPES.replace("-8", "-9")).digest() != first
+
+
+@pytest.mark.parametrize(("name", "origin"), [("line.csv", "10.4 km"), ("line.gpx", "0 m")])
+def test_a_long_file_takes_seconds_not_minutes(tmp_path, name, origin):
+    """100,000 rows of a CSV file, 30,000 points of a receiver: linear in their number, some 2 s of the processor."""
+    csv = "distance,slope\n" + "".join(f"{at},{(at % 40 - 20) / 1e3}\n" for at in range(100_000))
+    points = (f'<trkpt lat="{47 + 2e-5 * at:.6f}" lon="8.0"><ele>{at % 3 / 10}</ele></trkpt>' for at in range(30_000))
+    gpx = f"<gpx><trk><trkseg>{''.join(points)}</trkseg></trk></gpx>"
+    begin = time.process_time()
+    track = scenario(tmp_path, csv if name == "line.csv" else gpx, name, origin=origin).track
+    assert len(track_force_of(track, 80e3).begins) > 25_000
+    assert time.process_time() - begin < 10.0

@@ -73,7 +73,9 @@ class Accelerometer(Table):
 
     noise: AccelerationError = Field(description="1σ, white, each reading")
     bias: AccelerationError = Field(description="1σ, drawn once a stop")
-    feels_gradient: StrictBool = optional("whether it reads the gravity along the track, too", default=False)
+    feels_gradient: StrictBool = optional(
+        "whether it reads the gravity along the track at the leading wheelset, too", default=False
+    )
 
 
 class RailUnderWheels(Table):

@@ -157,6 +157,10 @@ class TrackSensors:
         self._white, self._slope = white, slope_of(scenario.track)
         self._distance = layout.output["distance"].start
         self._along, self._position = layout.reading.get("acceleration_along"), slice(0, 0)
+        formation = layout.formation
+        behind = np.zeros(formation.wheelsets) if formation.position is None else formation.position
+        # Each group has its accelerometer in the middle of its wheelsets.
+        self._behind = [float(behind[members].mean()) for members in formation.members()]
         self._receiver = None
         if sensors.gnss is not None:
             self._position = slice(layout.reading[GNSS[0]].start, layout.reading[GNSS[-1]].stop)
@@ -170,7 +174,7 @@ class TrackSensors:
         """
         reading, distance = self._white.read(sample, truth), float(truth[self._distance])
         if self._along is not None:
-            reading[self._along] += gravity_along(self._slope(distance))
+            reading[self._along] += gravity_along([self._slope(distance - behind) for behind in self._behind])
         if self._receiver is not None:
             reading[self._position] = self._receiver.read(sample, distance)
         return reading

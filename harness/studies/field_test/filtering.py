@@ -91,10 +91,13 @@ def run(case: tuple[str, Scenario], import_from: Sequence[Path] = ()) -> FieldRu
     name, scenario = case
     track = scenario.track
     assert track.plan is not None  # of every scenario of `cases`
-    recording = stop_read(scenario, f"{scenario.name} {name}", import_from)
+    recording, vehicle = stop_read(scenario, f"{scenario.name} {name}", import_from), VehicleData(scenario)
+    course = CourseTable(
+        mass=vehicle.mass, wheelset_position=vehicle.formation.wheelset_position, curve_law=track.curve_law
+    )
     return FieldRun(
         recording=recording,
-        braking=braking_of(recording, CourseTable(mass=VehicleData(scenario).mass, curve_law=track.curve_law)),
+        braking=braking_of(recording, course),
         plan=track.plan,
     )
 
