@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from railgrip.base import registry
+from railgrip.base.arrays import Array
 from railgrip.scenario.curve import Direction, TabulatedQuantity, along, direction_of, read_curve
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import Magnitude, UnitRange
@@ -337,14 +338,16 @@ class Points(_Varying):
     @property
     def direction(self) -> Direction | None:
         """Direction of the chainages in the direction of travel; None if there is one point."""
-        places = np.array([place.si(self.unit) for place, _ in self.points])
-        return direction_of(places) if len(places) > 1 else None
+        return direction_of(self._axis) if len(self.points) > 1 else None
 
     @property
     def places(self) -> tuple[float, ...]:
         """Times or distances of the points since the brake demand, in the unit of the axis."""
-        places = tuple(place.si(self.unit) for place, _ in self.points)
-        return places if self.origin is None else tuple(along(np.array(places), self.origin).tolist())
+        return tuple((self._axis if self.origin is None else along(self._axis, self.origin)).tolist())
+
+    @property
+    def _axis(self) -> Array:
+        return np.array([place.si(self.unit) for place, _ in self.points])
 
     @model_validator(mode="after")
     def _fits(self) -> Self:

@@ -21,9 +21,7 @@ from railgrip.scenario.file import NamedFile, merge
 from railgrip.scenario.onboard import (
     Actuation,
     Controller,
-    ControllerFmu,
     Estimator,
-    KalmanFilter,
     Limits,
     NoEstimator,
     Periods,
@@ -164,17 +162,15 @@ class Scenario(Table):
         adhesion, line = self.adhesion, self.track.line
         if line is None or line.is_gpx or not isinstance(adhesion, Points | FromTable) or adhesion.origin is None:
             return self
-        file = f" of file {adhesion.file.entry}" if isinstance(adhesion, FromTable) else ""
-        if not math.isclose(adhesion.origin, line.origin, abs_tol=1e-3):
+        places = [(adhesion.origin, adhesion.direction or line.direction), (line.origin, line.direction)]
+        if places[0] != places[1]:
+            file = f" file {adhesion.file.entry}" if isinstance(adhesion, FromTable) else ""
+            (here, way), (there, other) = places
             raise table_error(
-                f"[adhesion] origin{file} is {adhesion.origin:.10g} m, and [track.line] origin of {line.file.entry} is "
-                f"{line.origin:.10g} m: both are the chainage of the leading wheelset at the start; correct one of them"
-            )
-        if adhesion.direction not in (None, line.direction):
-            raise table_error(
-                f"[adhesion] has chainages{file} that are {adhesion.direction} in the direction of travel, and "
-                f"[track.line] direction of {line.file.entry} is '{line.direction}': a train runs one way; correct "
-                "direction, or reverse the order of the points of friction"
+                f"[adhesion]{file} has origin {here:.10g} m and chainages that are {way} in the direction of travel, "
+                f"[track.line] file {line.file.entry} has origin {there:.10g} m and direction '{other}': a train is at "
+                "one chainage and runs one way; correct origin or direction, or reverse the order of the points of "
+                "friction"
             )
         return self
 
@@ -225,21 +221,11 @@ class Scenario(Table):
 
     def files(self) -> tuple[NamedFile, ...]:
         """Return the files outside the scenario file that affect the stop."""
-        table = (self.adhesion.file,) if isinstance(self.adhesion, FromTable) else ()
-        controller = (self.controller.file,) if isinstance(self.controller, ControllerFmu) else ()
-        line = (self.track.line.file,) if self.track.line is not None else ()
-        prediction = (self.estimator.library, self.estimator.file) if isinstance(self.estimator, KalmanFilter) else ()
-        profile = self.demand.file if self.demand is not None else None
-        entries = (
-            self.vehicle.plant,
-            self.vehicle.library,
-            self.vehicle.train,
-            *table,
-            *line,
-            *controller,
-            *prediction,
-            profile,
-        )
+        keys = (
+            (self.vehicle, ("plant", "library", "train")), (self.adhesion, ("file",)), (self.track.line, ("file",)),
+            (self.controller, ("file",)), (self.estimator, ("library", "file")), (self.demand, ("file",)),
+        )  # fmt: skip
+        entries = (getattr(table, key, None) for table, names in keys for key in names)
         return tuple(file for file in entries if isinstance(file, NamedFile))
 
     def resolved(self) -> dict[str, Any]:

@@ -64,6 +64,11 @@ class Curve(Table):
             raise table_error(f"must be 0, for straight track, or at least {TIGHTEST_RADIUS:g} m, got {radius:g} m")
         return radius
 
+    @property
+    def curvature(self) -> float:
+        """1 over the radius [1/m], 0 where it is straight."""
+        return 1.0 / self.radius if self.radius else 0.0
+
 
 Bend = Annotated[
     float, UnitRange("m", at_least=-1e5, at_most=1e5, because="no track is surveyed to less than 1e-5 1/m")
@@ -166,12 +171,9 @@ class TrackLine(Table):
     @cached_property
     def sections(self) -> tuple[tuple[float, float], ...]:
         """Begin of each section as the distance of the train [m], and its slope in the direction of travel."""
-        profile = self._profile
-        slopes = self.way * profile.slopes
-        if self.way > 0:
-            return tuple(zip((profile.chainages[:-1] - self.origin).tolist(), slopes.tolist(), strict=True))
-        begins = (self.origin - profile.chainages[1:])[::-1]
-        return tuple(zip(begins.tolist(), slopes[::-1].tolist(), strict=True))
+        order = slice(None, None, round(self.way))
+        begins = (self.way * (self._profile.chainages - self.origin))[order][:-1]
+        return tuple(zip(begins.tolist(), (self.way * self._profile.slopes)[order].tolist(), strict=True))
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -265,7 +267,7 @@ def _steps(sections: Sequence[tuple[float, float]]) -> tuple[list[float], list[f
     return begins, [values[0] if sections and begins[0] <= 0.0 else 0.0, *values]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TrackForce:
     """The force of gradients and curves on a train, which act on each wheelset at its place.
 
@@ -282,36 +284,33 @@ class TrackForce:
         shares: Share of the mass that each wheelset carries; their sum is 1.
     """
 
-    begins: tuple[float, ...]
-    forces: tuple[float, ...]
-    rates: tuple[float, ...]
-    behind: tuple[float, ...] = (0.0,)
-    shares: tuple[float, ...] = (1.0,)
+    begins: NDArray[np.float64]
+    forces: NDArray[np.float64]
+    rates: NDArray[np.float64]
+    behind: Sequence[float] = (0.0,)
+    shares: Sequence[float] = (1.0,)
 
     @property
     def is_even(self) -> bool:
         """Whether the force is the same everywhere."""
-        return len(set(self.forces)) == 1 and not any(self.rates)
+        return not np.any(self.forces != self.forces[0]) and not np.any(self.rates)
 
     def at(self, distance: ArrayLike) -> NDArray[np.float64]:
         """Return the force [N] with the leading wheelset at a `distance` [m] since the brake demand, in its shape."""
-        leading = self._at_place(np.asarray(distance, dtype=np.float64))
-        if self.is_even:
-            return leading
-        others = zip(self.behind, self.shares, strict=True)
+        place = np.asarray(distance, dtype=np.float64)
+        leading, others = self._at_place(place), zip(self.behind, self.shares, strict=True)
         # Differences to the leading wheelset, as in rail.c: they are zero where the track is even.
-        return leading + sum(share * (self._at_place(distance - behind) - leading) for behind, share in others)
+        more = (share * (self._at_place(place - behind) - leading) for behind, share in others)
+        return leading if self.is_even else leading + sum(more)
 
     def _at_place(self, place: NDArray[np.float64]) -> NDArray[np.float64]:
         section = np.searchsorted(self.begins, place, side="right") - 1
-        rate, begin = np.array(self.rates)[section], np.array(self.begins)[section]
-        return np.array(self.forces)[section] + rate * np.where(rate, place - begin, 0.0)
+        rate = self.rates[section]
+        return self.forces[section] + rate * np.where(rate, place - self.begins[section], 0.0)
 
 
-def track_force_of(
-    track: Track, mass: float, behind: Sequence[float] = (0.0,), shares: Sequence[float] = (1.0,)
-) -> TrackForce:
-    """Return the force of a track: the constant one, −m g sin(β) and the curve resistance.
+def track_force_of(track: Track, mass: float) -> TrackForce:
+    """Return the force of a track on a train at one place: the constant one, −m g sin(β) and the curve resistance.
 
     Along a plan it is linear between the places where curvature or slope change their slope, and every metre: 1e-4 N
     from the exact force. Beyond the ends of the plan it is constant.
@@ -319,31 +318,17 @@ def track_force_of(
     Args:
         track: Gradient, curves and constant force.
         mass: Mass of the train [kg].
-        behind: Distance of each wheelset behind the leading one [m].
-        shares: Share of the mass that each wheelset carries.
     """
     if track.plan is not None:
-        begins, forces, rates = _along(track, track.plan, mass)
-    else:
-        of_slopes, slopes = _steps(track.slopes)
-        of_curves, bends = _steps([(part.begin, 1.0 / part.radius if part.radius else 0.0) for part in track.curve])
-        begins = np.unique([-math.inf, *of_slopes, *of_curves])
-        slope, bend = (
-            np.array(values)[np.searchsorted(places, begins, side="right")]
-            for places, values in ((of_slopes, slopes), (of_curves, bends))
-        )
-        forces = track.force + force_along(slope, bend, mass, track.curve_law)
-        rates = np.zeros(begins.size)
-    return TrackForce(
-        begins=tuple(begins.tolist()),
-        forces=tuple(forces.tolist()),
-        rates=tuple(rates.tolist()),
-        behind=tuple(behind),
-        shares=tuple(shares),
-    )
+        return _along(track, track.plan, mass)
+    steps = _steps(track.slopes), _steps([(part.begin, part.curvature) for part in track.curve])
+    begins = np.unique([-math.inf, *(begin for of_kind, _ in steps for begin in of_kind)])
+    slope, bend = (np.array(values)[np.searchsorted(of_kind, begins, side="right")] for of_kind, values in steps)
+    forces = track.force + force_along(slope, bend, mass, track.curve_law)
+    return TrackForce(begins=begins, forces=forces, rates=np.zeros(begins.size))
 
 
-def _along(track: Track, plan: Plan, mass: float) -> tuple[NDArray[np.float64], ...]:
+def _along(track: Track, plan: Plan, mass: float) -> TrackForce:
     course = plan.alignment()
     ends = sorted((plan.way * (0.0 - plan.start), plan.way * (course.length - plan.start)))
     kinks = plan.way * (np.concatenate([course.curvature.at, course.slope.at]) - plan.start)
@@ -351,7 +336,9 @@ def _along(track: Track, plan: Plan, mass: float) -> tuple[NDArray[np.float64], 
     at = np.clip(plan.place(begins), 0.0, course.length)
     forces = track.force + force_along(plan.way * course.slope(at), course.curvature(at), mass, track.curve_law)
     rates = np.append(np.diff(forces) / np.diff(begins), 0.0)
-    return np.append(-math.inf, begins), np.append(forces[0], forces), np.append(0.0, rates)
+    return TrackForce(
+        begins=np.append(-math.inf, begins), forces=np.append(forces[0], forces), rates=np.append(0.0, rates)
+    )
 
 
 def force_along(slope: ArrayLike, curvature: ArrayLike, mass: float, law: CurveLaw = "bogie") -> NDArray[np.float64]:

@@ -33,13 +33,7 @@ from railgrip.simulate.faults.site import faults_of
 from railgrip.simulate.loop.interfaces import Clock, LoopController, Parts, StateEstimator
 from railgrip.simulate.loop.loop import Ending, Loop
 from railgrip.simulate.loop.plausible import Plausibility
-from railgrip.simulate.remarks import (
-    remarks_after,
-    remarks_before,
-    remarks_on_pressures,
-    remarks_on_track,
-    remarks_on_use,
-)
+from railgrip.simulate.remarks import remarks_after, remarks_before, remarks_on_use, remarks_on_vehicle
 from railgrip.simulate.user_parts import NO_CUSTOM_PARTS, CustomParts, UserParts
 from railgrip.simulate.value_checks import DemandLimits
 from railgrip.simulate.vehicle_data import Opening, VehicleData
@@ -153,7 +147,7 @@ def assemble(
     clock, user = _clock(scenario), UserParts(objects, scenario, layout)
     vehicle.require_pad_friction()
     vehicle.require_known_forces()
-    remarks = [*remarks_before(scenario), *remarks_on_pressures(vehicle), *remarks_on_track(vehicle)]
+    remarks = [*remarks_before(scenario), *remarks_on_vehicle(vehicle)]
     for sentence in remarks:
         notify(sentence)
     with shared_budget(), ExitStack() as stack:

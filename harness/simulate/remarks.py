@@ -90,43 +90,44 @@ def _late_begin(what: str, begin: float) -> list[str]:
     return [f"{what} begins {begin:g} m after the brake demand; until there, the friction of its first point applies"]
 
 
-def remarks_on_pressures(vehicle: VehicleData) -> list[str]:
-    """Return a remark if cylinders allow more pressure than the controller knows: it never demands that."""
+def remarks_on_vehicle(vehicle: VehicleData) -> list[str]:
+    """Return the remarks on a vehicle under its controller and on its track."""
+    return [f"{vehicle.scenario.name}: {words}." for words in (*_pressures(vehicle), *_track(vehicle))]
+
+
+def _track(vehicle: VehicleData) -> Iterator[str]:
+    """Yield a sentence if places of wheelsets, or the track under them at the start, are not known."""
+    line, behind = vehicle.scenario.track.line, vehicle.formation.wheelset_position
+    if vehicle.track_force.is_even:
+        return
+    if not behind:
+        yield (
+            "[track] gradient and curve under the leading wheelset act on the whole train, because the plant does not "
+            "declare the positions of its wheelsets: give [vehicle.formation] wheelset_position"
+        )
+    elif line is not None and line.ends[0] > -behind[-1]:
+        yield (
+            f"[track.line] {line.file.entry} begins {-line.ends[0]:g} m behind the leading wheelset, and the last one "
+            f"is {behind[-1]:g} m behind it; behind its end the first gradient is assumed to go on"
+        )
+
+
+def _pressures(vehicle: VehicleData) -> Iterator[str]:
+    """Yield a sentence if cylinders allow more pressure than the controller knows: it never demands that."""
     scenario, changed = vehicle.scenario, vehicle.scenario.vehicle.parameters
     if scenario.actuation.kind != "ideal" or not any(ElementName.of(name).array == "p_max" for name in changed):
-        return []
+        return
     pairs = zip(vehicle.true.brakes, vehicle.nominal.formation.brakes, strict=True)
     higher = [
         f"{true.pressure_max / 1e5:g} bar in group {group}, where the controller knows {known.pressure_max / 1e5:g} bar"
         for group, (true, known) in enumerate(pairs, start=1)
         if true is not None and true.pressure_max > (1 + _ROUNDING) * known.pressure_max
     ]
-    if not higher:
-        return []
-    return [
-        f"{scenario.name}: [vehicle.parameters] p_max is {', '.join(higher)} and demands no more, so that the higher "
-        "pressure has no effect; give p_max in [controller.parameters], too."
-    ]
-
-
-def remarks_on_track(vehicle: VehicleData) -> list[str]:
-    """Return a remark for a track under the train that is not known, or a place of its wheelsets."""
-    line, behind, force = vehicle.scenario.track.line, vehicle.formation.wheelset_position, vehicle.track_force
-    if force.is_even:
-        return []
-    if not behind:
-        return [
-            f"{vehicle.scenario.name}: [track] gradient and curve under the leading wheelset act on the whole train, "
-            "because the plant does not declare the positions of its wheelsets: give [vehicle.formation] "
-            "wheelset_position, how far each is behind the leading one."
-        ]
-    if line is not None and line.ends[0] > -behind[-1]:
-        return [
-            f"{vehicle.scenario.name}: [track.line] {line.file.entry} begins {-line.ends[0]:g} m behind the leading "
-            f"wheelset, and the last one is {behind[-1]:g} m behind it; behind its end the first gradient is assumed "
-            "to go on."
-        ]
-    return []
+    if higher:
+        yield (
+            f"[vehicle.parameters] p_max is {', '.join(higher)} and demands no more, so that the higher pressure has "
+            "no effect; give p_max in [controller.parameters], too"
+        )
 
 
 def remarks_after(scenario: Scenario, duration: float, distance: float) -> list[str]:

@@ -440,16 +440,15 @@ class VehicleData:
         Raises:
             ScenarioError: As for `mass`.
         """
-        formation, source, slope = self.formation, self.scenario.vehicle.source, self.scenario.truth.gradient
-        masses = np.ones(formation.wheelsets)
-        if isinstance(source, ModelicaPlant) and self.true.mass is not None:
+        force, slope = track_force_of(self.scenario.track, self.mass), self.scenario.truth.gradient
+        force = replace(force, forces=force.forces + force_along(slope, 0.0, self.mass))
+        behind, masses = self.formation.position, self.formation.load
+        if behind is None:
+            return force
+        if isinstance(self.scenario.vehicle.source, ModelicaPlant) and self.true.mass is not None:
             masses = self.true.masses
-        elif formation.load is not None:
-            masses = formation.load
-        places = (formation.wheelset_position, tuple((masses / masses.sum()).tolist()))
-        force = track_force_of(self.scenario.track, self.mass, *(places if formation.wheelset_position else ()))
-        more = float(force_along(slope, 0.0, self.mass))
-        return replace(force, forces=tuple(of_track + more for of_track in force.forces))
+        masses = np.ones(behind.size) if masses is None else masses
+        return replace(force, behind=behind, shares=masses / masses.sum())
 
     @property
     def sanders(self) -> tuple[Sander, ...]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from energy_balance import stopping_distance
 from hypothesis import example, given
 from hypothesis import strategies as st
 from onboard import FAR, case_of, train_data
@@ -77,6 +78,20 @@ def test_the_lowest_gradient_under_the_train_counts():
     lowest = lowest_gradient(case.line, 200)
     for front in np.arange(900.5, 2200, 7):
         assert lowest.at(front) == min(slope(front - back) for back in np.linspace(0, 200, 2001))
+
+
+@pytest.mark.parametrize(("before", "behind"), [(0.02, -0.02), (-0.02, 0.02), (-0.015, -0.015), (0.0, -0.02)])
+def test_a_curve_is_not_shorter_than_the_stop_by_the_balance_of_energy(before, behind):
+    """On the lowest gradient under a train of 200 m it is as long only where that is the gradient everywhere."""
+    gradient = [{"begin": 0, "slope": before}, {"begin": FAR - 300, "slope": behind}]
+    case = case_of(train_data(rotating_mass=0.05), ("EoA", FAR, 0), gradient=gradient)
+    begin = float(service_curve(case, case.line.target[0]).location(30.0))
+    profile = ((-1e5, before), (FAR - 300 - begin, behind))
+    places = np.arange(0.5, 200.0)
+    # The specification has the tangent of the gradient in place of its sine, with the rotating mass.
+    by_energy = stopping_distance(30.0, 0.8, places, np.full(200, 1 / 200), profile, gravity=9.81 / 1.05)
+    assert FAR - begin > by_energy + 0.05 or before == behind
+    assert FAR - begin == pytest.approx(by_energy, rel=2e-4 if before == behind else 0.4)
 
 
 def test_gradients_act_as_in_the_figure_of_the_specification():

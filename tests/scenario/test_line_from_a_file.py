@@ -155,10 +155,10 @@ FALLING = {"points": [["14 km", 0.3], ["9 km", 0.05]]}
 @pytest.mark.parametrize(
     ("friction", "keys", "sentence"),
     [
-        (FALLING, {}, "are falling .* direction of line.csv is 'rising': a train runs one way"),
-        (FALLING, {"origin": "11 km", "direction": "falling"}, "is 13000 m, and .* is 11000 m: both"),
+        (FALLING, {}, "are falling .*file line.csv has .*'rising': a train is at one chainage and runs one way"),
+        (FALLING, {"origin": "11 km", "direction": "falling"}, "origin 13000 m .*file line.csv has origin 11000 m"),
         ({"points": FALLING["points"][::-1]}, {"direction": "falling"}, "are rising"),
-        ("14,0.3\n9,0.05", {}, "chainages of file rail.csv that are falling"),
+        ("14,0.3\n9,0.05", {}, "file rail.csv has .* chainages that are falling"),
         (FALLING, {"origin": "13000 m", "direction": "falling"}, ""),
         ({"points": [["9 km", 0.1]]}, {}, ""),
         ("14,0.3\n9,0.05", {"direction": "falling"}, ""),
