@@ -51,28 +51,28 @@ class Gradient(Table):
     slope: Slope = Field(description="tangent of the gradient, positive uphill")
 
 
+Bend = Annotated[
+    float, UnitRange("m", at_least=-1e5, at_most=1e5, because="no track is surveyed to less than 1e-5 1/m")
+]
+
+
 class Curve(Table):
     """From here on the track has this radius, in either direction; `radius = 0` is straight again."""
 
     begin: Length = Field(description="distance of the train at which it begins")
-    radius: Length = Field(description="of the curve, either way; 0 is straight")
+    radius: Bend = Field(description="of the curve, either way and of either sign; 0 is straight")
 
     @field_validator("radius")
     @classmethod
     def _straight_or_a_curve(cls, radius: float) -> float:
-        if 0 < radius < TIGHTEST_RADIUS:
+        if 0 < abs(radius) < TIGHTEST_RADIUS:
             raise table_error(f"must be 0, for straight track, or at least {TIGHTEST_RADIUS:g} m, got {radius:g} m")
-        return radius
+        return abs(radius)
 
     @property
     def curvature(self) -> float:
         """1 over the radius [1/m], 0 where it is straight."""
         return 1.0 / self.radius if self.radius else 0.0
-
-
-Bend = Annotated[
-    float, UnitRange("m", at_least=-1e5, at_most=1e5, because="no track is surveyed to less than 1e-5 1/m")
-]
 
 
 class Plan(Table):

@@ -45,13 +45,6 @@ def test_in_the_other_direction_slopes_change_their_sign(tmp_path):
     assert force == pytest.approx(-80e3 * 9.81 * np.sin(np.arctan([0.0, 0.008, -0.005])))
 
 
-def test_there_and_back_the_work_of_gravity_is_none(tmp_path):
-    there = slope_of(scenario(tmp_path, SLOPES, origin="10 km").track)
-    back = slope_of(scenario(tmp_path, SLOPES, origin="14 km", direction="falling").track)
-    middles = np.arange(5.0, 4000.0, 10.0)
-    assert sum(map(there, middles)) == pytest.approx(-sum(map(back, middles)))
-
-
 @pytest.mark.parametrize("is_falling", [False, True])
 def test_heights_give_the_same_line_in_either_order(tmp_path, is_falling):
     head, *rows = HEIGHTS.splitlines()

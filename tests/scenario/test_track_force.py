@@ -18,10 +18,11 @@ def test_a_level_straight_track_does_nothing():
 def test_a_curve_of_500_m_has_the_resistance_of_its_formula(law: CurveLaw, per_mille: float):
     assert 1e3 * curve_coefficient(1 / 500, law) == pytest.approx(per_mille, abs=6e-4)
     assert curve_coefficient(-1 / 500, law) == curve_coefficient(1 / 500, law)
-    sections = {"curve": [{"begin": 0, "radius": "500 m"}, {"begin": 50, "radius": 0}]}
-    force = track_force_of(Track.model_validate(sections | {"curve_law": law}), 84e3)
-    assert force.at(10.0) == pytest.approx(-84e3 * 9.81 * 1e-3 * per_mille, rel=1e-3)
-    assert force.at(60.0) == 0.0
+    for radius in ("500 m", "-500 m"):
+        sections = {"curve": [{"begin": 0, "radius": radius}, {"begin": 50, "radius": 0}]}
+        force = track_force_of(Track.model_validate(sections | {"curve_law": law}), 84e3)
+        assert force.at(10.0) == pytest.approx(-84e3 * 9.81 * 1e-3 * per_mille, rel=1e-3)
+        assert force.at(60.0) == 0.0
 
 
 def test_roeckl_is_constant_beyond_the_end_of_its_range():
