@@ -6,7 +6,7 @@ from synthetic import LAYOUT
 from railgrip.scenario.adhesion import FrictionTable, TabulatedRail
 from railgrip.scenario.track import TrackForce
 
-STRAIGHT = TrackForce(begins=(-np.inf,), forces=(0.0,), rates=(0.0,))
+STRAIGHT = TrackForce(begins=np.array([-np.inf]), forces=np.zeros(1), rates=np.zeros(1))
 
 
 def constant_rail(mu0, **surface):

@@ -46,7 +46,7 @@ class Block:
 def rail():
     """Friction that rises by 1e-6 per metre, and a force."""
     friction = np.linspace(0.1, 0.1 + 1e-4, 101)[:, None].repeat(6, axis=1)
-    force = TrackForce(begins=(-np.inf,), forces=(5.0,), rates=(0.0,))
+    force = TrackForce(begins=np.array([-np.inf]), forces=np.array([5.0]), rates=np.zeros(1))
     return TabulatedRail(LAYOUT, FrictionTable(over_time=False, step=1.0, mu0_at=friction), force)
 
 

@@ -180,7 +180,11 @@ def law_that_ends(calls):
     return Law(law("Ending", "Gives up", 4, demand_with), GROUPS, {})
 
 
-STEPS = TrackForce(begins=(-np.inf, 0.5, 3.0, 3.0001), forces=(0.0, 1e3, -2e3, 5e2), rates=(0.0, 0.0, 7e3, -3e2))
+STEPS = TrackForce(
+    begins=np.array([-np.inf, 0.5, 3.0, 3.0001]),
+    forces=np.array([0.0, 1e3, -2e3, 5e2]),
+    rates=np.array([0, 0, 7e3, -3e2]),
+)
 
 
 SLIP = lambda: SlipTwoState(GROUPS, SlipTwoState.load_tuning("ideal", "read", "paper"))

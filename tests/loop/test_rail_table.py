@@ -7,7 +7,8 @@ from synthetic import LAYOUT
 from railgrip.scenario.adhesion import FrictionTable, TabulatedRail
 from railgrip.scenario.track import TrackForce
 
-SECTIONS = {"begins": (-np.inf, 10.0, 30.0), "forces": (0.0, 1e3, -2e3), "rates": (0.0, 0.0, 50.0)}
+ROWS = np.array([[-np.inf, 10, 30], [0, 1e3, -2e3], [0, 0, 50.0]])
+SECTIONS = dict(zip(("begins", "forces", "rates"), ROWS, strict=True))
 VALUES = np.array([0.10, 0.11, 0.12, 0.13])
 
 
