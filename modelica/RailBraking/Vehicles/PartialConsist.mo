@@ -100,9 +100,9 @@ equation
 <p>
 Any number of <a href=\"modelica://RailBraking.Vehicles.Car\">Cars</a> with <a
 href=\"modelica://RailBraking.Components.Coupler\">Couplers</a> between them; cars, wheelsets and groups count from
-the front. Gradients and curves act on each car: <code>track_force</code> is their sum, of which each car has its share by mass,
-and <code>car_track_force</code> the difference of each car to that, where cars are on different gradients; its sum is
-zero.
+the front. Gradients and curves act on each car: <code>track_force</code> is the force on the train, of which each car
+has its share by mass, and <code>car_track_force</code> the difference of each car to that share, where cars are on
+different gradients. The sum of the differences is zero.
 </p>
 <h4>Limitations</h4>
 <p>
