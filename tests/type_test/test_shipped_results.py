@@ -74,9 +74,7 @@ def test_results_of_other_cases_or_another_train_are_refused(monkeypatch, stops)
 def test_cases_without_a_file_are_reported_in_a_sentence():
     found, sentences = read_shipped(cases(CASES), TRAIN)
     assert found.empty
-    assert sentences == [
-        "No results of railgrip's controllers come with these 240 cases; they come with --cases 24."
-    ]
+    assert sentences == ["No results of railgrip's controllers come with these 240 cases; they come with --cases 24."]
 
 
 def test_written_results_read_back(tmp_path, stops):
