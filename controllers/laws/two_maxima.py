@@ -89,15 +89,18 @@ class TwoMaxima(SlopeSeeking):
     highest pressure. A change between slope and deep slip clears the memory, because both groups of a comparison must
     have the same slip.
 
-    In a trial the first group alone seeks `slip_trial`. With Δ a change of ln α since its begin, r that of the groups
-    that have not reached the places that the first group has slipped over, and k those that have:
+    In a trial the first group alone seeks `slip_trial`. With Δ a change of ln α since its begin, r that of groups
+    between the place of the first slide of the stop and the places that the first group has slipped over, and k the
+    groups that have reached the latter:
 
         e_1, e_k = min(Δ_1, Δ_1 − r), min(Δ_k, Δ_k − r)
         deep slip begins                 where e_1 + ⟨e_k⟩ > response_least, ⟨e_k⟩ > response_behind,
                                          or e_1 > response_own
 
-    The cleaning of passing wheels is in both α before and after, so that there e_1 is the fall of the creep curve and
-    e_k is zero. The trial fails once two groups have been at these places for `trial_wait` without that.
+    A change of friction over time is in r, and the rise of α where a group reaches the first slide is not: there the
+    slip of the slope cleans the rail. Until then, Δ of a group is r. The cleaning of passing wheels is in both α before
+    and after, so that there e_1 is the fall of the creep curve and e_k is zero. The trial fails once two groups have
+    been at these places for `trial_wait` without that.
 
     In deep slip all groups seek `slip_deep`; a group whose deep slip has done `work_max` returns to the slope. Deep
     slip also ends where the mean of ln α of the train, over `level_time`, falls by `level_loss` below that before it.
@@ -125,12 +128,11 @@ class TwoMaxima(SlopeSeeking):
         def targets_of(draft: FormulaBuilder, train: Sequence[Wheels], t: Mapping[str, Expression]) -> list[Target]:
             compared = _compare(draft, train, t, deep, trial)
             speed = train[0].group.speed
-            ended = draft.state(
-                "ended_speed", "m/s", "train speed at which deep slip or a trial ended last", _ANY_SPEED
-            )
+            ended = draft.state("ended_speed", "m/s", "train speed at which deep slip or a trial ended last", _BEYOND)
             begins = every(
                 deep < 0.5,
                 trial < 0.5,
+                compared.compares,
                 compared.advantage > t["advantage_high"],
                 speed < t["speed_ratio"] * ended,
                 speed > t["trial_speed"],
@@ -155,7 +157,7 @@ class TwoMaxima(SlopeSeeking):
 _CELL, _CELLS = 1.0, 48
 """Length [m] and number of the cells of the memory: groups further behind the first than all cells are not compared."""
 
-_ANY_SPEED = 1e9  # m/s
+_BEYOND = 1e9  # more than any speed [m/s] or place [m]
 _UNKNOWN = 0.0  # ln(adhesion) of a cell without one
 _LEAST = 1e-3  # adhesion, in logarithms
 _LARGEST = 0.6  # magnitude of a difference of ln(adhesion), beyond which it has other causes
@@ -164,6 +166,7 @@ _AHEAD = 4  # cells that are cleared ahead of the first group: more than it pass
 _ALIKE = 2.0  # largest ratio of slips of groups that are compared: a valve that sticks leaves a group elsewhere
 _REACHED = 0.6  # share of deep slip from which a group is in it
 _BACK = 1.3  # slip over its target above which a group still returns from deep slip
+_ENTRY = 5.0  # m, within which a slide begins
 _WITNESSES = 2  # groups behind that must have reached the cleaned places
 _BEGIN = 0.03  # lowest slip from which deep slip is approached
 
@@ -174,17 +177,21 @@ class GroupAdvantage:
 
     Attributes:
         advantage: ln of the adhesion of groups behind over that of the first one at the same place, averaged.
+        compares: Whether groups are compared now.
         places: Distance of each group from the place of the leading wheelset at the brake demand [m].
         logarithms: ln of the adhesion of each group.
         is_first: Whether each group is the first one that the rail limits.
         limited: Whether the rail limits the adhesion of each group.
+        slide: Place at which the first group first slid in this stop [m].
     """
 
     advantage: Expression
+    compares: Expression
     places: Sequence[Expression]
     logarithms: Sequence[Expression]
     is_first: Sequence[Expression]
     limited: Sequence[Expression]
+    slide: Expression
 
 
 def _compare(
@@ -205,24 +212,26 @@ def _compare(
         by_rail = each.group.pressure < _FULL * each.group.brake["pressure_max"]
         limited.append(every(each.sliding, enough, by_rail))
 
-    positions = [draft.parameter(each.group.label("position"), "m", _POSITION) for each in train]
+    places = [distance - draft.parameter(each.group.label("position"), "m", _POSITION) for each in train]
     loads = [each.group.brake["load"] for each in train]
     found, place, value, slip = 0.0, distance, _UNKNOWN, 1.0  # of the first group that the rail limits
     behind: list[Expression] = []
     first: list[Expression] = []
-    for each, position, logarithm, counts in zip(train, positions, logarithms, limited, strict=True):
+    for each, at, logarithm, counts in zip(train, places, logarithms, limited, strict=True):
         is_first = every(found < 0.5, counts)
         first.append(is_first)
         behind.append(every(found > 0.5, counts))
-        place = choose(is_first, distance - position, place)
+        place = choose(is_first, at, place)
         value = choose(is_first, logarithm, value)
         slip = choose(is_first, each.filtered, slip)
         found = choose(is_first, 1.0, found)
+    slide = draft.state("slide_place", "m", "where the first group first slid", _BEYOND)
+    draft.keep(slide, choose(found > 0.5, ca.fmin(slide, place), slide))
     recall = _memory(draft, place, value, deep + trial)
     differences: list[tuple[Expression, Expression]] = []
-    for each, counts, position, logarithm in zip(train, behind, positions, logarithms, strict=True):
-        known = recall(distance - position)
-        near = place - (distance - position) < _CELL * (_CELLS - _AHEAD - 1)
+    for each, counts, at, logarithm in zip(train, behind, places, logarithms, strict=True):
+        known = recall(at)
+        near = place - at < _CELL * (_CELLS - _AHEAD - 1)
         at_place, at_time = logarithm - known, logarithm - value
         smaller = choose(ca.fabs(at_place) < ca.fabs(at_time), at_place, at_time)
         alike = every(each.filtered < _ALIKE * slip, slip < _ALIKE * each.filtered)
@@ -236,10 +245,12 @@ def _compare(
     draft.show("advantage", "1", "ln(adhesion) of groups behind over that of the first at the same place", advantage)
     return GroupAdvantage(
         advantage=advantage,
-        places=[distance - position for position in positions],
+        compares=compares,
+        places=places,
         logarithms=logarithms,
         is_first=first,
         limited=limited,
+        slide=slide,
     )
 
 
@@ -272,13 +283,9 @@ def _try(
     draft.keep(elapsed, choose(begins, 0.0, elapsed + period))
     behind = either(response.own + response.behind > t["response_least"], response.behind > t["response_behind"])
     by_behind = every(response.enough, waited > t["trial_mean"], behind)
-    by_own = every(response.has_others, settled > 2.0 * t["trial_mean"], response.own > t["response_own"])
+    by_own = every(settled > 2.0 * t["trial_mean"], response.own > t["response_own"])
     succeeds = every(trial > 0.5, either(by_behind, by_own))
-    over = either(
-        waited > t["trial_wait"],
-        elapsed > t["trial_longest"],
-        every(ca.logic_not(response.has_others), settled > t["trial_wait"]),
-    )
+    over = either(waited > t["trial_wait"], elapsed > t["trial_longest"])
     fails = every(trial > 0.5, over, ca.logic_not(succeeds))
     return succeeds, fails, is_lead
 
@@ -292,14 +299,12 @@ class Response:
         behind: Mean change of the groups behind that are at places that it has slipped over.
         reached: Whether the first group has reached its slip.
         enough: Whether `_WITNESSES` groups, or all that the rail limited before the trial, are at these places.
-        has_others: Whether the rail limited other groups before the trial.
     """
 
     own: Expression
     behind: Expression
     reached: Expression
     enough: Expression
-    has_others: Expression
 
 
 def _response(
@@ -330,24 +335,26 @@ def _response(
     start = choose(begins, 0.0, choose(every(trial > 0.5, begin <= 0.0, has_slip), place, begin))
     draft.keep(begin, start)
 
+    entered = compared.slide + _ENTRY
+    last_of_rail = draft.state("change_of_rail", "1", "change of ln(adhesion) of groups before the cleaned places")
     changes: list[Expression] = []
     others: list[Expression] = []
-    for each, logarithm, limits, lead in zip(train, compared.logarithms, compared.limited, is_lead, strict=True):
+    rows = zip(train, compared.places, compared.logarithms, compared.limited, is_lead, strict=True)
+    for each, at, logarithm, limits, lead in rows:
         last = draft.state(each.group.label("smooth"), "1", "mean of ln(adhesion)")
         mean = last + t["period"] / (t["trial_mean"] + t["period"]) * (logarithm - last)
         draft.keep(last, mean)
-        before = draft.state(each.group.label("before"), "1", "that before the trial")
-        draft.keep(before, choose(begins, mean, before))
+        before = draft.state(each.group.label("before"), "1", "that before the trial, or after the first slide")
+        draft.keep(before, choose(begins, mean, choose(at < entered, mean - last_of_rail, before)))
         changes.append(mean - before)
         was = draft.state(each.group.label("was_limited"), "1", "1 if the rail limited the adhesion before the trial")
         draft.keep(was, choose(begins, limits, was))
         others.append(every(was > 0.5, ca.logic_not(lead)))
-    untouched = [every(other, at < dive) for other, at in zip(others, compared.places, strict=True)]
+    untouched = [every(other, at > entered, at < dive) for other, at in zip(others, compared.places, strict=True)]
     inside = [every(other, start > 0.0, at > start) for other, at in zip(others, compared.places, strict=True)]
-    last = draft.state("change_of_rail", "1", "change of ln(adhesion) of groups before the cleaned places")
     present = weighted_mean(list(zip(untouched, changes, strict=True)), loads)
-    of_rail = choose(either(0.0, *untouched), present, last)
-    draft.keep(last, choose(begins, 0.0, of_rail))
+    of_rail = choose(either(0.0, *untouched), present, last_of_rail)
+    draft.keep(last_of_rail, choose(begins, 0.0, of_rail))
     by_slip = [ca.fmin(change, change - of_rail) for change in changes]
     own, behind = of_lead(by_slip), weighted_mean(list(zip(inside, by_slip, strict=True)), loads)
     number = sum(choose(other, 1.0, 0.0) for other in others)
@@ -357,8 +364,7 @@ def _response(
         own=own,
         behind=behind,
         reached=start > 0.0,
-        enough=every(number > 0.5, count >= ca.fmin(number, _WITNESSES)),
-        has_others=number > 0.5,
+        enough=count >= ca.fmin(number, _WITNESSES),
     )
 
 
