@@ -248,17 +248,12 @@ _DECISIONS: Sequence[Knowledge] = ("deep slip", "deep slip once compared")
 def distance_of(stop: tuple[Scenario, str]) -> float:
     """Return the distance of a stop whose law is given a piece of the truth, `PIECES` [m]; NaN without standstill."""
     scenario, piece = stop
-    match piece:
-        case "true state":
-            return distance_with((scenario, True, False))
-        case "pressure without valves":
-            return distance_with((scenario, False, True))
-        case "valves without dead time":
-            return distance_with((without_dead_time(scenario), False, False))
-        case "deep slip" | "deep slip once compared" | "slip of the peak" | "adhesion ahead":
-            return informed_distance(scenario, piece)
-        case _:
-            return distance_with((scenario, False, False))
+    for known in (*_OF_THE_RAIL, *_DECISIONS):
+        if piece == known:
+            return informed_distance(scenario, known)
+    if piece == "valves without dead time":
+        scenario = without_dead_time(scenario)
+    return distance_with((scenario, piece == "true state", piece == "pressure without valves"))
 
 
 PIECES: Sequence[str] = (AS_IS, *_OF_THE_RAIL, "true state", "valves without dead time", "pressure without valves")
