@@ -411,7 +411,11 @@ HEADLINES: Final = (
     _PATCHES,
     replace(_PATCHES, name="leaves", rail="leaves", scale=40.0, friction=0.05, load=0.93),
     replace(_PATCHES, name="cleaned rail", curve="dry", other="", rail="random", scale=5.0, cleaning="strong"),
+    replace(
+        _PATCHES, name="even cleaned rail", curve="dry", other="", rail="even", cleaning="strong", friction=0.05,
+        speed=80 / KMH, load=1.0, radius=0.0, pads=1.0, gradient=0.0, lot=5501,
+    ),
     replace(_PATCHES, name="detailed mechanics", lot=271830),
     replace(_PATCHES, name="pair of faults", faults=("radar stuck", "valve slow"), friction=0.09),
-)
+)  # fmt: skip
 """Short cases for the regression, which no new creep curve in the library changes."""
