@@ -67,7 +67,7 @@ def _command(name: str) -> Any:
 
     hints = get_type_hints(study, include_extras=True)
     help_ = f"Check within a minute that the study runs: {study.quick_form}."
-    hints |= _COMMON | {"quick": Annotated[bool, typer.Option("--quick", help=help_)]}
+    hints |= {**_COMMON, "quick": Annotated[bool, typer.Option("--quick", help=help_)]}
     parameters = [
         inspect.Parameter(
             field.name,

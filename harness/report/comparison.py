@@ -452,7 +452,7 @@ def _change_sentences(distances: Frame, pairs: Mapping[str, Stops]) -> list[str]
         changes = pandas.Series([relative_change(*pair) for pair in both], distances.index)
         changes = changes.sort_index().sort_values(kind="stable")
         form = lambda change: percent(change) or "endless"  # noqa: E731
-        median = with_interval(float(changes.median()), median_interval(changes.to_numpy()), form, without=0.0)
+        median = with_interval(float(changes.median()), median_interval(changes.tolist()), form, without=0.0)
         sentences.append(
             f"{letter} against A over {len(changes)} stops: {(changes > 0).sum()} longer, {(changes < 0).sum()} "
             f"shorter, from {form(changes.iloc[0])} ({changes.index[0]}) to {form(changes.iloc[-1])} "

@@ -33,9 +33,11 @@ def user_kinds(scenario: Scenario) -> dict[Role, str]:
     tables: dict[Role, object] = {
         "controllers": scenario.controller, "estimators": scenario.estimator, "sensors": scenario.sensors
     }  # fmt: skip
-    kinds = {role: table.kind for role, table in tables.items() if isinstance(table, Custom)}
+    kinds: dict[Role, str] = {role: table.kind for role, table in tables.items() if isinstance(table, Custom)}
     source = scenario.vehicle.source
-    return kinds | ({"plants": source.name} if isinstance(source, PythonClass) else {})
+    if isinstance(source, PythonClass):
+        kinds["plants"] = source.name
+    return kinds
 
 
 @cache

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from railgrip.base.arrays import Array
 from railgrip.base.errors import ControllerFailed
@@ -144,7 +144,7 @@ class _Persistence:
     def __init__(self) -> None:
         self._since: float | Array = math.inf
 
-    def lasts(self, time: float, holds: Array) -> bool:
+    def lasts(self, time: float, holds: NDArray[np.bool_]) -> bool:
         """Return whether the condition, which holds for each group at this time or not, has held for one for 1 s."""
         self._since = np.where(holds, np.minimum(self._since, time), math.inf)
         return bool((time >= self._since + PATIENCE).any())
@@ -166,7 +166,7 @@ class SignCheck:
         # Adhesion and friction of pads may be assumptions, or steady in a steady braking.
         return self._stuck(observation, values) if self._name in ("speed", "wheelset_speed", "slip") else ""
 
-    def _is_wrong(self, observation: Observation, values: Array) -> Array:
+    def _is_wrong(self, observation: Observation, values: Array) -> NDArray[np.bool_]:
         """Return for each group whether its value has the sign that braking does not give it."""
         match self._name:
             case "slip":

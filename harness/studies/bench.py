@@ -502,7 +502,7 @@ class BenchStudy(Study, quick="one case of each kind, with 1 % of the repetition
 
         The quick form has one case of each kind, with few repetitions.
         """
-        first = {getattr(case, "func", case): (doing, case) for doing, case in reversed(CASES.items())}
+        first = {getattr(case, "func", case): (doing, case) for doing, case in reversed([*CASES.items()])}
         rows: list[Row] = []
         for doing, case in reversed(first.values()) if self.quick else CASES.items():
             work.notify(doing)
