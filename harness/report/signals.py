@@ -164,7 +164,7 @@ def _curves(line: SignalLine, group: NDArray[np.intp]) -> Iterator[tuple[str, in
     elif line.role in ("group", "wheelset"):
         columns = line.values if line.role == "wheelset" else line.values[:, group]
         for wheelset, values in enumerate(columns.T):
-            yield f"wheelset {wheelset + 1} (group {group[wheelset] + 1})", wheelset, "solid", values
+            yield f"wheelset {wheelset + 1}", wheelset, "solid", values
     else:
         for number, values in enumerate(line.values.T):
             wheelset = int(np.argmax(group == number))

@@ -85,8 +85,8 @@ def with_hostile(test):
 def test_a_page_has_the_same_elements_whatever_its_texts(tmp_path_factory, text):
     plain, page = (Elements(page_of(words_, tmp_path_factory.mktemp("page"))) for words_ in ("x", text))
     if words(text):
-        # A command between backticks in a cell of a table is code.
-        assert [one for one in page.elements if one[0] != "code"] == plain.elements
+        # A command between backticks in a cell of a table is code, and a name may break at an underscore.
+        assert [one for one in page.elements if one[0] not in ("code", "wbr")] == plain.elements
         assert words(text) in words(page.text)
 
 
