@@ -27,7 +27,7 @@ from railgrip.fmus.native.error_places import (
     require_readable,
     short,
 )
-from railgrip.fmus.native.language import findings, refuse, require_strict, require_values
+from railgrip.fmus.native.language import require_strict, require_values
 from railgrip.fmus.native.library import (
     LIBRARY,
     VARIABLE,
@@ -290,8 +290,7 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool, 
     if path.parent != LIBRARY:
         require_readable(path)
         if any(map(has_class_extends, (path, *parts))):  # rumoca overflows its stack if the class uses it
-            _, sentences = _diagnosis(class_name, path, alias, further)
-            refuse(f"{class_name} does not conform to the Modelica language", sentences)
+            _diagnose(class_name, path, alias, further)
     try:
         with _environment_of_rumoca():
             if path.name == "package.mo":
@@ -313,8 +312,7 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool, 
         message = message if further is None else message.replace(f"{further}{os.sep}", "")
         if nested := nested_arrays(message, path, class_name):
             raise TranslationError("\n".join(nested)) from error
-        cause, sentences = _diagnosis(class_name, path, alias, further)
-        refuse(f"{class_name} does not conform to the Modelica language", sentences)
+        cause = _diagnose(class_name, path, alias, further)
         if sentences := limits(message, path, class_name):
             raise TranslationError("\n".join(sentences)) from error
         message = explain(cause if message.endswith("because resolve/parse failed") and cause else message)
@@ -362,7 +360,8 @@ def _sources(stored: Node, path: Path, alias: str, further: Path | None) -> Sour
     }
 
 
-def _diagnosis(class_name: str, path: Path, alias: str, further: Path | None) -> tuple[str, list[str]]:
+def _diagnose(class_name: str, path: Path, alias: str, further: Path | None) -> str:
+    # Raise an error for what `require_strict` finds, else return the cause of an error of syntax, if it is known.
     # rumoca has a syntax tree of a class that it cannot translate only if another class imports it, and names the cause
     # of some errors of syntax only then.
     name = "Class__with__an__import"
@@ -380,10 +379,11 @@ def _diagnosis(class_name: str, path: Path, alias: str, further: Path | None) ->
         message = str(error).replace(alias, str(path)).replace(name, class_name)
         if "unresolved import" in message:
             message = f"there is no class {class_name}"
-        return message, []
+        return message
     except InputError:
-        return "", []
-    return "", findings(tree, class_name, {})
+        return ""
+    require_strict(tree, class_name, {})
+    return ""
 
 
 _environment = threading.Lock()

@@ -54,35 +54,25 @@ _MAXIMUM_FINDINGS = 3
 """Maximum number of findings in a message."""
 
 
-def findings(tree: Tree, class_name: str, flat: Mapping[str, Node]) -> list[str]:
-    """Return a sentence with file and line for each construct that Modelica compilers interpret differently.
+def require_strict(tree: Tree, class_name: str, flat: Mapping[str, Node], calls: Iterable[names.Call] = ()) -> None:
+    """Raise an error for constructs that Modelica compilers interpret differently, or rumoca misreads.
 
     Args:
         tree: Declarations of the class and of those that it uses.
         class_name: Full name of the class.
         flat: Variables of the flat class by name; empty if it could not be flattened.
-    """
-    every = chain(
-        _Checker(tree, class_name).findings(),
-        names.findings(tree),
-        connections.findings(tree, flat),
-    )
-    return list(dict.fromkeys(every))
-
-
-def require_strict(tree: Tree, class_name: str, flat: Mapping[str, Node], calls: Iterable[names.Call] = ()) -> None:
-    """Raise an error for constructs that Modelica compilers interpret differently, or rumoca confuses.
-
-    Args:
-        tree: See `findings`.
-        class_name: See `findings`.
-        flat: See `findings`.
         calls: Calls of functions in the flat class.
 
     Raises:
         TranslationError: The class has such constructs; the message lists them with file and line.
     """
-    refuse(f"{class_name} does not conform to the Modelica language", findings(tree, class_name, flat))
+    refuse(
+        f"{class_name} has valid Modelica that the built-in compiler would translate wrongly; OpenModelica "
+        f"(openmodelica.org) builds it: `railgrip build --compiler openmodelica ... {class_name}`",
+        names.misread_clauses(tree),
+    )
+    every = chain(_Checker(tree, class_name).findings(), names.findings(tree), connections.findings(tree, flat))
+    refuse(f"{class_name} does not conform to the Modelica language", every)
     refuse(f"{class_name} would call the wrong function", names.confused_calls(tree, calls))
 
 

@@ -28,6 +28,13 @@ _DISCRETE_FUNCTIONS = frozenset(
 """Built-in functions whose value changes at events only, whatever their arguments."""
 _TERMINALS = {"UnsignedInteger": "Integer", "UnsignedReal": "Real", "Bool": "Boolean", "String": "String"}
 
+_ALGORITHM = "a when statement in an algorithm section (11.2.7); write a when equation with `=`"
+_BRANCHES = (
+    "when equations in several branches of an if equation (8.3.5); write one when equation outside of it, with if "
+    "expressions"
+)
+_INSIDE = "an if equation in a when equation (8.3.5); write an if expression, `y = if ... then ... else ...`"
+
 Kind = str | Class
 """A simple type: Real, Integer, Boolean, String or the class of an enumeration."""
 
@@ -42,6 +49,13 @@ def findings(tree: Tree) -> Iterator[str]:
             base = tree.by_id.get(clause["base_def_id"])
             if base is not None:
                 yield from _shared_constants(tree, class_, clause, base)
+
+
+def misread_clauses(tree: Tree) -> Iterator[str]:
+    """Yield a sentence with file and line for each valid when clause that rumoca executes in another way."""
+    for class_ in tree.every:
+        if class_.kind != "function":
+            yield from _Names(tree, class_).misread_clauses()
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +92,13 @@ def references(tree: Any) -> Iterator[_Reference]:
 
 def _reference(node: Node, bound: frozenset[str], *, in_connect: bool = False) -> _Reference:
     return _Reference(_parts(node), node, is_global=bool(node.get("local")), in_connect=in_connect, bound=bound)
+
+
+def _inside(kind: str, tree: Any) -> Iterator[Any]:
+    # The equations or statements of a kind; an if expression has other keys.
+    for node, _ in walk(tree):
+        if kind in node and (kind != "If" or "cond_blocks" in node["If"]):
+            yield node[kind]
 
 
 def _parts(reference: Node) -> tuple[str, ...]:
@@ -210,12 +231,34 @@ class _Names:
                         f"around {self.class_.short_name} (5.3); rename that one",
                     )
 
+    def misread_clauses(self) -> Iterator[str]:
+        """Yield a sentence for each when clause that rumoca executes in another way."""
+        equations, _, algorithms, _ = self.class_.node["sections"]
+        # Of several assignments of a variable rumoca keeps one, and ignores the conditions around it.
+        for when in _inside("When", algorithms):
+            yield self._locate_keyword("when", when[0]["cond"], _ALGORITHM)
+        for node in _inside("If", equations):
+            branches = [*(block["eqs"] for block in node["cond_blocks"]), node["else_block"] or []]
+            clauses = [clause for branch in branches for clause in islice(_inside("When", branch), 1)]
+            for when in clauses[1:]:
+                yield self._locate_keyword("when", when[0]["cond"], _BRANCHES)
+        for when in _inside("When", equations):
+            for node in _inside("If", [block["eqs"] for block in when]):
+                conditions = [block["cond"] for block in node["cond_blocks"]]
+                if not all(map(self._is_parameter, conditions)):
+                    yield self._locate_keyword("if", conditions[0], _INSIDE)
+
+    def _locate_keyword(self, keyword: str, condition: Node, sentence: str) -> str:
+        # rumoca's tree has no place of the keyword in front of a condition.
+        place = next(node["span"] for node, _ in walk(condition) if "span" in node)
+        before = self.tree.text(place | {"start": 0, "end": place["start"]}).rpartition(keyword)[0]
+        return self.tree.locate({"span": place | {"start": len(before.encode())}}, sentence)
+
     def _lost_assertions(self) -> Iterator[str]:
         # rumoca drops the assertions of an if equation unless it can decide its condition at translation.
-        for node, _ in walk(self.class_.content if self.class_.kind != "function" else []):
-            blocks = node["If"].get("cond_blocks", []) if "If" in node else []
-            if not all(self._is_parameter(block["cond"]) for block in blocks):
-                for inside, _ in walk(node["If"]):
+        for node in _inside("If", self.class_.content if self.class_.kind != "function" else []):
+            if not all(self._is_parameter(block["cond"]) for block in node["cond_blocks"]):
+                for inside, _ in walk(node):
                     if "FunctionCall" in inside and path_of(inside["FunctionCall"]["comp"]) == "assert":
                         yield self.tree.locate(
                             inside["FunctionCall"]["comp"],

@@ -28,13 +28,12 @@ TIMER = """model M
   Integer order(start=0, fixed=true);
   Real x(start=0, fixed=true);
   Real y(start=0, fixed=true);
-algorithm
-  when time > late then
-    order := pre(order) + 100;
-  elsewhen time > T then
-    order := pre(order) + 1;
-  end when;
 equation
+  when time > late then
+    order = pre(order) + 100;
+  elsewhen time > T then
+    order = pre(order) + 1;
+  end when;
   der(s) = -s;
   der(x) = if time <= T then 1 else -1;
   der(y) = 1;

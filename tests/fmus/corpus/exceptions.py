@@ -28,7 +28,7 @@ REFUSED: Mapping[str, tuple[str, ...]] = {
     "modifier": ORDERS,
     "modifier of an extends clause": ORDERS,
     "when clause": ITERATORS,
-    "when clause in an algorithm": RANGES + ITERATORS,
+    "when clause in an algorithm": ("*",),
     "condition of a when clause": RANGES + ITERATORS,
     "argument of a function": (*LINEAR, "range of Reals"),
     "start value": ("power of a matrix",),

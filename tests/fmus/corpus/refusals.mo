@@ -128,3 +128,53 @@ equation
  x = u;
  der(x) = v;
 end M;
+
+// valid Modelica .*OpenModelica (.|\n)*a when statement in an algorithm section(.|\n)*and 2 more; when
+package P
+ model Overwritten discrete Real a(start=0, fixed=true), b(start=0, fixed=true);
+ algorithm
+  when sample(0.1, 0.2) then a := 1; b := a; a := 2; end when;
+ end Overwritten;
+ model Guarded discrete Real v(start=-1, fixed=true); Integer c(start=1, fixed=true);
+ algorithm
+  when sample(0.1, 0.2) then if c <= 2 then v := time; end if; c := pre(c) + 1; end when;
+ end Guarded;
+ model Element discrete Real v[3](each start=-1, each fixed=true); Integer c(start=1, fixed=true);
+ algorithm
+  when sample(0.1, 0.2) then v := pre(v); if c <= 3 then v[c] := time; end if; c := pre(c) + 1; end when;
+ end Element;
+ model Branches Integer n(start=0, fixed=true), m(start=0, fixed=true); Real x(start=0, fixed=true);
+ equation
+  der(x) = 1;
+ algorithm
+  when {x > 0.2, x > 0.4} then n := n + 1; if n > 1 then m := m + n; else m := -1; end if; end when;
+ end Branches;
+ model Loop discrete Real v[3](each start=-1, each fixed=true);
+ algorithm
+  when
+   sample(0.1, 0.2) then for i in 1:3 loop v[i] := i*time; end for; v[2] := v[1] + v[3]; end when;
+ end Loop;
+ model M Overwritten a; Guarded b; Element c; Branches d; Loop e; end M; end P;
+
+// when statement in an algorithm.*\n.*:10: when equations in several branches; when
+model M
+ parameter Boolean p = true;
+ Integer n(start=0,fixed=true), m(start=0,fixed=true);
+algorithm
+ when time > 0.5 then m := pre(m) + 1; end when;
+equation
+ if p then
+  when sample(0.1, 0.1) then n = pre(n) + 1; end when;
+ else
+  when sample(0.1, 0.2) then n = pre(n) + 1; end when;
+ end if;
+end M;
+
+// an if equation in a when equation; if time
+model M
+ Integer n(start=0,fixed=true);
+equation
+ when sample(0.1, 0.1) then
+  if time > 0.55 then n = pre(n) + 1; else n = pre(n) + 10; end if;
+ end when;
+end M;

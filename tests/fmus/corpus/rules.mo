@@ -702,7 +702,15 @@ for i in 2:4 loop x[i] = sum({v[j] for j in 1:i - 1}); end for; end M;
 model M parameter Real v[4] = {0.2, 0.5, 0.6, 5}; Integer i(start=1, fixed=true);
 discrete Real y(start=0.2, fixed=true); equation when time > pre(y) then i = pre(i) + 1; y = v[i]; end when; end M;
 
-// 8.3.5 elsewhen in an algorithm; y = 0 if t < 0.3 else 1 if t < 0.6 else 2
+// 8.3.5 when in one branch of an if equation; a.n = math.floor(t / 0.1 + 1e-09); b.n = 7; c.n = 0
+model A parameter Real p = 1; Integer n(start=0, fixed=true); equation if p > 1 then n = 7; elseif p > 0 then
+when sample(0.1, 0.1) then n = pre(n) + 1; end when; else n = 0; end if; end A; model M A a; A b(p=2); A c(p=-1); end M;
+
+// 8.3.5 an if equation over a parameter in a when equation; a.n = 0 if t < 0.5 else 1; b.n = 0 if t < 0.5 else 10
+model A parameter Boolean p = true; Integer n(start=0, fixed=true); equation when time > 0.5 then
+if p then n = pre(n) + 1; else n = pre(n) + 10; end if; end when; end A; model M A a; A b(p=false); end M;
+
+// refused: 8.3.5 elsewhen in an algorithm; y = 0 if t < 0.3 else 1 if t < 0.6 else 2
 model M Integer y(start=0, fixed=true); algorithm when time > 0.3 then y := 1; elsewhen time > 0.6 then y := 2;
 end when; end M;
 
@@ -941,7 +949,7 @@ model M Real y; algorithm if time < 0.5 then y := 1; else y := 2; end if; end M;
 // 11.1 algorithms and equations together; y = 6 * t + 1
 model M Real a; Real b; Real y; equation a = 2*time; y = b + 1; algorithm b := 3*a; end M;
 
-// 11.1.2 a discrete variable keeps its value in an algorithm; y = 0 if t < 0.5 else 3
+// refused: 11.1.2 a discrete variable keeps its value in an algorithm; y = 0 if t < 0.5 else 3
 model M Integer y(start=0, fixed=true); algorithm when time > 0.5 then y := pre(y) + 3; end when; end M;
 
 // 11.2.1 an assignment to several variables; y = math.hypot(t, 1) + math.atan2(1, t)
