@@ -33,6 +33,7 @@ from railgrip.fmus.native.library import (
     VARIABLE,
     is_trusted,
     library_of,
+    modelica_files,
     name_of,
     sources_digest,
     used_libraries,
@@ -234,7 +235,7 @@ def read(
     with scratch("build") as folder:
         used.write(folder)
         is_part = path.name == "package.mo" and name_of(path.parent) in used.names
-        own = folder / name_of(path.parent) / "package.mo" if is_part else path
+        own = folder / name_of(path.parent) / "package.mo" if is_part else _without_other_files(path, folder)
         try:
             for name in used.names:
                 require_readable(folder / name / "package.mo")
@@ -252,6 +253,20 @@ def read(
             raise type(error)(_without_folder(str(error), folder)) from error
 
 
+def _without_other_files(path: Path, folder: Path) -> Path:
+    # The path of a copy of a library without the hidden files and links that rumoca would read or fail on, if any.
+    if path.name != "package.mo" or is_trusted(path):
+        return path
+    files = modelica_files(path.parent)
+    if set(path.parent.rglob("*.mo")) <= set(files):
+        return path
+    for file in files:
+        copy = folder / _COPY / file.relative_to(path.parents[1])
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_bytes(read_bytes(file))
+    return folder / _COPY / path.relative_to(path.parents[1])
+
+
 _COPY = "rewritten-libraries"
 _COPY_OF_FILE = "rewritten-file"
 
@@ -262,7 +277,11 @@ def _rewrite(path: Path, folder: Path) -> Path | None:
     base = path.parents[1] if path.name == "package.mo" else path.parent
     files = {file: folder / _COPY / file.relative_to(folder) for file in folder.rglob("*.mo")}
     if path.name == "package.mo":
-        files |= {file: folder / _COPY / file.relative_to(base) for file in sorted(path.parent.rglob("*.mo"))}
+        files |= {
+            file: folder / _COPY / file.relative_to(base)
+            for file in modelica_files(path.parent)
+            if file.suffix == ".mo"
+        }
     else:
         files[path] = folder / _COPY_OF_FILE / path.name
     contents = {file: read_bytes(file) for file in files}

@@ -12,7 +12,7 @@ import rumoca
 from railgrip.base.errors import InputError
 from railgrip.base.files import read_bytes
 from railgrip.fmus.native.classes import KINDS, blank, without_texts
-from railgrip.fmus.native.library import BYTE_ORDER_MARK, LIBRARY, read_utf_8
+from railgrip.fmus.native.library import BYTE_ORDER_MARK, LIBRARY, library_of, modelica_files, read_utf_8
 
 _MAXIMUM_PLACES = 3
 """Maximum number of places in a message."""
@@ -115,7 +115,7 @@ def _texts(path: Path) -> dict[str, str]:
 
 
 def _files(path: Path) -> list[Path]:
-    return sorted(path.parent.rglob("*.mo")) if path.name == "package.mo" else [path]
+    return [file for file in modelica_files(library_of(path)) if file.suffix == ".mo"]
 
 
 _REFERENCE = re.compile(r"\b[A-Za-z_]\w*(?:\[[^\]\n]*\])?(?:\.\w+(?:\[[^\]\n]*\])?)*\.\w+\b(?!\s*[\[(])")

@@ -59,15 +59,31 @@ def library_digest(library: Path) -> str:
 
 
 def modelica_files(library: Path) -> list[Path]:
-    """Return the Modelica files and files `package.order` of a library's folder, or its only file."""
+    """Return the Modelica files and files `package.order` of a library's folder, or its only file.
+
+    Folders without `package.mo` are no packages (13.4.1). Hidden files and links to files that do not exist are made by
+    editors, version control and archives.
+
+    Raises:
+        InputError: The library contains a folder twice, by a link.
+    """
     if not library.is_dir():
         return [library]
-    return sorted(
-        Path(folder, name)
-        for folder, _, names in os.walk(library)
-        for name in names
-        if name.endswith(".mo") or name == "package.order"
-    )
+    found, names_of = list[Path](), dict[Path, str]()
+    for folder, folders, names in os.walk(library, followlinks=True):
+        here = Path(folder)
+        _require_one_name(here, folder, names_of)
+        folders[:] = [name for name in folders if name[0] != "." and (here / name / "package.mo").is_file()]
+        named = [name for name in names if name[0] != "." and (name.endswith(".mo") or name == "package.order")]
+        found += [here / name for name in named if (here / name).exists()]
+    return sorted(found)
+
+
+def _require_one_name(folder: Path, name: str, names_of: dict[Path, str]) -> None:
+    # A link to a folder around it gives that further names without end; `names_of` has those of real paths.
+    real = folder.resolve()
+    if names_of.setdefault(real, name) != name:
+        raise InputError(f"{folder}: the library contains the folder {real} twice; remove the link that leads to it.")
 
 
 def library_of(file: Path) -> Path:
@@ -330,6 +346,8 @@ _PREFIXES = frozenset(
     ["redeclare", "final", "inner", "outer", "replaceable", "encapsulated", "partial", "expandable", "pure", "impure"]
 )
 _STATEMENTS = frozenset(["if", "for", "when", "while"])
+_DEEPEST = 100
+"""Maximum depth of nested classes; the recursion of Python ends at a thousand."""
 _IS_SHORT = re.compile(r"\s*=")
 _NAMES_FUNCTIONS = re.compile(r"\b(?:derivative|inverse)\b")
 
@@ -383,7 +401,8 @@ def scan(path: Path) -> ScannedFile:
     """Return the classes of a file.
 
     Raises:
-        InputError: The file is not in UTF-8, or the beginnings and ends of its classes do not match.
+        InputError: The file is not in UTF-8, or the beginnings and ends of its classes do not match, or they are nested
+            too deeply.
     """
     text = read_utf_8(path).removeprefix(BYTE_ORDER_MARK)
     root = ScannedClass("", is_package=True, start=0, end=len(text))
@@ -414,6 +433,9 @@ def scan(path: Path) -> ScannedFile:
             opened.is_complete = _IS_SHORT.match(text, name.end()) is not None
             stack[-1].children.append(opened)
             stack.append(opened)
+            if len(stack) > _DEEPEST:
+                line = text.count("\n", 0, start) + 1
+                raise InputError(f"{path}:{line}: more than {_DEEPEST} nested classes; write fewer levels of packages.")
             prefix = -1
         elif depth == 0 and word == "end":
             name = next(tokens, match)
@@ -484,6 +506,7 @@ class UsedClasses:
         self._due: list[Callable[[], None]] = []
         self._kept: set[int] = set()
         self._files: dict[str, ScannedFile] = {}
+        self._names_of: dict[Path, str] = {}
 
     def use(self, words: Iterable[str]) -> None:
         """Keep all that may be found by names in a text with these identifiers."""
@@ -518,6 +541,8 @@ class UsedClasses:
 
     def _keep_path(self, path: Path, name: str) -> None:
         is_folder = path.is_dir()
+        if is_folder:
+            _require_one_name(path, name, self._names_of)
         file = scan(path / "package.mo" if is_folder else path)
         # The only file of a library becomes a package as well: the front end reads folders.
         self._files[f"{name}/package.mo" if is_folder or "/" not in name else f"{name}.mo"] = file

@@ -91,7 +91,9 @@ def _process_failure(class_name: str, code: int, message: str) -> TranslationErr
         return _too_large(class_name, f"takes more than {LIMITS.memory_mib} MiB to translate")
     end = signal.Signals(-code).name if code < 0 else f"exit code {code}"
     return _too_large(
-        class_name, f"has an expression that is too long or nested too deeply: its compiler ended with {end}"
+        class_name,
+        "has an expression that is too long, or an expression or packages that are nested too deeply: its compiler "
+        f"ended with {end}",
     )
 
 

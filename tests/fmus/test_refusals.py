@@ -8,6 +8,7 @@ from corpus.case import paragraphs
 from railgrip.base.errors import InputError, TranslationError
 from railgrip.fmus.native import lower
 from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.library import modelica_files
 from railgrip.fmus.native.system import explicit
 
 WHEELS = (
@@ -167,6 +168,37 @@ def test_a_file_that_does_not_fit_its_library_is_refused_with_its_line(tmp_path,
     changed, sentence = REFUSED_FILES[name]
     with pytest.raises(InputError, match=sentence):
         lower("Lib.S.C", write_library(tmp_path, changed))
+
+
+@pytest.mark.parametrize(
+    "name", [".#B.mo", "S/Gone.mo", "._B.mo", ".B.mo", ".git/B.mo", "Resources/Text.mo", "Up", "Empty.mo/a"]
+)
+def test_files_and_links_that_are_no_classes_are_ignored(tmp_path, name):
+    """Locks and copies of editors, archives and version control; folders without `package.mo`."""
+    loop = "output Real y[2]; equation for k in {1, 2} loop y[k] = k; end for;"  # which is rewritten
+    library = write_library(tmp_path, {"B.mo": LIBRARY["B.mo"].replace("equation", loop)})
+    other = library / name
+    other.parent.mkdir(exist_ok=True)
+    if name.endswith(("#B.mo", "Gone.mo")):
+        other.symlink_to("user@host.123:456")
+    elif name == "Up":
+        other.symlink_to("..")
+    else:
+        other.write_text("within Elsewhere; model T")
+    assert [v.name for v in lower("Lib.S.C", library).states] == ["x"]
+    assert other not in modelica_files(library)
+
+
+@pytest.mark.parametrize("link", ["Self", "S/Up", "S/T"])
+@pytest.mark.parametrize("is_other", [False, True])
+def test_a_link_to_a_folder_around_it_is_refused(tmp_path, link, is_other):
+    """In the library of the class, and in one that it uses."""
+    library = write_library(tmp_path, {})
+    (library / link).symlink_to({"Self": ".", "S/Up": "..", "S/T": "../S"}[link])
+    file = tmp_path / "M.mo"
+    file.write_text("model M extends Lib.S.C; Lib.S.T.C a; Lib.Self.B b; Lib.S.Up.B c; end M;")
+    with pytest.raises(InputError, match=rf"Lib/{link}: the library contains the folder .* twice; remove the link"):
+        read("M" if is_other else "Lib.S.C", file if is_other else library, others=[library] if is_other else ())
 
 
 def test_a_single_file_with_within_names_its_class(tmp_path):

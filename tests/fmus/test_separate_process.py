@@ -26,7 +26,11 @@ REFUSED = {
     "500 terms": (DECAY.format("+".join(["x"] * 500)), "too long or nested too deeply"),
     "50,000 terms": (
         DECAY.format("+".join(["x"] * 50000)),
-        "too long or nested too deeply: its compiler ended with SIG",
+        "too long, or an expression or packages that are nested too deeply: its compiler ended with SIG",
+    ),
+    "3,000 nested packages": (
+        "".join(f"package P{k} " for k in range(3000)) + "".join(f"end P{k}; " for k in reversed(range(3000))),
+        "packages that are nested too deeply: its compiler ended with SIG",
     ),
     "a function of itself": (
         "package P function f input Real x; output Real y; algorithm y := f(x - 1); end f; "

@@ -63,6 +63,15 @@ def test_a_changed_library_in_modelicapath_is_compiled_again(shelf: Path, tmp_pa
     assert file_digest(mine / "package.mo") != before
 
 
+def test_a_library_that_several_libraries_use_is_read_once(shelf: Path, tmp_path: Path) -> None:
+    """As ModelicaServices, which the class may use itself, too."""
+    rate = "model Rate Real x(start=0, fixed=true); equation der(x) = ModelicaServices.k; end Rate;"
+    services = "package ModelicaServices constant Real k = 6; end ModelicaServices;"
+    other = f"package Other {rate} annotation(uses(ModelicaServices)); end Other;"
+    write(shelf, {"Other/package.mo": other, "ModelicaServices/package.mo": services})
+    assert rate_of(train(tmp_path)) == 6
+
+
 def test_a_change_of_what_is_not_used_leaves_the_fmu(shelf: Path, tmp_path: Path) -> None:
     mine = train(tmp_path)
     rate_library(shelf, 1)
