@@ -45,11 +45,6 @@ _CLASS_EXTENDS = (
     "`{0} extends {1}` is not supported by the built-in compiler (7.3.1); write a class of another name that extends "
     "the inherited {1}, and redeclare {1} as that class in the extends clause"
 )
-_FUNCTIONS = re.compile(  # section 3.7
-    r"abs|sign|sqrt|div|mod|rem|ceil|floor|integer|sin|cos|tan|asin|acos|atan|atan2|sinh|cosh|tanh|exp|"
-    r"log|log10|delay|cardinality|homotopy|min|max|sum|product|size|ndims|scalar|vector|matrix|transpose|"
-    r"outerProduct|symmetric|cross|skew|identity|diagonal|zeros|ones|fill|linspace|cat|noEvent|smooth"
-)
 _MAXIMUM_FINDINGS = 3
 """Maximum number of findings in a message."""
 
@@ -154,10 +149,14 @@ class _Checker:
 
     def _built_in_name(self, class_: Class) -> Iterator[str]:
         name = class_.short_name
-        if not _FUNCTIONS.fullmatch(name) or class_.kind != "function":
+        if not names.BUILT_IN_FUNCTIONS.fullmatch(name) or class_.kind != "function":
             return
-        text = self.tree.text(class_.definition["location"])
-        if not re.search(rf'\bexternal\s+"builtin"\s+\w+\s*=\s*{name}\s*\(', text):
+        # A function that only calls the built-in one, as those of Modelica.Math do, is equal to it.
+        inputs = r"\s*,\s*".join(n for n, e in self.tree.elements(class_).items() if e.causality == "input")
+        call = rf"\balgorithm\s+\w+\s*:=\s*\.{name}\s*\(\s*{inputs}\s*\)\s*;\s*(?:annotation|end)\b"
+        external = rf'\bexternal\s+"builtin"\s+\w+\s*=\s*{name}\s*\('
+        text, code = self.tree.text(class_.definition["location"]), self.tree.code(class_)
+        if not re.search(external, text) and not re.search(call, code):
             yield self._locate(
                 class_.definition,
                 f"the function {class_.name} has the name of a built-in one, which the built-in compiler calls instead "
@@ -168,7 +167,7 @@ class _Checker:
         for file, content in self.tree.sources.values():
             text = content.decode(errors="replace")
             for match in re.finditer(r"\bimport\s+(\w+)\s*=\s*([\w.]+)", text):
-                if _FUNCTIONS.fullmatch(match[1]) and match[2] != f"Modelica.Math.{match[1]}":
+                if names.BUILT_IN_FUNCTIONS.fullmatch(match[1]) and match[2] != f"Modelica.Math.{match[1]}":
                     line = text.count("\n", 0, match.start()) + 1
                     yield (
                         f"{file}:{line}: the import {match[1]} has the name of a built-in function, which the built-in "

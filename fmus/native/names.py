@@ -22,6 +22,11 @@ from railgrip.fmus.native.classes import (
 )
 
 _COMPARISONS = ("Eq", "Neq", "Lt", "Le", "Gt", "Ge")
+BUILT_IN_FUNCTIONS = re.compile(  # section 3.7
+    r"abs|sign|sqrt|div|mod|rem|ceil|floor|integer|sin|cos|tan|asin|acos|atan|atan2|sinh|cosh|tanh|exp|"
+    r"log|log10|delay|cardinality|homotopy|min|max|sum|product|size|ndims|scalar|vector|matrix|transpose|"
+    r"outerProduct|symmetric|cross|skew|identity|diagonal|zeros|ones|fill|linspace|cat|noEvent|smooth"
+)
 _DISCRETE_FUNCTIONS = frozenset(
     ("integer", "pre", "edge", "change", "initial", "terminal", "sample", "Integer", "String", "size", "ndims")
 )
@@ -173,7 +178,9 @@ class _Names:
             return
         if reference.is_global:
             found = self.tree.look_up(first, self.class_)
-            if found is not None and found is not self.tree.roots.get(first):
+            # A function with the name of a built-in one is equal to it, or `language` refuses it.
+            is_function = BUILT_IN_FUNCTIONS.fullmatch(first) and self.tree.resolve(first, self.class_) is not None
+            if found is not None and found is not self.tree.roots.get(first) and not is_function:
                 yield self.tree.locate(
                     node,
                     f"the built-in compiler reads .{reference.text} as the local {first} (5.3.3); rename the local one",

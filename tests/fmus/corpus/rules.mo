@@ -1033,6 +1033,14 @@ model M Real z[3, 2] = own([1, 2, 3; 4, 5, 6]*time); Real y = z[3, 1] + 10*z[1, 
 function own input Real x; input Real k; output Real y; algorithm y := k*x; end own;
 model M Real z[3] = own({1, 2, 3}, time); Real y = z[3] + 10*z[1]; end M;
 
+// 5.3.2 a leading dot means the built-in function; y = math.asin(t/2) + math.atan2(t, 2); z = math.sin(t)
+package own partial function Icon end Icon; function asin extends Icon; input Real u; output Real y;
+algorithm y := .asin(u); annotation(Inline=true); end asin;
+function atan2 input Real a; input Real b; output Real y; algorithm y := .atan2(a, b); end atan2;
+function sin input Real u; output Real y; algorithm y := .sin(u); end sin;
+function both input Real u; output Real y; algorithm y := asin(u/2) + atan2(u, 2); end both; end own;
+model M Real y = own.both(time); Real z = own.sin(time); end M;
+
 // 12.5 built-in functions in functions; y = math.sqrt(abs(t - 0.5)) + max(t, 0.3) + t + 1
 function own input Real x; output Real y; algorithm y := sqrt(abs(x - 0.5)) + max({x, 0.3}) + sum({x, 1}); end own;
 model M Real y = own(time); end M;

@@ -3,6 +3,16 @@
 // lenient: a function with the name of a built-in one; P\.sin has the name of a built-in one
 function sin input Real u; output Real y; algorithm y := 2*u; end sin; model X Real y = sin(0.5); end X;
 
+// lenient: a function with the name of a built-in one that calls another; P\.sin has the name of a built-in one
+function sin input Real u; output Real y; algorithm y := .cos(u); end sin; model X Real y = sin(0.5); end X;
+
+// lenient: a function with the name of a built-in one that changes its value; P\.sin has the name of a built-in one
+function sin input Real u; output Real y; algorithm y := .sin(u); y := y + 1; end sin; model X Real y = sin(0.5); end X;
+
+// lenient: a function with the name of a built-in one and other arguments; P\.atan2 has the name of a built-in one
+function atan2 input Real u; input Real v; output Real y; algorithm y := .atan2(v, u); end atan2;
+model X Real y = atan2(0.5, 1); end X;
+
 // lenient: an import with the name of a built-in function; the import exp has the name of a built-in function
 function double input Real u; output Real y; algorithm y := 2*u; end double; model X import exp = P.double; Real y =
 exp(0.5); end X;
