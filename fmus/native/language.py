@@ -62,7 +62,7 @@ def require_strict(tree: Tree, class_name: str, flat: Mapping[str, Node], calls:
         TranslationError: The class has such constructs; the message lists them with file and line.
     """
     refuse(
-        f"{class_name} has valid Modelica that the built-in compiler would translate wrongly; OpenModelica "
+        f"{class_name} has valid Modelica that the built-in compiler does not translate; OpenModelica "
         f"(openmodelica.org) builds it: `railgrip build --compiler openmodelica ... {class_name}`",
         names.misread_clauses(tree),
     )

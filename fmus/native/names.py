@@ -38,6 +38,11 @@ _BRANCHES = (
     "when equations in several branches of an if equation (8.3.5); write one when equation outside of it, with if "
     "expressions"
 )
+_ELEMENT = (
+    "a part of an array in a when equation (8.3.5); assign all elements in one when equation without elsewhen whose "
+    "condition has no iterator"
+)
+_REINIT = "reinit of an element of an array (8.3.6); declare the states as scalars"
 _INSIDE = "an if equation in a when equation (8.3.5); write an if expression, `y = if ... then ... else ...`"
 
 Kind = str | Class
@@ -57,7 +62,7 @@ def findings(tree: Tree) -> Iterator[str]:
 
 
 def misread_clauses(tree: Tree) -> Iterator[str]:
-    """Yield a sentence with file and line for each valid when clause that rumoca executes in another way."""
+    """Yield a sentence with file and line for each valid when clause that rumoca misreads or cannot name."""
     for class_ in tree.every:
         if class_.kind != "function":
             yield from _Names(tree, class_).misread_clauses()
@@ -239,7 +244,7 @@ class _Names:
                     )
 
     def misread_clauses(self) -> Iterator[str]:
-        """Yield a sentence for each when clause that rumoca executes in another way."""
+        """Yield a sentence for each when clause that rumoca misreads or cannot name."""
         equations, _, algorithms, _ = self.class_.node["sections"]
         # Of several assignments of a variable rumoca keeps one, and ignores the conditions around it.
         for when in _inside("When", algorithms):
@@ -250,6 +255,12 @@ class _Names:
             for when in clauses[1:]:
                 yield self._locate_keyword("when", when[0]["cond"], _BRANCHES)
         for when in _inside("When", equations):
+            for node, _ in walk([block["eqs"] for block in when]):
+                target, sentence = node["Simple"]["lhs"] if "Simple" in node else {}, _ELEMENT
+                if "FunctionCall" in node and path_of(node["FunctionCall"]["comp"]) == "reinit":
+                    target, sentence = node["FunctionCall"]["args"][0], _REINIT
+                if "ComponentReference" in target and target["ComponentReference"]["parts"][-1]["subs"]:
+                    yield self.tree.locate(target["ComponentReference"], sentence)
             for node in _inside("If", [block["eqs"] for block in when]):
                 conditions = [block["cond"] for block in node["cond_blocks"]]
                 if not all(map(self._is_parameter, conditions)):

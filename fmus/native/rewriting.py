@@ -8,6 +8,8 @@ The front end reads a class as it is written first; only if that fails, the text
 - A for equation over a list, over Real numbers or without a range is unrolled (8.3.2, 11.2.2); an iterator without a
   range in a function, array or reduction is given its range (10.3.4.1); a reduction over a list becomes one of an
   array, and a constructor with several iterators becomes nested ones (10.4.1).
+- Elements of an array that a when equation assigns one by one, also in for equations inside or around it, become one
+  equation of the array (8.3.5).
 - An assertion in an if equation is moved out of it, and holds where the equation is not active (8.3.4).
 - A modifier with a dotted name is written with brackets (7.2).
 
@@ -16,7 +18,7 @@ What is not certain to keep its meaning stays as it is, and is refused as before
 
 import contextlib
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
 from math import ceil, floor
@@ -41,6 +43,8 @@ _SECTIONS = frozenset(["equation", "algorithm"])
 _WORDS = frozenset(
     ["if", "then", "else", "elseif", "for", "in", "loop", "and", "or", "not", "true", "false", "end", "initial"]
 )
+_ELEMENT = re.compile(r"([^\W\d]\w*) \[\s*([\d\s,]+?)\s*\] = (.*)", re.DOTALL)
+"""An equation of an element of an array."""
 _LONG = 200
 """Characters of an expression from which on it has a name."""
 _LONGEST = 10_000
@@ -93,7 +97,7 @@ class _Clause:
     """A statement or equation.
 
     Attributes:
-        kind: "if", "for", or "" for any other.
+        kind: "if", "for", "when", or "" for any other.
         branches: Condition (of an else: none) and statements of each branch; of a for, its only one.
         iterators: Name of each iterator → tokens of its range, if any.
         tokens: All of its tokens without the semicolon.
@@ -261,13 +265,13 @@ class _Parser:
         begin, word = self.i, self.tokens[self.i].text
         branches: tuple[_Branch, ...] = ()
         iterators: tuple[tuple[str, tuple[_Token, ...]], ...] = ()
-        if word == "if":
+        if word in ("if", "when"):
             branches = self._branches()
         elif word == "for":
             self.i += 1
             iterators = _iterators(self._until("loop"))
             branches = (((), self.statements("end")),)
-        elif word in ("when", "while"):
+        elif word == "while":
             while not (self.tokens[self.i].text == "end" and self.tokens[self.i + 1].text == word):
                 self.i += 1
         else:
@@ -283,7 +287,7 @@ class _Parser:
             has_condition = self.tokens[self.i].text != "else"
             self.i += 1
             condition = tuple(self._until("then")) if has_condition else ()
-            found.append((condition, self.statements("elseif", "else", "end")))
+            found.append((condition, self.statements("elseif", "elsewhen", "else", "end")))
         return tuple(found)
 
     def _until(self, word: str) -> Sequence[_Token]:
@@ -422,12 +426,22 @@ class _Unroller:
                 and not all(r and all(t.text != "{" and not _is_real(t.text) for t in r) for _, r in s.iterators)
             )
             or (s.kind == "if" and any(t.text == "assert" for t in s.tokens))
+            or (
+                s.kind == "when"
+                and len(s.branches) == 1
+                and any(e.tokens[1].text == "[" or e.kind == "for" for e in s.branches[0][1])
+            )
             or any(self.must_change(body) for _, body in s.branches)
             for s in statements
         )
 
     def equations(
-        self, statements: Iterable[_Clause], values: Mapping[str, str], guard: Callable[[str], str] | None = None
+        self,
+        statements: Iterable[_Clause],
+        values: Mapping[str, str],
+        guard: Callable[[str], str] | None = None,
+        *,
+        unrolls: bool = False,
     ) -> tuple[list[_Piece], list[_Piece]]:
         # Equations, and the assertions that are moved out of an if equation, each under the guard of its branch.
         pieces, asserts = list[_Piece](), list[_Piece]()
@@ -437,13 +451,23 @@ class _Unroller:
                 asserts.append((line, self.assertion(tokens, values, guard)))
             elif guard and statement.kind != "if" and any(token.text == "assert" for token in tokens):
                 raise RewritingError
-            elif not statement.kind or not self.must_change([statement]):
+            elif not (statement.kind == "for" and unrolls) and not self.must_change([statement]):
                 pieces.append((line, self.text(tokens, values).removesuffix(";").strip()))
             elif statement.kind == "for":
+                body = statement.branches[0][1]
+                clauses = [s for s in body if s.kind == "when" and self.must_change([s])]
                 for inside in self.points(statement, values):
-                    found, moved = self.equations(statement.branches[0][1], inside, guard)
+                    found, moved = self.equations([s for s in body if s not in clauses], inside, guard, unrolls=unrolls)
                     pieces += found
                     asserts += moved
+                for clause in clauses:
+                    ((condition, inner),) = clause.branches
+                    if {t.text for t in condition} & {name for name, _ in statement.iterators}:
+                        raise RewritingError
+                    around = replace(statement, branches=(((), inner),))
+                    pieces.append((line, self._when(replace(clause, branches=((condition, (around,)),)), values)))
+            elif statement.kind == "when":
+                pieces.append((line, self._when(statement, values)))
             else:
                 before, remaining = list[str](), list[tuple[str, list[_Piece]]]()
                 for words, body in statement.branches:
@@ -455,6 +479,39 @@ class _Unroller:
                 if any(found for _, found in remaining):
                     pieces.append((line, _if(remaining)))
         return pieces, asserts
+
+    def _when(self, clause: _Clause, values: Mapping[str, str]) -> str:
+        # With one equation of an array for those of its elements.
+        ((condition, body),) = clause.branches
+        pieces, elements = list[_Piece](), dict[str, dict[str, str]]()
+        for line, piece in self.equations(body, values, unrolls=True)[0]:
+            match = _ELEMENT.fullmatch(piece)
+            if match is None:
+                pieces.append((line, piece))
+                continue
+            name, place, value = match.groups()
+            if elements.setdefault(name, {}).setdefault(place.replace(" ", ""), value) is not value:
+                raise RewritingError  # it has two equations
+        line = clause.tokens[0].line
+        pieces += [
+            (line, f"{name} = {_constructor(self.sizes(name, all_.keys()), all_)}") for name, all_ in elements.items()
+        ]
+        inner = _on_lines(pieces, line, clause.tokens[-1].line)
+        return f"when {self.text(condition, values)} then{inner} end when"
+
+    def sizes(self, name: str, places: Set[str]) -> list[int]:
+        """Return the sizes of an array.
+
+        Raises:
+            RewritingError: They are not known, or the places are not those of all elements.
+        """
+        variable = self.scope.variables.get(name)
+        sizes = [self.size(size) for size in variable.sizes] if variable else [None]
+        known = [size for size in sizes if size is not None]
+        points = product(*(range(1, size + 1) for size in known))
+        if known != sizes or places != {",".join(map(str, point)) for point in points}:
+            raise RewritingError
+        return known
 
     def assertion(self, tokens: Sequence[_Token], values: Mapping[str, str], wrap: Callable[[str], str]) -> str:
         condition, *others = _split(tokens[2 : _closing(tokens, 1)])
@@ -581,6 +638,13 @@ class _Unroller:
         return str(value) if isinstance(value, int) else text
 
 
+def _constructor(sizes: Sequence[int], elements: Mapping[str, str], before: tuple[int, ...] = ()) -> str:
+    if not sizes:
+        return elements[",".join(map(str, before))]
+    parts = (_constructor(sizes[1:], elements, (*before, k)) for k in range(1, sizes[0] + 1))
+    return f"{{{', '.join(parts)}}}"
+
+
 def _is_assert(statement: _Clause) -> bool:
     words = [token.text for token in statement.tokens[:2]]
     return not statement.kind and words == ["assert", "("]
@@ -640,10 +704,7 @@ class _Execution(_Unroller):
             if variable and variable.prefixes & {"parameter", "constant", "input"}:
                 raise RewritingError
             if places != {""}:
-                sizes = [self.size(size) for size in variable.sizes] if variable else [None]
-                points = product(*(range(1, (size or 0) + 1) for size in sizes))
-                if None in sizes or places != {",".join(map(str, point)) for point in points}:
-                    raise RewritingError
+                self.sizes(name, places)
         if not self.is_trial and self.final != self.last.keys():
             raise RewritingError
 

@@ -11,12 +11,6 @@ from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.library import modelica_files
 from railgrip.fmus.native.system import explicit
 
-WHEELS = (
-    "package P\n record Contact Real slip; end Contact;\n"
-    " model Wheel Contact contact[2]; equation contact[1].slip = time; contact[2].slip = 2*time; end Wheel;\n"
-    " model M Wheel wheels[2]; Real y[2]; Real x(start=1,fixed=true);\n equation\n  der(x) = -x;\n"
-)
-
 REFUSED = {
     message: (line, text)
     for (message, line), text in ((comment.split("; ", 1), text) for comment, text in paragraphs("refusals.mo"))
@@ -33,34 +27,6 @@ def test_an_unsupported_construct_is_refused_with_file_and_line(tmp_path, constr
     lines = [text.splitlines()[int(line) - 1] for line in re.findall(r"Model\.mo:(\d+): ", str(refusal.value))]
     assert lines
     assert all(word in line for line in lines)
-
-
-def test_the_recommended_form_of_two_component_arrays_is_translated(tmp_path):
-    file = tmp_path / "Model.mo"
-    outputs = []
-    for equation in ("y = {wheels[i].contact[2].slip for i in 1:2};", "y[1] = wheels[1].contact[2].slip; y[2] = y[1];"):
-        file.write_text(f"{WHEELS}{equation} end M; end P;".replace("Real y[2]", "output Real y[2]"))
-        model = lower("P.M", file)
-        outputs.append(model.output(3.0, [1.0], [], []).full().ravel().tolist())
-    assert outputs == [[6.0, 6.0], [6.0, 6.0]]
-
-
-def test_the_recommended_form_of_a_slice_of_components_is_translated(tmp_path):
-    file = tmp_path / "Model.mo"
-    file.write_text(
-        "package P model A Real z[2] = {1, 2}*time; end A; model M A a[2];\n"
-        "output Real y[2] = {a[i].z[2] for i in 1:2}; output Real w[2, 2] = a.z; end M; end P;"
-    )
-    assert lower("P.M", file).output(3.0, [], [], []).full().ravel().tolist() == [6.0, 6.0, 3.0, 6.0, 3.0, 6.0]
-
-
-def test_an_element_in_the_class_of_an_array_of_components_is_no_slice(tmp_path):
-    file = tmp_path / "Model.mo"
-    file.write_text(
-        "package P model B Real F[2] = {1, 2}*time; end B; model A B b; Real y = b.F[2]; end A; model M A a[2];\n"
-        "output Real y[2] = a.y; end M; end P;"
-    )
-    assert lower("P.M", file).output(3.0, [], [], []).full().ravel().tolist() == [6.0, 6.0]
 
 
 def test_a_missing_file_or_class_is_reported(tmp_path):

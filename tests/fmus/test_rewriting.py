@@ -196,19 +196,18 @@ def test_what_cannot_keep_its_meaning_is_refused_as_before(tmp_path, name):
     assert "railgrip-" not in str(refusal.value)  # the name of a temporary folder
 
 
-def test_a_loop_to_a_parameter_that_another_class_sets_is_refused(tmp_path):
-    text = "model A\n parameter Integer n = 2;\n output Real y;\nalgorithm\n y := 0;\n for i in 1:n loop\n"
-    text += "  y := y + i;\n end for;\nend A;\n"
-    (tmp_path / "P.mo").write_text(f"package P {text} model M A a(n = 3); end M; end P;\n")
+@pytest.mark.parametrize(
+    ("body", "modifier"),
+    [
+        ("parameter Integer n = 2; algorithm y := 0; for i in 1:n loop y := y + i; end for;", "n = 3"),
+        ("algorithm if time > 1 then y := 1; end if;", "y(start = 3)"),
+    ],
+)
+def test_an_algorithm_with_a_value_that_another_class_sets_is_refused(tmp_path, body, modifier):
+    file = tmp_path / "P.mo"
+    file.write_text(f"package P model A output Real y; {body} end A; model M A a({modifier}); end M; end P;\n")
     with pytest.raises(InputError, match="algorithm section"):
-        read("P.M", tmp_path / "P.mo")
-
-
-def test_a_start_value_that_another_class_sets_is_refused(tmp_path):
-    text = "model A\n output Real y;\nalgorithm\n if time > 1 then\n  y := 1;\n end if;\nend A;\n"
-    (tmp_path / "P.mo").write_text(f"package P {text} model M A a(y(start = 3)); end M; end P;\n")
-    with pytest.raises(InputError, match="algorithm section"):
-        read("P.M", tmp_path / "P.mo")
+        read("P.M", file)
 
 
 def test_places_are_those_of_the_lines_that_were_written(tmp_path):

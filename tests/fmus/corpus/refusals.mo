@@ -178,3 +178,18 @@ equation
   if time > 0.55 then n = pre(n) + 1; else n = pre(n) + 10; end if;
  end when;
 end M;
+
+// OpenModelica(.|\n)*a part of an array in a when equation .*\n(.|\n)*a part of an array(.|\n)*reinit of an element; [
+model M
+ Integer n[2](each start=0,each fixed=true), m[2](each start=0,each fixed=true);
+ Real x[2](each start=0,each fixed=true);
+equation
+ der(x) = {1, 1};
+ for i in 1:2 loop when sample(0.1*i, 0.1) then
+  n[i] = pre(n[i]) + i;
+ end when; end for;
+ when time > 0.5 then
+  m[1] = 2;
+  reinit(x[1], 10);
+ end when;
+end M;

@@ -710,6 +710,31 @@ when sample(0.1, 0.1) then n = pre(n) + 1; end when; else n = 0; end if; end A; 
 model A parameter Boolean p = true; Integer n(start=0, fixed=true); equation when time > 0.5 then
 if p then n = pre(n) + 1; else n = pre(n) + 10; end if; end when; end A; model M A a; A b(p=false); end M;
 
+// 10.6.9 a part of an array of components in an array of components; y[2] = 2*t; z[2] = 2*t
+record Contact Real slip; end Contact; model Wheel Contact contact[2]; equation contact[1].slip = time;
+contact[2].slip = 2*time; end Wheel; model M Wheel wheels[2]; Real y[2]; Real z[2]; equation
+y = {wheels[i].contact[2].slip for i in 1:2}; z[1] = wheels[1].contact[2].slip; z[2] = z[1]; end M;
+
+// 10.6.9 an array in an array of components; y[1] = 2*t; y[2] = 2*t; w[1,1] = t; w[1,2] = 2*t; w[2,1] = t
+model A Real z[2] = {1, 2}*time; end A; model M A a[2]; Real y[2] = {a[i].z[2] for i in 1:2}; Real w[2, 2] = a.z; end M;
+
+// 10.6.9 an element in the class of an array of components; y[1] = 2*t; y[2] = 2*t
+model B Real F[2] = {1, 2}*time; end B; model A B b; Real y = b.F[2]; end A; model M A a[2]; Real y[2] = a.y; end M;
+
+// 8.3.5 elements of an array in a when equation; n[1] = 9 * math.floor(t / 0.1 + 1e-09); n[2] = 2 * math.floor(t / 0.1 + 1e-09); k = math.floor(t / 0.1 + 1e-09)
+model M discrete Real n[2](each start=0, each fixed=true); Integer k(start=0, fixed=true); equation
+when sample(0.1, 0.1) then n[2] = pre(n[2]) + 2; k = pre(k) + 1; n[1] = 7*k + n[2]; end when; end M;
+
+// 8.3.5 a for equation in a when equation; y = 0 if t < 0.5 else 15.5 if t < 0.7 else 31.2
+model M discrete Real n[2, 3](each start=0, each fixed=true); Real y = n[1, 3] + 2*n[2, 3] + n[2, 1]; equation
+when {time > 0.5, time > 0.7} then for i in 1:2, j in 1:3 loop n[i, j] = pre(n[i, j]) + i*j - (if i == j then 0 else
+(if j == 1 then 2 - time else 0)); end for; end when; end M;
+
+// 8.3.5 a when equation in a for equation; a[2].k[1] = math.floor(t / 0.1 + 1e-09); a[1].k[2] = 2 * math.floor(t / 0.1 + 1e-09); a[1].x[2] = 2*t
+model A parameter Integer m = 2; Integer k[m](each start=0, each fixed=true); Real x[m](each start=0, each fixed=true);
+equation for i in 1:m loop der(x[i]) = i; when sample(0.1, 0.1) then k[i] = pre(k[i]) + i; end when; end for; end A;
+model M A a[2]; end M;
+
 // refused: 8.3.5 elsewhen in an algorithm; y = 0 if t < 0.3 else 1 if t < 0.6 else 2
 model M Integer y(start=0, fixed=true); algorithm when time > 0.3 then y := 1; elsewhen time > 0.6 then y := 2;
 end when; end M;
