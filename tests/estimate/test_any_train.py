@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from sampling import FUZZ
 from scipy.stats import binom, chi2
+from test_estimate_from_a_stop import RECORDED
 from typer.testing import CliRunner
 
 import railgrip as rg
@@ -97,12 +98,7 @@ def test_the_estimates_of_a_train_file_equal_those_of_the_loop(mine):
     }
     changes |= {"outlier_limit": 1e6}  # the filter in the loop uses every reading
     found = rg.estimate(trace, "train", changes)["mean"]
-    for state, name in {
-        "speed": "speed",
-        "wheelset_speed": "wheelset_speed",
-        "group_adhesion": "adhesion",
-        "pad_friction": "pad_friction",
-    }.items():
+    for state, name in RECORDED.items():
         loop = trace[f"estimate_{name}"].values.reshape(len(trace["time"]), -1)
         names = [each for each in found["state"].values if str(each).partition("[")[0] == state]
         np.testing.assert_array_equal(found.sel(state=names).values, loop)

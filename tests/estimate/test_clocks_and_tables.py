@@ -54,6 +54,7 @@ def stamps(form, begin="2025-01-04 23:59:30", zone="UTC"):
         ("%d/%m/%Y %H:%M:%S.%f", {"order": "day first"}),
         ("%m/%d/%Y %H:%M:%S.%f", {"order": "month first"}),
         ("%d-%m-%Y %H:%M:%S.%f", {"order": "day first"}),
+        ("%d.%m.%y %H:%M:%S.%f", {}),  # the year is last behind dots
     ],
 )
 @pytest.mark.parametrize("begin", ["2025-01-04 23:59:30", "2025-11-12 23:59:30"])
@@ -63,40 +64,27 @@ def test_dates_over_midnight_have_the_right_instants(tmp_path, form, time, begin
     np.testing.assert_allclose(found, T, atol=1e-6)
 
 
-@pytest.mark.parametrize("form", ["%d/%m/%Y %H:%M:%S.%f", "%m/%d/%Y %H:%M:%S.%f", "%d-%m-%Y %H:%M:%S.%f"])
-def test_an_ambiguous_order_of_dates_is_asked_for(tmp_path, form):
-    path = csv(tmp_path, {"t": stamps(form), "v": V})
-    with pytest.raises(EstimationError, match=r"day or month may be first; write order = 'day first'"):
-        times_of(path, time={"column": "t", "unit": "timestamp"})
-
-
 def test_one_date_needs_no_order(tmp_path):
     path = csv(tmp_path, {"t": stamps("%d/%m/%Y %H:%M:%S.%f", "2025-01-04 10:00"), "v": V})
     np.testing.assert_allclose(times_of(path, time={"column": "t", "unit": "timestamp"})[0], T, atol=1e-6)
 
 
-@pytest.mark.parametrize("form", ["%M:%S.%f", "%M:%S,%f", "2025-01-04 %M:%S.%f"])
-def test_times_of_minutes_and_seconds_are_refused(tmp_path, form):
-    """Spreadsheets write them; as hours and minutes, which pandas reads, they would last sixty times as long."""
-    path = csv(tmp_path, {"t": stamps(form, "2025-01-04 10:00"), "v": V})
-    with pytest.raises(
-        EstimationError, match=r"has times such as .*, with one colon; write hours, minutes and seconds"
-    ):
-        times_of(path, time={"column": "t", "unit": "timestamp"})
-
-
-@pytest.mark.parametrize("form", ["%y-%m-%d %H:%M:%S.%f", "%y/%m/%d %H:%M:%S.%f", "%d-%m-%y %H:%M:%S.%f"])
-@pytest.mark.parametrize("begin", ["2025-01-30 23:59:30", "2025-01-31 23:59:30"])
-def test_years_of_two_digits_over_midnight_are_asked_for(tmp_path, form, begin):
-    """The year may be first: 25-01-31 and 25-02-01 as days of 2031 and 2001 are 30 years apart."""
-    path = csv(tmp_path, {"t": stamps(form, begin), "v": V})
-    with pytest.raises(EstimationError, match=r"whose year has two digits and may be first or last"):
-        times_of(path, time={"column": "t", "unit": "timestamp"})
-
-
-def test_years_of_two_digits_behind_dots_are_last(tmp_path):
-    path = csv(tmp_path, {"t": stamps("%d.%m.%y %H:%M:%S.%f"), "v": V})
-    np.testing.assert_allclose(times_of(path, time={"column": "t", "unit": "timestamp"})[0], T, atol=1e-6)
+@pytest.mark.parametrize(
+    ("forms", "begin", "sentence"),
+    [
+        (("%d/%m/%Y", "%m/%d/%Y", "%d-%m-%Y"), "2025-01-04 23:59:30", r"month may be first; write order = 'day first'"),
+        # The year may be first: 25-01-31 and 25-02-01 as days of 2031 and 2001 are 30 years apart.
+        *((("%y-%m-%d", "%y/%m/%d", "%d-%m-%y"), f"2025-01-{day} 23:59:30", "two digits and may be first or last")
+          for day in (30, 31)),
+        # Of spreadsheets: as hours and minutes, which pandas reads, they would last sixty times as long.
+        (("%M:%S.%f", "%M:%S,%f", "2025-01-04 %M:%S.%f"), "2025-01-04 10:00", "with one colon; write hours, minutes"),
+    ],
+)  # fmt: skip
+def test_ambiguous_dates_and_times_are_asked_for(tmp_path, forms, begin, sentence):
+    for form in forms:
+        path = csv(tmp_path, {"t": stamps(form if "S" in form else f"{form} %H:%M:%S.%f", begin), "v": V})
+        with pytest.raises(EstimationError, match=sentence):
+            times_of(path, time={"column": "t", "unit": "timestamp"})
 
 
 @pytest.mark.parametrize("header", ["t,v,p,v", "t,v,p,v ", "t, v,p,v"])

@@ -165,13 +165,6 @@ def test_a_wrong_scale_or_clock_is_refused_or_reported(tmp_path, base, change, c
         assert f"warning: {warning}" in repr(rg.estimate(tmp_path / "run.csv", tmp_path / "run.toml"))
 
 
-def test_a_consistent_recording_has_no_warning(tmp_path):
-    result = CliRunner().invoke(app, written(tmp_path, wagon()))
-    assert result.exit_code == 0, result.output
-    assert "run.csv" not in result.output
-    assert xarray.load_dataset(tmp_path / "out" / "estimates.nc", engine="h5netcdf").attrs["warnings"] == ""
-
-
 def test_a_unit_in_the_header_is_named_as_the_cause(tmp_path):
     """A force in newtons whose header says kilonewtons is a thousand times too large."""
     arguments = written(tmp_path, changed(wagon(), "pad_force", times(1e3)))

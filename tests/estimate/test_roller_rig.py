@@ -204,18 +204,13 @@ def test_excursions_inside_and_outside_events_are_counted_and_timed():
     assert not counts["kept"]
 
 
-def test_a_short_excursion_in_an_event_is_allowed_and_a_long_one_is_not():
-    busy = np.ones(100)
-    for length, is_allowed in ((10, True), (11, False)):
-        error = np.zeros(100)
-        error[50 : 50 + length] = 0.05
-        assert excursions(*protected(error, busy), settled=0.0)["kept"] is is_allowed
-
-
-def test_nan_counts_as_beyond_the_limit():
-    error = np.zeros(100)
-    error[50:] = np.nan
-    assert not excursions(*protected(error, np.zeros(100)), settled=0.0)["kept"]
+@pytest.mark.parametrize(
+    ("length", "error", "busy", "is_kept"), [(10, 0.05, 1.0, True), (11, 0.05, 1.0, False), (50, np.nan, 0.0, False)]
+)
+def test_a_short_excursion_in_an_event_is_allowed_and_a_long_one_or_nan_is_not(length, error, busy, is_kept):
+    errors = np.zeros(100)
+    errors[50 : 50 + length] = error
+    assert excursions(*protected(errors, np.full(100, busy)), settled=0.0)["kept"] is is_kept
 
 
 def test_the_benchmark_steps_the_filter_of_the_rig():
