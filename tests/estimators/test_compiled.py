@@ -25,6 +25,14 @@ from railgrip.fmus.native.toolchain import shared_library
 GATE = Gate(states=("mu_b",), inputs=("pad_force",), threshold=1500.0)
 
 
+@pytest.fixture
+def fast(rolling):
+    return CompiledFilter(rolling, DENSITY, READING, PERIOD)
+
+
+HELD, SEEN = np.array([1e4, 0.0]), np.array([22.1, 58.0, -0.7])
+
+
 def assert_same(one, other, tolerance):
     """Means in units of the states' deviation or size, covariances as correlations."""
     size = np.maximum(np.abs(one.mean), one.deviation)
@@ -74,9 +82,8 @@ def test_compiled_equals_python_with_full_noise_matrices(correlated):
         assert_same(one, two, 1e-9)
 
 
-def test_normalised_innovation_is_that_of_the_reference(rolling):
+def test_normalised_innovation_is_that_of_the_reference(rolling, fast):
     plain = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
-    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD)
     first, held = plain.start(FIRST_MEAN, FIRST_VARIANCE), np.array([1e4, 0.0])
     seen = np.array([22.1, np.nan, -0.7])
     expected = plain.innovation(plain.predict(first, held), held, seen)
@@ -85,50 +92,43 @@ def test_normalised_innovation_is_that_of_the_reference(rolling):
     assert fast.selection.tolist() == [1.0, 0.0, 1.0]
 
 
-def test_it_continues_from_any_given_estimate(rolling):
+def test_it_continues_from_any_given_estimate(fast):
     """Estimates are values: a step depends on its arguments, not on earlier steps."""
-    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD)
     first = fast.start(FIRST_MEAN, FIRST_VARIANCE)
-    held, seen = np.array([1e4, 0.0]), np.array([22.1, 58.0, -0.7])
-    once = fast.step(first, held, seen)
-    fast.step(once, held, seen)
-    again = fast.step(first, held, seen)
+    once = fast.step(first, HELD, SEEN)
+    fast.step(once, HELD, SEEN)
+    again = fast.step(first, HELD, SEEN)
     assert np.array_equal(again.mean, once.mean)
     assert np.array_equal(again.covariance, once.covariance)
     with pytest.raises(ValueError, match="read-only"):
         once.mean[0] = 0.0
 
 
-def test_advance_in_place_equals_step(rolling):
-    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD)
-    held, seen = np.array([1e4, 0.0]), np.array([22.1, 58.0, -0.7])
+def test_advance_in_place_equals_step(fast):
     belief = fast.start(FIRST_MEAN, FIRST_VARIANCE)
     for _ in range(3):
-        belief = fast.step(belief, held, seen)
+        belief = fast.step(belief, HELD, SEEN)
     fast.start(FIRST_MEAN, FIRST_VARIANCE)
     for _ in range(3):
-        fast.inputs[:], fast.readings[:] = held, seen
+        fast.inputs[:], fast.readings[:] = HELD, SEEN
         fast.advance()
     assert np.array_equal(fast.mean, belief.mean)
     assert np.array_equal(fast.covariance, belief.covariance)
 
 
-def test_parameters_change_without_compiling_again(rolling, own_cache):
-    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD)
+def test_parameters_change_without_compiling_again(own_cache, fast):
     worn = CasadiPrediction(wheelset(), WHEELSET | {"r_wheel": 0.36})
     built = sorted(own_cache.rglob("*.*"))
     other = CompiledFilter(worn, DENSITY, READING, PERIOD)
     assert sorted(own_cache.rglob("*.*")) == built
-    held, seen = np.array([1e4, 0.0]), np.array([22.1, 58.0, -0.7])
     first = fast.start(FIRST_MEAN, FIRST_VARIANCE)
-    expected = ExtendedKalmanFilter(worn, DENSITY, READING, PERIOD).step(first, held, seen)
-    assert_same(expected, other.step(first, held, seen), 1e-12)
+    expected = ExtendedKalmanFilter(worn, DENSITY, READING, PERIOD).step(first, HELD, SEEN)
+    assert_same(expected, other.step(first, HELD, SEEN), 1e-12)
     fast.parameters[:] = worn.parameters
-    assert np.array_equal(fast.step(first, held, seen).mean, other.step(first, held, seen).mean)
+    assert np.array_equal(fast.step(first, HELD, SEEN).mean, other.step(first, HELD, SEEN).mean)
 
 
-def test_divergence_is_reported_equally_and_leaves_the_estimate_unchanged(rolling):
-    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD)
+def test_divergence_is_reported_equally_and_leaves_the_estimate_unchanged(fast):
     first = fast.start(FIRST_MEAN, FIRST_VARIANCE)
     with pytest.raises(FilterDiverged, match="predicted"):
         fast.step(first, np.array([np.nan, np.nan]), np.zeros(3))

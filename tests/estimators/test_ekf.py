@@ -55,11 +55,25 @@ def test_on_a_linear_model_it_is_the_linear_kalman_filter():
         assert np.max(np.abs(belief.covariance - covariance) / np.outer(sd, sd)) < bound
 
 
-def test_a_matched_model_without_noise_has_no_error(rolling):
+@pytest.fixture
+def ours(rolling):
+    return ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
+
+
+@pytest.fixture
+def first(ours):
+    return ours.start(FIRST_MEAN, FIRST_VARIANCE)
+
+
+@pytest.fixture
+def gated(rolling):
+    gate = Gate(states=("mu_b",), inputs=("pad_force",), threshold=1500.0)
+    return ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD, gate)
+
+
+def test_a_matched_model_without_noise_has_no_error(rolling, ours, first):
     """Started at the truth and given perfect readings, the filter follows the solution of its model."""
-    ours = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
-    belief = ours.start(FIRST_MEAN, FIRST_VARIANCE)
-    truth = FIRST_MEAN
+    belief, truth = first, FIRST_MEAN
     for k in range(3000):
         held = np.array([2e4 * (1.0 + np.sin(k / 300.0)), 500.0])
         truth = advance(lambda x, held=held: rolling.derivative(x, held), truth, PERIOD)
@@ -93,23 +107,19 @@ def test_transition_is_the_derivative_of_the_mean_map(rolling):
         assert phi[:, j] == pytest.approx((ahead - behind) / 2e-4, abs=1e-9)
 
 
-def test_a_missing_reading_is_a_filter_without_that_sensor(rolling):
+def test_a_missing_reading_is_a_filter_without_that_sensor(rolling, ours, first):
     """NaN leaves the row out: equivalent to a reading of practically infinite variance."""
     held = np.array([1e4, 0.0])
     seen = rolling.output(FIRST_MEAN, held) + np.array([0.01, 0.02, 0.1])
-    sparse = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
     worthless = ExtendedKalmanFilter(rolling, DENSITY, READING * np.array([1.0, 1e20, 1.0]), PERIOD)
-    first = sparse.start(FIRST_MEAN, FIRST_VARIANCE)
-    without = sparse.step(first, held, np.where([False, True, False], np.nan, seen))
+    without = ours.step(first, held, np.where([False, True, False], np.nan, seen))
     other = worthless.step(first, held, seen)
     # A variance of 1e16 against one of 0.1 is a weight of 1e-17, below rounding.
     assert without.mean == pytest.approx(other.mean, rel=1e-12)
     assert without.covariance == pytest.approx(other.covariance, rel=1e-9, abs=1e-15)
 
 
-def test_without_any_reading_it_only_predicts(rolling):
-    ours = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
-    first = ours.start(FIRST_MEAN, FIRST_VARIANCE)
+def test_without_any_reading_it_only_predicts(ours, first):
     held = np.array([1e4, 0.0])
     blind = ours.step(first, held, np.full(3, np.nan))
     predicted = ours.predict(first, held)
@@ -117,35 +127,27 @@ def test_without_any_reading_it_only_predicts(rolling):
     assert np.array_equal(blind.covariance, predicted.covariance)
 
 
-def test_an_outlier_is_left_out_and_only_it(rolling):
+def test_an_outlier_is_left_out_and_only_it(rolling, ours, first):
     careful = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD, outlier_limit=6.0)
-    plain = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
     held = np.array([1e4, 0.0])
-    first = plain.start(FIRST_MEAN, FIRST_VARIANCE)
     seen = rolling.output(FIRST_MEAN, held)
     thrown = careful.step(first, held, seen + np.array([0.0, 300.0, 0.0]))
-    expected = plain.step(first, held, np.where([False, True, False], np.nan, seen))
+    expected = ours.step(first, held, np.where([False, True, False], np.nan, seen))
     assert np.array_equal(thrown.mean, expected.mean)
     assert np.array_equal(thrown.covariance, expected.covariance)
     other = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD, outlier_limit=[6.0, np.inf, 6.0])
     believing = other.step(first, held, seen + np.array([0.0, 300.0, 0.0]))
-    assert np.array_equal(believing.mean, plain.step(first, held, seen + np.array([0.0, 300.0, 0.0])).mean)
+    assert np.array_equal(believing.mean, ours.step(first, held, seen + np.array([0.0, 300.0, 0.0])).mean)
 
 
-def gated(prediction):
-    gate = Gate(states=("mu_b",), inputs=("pad_force",), threshold=1500.0)
-    return ExtendedKalmanFilter(prediction, DENSITY, READING, PERIOD, gate)
-
-
-def test_pad_friction_is_frozen_while_the_pads_are_released(rolling):
-    ours = gated(rolling)
-    belief = ours.start(FIRST_MEAN, FIRST_VARIANCE)
+def test_pad_friction_is_frozen_while_the_pads_are_released(rolling, gated):
+    belief = gated.start(FIRST_MEAN, FIRST_VARIANCE)
     random = np.random.default_rng(3)
 
     def carried(belief, held, steps):
         for _ in range(steps):
             noise = np.sqrt(READING) * random.standard_normal(3)
-            belief = ours.step(belief, held, rolling.output(belief.mean, held) + noise)
+            belief = gated.step(belief, held, rolling.output(belief.mean, held) + noise)
         return belief
 
     braked = carried(belief, np.array([2e4, 0.0]), 300)  # pad friction is now correlated with the rest
@@ -161,23 +163,20 @@ def test_pad_friction_is_frozen_while_the_pads_are_released(rolling):
     assert np.all(released.covariance[2, [1, 3]] != braked.covariance[2, [1, 3]])
 
 
-def test_the_gate_opens_at_its_threshold(rolling):
-    ours = gated(rolling)
-    first = ours.start(FIRST_MEAN, FIRST_VARIANCE)
+def test_the_gate_opens_at_its_threshold(rolling, gated, first):
     seen = rolling.output(FIRST_MEAN, np.zeros(2)) + 0.05
-    assert ours.step(first, np.array([1499.9, 0.0]), seen).mean[2] == first.mean[2]
-    assert ours.step(first, np.array([1500.0, 0.0]), seen).mean[2] != first.mean[2]
+    assert gated.step(first, np.array([1499.9, 0.0]), seen).mean[2] == first.mean[2]
+    assert gated.step(first, np.array([1500.0, 0.0]), seen).mean[2] != first.mean[2]
 
 
-def test_a_frozen_state_is_a_consider_state(rolling):
+def test_a_frozen_state_is_a_consider_state(rolling, gated):
     """Schmidt: the others' gain is optimal for the joint covariance; the frozen one keeps its own."""
-    ours = gated(rolling)
     held = np.zeros(2)
     joint = np.diag(FIRST_VARIANCE)
     joint[1, 2] = joint[2, 1] = 0.8 * np.sqrt(joint[1, 1] * joint[2, 2])
-    predicted = ours.predict(ours.start(FIRST_MEAN, joint), held)
-    innovation = ours.innovation(predicted, held, rolling.output(predicted.mean, held))
-    after = ours.condition(predicted, held, innovation)
+    predicted = gated.predict(gated.start(FIRST_MEAN, joint), held)
+    innovation = gated.innovation(predicted, held, rolling.output(predicted.mean, held))
+    after = gated.condition(predicted, held, innovation)
     H, P, others = innovation.jacobian, predicted.covariance, [0, 1, 3]
     S = H @ P @ H.T + np.diag(READING)
     optimal = P - P @ H.T @ np.linalg.inv(S) @ H @ P
@@ -208,9 +207,7 @@ def test_covariance_stays_definite_and_symmetric_for_any_readings(rolling):
             assert np.min(np.linalg.eigvalsh(correlation)) > 0.0
 
 
-def test_a_mean_that_is_not_finite_is_a_diverged_filter(rolling):
-    ours = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
-    first = ours.start(FIRST_MEAN, FIRST_VARIANCE)
+def test_a_mean_that_is_not_finite_is_a_diverged_filter(ours, first):
     with pytest.raises(FilterDiverged, match="v, w"):
         ours.step(first, np.array([np.nan, np.nan]), np.zeros(3))
     with pytest.raises(FilterDiverged, match="readings"):
@@ -260,9 +257,9 @@ def test_arguments_of_wrong_shape_are_refused(rolling, kind):
         (FIRST_MEAN, np.zeros(4), "covariance is not positive definite"),
     ],
 )
-def test_a_start_without_an_estimate_is_refused(rolling, mean, variance, sentence):
+def test_a_start_without_an_estimate_is_refused(ours, mean, variance, sentence):
     with pytest.raises(EstimatorError, match=sentence):
-        ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD).start(mean, variance)
+        ours.start(mean, variance)
 
 
 def test_a_gate_names_one_input_for_each_state():

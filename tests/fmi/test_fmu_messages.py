@@ -23,7 +23,6 @@ seed = 1
 plant = "{plant}"
 trust = {trust}
 """
-STEPS = 20
 
 
 def scenario(folder: Path, plant: Path, *, trust: bool) -> Path:
@@ -68,28 +67,27 @@ def test_references_become_names(tmp_path: Path, foundry: Path, command):
     assert "it says: error: speed is above #r99#, see #5." in result.err
 
 
+def warned(foundry: Path, misbehaviour: str, steps: int, kind: type[CoSimulation] = CoSimulation) -> dict[str, int]:
+    """Return the warnings of a tiny FMU after some steps; they are kept after its end."""
+    description = describe(tiny(foundry, misbehaviour))
+    with kind(description, tied(description), period=1e-3, parameters={"allowed": 0}) as plant:
+        plant.start(np.zeros(1))
+        for _ in range(steps):
+            plant.step(np.zeros(1))
+        before = dict(plant.warnings)
+    assert plant.warnings == before
+    return before
+
+
 @pytest.mark.parametrize("kind", [CoSimulation, IsolatedCoSimulation])
 def test_messages_that_differ_only_in_numbers_are_of_one_kind(foundry: Path, kind: type[CoSimulation]):
     """tiny.c warns in each step with its time; #r0# and #r5# are two variables, not two numbers."""
-    description = describe(tiny(foundry, "WARNS"))
-    with kind(description, tied(description), period=1e-3, parameters={"allowed": 0}) as plant:
-        plant.start(np.zeros(1))
-        for _ in range(STEPS):
-            plant.step(np.zeros(1))
-        expected = {"x is late by 0": STEPS, "y is late by 0": STEPS}
-        assert plant.warnings == expected
-    assert plant.warnings == expected, "after the end, too"
+    assert warned(foundry, "WARNS", 20, kind) == {"x is late by 0": 20, "y is late by 0": 20}
 
 
 def test_kinds_of_messages_are_limited(foundry: Path):
-    description = describe(tiny(foundry, "WARNS_ALWAYS_OTHERWISE"))
-    with CoSimulation(description, tied(description), period=1e-3, parameters={"allowed": 0}) as plant:
-        plant.start(np.zeros(1))
-        for _ in range(26):
-            plant.step(np.zeros(1))
-        assert len(plant.warnings) == 21
-        assert plant.warnings["further messages"] == 6
-        assert sum(plant.warnings.values()) == 26
+    warnings = warned(foundry, "WARNS_ALWAYS_OTHERWISE", 26)
+    assert (len(warnings), warnings["further messages"], sum(warnings.values())) == (21, 6, 26)
 
 
 TO_NOBODY = """
@@ -127,11 +125,7 @@ def test_a_message_to_an_unknown_instance_belongs_to_the_only_one_or_is_dropped(
 
 
 def test_control_codes_do_not_reach_the_terminal(foundry: Path):
-    description = describe(tiny(foundry, "WARNS_IN_COLOUR"))
-    with CoSimulation(description, tied(description), period=1e-3, parameters={"allowed": 0}) as plant:
-        plant.start(np.zeros(1))
-        plant.step(np.zeros(1))
-        assert plant.warnings == {"[31mred  line": 1}
+    assert warned(foundry, "WARNS_IN_COLOUR", 1) == {"[31mred  line": 1}
 
 
 @pytest.mark.skipif(not Path("/proc").exists(), reason="needs POSIX signals")

@@ -12,6 +12,8 @@ from railgrip.trace import measures
 from railgrip.trace.bound import brake_limit, regained_adhesion, with_bound
 from railgrip.trace.metrics import FIGURES, Metrics, actuations, air_used, measure
 
+TIME = uniform_stop()["time"].values
+
 
 def test_uniform_braking_has_the_textbook_figures():
     trace = uniform_stop(speed=20.0, deceleration=1.0)
@@ -23,8 +25,7 @@ def test_uniform_braking_has_the_textbook_figures():
 
 
 def test_jerk_is_the_slope_of_a_ramp_of_acceleration():
-    time = uniform_stop()["time"].values
-    assert measures.jerk(uniform_stop(acceleration=-0.3 * time)) == pytest.approx((0.3, 0.3))
+    assert measures.jerk(uniform_stop(acceleration=-0.3 * TIME)) == pytest.approx((0.3, 0.3))
 
 
 def test_missing_energy_is_detected():
@@ -33,8 +34,7 @@ def test_missing_energy_is_detected():
 
 
 def test_slip_classes_and_deep_slide_count_the_time():
-    time = uniform_stop()["time"].values
-    slip = np.where(time[:, None] < 4.0, [[0.01, 0.12, 0.4, 1.0]], 0.01)
+    slip = np.where(TIME[:, None] < 4.0, [[0.01, 0.12, 0.4, 1.0]], 0.01)
     trace = uniform_stop(slip=slip)
     histogram = np.array(measures.slip_histogram(trace))
     assert histogram.sum(axis=1) == pytest.approx(np.full(4, 20.0))
@@ -45,8 +45,7 @@ def test_slip_classes_and_deep_slide_count_the_time():
 
 
 def test_the_maximum_adhesion_of_a_group_is_that_of_any_instant():
-    time = uniform_stop()["time"].values
-    of_groups = np.stack([0.1 + 0.05 * (time == 3.0), 0.12 - 0.02 * (time > 9.0), 0 * time, 0.2 * (time > 9.0)], axis=1)
+    of_groups = np.stack([0.1 + 0.05 * (TIME == 3.0), 0.12 - 0.02 * (TIME > 9.0), 0 * TIME, 0.2 * (TIME > 9.0)], axis=1)
     peaks = measure(
         uniform_stop(group_adhesion=of_groups), outcome=Outcome.STANDSTILL, alpha_max=0.15, actuation="ideal"
     ).adhesion_peak
@@ -54,9 +53,8 @@ def test_the_maximum_adhesion_of_a_group_is_that_of_any_instant():
 
 
 def test_the_longest_lock_is_one_lock_and_not_their_sum():
-    time = uniform_stop()["time"].values
-    locks = ((time >= 1) & (time < 3)) | ((time >= 5) & (time < 8))
-    trace = uniform_stop(locked=np.stack([locks, 0 * time, 0 * time, 0 * time], axis=1))
+    locks = ((TIME >= 1) & (TIME < 3)) | ((TIME >= 5) & (TIME < 8))
+    trace = uniform_stop(locked=np.stack([locks, 0 * TIME, 0 * TIME, 0 * TIME], axis=1))
     assert measures.longest_lock(trace) == pytest.approx((3.0, 0, 0, 0))
     # 20 t − t²/2 over 1…3 and 5…8 s: 36 m and 40.5 m
     assert measures.locked_distance(trace) == pytest.approx((76.5, 0, 0, 0))
@@ -69,7 +67,6 @@ def test_tread_energy_is_force_times_creep_path():
     assert measures.tread_power(trace).max() == pytest.approx(0.1 * LOAD * 0.05 * 20.0)
 
 
-TIME = uniform_stop()["time"].values
 NEVER, ONCE = TIME < 0, (TIME >= 2) & (TIME < 6)
 
 
@@ -122,22 +119,19 @@ def test_a_wheelset_that_never_turns_or_has_no_adhesion_has_no_estimate():
 
 
 def test_valve_strokes_are_changes_of_position():
-    time = uniform_stop()["time"].values
-    command = np.select([time < 5, time < 10, time < 15], [0.9, 0.0, -1.0], 0.2)
-    trace = uniform_stop(command=np.stack([command, np.ones_like(time), 0.4 * np.sin(time), command], axis=1))
+    command = np.select([TIME < 5, TIME < 10, TIME < 15], [0.9, 0.0, -1.0], 0.2)
+    trace = uniform_stop(command=np.stack([command, np.ones_like(TIME), 0.4 * np.sin(TIME), command], axis=1))
     assert actuations(trace, "pneumatic") == (3, 0, 0, 3)
 
 
 def test_pressure_reversals_are_counted_without_the_holds_between():
-    time = uniform_stop()["time"].values
-    command = np.interp(time, [0, 2, 4, 6, 8, 20], [0, 3e5, 3e5, 1e5, 2e5, 2e5])
-    trace = uniform_stop(command=np.stack([command, 0 * time, time, -time], axis=1))
+    command = np.interp(TIME, [0, 2, 4, 6, 8, 20], [0, 3e5, 3e5, 1e5, 2e5, 2e5])
+    trace = uniform_stop(command=np.stack([command, 0 * TIME, TIME, -TIME], axis=1))
     assert actuations(trace, "ideal") == (2, 0, 0, 0)
 
 
 def test_air_is_counted_from_the_demand():
-    time = uniform_stop()["time"].values
-    assert air_used(uniform_stop(air_used=3.0 + 0.01 * time)) == pytest.approx(0.2)
+    assert air_used(uniform_stop(air_used=3.0 + 0.01 * TIME)) == pytest.approx(0.2)
 
 
 def test_the_bound_is_the_minimum_of_rail_brake_and_limit():
@@ -252,8 +246,7 @@ def test_the_adhesion_at_the_first_slide_is_that_of_the_group_that_slides_first(
 
 
 def test_time_over_the_limit_counts_each_group():
-    time = uniform_stop()["time"].values
-    trace = uniform_stop(group_adhesion=np.where(time[:, None] < 3, [[0.16, 0.14, 0.14, 0.2]], 0.1))
+    trace = uniform_stop(group_adhesion=np.where(TIME[:, None] < 3, [[0.16, 0.14, 0.14, 0.2]], 0.1))
     assert measures.time_over_limit(trace, 0.15) == pytest.approx((3.0, 0, 0, 3.0))
 
 
@@ -265,8 +258,7 @@ def test_a_perfect_estimator_has_no_error_and_no_delay():
 
 
 def test_bias_deviation_and_nees_of_a_known_error():
-    time = uniform_stop()["time"].values
-    error = np.where(np.arange(len(time)) % 2, 0.03, -0.01)[:, None] * np.ones(4)
+    error = np.where(np.arange(len(TIME)) % 2, 0.03, -0.01)[:, None] * np.ones(4)
     errors = measures.adhesion_errors(uniform_stop(estimate_adhesion=1 / 9.81 + error, estimate_adhesion_sd=0.02))
     # above 10 km/h an odd number of samples remains, so that halves are not quite halves
     assert errors["adhesion_bias"] == pytest.approx((0.01,) * 4, abs=2e-5)
@@ -291,9 +283,8 @@ def test_errors_of_readings_are_relative_to_the_true_values():
 
 
 def test_a_delayed_estimate_has_that_delay():
-    time = uniform_stop()["time"].values
-    truth = 0.1 + 0.02 * np.sin(2 * time)
-    late = 0.1 + 0.02 * np.sin(2 * (time - 0.12))
+    truth = 0.1 + 0.02 * np.sin(2 * TIME)
+    late = 0.1 + 0.02 * np.sin(2 * (TIME - 0.12))
     trace = uniform_stop(group_adhesion=truth[:, None] * np.ones(4), estimate_adhesion=late[:, None] * np.ones(4))
     assert measures.adhesion_errors(trace)["adhesion_delay"] == pytest.approx((0.12,) * 4)
 
@@ -357,9 +348,8 @@ def test_a_truth_that_a_plant_does_not_output_is_not_inside():
 def test_inconsistent_innovations_are_reported():
     (sentence,) = _measured(estimate_nis=3.0 * chi2.median(17)).doubts()
     assert "3.0 times the expected one" in sentence
-    time = uniform_stop()["time"].values
-    diverging = _measured(estimate_nis=np.where(time < 5.0, 17.0, 1e6))
-    period = time[1] - time[0]
+    diverging = _measured(estimate_nis=np.where(TIME < 5.0, 17.0, 1e6))
+    period = TIME[1] - TIME[0]
     assert diverging.estimator_lost == pytest.approx(5.0 + 50 * period, abs=2 * period)
     assert diverging.doubts()[0].startswith("The estimator is lost from 5.")
 
