@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from onboard import train_data
 
 from railgrip.base.errors import InputError
 from railgrip.report.statistics import FEWEST_DRAWS
@@ -23,7 +24,7 @@ from railgrip.studies.benefit.chain import (
 from railgrip.studies.benefit.line import LIBRARY, load_study_line, measures_of
 from railgrip.studies.benefit.study import Benefit, chain_of, cost_table, gain_table, sentences_of
 from railgrip.supervision import trains
-from railgrip.supervision.model import EmergencyStep, ServiceStep, TrainData, model_of
+from railgrip.supervision.model import model_of
 from railgrip.trace.k_wet import k_wet
 
 SPEED, TIME, DRY = 30.0, 1.0, 400.0
@@ -38,14 +39,8 @@ def commuter():
 
 @pytest.fixture(scope="module")
 def brake():
-    return model_of(
-        TrainData(
-            name="t", source="an example", length=80.0, maximum_speed=SPEED, brake_position="passenger P",
-            emergency=(EmergencyStep(above=0, deceleration=1.2, k_dry=0.8, k_wet=1.0),),
-            service=(ServiceStep(above=0, deceleration=1.0),), emergency_time=TIME, service_time=TIME,
-            traction_cut_off_time=1.0,
-        )
-    )  # fmt: skip
+    data = {"length": 80, "maximum_speed": SPEED, "emergency_time": TIME, "service_time": TIME}
+    return model_of(train_data([(0.0, 1.2)], [(0.0, 1.0)], k_dry=0.8, **data))
 
 
 def chain_with(line, brake, distances):
@@ -182,10 +177,7 @@ def stop_by_hand(scenario):
 
 
 @pytest.fixture
-def few_draws(monkeypatch):
-    monkeypatch.setattr(trains, "_RUNS", 2)
-    monkeypatch.setattr(trains, "_SAMPLES", 20)
-    monkeypatch.setattr("railgrip.supervision.k_dry._RATES", 10)
+def few_draws(few, monkeypatch):
     monkeypatch.setattr(module, "figures_of", stop_by_hand)
 
 
@@ -215,48 +207,37 @@ def test_a_rail_on_which_the_train_does_not_stop_is_refused(few_draws, monkeypat
         chain_of(Benefit(EMU, "sand", Path("leaves"), draws=2), Here())
 
 
+MEASURE = "[measure.m]\ndescription = 'abc'\nsource = 'abc'\nscenario."
+
+
 @pytest.mark.parametrize(
-    ("old", "new", "sentence"),
+    ("old", "new", "measures", "sentence"),
     [
-        ("probability = 1", "probability = 0.9", "add up to 0.9; they must add up to 1"),
-        ("probability = 1", "probability = 1\ndry = true", "K_wet needs at least one that is not"),
-        ("level = [0.8, 1.2]", "level = [1.2, 0.8]", "level of autumn, leaves falls from 1.2 to 0.8"),
-        ('kind = "points"', 'level = 2, kind = "points"', "give [[rail]] level instead"),
-        ('setup = "8 s"', "", "[times] has no 'setup'"),
+        ("probability = 1", "probability = 0.9", "sand", "add up to 0.9; they must add up to 1"),
+        ("probability = 1", "probability = 1\ndry = true", "sand", "K_wet needs at least one that is not"),
+        ("level = [0.8, 1.2]", "level = [1.2, 0.8]", "sand", "level of autumn, leaves falls from 1.2 to 0.8"),
+        ('kind = "points"', 'level = 2, kind = "points"', "sand", "give [[rail]] level instead"),
+        ('setup = "8 s"', "", "sand", "[times] has no 'setup'"),
         (
             "[times]",
-            "[measure.m]\ndescription = 'abc'\nsource = 'abc'\nscenario.start.speed = 9\n[times]",
-            "scenario has start, which is the same with and without a measure",
+            f"{MEASURE}start.speed = 9\n[times]",
+            "sand",
+            "scenario has start, which is the same with and ",
         ),
-        (
-            "[times]",
-            "[measure.m]\ndescription = 'abc'\nsource = 'abc'\nscenario.adhesion.level = 9\n[times]",
-            "scenario has adhesion.level",
-        ),
-        ('margin = "50 m"', 'margin = "50 s"', "[times] margin"),
+        ("[times]", f"{MEASURE}adhesion.level = 9\n[times]", "sand", "scenario has adhesion.level"),
+        ('margin = "50 m"', 'margin = "50 s"', "sand", "[times] margin"),
+        ("", "", "sandd", "there is no measure 'sandd'"),
+        ("", "", "", "names no measure"),
+        ("", "", "sand,sand", "'sand' is given twice"),
+        ("", "", "slope_seeking,two_maxima", "both change [controller]"),
     ],
 )
-def test_a_wrong_line_is_refused_with_a_sentence(old, new, sentence, tmp_path):
+def test_a_wrong_line_or_measure_is_refused_with_a_sentence(old, new, measures, sentence, tmp_path):
     assert old in LINE
     file = tmp_path / "line.toml"
-    file.write_text(LINE.replace(old, new), encoding="utf-8")
+    file.write_text(LINE.replace(old, new) if old else LINE, encoding="utf-8")
     with pytest.raises(InputError) as error:
-        load_study_line(file)
-    assert sentence in str(error.value)
-
-
-@pytest.mark.parametrize(
-    ("measures", "sentence"),
-    [
-        ("sandd", "there is no measure 'sandd'"),
-        ("", "names no measure"),
-        ("sand,sand", "'sand' is given twice"),
-        ("slope_seeking,two_maxima", "both change [controller]"),
-    ],
-)
-def test_wrong_measures_are_refused_with_a_sentence(measures, sentence, commuter):
-    with pytest.raises(InputError) as error:
-        measures_of(measures, commuter)
+        measures_of(measures, load_study_line(file))
     assert sentence in str(error.value)
 
 

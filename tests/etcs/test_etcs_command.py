@@ -8,7 +8,6 @@ import pytest
 
 import railgrip as rg
 from railgrip.report.table import END
-from railgrip.supervision import trains
 
 PERCENT = """
 name = "ic"
@@ -84,10 +83,8 @@ def test_stops_that_begin_on_a_limit_end_at_the_target(files):
     assert without["safe emergency brake from EBI, SvL"] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_a_train_file_states_that_its_data_are_estimates(monkeypatch):
-    monkeypatch.setattr(trains, "_RUNS", 2)
-    monkeypatch.setattr(trains, "_SAMPLES", 20)
-    monkeypatch.setattr("railgrip.supervision.k_dry._RATES", 10)
+@pytest.mark.usefixtures("few")
+def test_a_train_file_states_that_its_data_are_estimates():
     curves = rg.etcs("tram")
     assert "tram lacks [etcs], [[dispersion]], [failures]: estimates of railgrip" in curves.sentences[-1]
     assert curves.table.columns == ["target", "from", "EBD", "EBI", "SBD", "SBI1", "SBI2", "W", "P", "I"]

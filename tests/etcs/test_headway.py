@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from onboard import train_data
 
 from railgrip.supervision.curve import Steps
 from railgrip.supervision.headway import SignallingLayout, SignallingTimes, SpeedSection, Stopping, headways, run_of
-from railgrip.supervision.model import EmergencyStep, ServiceStep, TrainData, model_of
+from railgrip.supervision.model import model_of
 from railgrip.supervision.national import NationalValues
 
 EMERGENCY, K_DRY, K_WET, SERVICE, BUILD_UP, SERVICE_TIME = 1.2, 0.8, 0.7, 0.9, 1.5, 2.0
@@ -22,14 +23,8 @@ DRIVER, INDICATION = 4.0, 5.0 + 4.0
 
 @pytest.fixture(scope="module")
 def train():
-    return model_of(
-        TrainData(
-            name="t", source="an example", length=LENGTH, maximum_speed=V, brake_position="passenger P",
-            emergency=(EmergencyStep(above=0, deceleration=EMERGENCY, k_dry=K_DRY, k_wet=K_WET),),
-            service=(ServiceStep(above=0, deceleration=SERVICE),), emergency_time=BUILD_UP,
-            service_time=SERVICE_TIME, traction_cut_off_time=1.0,
-        )
-    )  # fmt: skip
+    data = {"length": LENGTH, "maximum_speed": V, "emergency_time": BUILD_UP, "service_time": SERVICE_TIME}
+    return model_of(train_data([(0.0, EMERGENCY)], [(0.0, SERVICE)], k_dry=K_DRY, k_wet=K_WET, **data))
 
 
 def layout(**changes):

@@ -41,20 +41,23 @@ def test_brake_applications_before_the_long_pause_are_the_short_ones():
     assert found["applications"] == pytest.approx(4 / 18, rel=1e-3)
 
 
+def judged(truth, mean):
+    """Return a recording with the truth of some states, and estimates of them, state → values."""
+    time = np.arange(len(truth["group_adhesion"])) * PERIOD
+    units = {"wheelset_speed": "rad/s", "speed": "m/s", "group_adhesion": "1"}
+    states = {name: (values, units[name]) for name, values in truth.items()}
+    recording = recording_of({"speed": (time, "m/s")}, period=PERIOD, truth=states)
+    coords = {"time": recording["time"], "state": [*mean]}
+    return recording, xarray.Dataset({"mean": (("time", "state"), np.stack([*mean.values()], axis=1))}, coords=coords)
+
+
 def test_errors_above_the_limit_count_once_per_interval_in_the_deep_slide():
     time = np.arange(4000) * PERIOD
     error = np.zeros(time.size)
     for begin, end in ((1.0, 1.1), (4.0, 4.2), (6.0, 6.01), (12.0, 12.5)):
         error[(time >= begin) & (time < end)] = -1.1 * page.LIMIT
     error[(time >= 8.0) & (time < 8.5)] = 0.9 * page.LIMIT
-    recording = recording_of(
-        {"speed": (time, "m/s")}, period=PERIOD, truth={"group_adhesion": (np.full(time.size, 0.05), "1")}
-    )
-    estimates = xarray.Dataset(
-        {"mean": (("time", "state"), (0.05 + error)[:, None])},
-        coords={"time": recording["time"], "state": ["group_adhesion"]},
-    )
-    assert page.peaks_in_slide(recording, estimates) == 2
+    assert page.peaks_in_slide(*judged({"group_adhesion": 0.05 + 0 * time}, {"group_adhesion": 0.05 + error})) == 2
 
 
 def test_the_start_is_corrected_when_the_error_stays_within_the_limit():
@@ -67,12 +70,8 @@ def test_the_start_is_corrected_when_the_error_stays_within_the_limit():
         (2.5, 2.6, 0.0),
     ):
         error = np.where((time >= begin - 1e-9) & (time < end - 1e-9), 0.03, 0.0)
-        recording = recording_of({"speed": (time, "m/s")}, period=PERIOD, truth={"group_adhesion": (0 * time, "1")})
-        estimates = xarray.Dataset(
-            {"mean": (("time", "state"), error[:, None])},
-            coords={"time": recording["time"], "state": ["group_adhesion"]},
-        )
-        assert page.settling(recording, estimates) == pytest.approx(expected, abs=PERIOD / 10)
+        found = page.settling(*judged({"group_adhesion": 0 * time}, {"group_adhesion": error}))
+        assert found == pytest.approx(expected, abs=PERIOD / 10)
 
 
 def test_late_errors_are_those_of_adhesion_from_the_published_instant_on():
@@ -81,18 +80,9 @@ def test_late_errors_are_those_of_adhesion_from_the_published_instant_on():
     late = time >= 110.0
     error = np.where(late, 0.01, 0.3)
     error[-1] = 0.04
-    truth = {
-        "group_adhesion": (np.full(time.size, 0.05), "1"),
-        "wheelset_speed": (time, "rad/s"),
-        "speed": (time, "m/s"),
-    }
-    recording = recording_of({"speed": (time, "m/s")}, period=PERIOD, truth=truth)
-    mean = np.stack([time + 1e-3, time - 2e-3, 0.05 + error], axis=1)
-    estimates = xarray.Dataset(
-        {"mean": (("time", "state"), mean)},
-        coords={"time": recording["time"], "state": ["wheelset_speed", "speed", "group_adhesion"]},
-    )
-    found = page.late_errors(recording, estimates)
+    truth = {"wheelset_speed": time, "speed": time, "group_adhesion": 0.05 + 0 * time}
+    errors = {"wheelset_speed": 1e-3, "speed": -2e-3, "group_adhesion": error}
+    found = page.late_errors(*judged(truth, {name: truth[name] + errors[name] for name in truth}))
     assert found["wheelset_speed"] == pytest.approx(1e-3, rel=1e-6)
     assert found["speed"] == pytest.approx(2e-3, rel=1e-6)
     assert found["largest"] == pytest.approx(0.04)

@@ -3,8 +3,8 @@
 import math
 
 import pytest
+from rows import row_of
 
-from railgrip.base.errors import ScenarioError
 from railgrip.report.limits import limits_of
 from railgrip.studies.optimum import laws_in_service
 from railgrip.studies.type_test.case_set import VERSIONS
@@ -12,7 +12,6 @@ from railgrip.studies.type_test.entrants import entrants
 from railgrip.studies.type_test.family import losses_of, rail_of, recommendation, verdict
 from railgrip.studies.type_test.judge import frame_of_rows, judgements
 from railgrip.studies.type_test.page import ranked
-from railgrip.studies.type_test.study import TypeTest
 from railgrip.studies.type_test.track_case import TABLE_1
 
 DESIGN = VERSIONS[2].design(360, VERSIONS[2].test)
@@ -25,15 +24,8 @@ def judged(distances, design=DESIGN):
     for case in design:
         for law, distance in {"slip_three_state": lambda case: 100.0, **distances}.items():
             if (metres := distance(case)) is not None:
-                variants = {name: value for name, value in case.variants().items() if name != "case"}
-                found.append(
-                    dict(
-                        case=case.name, variants=variants, speed=case.speed, controller=law, outcome="standstill",
-                        distance_m=metres if math.isfinite(metres) else math.nan, duration_s=20.0, longest_lock_s=0.0,
-                        locked_distance_m=0.0, air_l=100.0, strokes=10, tread_energy_mj=0.1, utilisation=0.9,
-                        nees=math.nan,
-                    )
-                )  # fmt: skip
+                length = metres if math.isfinite(metres) else math.nan
+                found.append(row_of(case, law, length, nees=math.nan))
     return judgements(frame_of_rows(found), entrants(2), limits_of(), only_tuned=False)
 
 
@@ -160,11 +152,6 @@ def test_every_case_has_one_kind_of_rail():
     kinds = {rail_of(case.variants()) for case in VERSIONS[2].design(432, VERSIONS[2].test)}
     assert "cleaned by passing wheels and slip strongly" in kinds
     assert len(kinds) == 9  # with and without passing wheels, four kinds of slip, and Table 1
-
-
-def test_shipped_results_are_those_of_the_test_on_its_train():
-    with pytest.raises(ScenarioError, match="--shipped is for sets of cases of the package"):
-        TypeTest(shipped=True, train="tram")._require_consistent()
 
 
 def test_laws_on_the_cleaned_rail_are_ordered_and_one_that_does_not_stop_is_last():

@@ -6,6 +6,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from rows import row_of
 
 from railgrip.api import Scenario
 from railgrip.base.errors import ScenarioError
@@ -192,12 +193,6 @@ def test_looks_are_counted_by_set_and_controller(tmp_path, monkeypatch):
     assert count_look("other", ["a"]) == {"one": {"a": 2, "b": 1}, "other": {"a": 1}}
 
 
-@pytest.mark.parametrize("options", [{}, {"controller": ["a", "b"]}])
-def test_a_sealed_set_belongs_to_one_controller(options):
-    with pytest.raises(ScenarioError, match="--sealed is for one --controller"):
-        TypeTest(sealed=True, **options)._require_consistent()
-
-
 @pytest.mark.usefixtures("in_process")
 def test_a_sealed_set_is_run_with_the_baselines_and_reveals_no_single_case(tmp_path, monkeypatch):
     few = {name: entrants(2)[name] for name in ("dry", "slip_two_state", "fuzzy_slip")}
@@ -214,23 +209,14 @@ def test_a_sealed_set_is_run_with_the_baselines_and_reveals_no_single_case(tmp_p
     assert page.values["looks"].rows[0]["set"] == "version 2, sealed, 1 cases"
 
 
-def stop_of(case, controller, distance, *, lock=0.0):
-    variants = {name: value for name, value in case.variants().items() if name != "case"}
-    return dict(
-        case=case.name, variants=variants, speed=case.speed, controller=controller, outcome="standstill",
-        distance_m=distance, duration_s=20.0, longest_lock_s=lock, locked_distance_m=0.0, air_l=100.0, strokes=10,
-        tread_energy_mj=0.1, utilisation=0.9,
-    )  # fmt: skip
-
-
 @pytest.fixture(scope="module")
 def stops():
     """Fuzzy rules stop a tenth longer than deep three-state control where slip cleans, elsewhere a tenth shorter."""
     found = []
     for case in CASES[:60]:
-        found.append(stop_of(case, "slip_three_state_deep", 100.0))
-        found.append(stop_of(case, "slip_two_state", 50.0, lock=2.0))
-        found.append(stop_of(case, "fuzzy_slip", 90.0 if case.cleaning == "none" else 110.0))
+        found.append(row_of(case, "slip_three_state_deep", 100.0))
+        found.append(row_of(case, "slip_two_state", 50.0, longest_lock_s=2.0))
+        found.append(row_of(case, "fuzzy_slip", 90.0 if case.cleaning == "none" else 110.0))
     return frame_of_rows(found)
 
 
@@ -290,8 +276,10 @@ def test_shipped_results_have_all_controllers_or_a_hint_how_to_renew_them():
     [
         ({"count": 8, "case": ["01of24-15595"]}, "--case and --cases: "),
         ({"sealed": True, "validation": True, "controller": ["a"]}, "--sealed and --validation: "),
+        *(({"sealed": True, **more}, "--sealed is for one --controller") for more in ({}, {"controller": ["a", "b"]})),
+        ({"shipped": True, "train": "tram"}, "--shipped is for sets of cases of the package"),
     ],
 )
-def test_one_option_chooses_the_cases(options, words):
+def test_options_that_exclude_each_other_are_refused(options, words):
     with pytest.raises(ScenarioError, match=words):
         TypeTest(**options)._require_consistent()
