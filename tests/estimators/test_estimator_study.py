@@ -259,11 +259,21 @@ def test_a_small_run_writes_page_tables_and_json(tmp_path):
     assert (tmp_path / "leaderboard.csv").is_file()
 
 
-def test_an_unknown_estimator_is_refused_with_the_nearest_name(tmp_path):
-    with work("estimators", tmp_path) as job, pytest.raises(InputError, match="did you mean 'unscented'"):
-        Estimators(estimator=["unscentd"]).page(job)
-    with work("estimators", tmp_path) as job, pytest.raises(InputError, match="--write"):
-        Estimators(estimator=["fmu"], write=True).page(job)
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"estimator": ["unscentd"]}, "did you mean 'unscented'"),
+        ({"estimator": ["fmu"], "write": True}, "--write"),
+        ({"estimator": ["none.py:Drag"]}, "there is no file"),
+        ({"estimator": ["a.txt:Drag"]}, "FILE.py:CLASS"),
+        ({"train": "tram", "write": True}, "--write and --tune are for the two-part train"),
+        ({"train": "tram", "estimator": ["loaded"]}, "--estimator loaded: is unknown"),
+        ({"train": "trm"}, "did you mean tram"),
+    ],
+)
+def test_an_unknown_estimator_or_train_is_refused(options, sentence, tmp_path):
+    with work("estimators", tmp_path) as job, pytest.raises(InputError, match=sentence):
+        Estimators(**options).page(job)
 
 
 OWN = """
@@ -365,12 +375,6 @@ def test_a_users_prediction_fmu_is_the_filter_with_that_prediction(short):
     file = fmu(MODEL)
     own, same = replay(short, str(file)), replay(short, "fmu")
     np.testing.assert_array_equal(own.mean, same.mean)
-
-
-def test_an_estimator_without_a_file_is_refused(tmp_path):
-    for argument, message in (("none.py:Drag", "there is no file"), ("a.txt:Drag", "FILE.py:CLASS")):
-        with work("estimators", tmp_path) as job, pytest.raises(InputError, match=message):
-            Estimators(estimator=[argument]).page(job)
 
 
 def test_the_delay_after_a_step_is_that_of_a_shifted_estimate():
@@ -515,8 +519,7 @@ def test_cases_of_another_train_have_its_groups_and_its_speed():
     assert len(states("disturbed", "tram")) == len(states("", "tram")) + 8  # deflections of four wheelsets, and rates
 
 
-@pytest.mark.usefixtures("in_process")
-def test_another_train_has_its_recordings_estimators_and_folder(short, tmp_path):
+def test_another_train_has_its_recordings_estimators_and_folder(short):
     case = replace(short, train="tram")
     assert recording_of_case(case).sizes["group"] == 4
     errors = [errors_of((case, name, CONSTANTS)) for name in (CONSTANT, FORCE_BALANCE, "fmu", "disturbed", "fixed_lag")]
@@ -525,14 +528,6 @@ def test_another_train_has_its_recordings_estimators_and_folder(short, tmp_path)
     study = Estimators(train="tram", estimator=["fmu"])
     assert study.place == "tram"
     assert Estimators().place == ""
-    with work("estimators", tmp_path) as job:
-        for wrong, sentence in (
-            (Estimators(train="tram", write=True), "--write and --tune are for the two-part train"),
-            (Estimators(train="tram", estimator=["loaded"]), "--estimator loaded: is unknown"),
-            (Estimators(train="trm"), "did you mean tram"),
-        ):
-            with pytest.raises(InputError, match=sentence):
-                wrong.page(job)
 
 
 def test_a_filter_of_another_vehicle_has_the_errors_of_its_estimation(tmp_path):

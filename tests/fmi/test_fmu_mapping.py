@@ -218,27 +218,6 @@ def test_an_incomplete_array_is_refused(foundry: Path):
         bind(description, inputs=[], outputs=[signal("slip", size=2, needed=False)])
 
 
-@pytest.mark.parametrize(
-    ("entry", "sentence"),
-    [
-        ({"variable": "x", "factor": 2}, "has no key 'factor'; it has variable, scale and unit"),
-        ({"variable": "x", "scale": 0}, "scale is a finite number other than 0, got 0"),
-        ({"variable": "x", "scale": "2"}, "scale is a finite number other than 0, got '2'"),
-        ({"variable": "x", "unit": 3}, "unit is a text as 'bar', got 3"),
-        ({"variable": "x", "unit": "m/s"}, "already gives 'km/h'; leave it out, or use scale"),
-        ({"scale": 2}, "expected is the name of an FMU variable, got None"),
-        (7, "expected is the name of an FMU variable, got 7"),
-        ("", "expected is the name of an FMU variable, got ''"),
-        (["x", "y"], "the list names 2 variables, the signal has one value, not a list"),
-        ("label", "'label' of .* is a parameter, but must be an output"),
-        ({"variable": "y", "unit": "parsec"}, "'parsec' is not a unit known here"),
-    ],
-)
-def test_a_wrong_entry_is_refused(foreign: Description, entry: object, sentence: str):
-    with pytest.raises(FmuError, match=sentence):
-        tied(foreign, {"speed": entry})
-
-
 ARRAY = [signal("speed", "m/s", 4)]
 MAYBE = [signal("speed", "m/s", needed=False)]
 
@@ -246,6 +225,17 @@ MAYBE = [signal("speed", "m/s", needed=False)]
 @pytest.mark.parametrize(
     ("table", "signals", "sentence"),
     [
+        ({"speed": {"variable": "x", "factor": 2}}, {}, "has no key 'factor'; it has variable, scale and unit"),
+        ({"speed": {"variable": "x", "scale": 0}}, {}, "scale is a finite number other than 0, got 0"),
+        ({"speed": {"variable": "x", "scale": "2"}}, {}, "scale is a finite number other than 0, got '2'"),
+        ({"speed": {"variable": "x", "unit": 3}}, {}, "unit is a text as 'bar', got 3"),
+        ({"speed": {"variable": "x", "unit": "m/s"}}, {}, "already gives 'km/h'; leave it out, or use scale"),
+        ({"speed": {"scale": 2}}, {}, "expected is the name of an FMU variable, got None"),
+        ({"speed": 7}, {}, "expected is the name of an FMU variable, got 7"),
+        ({"speed": ""}, {}, "expected is the name of an FMU variable, got ''"),
+        ({"speed": ["x", "y"]}, {}, "the list names 2 variables, the signal has one value, not a list"),
+        ({"speed": "label"}, {}, "'label' of .* is a parameter, but must be an output"),
+        ({"speed": {"variable": "y", "unit": "parsec"}}, {}, "'parsec' is not a unit known here"),
         ({"sped": "x"}, {}, rf"{WHERE[:9]}.* has no signal 'sped'; did you mean 'speed'\?"),
         ({"speed": "rats"}, {"outputs": MAYBE}, r"speed: .* has no variable 'rats'; did you mean 'rate'\?"),
         ({"speed": "x"}, {"outputs": ARRAY}, r"4 elements; name them by a pattern, 'x\[\{i\}\]', or by a list of 4"),
