@@ -8,6 +8,7 @@ import jsonschema
 import numpy as np
 import pandas as pd
 import pytest
+from test_recorded_data import written as written_as
 from typer.testing import CliRunner
 
 import railgrip as rg
@@ -125,24 +126,10 @@ def test_a_proposal_bridges_short_gaps_of_inputs_and_cuts_at_long_ones(tmp_path,
 
 @pytest.mark.parametrize("suffix", [".parquet", ".mat", ".mf4"])
 def test_other_formats_are_inspected(tmp_path, suffix):
-    path = tmp_path / f"run{suffix}"
     frame = rig().rename(
         columns={"Zeit [ms]": "time_ms", "Geschwindigkeit (km/h)": "v_kmh", "Drehzahl [U/min]": "n_rpm"}
     )
-    if suffix == ".parquet":
-        pytest.importorskip("pyarrow")
-        frame.to_parquet(path)
-    elif suffix == ".mat":
-        from scipy.io import savemat
-
-        savemat(path, {name: frame[name].to_numpy() for name in frame})
-    else:
-        asammdf = pytest.importorskip("asammdf")
-        file = asammdf.MDF(version="4.10")
-        for name, unit in {"v_kmh": "km/h", "n_rpm": "rpm", "Kraft_kN": "kN"}.items():
-            file.append(asammdf.Signal(samples=frame[name].to_numpy(), timestamps=T, name=name, unit=unit))
-        file.save(path, overwrite=True)
-        file.close()
+    path = written_as(tmp_path, frame, suffix, {"v_kmh": "km/h", "n_rpm": "rpm", "Kraft_kN": "kN"})
     inspection = inspect_recording(path, Path("rig_own"))
     assert not inspection.unrecognised
     np.testing.assert_allclose(reading_of(read_by(inspection, path), "wheelset_speed"), W, rtol=1e-9)

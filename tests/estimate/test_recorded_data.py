@@ -24,6 +24,14 @@ from railgrip.scenario.load import validate_table
 UNITS = {"speed": "m/s", "wheelset_speed": "rad/s", "pad_force": "N", "disc_temperature": "K", "mu_b": "1"}
 INPUTS, OUTPUTS = ["pad_force"], ["speed", "wheelset_speed", "disc_temperature"]
 PERIOD = 0.01
+COLUMNS = {
+    "speed": {"column": "v", "unit": "km/h"},
+    "wheelset_speed": {"column": "n", "unit": "rev/min"},
+    "pad_force": {"column": "F", "unit": "kN"},
+    "disc_temperature": {"column": "T", "unit": "degC"},
+}
+SPEED = COLUMNS["speed"]
+WRITTEN = {column["column"]: column["unit"] for column in COLUMNS.values()}
 
 
 def stop() -> pd.DataFrame:
@@ -50,12 +58,6 @@ LOCKED = (
 
 
 def table(**changes: Any) -> DataTable:
-    columns = {
-        "speed": {"column": "v", "unit": "km/h"},
-        "wheelset_speed": {"column": "n", "unit": "rev/min"},
-        "pad_force": {"column": "F", "unit": "kN"},
-        "disc_temperature": {"column": "T", "unit": "degC"},
-    }
     written = {
         "time": {"column": "t", "unit": "ms"},
         "period": "10 ms",
@@ -63,7 +65,7 @@ def table(**changes: Any) -> DataTable:
         "frozen": "1 s",
         "spike": 8.0,
     } | {key: value for key, value in changes.items() if key != "columns"}
-    columns = {name: c for name, c in (columns | changes.get("columns", {})).items() if c is not None}
+    columns = {name: c for name, c in (COLUMNS | changes.get("columns", {})).items() if c is not None}
     return validate_table(DataTable, written | {"columns": columns}, directory=Path(), origin="run.toml")
 
 
@@ -77,11 +79,11 @@ def csv(directory: Path, frame: pd.DataFrame, **options: Any) -> Path:
     return path
 
 
-def write_mf4(path: Path, frame: pd.DataFrame) -> None:
+def write_mf4(path: Path, frame: pd.DataFrame, units: dict[str, str]) -> None:
+    """Write an MDF file; the first column is the time in milliseconds."""
     asammdf = pytest.importorskip("asammdf")
-    time = frame["t"].to_numpy() / 1e3
+    time = frame.iloc[:, 0].to_numpy() / 1e3
     file = asammdf.MDF(version="4.10")
-    units = {"v": "km/h", "n": "rev/min", "F": "kN", "T": "degC"}
     for name, unit_of_channel in units.items():  # each in a separate group, the temperature sampled ten times slower
         every = 10 if name == "T" else 1
         samples = frame[name].to_numpy()[::every]
@@ -90,7 +92,7 @@ def write_mf4(path: Path, frame: pd.DataFrame) -> None:
     file.close()
 
 
-def written(directory: Path, frame: pd.DataFrame, suffix: str) -> Path:
+def written(directory: Path, frame: pd.DataFrame, suffix: str, units: dict[str, str] = WRITTEN) -> Path:
     path = directory / f"run{suffix}"
     if suffix == ".csv":
         frame.to_csv(path, index=False)
@@ -100,7 +102,7 @@ def written(directory: Path, frame: pd.DataFrame, suffix: str) -> Path:
     elif suffix == ".mat":
         savemat(path, {name: frame[name].to_numpy() for name in frame.columns})
     else:
-        write_mf4(path, frame)
+        write_mf4(path, frame, units)
     return path
 
 
@@ -125,15 +127,7 @@ def test_a_structure_of_a_mat_file_is_addressed_by_a_dot(tmp_path):
     frame = stop()
     path = tmp_path / "run.mat"
     savemat(path, {"log": {name: frame[name].to_numpy() for name in frame.columns}})
-    columns = {
-        signal: {"column": f"log.{name}", "unit": unit}
-        for signal, name, unit in (
-            ("speed", "v", "km/h"),
-            ("wheelset_speed", "n", "rev/min"),
-            ("pad_force", "F", "kN"),
-            ("disc_temperature", "T", "degC"),
-        )
-    }
+    columns = {signal: column | {"column": f"log.{column['column']}"} for signal, column in COLUMNS.items()}
     result = recording_from(path, columns=columns, time={"column": "log.t", "unit": "ms"})
     np.testing.assert_allclose(reading_of(result.recording, "speed"), frame["v"] / 3.6, rtol=1e-12)
 
@@ -144,9 +138,6 @@ def test_decimal_commas_and_time_stamps_are_read_if_the_map_requires_it(tmp_path
     path = csv(tmp_path, frame.assign(t=stamps.astype(str)), sep=";", decimal=",")
     result = recording_from(path, separator=";", decimal=",", time={"column": "t", "unit": "timestamp"})
     np.testing.assert_allclose(reading_of(result.recording, "speed"), frame["v"] / 3.6, rtol=1e-9)
-
-
-SPEED = {"column": "v", "unit": "km/h"}
 
 
 @pytest.mark.parametrize(
@@ -429,7 +420,7 @@ def test_missing_damaged_and_unknown_files_are_refused(tmp_path):
 @pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
 def test_a_damaged_mdf_file_is_refused_without_a_traceback(tmp_path):
     """Truncated, or with a block of zeros or ones, at many places; a file that is still readable is accepted."""
-    write_mf4(tmp_path / "whole.mf4", stop().iloc[:50])
+    write_mf4(tmp_path / "whole.mf4", stop().iloc[:50], WRITTEN)
     whole = (tmp_path / "whole.mf4").read_bytes()
     path, refusals = tmp_path / "run.mf4", list[str]()
     damaged = [whole[:end] for end in range(0, len(whole), len(whole) // 20)]
