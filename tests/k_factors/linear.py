@@ -34,34 +34,17 @@ class LinearBrake:
 
 def specification(*, seed=1, runs=10, samples=100, isolated=1e-3, stuck=0.0, error_factor=1.0, beta=0.0, **more):
     """A study of a brake; `error_factor` and `beta` are those of the isolated units."""
-    independent = {"beta": 0.0, "source": "a test"}
-    return KFactorSpecification.model_validate(
-        {
-            "name": "test",
-            "seed": seed,
-            "scenario": "plain",
-            "speed_steps": [],
-            "estimate": {"runs": runs, "samples": samples},
-            "dispersion": [
-                {"quantity": "mass", "per": "train", "kind": "normal", "deviation": "2 %", "source": "a test"}
-            ],
-            "failures": {
-                "isolated_unit": {
-                    "probability": isolated,
-                    "error_factor": error_factor,
-                    "source": "a test",
-                    "common_cause": {"beta": beta, "source": "a test"},
-                },
-                "stuck_valve": {
-                    "probability": stuck,
-                    "error_factor": 1.0,
-                    "source": "a test",
-                    "common_cause": independent,
-                },
-            },
-        }
-        | more
-    )
+
+    def failure(probability, error_factor, beta):
+        cause = {"beta": beta, "source": "a test"}
+        return {"probability": probability, "error_factor": error_factor, "source": "a test", "common_cause": cause}
+
+    mass = {"quantity": "mass", "per": "train", "kind": "normal", "deviation": "2 %", "source": "a test"}
+    table = {"name": "test", "seed": seed, "scenario": "plain", "speed_steps": [], "dispersion": [mass]}
+    table["estimate"] = {"runs": runs, "samples": samples}
+    units, valves = failure(isolated, error_factor, beta), failure(stuck, 1.0, 0.0)
+    table["failures"] = {"isolated_unit": units, "stuck_valve": valves}
+    return KFactorSpecification.model_validate(table | more)
 
 
 def brute_states(units, isolated, stuck):

@@ -54,16 +54,7 @@ def test_stops_in_the_loop_agree_with_the_quasi_static_brake(tmp_path):
     study.write_text(text.replace('["40 km/h", "80 km/h"]', "[]").replace("samples = 1000", "samples = 40"), "utf-8")
     stop = (LIBRARY / "vt642_dry.toml").read_text(encoding="utf-8")
     (tmp_path / "stop.toml").write_text(stop.replace("120 km/h", f"{never_run} km/h"), "utf-8")
-    command = [
-        "study",
-        "k_factors",
-        str(study),
-        "--loop",
-        "--out",
-        str(tmp_path / "out"),
-        "--set",
-        "estimate.runs=4",
-    ]
+    command = ["study", "k_factors", study, "--loop", "--out", tmp_path / "out", "--set", "estimate.runs=4"]
     contents = []
     for _ in range(2):
         few = (f"--set=loop.{one}" for one in ("probability=0.1", "samples=20", "runs=2"))

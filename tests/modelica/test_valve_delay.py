@@ -1,9 +1,10 @@
 """The delay line of the valves, compared with its definition: an array, shifted and interpolated."""
 
-import fmpy
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
-from fmpy.fmi2 import FMU2Slave
+from slave import Slave
 
 from railgrip.fmus.native import package
 from railgrip.fmus.native.dae import read
@@ -13,39 +14,26 @@ PERIOD = 0.002
 
 
 @pytest.fixture(scope="module")
-def delay(tmp_path_factory: pytest.TempPathFactory) -> FMU2Slave:
-    folder = tmp_path_factory.mktemp("delay")
+def delay(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Slave]:
     source = package.sources(explicit(read("RailBraking.Pneumatics.ValveDelay")), interfaces=("cs",))
-    file = package.pack(source, folder / "ValveDelay.fmu")
-    description = fmpy.read_model_description(str(file))
-    unpacked = fmpy.extract(str(file), unzipdir=str(folder / "unpacked"))
-    slave = FMU2Slave(
-        guid=description.guid, unzipDirectory=unpacked, modelIdentifier=description.coSimulation.modelIdentifier
-    )
-    slave.references = {v.name: v.valueReference for v in description.modelVariables}
-    slave.instantiate()
-    return slave
+    with Slave(package.pack(source, tmp_path_factory.mktemp("delay") / "ValveDelay.fmu")) as slave:
+        yield slave
 
 
-def begin(delay: FMU2Slave, command: float, dead_fill: float, dead_vent: float) -> None:
+def begin(delay: Slave, command: float, dead_fill: float, dead_vent: float) -> None:
     """Initialise the delay again."""
-    place = delay.references
-    delay.reset()
-    delay.setReal([place["dead_fill"], place["dead_vent"], place["command"]], [dead_fill, dead_vent, command])
-    delay.setupExperiment(startTime=0.0)
-    delay.enterInitializationMode()
-    delay.exitInitializationMode()
+    delay.fmu.reset()
+    delay.start = {"dead_fill": dead_fill, "dead_vent": dead_vent, "command": command}
+    delay.initialise()
 
 
-def run(delay: FMU2Slave, commands: np.ndarray, dead_fill: float, dead_vent: float) -> np.ndarray:
+def run(delay: Slave, commands: np.ndarray, dead_fill: float, dead_vent: float) -> np.ndarray:
     """Hold each command over a step of one period, with one sample in it; return filling and venting, shape (n, 2)."""
     begin(delay, commands[0], dead_fill, dead_vent)
-    place = delay.references
     seen: list[list[float]] = []
     for k, command in enumerate(commands):
-        delay.setReal([place["command"]], [command])
-        delay.doStep(k * PERIOD, PERIOD)
-        seen.append(delay.getReal([place["filling"], place["venting"]]))
+        delay.step(k, PERIOD, command=command)
+        seen.append(delay.get("filling", "venting"))
     return np.array(seen)
 
 
@@ -63,18 +51,17 @@ def wanted(commands: np.ndarray, dead_fill: float, dead_vent: float) -> np.ndarr
     ("dead_fill", "dead_vent"),
     [(0.0, 0.126), (0.126, 0.0), (0.05, 0.04), (0.062, 0.064), (0.0637, 0.0633), (0.0755, 0.0612), (0.1253, 0.0007)],
 )
-def test_valves_follow_the_command_after_their_dead_times(delay: FMU2Slave, dead_fill: float, dead_vent: float) -> None:
+def test_valves_follow_the_command_after_their_dead_times(delay: Slave, dead_fill: float, dead_vent: float) -> None:
     """Ends of the range, whole and fractional periods, and the boundary between the two numbers that store the line."""
     rng = np.random.default_rng(7)
     commands = np.repeat(rng.choice([-1.0, -0.3, 0.0, 0.49, 0.5, 1.0], 120), rng.integers(1, 12, 120))
     np.testing.assert_array_equal(run(delay, commands, dead_fill, dead_vent), wanted(commands, dead_fill, dead_vent))
 
 
-def test_no_sample_falls_on_a_whole_millisecond(delay: FMU2Slave) -> None:
+def test_no_sample_falls_on_a_whole_millisecond(delay: Slave) -> None:
     """Communication steps end there, so rounding would decide on the sample. It is half a step later."""
     begin(delay, 1.0, 0.0, 0.0)
-    filling = [delay.references["filling"]]
-    delay.doStep(0.0, 0.00049)
-    assert delay.getReal(filling) == [0.0]
-    delay.doStep(0.00049, 0.00002)
-    assert delay.getReal(filling) == [1.0]
+    delay.fmu.doStep(0.0, 0.00049)
+    assert delay.get("filling") == [0.0]
+    delay.fmu.doStep(0.00049, 0.00002)
+    assert delay.get("filling") == [1.0]

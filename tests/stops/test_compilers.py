@@ -2,11 +2,11 @@
 
 import json
 import re
-import zipfile
 from functools import cache
 from pathlib import Path
 
 import pytest
+from edited_fmu import with_description
 
 import railgrip.scenario
 from railgrip.campaign.run import find_result, run
@@ -27,15 +27,8 @@ def from_openmodelica(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
     @cache  # a file that is written twice contains other times, and is another file
     def relabelled(name: str) -> Path:
-        file = tmp_path / f"{name}.fmu"
-        with zipfile.ZipFile(fmu(name, "native")) as ours, zipfile.ZipFile(file, "w") as theirs:
-            for member in ours.namelist():
-                content = ours.read(member)
-                if member == "modelDescription.xml":
-                    text = re.sub(r'generationTool="[^"]*"', f'generationTool="{THEIRS}"', content.decode())
-                    content = text.encode()
-                theirs.writestr(member, content)
-        return file
+        tool = lambda text: re.sub(r'generationTool="[^"]*"', f'generationTool="{THEIRS}"', text)
+        return with_description(fmu(name, "native"), tmp_path / f"{name}.fmu", tool)
 
     monkeypatch.setattr(named_models, "recipe_file", relabelled)
 

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from braked import dry
 
 from railgrip import cli
 from railgrip.base.errors import ScenarioError
 from railgrip.rolling_stock.check import findings
 from railgrip.rolling_stock.schema import load_train
-from railgrip.scenario.load import load, scenario_of
 from railgrip.simulate.run import run_stop
 
 # Coupled axles halve the build time of a plant and have no effect on its air.
@@ -36,16 +36,12 @@ def write(folder, name, *, command=None, air="", second=True):
     return folder / f"{name}.toml"
 
 
-def stop_of(file, phases, **changes):
+def stop_of(file, phases):
     """Return a stop with phases of demands: (pressure, duration in s), the last one without."""
     *first, last = phases
-    demand = [{"pressure": p, "until": {"duration": t}} for p, t in first] + [{"pressure": last}]
-    table = load(Path("plain")).resolved() | {
-        "vehicle": {"train": file.name}, "start": {"speed": "100 km/h"}, "estimator": {"kind": "none"},
-        "controller": {"kind": "full_brake"}, "actuation": {"kind": "pneumatic"}, "demand": {"phases": demand},
-    }  # fmt: skip
-    table["adhesion"]["mu0"] = 0.3
-    return run_stop(scenario_of(table | changes, directory=file.parent, origin="demand")).trace
+    demand = {"phases": [{"pressure": p, "until": {"duration": t}} for p, t in first] + [{"pressure": last}]}
+    pneumatic = {"actuation": {"kind": "pneumatic"}, "demand": demand}
+    return run_stop(dry({"train": file.name}, "100 km/h", file.parent, mu0=0.3, **pneumatic)).trace
 
 
 PIPE = """[command]

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 from synthetic import LIBRARY
 
@@ -142,10 +141,3 @@ def test_a_meaningless_export_is_refused(arguments, sentence, command, tmp_path,
     assert refused.code == 2
     assert sentence in " ".join(refused.err.split())
     assert not [*tmp_path.iterdir()]
-
-
-def test_the_command_writes_any_part_for_either_fmi_version(tmp_path, command):
-    file = tmp_path / "law.fmu"
-    assert command("export", PLAIN, "--part", "controller", "--fmi", "3", "--out", file).code == 0
-    assert validate_fmu(str(file)) == []
-    assert read_model_description(str(file)).fmiVersion == "3.0"

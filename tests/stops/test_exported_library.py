@@ -8,11 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import exit_code
-from fmpy import extract
-from fmpy.fmi2 import FMU2Slave
+from slave import Slave
 from synthetic import LIBRARY
 
-from railgrip.fmi import describe
 from railgrip.fmus.native.package import pack
 from railgrip.fmus.native.toolchain import compiler
 from railgrip.scenario.load import load
@@ -69,27 +67,11 @@ def compiled(program: Path, library: Path, *more: str) -> Path:
 
 def by_fmu(scenario, folder: Path, rows: np.ndarray) -> np.ndarray:
     """Return the outputs of the onboard FMU at the end of each step."""
-    description = describe(pack(part_fmu(scenario, "onboard"), folder / "onboard.fmu"))
-    inputs, references = (
-        [description.variables[name].reference for name in description.names(kind)] for kind in ("input", "output")
-    )
-    interface = description.co_simulation
-    assert interface is not None
-    fmu = FMU2Slave(
-        guid=description.guid, unzipDirectory=extract(str(description.file), str(folder / "fmu")),
-        modelIdentifier=interface.identifier, instanceName="onboard",
-    )  # fmt: skip
-    fmu.instantiate()
-    fmu.setupExperiment(startTime=0.0)
-    fmu.enterInitializationMode()
-    fmu.exitInitializationMode()
     outputs = []
-    for k, row in enumerate(rows):
-        fmu.setReal(inputs, row.tolist())
-        fmu.doStep(k * PERIOD, PERIOD)
-        outputs.append(fmu.getReal(references))
-    fmu.terminate()
-    fmu.freeInstance()
+    with Slave(pack(part_fmu(scenario, "onboard"), folder / "onboard.fmu")) as fmu:
+        for k, row in enumerate(rows):
+            fmu.step(k, PERIOD, **dict(zip(fmu.of["input"], row.tolist(), strict=True)))
+            outputs.append(fmu.get(*fmu.of["output"]))
     return np.array(outputs)
 
 

@@ -1,10 +1,10 @@
 """A prediction may come as a Model Exchange FMU of the user."""
 
-import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
+from edited_fmu import replaced, with_description, with_own_prediction
 
 import railgrip.scenario
 from railgrip.base.errors import ScenarioError
@@ -13,30 +13,15 @@ from railgrip.scenario.load import load
 from railgrip.simulate.run import run_stop
 
 TRAPEZOID = (Path(railgrip.scenario.__file__).parent / "library" / "trapezoid.toml").read_text()
-OURS = 'kind = "fmu"\nmodel = "TrainPrediction"\n'
 
 
 def own(folder: Path, *edits: tuple[str, str], name: str = "TrainPrediction") -> Path:
     """Write the FMU of a recipe under another name, with an edited description."""
-    file = folder / f"Mine{name}.fmu"
-    with zipfile.ZipFile(fmu(name)) as old, zipfile.ZipFile(file, "w") as new:
-        for member in old.namelist():
-            content = old.read(member)
-            if member == "modelDescription.xml":
-                text = content.decode()
-                for before, after in edits:
-                    assert before in text
-                    text = text.replace(before, after)
-                content = text.encode()
-            new.writestr(member, content)
-    return file
+    return with_description(fmu(name), folder / f"Mine{name}.fmu", lambda text: replaced(text, *edits))
 
 
 def scenario_with(file: Path, *changes: str, trust: bool = True):
-    assert OURS in TRAPEZOID
-    path = file.with_suffix(".toml")
-    path.write_text(TRAPEZOID.replace(OURS, f'kind = "fmu"\nfile = "{file.name}"\ntrust = {str(trust).lower()}\n'))
-    return load(path, ["limits.horizon=2 s", *changes])
+    return load(with_own_prediction(TRAPEZOID, file, f"trust = {str(trust).lower()}"), ["limits.horizon=2 s", *changes])
 
 
 def estimates(scenario, notify: list[str] | None = None) -> np.ndarray:

@@ -3,11 +3,11 @@
 Papers 000 and 001 cite the former, by Brembeck et al. (2014).
 """
 
-import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
+from edited_fmu import replaced, with_description, with_own_prediction
 from sampling import sample
 from table_1 import table_1_scenario
 
@@ -26,7 +26,6 @@ from railgrip.simulate.named_models import compile_class, prediction_description
 from railgrip.simulate.run import run_stop
 
 TRAPEZOID = (Path(railgrip.scenario.__file__).parent / "library" / "trapezoid.toml").read_text()
-OURS = 'kind = "fmu"\nmodel = "TrainPrediction"\n'
 STEPPED = "estimator.interface=co_simulation"
 ESTIMATES = ("estimate_speed", "estimate_adhesion", "estimate_slip", "estimate_pad_friction")
 
@@ -67,27 +66,20 @@ def test_the_prediction_of_any_train_may_integrate_itself():
 
 def own(folder: Path, *edits: tuple[str, str]) -> Path:
     """Write the FMU of TrainPrediction for Co-Simulation alone, with an edited description."""
-    file = folder / "Mine.fmu"
-    with zipfile.ZipFile(prediction_description("TrainPrediction", None, "me_cs").file) as old:
-        contents = {member: old.read(member) for member in old.namelist()}
-    text = contents["modelDescription.xml"].decode()
-    lines = [line for line in text.splitlines() if not line.startswith("  <ModelExchange ")]
-    assert len(lines) == len(text.splitlines()) - 1
-    text = "\n".join(lines)
-    for before, after in edits:
-        assert before in text
-        text = text.replace(before, after)
-    with zipfile.ZipFile(file, "w") as new:
-        for member, content in (contents | {"modelDescription.xml": text.encode()}).items():
-            new.writestr(member, content)
+
+    def stepped_only(text: str) -> str:
+        lines = [line for line in text.splitlines() if not line.startswith("  <ModelExchange ")]
+        assert len(lines) == len(text.splitlines()) - 1
+        return replaced("\n".join(lines), *edits)
+
+    source = prediction_description("TrainPrediction", None, "me_cs").file
+    file = with_description(source, folder / "Mine.fmu", stepped_only)
     assert describe(file).model_exchange is None
     return file
 
 
 def scenario_with(file: Path, *changes: str) -> Scenario:
-    path = file.with_suffix(".toml")
-    path.write_text(TRAPEZOID.replace(OURS, f'kind = "fmu"\nfile = "{file.name}"\ntrust = true\n'))
-    return load(path, ["limits.horizon=2 s", *changes])
+    return load(with_own_prediction(TRAPEZOID, file), ["limits.horizon=2 s", *changes])
 
 
 @pytest.mark.parametrize(("edits", "tolerance"), [((), 1e-6), ((('providesDirectionalDerivative="true"', ""),), 1e-4)])

@@ -14,14 +14,11 @@ from railgrip.studies.stop_at_target.study import (
     MANAGED,
     RAILS,
     SLIPPERY,
-    SYSTEMS,
     Draw,
-    StopAtTarget,
     draws_of,
     scenario_of_case,
     stop_row,
 )
-from railgrip.studies.study import conduct
 
 DRY = Draw(
     rail="good", curve="wet", friction=0.4, correlation=50.0, patch=(100.0, 50.0, 0.3), speed=18.0, ahead=40.0,
@@ -77,13 +74,6 @@ def test_draws_cover_their_ranges_evenly_and_repeat():
     assert all(low <= draw.friction <= high for draw in slippery)
     # The mean of an even distribution over its range, whose standard error with strata is far below 1 %.
     assert np.mean([draw.load for draw in draws]) == pytest.approx(1.1, rel=1e-2)
-
-
-@pytest.mark.usefixtures("in_process")
-def test_the_quick_study_has_its_page(tmp_path):
-    page, path = conduct(StopAtTarget(quick=True), tmp_path, workers=1)
-    assert path.is_file()
-    assert {row["system"] for row in page.screen[0].rows} == set(SYSTEMS)
 
 
 def test_a_track_whose_sanders_are_switched_does_not_leave_as_an_fmu():

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from braked import dry
 from synthetic import MOTOR
 
 from railgrip import cli
 from railgrip.base.errors import ScenarioError
 from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import by_hand
-from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.ideal import ideal_stop
 from railgrip.simulate.run import run_stop
@@ -51,12 +51,7 @@ def write(folder, *, dynamic):
 
 
 def scenario(file, mu0=0.5, **changes):
-    base = load(Path("plain")).resolved() | {
-        "vehicle": {"train": file.name}, "start": {"speed": SPEED}, "estimator": {"kind": "none"},
-        "controller": {"kind": "full_brake"},
-    }  # fmt: skip
-    base["adhesion"]["mu0"] = mu0
-    return scenario_of(base | changes, directory=file.parent, origin="dynamic")
+    return dry({"train": file.name}, SPEED, file.parent, mu0=mu0, **changes)
 
 
 @pytest.fixture(scope="module")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from braked import dry
 
 import railgrip.scenario
 from railgrip import cli
@@ -14,7 +15,7 @@ from railgrip.report.baseline import ACROSS_COMPILERS
 from railgrip.report.results import OURS, fmu_tools
 from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import by_hand
-from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate import named_models
 from railgrip.simulate.named_models import plant_description
@@ -26,18 +27,6 @@ from railgrip.vehicle.signals import PLANT
 TRAINS = Path(railgrip.scenario.__file__).parent / "trains"
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 BEGINNING = (Path(cli.__file__).parent / "templates" / "train.toml").read_text(encoding="utf-8")
-
-
-def dry(vehicle, speed, directory=Path(), **changes):
-    """A full brake on a dry rail."""
-    table = load(Path("plain")).resolved() | {
-        "vehicle": vehicle,
-        "start": {"speed": speed},
-        "estimator": {"kind": "none"},
-        "controller": {"kind": "full_brake"},
-    }
-    table["adhesion"]["mu0"] = 0.5
-    return scenario_of(table | changes, directory=directory, origin="dry")
 
 
 @pytest.fixture(scope="module")
