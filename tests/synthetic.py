@@ -22,6 +22,11 @@ LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 TWO_PART_TRAIN = Formation((2, 1, 1, 2), (3, 3), (0.0, 1.9, 15.625, 18.275, 32.0, 33.9))
 LAYOUT = layout_of(TWO_PART_TRAIN)
 FULL = np.full(4, 3.4e5)
+GROUP = Brake(
+    load=14500 * 9.81, inertia=209.0, wheel_radius=0.38, units=2, friction_radius=0.22, piston_area=0.0324,
+    rigging=5.7, spring_force=1200.0, pressure_max=3.4e5,
+)  # fmt: skip
+"""A group of a single wheelset of the two-part train."""
 
 # A train of round numbers: 6 wheelsets of 100 kN, wheels of 0.4 m.
 LOAD = 1e5

@@ -42,6 +42,14 @@ def wheels(law, *speeds, pressure=FULL, count=1):
     return demands
 
 
+@pytest.fixture
+def reference():
+    """Wheel-speed reference control that has seen both wheels roll."""
+    law = WheelReference([GROUP, GROUP], REFERENCE)
+    assert wheels(law, SPEED, SPEED) == (FULL, FULL)
+    return law
+
+
 @pytest.mark.parametrize("slip", [0.02, 0.05, 0.1])
 def test_constant_slip_control_holds_the_set_slip(slip):
     """On a curve whose peak is beyond, where the wheel is stable at any slip."""
@@ -114,46 +122,36 @@ def test_a_wheel_that_loses_speed_is_vented_at_the_medium_slip():
     assert state_of(law, "share[1]") < 0.9
 
 
-def test_the_reference_is_the_fastest_wheel_with_a_limited_deceleration():
+def test_the_reference_is_the_fastest_wheel_with_a_limited_deceleration(reference):
     """Both wheels drop by 2 m/s at once: 0.2 s later the reference has fallen by 0.3 m/s, and both are vented."""
-    law = WheelReference([GROUP, GROUP], REFERENCE)
-    assert wheels(law, SPEED, SPEED) == (FULL, FULL)
-    assert wheels(law, SPEED - 2, SPEED - 2, count=20) == (0.0, 0.0)
-    assert state_of(law, "reference") == pytest.approx(SPEED - 20 * PERIOD * 1.5)
-    wheels(law, SPEED - 2, SPEED)
-    assert state_of(law, "reference") == pytest.approx(SPEED)
+    assert wheels(reference, SPEED - 2, SPEED - 2, count=20) == (0.0, 0.0)
+    assert state_of(reference, "reference") == pytest.approx(SPEED - 20 * PERIOD * 1.5)
+    wheels(reference, SPEED - 2, SPEED)
+    assert state_of(reference, "reference") == pytest.approx(SPEED)
 
 
-def test_a_wheel_is_held_above_the_low_slip_and_vented_above_the_high_one():
-    law = WheelReference([GROUP, GROUP], REFERENCE)
-    wheels(law, SPEED, SPEED)
-    wheels(law, SPEED, 0.95 * SPEED, count=30)
-    assert wheels(law, SPEED, 0.95 * SPEED, pressure=1.5e5) == (FULL, 1.5e5)
-    assert wheels(law, SPEED, 0.89 * SPEED) == (FULL, 0.0)
+def test_a_wheel_is_held_above_the_low_slip_and_vented_above_the_high_one(reference):
+    wheels(reference, SPEED, 0.95 * SPEED, count=30)
+    assert wheels(reference, SPEED, 0.95 * SPEED, pressure=1.5e5) == (FULL, 1.5e5)
+    assert wheels(reference, SPEED, 0.89 * SPEED) == (FULL, 0.0)
 
 
-def test_pressure_is_restored_at_its_rate_after_a_slide():
-    law = WheelReference([GROUP, GROUP], REFERENCE)
-    wheels(law, SPEED, SPEED)
-    wheels(law, SPEED, 0.8 * SPEED, pressure=1e5, count=10)
-    wheels(law, SPEED, SPEED, pressure=1e5, count=50)  # its acceleration is uncritical again
-    assert wheels(law, SPEED, SPEED, pressure=1e5)[1] == pytest.approx(1e5 + 51 * PERIOD * 0.5 * FULL)
+def test_pressure_is_restored_at_its_rate_after_a_slide(reference):
+    wheels(reference, SPEED, 0.8 * SPEED, pressure=1e5, count=10)
+    wheels(reference, SPEED, SPEED, pressure=1e5, count=50)  # its acceleration is uncritical again
+    assert wheels(reference, SPEED, SPEED, pressure=1e5)[1] == pytest.approx(1e5 + 51 * PERIOD * 0.5 * FULL)
 
 
-def test_the_watchdog_ends_venting_for_a_while():
-    law = WheelReference([GROUP, GROUP], REFERENCE)
-    wheels(law, SPEED, SPEED)
-    second = [wheels(law, SPEED, 0.0, pressure=0.0)[1] for _ in range(1000)]
+def test_the_watchdog_ends_venting_for_a_while(reference):
+    second = [wheels(reference, SPEED, 0.0, pressure=0.0)[1] for _ in range(1000)]
     applied = np.flatnonzero(np.array(second) > 0)
     assert applied[0] == pytest.approx(700, abs=2)
     assert len(applied) == pytest.approx(100, abs=2)
 
 
-def test_the_last_group_is_released_after_long_sliding():
-    law = WheelReference([GROUP, GROUP], REFERENCE)
-    wheels(law, SPEED, SPEED)
-    wheels(law, 0.95 * SPEED, 0.915 * SPEED, count=100)  # while the reference still falls, the computed slip is larger
-    last = [wheels(law, 0.95 * SPEED, 0.915 * SPEED)[1] for _ in range(600)]
+def test_the_last_group_is_released_after_long_sliding(reference):
+    wheels(reference, 0.95 * SPEED, 0.915 * SPEED, count=100)  # the reference still falls: more slip is computed
+    last = [wheels(reference, 0.95 * SPEED, 0.915 * SPEED)[1] for _ in range(600)]
     released = np.flatnonzero(np.array(last) == 0.0)
     assert released[0] == pytest.approx(400, abs=3)
     assert len(released) == pytest.approx(60, abs=2)

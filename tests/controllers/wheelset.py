@@ -1,21 +1,10 @@
 """A minimal wheelset: a torque balance on an adhesion curve in closed form."""
 
 import numpy as np
+from synthetic import GROUP
 
 from railgrip.controllers.observation import Observation
-from railgrip.vehicle.brake import Brake
 
-GROUP = Brake(
-    load=14500 * 9.81,
-    inertia=209.0,
-    wheel_radius=0.38,
-    units=2,
-    friction_radius=0.22,
-    piston_area=0.0324,
-    rigging=5.7,
-    spring_force=1200.0,
-    pressure_max=3.4e5,
-)
 SPEED = 15.0  # m/s, constant: the train is heavy
 
 

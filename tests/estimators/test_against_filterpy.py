@@ -400,9 +400,13 @@ def wheel_context(prediction):
     )
 
 
-@pytest.mark.parametrize("kind", [ForceBalanceEstimator, DisturbanceEstimator])
-def test_a_reference_finds_a_constant_adhesion(wheel, kind):
-    reference, held = kind.of_context(wheel_context(wheel)), np.array([9000.0])
+@pytest.fixture(params=[ForceBalanceEstimator, DisturbanceEstimator])
+def reference(request, wheel):
+    return request.param.of_context(wheel_context(wheel))
+
+
+def test_a_reference_finds_a_constant_adhesion(wheel, reference):
+    held = np.array([9000.0])
     truth = np.array([30.0, 30.0 / 0.38, 0.35, 0.06])
     for _ in range(400):
         truth = advance(lambda x: wheel.derivative(x, held), truth, 0.01)
@@ -413,9 +417,7 @@ def test_a_reference_finds_a_constant_adhesion(wheel, kind):
     assert list(reference.selection) == [1.0, 1.0]
 
 
-@pytest.mark.parametrize("kind", [ForceBalanceEstimator, DisturbanceEstimator])
-def test_a_wheelset_speed_that_falls_to_0_does_not_change_the_adhesion(wheel, kind):
-    reference = kind.of_context(wheel_context(wheel))
+def test_a_wheelset_speed_that_falls_to_0_does_not_change_the_adhesion(reference):
     for speed in (30.0 / 0.38, 30.0 / 0.38, 0.0):
         before = reference.mean[3]
         reference.readings[:] = [30.0, speed]
@@ -424,10 +426,9 @@ def test_a_wheelset_speed_that_falls_to_0_does_not_change_the_adhesion(wheel, ki
     assert reference.mean[1] == 0.0
 
 
-@pytest.mark.parametrize("kind", [ForceBalanceEstimator, DisturbanceEstimator])
-def test_the_deviation_of_a_reference_is_that_of_noise_and_delay(wheel, kind):
+def test_the_deviation_of_a_reference_is_that_of_noise_and_delay(reference):
     """Adhesion is a random walk, observed with noise through the speed of a wheel without torque."""
-    reference, random, found = kind.of_context(wheel_context(wheel)), np.random.default_rng(2), []
+    random, found = np.random.default_rng(2), []
     effect = 14_500.0 * 9.81 * 0.38 / 209.0
     speed, adhesion = 30.0 / 0.38, 0.0
     for _ in range(20_000):

@@ -16,7 +16,6 @@ from railgrip.rolling_stock.dispersion import Failures, Normal
 from railgrip.rolling_stock.schema import load_train, train_of
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.quantity import Magnitude
-from railgrip.supervision import trains
 from railgrip.supervision.curve import braking_curve
 from railgrip.supervision.dispersed import TrainBrake, speed_steps
 from railgrip.supervision.k_dry import PROBABILITIES, k_factors
@@ -33,14 +32,8 @@ def dispersion(quantity, per="train", deviation="5 %"):
 
 
 def failures(isolated=0.0, stuck=0.0, beta=0.0):
-    def one(probability):
-        return {
-            "probability": probability,
-            "error_factor": 1,
-            "source": "a test",
-            "common_cause": {"beta": beta, "source": "a test"},
-        }
-
+    common = {"error_factor": 1, "source": "a test", "common_cause": {"beta": beta, "source": "a test"}}
+    one = lambda probability: {"probability": probability} | common
     return Failures.model_validate({"isolated_unit": one(isolated), "stuck_valve": one(stuck)})
 
 
@@ -50,12 +43,9 @@ def brake_of(name, *of, **more):
     return TrainBrake(train, of or data_of(train).dispersion, more.get("speeds") or speed_steps(train, speed))
 
 
-@pytest.fixture
-def few(monkeypatch):
-    """Draw few samples in tests that do not depend on them."""
-    monkeypatch.setattr(trains, "_RUNS", 2)
-    monkeypatch.setattr(trains, "_SAMPLES", 20)
-    monkeypatch.setattr("railgrip.supervision.k_dry._RATES", 10)
+def ratios_of(brake, draws):
+    """Return the ratios of a brake without lost units."""
+    return brake.ratios([int(np.sum(n)) for n in brake.units], np.asarray(draws))
 
 
 @pytest.mark.parametrize("name", [*SPEEDS])
@@ -120,9 +110,8 @@ def test_k_agrees_with_plain_draws(per):
     quantity = "pressure" if per == "group" else "pad_friction"
     of = dispersion(quantity, per, "0.2 bar" if per == "group" else "10 %"), dispersion("mass", deviation="3 %")
     brake = brake_of("vt642", *of)
-    units = [int(np.sum(n)) for n in brake.units]
     result = k_factors(brake, failures(), seed=3, runs=4, samples=2000)
-    draws = brake.ratios(units, np.random.default_rng(5).standard_normal((200_000, brake.dimension)))
+    draws = ratios_of(brake, np.random.default_rng(5).standard_normal((200_000, brake.dimension)))
     for output, of_output in enumerate(result.k):
         assert of_output[2].value == pytest.approx(np.quantile(draws[:, output], 0.01), rel=4e-3)
 
@@ -146,6 +135,13 @@ def electric_train(*, blending, force):
     return train_of(tables, "electric.toml")
 
 
+def friction_of(train):
+    """Return the force of the friction brakes of eight axles [N]."""
+    (unit,) = train.brakes.values()
+    pads = unit.efficiency * unit.rigging * (unit.pressure_max * unit.piston_area - unit.spring_force)
+    return 16 * pads * unit.pad_friction * unit.friction_radius / train.bogies["motor"].wheel_radius
+
+
 FASTER = 10.0, 9.999, 0.0
 """A step of speed above the fade-out of motors, whose forces are constant there."""
 
@@ -156,15 +152,11 @@ FASTER = 10.0, 9.999, 0.0
 def test_pads_and_motors_have_the_dispersion_of_their_own_force(blending, force):
     """K = 1 − 5 % z F/(F_friction + F_motors), forces by plain arithmetic: motors at four of eight axles."""
     train, motors = electric_train(blending=blending, force=force), 4 * 1e3 * float(force.split()[0])
-    (unit,) = train.brakes.values()
-    pads = unit.efficiency * unit.rigging * (unit.pressure_max * unit.piston_area - unit.spring_force)
-    full = 8 * 2 * pads * unit.pad_friction * unit.friction_radius / train.bogies["motor"].wheel_radius
-    friction = full if blending == "added" else full - motors
+    friction = friction_of(train) if blending == "added" else friction_of(train) - motors
     assert friction > 0
     for quantity, part in (("pad_friction", friction), ("dynamic_brake", motors)):
         brake = TrainBrake(train, (dispersion(quantity),), FASTER)
-        units = [int(np.sum(n)) for n in brake.units]
-        ratios = brake.ratios(units, np.array([[-2.0], [0.0], [1.0]]))[:, 1]
+        ratios = ratios_of(brake, [[-2.0], [0.0], [1.0]])[:, 1]
         assert ratios == pytest.approx(1 + 0.05 * np.array([-2.0, 0.0, 1.0]) * part / (friction + motors), rel=1e-6)
 
 
@@ -193,11 +185,9 @@ def test_motors_that_add_their_force_and_are_off_lack_it():
     """Without them the ratio is that of the forces, since rotating masses are the same."""
     train = electric_train(blending="added", force="9 kN")
     brake = TrainBrake(train, (dispersion("mass"),), FASTER)
-    (unit,) = train.brakes.values()
-    pads = unit.efficiency * unit.rigging * (unit.pressure_max * unit.piston_area - unit.spring_force)
-    friction = 16 * pads * unit.pad_friction * unit.friction_radius / train.bogies["motor"].wheel_radius
+    friction = friction_of(train)
     assert brake.without is not None
-    ratio = brake.without.ratios([int(np.sum(n)) for n in brake.units], np.zeros((1, 1)))[0, 1]
+    ratio = ratios_of(brake.without, np.zeros((1, 1)))[0, 1]
     assert ratio == pytest.approx(friction / (friction + 36e3), rel=1e-6)
 
 
@@ -210,8 +200,7 @@ SENSE = {
 @pytest.mark.parametrize("quantity", [*SENSE, "build_up"])
 def test_each_deviation_has_the_right_sign_and_its_size(quantity):
     brake = brake_of("tram", dispersion(quantity, deviation="0.1 bar" if quantity == "pressure" else "5 %"))
-    units = [int(np.sum(n)) for n in brake.units]
-    change = brake.ratios(units, np.array([[0.1]]))[0] - 1
+    change = ratios_of(brake, [[0.1]])[0] - 1
     if quantity == "build_up":
         assert change[:-1] == pytest.approx(np.zeros(len(change) - 1), abs=1e-12)
         assert change[-1] < 0
@@ -224,9 +213,9 @@ def test_each_deviation_has_the_right_sign_and_its_size(quantity):
 def test_build_ups_of_groups_have_the_effect_of_their_mean_over_the_units():
     """Deviations of 5 % times the drawn numbers, at valves with 3, 3, 2 and 2 units."""
     together, apart = (brake_of("vt642", dispersion("build_up", per, "5 %")) for per in ("train", "group"))
-    units, drawn = [int(np.sum(n)) for n in together.units], np.array([[0.4, -1.0, 2.0, 0.3]])
+    drawn = np.array([[0.4, -1.0, 2.0, 0.3]])
     mean = drawn @ np.array([0.3, 0.3, 0.2, 0.2])
-    assert apart.ratios(units, drawn) == pytest.approx(together.ratios(units, mean[:, None]), rel=1e-12)
+    assert ratios_of(apart, drawn) == pytest.approx(ratios_of(together, mean[:, None]), rel=1e-12)
 
 
 def test_like_valves_that_count_together_give_the_k_of_single_ones():

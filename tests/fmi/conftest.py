@@ -3,11 +3,20 @@ from pathlib import Path
 
 import pytest
 
+from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.system import System, explicit
+
 
 @pytest.fixture(scope="session")
 def foundry(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder for compiling tiny FMUs, once for all tests of this folder."""
     return tmp_path_factory.mktemp("foundry")
+
+
+@pytest.fixture(scope="session")
+def foreign_train() -> System:
+    """The equations of a train whose signals have other names and units, read once."""
+    return explicit(read("ForeignTrain.Train", Path(__file__).parents[2] / "modelica" / "ForeignTrain"))
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tiny_fmu import tied, tiny, xml
+from tiny_fmu import repacked, tied, tiny, xml
 
 from railgrip.base.errors import FmuError
 from railgrip.base.limits import FmuLimits
@@ -90,19 +90,30 @@ def test_overlapping_entries_are_counted_separately(foundry: Path, tmp_path: Pat
         describe(file)
 
 
-@pytest.mark.parametrize("name", ["../evil", "resources/../../evil", "/etc/evil", "C:/evil", "resources\\..\\evil"])
-def test_an_entry_outside_of_the_folder_is_refused(foundry: Path, tmp_path: Path, name: str):
-    with pytest.raises(FmuError, match=r"more\.fmu: entry '.*evil' of the archive would be unpacked outside"):
-        describe(with_more(foundry, tmp_path, (name, b"")))
+LINK = zipfile.ZipInfo("resources/link")
+LINK.external_attr = (stat.S_IFLNK | 0o777) << 16
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+@pytest.mark.parametrize(
+    ("name", "content", "sentence"),
+    [
+        *((name, b"", r"more\.fmu: entry '.*evil' of the archive would be unpacked outside")
+          for name in ("../evil", "resources/../../evil", "/etc/evil", "C:/evil", "resources\\..\\evil")),
+        (LINK, b"/etc/passwd", r"entry 'resources/link' of the archive is a link or device"),
+        ("modelDescription.xml", xml().encode(), r"the archive has 'modelDescription\.xml' twice"),
+    ],
+)  # fmt: skip
+def test_a_wrong_entry_is_refused(
+    foundry: Path, tmp_path: Path, name: str | zipfile.ZipInfo, content: bytes, sentence: str
+):
+    with pytest.raises(FmuError, match=sentence):
+        describe(with_more(foundry, tmp_path, (name, content)))
 
 
 def packed_again(foundry: Path, folder: Path, rename: Callable[[str], str]) -> Path:
     """Return the well-behaved FMU with other paths in its archive."""
-    file = folder / "again.fmu"
-    with zipfile.ZipFile(tiny(foundry)) as original, zipfile.ZipFile(file, "w") as archive:
-        for name in original.namelist():
-            archive.writestr(rename(name), original.read(name))
-    return file
+    return repacked(tiny(foundry), folder / "again.fmu", lambda name, content: (rename(name), content))
 
 
 def test_backslashes_and_a_folder_around_all_files_are_refused_with_the_remedy(foundry: Path, tmp_path: Path):
@@ -127,19 +138,6 @@ def test_a_folder_may_occur_twice_and_a_file_may_not_under_two_spellings(foundry
     describe(with_more(foundry, tmp_path, ("extra/", b""), ("extra/note.txt", b"1"), ("extra/", b"")))
     with pytest.raises(FmuError, match=r"has 'extra/note\.txt' twice"):
         describe(with_more(foundry, tmp_path, ("extra/note.txt", b"1"), ("./extra/note.txt", b"2")))
-
-
-def test_a_link_is_refused(foundry: Path, tmp_path: Path):
-    link = zipfile.ZipInfo("resources/link")
-    link.external_attr = (stat.S_IFLNK | 0o777) << 16
-    with pytest.raises(FmuError, match=r"entry 'resources/link' of the archive is a link or device"):
-        describe(with_more(foundry, tmp_path, (link, b"/etc/passwd")))
-
-
-@pytest.mark.filterwarnings("ignore:Duplicate name")
-def test_a_duplicate_description_is_refused(foundry: Path, tmp_path: Path):
-    with pytest.raises(FmuError, match=r"the archive has 'modelDescription\.xml' twice"):
-        describe(with_more(foundry, tmp_path, ("modelDescription.xml", xml().encode())))
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,6 @@
 """A co-simulation FMU follows its closed form, reports failures in a sentence, and leaves no files behind."""
 
 import pickle
-import zipfile
 from contextlib import closing
 from pathlib import Path
 from unittest.mock import Mock
@@ -9,7 +8,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 from faulty_fmu import faulty_fmu
-from tiny_fmu import GUID, tied, tiny, xml
+from tiny_fmu import GUID, repacked, tied, tiny, xml
 
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.fmi import CoSimulation, describe
@@ -186,11 +185,8 @@ def test_a_failure_is_preserved_between_processes(foundry: Path):
 
 
 def test_a_library_that_does_not_load_is_reported(foundry: Path, tmp_path: Path):
-    file = tiny(foundry)
-    path = tmp_path / "broken.fmu"
-    with zipfile.ZipFile(file) as source, zipfile.ZipFile(path, "w") as target:
-        for name in source.namelist():
-            target.writestr(name, b"no library" if name.startswith("binaries/") else source.read(name))
+    broken = lambda name, content: (name, b"no library" if name.startswith("binaries/") else content)
+    path = repacked(tiny(foundry), tmp_path / "broken.fmu", broken)
     with pytest.raises(FmuError, match="its binary does not load on this machine"):
         opened(path).__enter__()
 

@@ -7,7 +7,7 @@ from math import isnan
 from pathlib import Path
 
 import pytest
-from tiny_fmu import tiny, xml
+from tiny_fmu import repacked, tiny, xml
 
 from railgrip.base.errors import FmuError
 from railgrip.fmi import describe
@@ -91,10 +91,8 @@ def test_a_damaged_archive_is_refused(tmp_path: Path, foundry: Path):
 
 
 def test_a_library_in_another_case_is_named(foundry: Path, tmp_path: Path):
-    file = tmp_path / "case.fmu"
-    with zipfile.ZipFile(tiny(foundry)) as original, zipfile.ZipFile(file, "w") as copy:
-        for name in original.namelist():
-            copy.writestr(name.replace("/tiny.", "/Tiny."), original.read(name))
+    other = lambda name, content: (name.replace("/tiny.", "/Tiny."), content)
+    file = repacked(tiny(foundry), tmp_path / "case.fmu", other)
     with pytest.raises(
         FmuError, match=r"/tiny\.\w+ is missing; the archive has binaries/.*/Tiny\.\w+\. .* in the same case"
     ):

@@ -12,8 +12,7 @@ from synthetic import LAYOUT, TWO_PART_TRAIN
 from railgrip.base.errors import FmuError
 from railgrip.fmi import Binding, CoSimulation, Description, Port, bind, describe
 from railgrip.fmus.native import package
-from railgrip.fmus.native.dae import read
-from railgrip.fmus.native.system import explicit
+from railgrip.fmus.native.system import System
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.run import run_stop
@@ -45,19 +44,9 @@ ANSWERED = tuple(
 
 
 @pytest.fixture(scope="module")
-def foreign(tmp_path_factory: pytest.TempPathFactory) -> Description:
-    file = tmp_path_factory.mktemp("foreign") / "ForeignTrain.fmu"
-    package.pack(
-        package.sources(
-            explicit(read("ForeignTrain.Train", ROOT / "modelica" / "ForeignTrain")),
-            interfaces=("cs",),
-            solver="rodas3",
-            tolerance=1e-5,
-            step=PERIOD,
-        ),
-        file,
-    )
-    return describe(file)
+def foreign(foreign_train: System, tmp_path_factory: pytest.TempPathFactory) -> Description:
+    source = package.sources(foreign_train, interfaces=("cs",), solver="rodas3", tolerance=1e-5, step=PERIOD)
+    return describe(package.pack(source, tmp_path_factory.mktemp("foreign") / "ForeignTrain.fmu"))
 
 
 @pytest.fixture(scope="module")

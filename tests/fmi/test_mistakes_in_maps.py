@@ -19,8 +19,7 @@ from sampling import FUZZ
 from railgrip.base.errors import InputError
 from railgrip.fmi import describe
 from railgrip.fmus.native import package
-from railgrip.fmus.native.dae import read
-from railgrip.fmus.native.system import explicit
+from railgrip.fmus.native.system import System
 from railgrip.scenario.load import scenario_of
 from railgrip.simulate.assembly import assemble
 from railgrip.simulate.remarks import remarks_before
@@ -33,11 +32,9 @@ Change = Callable[[Tables], None]
 
 
 @pytest.fixture(scope="module")
-def foreign(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    file = tmp_path_factory.mktemp("foreign") / "ForeignTrain.fmu"
-    train = explicit(read("ForeignTrain.Train", ROOT / "modelica" / "ForeignTrain"))
-    package.pack(package.sources(train, interfaces=("cs",), solver="rodas3", tolerance=1e-5, step=5e-3), file)
-    return describe(file).file
+def foreign(foreign_train: System, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    source = package.sources(foreign_train, interfaces=("cs",), solver="rodas3", tolerance=1e-5, step=5e-3)
+    return describe(package.pack(source, tmp_path_factory.mktemp("foreign") / "ForeignTrain.fmu")).file
 
 
 def entry(name: str, factor: float) -> Change:

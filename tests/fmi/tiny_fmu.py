@@ -1,6 +1,7 @@
 """Creates the tiny FMU of tiny.c, well-behaved or with one fault, with any modelDescription.xml."""
 
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import fmpy
@@ -106,6 +107,22 @@ def xml(
     )
 
 
+def packed(file: Path, description: str, library: Path, binary: str) -> Path:
+    """Write an FMU of a description and a library, whose place below `binaries` is given without its suffix."""
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("modelDescription.xml", description)
+        archive.write(library, f"binaries/{binary}{fmpy.sharedLibraryExtension}")
+    return file
+
+
+def repacked(source: Path, file: Path, change: Callable[[str, bytes], tuple[str, bytes]]) -> Path:
+    """Write a copy of an FMU whose entries, name and content, are changed by a function."""
+    with zipfile.ZipFile(source) as original, zipfile.ZipFile(file, "w") as copy:
+        for name in original.namelist():
+            copy.writestr(*change(name, original.read(name)))
+    return file
+
+
 def tiny(
     folder: Path,
     misbehaviour: str = "WELL",
@@ -127,11 +144,7 @@ def tiny(
         include=(HEADERS,),
         flags=(f"-DMISBEHAVIOUR={misbehaviour}", f'-DTINY_GUID="{GUID}"', "-D_POSIX_C_SOURCE=200809L"),
     )
-    file = folder / f"{misbehaviour.lower()}.fmu"
-    with zipfile.ZipFile(file, "w") as archive:
-        archive.writestr("modelDescription.xml", description or xml())
-        archive.write(library, f"binaries/{platform}/tiny{fmpy.sharedLibraryExtension}")
-    return file
+    return packed(folder / f"{misbehaviour.lower()}.fmu", description or xml(), library, f"{platform}/tiny")
 
 
 def tied(description: Description) -> Binding:
@@ -187,11 +200,7 @@ def curved(folder: Path, *, directional: bool = True, forgets: bool = False) -> 
     attribute = ' providesDirectionalDerivative="true"' if directional else ""
     sent = [_row(n, 11 + i, "local", "continuous", "calculated", "Real") for i, n in enumerate(("sent", "asked"))]
     text = _curved_xml(f'<ModelExchange modelIdentifier="curved"{attribute}/>', sent)
-    file = folder / f"curved_{directional}_{forgets}.fmu"
-    with zipfile.ZipFile(file, "w") as archive:
-        archive.writestr("modelDescription.xml", text)
-        archive.write(library, f"binaries/{fmpy.platform}/curved{fmpy.sharedLibraryExtension}")
-    return file
+    return packed(folder / f"curved_{directional}_{forgets}.fmu", text, library, f"{fmpy.platform}/curved")
 
 
 def stepped(
@@ -216,10 +225,7 @@ def stepped(
     attribute = ' providesDirectionalDerivative="true"' if directional else ""
     text = _curved_xml(f'<CoSimulation modelIdentifier="curved"{attribute} {flags}/>', [], lists_states=lists_states)
     file = folder / f"stepped_{variant}_{directional}_{lists_states}_{len(flags)}.fmu"
-    with zipfile.ZipFile(file, "w") as archive:
-        archive.writestr("modelDescription.xml", text)
-        archive.write(library, f"binaries/{fmpy.platform}/curved{fmpy.sharedLibraryExtension}")
-    return file
+    return packed(file, text, library, f"{fmpy.platform}/curved")
 
 
 def _curved_xml(interface: str, more: list[str], *, lists_states: bool = True) -> str:

@@ -3,13 +3,13 @@
 The layers are those of users: a file, a file that extends it, a variant of a campaign, and `--set`.
 """
 
-import os
 import tomllib
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from test_fuzz_questions import many
 
 from railgrip.api import Scenario
 from railgrip.base.errors import ScenarioError
@@ -20,11 +20,6 @@ from railgrip.vehicle.parameters import with_each
 
 GROUPS = 4  # of the two-part train
 KEY = "controller.parameters"
-many = settings(
-    max_examples=int(os.environ.get("RAILGRIP_FUZZ", "15")),
-    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
-)
-
 radius = st.floats(0.3, 0.6).map(lambda value: round(value, 6))
 whole = st.one_of(radius, st.lists(radius, min_size=GROUPS, max_size=GROUPS))
 elements = st.dictionaries(st.integers(1, GROUPS), radius, max_size=GROUPS)

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from kernel_calls import along_track, holds, phase_of, service_sensors
 from reference import brake
 from sampling import FUZZ
-from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
+from synthetic import FULL, GROUP, LAYOUT, TWO_PART_TRAIN
 
 from railgrip.base.errors import Failure, LoopError, PlantFailed
 from railgrip.controllers.law import Law, law
@@ -41,7 +41,6 @@ from railgrip.simulate.sensors.white import WhiteSensors
 from railgrip.simulate.value_checks import DemandLimits
 from railgrip.trace.recorder import Recorder
 from railgrip.vehicle import signals
-from railgrip.vehicle.brake import Brake
 
 BLOCK = 256
 """Samples in a block: fewer than in a stop, so that a few hundred samples reach over its end."""
@@ -57,12 +56,7 @@ def _short_blocks():
 
 RADIUS = (0.38,) * 4
 LAID = 0.5, 0.1
-GROUPS = (
-    Brake(
-        load=14500 * 9.81, inertia=209.0, wheel_radius=0.38, units=2, friction_radius=0.22, piston_area=0.0324,
-        rigging=5.7, spring_force=1200.0, pressure_max=3.4e5,
-    ),
-) * 4  # fmt: skip
+GROUPS = (GROUP,) * 4
 
 
 def in_service():
