@@ -1,6 +1,7 @@
 """A train of two cars, as created by `railgrip new train`, as tables that a test may change."""
 
 import tomllib
+from dataclasses import astuple
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,13 @@ from railgrip import cli
 from railgrip.rolling_stock.schema import train_of
 
 BEGINNING = Path(cli.__file__).parent / "templates" / "train.toml"
+
+
+@pytest.fixture
+def railgrip(tmp_path, monkeypatch, command):
+    """Run a command in an empty folder; return exit code, output and errors."""
+    monkeypatch.chdir(tmp_path)
+    return lambda *arguments: astuple(command(*arguments))
 
 
 @pytest.fixture

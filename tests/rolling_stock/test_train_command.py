@@ -1,6 +1,5 @@
 """`railgrip train`: a template file, a drawing to scale, and inconsistencies with exit code 2."""
 
-from dataclasses import astuple
 from pathlib import Path
 
 import pytest
@@ -10,13 +9,6 @@ from railgrip.rolling_stock.drawing import drawing
 from railgrip.rolling_stock.schema import load_train
 
 PNG, SVG = b"\x89PNG", b"<?xml"
-
-
-@pytest.fixture
-def railgrip(tmp_path, monkeypatch, command):
-    """Run a command in an empty folder; return exit code, output and errors."""
-    monkeypatch.chdir(tmp_path)
-    return lambda *arguments: astuple(command(*arguments))
 
 
 @pytest.fixture
