@@ -1,6 +1,7 @@
 """A campaign file yields every combination that it names; an entry that would match nothing is refused."""
 
 import json
+import re
 
 import pytest
 
@@ -99,10 +100,7 @@ def expected(match, outcome="horizon"):
         ("[axes.scenario.a]\n", "campaign.toml: [axes] cannot be named 'scenario'"),
         ('[axes.e.a]\n[[exclude]]\nf = "a"\n', "campaign.toml: [exclude] names the axis 'f'; there is e"),
         ('[axes.e.a]\n[[exclude]]\ne = "b"\n', "campaign.toml: [exclude] names 'b' of axis 'e'; it has a"),
-        (
-            '[axes.e.a]\n[[exclude]]\ne = "a"\n',
-            "campaign.toml: [[exclude]] matches every combination",
-        ),
+        ('[axes.e.a]\n[[exclude]]\ne = "a"\n', "campaign.toml: [[exclude]] matches every combination"),
         ('[axes.e."a b"]\n[axes.e."a+b"]\n', "campaign.toml: two stops are named 'wet-a_b'"),
         ("[axes.e.a]\n[axes.e.A]\n", "campaign.toml: two stops are named 'wet-a'"),
         ('[sweep]\nseed = [1, "1"]\n', "campaign.toml: [sweep] seed has a value twice"),
@@ -111,19 +109,16 @@ def expected(match, outcome="horizon"):
         ("[draws]\nfirst = 1\nlast = 2\nmatch = { f = 'x' }\n[axes.e.a]\n", "[draws] names the axis 'f'; there is e"),
         ("[axes.draw.a]\n", "campaign.toml: [axes] cannot be named 'draw', [draws] is that axis"),
         (expected('{ e = "b" }'), "campaign.toml: [expected] names 'b' of axis 'e'; it has a"),
-        (
-            expected('{ scenario = "dry" }'),
-            "campaign.toml: [[expected]] match {'scenario': 'dry'} is none of the",
-        ),
+        (expected('{ scenario = "dry" }'), "campaign.toml: [[expected]] match {'scenario': 'dry'} is none of the"),
         (expected('{ draw = "3" }'), "campaign.toml: [[expected]] match {'draw': '3'} is none of the stops"),
         (expected('{ e = "a" }', "collision"), "campaign.toml: [expected[1]] outcome"),
         ("wokers = 3\n", "campaign.toml: the top level has no key 'wokers'"),
+        ("[axes.e.a]\n" + '[[exclude]]\ne = "a"\n' * 2000, "exclude"),
     ],
 )
 def test_a_wrong_campaign_is_refused_with_its_key(project, text, sentence):
-    with pytest.raises(ScenarioError) as refusal:
+    with pytest.raises(ScenarioError, match=re.escape(sentence)):
         campaign(project, text)
-    assert sentence in str(refusal.value)
 
 
 def test_a_missing_scenario_of_a_campaign_is_named(project):
@@ -173,17 +168,6 @@ def test_a_campaign_of_too_many_stops_is_refused_before_any_is_created(project, 
         campaign(project, "\n".join(lines))
 
 
-@pytest.mark.parametrize("last", [2**63, 2**70, 10**400], ids=["2^63", "2^70", "10^400"])
-def test_draws_beyond_the_largest_seed_are_refused_with_their_key(project, last):
-    with pytest.raises(ScenarioError, match=r"\[draws\] last is"):
-        campaign(project, f"[draws]\nfirst = {last}\nlast = {last}")
-
-
-def test_thousands_of_entries_are_refused(project):
-    with pytest.raises(ScenarioError, match="exclude"):
-        campaign(project, "[axes.e.a]\n" + '[[exclude]]\ne = "a"\n' * 2000)
-
-
 TWO_AXES = """
 sweep = { seed = [1, 2, 3] }
 [axes.controller.brake]
@@ -222,6 +206,5 @@ def test_some_variants_of_a_campaign_are_selected(project, choices, names):
     ],
 )
 def test_a_wrong_selection_is_refused_with_the_names_that_exist(project, choices, sentence):
-    with pytest.raises(ScenarioError) as refusal:
+    with pytest.raises(ScenarioError, match=re.escape(sentence)):
         selection_of(campaign(project, TWO_AXES), choices)
-    assert sentence in str(refusal.value)

@@ -95,39 +95,49 @@ def test_a_broken_file_is_refused(kind, key, value):
 
 
 @pytest.mark.parametrize(
-    ("table", "good"),
+    ("kind", "table", "good"),
     [
-        ({"extends": "trapezoid"}, True),
-        ({"extends": "trapezoid", "adhesion": {"minimum": 0.04}, "sensors": {"period": "2 ms"}}, True),
-        ({"extends": "trapezoid", "adhesion": {"minimum": 2}}, False),
-        ({"extends": "trapezoid", "adhesion": {"minimm": 0.04}}, False),
-        ({"extends": "trapezoid", "controller": {"kind": "mine:Law", "parameters": {"x": 1}}}, True),
-        ({"extends": "trapezoid", "vehicle": {"parameters": {"r_wheel": ["0.37 m", 0.38], "mu_b": 0.3}}}, True),
-        ({"extends": "trapezoid", "vehicle": {"map": {"mu0": "grip[{i}]", "slip": ["a", "b"]}}}, True),
-        ({"extends": "trapezoid", "limits": {"alpha_max": "tsi_short_formation"}}, True),
-        ({"extends": "trapezoid", "demand": {"phases": [{"pressure": ["full", "2 bar", 1e5]}]}}, True),
-        ({"vehicle": {"plant": "Wagon"}, "start": {"speed": 20}, "controller": {"kind": "full_brake"}}, False),
+        ("scenario", {"extends": "trapezoid"}, True),
+        ("scenario", {"extends": "trapezoid", "adhesion": {"minimum": 0.04}, "sensors": {"period": "2 ms"}}, True),
+        ("scenario", {"extends": "trapezoid", "adhesion": {"minimum": 2}}, False),
+        ("scenario", {"extends": "trapezoid", "adhesion": {"minimm": 0.04}}, False),
+        ("scenario", {"extends": "trapezoid", "controller": {"kind": "mine:Law", "parameters": {"x": 1}}}, True),
+        (
+            "scenario",
+            {"extends": "trapezoid", "vehicle": {"parameters": {"r_wheel": ["0.37 m", 0.38], "mu_b": 0.3}}},
+            True,
+        ),
+        ("scenario", {"extends": "trapezoid", "vehicle": {"map": {"mu0": "grip[{i}]", "slip": ["a", "b"]}}}, True),
+        ("scenario", {"extends": "trapezoid", "limits": {"alpha_max": "tsi_short_formation"}}, True),
+        ("scenario", {"extends": "trapezoid", "demand": {"phases": [{"pressure": ["full", "2 bar", 1e5]}]}}, True),
+        (
+            "scenario",
+            {"vehicle": {"plant": "Wagon"}, "start": {"speed": 20}, "controller": {"kind": "full_brake"}},
+            False,
+        ),
+        ("estimation", {"extends": "field"}, True),
+        ("estimation", {"extends": "field", "noise": {"file": "tuned.toml"}}, True),
+        (
+            "estimation",
+            {"extends": "field", "model": {"parameters": {"m": "25 t"}}, "noise": {"readings": {"speed": 1e-4}}},
+            True,
+        ),
+        ("estimation", {"extends": "field", "noise": {"reading": {"speed": 1e-4}}}, False),
+        (
+            "estimation",
+            {"extends": "field", "data": {"columns": {"pad_force": {"column": "p", "factor": "8 kN/bar"}}}},
+            True,
+        ),
+        (
+            "estimation",
+            {"extends": "field", "data": {"columns": {"pad_force": {"column": "p", "factor": "eight"}}}},
+            False,
+        ),
     ],
     ids=str,
 )
-def test_a_file_that_extends_another_contains_only_differences(table, good):
-    assert (problems("scenario", table) == []) is good
-
-
-@pytest.mark.parametrize(
-    ("table", "good"),
-    [
-        ({"extends": "field"}, True),
-        ({"extends": "field", "noise": {"file": "tuned.toml"}}, True),
-        ({"extends": "field", "model": {"parameters": {"m": "25 t"}}, "noise": {"readings": {"speed": 1e-4}}}, True),
-        ({"extends": "field", "noise": {"reading": {"speed": 1e-4}}}, False),
-        ({"extends": "field", "data": {"columns": {"pad_force": {"column": "p", "factor": "8 kN/bar"}}}}, True),
-        ({"extends": "field", "data": {"columns": {"pad_force": {"column": "p", "factor": "eight"}}}}, False),
-    ],
-    ids=str,
-)
-def test_an_estimation_that_extends_another_contains_only_differences(table, good):
-    assert (problems("estimation", table) == []) is good
+def test_a_file_that_extends_another_contains_only_differences(kind, table, good):
+    assert (problems(kind, table) == []) is good
 
 
 def descriptions(schema):
