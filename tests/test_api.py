@@ -134,12 +134,13 @@ def test_a_law_that_needs_an_unavailable_estimate_is_refused(scenario):
         rg.run(scenario.changed({"estimator.kind": "none", "controller.kind": "full_brake"}), controller=Needs)
 
 
+SOURCE_OF_ROLLING = re.search(r"class Rolling.*?(?=rg\.testing\.check_plant)", PAGE.read_text(), re.DOTALL)[0]
+
+
 def rolling():
     """The plant of the page."""
-    page = PAGE.read_text()
-    source = page[page.index("class Rolling") : page.index("rg.testing.check_plant")]
     names = {"np": np, "__name__": __name__}
-    exec(compile(source, str(PAGE), "exec"), names)
+    exec(compile(SOURCE_OF_ROLLING, str(PAGE), "exec"), names)
     return names["Rolling"]
 
 
@@ -148,40 +149,31 @@ OUTCOMES = {name: f"{name}_failed" for name in PARTS} | {"estimator": "diverged"
 
 
 @pytest.mark.parametrize(
-    ("part", "method", "function", "words"),
+    ("place", "function", "words"),
     [
-        ("controller", "decide", lambda self, seen: 1 / 0, r"failed in .*test_api\.py, line \d+: ZeroDivisionError"),
-        (
-            "controller",
-            "decide",
-            lambda self, seen: [1.0, 2.0],
-            r"\(.*\) returned numbers of shape \(2,\), not the",
-        ),
-        ("controller", "decide", lambda self, seen: np.full(4, np.nan), r"returned \[nan, nan, nan, nan\], not"),
-        ("controller", "decide", lambda self, seen: "full", "returned str 'full', not"),
-        ("controller", "decide", lambda self: None, r"\(.*test_api\.py, line \d+\) failed: TypeError"),
-        (
-            "controller",
-            "decide",
-            lambda self, seen: seen.slip.fill(0.0),
-            "ValueError: assignment destination is",
-        ),
-        ("estimator", "step", lambda self, seen: {}["a"], "KeyError"),
-        ("estimator", "step", lambda self, seen: 3, "returned int 3, not an Estimate"),
-        ("estimator", "step", lambda self, seen: rg.Estimate(adhesion=0.1), r"gave adhesion as numbers of shape \(\)"),
-        ("estimator", "step", lambda self, seen: rg.Estimate(slip=np.zeros(4)), "gave slip; it provides adhesion"),
-        ("estimator", "step", lambda self, seen: rg.Estimate(adhesion=np.full(4, np.inf)), r"gave adhesion as \[inf"),
-        ("sensors", "read", lambda self, time, truth: truth["sped"], "KeyError"),
-        ("sensors", "read", lambda self, time, truth: {"sped": 1.0}, "not readings of speed, wheelset_speed"),
-        ("sensors", "read", lambda self, time, truth: {"speed": [1.0, 2.0]}, r"gave speed as numbers of shape \(2,\)"),
-        ("sensors", "read", lambda self, time, truth: truth["slip"].fill(0.0), "read-only"),
-        ("plant", "step", lambda self, inputs: 1 / 0, r"failed in .*ZeroDivisionError.* At 0\.001 s"),
-        ("plant", "start", lambda self, formation, speed, period: {"speed": speed}, "a plant outputs accel"),
-        ("plant", "step", lambda self, inputs: {"speed": 1.0}, "at the start it returned"),
-        ("plant", "step", lambda self, inputs: inputs["mu0"].fill(0.0), "read-only"),
+        ("controller.decide", lambda self, seen: 1 / 0, r"failed in .*test_api\.py, line \d+: ZeroDivisionError"),
+        ("controller.decide", lambda self, seen: [1.0, 2.0], r"\(.*\) returned numbers of shape \(2,\), not the"),
+        ("controller.decide", lambda self, seen: np.full(4, np.nan), r"returned \[nan, nan, nan, nan\], not"),
+        ("controller.decide", lambda self, seen: "full", "returned str 'full', not"),
+        ("controller.decide", lambda self: None, r"\(.*test_api\.py, line \d+\) failed: TypeError"),
+        ("controller.decide", lambda self, seen: seen.slip.fill(0.0), "ValueError: assignment destination is"),
+        ("estimator.step", lambda self, seen: {}["a"], "KeyError"),
+        ("estimator.step", lambda self, seen: 3, "returned int 3, not an Estimate"),
+        ("estimator.step", lambda self, seen: rg.Estimate(adhesion=0.1), r"gave adhesion as numbers of shape \(\)"),
+        ("estimator.step", lambda self, seen: rg.Estimate(slip=np.zeros(4)), "gave slip; it provides adhesion"),
+        ("estimator.step", lambda self, seen: rg.Estimate(adhesion=np.full(4, np.inf)), r"gave adhesion as \[inf"),
+        ("sensors.read", lambda self, time, truth: truth["sped"], "KeyError"),
+        ("sensors.read", lambda self, time, truth: {"sped": 1.0}, "not readings of speed, wheelset_speed"),
+        ("sensors.read", lambda self, time, truth: {"speed": [1.0, 2.0]}, r"gave speed as numbers of shape \(2,\)"),
+        ("sensors.read", lambda self, time, truth: truth["slip"].fill(0.0), "read-only"),
+        ("plant.step", lambda self, inputs: 1 / 0, r"failed in .*ZeroDivisionError.* At 0\.001 s"),
+        ("plant.start", lambda self, formation, speed, period: {"speed": speed}, "a plant outputs accel"),
+        ("plant.step", lambda self, inputs: {"speed": 1.0}, "at the start it returned"),
+        ("plant.step", lambda self, inputs: inputs["mu0"].fill(0.0), "read-only"),
     ],
 )
-def test_an_error_in_a_part_is_an_outcome_with_a_sentence(scenario, part, method, function, words):
+def test_an_error_in_a_part_is_an_outcome_with_a_sentence(scenario, place, function, words):
+    part, method = place.split(".")
     mine = type("Mine", (PARTS[part],), {method: function})
     stop = rg.run(scenario, **({"controller": BangBang} | {part: mine}))
     assert stop.outcome.value == OUTCOMES[part]
@@ -366,9 +358,7 @@ def test_a_stop_with_more_friction_than_the_rail_has_is_implausible(scenario, fa
 
 
 def test_a_plant_may_be_named_and_have_a_separate_formation(scenario, tmp_path):
-    source = PAGE.read_text()
-    source = source[source.index("class Rolling") : source.index("rg.testing.check_plant")]
-    (tmp_path / "my_train.py").write_text(f"import numpy as np\n\n{source}")
+    (tmp_path / "my_train.py").write_text(f"import numpy as np\n\n{SOURCE_OF_ROLLING}")
     changes = {
         "vehicle": {
             "plant": "my_train:Rolling",

@@ -100,19 +100,18 @@ def test_a_null_character_in_a_path_is_refused():
         read_text(Path("a\0b"))
 
 
-def write(folder: Path, name: str, text: str) -> None:
-    """Write a file next to an obstacle."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / name).write_text(text, encoding="utf-8")
+def plant_of(path: Path) -> object:
+    return plant_description(load(path))
 
 
-def run_scenario(path: Path) -> object:
-    """Read the scenario that extends plain.toml of the library, with a line that names a file."""
-    return load(path.with_name("scenario.toml"))
+def friction_of(path: Path) -> object:
+    return profile_of(load(path), TWO_PART_TRAIN)
 
 
 SCENARIO = 'extends = "plain"\n'
 CAMPAIGN = 'name = "c"\nscenarios = ["plain"]\n'
+NOISE = 'noise = { file = "x.toml" }\n'
+FRICTION = '[adhesion]\nkind = "table"\npolach = "dry"\nfile = "x.csv"\n'
 FMU_SCENARIO = f'{SCENARIO}[vehicle]\nplant = "x.fmu"\n'
 LIBRARY_SCENARIO = f'{SCENARIO}[vehicle]\nmodel = "x.X"\nlibrary = "x.mo"\n'
 INPUTS: dict[str, tuple[str, dict[str, str], Callable[[Path], object]]] = {
@@ -121,40 +120,16 @@ INPUTS: dict[str, tuple[str, dict[str, str], Callable[[Path], object]]] = {
     "estimation": ("x.toml", {}, load_specification),
     "train": ("x.toml", {}, load_train),
     "equipment": ("x.toml", {}, lambda path: load(Path("plain"), [], [str(path)])),
-    "extends": ("x.toml", {"scenario.toml": 'extends = "x.toml"\n'}, run_scenario),
-    "scenario of a campaign": (
-        *("x.toml", {"c.toml": 'name = "c"\nscenarios = ["x.toml"]\n'}),
-        lambda path: load_campaign(path.with_name("c.toml")),
-    ),
-    "variant of a campaign": (
-        *("x.toml", {"c.toml": f'{CAMPAIGN}[axes.a]\nv = "x.toml"\n'}),
-        lambda path: load_campaign(path.with_name("c.toml")),
-    ),
-    "noise of an estimation": (
-        *("x.toml", {"e.toml": 'extends = "wagon"\nnoise = { file = "x.toml" }\n'}),
-        lambda path: load_specification(path.with_name("e.toml")),
-    ),
-    "train of a scenario": (
-        "x.toml",
-        {"scenario.toml": f'{SCENARIO}[vehicle]\ntrain = "x.toml"\n'},
-        lambda path: plant_description(load(path.with_name("scenario.toml"))),
-    ),
-    "friction": (
-        "x.csv",
-        {"scenario.toml": f'{SCENARIO}[adhesion]\nkind = "table"\npolach = "dry"\nfile = "x.csv"\n'},
-        lambda path: profile_of(load(path.with_name("scenario.toml")), TWO_PART_TRAIN),
-    ),
-    "demand": (
-        "x.csv",
-        {"scenario.toml": f'{SCENARIO}[demand]\nfile = "x.csv"\n'},
-        lambda path: run(path.with_name("scenario.toml")),
-    ),
-    "plant": ("x.fmu", {"scenario.toml": FMU_SCENARIO}, lambda path: run(path.with_name("scenario.toml"))),
+    "extends": ("x.toml", {"scenario.toml": 'extends = "x.toml"\n'}, load),
+    "scenario of a campaign": ("x.toml", {"c.toml": 'name = "c"\nscenarios = ["x.toml"]\n'}, load_campaign),
+    "variant of a campaign": ("x.toml", {"c.toml": f'{CAMPAIGN}[axes.a]\nv = "x.toml"\n'}, load_campaign),
+    "noise of an estimation": ("x.toml", {"e.toml": f'extends = "wagon"\n{NOISE}'}, load_specification),
+    "train of a scenario": ("x.toml", {"scenario.toml": f'{SCENARIO}[vehicle]\ntrain = "x.toml"\n'}, plant_of),
+    "friction": ("x.csv", {"scenario.toml": f"{SCENARIO}{FRICTION}"}, friction_of),
+    "demand": ("x.csv", {"scenario.toml": f'{SCENARIO}[demand]\nfile = "x.csv"\n'}, run),
+    "plant": ("x.fmu", {"scenario.toml": FMU_SCENARIO}, run),
     "FMU": ("x.fmu", {}, describe),
-    "Modelica library": (
-        *("x.mo", {"scenario.toml": LIBRARY_SCENARIO}),
-        lambda path: plant_description(load(path.with_name("scenario.toml"))),
-    ),
+    "Modelica library": ("x.mo", {"scenario.toml": LIBRARY_SCENARIO}, plant_of),
     "file of a Modelica library": (
         "x.mo",
         {"package.mo": "package P end P;"},
@@ -167,6 +142,7 @@ INPUTS: dict[str, tuple[str, dict[str, str], Callable[[Path], object]]] = {
     "inspection": ("x.csv", {}, lambda path: inspect_recording(path, Path("wagon"))),
     "recording .mf4": ("x.mf4", {}, read_mf4),
 }
+"""Input → name of an obstacle, a file that names it, and the reader of that file or else of the obstacle."""
 
 
 @needs_posix
@@ -179,9 +155,9 @@ def test_every_input_refuses_anything_but_a_readable_file(place, kind, tmp_path)
         pytest.skip("not a file of the library, or read as bytes")
     name, others, read = INPUTS[place]
     for other, text in others.items():
-        write(tmp_path, other, text)
+        (tmp_path / other).write_text(text, encoding="utf-8")
     make_obstacle(kind, tmp_path / name)
     with pytest.raises(InputError) as refusal:
-        read(tmp_path / name)
+        read(tmp_path / next(iter(others), name))
     assert name.partition(".")[0] in str(refusal.value)
     assert len(str(refusal.value)) < 1000
