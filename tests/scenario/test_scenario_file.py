@@ -1,5 +1,6 @@
 """A scenario file is read completely and exactly, or refused in sentences that name file, table and key."""
 
+import re
 from fractions import Fraction
 from pathlib import Path
 
@@ -171,11 +172,8 @@ REFUSALS = [
 
 @pytest.mark.parametrize(("overrides", "sentence"), REFUSALS, ids=[" ".join(case[0]) for case in REFUSALS])
 def test_a_wrong_scenario_is_refused_in_a_sentence_with_file_table_and_key(overrides, sentence):
-    with pytest.raises(ScenarioError) as refusal:
+    with pytest.raises(ScenarioError, match=rf"(?m)^{re.escape(f'trapezoid.toml: {sentence}')}"):
         load(TRAPEZOID, overrides)
-    assert any(line.startswith(f"trapezoid.toml: {sentence}") for line in str(refusal.value).splitlines()), str(
-        refusal.value
-    )
 
 
 def test_a_missing_copy_of_a_recipe_is_refused_with_the_command_that_creates_it(tmp_path, monkeypatch):
@@ -199,22 +197,14 @@ def test_a_path_on_the_command_line_is_relative_to_the_current_folder(tmp_path, 
     [
         (b"name = ", "bad.toml: is not TOML: "),
         (b"\xff\xfe", "bad.toml: is not text in UTF-8"),
-        (b"", "bad.toml: [vehicle] is missing; it is required"),
+        (b"", r"bad.toml: \[vehicle\] is missing; it is required"),
     ],
 )
 def test_a_file_that_is_not_a_scenario_is_refused(tmp_path, content, sentence):
-    path = tmp_path / "bad.toml"
-    path.write_bytes(content)
-    with pytest.raises(ScenarioError) as refusal:
-        load(path)
-    assert sentence in str(refusal.value)
-
-
-def test_a_missing_file_and_a_folder_are_named(tmp_path):
-    with pytest.raises(ScenarioError, match=r"gone\.toml: there is no such file"):
-        load(tmp_path / "gone.toml")
-    with pytest.raises(ScenarioError, match="is a folder, and a file is expected"):
-        load(tmp_path)
+    """tests/test_files_of_users.py has missing files and folders."""
+    (tmp_path / "bad.toml").write_bytes(content)
+    with pytest.raises(ScenarioError, match=sentence):
+        load(tmp_path / "bad.toml")
 
 
 @pytest.mark.parametrize("override", ["start.speed", "=3", "start.speed=", "vehicle.parameters.r[2]=3"])
