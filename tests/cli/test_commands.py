@@ -45,17 +45,6 @@ def test_the_help_of_a_command_begins_with_its_summary(path, command):
     assert "harness/" not in output.out
 
 
-@pytest.mark.parametrize(
-    ("typed", "found"),
-    [("k-factors", "study k_factors"), ("lateral", "study lateral"), ("type-test", "study type_test"),
-     ("field", "study field_test"), ("bench", "study bench"), ("maintain acept", "maintain accept")],
-)  # fmt: skip
-def test_a_command_of_another_group_is_refused_with_its_full_name(typed, found, command):
-    refused = command(*typed.split(), "--out", "here")
-    assert refused.code == 2
-    assert f"did you mean `railgrip {found}`?" in refused.err
-
-
 def test_commands_for_users_are_listed_before_those_for_maintainers():
     names = [path[0] for path in ALL if len(path) == 1]
     assert names[0] == "run"

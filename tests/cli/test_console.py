@@ -28,13 +28,6 @@ def test_help_imports_no_heavy_library():
     assert HEAVY.isdisjoint(result.stdout.splitlines()[-1].split())
 
 
-@pytest.mark.parametrize("text", ["gone:x:.toml", "[red]gone[/red].toml", "gone[/].toml"])
-def test_text_of_users_is_printed_unchanged(railgrip, text):
-    result = railgrip("run", text)
-    assert result.code == 2
-    assert f"{text}: there is no such file" in result.err
-
-
 def test_cells_of_a_table_are_printed_unchanged(capfd):
     console.show_table(ReportTable([{"a :x:": "[bold]:x:", "b": "[/]"}], title=":x: [red]t"))
     out = capfd.readouterr().out

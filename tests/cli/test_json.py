@@ -2,8 +2,6 @@
 
 import json
 
-import pytest
-
 
 def test_a_run_prints_its_figures_as_json(railgrip, project):
     ended = railgrip("run", "wet.toml", "--json", "--set", "start.speed=36 km/h")
@@ -22,15 +20,6 @@ def test_a_run_without_standstill_has_a_result_and_exit_code_3(railgrip):
     assert result["outcome"] == "horizon"
     assert result["braking_distance"] is None
     assert "Still moving" in result["reason"]
-
-
-@pytest.mark.parametrize(
-    "arguments", [("run", "wet.toml", "--set", "start.sped=3"), ("run", "nothing"), ("train", "check", "nothing")]
-)
-def test_a_wrong_input_leaves_standard_output_empty(arguments, railgrip):
-    ended = railgrip(*arguments, "--json")
-    assert (ended.code, ended.out) == (2, "")
-    assert ended.err
 
 
 def test_a_consistent_train_prints_stops_and_no_contradiction(railgrip):

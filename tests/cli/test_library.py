@@ -32,12 +32,6 @@ def test_list_of_one_kind_is_a_table(railgrip, kind):
     assert {line[0] for line in lines} >= LIST[kind].keys()
 
 
-def test_list_of_an_unknown_kind_is_refused_with_all_kinds(railgrip):
-    result = railgrip("list", "rails")
-    assert result.code == 2
-    assert "'scenarios'" in result.err
-
-
 def test_an_installed_part_is_listed(railgrip, tmp_path_factory, monkeypatch):
     folder = tmp_path_factory.mktemp("site")
     package = folder / "mine-1.0.dist-info"
@@ -50,52 +44,6 @@ def test_an_installed_part_is_listed(railgrip, tmp_path_factory, monkeypatch):
         assert "Installed: laws:Hold" in railgrip("list", "controllers").out
     finally:
         registry.installed_names.cache_clear()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (("run", "table1"), "table1: that is a campaign: `railgrip campaign table1`"),
-        (("run", "emu387"), "emu387: that is a train: `railgrip train show emu387`"),
-        (("run", "slip_two_state"), "`railgrip run trapezoid --set controller.kind=slip_two_state`"),
-        (("run", "leaf"), "leaf: that is a creep curve: `railgrip run trapezoid --set adhesion.polach=leaf`"),
-        (("run", "lateral"), "lateral: that is a study: `railgrip study lateral`"),
-        (("campaign", "trapezoid"), "trapezoid: that is a scenario: `railgrip run trapezoid`"),
-        (("estimate", "table1"), "table1: that is a campaign: `railgrip campaign table1`"),
-        (("train", "show", "wagon_stop"), "wagon_stop: that is a scenario: `railgrip run wagon_stop`"),
-        (("run", "trapezod"), "no scenario of that name; did you mean trapezoid?"),
-        (("campaign", "tabel1"), "no campaign of that name; did you mean table1?"),
-        (("run", "tabel1"), "did you mean table1, a campaign: `railgrip campaign table1`?"),
-        (("estimate", "wagn"), "no estimation of that name; did you mean wagon?"),
-        (("run", "xyz"), "xyz: there is no such file, and no scenario of that name; `railgrip list scenarios` shows"),
-        (("run", "wet.toml", "--set", "controller.kind=slip_two"), "did you mean slip_two_state?"),
-        (("rum", "trapezoid"), "there is no command `railgrip rum`; did you mean `railgrip run`?"),
-        (("maintain", "regres"), "did you mean `railgrip maintain regress`?"),
-        (("train", "shw", "emu387"), "Did you mean 'show'?"),
-        (("study", "typ_test"), "there is no study 'typ_test'; did you mean `railgrip study type_test`?"),
-        (("study", "type-test"), "did you mean `railgrip study type_test`?"),
-        (("train", "show", "emu38"), "no train of that name; did you mean emu387?"),
-        (("list", "scenrios"), "did you mean 'scenarios'?"),
-        (("export", "trapezoid", "--part", "onbord"), "did you mean 'onboard'?"),
-        (("export", "trapezoid", "--platforms", "x86_64-linx"), "did you mean 'x86_64-linux'?"),
-        (("run", "trapezoid", "--with", "servce"), "no set of equipment of that name; did you mean service?"),
-        (
-            ("run", "trapezoid", "--set", "vehicle.train=emu38"),
-            "[vehicle] train is 'emu38': there is no such file, and no train of that name; did you mean emu387?",
-        ),
-        (("run", "trapezoid", "--set", "vehicle.train=EMU387"), "did you mean emu387?"),
-        (("run", "trapezoid", "--set", "adhesion.polach=weet"), "did you mean 'wet'?"),
-        (("run", "trapezoid", "--set", "controller.tuning=serched"), "did you mean 'searched'?"),
-        (("run", "trapezoid", "--set", "limits.alpha_max=tsii"), "did you mean 'tsi'?"),
-        (("study", "type_test", "--controller", "slip_two_stat"), "did you mean slip_two_state? It is neither one of"),
-    ],
-    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
-)
-def test_a_wrong_name_is_refused_with_a_remedy(railgrip, arguments, sentence):
-    result = railgrip(*arguments)
-    assert result.code == 2
-    assert sentence in result.err
-    assert result.out == ""
 
 
 def test_a_file_takes_precedence_over_a_name_of_the_library(railgrip, project):
