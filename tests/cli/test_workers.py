@@ -1,9 +1,6 @@
 """Worker processes of a pool end together with the process that started the pool."""
 
 import os
-import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -37,37 +34,32 @@ if __name__ == "__main__":
 
 
 @pytest.mark.skipif(not Path("/proc").exists(), reason="looks processes up in /proc")
-def test_workers_end_when_their_parent_is_killed(tmp_path):
+def test_workers_end_when_their_parent_is_killed(program, tmp_path):
     """They also remove the files that they unpacked."""
     (tmp_path / "program.py").write_text(PROGRAM, encoding="utf-8")
     folder = tmp_path / "kept"
     folder.mkdir()
-    here = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])}
-    with subprocess.Popen(
-        [sys.executable, "program.py"], cwd=tmp_path, env=here, stdout=subprocess.PIPE, text=True
-    ) as parent:
-        assert parent.stdout is not None
-        children = [int(process) for process in parent.stdout.readline().split()]
-        assert children
-        assert all(map(is_running, children))
-        until(lambda: len(list(folder.iterdir())) == 2)
-        parent.send_signal(signal.SIGKILL)
+    parent = program(tmp_path, "program.py")
+    children = [int(process) for process in parent.stdout.readline().split()]
+    assert children
+    assert all(map(is_running, children))
+    until(lambda: len(list(folder.iterdir())) == 2)
+    parent.kill()
+    parent.communicate(timeout=LONGEST)
     until(lambda: not any(map(is_running, children)) and list(folder.iterdir()) == [])
 
 
-def ended(folder: Path, program: str) -> subprocess.CompletedProcess[str]:
-    """Run a program in a folder until it ends."""
-    (folder / "program.py").write_text(program, encoding="utf-8")
-    here = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])}
-    return subprocess.run(
-        [sys.executable, "program.py"],
-        cwd=folder,
-        env=here,
-        capture_output=True,
-        text=True,
-        timeout=LONGEST,
-        check=False,
-    )
+@pytest.fixture
+def ended(program, tmp_path):
+    """Return a function that runs a program until it ends, and returns its exit code, output and errors."""
+
+    def run(text):
+        (tmp_path / "program.py").write_text(text, encoding="utf-8")
+        process = program(tmp_path, "program.py")
+        out, err = process.communicate(timeout=LONGEST)
+        return process.returncode, out, err
+
+    return run
 
 
 SLOW_START = """
@@ -116,9 +108,8 @@ else:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals are POSIX")
-def test_a_worker_still_starting_when_its_pool_ends_prints_nothing(tmp_path):
-    result = ended(tmp_path, SLOW_START)
-    assert (result.returncode, result.stderr) == (130, "")
+def test_a_worker_still_starting_when_its_pool_ends_prints_nothing(ended):
+    assert ended(SLOW_START)[::2] == (130, "")
 
 
 SLOW_LIBRARY = """
@@ -136,12 +127,11 @@ if __name__ == "__main__":
 """
 
 
-def test_workers_wait_while_one_of_them_loads_the_library_of_its_task(tmp_path):
+def test_workers_wait_while_one_of_them_loads_the_library_of_its_task(ended, tmp_path):
     """On a busy machine it takes longer than the minute that a worker waits for the pipe of the tasks."""
     text = "import time\ntime.sleep(2.0)\ndef number(n):\n    return n\n"
     (tmp_path / "slow_library.py").write_text(text, encoding="utf-8")
-    result = ended(tmp_path, SLOW_LIBRARY)
-    assert (result.returncode, result.stdout, result.stderr) == (0, "[0, 1, 2, 3]\n", "")
+    assert ended(SLOW_LIBRARY) == (0, "[0, 1, 2, 3]\n", "")
 
 
 IN_A_THREAD = """
@@ -169,10 +159,10 @@ if __name__ == "__main__":
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals are POSIX")
-def test_workers_ignore_ctrl_c_whichever_thread_starts_them(tmp_path):
+def test_workers_ignore_ctrl_c_whichever_thread_starts_them(ended):
     """From their first instruction: the signal mask is inherited, so no handler must be installed first."""
-    result = ended(tmp_path, IN_A_THREAD)
-    assert (result.returncode, result.stdout.split()) == (0, ["True", "False"] * 2)
+    code, out, _ = ended(IN_A_THREAD)
+    assert (code, out.split()) == (0, ["True", "False"] * 2)
 
 
 def test_a_pool_within_a_shared_pool_uses_its_process():
