@@ -9,9 +9,14 @@ import pytest
 from railgrip.base.registry import shelf
 from railgrip.cli.library import text_of_schema
 
-KINDS = {"scenarios": "scenario", "campaigns": "campaign", "trains": "train", "estimations": "estimation"}
-SCHEMAS = {kind: json.loads(text_of_schema(kind)) for kind in KINDS.values()}
-FILES = [(kind, name) for kind in KINDS for name in shelf(kind)]
+BASES = {"scenario": "trapezoid", "campaign": "table1", "train": "emu387", "estimation": "wagon"}
+"""Kind → name of a file of the library."""
+SCHEMAS = {kind: json.loads(text_of_schema(kind)) for kind in BASES}
+FILES = [(kind, name) for kind in BASES for name in shelf(f"{kind}s")]
+
+
+def table_of(kind, name):
+    return tomllib.loads(shelf(kind)[name].read_text(encoding="utf-8"))
 
 
 def problems(kind, table):
@@ -27,13 +32,12 @@ def test_each_is_a_valid_draft_7_schema(kind):
 
 @pytest.mark.parametrize(("kind", "name"), FILES, ids=" ".join)
 def test_every_file_of_the_library_is_valid_against_its_schema(kind, name):
-    assert problems(KINDS[kind], tomllib.loads(shelf(kind)[name].read_text(encoding="utf-8"))) == []
+    assert problems(kind, table_of(f"{kind}s", name)) == []
 
 
 @pytest.mark.parametrize("name", shelf("equipment"))
 def test_equipment_contains_only_changes_of_a_scenario(name):
-    table = tomllib.loads(shelf("equipment")[name].read_text(encoding="utf-8"))
-    assert problems("scenario", {"extends": "trapezoid", **table}) == []
+    assert problems("scenario", {"extends": "trapezoid", **table_of("equipment", name)}) == []
 
 
 def changed(table, key, value):
@@ -73,12 +77,6 @@ BROKEN = {
         ("source.scenario", 3), ("outlier_limit", -1),
     ],
 }  # fmt: skip
-BASES = {
-    "scenario": ("scenarios", "trapezoid"),
-    "campaign": ("campaigns", "table1"),
-    "train": ("trains", "emu387"),
-    "estimation": ("estimations", "wagon"),
-}
 
 
 @pytest.mark.parametrize(
@@ -87,8 +85,7 @@ BASES = {
     ids=lambda value: json.dumps(value).strip('"'),
 )
 def test_a_broken_file_is_refused(kind, key, value):
-    shelf_of_kind, name = BASES[kind]
-    table = tomllib.loads(shelf(shelf_of_kind)[name].read_text(encoding="utf-8"))
+    table = table_of(f"{kind}s", BASES[kind])
     if kind == "scenario" and key.startswith("faults"):
         assert problems(kind, {**table, "faults": [{"part": "radar", "kind": "dead"}]}) == []
     assert problems(kind, changed(table, key, value))
