@@ -50,6 +50,12 @@ def baseline(**stops):
     return Baseline(campaign="c.toml", accepted={names.get(name, name): stop for name, stop in stops.items()})
 
 
+def read_back(accepted, folder):
+    """Return a baseline as written to a file and read from it."""
+    write_baseline(accepted, folder / "b.toml")
+    return load_baseline(folder / "b.toml")
+
+
 def states(comparisons):
     return {comparison.name: comparison.state for comparison in comparisons}
 
@@ -106,17 +112,7 @@ def test_a_stop_without_result_stays_in_the_baseline(results):
 
 def test_a_baseline_file_reads_back_as_written(tmp_path, results):
     after = accept(Baseline(campaign="../c.toml"), findings_of(results), 'A "quoted" reason – with a dash.')
-    write_baseline(after, tmp_path / "b.toml")
-    assert load_baseline(tmp_path / "b.toml") == after
-
-
-def test_a_wrong_baseline_file_is_refused_with_its_key(tmp_path):
-    path = tmp_path / "b.toml"
-    path.write_text('campaign = "c.toml"\n[accepted.x]\nvalue = 3\nunit = "m"\ntolerance = 0\n', encoding="utf-8")
-    with pytest.raises(ScenarioError) as refusal:
-        load_baseline(path)
-    assert "b.toml: [accepted.x] tolerance is 0; input should be greater than 0" in str(refusal.value)
-    assert "b.toml: [accepted.x] has no 'reason'; it is required" in str(refusal.value)
+    assert read_back(after, tmp_path) == after
 
 
 def study(**figures):
@@ -147,16 +143,30 @@ def test_figures_read_back_and_are_written_as_accepted(tmp_path):
     write_findings(findings, tmp_path)
     assert read_findings(tmp_path) == findings
     after = accept(Baseline(study="s"), findings, "First: größer.")
-    write_baseline(after, tmp_path / "b.toml")
-    assert load_baseline(tmp_path / "b.toml") == after
+    assert read_back(after, tmp_path) == after
 
 
-def test_a_baseline_belongs_to_a_campaign_or_a_study(tmp_path):
-    path = tmp_path / "b.toml"
-    for text in ("", 'campaign = "c"\nstudy = "s"\n'):
-        path.write_text(text, encoding="utf-8")
-        with pytest.raises(ScenarioError, match="must have either campaign, the file of one, or study"):
-            load_baseline(path)
+BELONGS = "must have either campaign, the file of one, or study"
+VALUE = 'campaign = "c"\n[accepted.x]\nvalue = 3\nunit = "m"\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("", BELONGS),
+        ('campaign = "c"\nstudy = "s"\n', BELONGS),
+        (f"{VALUE}tolerance = 0\n", r"b.toml: \[accepted.x\] tolerance is 0; input should be greater than 0"),
+        (f"{VALUE}tolerance = 0\n", r"b.toml: \[accepted.x\] has no 'reason'; it is required"),
+        (
+            f'{VALUE}tolerance = 1\nlowest = 2\nreason = "r"\n',
+            "has one end of a range; give both lowest and highest, or",
+        ),
+    ],
+)
+def test_a_wrong_baseline_file_is_refused_with_its_key(tmp_path, text, sentence):
+    (tmp_path / "b.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(ScenarioError, match=sentence):
+        load_baseline(tmp_path / "b.toml")
 
 
 def test_distances_agree_across_compilers_to_half_a_percent():
@@ -183,8 +193,7 @@ def test_the_value_of_another_compiler_is_kept_when_the_distance_moves(tmp_path)
     before = baseline(sbc=metres(324.3, 0.33, compilers={"openmodelica": (279.8, 280.1)}))
     after = accept(before, stop_with(), "Another law.")
     assert after.accepted[SBC].compilers == {"openmodelica": (279.8, 280.1)}
-    write_baseline(after, tmp_path / "c.toml")
-    assert load_baseline(tmp_path / "c.toml") == after
+    assert read_back(after, tmp_path) == after
 
 
 def test_distances_of_another_compiler_beyond_half_a_percent_are_reported(results, tmp_path):
@@ -245,8 +254,7 @@ def test_repeats_determine_the_accepted_figures_and_their_tolerances(tmp_path):
     spread = np.std((1.0, 1.0005, 0.9995, 1.0), ddof=1)
     assert figures["nis_ratio"].tolerance == pytest.approx(5.841 * spread * np.sqrt(1.25), rel=0.05)
     assert states(compare(after, stop_with(nis_ratio=1.0, longest_lock=0.01))) == {SBC: "moved"}
-    write_baseline(after, tmp_path / "b.toml")
-    assert load_baseline(tmp_path / "b.toml") == after
+    assert read_back(after, tmp_path) == after
 
 
 def test_a_smooth_distance_is_kept_to_two_centimetres_and_does_not_move():

@@ -196,16 +196,6 @@ def test_a_chaotic_stop_is_kept_within_the_range_of_its_repeats(tmp_path):
     assert (firm.is_range, firm.value, firm.tolerance) == (False, 280.0, 0.02)
 
 
-def test_an_incomplete_range_is_refused(tmp_path):
-    path = tmp_path / "b.toml"
-    path.write_text(
-        'campaign = "c"\n[accepted.x]\nvalue = 3\nunit = "m"\ntolerance = 1\nlowest = 2\nreason = "r"\n',
-        encoding="utf-8",
-    )
-    with pytest.raises(ScenarioError, match="has one end of a range; give both lowest and highest, or neither"):
-        load_baseline(path)
-
-
 def test_the_conditioning_of_table_1_belongs_to_its_stops_or_is_stale():
     """Committed repeats are printed with a distance only if scenario and distance are those that were repeated.
 

@@ -46,6 +46,24 @@ distance = 369
 source = "a book"
 """
 
+CASES = """
+[axes.case.light_train]
+truth.load = 0.8
+[axes.case.as_believed]
+[axes.controller.sbc]
+controller.kind = "slip_two_state"
+[axes.controller.abc]
+controller.kind = "adhesion_based"
+"""
+
+
+def written(folder, text):
+    """Return a campaign over the rail `random` of the library."""
+    path = folder / "c.toml"
+    path.write_text(f'name = "c"\nscenarios = ["random"]\n{text}', encoding="utf-8")
+    return load_campaign(path)
+
+
 BEGIN = "<!-- distances: written by `make validation` -->"
 
 
@@ -133,23 +151,7 @@ def test_letters_of_the_figure_are_large_enough_on_a_page():
 
 
 def test_a_baseline_of_some_stops_has_a_row_for_each_case(tmp_path):
-    from synthetic import LIBRARY
-
-    path = tmp_path / "c.toml"
-    path.write_text(
-        f'''name = "c"
-scenarios = ["{(LIBRARY / "random.toml").as_posix()}"]
-[axes.case.light_train]
-truth.load = 0.8
-[axes.case.as_believed]
-[axes.controller.sbc]
-controller.kind = "slip_two_state"
-[axes.controller.abc]
-controller.kind = "adhesion_based"
-''',
-        encoding="utf-8",
-    )
-    campaign, patterns = load_campaign(path), ("*-sbc",)
+    campaign, patterns = written(tmp_path, CASES), ("*-sbc",)
     accepted = {"random-light_train-sbc": stop(400), "random-as_believed-sbc": stop(310, lowest=290, highest=340)}
     some = Baseline(campaign="c.toml", stops=patterns, accepted=accepted)
     assert [one.name for one in some.selection(campaign).stops] == [*accepted]
@@ -165,13 +167,7 @@ controller.kind = "adhesion_based"
 
 @pytest.fixture
 def campaign(tmp_path):
-    from synthetic import LIBRARY
-
-    path = tmp_path / "c.toml"
-    path.write_text(
-        f'name = "c"\nscenarios = ["{(LIBRARY / "random.toml").as_posix()}"]\n{EQUIPMENT}', encoding="utf-8"
-    )
-    return load_campaign(path)
+    return written(tmp_path, EQUIPMENT)
 
 
 def stop(distance, **more):
@@ -213,8 +209,9 @@ def test_changes_are_relative_to_the_published_and_the_best_tuned_control(campai
 
 
 WITH_LOTS = """
+conditioning = "c.json"
 [axes.equipment]
-service = "../../harness/scenario/equipment/service.toml"
+service = "service"
 [axes.controller]
 sbc = { controller.kind = "slip_two_state" }
 abc = { controller.kind = "adhesion_based" }
@@ -223,17 +220,9 @@ seeking = { controller.kind = "slope_seeking" }
 
 
 @pytest.fixture
-def campaign_with_lots(tmp_path, write_lots):
+def campaign_with_lots(tmp_path):
     """Three controllers with service sensors: SBC at 400 m, ABC 30 m and slope seeking another 0.1 m shorter."""
-    from synthetic import LIBRARY
-
-    equipment = WITH_LOTS.replace("../../harness/scenario/equipment", str(LIBRARY.parent / "equipment"))
-    path = tmp_path / "c.toml"
-    path.write_text(
-        f'name = "c"\nconditioning = "c.json"\nscenarios = ["{(LIBRARY / "random.toml").as_posix()}"]\n{equipment}',
-        encoding="utf-8",
-    )
-    campaign = load_campaign(path)
+    campaign = written(tmp_path, WITH_LOTS)
     # Lots shift all controllers equally by up to ±9.5 m; the last pair differs by −0.1 ± 1.9 m.
     shifts = [number - 9.5 for number in range(20)]
     lots = {
@@ -241,23 +230,13 @@ def campaign_with_lots(tmp_path, write_lots):
         "abc": [370 + shift for shift in shifts],
         "seeking": [369.9 + 1.2 * shift for shift in shifts],
     }
-    write_lots(campaign, {f"random-service-{name}": values for name, values in lots.items()})
+    repeats = {}
+    for one in campaign.stops:
+        each = lots[one.variants["controller"]]
+        repeats[one.name] = RepeatedDistances(digest=one.scenario.digest(), distances=[each[0]] * 20, lots=each)
+    campaign.conditioning.write_text(text_of(ConditioningFile(relative=1e-7, stops=repeats)), encoding="utf-8")
     accepted = {f"random-service-{name}": stop(values[0]) for name, values in lots.items()}
     return campaign, Baseline(campaign="c.toml", accepted=accepted)
-
-
-@pytest.fixture
-def write_lots():
-    def write(campaign, lots):
-        repeats = {
-            one.name: RepeatedDistances(
-                digest=one.scenario.digest(), distances=[lots[one.name][0]] * 20, lots=lots[one.name]
-            )
-            for one in campaign.stops
-        }
-        campaign.conditioning.write_text(text_of(ConditioningFile(relative=1e-7, stops=repeats)), encoding="utf-8")
-
-    return write
 
 
 def test_distances_with_erroneous_sensors_are_medians_over_lots_compared_in_pairs(campaign_with_lots):
@@ -277,20 +256,17 @@ def test_distances_with_erroneous_sensors_are_medians_over_lots_compared_in_pair
 def test_a_table_without_repeats_of_the_accepted_stops_is_refused(campaign_with_lots):
     campaign, baseline = campaign_with_lots
     moved = baseline.model_copy(update={"accepted": {name: stop(500) for name in baseline.accepted}})
-    with pytest.raises(
-        ScenarioError, match=r"no repeats with other lots of sensors of random-service-sbc.* as accepted"
-    ):
+    words = "no repeats with other lots of sensors of random-service-sbc.* as accepted"
+    with pytest.raises(ScenarioError, match=words):
         tables(campaign, moved)
 
 
 def test_only_the_text_between_the_marks_is_written(tmp_path, campaign, baseline):
     path = tmp_path / "validation.md"
     path.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n", encoding="utf-8")
-    write_tables(path, {"distances": tables(campaign, baseline)["distances"]})
-    assert (
-        path.read_text(encoding="utf-8")
-        == f"before\n{BEGIN}\n{tables(campaign, baseline)['distances']}\n{END}\nafter\n"
-    )
+    table = tables(campaign, baseline)["distances"]
+    write_tables(path, {"distances": table})
+    assert path.read_text(encoding="utf-8") == f"before\n{BEGIN}\n{table}\n{END}\nafter\n"
     path.write_text("no marks\n", encoding="utf-8")
     with pytest.raises(RecordError, match=r"validation\.md: lacks a line that encloses the table"):
         write_tables(path, {"distances": ""})
