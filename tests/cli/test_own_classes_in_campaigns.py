@@ -2,8 +2,6 @@
 
 import os
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -113,7 +111,7 @@ def test_a_result_of_another_package_or_from_another_folder_is_not_kept(folder, 
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals are POSIX")
-def test_an_interrupted_campaign_goes_on_where_it_was(folder):
+def test_an_interrupted_campaign_goes_on_where_it_was(program, folder):
     keys = "".join(f'{key} = "{value}"\n' for key, value in SHORT.items())
     (folder / "two.toml").write_text(
         f'name = "two"\nscenarios = ["trapezoid"]\n[axes.controller.first]\n{keys}'
@@ -122,24 +120,17 @@ def test_an_interrupted_campaign_goes_on_where_it_was(folder):
     )
     first, second = (folder / "two" / f"trapezoid-{name}" / "stop.json" for name in ("first", "second"))
 
-    def start():
-        return subprocess.Popen(
-            [*(sys.executable, "-m", "railgrip", "campaign", "two.toml", "--out", "two", "--panels", "none"),
-             "--import-from", ".", "--workers", "1"],
-            cwd=folder, env=os.environ | {"PYTHONPATH": os.pathsep.join((str(ROOT), str(folder)))},
-            stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True,
-        )  # fmt: skip
-
-    with start() as process:
-        while not first.exists():
-            assert process.poll() is None, process.communicate()
-            time.sleep(0.05)
-        os.killpg(process.pid, signal.SIGINT)
-        assert "Interrupted; what had finished is kept." in process.communicate()[1]
+    words = ("-m", "railgrip", "campaign", "two.toml", "--out", "two", "--panels", "none", "--workers", "1")
+    path = os.pathsep.join((str(ROOT), str(folder)))
+    process = program(folder, *words, "--import-from", ".", PYTHONPATH=path)
+    while not first.exists():
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGINT)
+    assert "Interrupted; what had finished is kept." in process.communicate()[1]
     assert not second.exists()
     (folder / "go").touch()
     written = first.stat().st_mtime_ns
-    with start() as process:
-        process.communicate()
+    program(folder, *words, "--import-from", ".", PYTHONPATH=path).communicate()
     assert second.exists()
     assert first.stat().st_mtime_ns == written

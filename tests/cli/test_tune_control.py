@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import exit_code
 from one_process import Here, one_process
 
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
 from railgrip.campaign.searches import EQUIPMENT, RANGES, Optimum, parameters_of, search, set_of, text_of
-from railgrip.cli.app import main
 from railgrip.controllers.law import GroupLaw, Law
 from railgrip.controllers.laws.slip_two_state import SlipLevels
 from railgrip.controllers.parameters import SEARCHED, TYPE_TEST, file_of
@@ -133,19 +133,14 @@ def test_a_search_on_training_cases_does_not_change_the_set_of_the_papers(tmp_pa
     """A law that uses one set for both has one file."""
 
     def found(law, actuation, slip, *_, rail_stops, **__):
-        return Optimum(
-            values={"low": 0.05, "high": 0.2},
-            sets=5,
-            rails=tuple(stop.variants["rail"] for stop in rail_stops),
-            distances=(90.0,),
-            reference=(100.0,),
-        )
+        rails = tuple(stop.variants["rail"] for stop in rail_stops)
+        return Optimum(values={"low": 0.05, "high": 0.2}, sets=5, rails=rails, distances=(90.0,), reference=(100.0,))
 
     monkeypatch.setattr("railgrip.campaign.searches.search", found)
     options = ("--cases", "1", "--budget", "5", "--out", str(tmp_path))
-    with one_process(), pytest.raises(SystemExit) as end:
-        main(["maintain", "tune-control", "--law", "slip_three_state", "--law", "wheel_reference", *options])
-    assert end.value.code == 0
+    with one_process():
+        code = exit_code("maintain", "tune-control", "--law", "slip_three_state", "--law", "wheel_reference", *options)
+    assert code == 0
     assert {path.name for path in tmp_path.iterdir()} == {"slip_three_state.type_test.toml", "wheel_reference.toml"}
     text = (tmp_path / "slip_three_state.type_test.toml").read_text(encoding="utf-8")
     assert "`railgrip maintain tune-control --law slip_three_state --cases 1 --budget 5`" in text
