@@ -18,6 +18,7 @@ from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import ESTIMATES, PLANT, READINGS, SENT, layout_of
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
+COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
 
 TWO_PART_TRAIN = Formation((2, 1, 1, 2), (3, 3), (0.0, 1.9, 15.625, 18.275, 32.0, 33.9))
 LAYOUT = layout_of(TWO_PART_TRAIN)

@@ -3,9 +3,11 @@
 import time
 from pathlib import Path
 
-from synthetic import stop_of
+from synthetic import COARSE, LIBRARY, stop_of
 
 from railgrip.base.errors import ScenarioError
+from railgrip.report.stop import Stop
+from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 
@@ -18,6 +20,11 @@ DECELERATION = {
     "adhesion_literal": 0.9,
     "ideal_bound": 1.0,
 }
+
+
+def stop_with(*overrides: str) -> Stop:
+    """Return the coarse stop of the scenario `trapezoid` with these overrides."""
+    return run_stop(load(LIBRARY / "trapezoid.toml", [*COARSE, *overrides]))
 
 
 def run_stop(scenario: Scenario, progress=None, notify=None):

@@ -1,7 +1,7 @@
 """Results on disk for every report."""
 
 import pytest
-from synthetic import LIBRARY
+from synthetic import COARSE, LIBRARY
 from synthetic_runner import run_stop
 
 from railgrip.campaign.run import write_description
@@ -9,7 +9,6 @@ from railgrip.report.stop import write_stop
 from railgrip.scenario.campaign import load_campaign
 
 TABLE1 = LIBRARY.parent / "campaigns" / "table1.toml"
-COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,8 @@ import pandas
 import pytest
 from pages import needs_nothing_else, plots_of
 from synthetic import LIBRARY
-from synthetic_runner import DECELERATION, run_stop
+from synthetic_runner import DECELERATION
+from synthetic_runner import stop_with as stop
 
 import railgrip as rg
 from railgrip.base.errors import RecordError
@@ -20,12 +21,7 @@ from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 
-COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
 SPEED = 80 / 3.6
-
-
-def stop(*overrides):
-    return run_stop(load(LIBRARY / "trapezoid.toml", [*COARSE, *overrides]))
 
 
 @pytest.fixture(scope="module")

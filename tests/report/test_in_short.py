@@ -7,18 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
-from synthetic import LIBRARY
-from synthetic_runner import run_stop
+from synthetic_runner import stop_with as stop
 
 from railgrip.campaign.sweep import Result, Sweep
 from railgrip.report.estimates import Estimates, as_estimates
-from railgrip.scenario.load import load
-
-COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
-
-
-def stop(*overrides):
-    return run_stop(load(LIBRARY / "trapezoid.toml", [*COARSE, *overrides]))
 
 
 def sweep(axes=None):

@@ -6,16 +6,14 @@ import numpy as np
 import pandas
 import pytest
 import xarray
-from synthetic import LIBRARY
-from synthetic_runner import run_stop
+from command_line import exit_code
+from synthetic_runner import stop_with
 
 import railgrip as rg
 from railgrip.base.errors import InputError, RecordError
 from railgrip.campaign.sweep import Result, Sweep, csv_of, load_results, write_table
-from railgrip.cli.app import main
 from railgrip.report.results import read_results
 from railgrip.report.stop import read_stop, write_stop
-from railgrip.scenario.load import load
 from railgrip.trace.recorder import FILE_NAME
 
 CAMPAIGN = """
@@ -29,7 +27,6 @@ abc = {{ controller.kind = "adhesion_based" }}
 controller = "abc"
 "start.speed" = "60 km/h"
 """
-COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
 
 
 @pytest.fixture
@@ -40,7 +37,7 @@ def campaign(tmp_path, write_campaign):
 
 @pytest.fixture
 def stop(tmp_path):
-    stop = run_stop(load(LIBRARY / "trapezoid.toml", COARSE))
+    stop = stop_with()
     write_stop(stop, tmp_path / "stop")
     return tmp_path / "stop"
 
@@ -83,9 +80,7 @@ def test_a_sweep_is_indexed_by_its_parameter():
 
 def test_a_table_is_printed_and_written_with_units(campaign, stop, capfd, tmp_path):
     def run(*arguments):
-        with pytest.raises(SystemExit) as end:
-            main(["table", *map(str, arguments)])
-        assert end.value.code == 0
+        assert exit_code("table", *arguments) == 0
         return capfd.readouterr().out
 
     printed = pandas.read_csv(io.StringIO(run(campaign)))
@@ -99,7 +94,7 @@ def test_a_table_is_printed_and_written_with_units(campaign, stop, capfd, tmp_pa
 
 
 def test_an_axis_with_the_name_of_a_metric_is_allowed_in_a_table(tmp_path):
-    metrics = run_stop(load(LIBRARY / "trapezoid.toml", COARSE)).metrics
+    metrics = stop_with().metrics
     frame = Sweep({"distance": ("near", "far")}, (Result("standstill", "", metrics),) * 2).to_pandas()
     assert csv_of(frame).startswith("distance (axis),outcome")
     write_table(frame, tmp_path / "x.parquet")
@@ -111,6 +106,6 @@ def test_a_path_without_result_or_table_is_refused(tmp_path, stop):
         rg.load(tmp_path / "nothing")
     with pytest.raises(InputError, match=r"x\.xlsx: a table is written as \.csv or \.parquet"):
         write_table(rg.load(stop).to_pandas(), tmp_path / "x.xlsx")
-    write_stop(run_stop(load(LIBRARY / "trapezoid.toml", COARSE)), tmp_path / "bare", keep_trace=False)
+    write_stop(stop_with(), tmp_path / "bare", keep_trace=False)
     with pytest.raises(RecordError, match="the samples of this stop were not kept"):
         load_results(tmp_path / "bare")

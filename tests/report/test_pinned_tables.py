@@ -10,8 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from synthetic import LIBRARY
-from synthetic_runner import run_stop
+from synthetic_runner import stop_with
 from test_distributions import DRAWS
 from test_variants import DRAWS as EIGHT
 from test_variants import SAND, SEEDS
@@ -25,10 +24,8 @@ from railgrip.report.index import reference_of
 from railgrip.report.results import read_results
 from railgrip.report.stop import metrics_table
 from railgrip.report.table import ReportTable
-from railgrip.scenario.load import load
 
 PINNED = Path(__file__).parent / "pinned"
-COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
 
 
 def check(name: str, text: str) -> None:
@@ -100,10 +97,7 @@ def _rounded(value):
 
 
 def test_the_comparison_and_the_figures_of_a_stop():
-    stop, other = (
-        run_stop(load(LIBRARY / "trapezoid.toml", [*COARSE, f"controller.kind={kind}"]))
-        for kind in ("adhesion_based", "slip_two_state")
-    )
+    stop, other = (stop_with(f"controller.kind={kind}") for kind in ("adhesion_based", "slip_two_state"))
     # These two consist of rounding, or differ by it, which depends on the machine.
     exact = {"energy_residual": 1e-6, "adhesion_sd": (0.01,) * 4}
     stop, other = (replace(one, metrics=replace(one.metrics, **exact)) for one in (stop, other))

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from synthetic import LIBRARY
-from synthetic_runner import run_stop
+from synthetic import COARSE, LIBRARY
+from synthetic_runner import run_stop, stop_with
 
 from railgrip.report.index import stop_page
 from railgrip.report.palette import BLACK, of_groups
@@ -14,8 +14,6 @@ from railgrip.report.stop import read_stop, write_stop
 from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.load import load
 from railgrip.simulate.run import cars_of
-
-COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
 
 
 @pytest.mark.parametrize(("name", "cars"), [("flirt", 4), ("loco_coaches", 11), ("eanos_wagon", 1)])
@@ -42,7 +40,7 @@ def test_a_plant_without_a_train_file_has_the_cars_that_it_declares(tmp_path):
 
 
 def test_wheelsets_of_a_group_have_one_colour_and_groups_different_ones():
-    stop = run_stop(load(LIBRARY / "trapezoid.toml", COARSE))
+    stop = stop_with()
     plot, group = signals_plot(stop.trace), stop.trace["group_of_wheelset"].values
     colours = plot["layout"]["meta"]["train"]["colours"]
     assert len(set(colours)) == len(set(group)) > 1

@@ -6,9 +6,9 @@ from functools import cache
 
 import numpy as np
 import pytest
+from command_line import exit_code
 
 from railgrip.base.errors import InputError
-from railgrip.cli.app import main
 from railgrip.report.distances import headline
 from railgrip.report.distribution import ReferenceVariant, change_table, changes_against
 from railgrip.report.frame import frame_of
@@ -62,10 +62,8 @@ def test_a_pair_differs_only_in_the_variant(campaign):
     """Distances differ by 50 m between draws, and within each pair exactly by the share of its seed."""
     results = with_distances(read_results(campaign()), lambda seed: 0.01 * seed)
     _, changes = changes_of(results)
-    assert [(change.conditions["controller"], change.variant) for change in changes] == [
-        ("sbc", "some"),
-        ("abc", "some"),
-    ]
+    found = [(change.conditions["controller"], change.variant) for change in changes]
+    assert found == [("sbc", "some"), ("abc", "some")]
     for change in changes:
         assert change.paired.draws == 8
         assert change.paired.changes == pytest.approx([-0.01 * seed for seed in range(1, 9)])
@@ -97,9 +95,8 @@ def test_any_variant_may_be_the_reference(campaign):
     ],
 )
 def test_a_variant_that_cannot_be_compared_is_refused(campaign, text, sentence):
-    with pytest.raises(InputError) as refusal:
+    with pytest.raises(InputError, match=re.escape(sentence)):
         changes_of(read_results(campaign()), text)
-    assert sentence in str(refusal.value)
 
 
 def test_a_variant_of_two_axes_needs_the_name_of_its_axis():
@@ -113,9 +110,7 @@ def test_a_variant_of_two_axes_needs_the_name_of_its_axis():
 def test_page_and_terminal_list_the_pairs(campaign, capfd):
     folder = campaign()
     assert "Variants in pairs" not in write_report(folder, panels="none").read_text(encoding="utf-8")
-    with pytest.raises(SystemExit) as end:
-        main(["report", str(folder), "--panels", "none", "--against", "none"])
-    assert end.value.code == 0
+    assert exit_code("report", folder, "--panels", "none", "--against", "none") == 0
     page, out = (folder / "index.html").read_text(encoding="utf-8"), capfd.readouterr().out
     assert "Variants in pairs" in page
     for text in (page, out):
@@ -130,25 +125,17 @@ def test_a_stop_has_no_variants(campaign):
 
 
 def locked(results, controller, seconds):
-    """Return results in which stops of a controller have a wheel locked above 15 km/h."""
-
-    def change(stop):
-        if stop.variants["controller"] != controller:
-            return stop
-        longest = replace(stop.metrics, longest_lock_fast=(0.0, seconds), utilisation=0.95)
-        return replace(stop, metrics=longest)
-
-    return replace(results, stops=tuple(change(stop) for stop in results.stops))
+    """Return results in which stops of a controller have a wheel locked above 15 km/h; others violate no clause."""
+    stops = []
+    for stop in results.stops:
+        longest = (0.0, seconds if stop.variants["controller"] == controller else 0.0)
+        metrics = replace(stop.metrics, longest_lock_fast=longest, utilisation=0.95)
+        stops.append(replace(stop, metrics=metrics))
+    return replace(results, stops=tuple(stops))
 
 
 def harmless(results):
-    return replace(
-        results,
-        stops=tuple(
-            replace(stop, metrics=replace(stop.metrics, utilisation=0.95, longest_lock_fast=(0.0, 0.0)))
-            for stop in results.stops
-        ),
-    )
+    return locked(results, "", 0.0)
 
 
 def test_a_law_that_locks_wheels_is_not_recommended(campaign):
@@ -163,7 +150,7 @@ def test_a_law_that_locks_wheels_is_not_recommended(campaign):
 
 
 def test_a_law_that_satisfies_all_clauses_precedes_one_that_locks(campaign):
-    results = locked(harmless(read_results(campaign())), "abc", 9.3)
+    results = locked(read_results(campaign()), "abc", 9.3)
     reference, changes = changes_of(results)
     text = headline(frame_of(results), reference, changes)
     assert text.startswith("Against sand none, with controller sbc, some changes the distance by")
