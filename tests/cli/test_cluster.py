@@ -15,6 +15,7 @@ import pytest
 sys.path.append(str(Path(sys.prefix) / "cluster"))
 
 import dask
+from command_line import exit_code
 from distributed import Client, LocalCluster
 from distributed.utils import json_load_robust
 from synthetic_runner import run_stop
@@ -24,7 +25,6 @@ from railgrip.base.errors import InputError, RailgripError
 from railgrip.campaign.run import CampaignRun, run_campaigns
 from railgrip.campaign.work import work
 from railgrip.campaign.workers import cluster
-from railgrip.cli.app import main
 from railgrip.report.stop import read_stop
 from railgrip.scenario.campaign import load_campaign
 
@@ -66,10 +66,20 @@ def two_workers(_patience):
         yield cluster_here
 
 
-def test_a_killed_worker_loses_no_results(project, two_workers, tmp_path, monkeypatch):
-    monkeypatch.setattr("railgrip.campaign.workers._ANSWER", LONGEST)
+@pytest.fixture
+def few(project):
+    """The file of a campaign of six stops."""
     (project / "few.toml").write_text(LINES, encoding="utf-8")
-    campaign = load_campaign(project / "few.toml")
+    return project / "few.toml"
+
+
+@pytest.fixture
+def campaign(few):
+    return load_campaign(few)
+
+
+def test_a_killed_worker_loses_no_results(campaign, two_workers, tmp_path, monkeypatch):
+    monkeypatch.setattr("railgrip.campaign.workers._ANSWER", LONGEST)
     victims = []
 
     def kill(report):
@@ -90,10 +100,8 @@ def test_a_killed_worker_loses_no_results(project, two_workers, tmp_path, monkey
 
 
 @pytest.mark.usefixtures("in_process")
-def test_a_killed_scheduler_loses_no_results(project, tmp_path, monkeypatch, capfd):
+def test_a_killed_scheduler_loses_no_results(campaign, tmp_path, monkeypatch, capfd):
     """Finished stops are kept, the others are reported in one sentence, and the next run executes only these."""
-    (project / "few.toml").write_text(LINES, encoding="utf-8")
-    campaign = load_campaign(project / "few.toml")
     monkeypatch.setattr("railgrip.campaign.workers._ANSWER", LONGEST)
     monkeypatch.setenv("FIRST_ALONE", str(tmp_path))
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
@@ -154,7 +162,7 @@ def test_a_silent_scheduler_and_multithreaded_workers_are_refused(monkeypatch):
         pass
 
 
-def test_a_scheduler_without_workers_is_reported_and_the_wait_is_limited(project, tmp_path, monkeypatch, capfd):
+def test_a_scheduler_without_workers_is_reported_and_the_wait_is_limited(campaign, tmp_path, monkeypatch, capfd):
     """The warning is printed once, the command ends after the limit, and it can be repeated."""
     # The warning comes at once, but connecting may take its time.
     monkeypatch.setattr("railgrip.campaign.workers._ANSWER", 0.0)
@@ -162,8 +170,6 @@ def test_a_scheduler_without_workers_is_reported_and_the_wait_is_limited(project
         "distributed.Client", lambda *place, **options: Client(*place, **options | {"timeout": LONGEST})
     )
     monkeypatch.setattr("railgrip.campaign.workers._WITHOUT_WORKERS", 3.0)
-    (project / "few.toml").write_text(LINES, encoding="utf-8")
-    campaign = load_campaign(project / "few.toml")
     with LocalCluster(n_workers=0, threads_per_worker=1, dashboard_address=":0") as cluster_here:
         address = cluster_here.scheduler_address
         begin = time.monotonic()
@@ -174,30 +180,24 @@ def test_a_scheduler_without_workers_is_reported_and_the_wait_is_limited(project
         assert capfd.readouterr().err.count(f"--scheduler {address}: has no worker; waiting 3 s for one") == 1
 
 
-def test_a_campaign_of_the_command_line_runs_on_the_cluster(project, two_workers, tmp_path, monkeypatch):
+def test_a_campaign_of_the_command_line_runs_on_the_cluster(few, two_workers, tmp_path, monkeypatch):
     monkeypatch.setattr("railgrip.cli.campaigns.runner", lambda import_from: slowly)
     monkeypatch.setattr("railgrip.campaign.workers.workers", None)  # no local process may be started
-    (project / "few.toml").write_text(LINES, encoding="utf-8")
-    arguments = ["campaign", str(project / "few.toml"), "--out", str(tmp_path / "out"), "--panels", "none"]
-    with pytest.raises(SystemExit) as end:
-        main([*arguments, "--scheduler", two_workers.scheduler_address])
-    assert end.value.code == 0
+    arguments = ["campaign", few, "--out", tmp_path / "out", "--panels", "none"]
+    assert exit_code(*arguments, "--scheduler", two_workers.scheduler_address) == 0
     assert len(list((tmp_path / "out").glob("*/stop.json"))) == 6
 
 
 @pytest.mark.parametrize("command", [["campaign", "table1"], ["study", "type_test"], ["study", "papers"]])
 @pytest.mark.parametrize("address", ["foo", "tcp://foo", "foo:bar", "tcp://:8786"])
 def test_a_text_that_is_not_an_address_is_refused_before_anything_runs(command, address, tmp_path, capfd):
-    with pytest.raises(SystemExit) as end:
-        main([*command, "--scheduler", address, "--out", str(tmp_path / "out")])
-    assert end.value.code == InputError.exit_code
+    assert exit_code(*command, "--scheduler", address, "--out", tmp_path / "out") == InputError.exit_code
     assert f"--scheduler {address}: is not an address; write tcp://HOST:PORT" in capfd.readouterr().err
     assert not list(tmp_path.rglob("stop.json"))
 
 
 def test_a_study_without_cases_refuses_a_cluster(tmp_path, capfd):
-    with pytest.raises(SystemExit) as end:
-        main(["study", "bench", "--scheduler", "tcp://127.0.0.1:8786", "--out", str(tmp_path / "out")])
-    assert end.value.code == InputError.exit_code
+    command = ("study", "bench", "--scheduler", "tcp://127.0.0.1:8786", "--out", tmp_path / "out")
+    assert exit_code(*command) == InputError.exit_code
     assert "study bench has no cases for a cluster" in capfd.readouterr().err
     assert not (tmp_path / "out").exists()
